@@ -1,0 +1,109 @@
+//! What a regulator tells its drive, as a CiA 402 drive in cyclic synchronous velocity mode understands it.
+//!
+//! Objects: 0x6040 control word, 0x6041 status word, 0x60FF target velocity, 0x60B1 velocity offset,
+//! 0x60B2 torque offset (IEC 61800-7-201). Velocities in mm/s at the axis, torques in N·m at the motor.
+
+use iceoryx2::prelude::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use crate::Cycle;
+
+/// Command of one control cycle to one drive; the answer to the measurement of the same cycle.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/drive-command/1")]
+#[repr(C)]
+pub struct DriveCommand {
+    /// The measurement this answers.
+    pub cycle: Cycle,
+    /// 0x6040, see [`ControlWord`].
+    pub control_word: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// 0x60FF, mm/s: the output of the position loop.
+    pub target_velocity_mm_s: f64,
+    /// 0x60B1, mm/s: the velocity of the law, at its lead.
+    pub velocity_offset_mm_s: f64,
+    /// 0x60B2, N·m: mass and friction of the law, at their lead.
+    pub torque_offset_nm: f64,
+}
+
+/// Commands of the control word (0x6040).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u16)]
+pub enum ControlWord {
+    /// Take the voltage off.
+    DisableVoltage = 0x00,
+    /// Brake with the quick-stop ramp.
+    QuickStop = 0x02,
+    /// Get ready to switch on.
+    Shutdown = 0x06,
+    /// Switch on.
+    SwitchOn = 0x07,
+    /// Enable operation.
+    Enable = 0x0F,
+    /// Leave fault (on the rising edge).
+    FaultReset = 0x80,
+}
+
+/// States of the drive's state machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum DriveState {
+    NotReady,
+    SwitchOnDisabled,
+    ReadyToSwitchOn,
+    SwitchedOn,
+    OperationEnabled,
+    QuickStopActive,
+    FaultReaction,
+    Fault,
+}
+
+/// The status word (0x6041).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StatusWord(pub u16);
+
+impl StatusWord {
+    /// The status word of a state, with the voltage-enabled bit.
+    pub fn of(state: DriveState) -> StatusWord {
+        StatusWord(match state {
+            DriveState::NotReady => 0x00,
+            DriveState::SwitchOnDisabled => 0x40,
+            DriveState::ReadyToSwitchOn => 0x31,
+            DriveState::SwitchedOn => 0x33,
+            DriveState::OperationEnabled => 0x37,
+            DriveState::QuickStopActive => 0x17,
+            DriveState::FaultReaction => 0x1F,
+            DriveState::Fault => 0x18,
+        })
+    }
+
+    /// The state, by the masks 0x4F and 0x6F of the standard; `None` for a word that is no state.
+    pub fn state(self) -> Option<DriveState> {
+        match (self.0 & 0x4F, self.0 & 0x6F) {
+            (0x00, _) => Some(DriveState::NotReady),
+            (0x40, _) => Some(DriveState::SwitchOnDisabled),
+            (0x0F, _) => Some(DriveState::FaultReaction),
+            (0x08, _) => Some(DriveState::Fault),
+            (_, 0x21) => Some(DriveState::ReadyToSwitchOn),
+            (_, 0x23) => Some(DriveState::SwitchedOn),
+            (_, 0x27) => Some(DriveState::OperationEnabled),
+            (_, 0x07) => Some(DriveState::QuickStopActive),
+            _ => None,
+        }
+    }
+
+    /// The control word that leads towards operation from here; `None` in fault, which only a reset leaves.
+    pub fn towards_operation(self) -> Option<ControlWord> {
+        match self.state() {
+            None | Some(DriveState::NotReady) => Some(ControlWord::DisableVoltage),
+            Some(DriveState::SwitchOnDisabled) => Some(ControlWord::Shutdown),
+            Some(DriveState::ReadyToSwitchOn) => Some(ControlWord::SwitchOn),
+            Some(DriveState::SwitchedOn | DriveState::OperationEnabled | DriveState::QuickStopActive) => {
+                Some(ControlWord::Enable)
+            }
+            Some(DriveState::FaultReaction | DriveState::Fault) => None,
+        }
+    }
+}

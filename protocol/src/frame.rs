@@ -1,0 +1,136 @@
+//! Axis commands: one frame per interpolator cycle to each regulator, always. It carries a setpoint of timed motion,
+//! and, when a pass is to be cut, the law of the axis.
+
+use iceoryx2::prelude::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use crate::{AxisLaw, Cycle, Position, Refused, finite, pass::check_speed};
+
+/// Where an axis shall be at one control cycle of timed motion, and how it moves there.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct Setpoint {
+    /// When this is true.
+    pub cycle: Cycle,
+    /// Commanded position.
+    pub position: Position,
+    /// Commanded speed, mm/s.
+    pub velocity_mm_s: f64,
+    /// Commanded acceleration, mm/s².
+    pub acceleration_mm_s2: f64,
+}
+
+/// What a frame asks of the regulator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // lives on the stack for one tick
+pub enum AxisCommand {
+    /// Follow the stream: the frame carries its next setpoint.
+    Stream,
+    /// Nothing new: hold, or go on with the pass in hand. The setpoint of the frame does not count.
+    Hold,
+    /// Cut a pass: take the first index at or after `not_before` (same-index rule).
+    Arm {
+        /// Number of the pass.
+        pass: u32,
+        /// S, 1/min.
+        s_rpm: f64,
+        /// +1 or -1: direction in which C grows.
+        direction: f64,
+        /// First cycle whose index counts.
+        not_before: Cycle,
+        /// The law of this axis.
+        law: AxisLaw,
+    },
+    /// Give up a pass that has not begun to move.
+    CallOff,
+    /// Come to rest at once within the limits of the drive, and stay in fault.
+    Stop,
+}
+
+/// One frame from the interpolator to one regulator.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/axis-frame/1")]
+#[repr(C)]
+pub struct AxisFrame {
+    /// Interpolator tick that made it. Regulators act on it one interpolator cycle later.
+    pub cycle: Cycle,
+    /// Code of the [`AxisCommand`].
+    pub command: u32,
+    /// Line of the part program that is being executed.
+    pub line: u32,
+    /// The next node of timed motion, [`SETPOINT_LEAD`] interpolator cycles ahead.
+    pub setpoint: Setpoint,
+    /// Pass to arm.
+    pub pass: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// S of the pass, 1/min.
+    pub s_rpm: f64,
+    /// Direction of the spindle, ±1.
+    pub direction: f64,
+    /// First cycle whose index counts.
+    pub not_before: Cycle,
+    /// The law of the axis.
+    pub law: AxisLaw,
+}
+
+/// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that the
+/// regulators interpolate in, and one for the leads of feedforward (M54), which look beyond the present.
+pub const SETPOINT_LEAD: u64 = 3;
+
+const STREAM: u32 = 0;
+const ARM: u32 = 1;
+const CALL_OFF: u32 = 2;
+const STOP: u32 = 3;
+const HOLD: u32 = 4;
+
+impl AxisFrame {
+    /// Puts a command on the wire.
+    pub fn pack(cycle: Cycle, line: u32, setpoint: Setpoint, command: &AxisCommand) -> AxisFrame {
+        let mut frame = AxisFrame { cycle, line, setpoint, ..AxisFrame::default() };
+        match *command {
+            AxisCommand::Stream => frame.command = STREAM,
+            AxisCommand::Hold => frame.command = HOLD,
+            AxisCommand::Arm { pass, s_rpm, direction, not_before, law } => {
+                frame.command = ARM;
+                (frame.pass, frame.s_rpm, frame.direction) = (pass, s_rpm, direction);
+                (frame.not_before, frame.law) = (not_before, law);
+            }
+            AxisCommand::CallOff => frame.command = CALL_OFF,
+            AxisCommand::Stop => frame.command = STOP,
+        }
+        frame
+    }
+
+    /// Takes a command off the wire. A wrong sequence of frames is the caller's to see, by `cycle`.
+    ///
+    /// # Errors
+    /// Names the field that is not finite, out of range or unknown.
+    pub fn unpack(&self) -> Result<AxisCommand, Refused> {
+        finite(self.setpoint.velocity_mm_s, "setpoint velocity")?;
+        finite(self.setpoint.acceleration_mm_s2, "setpoint acceleration")?;
+        Ok(match self.command {
+            STREAM => AxisCommand::Stream,
+            HOLD => AxisCommand::Hold,
+            ARM => {
+                check_speed(self.s_rpm)?;
+                if self.direction.abs() != 1.0 {
+                    return Err(Refused::OutOfRange("spindle direction"));
+                }
+                self.law.check()?;
+                AxisCommand::Arm {
+                    pass: self.pass,
+                    s_rpm: self.s_rpm,
+                    direction: self.direction,
+                    not_before: self.not_before,
+                    law: self.law,
+                }
+            }
+            CALL_OFF => AxisCommand::CallOff,
+            STOP => AxisCommand::Stop,
+            other => return Err(Refused::UnknownCode("axis command", other)),
+        })
+    }
+}

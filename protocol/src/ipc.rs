@@ -1,0 +1,118 @@
+//! The channels between the processes of one machine, over iceoryx2.
+//!
+//! The launcher owns a [`NameSpace`]: it creates every channel of [`channel`] before it starts a process, and wipes
+//! all traces in the end. Each process joins it as a [`Member`], opens [`Sender`]s and [`Receiver`]s, and stands at
+//! the start until everybody is connected:
+//!
+//! ```no_run
+//! use protocol::{Axis, DriveCommand, ipc::{IpcError, Member, Patience, Process, channel, time::Moment}};
+//! # fn main() -> Result<(), IpcError> {
+//! # let address = String::new();
+//! let mut member = Member::join(&address, Process::Regulator(Axis::X))?;
+//! let mut measurements = member.receiver(channel::MEASUREMENT)?;
+//! let mut commands = member.sender(channel::DRIVE_COMMAND.of(Axis::X), Patience::Forever)?;
+//! let plant = member.waker(Process::Plant)?;
+//! member.start(&[&measurements, &commands, &plant], Moment::in_s(5.0))?;
+//! loop {
+//!     let Some(measurement) = measurements.receive()? else {
+//!         member.wait()?;
+//!         continue;
+//!     };
+//!     commands.send(&DriveCommand { cycle: measurement.cycle, ..DriveCommand::default() })?;
+//!     plant.wake()?;
+//!     if measurement.last != 0 {
+//!         break;
+//!     }
+//! }
+//! member.finish(&[commands.count(), measurements.count()])
+//! # }
+//! ```
+//!
+//! Three habits keep this safe. Data decide, never the wake-up: a receiver looks again after every wake, because one
+//! wake may stand for many messages or for none. Every message of a lossless channel is accounted for: the sender
+//! compares the receivers reached with those expected, the receiver checks the running number. And nobody cleans up
+//! while others work: only the owner does, when a process has died or all have ended.
+
+pub mod channel;
+mod count;
+mod folder;
+mod member;
+mod name_space;
+mod port;
+mod process;
+pub mod time;
+mod wake;
+
+pub use channel::{Channel, Keep};
+pub use count::{ChannelCount, total};
+pub use member::Member;
+pub use name_space::NameSpace;
+pub use port::{Message, Patience, Port, Receiver, Sender, Undelivered};
+pub use process::Process;
+pub use wake::Waker;
+
+/// Why a name space, a port or a wake-up cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum IpcError {
+    /// iceoryx2 refused; the name of the channel or event, and its reason.
+    #[error("{name}: {reason}; run `pitchlock doctor`")]
+    Bus {
+        /// Channel, event or node.
+        name: String,
+        /// In the words of iceoryx2.
+        reason: String,
+    },
+    /// A file of the name space cannot be made, locked or removed.
+    #[error("{path}: {source}")]
+    File {
+        /// Which file.
+        path: std::path::PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// Sockets of the name space would not fit into 108 bytes.
+    #[error(
+        "the folder for temporary files has too long a name, {path}: set TMPDIR to a folder such as /tmp"
+    )]
+    PathTooLong {
+        /// The path.
+        path: std::path::PathBuf,
+    },
+    /// Not an address that [`NameSpace::address`] gave.
+    #[error(
+        "{0:?} is not the address of a running machine; processes of a machine are started by `pitchlock run`"
+    )]
+    NoSuchAddress(String),
+    /// The process that owns the name space is not the parent of this one: nobody would end it.
+    #[error("the launcher (process {owner}) is gone, or did not start this process itself")]
+    Orphaned {
+        /// Process id of the owner.
+        owner: i32,
+    },
+    /// The other ends of these channels did not appear in time.
+    #[error("nobody at the other end of {}", .0.join(", "))]
+    NotConnected(Vec<String>),
+    /// The real-time set-up failed.
+    #[error("{what}: {source}")]
+    System {
+        /// What was tried.
+        what: &'static str,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// A message could not be delivered.
+    #[error(transparent)]
+    Undelivered(#[from] Undelivered),
+}
+
+impl IpcError {
+    /// Takes over a refusal of iceoryx2.
+    pub(crate) fn bus(name: &str, reason: impl std::fmt::Display) -> IpcError {
+        IpcError::Bus { name: name.into(), reason: reason.to_string() }
+    }
+
+    /// Takes over an error of the file system.
+    pub(crate) fn file(path: &std::path::Path, source: impl Into<std::io::Error>) -> IpcError {
+        IpcError::File { path: path.into(), source: source.into() }
+    }
+}

@@ -1,0 +1,67 @@
+//! How many messages went through each channel, as every process counts its own ends and the launcher adds them up.
+
+use iceoryx2::prelude::ZeroCopySend;
+use serde::{Deserialize, Serialize};
+
+/// What went through one channel, as `summary.json` shows it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelCount {
+    /// Name of the channel.
+    pub name: String,
+    /// Messages put into queues: one for two receivers counts twice.
+    pub sent: u64,
+    /// Messages taken out of queues.
+    pub received: u64,
+    /// Messages a receiver missed, by their running numbers.
+    pub lost: u64,
+    /// Bytes put into queues.
+    pub bytes: u64,
+}
+
+/// Adds up what both ends of each channel counted, by name, in the order of the names.
+pub fn total(counts: impl IntoIterator<Item = ChannelCount>) -> Vec<ChannelCount> {
+    let mut total = std::collections::BTreeMap::<String, ChannelCount>::new();
+    for count in counts {
+        let sum = total.entry(count.name.clone()).or_default();
+        sum.name = count.name;
+        sum.sent += count.sent;
+        sum.received += count.received;
+        sum.lost += count.lost;
+        sum.bytes += count.bytes;
+    }
+    total.into_values().collect()
+}
+
+const NAME_BYTES: usize = 32;
+
+/// A count on its way to the launcher.
+#[derive(Clone, Copy, Debug, ZeroCopySend)]
+#[type_name("pitchlock/count/1")]
+#[repr(C)]
+pub(crate) struct CountPacket {
+    name: [u8; NAME_BYTES],
+    sent: u64,
+    received: u64,
+    lost: u64,
+    bytes: u64,
+}
+
+impl CountPacket {
+    pub(crate) fn pack(count: &ChannelCount) -> CountPacket {
+        let mut name = [0; NAME_BYTES];
+        let text = count.name.as_bytes();
+        name[..text.len()].copy_from_slice(text);
+        CountPacket { name, sent: count.sent, received: count.received, lost: count.lost, bytes: count.bytes }
+    }
+
+    pub(crate) fn unpack(&self) -> ChannelCount {
+        let length = self.name.iter().position(|byte| *byte == 0).unwrap_or(NAME_BYTES);
+        ChannelCount {
+            name: String::from_utf8_lossy(&self.name[..length]).into_owned(),
+            sent: self.sent,
+            received: self.received,
+            lost: self.lost,
+            bytes: self.bytes,
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! A process inside a name space.
+
+use std::time::Duration;
+
+use iceoryx2::prelude::{LogLevel, NodeBuilder, SignalHandlingMode, ipc};
+
+use super::{
+    Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker, channel,
+    count::CountPacket,
+    folder::Folder,
+    port::{Message, Node},
+    time::{Moment, sleep_until},
+    wake::{DONE, END, Ear, GONE, READY, ROLL_CALL, START, wake_name},
+};
+
+/// One process of the machine: opens ports, waits, starts and ends together with the others.
+#[derive(Debug)]
+pub struct Member {
+    process: Process,
+    ear: Ear,
+    roll_call: Waker,
+    counts: Option<Sender<CountPacket>>,
+    pub(crate) node: Node,
+    // Released last: while it is held, nobody takes the name space for abandoned.
+    _presence: Option<Folder>,
+}
+
+impl Member {
+    /// Joins the name space of the launcher that started this process. From here on the process dies with the
+    /// *thread* that started it: launchers start their processes from the main thread.
+    ///
+    /// # Errors
+    /// A wrong address, a launcher that is gone, or a refusal of iceoryx2.
+    pub fn join(address: &str, process: Process) -> Result<Member, IpcError> {
+        let folder = Folder::enter(address)?;
+        die_with(folder.owner())?;
+        let node = create_node(&folder, process)?;
+        let mut member = Member::new(node, process)?;
+        member.counts = Some(Sender::open(&member.node, channel::COUNT, Patience::Forever)?);
+        member._presence = Some(folder);
+        Ok(member)
+    }
+
+    pub(crate) fn new(node: Node, process: Process) -> Result<Member, IpcError> {
+        Ok(Member {
+            process,
+            ear: Ear::open(&node, wake_name(process))?,
+            roll_call: Waker::open(&node, ROLL_CALL.into())?,
+            counts: None,
+            node,
+            _presence: None,
+        })
+    }
+
+    /// Opens the sending end of a channel.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`], for instance if the channel has its sender already.
+    pub fn sender<T: Message>(&self, channel: Channel<T>, patience: Patience) -> Result<Sender<T>, IpcError> {
+        Sender::open(&self.node, channel, patience)
+    }
+
+    /// Opens the receiving end of a channel.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`], for instance if all its receivers are there already.
+    pub fn receiver<T: Message>(&self, channel: Channel<T>) -> Result<Receiver<T>, IpcError> {
+        Receiver::open(&self.node, channel)
+    }
+
+    /// Opens the means to wake another process.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`].
+    pub fn waker(&self, process: Process) -> Result<Waker, IpcError> {
+        Waker::open(&self.node, wake_name(process))
+    }
+
+    /// Rendezvous. Waits until every one of these ports has found its other ends, tells the launcher, and returns
+    /// when it says that everybody has come so far.
+    ///
+    /// # Errors
+    /// [`IpcError::NotConnected`] names the ports that have not found their other ends until the deadline.
+    pub fn start(&mut self, ports: &[&dyn Port], deadline: Moment) -> Result<(), IpcError> {
+        let counts = self.counts.iter().map(|counts| counts as &dyn Port);
+        let ports: Vec<&dyn Port> = ports.iter().copied().chain(counts).collect();
+        connect(&ports, deadline)?;
+        self.roll_call.tell(READY + self.process.number())?;
+        while !self.ear.heard.is(START) {
+            self.ear.wait()?;
+        }
+        Ok(())
+    }
+
+    /// Sleeps until another process wakes this one; returns at once if one did since the last time. It may return
+    /// without a reason, and one return may stand for many wake-ups: look at the receivers.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn wait(&mut self) -> Result<(), IpcError> {
+        self.ear.wait()
+    }
+
+    /// The same with a limit. For watching over processes, not for timing: the operating system may add ten
+    /// milliseconds and more.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn wait_at_most(&mut self, limit: Duration) -> Result<(), IpcError> {
+        self.ear.wait_at_most(limit)
+    }
+
+    /// Hears what there is to hear, without sleeping.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn look(&mut self) -> Result<(), IpcError> {
+        self.ear.look()
+    }
+
+    /// Whether the launcher has said that a process died, as of the last wait.
+    pub fn is_gone(&self, process: Process) -> bool {
+        self.ear.heard.is(GONE + process.number())
+    }
+
+    /// Hands over the counts of all ports and waits until everybody has finished. Ports stay open until then, so
+    /// that nobody's last message finds its receiver gone.
+    ///
+    /// # Errors
+    /// A refusal of iceoryx2.
+    pub fn finish(mut self, counts: &[ChannelCount]) -> Result<(), IpcError> {
+        if let Some(sender) = &mut self.counts {
+            counts.iter().try_for_each(|count| sender.send(&CountPacket::pack(count)))?;
+        }
+        self.roll_call.tell(DONE + self.process.number())?;
+        while !self.ear.heard.is(END) {
+            self.ear.wait()?;
+        }
+        Ok(())
+    }
+}
+
+/// Waits until all ports have found their other ends.
+fn connect(ports: &[&dyn Port], deadline: Moment) -> Result<(), IpcError> {
+    loop {
+        let mut missing = Vec::new();
+        for port in ports {
+            if !port.connected()? {
+                missing.push(port.name().to_owned());
+            }
+        }
+        if missing.is_empty() {
+            return Ok(());
+        }
+        if deadline.passed() {
+            return Err(IpcError::NotConnected(missing));
+        }
+        sleep_until(Moment::now().after(Duration::from_micros(200)));
+    }
+}
+
+/// Makes this process known to iceoryx2. Everything that iceoryx2 would do on its own is off: it cleans up nothing,
+/// catches no signals, reads no configuration file.
+pub(crate) fn create_node(folder: &Folder, process: Process) -> Result<Node, IpcError> {
+    iceoryx2::prelude::set_log_level(LogLevel::Error);
+    let name = process.name();
+    let node_name = name.as_str().try_into().map_err(|error| IpcError::bus(&name, error))?;
+    NodeBuilder::new()
+        .name(&node_name)
+        .config(&folder.config()?)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<ipc::Service>()
+        .map_err(|error| IpcError::bus(&name, error))
+}
+
+/// Has this process killed when its owner ends in whatever way. A process that is its own owner (a test) is left
+/// alone.
+fn die_with(owner: i32) -> Result<(), IpcError> {
+    use rustix::process::{Pid, Signal, getpid, getppid, set_parent_process_death_signal};
+    let owner = Pid::from_raw(owner);
+    if owner == Some(getpid()) {
+        return Ok(());
+    }
+    set_parent_process_death_signal(Some(Signal::KILL)).map_err(|error| IpcError::System {
+        what: "tying this process to its launcher",
+        source: error.into(),
+    })?;
+    // If the owner died before the line above took effect, somebody else is the parent by now.
+    if getppid() != owner {
+        return Err(IpcError::Orphaned { owner: owner.map_or(0, Pid::as_raw_pid) });
+    }
+    Ok(())
+}

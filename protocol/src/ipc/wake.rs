@@ -1,0 +1,163 @@
+//! Wake-ups: one event per process, which everybody may ring and only that process hears.
+//!
+//! A wake-up carries a number. [`DATA`] only says "look"; the others are what the owner tells: start, end, and who has
+//! died. They are counted in shared memory and never lost, but several may arrive as one, and one may arrive for
+//! nothing: whoever waits looks at its receivers again.
+//!
+//! No sleep is without limit. iceoryx2 0.10.0 notifies in three steps: note the number, send a datagram, mark the event
+//! as notified. A listener that swallows the datagram of a sender who is interrupted before the third step, and sleeps
+//! again, lies beside an event that is marked: nobody sends a datagram to it any more. A listener whose sleep ends by
+//! itself finds what was noted. The limit costs nothing, and decides nothing but how long such a rare case takes.
+
+use std::time::Duration;
+
+use iceoryx2::{
+    port::{listener::Listener, notifier::Notifier},
+    prelude::{EventActivation, EventId, ipc},
+    service::port_factory::{PortFactory as _, event::PortFactory},
+};
+
+use super::{
+    IpcError, Port, Process,
+    port::{Node, service_name},
+};
+
+/// The longest sleep.
+const LIMIT: Duration = Duration::from_millis(50);
+
+/// There may be data.
+pub(crate) const DATA: usize = 0;
+/// Everybody is connected: begin.
+pub(crate) const START: usize = 1;
+/// Everybody has finished: go.
+pub(crate) const END: usize = 2;
+/// `GONE + number`: that process has died.
+pub(crate) const GONE: usize = 3;
+/// On the roll call: `READY + number`, connected.
+pub(crate) const READY: usize = 0;
+/// On the roll call: `DONE + number`, finished.
+pub(crate) const DONE: usize = Process::COUNT;
+
+type Service = PortFactory<ipc::Service>;
+
+/// Name of the event on which members answer the owner.
+pub(crate) const ROLL_CALL: &str = "roll-call";
+
+/// Name of the event that wakes a process.
+pub(crate) fn wake_name(process: Process) -> String {
+    format!("wake/{}", process.name())
+}
+
+/// The owner's part: the event exists before anybody opens it.
+pub(crate) fn create_event(node: &Node, name: &str) -> Result<Service, IpcError> {
+    node.service_builder(&service_name(name)?)
+        .event()
+        .max_listeners(1)
+        .max_notifiers(2 * Process::COUNT)
+        .max_nodes(Process::COUNT + 1)
+        .event_id_max_value(2 * Process::COUNT)
+        .create()
+        .map_err(|error| IpcError::bus(name, error))
+}
+
+fn open_event(node: &Node, name: &str) -> Result<Service, IpcError> {
+    node.service_builder(&service_name(name)?).event().open().map_err(|error| IpcError::bus(name, error))
+}
+
+/// Wakes one process.
+#[derive(Debug)]
+pub struct Waker {
+    name: String,
+    service: Service,
+    notifier: Notifier<ipc::Service>,
+}
+
+impl Waker {
+    pub(crate) fn open(node: &Node, name: String) -> Result<Waker, IpcError> {
+        let service = open_event(node, &name)?;
+        let notifier = service.notifier_builder().create().map_err(|error| IpcError::bus(&name, error))?;
+        Ok(Waker { name, service, notifier })
+    }
+
+    /// Tells the process that there may be data. If it has died, nobody is woken, and that is no error: whoever
+    /// waits for its answer will notice.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn wake(&self) -> Result<(), IpcError> {
+        self.tell(DATA)
+    }
+
+    pub(crate) fn tell(&self, what: usize) -> Result<(), IpcError> {
+        self.notifier
+            .notify_with_custom_event_id(EventId::new(what))
+            .map(|_| ())
+            .map_err(|error| IpcError::bus(&self.name, error))
+    }
+}
+
+impl Port for Waker {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn connected(&self) -> Result<bool, IpcError> {
+        Ok(self.service.dynamic_config().number_of_listeners() == 1)
+    }
+}
+
+/// What has been heard, by number. Only [`DATA`] is forgotten.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Heard(u64);
+
+impl Heard {
+    pub(crate) fn is(self, what: usize) -> bool {
+        self.0 & (1 << what) != 0
+    }
+}
+
+/// The ear of a process.
+#[derive(Debug)]
+pub(crate) struct Ear {
+    name: String,
+    listener: Listener<ipc::Service>,
+    pub(crate) heard: Heard,
+}
+
+impl Ear {
+    pub(crate) fn open(node: &Node, name: String) -> Result<Ear, IpcError> {
+        let service = open_event(node, &name)?;
+        let listener = service.listener_builder().create().map_err(|error| IpcError::bus(&name, error))?;
+        Ok(Ear { name, listener, heard: Heard::default() })
+    }
+
+    /// Sleeps until woken, or not at all if that has happened since the last time.
+    pub(crate) fn wait(&mut self) -> Result<(), IpcError> {
+        self.wait_at_most(LIMIT)
+    }
+
+    /// The same with a limit, which the operating system may stretch by ten milliseconds and more.
+    pub(crate) fn wait_at_most(&mut self, limit: Duration) -> Result<(), IpcError> {
+        self.listen(|listener, note| listener.timed_wait(note, limit))
+    }
+
+    /// Takes what has been heard, without sleeping.
+    pub(crate) fn look(&mut self) -> Result<(), IpcError> {
+        self.listen(|listener, note| listener.try_wait(note))
+    }
+
+    fn listen(
+        &mut self,
+        how: impl FnOnce(
+            &Listener<ipc::Service>,
+            &mut dyn FnMut(EventActivation),
+        ) -> Result<u64, iceoryx2::port::listener::ListenerWaitError>,
+    ) -> Result<(), IpcError> {
+        use iceoryx2::port::listener::ListenerWaitError;
+        let heard = &mut self.heard.0;
+        match how(&self.listener, &mut |event| *heard |= 1 << event.id.as_value()) {
+            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
+            Err(error) => Err(IpcError::bus(&self.name, error)),
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! What the machine measures in one control cycle: spindle and axis encoders, drives, operator panel.
+
+use iceoryx2::prelude::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use crate::{Cycle, PerAxis, Position};
+
+/// One axis as its encoder and drive see it.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct AxisMeasurement {
+    /// Measured position: encoder counts, scaled by the drive (middle of the count).
+    pub position: Position,
+    /// Actual torque of the motor, N·m.
+    pub torque_nm: f64,
+    /// CiA 402 status word (object 0x6041).
+    pub status_word: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// The operator's panel, sampled with the encoders: an action takes effect in the cycle it was sampled in.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct Panel {
+    /// Spindle override, per cent of S, 0 to 200.
+    pub spindle_override_pct: f64,
+    /// Feed override, per cent of F, 0 to 200.
+    pub feed_override_pct: f64,
+    /// Rapid override, per cent, 0 to 100.
+    pub rapid_override_pct: f64,
+    /// Sum of [`Panel::FEED_HOLD`] and [`Panel::STOP`].
+    pub buttons: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+impl Panel {
+    /// Feed hold is on: timed motion comes to rest, a thread goes on to its end.
+    pub const FEED_HOLD: u32 = 1;
+    /// The program is to be ended at the next rest.
+    pub const STOP: u32 = 2;
+
+    /// Whether a button is pressed.
+    pub fn pressed(&self, button: u32) -> bool {
+        self.buttons & button != 0
+    }
+}
+
+impl Default for Panel {
+    fn default() -> Self {
+        Panel {
+            spindle_override_pct: 100.0,
+            feed_override_pct: 100.0,
+            rapid_override_pct: 100.0,
+            buttons: 0,
+            reserved: 0,
+        }
+    }
+}
+
+/// What was true at one control cycle.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/measurement/1")]
+#[repr(C)]
+pub struct Measurement {
+    /// When it was true.
+    pub cycle: Cycle,
+    /// Spindle encoder, unwrapped counts (4 per line), growing clockwise (M3).
+    pub spindle_count: i64,
+    /// Count latched at the last index.
+    pub index_count: i64,
+    /// Indexes seen since the start of the machine; 0 means that `index_count` is not valid yet.
+    pub index_number: u64,
+    /// First cycle whose measurement shows that index.
+    pub index_cycle: Cycle,
+    /// Nonzero in the last measurement of the run: everybody answers it and ends.
+    pub last: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// The axes.
+    pub axes: PerAxis<AxisMeasurement>,
+    /// The operator's panel.
+    pub panel: Panel,
+}

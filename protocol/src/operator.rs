@@ -1,0 +1,89 @@
+//! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the [`Panel`] of its
+//! next measurement; from there it has a cycle, and the same run can be repeated.
+
+use iceoryx2::prelude::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use crate::{Panel, Refused, finite};
+
+/// Something the operator does at the panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Request {
+    /// Turn the spindle override to this many per cent, 0 to 200.
+    SpindleOverride(f64),
+    /// Turn the feed override to this many per cent, 0 to 200.
+    FeedOverride(f64),
+    /// Turn the rapid override to this many per cent, 0 to 100.
+    RapidOverride(f64),
+    /// Feed hold.
+    FeedHold,
+    /// Cycle start: leave feed hold.
+    CycleStart,
+    /// End the program at the next rest.
+    Stop,
+}
+
+/// A [`Request`] on the wire.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/operator-request/1")]
+#[repr(C)]
+pub struct OperatorRequest {
+    /// Running number, from 0.
+    pub sequence: u64,
+    /// Code of the [`Request`].
+    pub kind: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Per cent.
+    pub value: f64,
+}
+
+impl OperatorRequest {
+    /// Puts a request on the wire.
+    pub fn pack(sequence: u64, request: Request) -> OperatorRequest {
+        let (kind, value) = match request {
+            Request::SpindleOverride(pct) => (1, pct),
+            Request::FeedOverride(pct) => (2, pct),
+            Request::RapidOverride(pct) => (3, pct),
+            Request::FeedHold => (4, 0.0),
+            Request::CycleStart => (5, 0.0),
+            Request::Stop => (6, 0.0),
+        };
+        OperatorRequest { sequence, kind, reserved: 0, value }
+    }
+
+    /// Takes a request off the wire.
+    ///
+    /// # Errors
+    /// An unknown code, or an override that no panel has.
+    pub fn unpack(&self) -> Result<Request, Refused> {
+        let percent = |highest: f64| match finite(self.value, "override")? {
+            pct if (0.0..=highest).contains(&pct) => Ok(pct),
+            _ => Err(Refused::OutOfRange("override")),
+        };
+        Ok(match self.kind {
+            1 => Request::SpindleOverride(percent(200.0)?),
+            2 => Request::FeedOverride(percent(200.0)?),
+            3 => Request::RapidOverride(percent(100.0)?),
+            4 => Request::FeedHold,
+            5 => Request::CycleStart,
+            6 => Request::Stop,
+            other => return Err(Refused::UnknownCode("operator request", other)),
+        })
+    }
+}
+
+impl Panel {
+    /// Does what the operator asks for.
+    pub fn apply(&mut self, request: Request) {
+        match request {
+            Request::SpindleOverride(pct) => self.spindle_override_pct = pct,
+            Request::FeedOverride(pct) => self.feed_override_pct = pct,
+            Request::RapidOverride(pct) => self.rapid_override_pct = pct,
+            Request::FeedHold => self.buttons |= Panel::FEED_HOLD,
+            Request::CycleStart => self.buttons &= !Panel::FEED_HOLD,
+            Request::Stop => self.buttons |= Panel::STOP,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! A threading pass as one packet: S, C0, ΔC, ΔZ, ΔX of the run-in, the angle where the thread ends, and the same
+//! for the run-out. It travels whole, before anything moves (self-contained rule).
+//!
+//! Angles in degrees of the spindle since the index the pass starts from, growing in the direction of the spindle;
+//! lengths in mm; S in 1/min.
+
+use iceoryx2::prelude::ZeroCopySend;
+use motion::Window;
+use serde::{Deserialize, Serialize};
+use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use crate::{Axis, PerAxis, Position, Refused, finite};
+
+/// What one axis does in a pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead (M13),
+/// the lead (M14), a brake (M15), and a stroke out (M2). A part that does not occur has length or lead 0; the retract
+/// window is given all the same, because it says how long the axis belongs to the pass.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize,
+         ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct AxisLaw {
+    /// Where the axis rests before the pass.
+    pub start: Position,
+    /// Where it rests after the pass.
+    pub end: Position,
+    /// ΔX: signed stroke of the approach, mm.
+    pub stroke_mm: f64,
+    /// Angle at which the approach begins.
+    pub stroke_c0_deg: f64,
+    /// Angle over which it is made.
+    pub stroke_dc_deg: f64,
+    /// Signed advance of this axis per revolution, mm.
+    pub lead_mm: f64,
+    /// C0: angle at which the run-in begins.
+    pub run_in_c0_deg: f64,
+    /// ΔC: angle over which the lead is reached.
+    pub run_in_dc_deg: f64,
+    /// λ of the run-in, (0, 1/2].
+    pub run_in_lambda: f64,
+    /// Angle at which braking begins.
+    pub brake_c_deg: f64,
+    /// Angle over which the lead is left.
+    pub brake_dc_deg: f64,
+    /// λ of the braking, (0, 1/2].
+    pub brake_lambda: f64,
+    /// Signed stroke of the retract, mm.
+    pub retract_mm: f64,
+    /// Angle at which the retract begins.
+    pub retract_c_deg: f64,
+    /// Angle over which it is made.
+    pub retract_dc_deg: f64,
+}
+
+impl AxisLaw {
+    /// Angle at which the axis begins to move, degrees; 0 for an axis that has no approach and no lead.
+    pub fn begins_deg(&self) -> f64 {
+        match (self.stroke_mm != 0.0, self.lead_mm != 0.0) {
+            (false, false) => 0.0,
+            (true, false) => self.stroke_c0_deg,
+            (false, true) => self.run_in_c0_deg,
+            (true, true) => self.stroke_c0_deg.min(self.run_in_c0_deg),
+        }
+    }
+
+    /// Angle at which the approach and the run-in are over, degrees.
+    pub fn locked_deg(&self) -> f64 {
+        let stroke = if self.stroke_mm != 0.0 { self.stroke_c0_deg + self.stroke_dc_deg } else { 0.0 };
+        let run_in = if self.lead_mm != 0.0 { self.run_in_c0_deg + self.run_in_dc_deg } else { 0.0 };
+        stroke.max(run_in)
+    }
+
+    /// Angle at which the run-out of this axis begins, degrees. The retract window counts even if its stroke is 0:
+    /// an axis that only holds is in the pass as long as the others.
+    pub fn leaves_deg(&self) -> f64 {
+        if self.lead_mm != 0.0 { self.retract_c_deg.min(self.brake_c_deg) } else { self.retract_c_deg }
+    }
+
+    /// Angle from which the axis is at rest again, degrees.
+    pub fn done_deg(&self) -> f64 {
+        let brake = if self.lead_mm != 0.0 { self.brake_c_deg + self.brake_dc_deg } else { 0.0 };
+        brake.max(self.retract_c_deg + self.retract_dc_deg).max(self.locked_deg())
+    }
+
+    /// The law as a function of the spindle angle, relative to `start`. S in 1/min.
+    ///
+    /// # Panics
+    /// If S is not positive: check the packet first.
+    pub fn law(&self, s_rpm: f64) -> motion::PassLaw {
+        let mut law = motion::PassLaw::new(s_rpm);
+        if self.stroke_mm != 0.0 {
+            law = law.with_approach(self.stroke_mm, self.stroke_c0_deg, self.stroke_dc_deg);
+        }
+        if self.lead_mm != 0.0 {
+            let run_in = Window { c: self.run_in_c0_deg, dc: self.run_in_dc_deg, lambda: self.run_in_lambda };
+            let brake = Window { c: self.brake_c_deg, dc: self.brake_dc_deg, lambda: self.brake_lambda };
+            law = law.with_lead(self.lead_mm, run_in, brake);
+        }
+        if self.retract_mm != 0.0 {
+            law = law.with_retract(self.retract_mm, self.retract_c_deg, self.retract_dc_deg);
+        }
+        law
+    }
+
+    /// Refuses a law that no regulator could evaluate.
+    ///
+    /// # Errors
+    /// Names the first field that is not finite or out of range.
+    pub fn check(&self) -> Result<(), Refused> {
+        const MM: f64 = 1e5;
+        const DEG: f64 = 1e9;
+        let lengths =
+            [(self.stroke_mm, "stroke"), (self.lead_mm, "lead"), (self.retract_mm, "retract stroke")];
+        for (length, name) in lengths {
+            if finite(length, name)?.abs() > MM {
+                return Err(Refused::OutOfRange(name));
+            }
+        }
+        let windows = [
+            (self.stroke_mm, self.stroke_c0_deg, self.stroke_dc_deg, "approach angle"),
+            (self.lead_mm, self.run_in_c0_deg, self.run_in_dc_deg, "run-in angle"),
+            (self.lead_mm, self.brake_c_deg, self.brake_dc_deg, "braking angle"),
+            (self.retract_mm, self.retract_c_deg, self.retract_dc_deg, "retract angle"),
+        ];
+        for (length, c0, dc, name) in windows {
+            let (c0, dc) = (finite(c0, name)?, finite(dc, name)?);
+            let shortest = if length == 0.0 { 0.0 } else { 1e-6 };
+            if !(0.0..DEG).contains(&c0) || !(shortest..DEG).contains(&dc) {
+                return Err(Refused::OutOfRange(name));
+            }
+        }
+        for (lambda, name) in [(self.run_in_lambda, "run-in lambda"), (self.brake_lambda, "braking lambda")] {
+            if self.lead_mm != 0.0 && !(1e-6..=0.5).contains(&finite(lambda, name)?) {
+                return Err(Refused::OutOfRange(name));
+            }
+        }
+        let runs = self.run_in_c0_deg + self.run_in_dc_deg;
+        if self.lead_mm != 0.0 && self.brake_c_deg < runs {
+            return Err(Refused::OutOfRange("braking angle"));
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a programmed speed that no spindle has.
+///
+/// # Errors
+/// S is not finite or not between 0.001 and 1,000,000 1/min, the latter excluded.
+pub fn check_speed(s_rpm: f64) -> Result<(), Refused> {
+    if (1e-3..1e6).contains(&finite(s_rpm, "S")?) { Ok(()) } else { Err(Refused::OutOfRange("S")) }
+}
+
+/// One pass of a thread.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize,
+         ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct ThreadPass {
+    /// Running number in the program, from 1.
+    pub pass: u32,
+    /// Which start of a multi-start thread, from 0.
+    pub start: u32,
+    /// S: programmed spindle speed, 1/min, positive. Never the actual one.
+    pub s_rpm: f64,
+    /// +1 for M3, -1 for M4: the direction in which C grows.
+    pub direction: f64,
+    /// Start angle of this start, degrees: the helix goes through the start point at this angle (mod 360).
+    pub start_angle_deg: f64,
+    /// Lead along the thread axis, mm/rev, signed by direction of motion.
+    pub lead_mm: f64,
+    /// Angle at which the thread ends: the first run-out of any axis begins.
+    pub thread_end_deg: f64,
+    /// Highest actual speed as a multiple of S that every axis can follow (M7, M11).
+    pub max_ratio: f64,
+    /// Radial depth of this pass below the crest, mm (for display).
+    pub depth_mm: f64,
+    /// The law of each axis; axes that do not exist stay zero.
+    pub axes: PerAxis<AxisLaw>,
+}
+
+impl ThreadPass {
+    /// The law of one axis.
+    pub fn axis(&self, axis: Axis) -> &AxisLaw {
+        &self.axes[axis.index()]
+    }
+
+    /// Angle from which every axis is at rest again, degrees.
+    pub fn done_deg(&self) -> f64 {
+        self.axes.iter().map(AxisLaw::done_deg).fold(0.0, f64::max)
+    }
+
+    /// Refuses a pass that cannot be cut.
+    ///
+    /// # Errors
+    /// Names the first field that is not finite or out of range.
+    pub fn check(&self) -> Result<(), Refused> {
+        check_speed(self.s_rpm)?;
+        if self.direction.abs() != 1.0 {
+            return Err(Refused::OutOfRange("spindle direction"));
+        }
+        finite(self.start_angle_deg, "start angle")?;
+        finite(self.lead_mm, "lead")?;
+        finite(self.thread_end_deg, "thread end")?;
+        finite(self.depth_mm, "depth")?;
+        if finite(self.max_ratio, "highest ratio")? < 1.0 {
+            return Err(Refused::OutOfRange("highest ratio"));
+        }
+        self.axes.iter().try_for_each(AxisLaw::check)
+    }
+}

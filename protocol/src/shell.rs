@@ -1,0 +1,160 @@
+//! What the process shells have in common: their arguments, their errors, their clock.
+//!
+//! A shell reads its configuration, opens its ports, and then receives, ticks and sends until the last measurement.
+
+use std::path::PathBuf;
+
+use crate::{
+    Machine,
+    ipc::{IpcError, Member, Message, Patience, Process, Sender, Undelivered, time},
+    machine::MachineError,
+};
+
+/// How processes wait for each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Clock {
+    /// In lock step, as fast as the computer can; every run gives the same numbers.
+    #[default]
+    Virtual,
+    /// In real time; what comes too late is counted.
+    Real,
+}
+
+/// Arguments of every process of a machine.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ProcessArgs {
+    /// Name space of the machine, as the launcher gives it.
+    #[arg(long, value_name = "ADDRESS")]
+    pub address: String,
+    /// Machine file (TOML); without it the built-in small lathe.
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// How processes wait for each other.
+    #[arg(long, value_enum, default_value_t)]
+    pub clock: Clock,
+    /// Stay on this processor.
+    #[arg(long, value_name = "N")]
+    pub processor: Option<usize>,
+}
+
+/// Why a process ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum ShellError {
+    /// Another process cannot be reached.
+    #[error(transparent)]
+    Ipc(#[from] IpcError),
+    /// A file cannot be read.
+    #[error("{path}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The machine file is wrong.
+    #[error("machine file: {0}")]
+    Machine(#[from] MachineError),
+    /// The input is wrong; the text says where and what would be right.
+    #[error("{0}")]
+    Input(String),
+}
+
+impl From<Undelivered> for ShellError {
+    fn from(error: Undelivered) -> Self {
+        ShellError::Ipc(error.into())
+    }
+}
+
+/// Longest wait for the other processes to come up, s.
+pub const START_S: f64 = 20.0;
+
+impl ProcessArgs {
+    /// Reads the machine file.
+    ///
+    /// # Errors
+    /// [`ShellError::File`] or [`ShellError::Machine`].
+    pub fn read_machine(&self) -> Result<Machine, ShellError> {
+        match &self.machine {
+            None => Ok(Machine::default()),
+            Some(path) => Ok(Machine::from_toml(&read_text(path)?)?),
+        }
+    }
+
+    /// Joins the name space, on the processor that was asked for.
+    ///
+    /// # Errors
+    /// [`ShellError::Ipc`].
+    pub fn join(&self, process: Process) -> Result<Member, ShellError> {
+        if let Some(processor) = self.processor {
+            time::pin_to(processor)?;
+        }
+        if self.clock == Clock::Real
+            && let Err(error) = time::be_punctual()
+        {
+            tracing::warn!(%error, "more answers will be late");
+        }
+        Ok(Member::join(&self.address, process)?)
+    }
+
+    /// How long senders wait for a full queue: in lock step for ever, in real time a part of a cycle.
+    pub fn patience(&self, machine: &Machine) -> Patience {
+        match self.clock {
+            Clock::Virtual => Patience::Forever,
+            Clock::Real => {
+                Patience::Bounded(std::time::Duration::from_secs_f64(machine.machine.cycle_s / 2.0))
+            }
+        }
+    }
+}
+
+/// How often a process looks for messages in real time. A wake-up can be lost (see `ipc`), a clock cannot.
+const POLL: std::time::Duration = std::time::Duration::from_micros(50);
+
+/// Waits for news: in lock step asleep until woken, in real time by looking often.
+///
+/// # Errors
+/// [`ShellError::Ipc`] if the event of this process is broken.
+pub fn wait(member: &mut Member, clock: Clock) -> Result<(), ShellError> {
+    match clock {
+        Clock::Virtual => member.wait()?,
+        Clock::Real => {
+            time::sleep_until(time::Moment::now().after(POLL));
+            member.look()?;
+        }
+    }
+    Ok(())
+}
+
+/// Sends a message, and goes on without receivers that have died: the launcher sees that and ends the run. In real time
+/// a queue that stays full costs the message, which its receiver counts as lost.
+///
+/// # Errors
+/// [`ShellError::Ipc`] if the channel is broken.
+pub fn deliver<T: Message>(sender: &mut Sender<T>, message: &T) -> Result<(), ShellError> {
+    match sender.send(message) {
+        Ok(()) | Err(Undelivered::Full(_)) => Ok(()),
+        Err(Undelivered::Receivers { .. }) => {
+            sender.expect_one_less();
+            Ok(())
+        }
+        Err(broken) => Err(broken.into()),
+    }
+}
+
+/// Reads a text file.
+///
+/// # Errors
+/// [`ShellError::File`].
+pub fn read_text(path: &std::path::Path) -> Result<String, ShellError> {
+    std::fs::read_to_string(path).map_err(|source| ShellError::File { path: path.into(), source })
+}
+
+/// The exit status of a process: 0, or 1 for the machine and 2 for its input, with a message on standard error.
+pub fn exit(result: Result<(), ShellError>) -> std::process::ExitCode {
+    let Err(error) = result else { return std::process::ExitCode::SUCCESS };
+    eprintln!("error: {error}");
+    match error {
+        ShellError::Ipc(_) => 1.into(),
+        ShellError::File { .. } | ShellError::Machine(_) | ShellError::Input(_) => 2.into(),
+    }
+}

@@ -1,0 +1,308 @@
+//! What regulators and the interpolator say of themselves, and the spindle command.
+
+use iceoryx2::prelude::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use crate::{Cycle, Refused};
+
+/// State of a regulator, as others see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum AxisState {
+    /// The drive is not enabled yet.
+    #[default]
+    Idle = 0,
+    /// Follows setpoints of timed motion.
+    Streaming = 1,
+    /// Has a pass, waits for the index.
+    Armed = 2,
+    /// Counts C from the index, waits for its first angle.
+    WaitingForC0 = 3,
+    /// Approach or run-in.
+    RunIn = 4,
+    /// On the helix.
+    Locked = 5,
+    /// Braking or retracting.
+    RunOut = 6,
+    /// Latched.
+    Fault = 7,
+}
+
+impl AxisState {
+    /// Every state in the order of its code.
+    pub const ALL: [AxisState; 8] = [
+        AxisState::Idle,
+        AxisState::Streaming,
+        AxisState::Armed,
+        AxisState::WaitingForC0,
+        AxisState::RunIn,
+        AxisState::Locked,
+        AxisState::RunOut,
+        AxisState::Fault,
+    ];
+
+    /// The state of a code.
+    ///
+    /// # Errors
+    /// [`Refused::UnknownCode`].
+    pub fn from_code(code: u32) -> Result<AxisState, Refused> {
+        AxisState::ALL.get(code as usize).copied().ok_or(Refused::UnknownCode("axis state", code))
+    }
+
+    /// The name used in traces.
+    pub fn name(self) -> &'static str {
+        ["idle", "streaming", "armed", "waiting-for-c0", "run-in", "locked", "run-out", "fault"]
+            [self as usize]
+    }
+}
+
+/// Why a module latched a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+#[allow(missing_docs)]
+pub enum Fault {
+    FollowingError = 1,
+    ThreadError = 2,
+    StreamStarved = 3,
+    DriveFault = 4,
+    Stopped = 5,
+    SpindleNotAtSpeed = 6,
+    AxisNotInPosition = 7,
+    AxisFault = 8,
+    PassCalledOff = 9,
+    PassNotFeasible = 10,
+    BadMachineCode = 11,
+    IndexNotSeen = 12,
+    TravelLimit = 13,
+    MeasurementGap = 14,
+    EncoderPlausibility = 15,
+}
+
+impl Fault {
+    /// Every fault in the order of its code, which starts at 1.
+    pub const ALL: [Fault; 15] = [
+        Fault::FollowingError,
+        Fault::ThreadError,
+        Fault::StreamStarved,
+        Fault::DriveFault,
+        Fault::Stopped,
+        Fault::SpindleNotAtSpeed,
+        Fault::AxisNotInPosition,
+        Fault::AxisFault,
+        Fault::PassCalledOff,
+        Fault::PassNotFeasible,
+        Fault::BadMachineCode,
+        Fault::IndexNotSeen,
+        Fault::TravelLimit,
+        Fault::MeasurementGap,
+        Fault::EncoderPlausibility,
+    ];
+
+    /// The fault of a code; `None` for 0 and for what this version does not know.
+    pub fn from_code(code: u32) -> Option<Fault> {
+        Fault::ALL.get((code as usize).checked_sub(1)?).copied()
+    }
+
+    /// The stable name, as `summary.json` and traces print it.
+    pub fn code(self) -> &'static str {
+        match self {
+            Fault::FollowingError => "following-error",
+            Fault::ThreadError => "thread-error",
+            Fault::StreamStarved => "stream-starved",
+            Fault::DriveFault => "drive-fault",
+            Fault::Stopped => "stopped",
+            Fault::SpindleNotAtSpeed => "spindle-not-at-speed",
+            Fault::AxisNotInPosition => "axis-not-in-position",
+            Fault::AxisFault => "axis-fault",
+            Fault::PassCalledOff => "pass-called-off",
+            Fault::PassNotFeasible => "pass-not-feasible",
+            Fault::BadMachineCode => "bad-machine-code",
+            Fault::IndexNotSeen => "index-not-seen",
+            Fault::TravelLimit => "travel-limit",
+            Fault::MeasurementGap => "measurement-gap",
+            Fault::EncoderPlausibility => "encoder-plausibility",
+        }
+    }
+
+    /// What happened and what to look at.
+    pub fn text(self) -> &'static str {
+        match self {
+            Fault::FollowingError => "the axis left its commanded position by more than following_error_mm",
+            Fault::ThreadError => "the axis left the thread by more than thread_error_mm",
+            Fault::StreamStarved => "no axis command arrived in time",
+            Fault::DriveFault => "the drive reports a fault",
+            Fault::Stopped => "a stop was commanded",
+            Fault::SpindleNotAtSpeed => {
+                "the spindle did not reach its speed; check load, ramp_rpm_s and override"
+            }
+            Fault::AxisNotInPosition => "an axis did not settle within in_position_mm",
+            Fault::AxisFault => "a regulator reports a fault",
+            Fault::PassCalledOff => {
+                "a regulator did not arm in time; the pass was called off before it moved"
+            }
+            Fault::PassNotFeasible => "the axes cannot follow this pass at its programmed speed",
+            Fault::BadMachineCode => "an item of the machine code was damaged or out of order",
+            Fault::IndexNotSeen => "the spindle turns but no index came; check the encoder",
+            Fault::TravelLimit => "a target lies outside the travel of its axis",
+            Fault::MeasurementGap => "a measurement is missing or out of order",
+            Fault::EncoderPlausibility => {
+                "counts between two indexes do not match the spindle encoder's lines"
+            }
+        }
+    }
+}
+
+/// One regulator in one control cycle.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/axis-status/1")]
+#[repr(C)]
+pub struct AxisStatus {
+    /// The measurement this belongs to.
+    pub cycle: Cycle,
+    /// Code of the [`AxisState`].
+    pub state: u32,
+    /// Code of the latched [`Fault`], 0 for none.
+    pub fault: u32,
+    /// Pass being cut, 0 in timed motion; it stays until the next setpoint is followed.
+    pub pass: u32,
+    /// Line of the part program.
+    pub line: u32,
+    /// 1 if commanded still and within in_position_mm.
+    pub in_position: u32,
+    /// Packets refused so far.
+    pub refused: u32,
+    /// Commanded position at the sample instant, mm.
+    pub commanded_mm: f64,
+    /// Commanded speed at the sample instant (M8), mm/s.
+    pub velocity_mm_s: f64,
+    /// Commanded acceleration (M8), mm/s².
+    pub acceleration_mm_s2: f64,
+    /// Commanded jerk (M8), mm/s³.
+    pub jerk_mm_s3: f64,
+    /// Commanded minus measured position at the sample instant, mm.
+    pub servo_error_mm: f64,
+    /// Spindle angle since the index of the pass as observed, degrees.
+    pub angle_deg: f64,
+    /// Observed spindle speed, 1/min, signed by the spindle's direction.
+    pub spindle_rpm: f64,
+    /// 0x6040 as sent.
+    pub control_word: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// 0x60FF as sent, mm/s.
+    pub target_velocity_mm_s: f64,
+    /// 0x60B1 as sent, mm/s.
+    pub velocity_offset_mm_s: f64,
+    /// 0x60B2 as sent, N·m.
+    pub torque_offset_nm: f64,
+}
+
+/// State of the interpolator, as others see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum MachineState {
+    /// Waits for the drives.
+    #[default]
+    Starting = 0,
+    /// Between two items.
+    Ready = 1,
+    /// Timed motion.
+    Moving = 2,
+    /// Dwells, or waits for the spindle.
+    Waiting = 3,
+    /// Cuts a pass.
+    Threading = 4,
+    /// The program is over.
+    Ended = 5,
+    /// Latched.
+    Fault = 6,
+}
+
+impl MachineState {
+    /// The state of a code.
+    ///
+    /// # Errors
+    /// [`Refused::UnknownCode`].
+    pub fn from_code(code: u32) -> Result<MachineState, Refused> {
+        Ok(match code {
+            0 => MachineState::Starting,
+            1 => MachineState::Ready,
+            2 => MachineState::Moving,
+            3 => MachineState::Waiting,
+            4 => MachineState::Threading,
+            5 => MachineState::Ended,
+            6 => MachineState::Fault,
+            other => return Err(Refused::UnknownCode("machine state", other)),
+        })
+    }
+}
+
+/// The interpolator after one of its ticks.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/machine-status/1")]
+#[repr(C)]
+pub struct MachineStatus {
+    /// The tick.
+    pub cycle: Cycle,
+    /// Code of the [`MachineState`].
+    pub state: u32,
+    /// Code of the latched [`Fault`], 0 for none.
+    pub fault: u32,
+    /// Line of the part program being executed.
+    pub line: u32,
+    /// Pass being cut or cut last.
+    pub pass: u32,
+    /// Timed moves completed.
+    pub moves: u64,
+    /// Machine-code items taken.
+    pub taken: u64,
+    /// Overrides that were clamped so far.
+    pub overrides_clamped: u32,
+    /// 1 if the program was ended by the operator.
+    pub stopped: u32,
+    /// Spindle speed commanded to the drive, 1/min, signed.
+    pub spindle_rpm: f64,
+    /// Spindle override in force, per cent.
+    pub spindle_override_pct: f64,
+    /// Feed override in force, per cent.
+    pub feed_override_pct: f64,
+    /// Depth of the pass in hand, mm.
+    pub depth_mm: f64,
+}
+
+/// What the spindle drive shall do; the interpolator sends one each tick, the plant acts on it one
+/// interpolator cycle later.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[type_name("pitchlock/spindle-command/1")]
+#[repr(C)]
+pub struct SpindleCommand {
+    /// The tick that made it.
+    pub cycle: Cycle,
+    /// Commanded speed, 1/min, signed: positive clockwise (M3).
+    pub rpm: f64,
+    /// Nonzero once the program is over and all is at rest: the machine may be switched off.
+    pub finished: u32,
+    /// Line of the part program being executed (scenarios are triggered by it).
+    pub line: u32,
+    /// Pass in hand from arming to its end, else 0.
+    pub pass: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// First cycle whose index counts for the pass in hand.
+    pub index_not_before: Cycle,
+    /// Direction in which C grows in the pass in hand, ±1, else 0.
+    pub direction: f64,
+}
+
+impl SpindleCommand {
+    /// Refuses a speed that is not finite.
+    ///
+    /// # Errors
+    /// [`Refused::NotFinite`].
+    pub fn check(&self) -> Result<(), Refused> {
+        crate::finite(self.rpm, "spindle speed").map(|_| ())
+    }
+}

@@ -1,0 +1,174 @@
+//! Machine-code files: what is written can be read, and nothing else can.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use protocol::{
+    AxisLaw, Code, Feed, Item, Machine, Position, Refused, SpindleMode, ThreadPass,
+    code_file::{CodeFile, CodeFileError},
+};
+
+/// Bytes before the content.
+const HEAD: usize = 18;
+
+fn bytes_of(file: &CodeFile) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    file.write(&mut bytes).unwrap();
+    bytes
+}
+
+fn read(bytes: &[u8]) -> Result<CodeFile, CodeFileError> {
+    CodeFile::read(&mut &bytes[..])
+}
+
+fn program(items: Vec<Item>) -> CodeFile {
+    CodeFile::new("part.ngc", &Machine::default(), items)
+}
+
+fn pass() -> ThreadPass {
+    let law = AxisLaw {
+        lead_mm: -2.0,
+        run_in_dc_deg: 90.0,
+        run_in_lambda: 0.25,
+        brake_c_deg: 3600.0,
+        brake_dc_deg: 90.0,
+        brake_lambda: 0.25,
+        ..AxisLaw::default()
+    };
+    let mut pass = ThreadPass { s_rpm: 600.0, direction: 1.0, max_ratio: 1.2, ..ThreadPass::default() };
+    pass.axes[2] = law;
+    pass
+}
+
+fn any_item() -> impl Strategy<Value = Item> {
+    let target = prop::array::uniform8(any::<i64>().prop_map(Position));
+    let feed = prop_oneof![
+        Just(Feed::Rapid),
+        (1e-3..1e5).prop_map(Feed::PerMinute),
+        (1e-6..100.0).prop_map(Feed::PerRevolution)
+    ];
+    let mode = prop_oneof![
+        Just(SpindleMode::Stop),
+        Just(SpindleMode::Clockwise),
+        Just(SpindleMode::Counterclockwise)
+    ];
+    let code = prop_oneof![
+        (target, feed).prop_map(|(target, feed)| Code::Line { target, feed }),
+        (0.0..1e4).prop_map(|seconds| Code::Dwell { seconds }),
+        (mode, 0.0..1e5).prop_map(|(mode, rpm)| Code::Spindle { mode, rpm }),
+        any::<u32>().prop_map(|number| Code::Tool { number }),
+        (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
+        Just(Code::End),
+    ];
+    (any::<u32>(), code).prop_map(|(line, code)| Item { line, code })
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_can_be_read(items in prop::collection::vec(any_item(), 0..40)) {
+        let file = program(items);
+        prop_assert_eq!(read(&bytes_of(&file)).unwrap(), file);
+    }
+
+    #[test]
+    fn a_single_wrong_byte_is_refused(
+        items in prop::collection::vec(any_item(), 0..8), place: prop::sample::Index, flip in 1u8..,
+    ) {
+        let mut bytes = bytes_of(&program(items));
+        let place = place.index(bytes.len());
+        bytes[place] ^= flip;
+        prop_assert!(read(&bytes).is_err(), "byte {}", place);
+    }
+
+    #[test]
+    fn a_part_of_a_file_is_refused(items in prop::collection::vec(any_item(), 0..8), end: prop::sample::Index) {
+        let bytes = bytes_of(&program(items));
+        let error = read(&bytes[..end.index(bytes.len())]).unwrap_err();
+        let cut_off = matches!(error, CodeFileError::Truncated { .. });
+        prop_assert!(cut_off, "{}", error);
+    }
+
+    #[test]
+    fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert!(read(&bytes).is_err());
+    }
+
+    #[test]
+    fn any_content_with_a_right_checksum_is_read_or_refused(content in prop::collection::vec(any::<u8>(), 0..400)) {
+        if let Ok(file) = read(&with_head(&content)) {
+            prop_assert!(file.items.iter().all(|item| item.check().is_ok()));
+        }
+    }
+}
+
+fn with_head(content: &[u8]) -> Vec<u8> {
+    let mut bytes = b"PLMC\x01\0".to_vec();
+    bytes.extend((content.len() as u64).to_le_bytes());
+    bytes.extend(crc32fast::hash(content).to_le_bytes());
+    bytes.extend(content);
+    bytes
+}
+
+#[test]
+fn each_kind_of_wrong_file_has_its_message() {
+    let bytes = bytes_of(&program(vec![Item { line: 1, code: Code::End }]));
+    let foreign = read(b"G1 X10 Z-20 F100").unwrap_err();
+    assert!(matches!(foreign, CodeFileError::Foreign), "{foreign}");
+
+    let mut later = bytes.clone();
+    later[4] = 7;
+    let error = read(&later).unwrap_err();
+    assert_eq!(error.to_string(), "machine code of version 7, this is 1: compile the program again");
+
+    let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
+    assert!(matches!(error, CodeFileError::Truncated { missing: 3 }), "{error}");
+
+    let longer = [&bytes[..], b"\n"].concat();
+    assert!(matches!(read(&longer), Err(CodeFileError::Trailing)));
+
+    let inside = with_head(&[&bytes[HEAD..], b"\0"].concat());
+    assert!(matches!(read(&inside), Err(CodeFileError::Trailing)));
+
+    let mut damaged = bytes;
+    damaged[HEAD + 3] ^= 1;
+    assert!(matches!(read(&damaged), Err(CodeFileError::Damaged)));
+}
+
+#[test]
+fn hostile_lengths_take_no_memory() {
+    let mut bytes = b"PLMC\x01\0".to_vec();
+    bytes.extend(u64::MAX.to_le_bytes());
+    assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
+
+    // A name of 2^60 bytes, and an empty program with 2^60 items.
+    let huge = [&[253][..], &(1u64 << 60).to_le_bytes()].concat();
+    assert!(matches!(read(&with_head(&huge)), Err(CodeFileError::Content(_))));
+    let items = [&[0; 18][..], &huge].concat();
+    assert!(matches!(read(&with_head(&items)), Err(CodeFileError::Content(_))));
+}
+
+#[test]
+fn an_impossible_item_is_neither_written_nor_read() {
+    let wrong = Item { line: 9, code: Code::Dwell { seconds: f64::NAN } };
+    let file = program(vec![Item { line: 1, code: Code::End }, wrong]);
+    let expected = Refused::NotFinite("dwell");
+    for error in [
+        file.write(&mut Vec::new()).unwrap_err(),
+        read(&with_head(&bincode::serde::encode_to_vec(&file, bincode::config::standard()).unwrap()))
+            .unwrap_err(),
+    ] {
+        assert!(
+            matches!(error, CodeFileError::Item { number: 1, line: 9, reason } if reason == expected),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_file_belongs_to_its_machine() {
+    let mut machine = Machine::default();
+    let file = program(Vec::new());
+    file.check_machine(&machine).unwrap();
+    machine.machine.interpolator_cycle_s = 0.004;
+    let error = file.check_machine(&machine).unwrap_err();
+    assert!(error.to_string().contains("compile the program for this machine"), "{error}");
+}

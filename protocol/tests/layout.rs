@@ -1,0 +1,84 @@
+//! The layout of everything on the wire. iceoryx2 compares name, size and alignment of a type, but not the order of its
+//! fields: whoever changes a layout has to change the version in the type's name, and this file.
+#![allow(unsafe_code)] // `type_name` is unsafe to implement, and is so marked; calling it cannot go wrong
+
+use std::mem::offset_of;
+
+use iceoryx2::prelude::ZeroCopySend;
+use protocol::*;
+
+/// Checks size and offsets, and, by taking the type apart, that no field is left out.
+macro_rules! layout {
+    ($test:ident: $type:ident, $bytes:literal, $name:expr, { $($field:ident: $offset:literal),* $(,)? }) => {
+        #[test]
+        fn $test() {
+            let $type { $($field: _),* } = $type::default();
+            assert_eq!((size_of::<$type>(), align_of::<$type>()), ($bytes, 8));
+            $(assert_eq!(offset_of!($type, $field), $offset, stringify!($field));)*
+            let name: Option<&str> = $name;
+            if let Some(name) = name {
+                assert_eq!(unsafe { <$type as ZeroCopySend>::type_name() }, name);
+            }
+        }
+    };
+}
+
+layout!(code_packet: CodePacket, 1120, Some("pitchlock/code-packet/1"), {
+    sequence: 0, line: 8, kind: 12, number: 16, reserved: 20, value: 24, target: 32, pass: 96,
+});
+layout!(credit: Credit, 8, Some("pitchlock/credit/1"), {
+    taken: 0,
+});
+layout!(thread_pass: ThreadPass, 1024, None, {
+    pass: 0, start: 4, s_rpm: 8, direction: 16, start_angle_deg: 24, lead_mm: 32, thread_end_deg: 40,
+    max_ratio: 48, depth_mm: 56, axes: 64,
+});
+layout!(axis_law: AxisLaw, 120, None, {
+    start: 0, end: 8, stroke_mm: 16, stroke_c0_deg: 24, stroke_dc_deg: 32, lead_mm: 40,
+    run_in_c0_deg: 48, run_in_dc_deg: 56, run_in_lambda: 64, brake_c_deg: 72, brake_dc_deg: 80,
+    brake_lambda: 88, retract_mm: 96, retract_c_deg: 104, retract_dc_deg: 112,
+});
+layout!(axis_frame: AxisFrame, 200, Some("pitchlock/axis-frame/1"), {
+    cycle: 0, command: 8, line: 12, setpoint: 16, pass: 48, reserved: 52, s_rpm: 56, direction: 64,
+    not_before: 72, law: 80,
+});
+layout!(setpoint: Setpoint, 32, None, {
+    cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
+});
+layout!(measurement: Measurement, 272, Some("pitchlock/measurement/1"), {
+    cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
+    reserved: 44, axes: 48, panel: 240,
+});
+layout!(axis_measurement: AxisMeasurement, 24, None, {
+    position: 0, torque_nm: 8, status_word: 16, reserved: 20,
+});
+layout!(panel: Panel, 32, None, {
+    spindle_override_pct: 0, feed_override_pct: 8, rapid_override_pct: 16, buttons: 24, reserved: 28,
+});
+layout!(drive_command: DriveCommand, 40, Some("pitchlock/drive-command/1"), {
+    cycle: 0, control_word: 8, reserved: 12, target_velocity_mm_s: 16, velocity_offset_mm_s: 24,
+    torque_offset_nm: 32,
+});
+layout!(axis_status: AxisStatus, 120, Some("pitchlock/axis-status/1"), {
+    cycle: 0, state: 8, fault: 12, pass: 16, line: 20, in_position: 24, refused: 28, commanded_mm: 32,
+    velocity_mm_s: 40, acceleration_mm_s2: 48, jerk_mm_s3: 56, servo_error_mm: 64, angle_deg: 72,
+    spindle_rpm: 80, control_word: 88, reserved: 92, target_velocity_mm_s: 96,
+    velocity_offset_mm_s: 104, torque_offset_nm: 112,
+});
+layout!(machine_status: MachineStatus, 80, Some("pitchlock/machine-status/1"), {
+    cycle: 0, state: 8, fault: 12, line: 16, pass: 20, moves: 24, taken: 32, overrides_clamped: 40,
+    stopped: 44, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
+});
+layout!(spindle_command: SpindleCommand, 48, Some("pitchlock/spindle-command/1"), {
+    cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, reserved: 28, index_not_before: 32,
+    direction: 40,
+});
+layout!(truth: Truth, 560, Some("pitchlock/truth/1"), {
+    cycle: 0, spindle_deg: 8, spindle_rpm: 16, late_answers: 24, axes: 32, measurement: 288,
+});
+layout!(axis_truth: AxisTruth, 32, None, {
+    motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24,
+});
+layout!(operator_request: OperatorRequest, 24, Some("pitchlock/operator-request/1"), {
+    sequence: 0, kind: 8, reserved: 12, value: 16,
+});

@@ -1,0 +1,134 @@
+//! A machine file that cannot be used is refused, and the message says where and why.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use protocol::{Axis, Cycle, Machine, machine::SMALL_LATHE};
+use toml::{Table, Value};
+
+fn refusal(text: &str) -> String {
+    Machine::from_toml(text).unwrap_err().to_string()
+}
+
+/// The built-in file with one line changed.
+fn with(line: &str, instead: &str) -> String {
+    assert!(SMALL_LATHE.contains(line), "{line}");
+    SMALL_LATHE.replacen(line, instead, 1)
+}
+
+/// Every key that the controller reads, as a path.
+fn paths() -> Vec<Vec<String>> {
+    fn walk(table: &Table, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
+        for (key, value) in table {
+            path.push(key.clone());
+            match value {
+                Value::Table(inner) => walk(inner, path, found),
+                _ => found.push(path.clone()),
+            }
+            path.pop();
+        }
+    }
+    let mut table: Table = SMALL_LATHE.parse().unwrap();
+    table.remove("plant");
+    table.remove("tools");
+    let mut found = Vec::new();
+    walk(&table, &mut Vec::new(), &mut found);
+    found
+}
+
+/// The built-in file with one value replaced.
+fn replaced(path: &[String], value: Value) -> String {
+    let mut table: Table = SMALL_LATHE.parse().unwrap();
+    let (key, parents) = path.split_last().unwrap();
+    let mut inner = &mut table;
+    for parent in parents {
+        inner = inner.get_mut(parent).unwrap().as_table_mut().unwrap();
+    }
+    inner.insert(key.clone(), value);
+    toml::to_string(&table).unwrap()
+}
+
+#[test]
+fn the_built_in_machine_is_good() {
+    let machine = Machine::default();
+    assert_eq!(machine.cycles_per_tick(), 4);
+    assert!(machine.is_tick(Cycle(8)) && !machine.is_tick(Cycle(9)));
+    assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Z]);
+    let again = Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap();
+    assert_eq!(again, machine);
+}
+
+#[test]
+fn unknown_keys_are_refused_wherever_they_are() {
+    for section in ["[machine]", "[axis.x]", "[axis.z]", "[spindle]"] {
+        let message = refusal(&with(section, &format!("{section}\nvelocity_mm_min = 1")));
+        assert!(message.contains("velocity_mm_min") && message.contains("line"), "{message}");
+    }
+    assert!(refusal(&format!("{SMALL_LATHE}\n[turret]")).contains("turret"));
+}
+
+#[test]
+fn a_missing_key_is_named() {
+    let message = refusal(&with("mass_kg = 1905.0", ""));
+    assert!(message.contains("mass_kg"), "{message}");
+}
+
+#[test]
+fn a_value_of_the_wrong_type_is_shown() {
+    let message = refusal(&with("velocity_mm_s = 150.0", "velocity_mm_s = \"9 m/min\""));
+    assert!(message.contains("velocity_mm_s = \"9 m/min\""), "{message}");
+    let message = refusal(&with("dialect = \"linuxcnc\"", "dialect = \"heidenhain\""));
+    assert!(message.contains("heidenhain") && message.contains("linuxcnc"), "{message}");
+}
+
+#[test]
+fn every_number_has_bounds_and_its_refusal_names_its_path() {
+    for path in paths() {
+        let name = path.join(".");
+        let table: Table = SMALL_LATHE.parse().unwrap();
+        let value = path.iter().fold(&Value::Table(table), |value, key| &value[key.as_str()]).clone();
+        let impossible = match value {
+            Value::Float(_) => Value::Float(f64::NAN),
+            Value::Integer(_) => Value::Integer(1),
+            Value::Array(_) => Value::Array(vec![Value::Float(f64::NAN), Value::Float(1.0)]),
+            _ => continue,
+        };
+        let message = refusal(&replaced(&path, impossible));
+        assert!(message.starts_with(&name) && message.contains("must"), "{name}: {message}");
+    }
+}
+
+#[test]
+fn values_that_contradict_each_other_are_refused() {
+    for (line, instead, message) in [
+        (
+            "interpolator_cycle_s = 0.002",
+            "interpolator_cycle_s = 0.0018",
+            "machine.interpolator_cycle_s = 0.0018",
+        ),
+        (
+            "interpolator_cycle_s = 0.002",
+            "interpolator_cycle_s = 0.0001",
+            "machine.interpolator_cycle_s = 0.0001",
+        ),
+        ("travel_mm = [-5.0, 120.0]", "travel_mm = [120.0, -5.0]", "axis.x.travel_mm[1] = -5"),
+        ("home_mm = 60.0", "home_mm = 121.0", "axis.x.home_mm = 121"),
+        ("[axis.z]", "[axis.y]", "axis = 2: a lathe needs [axis.x] and [axis.z]"),
+    ] {
+        let refused = refusal(&with(line, instead));
+        assert!(refused.starts_with(message), "{instead}: {refused}");
+    }
+    let message = refusal(&format!("{SMALL_LATHE}\n[tools.T3]\nname = \"x\""));
+    assert!(message.starts_with("tools = T3"), "{message}");
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_it_panic(text in "(\\[[a-z.]{0,8}\\]\n|[a-z_]{1,12} = [-0-9.e\"a-z]{0,8}\n){0,12}") {
+        let _ = Machine::from_toml(&text);
+    }
+
+    #[test]
+    fn no_number_makes_it_panic(path in prop::sample::select(paths()), number in any::<f64>()) {
+        let _ = Machine::from_toml(&replaced(&path, Value::Float(number)));
+    }
+}

@@ -1,0 +1,242 @@
+//! Packets: what is packed can be unpacked, and what no sender sends is refused.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use protocol::*;
+use zerocopy::FromBytes;
+
+fn law() -> AxisLaw {
+    AxisLaw {
+        stroke_mm: -3.0,
+        stroke_c0_deg: 30.0,
+        stroke_dc_deg: 300.0,
+        lead_mm: -2.0,
+        run_in_c0_deg: 60.0,
+        run_in_dc_deg: 270.0,
+        run_in_lambda: 0.25,
+        brake_c_deg: 7200.0,
+        brake_dc_deg: 270.0,
+        brake_lambda: 0.5,
+        retract_mm: 3.0,
+        retract_c_deg: 7200.0,
+        retract_dc_deg: 200.0,
+        ..AxisLaw::default()
+    }
+}
+
+fn pass() -> ThreadPass {
+    let mut pass =
+        ThreadPass { pass: 3, s_rpm: 600.0, direction: -1.0, max_ratio: 1.2, ..ThreadPass::default() };
+    pass.axes[0] = law();
+    pass
+}
+
+fn arm(law: AxisLaw) -> AxisCommand {
+    AxisCommand::Arm { pass: 3, s_rpm: 600.0, direction: 1.0, not_before: Cycle(77), law }
+}
+
+fn setpoint() -> Setpoint {
+    Setpoint { cycle: Cycle(12), position: Position(-5), velocity_mm_s: 1.0, acceleration_mm_s2: 2.0 }
+}
+
+#[test]
+fn every_code_travels() {
+    let target = std::array::from_fn(|axis| Position(axis as i64 - 4));
+    let mut codes =
+        vec![Code::Dwell { seconds: 0.5 }, Code::Tool { number: 7 }, Code::Pass(pass()), Code::End];
+    for feed in [Feed::Rapid, Feed::PerMinute(100.0), Feed::PerRevolution(0.1)] {
+        codes.push(Code::Line { target, feed });
+    }
+    for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
+        codes.push(Code::Spindle { mode, rpm: 600.0 });
+    }
+    for (sequence, code) in codes.into_iter().enumerate() {
+        let (item, sequence) = (Item { line: 5, code }, sequence as u64);
+        assert_eq!(CodePacket::pack(sequence, &item).unpack(sequence), Ok(item));
+    }
+}
+
+#[test]
+fn machine_code_out_of_order_is_refused() {
+    let packet = CodePacket::pack(8, &Item { line: 1, code: Code::End });
+    assert_eq!(packet.unpack(7), Err(Refused::OutOfOrder("machine code", 7, 8)));
+}
+
+#[test]
+fn machine_code_that_no_interpreter_sends_is_refused() {
+    let unpack = |code| CodePacket::pack(0, &Item { line: 1, code }).unpack(0).unwrap_err();
+    let line = |feed| Code::Line { target: Default::default(), feed };
+    assert_eq!(unpack(line(Feed::PerMinute(0.0))), Refused::OutOfRange("feed"));
+    assert_eq!(unpack(line(Feed::PerRevolution(-1.0))), Refused::OutOfRange("feed"));
+    assert_eq!(unpack(Code::Dwell { seconds: f64::INFINITY }), Refused::NotFinite("dwell"));
+    let negative = Code::Spindle { mode: SpindleMode::Clockwise, rpm: -1.0 };
+    assert_eq!(unpack(negative), Refused::OutOfRange("spindle speed"));
+    assert_eq!(unpack(Code::Pass(ThreadPass::default())), Refused::OutOfRange("S"));
+
+    let code = |kind, number| CodePacket { kind, number, ..CodePacket::default() }.unpack(0).unwrap_err();
+    assert_eq!(code(0, 0), Refused::UnknownCode("machine code", 0));
+    assert_eq!(code(1, 3), Refused::UnknownCode("feed", 3));
+    assert_eq!(code(3, 9), Refused::UnknownCode("spindle", 9));
+}
+
+#[test]
+fn every_axis_command_travels() {
+    for command in
+        [AxisCommand::Stream, AxisCommand::Hold, arm(law()), AxisCommand::CallOff, AxisCommand::Stop]
+    {
+        let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), &command);
+        assert_eq!((frame.cycle, frame.line, frame.setpoint), (Cycle(9), 4, setpoint()));
+        assert_eq!(frame.unpack(), Ok(command));
+    }
+}
+
+#[test]
+fn axis_commands_that_no_interpolator_sends_are_refused() {
+    let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), &arm(law()));
+    assert_eq!(AxisFrame { command: 99, ..frame }.unpack(), Err(Refused::UnknownCode("axis command", 99)));
+    for s_rpm in [0.0, 1e-305, 1e308] {
+        assert_eq!(AxisFrame { s_rpm, ..frame }.unpack(), Err(Refused::OutOfRange("S")));
+    }
+    assert_eq!(AxisFrame { s_rpm: f64::NAN, ..frame }.unpack(), Err(Refused::NotFinite("S")));
+    assert_eq!(AxisFrame { direction: 0.5, ..frame }.unpack(), Err(Refused::OutOfRange("spindle direction")));
+    let broken = Setpoint { velocity_mm_s: f64::NAN, ..setpoint() };
+    assert_eq!(
+        AxisFrame { setpoint: broken, ..frame }.unpack(),
+        Err(Refused::NotFinite("setpoint velocity"))
+    );
+    let broken = Setpoint { acceleration_mm_s2: f64::INFINITY, ..setpoint() };
+    let expected = Err(Refused::NotFinite("setpoint acceleration"));
+    assert_eq!(AxisFrame { setpoint: broken, ..frame }.unpack(), expected);
+}
+
+#[test]
+fn laws_that_cannot_be_evaluated_are_refused() {
+    law().check().unwrap();
+    AxisLaw::default().check().unwrap();
+    let mut wrong: Vec<(AxisLaw, Refused)> = Vec::new();
+    let mut case = |change: fn(&mut AxisLaw), refused| {
+        let mut law = law();
+        change(&mut law);
+        wrong.push((law, refused));
+    };
+    case(|law| law.stroke_mm = f64::NAN, Refused::NotFinite("stroke"));
+    case(|law| law.lead_mm = 2e5, Refused::OutOfRange("lead"));
+    case(|law| law.retract_mm = f64::INFINITY, Refused::NotFinite("retract stroke"));
+    case(|law| law.stroke_c0_deg = -1.0, Refused::OutOfRange("approach angle"));
+    case(|law| law.stroke_dc_deg = 0.0, Refused::OutOfRange("approach angle"));
+    case(|law| law.run_in_dc_deg = 1e10, Refused::OutOfRange("run-in angle"));
+    case(|law| law.brake_dc_deg = f64::NAN, Refused::NotFinite("braking angle"));
+    case(|law| law.retract_dc_deg = -5.0, Refused::OutOfRange("retract angle"));
+    case(|law| law.run_in_lambda = 0.0, Refused::OutOfRange("run-in lambda"));
+    case(|law| law.run_in_lambda = 1e-320, Refused::OutOfRange("run-in lambda"));
+    case(|law| law.brake_lambda = 0.6, Refused::OutOfRange("braking lambda"));
+    case(|law| law.brake_c_deg = 100.0, Refused::OutOfRange("braking angle"));
+    for (law, refused) in wrong {
+        assert_eq!(law.check(), Err(refused));
+    }
+}
+
+#[test]
+fn passes_that_cannot_be_cut_are_refused() {
+    pass().check().unwrap();
+    let check = |change: fn(&mut ThreadPass)| {
+        let mut pass = pass();
+        change(&mut pass);
+        pass.check().unwrap_err()
+    };
+    assert_eq!(check(|pass| pass.s_rpm = 1e6), Refused::OutOfRange("S"));
+    assert_eq!(check(|pass| pass.direction = 0.0), Refused::OutOfRange("spindle direction"));
+    assert_eq!(check(|pass| pass.start_angle_deg = f64::NAN), Refused::NotFinite("start angle"));
+    assert_eq!(check(|pass| pass.max_ratio = 0.99), Refused::OutOfRange("highest ratio"));
+    assert_eq!(check(|pass| pass.axes[7].lead_mm = f64::NAN), Refused::NotFinite("lead"));
+}
+
+#[test]
+fn the_operator_is_understood_or_refused() {
+    let requests = [
+        Request::SpindleOverride(60.0),
+        Request::FeedOverride(0.0),
+        Request::RapidOverride(25.0),
+        Request::FeedHold,
+        Request::Stop,
+        Request::CycleStart,
+    ];
+    let mut panel = Panel::default();
+    for request in requests {
+        assert_eq!(OperatorRequest::pack(1, request).unpack(), Ok(request));
+        panel.apply(request);
+    }
+    let expected = Panel {
+        spindle_override_pct: 60.0,
+        feed_override_pct: 0.0,
+        rapid_override_pct: 25.0,
+        buttons: Panel::STOP,
+        reserved: 0,
+    };
+    assert_eq!(panel, expected);
+    let refused = |request| OperatorRequest::pack(1, request).unpack().unwrap_err();
+    assert_eq!(refused(Request::RapidOverride(101.0)), Refused::OutOfRange("override"));
+    assert_eq!(refused(Request::SpindleOverride(f64::NAN)), Refused::NotFinite("override"));
+    let unknown = OperatorRequest::default().unpack();
+    assert_eq!(unknown, Err(Refused::UnknownCode("operator request", 0)));
+}
+
+#[test]
+fn a_status_word_says_its_state_and_the_way_on() {
+    use DriveState::*;
+    let way = [
+        (NotReady, Some(ControlWord::DisableVoltage)),
+        (SwitchOnDisabled, Some(ControlWord::Shutdown)),
+        (ReadyToSwitchOn, Some(ControlWord::SwitchOn)),
+        (SwitchedOn, Some(ControlWord::Enable)),
+        (OperationEnabled, Some(ControlWord::Enable)),
+        (QuickStopActive, Some(ControlWord::Enable)),
+        (FaultReaction, None),
+        (Fault, None),
+    ];
+    for (state, control_word) in way {
+        let word = StatusWord::of(state);
+        // Manufacturer and remote bits do not matter.
+        for noise in [0, 0xFF00, 0x0080] {
+            assert_eq!(StatusWord(word.0 | noise).state(), Some(state));
+        }
+        assert_eq!(word.towards_operation(), control_word);
+    }
+    assert_eq!(StatusWord(0x01).state(), None);
+}
+
+#[test]
+fn codes_of_states_and_faults_are_stable() {
+    for (code, state) in AxisState::ALL.into_iter().enumerate() {
+        assert_eq!((state as usize, AxisState::from_code(code as u32)), (code, Ok(state)));
+    }
+    assert_eq!(AxisState::from_code(8), Err(Refused::UnknownCode("axis state", 8)));
+    for (number, fault) in protocol::Fault::ALL.into_iter().enumerate() {
+        assert_eq!((fault as usize, protocol::Fault::from_code(fault as u32)), (number + 1, Some(fault)));
+    }
+    assert_eq!(protocol::Fault::from_code(0), None);
+    assert_eq!(protocol::Fault::from_code(u32::MAX), None);
+    for code in 0..7 {
+        assert_eq!(MachineState::from_code(code).map(|state| state as u32), Ok(code));
+    }
+    assert_eq!(MachineState::from_code(7), Err(Refused::UnknownCode("machine state", 7)));
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_some_packet_and_never_a_panic(
+        code in prop::collection::vec(any::<u8>(), size_of::<CodePacket>()),
+        frame in prop::collection::vec(any::<u8>(), size_of::<AxisFrame>()),
+        kind in 0u32..8, number in 0u32..4,
+    ) {
+        let code = CodePacket::read_from_bytes(&code).unwrap();
+        let code = CodePacket { kind, number, ..code };
+        if let Ok(item) = code.unpack(code.sequence) {
+            prop_assert!(item.check().is_ok());
+        }
+        let frame = AxisFrame::read_from_bytes(&frame).unwrap();
+        if let Ok(AxisCommand::Arm { law, .. }) = (AxisFrame { command: number, ..frame }).unpack() {
+            prop_assert!(law.check().is_ok());
+        }
+    }
+}
