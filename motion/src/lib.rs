@@ -1,0 +1,35 @@
+//! Laws of motion of a machine synchronised with its spindle: pure mathematics, no state of the machine, no I/O.
+//!
+//! | law | type | equations |
+//! |---|---|---|
+//! | stroke of the transverse axis over a spindle angle, sin² acceleration | [`Stroke`] | M1–M8a |
+//! | change of speed (run-in, run-out, feed ramp), sin² jerk | [`Ramp`] | M9–M21 |
+//! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15 |
+//! | feed of one block, ramp – cruise – ramp | [`FeedBlock`] | M22–M27 |
+//! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
+//!
+//! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to `p`. For
+//! a thread `p` is the *time at programmed speed*, `p = (C − C0)/(6 S)` (M1), so the path follows the measured
+//! spindle angle; [`Sample::driven`] turns the derivatives into those with respect to real time (M8).
+//!
+//! Units are coherent: a length given in mm yields mm, mm/s, …, mm/s⁴; a length in m yields m, …, m/s⁴.
+//! All types are plain `Copy` values. Nothing allocates, and every evaluation has a bounded cost.
+#![forbid(unsafe_code)]
+
+mod feed;
+mod limits;
+mod observer;
+mod pass;
+mod ramp;
+mod sample;
+mod search;
+mod stroke;
+mod versine;
+
+pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
+pub use limits::Limits;
+pub use observer::{SpindleMotion, SpindleObserver};
+pub use pass::{PassLaw, Window};
+pub use ramp::{Binding, Ramp};
+pub use sample::Sample;
+pub use stroke::Stroke;

@@ -1,0 +1,95 @@
+//! One point of a law of motion. In: values of a law. Out: sums, multiples, and the same point seen in real time.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | s, v, a, j, dj | mm, mm/s … mm/s⁴ | path and its derivatives with respect to the parameter p |
+//! | r | – | actual spindle speed over programmed speed |
+//! | r_dot | 1/s | its rate dr/dt |
+
+use core::ops::{Add, Mul, Neg, Sub};
+
+/// Value of a law and its derivatives with respect to its time-like parameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Path, mm.
+    pub s: f64,
+    /// First derivative, mm/s.
+    pub v: f64,
+    /// Second derivative, mm/s².
+    pub a: f64,
+    /// Third derivative, mm/s³.
+    pub j: f64,
+    /// Fourth derivative, mm/s⁴.
+    pub dj: f64,
+}
+
+impl Sample {
+    /// The same point in real time when the master runs at ratio `r` (actual over programmed speed, ≥ 0) that
+    /// changes by `r_dot` per second (M8). The path stays: position follows the spindle at any speed.
+    ///
+    /// ```text
+    /// v_t  = r v
+    /// a_t  = r² a + r' v
+    /// j_t  = r³ j + 3 r r' a
+    /// dj_t = r⁴ dj + 6 r² r' j + 3 r'² a        with r'' = 0
+    /// ```
+    ///
+    /// Speed and acceleration feedforward must use these values: a spindle that slows down brakes its axes too.
+    ///
+    /// ```
+    /// let steady = motion::Sample { s: 1.0, v: 20.0, ..Default::default() };
+    /// let braked = steady.driven(0.5, -2.0);
+    /// assert_eq!((braked.s, braked.v, braked.a), (1.0, 10.0, -40.0));
+    /// ```
+    #[must_use]
+    pub fn driven(self, r: f64, r_dot: f64) -> Sample {
+        let Sample { s, v, a, j, dj } = self;
+        let r2 = r * r;
+        Sample {
+            s,
+            v: r * v,
+            a: r2 * a + r_dot * v,
+            j: r * (r2 * j + 3.0 * r_dot * a),
+            dj: r2 * (r2 * dj + 6.0 * r_dot * j) + 3.0 * r_dot * r_dot * a,
+        }
+    }
+
+    /// Uniform motion: path `s`, speed `v`, nothing else.
+    #[must_use]
+    pub fn uniform(s: f64, v: f64) -> Sample {
+        Sample { s, v, ..Sample::default() }
+    }
+
+    /// A law run backwards, `s(p) → end − s(T − p)`, given the sample at `T − p`: odd derivatives keep their sign.
+    pub(crate) fn reversed(self, end: f64) -> Sample {
+        Sample { s: end - self.s, v: self.v, a: -self.a, j: self.j, dj: -self.dj }
+    }
+}
+
+impl Add for Sample {
+    type Output = Sample;
+    fn add(self, o: Sample) -> Sample {
+        Sample { s: self.s + o.s, v: self.v + o.v, a: self.a + o.a, j: self.j + o.j, dj: self.dj + o.dj }
+    }
+}
+
+impl Sub for Sample {
+    type Output = Sample;
+    fn sub(self, o: Sample) -> Sample {
+        self + -o
+    }
+}
+
+impl Neg for Sample {
+    type Output = Sample;
+    fn neg(self) -> Sample {
+        Sample { s: -self.s, v: -self.v, a: -self.a, j: -self.j, dj: -self.dj }
+    }
+}
+
+impl Mul<f64> for Sample {
+    type Output = Sample;
+    fn mul(self, k: f64) -> Sample {
+        Sample { s: self.s * k, v: self.v * k, a: self.a * k, j: self.j * k, dj: self.dj * k }
+    }
+}

@@ -1,0 +1,10 @@
+//! Laws of motion under random parameters: limits kept, joints continuous, target reached, time reversible.
+
+#[path = "properties/draw.rs"]
+mod draw;
+#[path = "properties/feed.rs"]
+mod feed;
+#[path = "properties/ramp.rs"]
+mod ramp;
+#[path = "properties/stroke.rs"]
+mod stroke;
