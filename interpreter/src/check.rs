@@ -1,0 +1,57 @@
+//! A whole program at once: every diagnostic, every pass, and the time it takes. In: a program and a machine.
+//! Out: a [`Check`]; nothing moves.
+
+use protocol::{Item, Machine};
+
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::execute::Interpreter;
+use crate::threading::PassNote;
+use crate::time::Clock;
+
+/// After so many errors a program is not read further.
+const MOST_ERRORS: usize = 100;
+
+/// What reading a whole program brought to light.
+#[derive(Clone, Debug, Default)]
+pub struct Check {
+    /// Errors and warnings, in the order of the program.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The machine code; fit to run only if there is no error.
+    pub items: Vec<Item>,
+    /// The passes of threads.
+    pub passes: Vec<PassNote>,
+    /// Estimated duration at 100 % override, s.
+    pub time_s: f64,
+}
+
+impl Check {
+    /// Whether the program can be run.
+    pub fn is_good(&self) -> bool {
+        self.diagnostics.iter().all(|diagnostic| diagnostic.severity < Severity::Error)
+    }
+}
+
+/// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass, and an
+/// estimate of its duration. `machine` has been checked.
+pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
+    let mut interpreter = Interpreter::new(name, source, machine);
+    let mut check = Check::default();
+    let mut clock = Clock::new(machine);
+    for item in &mut interpreter {
+        match item {
+            Ok(item) => {
+                clock.add(&item.code);
+                check.items.push(item);
+            }
+            Err(error) => check.diagnostics.push(error),
+        }
+        if check.diagnostics.len() == MOST_ERRORS {
+            break;
+        }
+    }
+    check.diagnostics.extend_from_slice(interpreter.warnings());
+    check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
+    check.passes = interpreter.passes().to_vec();
+    check.time_s = clock.seconds();
+    check
+}

@@ -1,0 +1,74 @@
+//! The process of the interpreter: yields machine code as fast as there is credit.
+
+use std::path::PathBuf;
+
+use protocol::{
+    CodePacket, Item, Machine,
+    code::Credit,
+    code_file::CodeFile,
+    ipc::{Process, channel, time::Moment},
+    shell::{ProcessArgs, START_S, ShellError, deliver, read_text, wait},
+};
+
+use crate::Interpreter;
+
+/// Arguments of the interpreter.
+#[derive(Clone, Debug, clap::Args)]
+pub struct InterpreterArgs {
+    /// Part program (G-code), or machine code made by `pitchlock compile` (`.mc`).
+    pub program: PathBuf,
+    /// What every process needs.
+    #[command(flatten)]
+    pub process: ProcessArgs,
+}
+
+/// Sends a whole program, item by item.
+///
+/// # Errors
+/// [`ShellError`]: a diagnostic of the program, or the interpolator cannot be reached.
+pub fn run(args: &InterpreterArgs) -> Result<(), ShellError> {
+    let machine = args.process.read_machine()?;
+    let mut member = args.process.join(Process::Interpreter)?;
+    let mut code = member.sender(channel::MACHINE_CODE, args.process.patience(&machine))?;
+    let mut credit = member.receiver(channel::CREDIT)?;
+    let interpolator = member.waker(Process::Interpolator)?;
+    let items = items(args, &machine)?;
+    member.start(&[&code, &credit, &interpolator], Moment::in_s(START_S))?;
+
+    let mut taken = 0;
+    'program: for (sequence, item) in (0..).zip(items) {
+        let packet = CodePacket::pack(sequence, &item?);
+        while sequence >= taken + channel::CODE_DEPTH {
+            let news = credit.receive()?;
+            if news == Some(Credit::ENOUGH) || member.is_gone(Process::Interpolator) {
+                break 'program;
+            }
+            match news {
+                Some(news) => taken = news.taken,
+                None => wait(&mut member, args.process.clock)?,
+            }
+        }
+        deliver(&mut code, &packet)?;
+        interpolator.wake()?;
+    }
+    Ok(member.finish(&[code.count(), credit.count()])?)
+}
+
+type Items = Box<dyn Iterator<Item = Result<Item, ShellError>>>;
+
+/// The program, item by item, of either kind of file.
+fn items(args: &InterpreterArgs, machine: &Machine) -> Result<Items, ShellError> {
+    let path = &args.program;
+    if CodeFile::is_named(path) {
+        let file = CodeFile::open(path, machine)
+            .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?;
+        return Ok(Box::new(file.items.into_iter().map(Ok)));
+    }
+    let name = path.display().to_string();
+    let source = read_text(path)?;
+    let interpreter = Interpreter::new(name.clone(), source.clone(), machine);
+    Ok(Box::new(
+        interpreter
+            .map(move |item| item.map_err(|error| ShellError::Input(error.render(&name, &source, false)))),
+    ))
+}

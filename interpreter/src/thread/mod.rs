@@ -1,0 +1,26 @@
+//! Threads: from the words of G33 and G76 to passes, each a law of every axis by spindle angle.
+//!
+//! | file | what it decides |
+//! |---|---|
+//! | `cut.rs` | what one pass shall cut, in mm: the geometry, free of speeds and limits |
+//! | `cycle.rs` | the cuts of a G76 cycle |
+//! | `single.rs` | the cut of a G33 block |
+//! | `plan.rs` | the law of a cut: windows, phase, run-out, highest speed |
+//! | `flank.rs` | when Z may begin to brake behind a retracting tool |
+//! | `refusal.rs` | why a cut has no law, and which speed would give it one |
+//! | `starts.rs` | which start of a multi-start thread a pass belongs to |
+
+mod cut;
+mod cycle;
+mod flank;
+mod plan;
+mod refusal;
+mod single;
+mod starts;
+
+pub use cut::{Cut, Point, Taper};
+pub(crate) use cycle::{Cycle, MOST_PASSES};
+pub use plan::{Plan, plan};
+pub use refusal::Refusal;
+pub(crate) use single::Single;
+pub(crate) use starts::Starts;

@@ -1,0 +1,319 @@
+//! The law of one pass: from geometry and limits to windows of spindle angle. In: a [`Cut`] in mm and 1/min, the
+//! machine. Out: a [`ThreadPass`], angles in degrees since the index; or the reason why there is none.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | S, F | 1/min, mm/rev | programmed speed, lead along the thread axis (signed) |
+//! | R | – | actual over programmed speed that the windows are laid out for, ≥ 1 |
+//! | q = 6 S R | deg/s | spindle angle per second at that speed (M1) |
+//! | T | s | duration of a ramp or stroke at that speed |
+//! | ΔC = q T | deg | its window |
+//! | c | deg | angle from where the helix goes through the start point; C = c + 360 k |
+//!
+//! ```text
+//! run-in     T from Ramp::fastest(R V) (M21);  window  -ΔC/2 … ΔC/2, so that z = F c/360 after it    (M14, phase rule)
+//! approach   T from Stroke::shortest (M7);     ends with the run-in
+//! brake      T as the run-in;                  within: centred on c_end = 360 L/F, so that it ends at L
+//! retract    T as the approach;                begins before the brake by the delay of flank.rs
+//! beyond     the retract begins at c_end, the brake after the delay
+//! k          the least number of turns that puts every window MARGIN cycles after the index
+//! ```
+
+use motion::{Limits, Ramp, Stroke};
+use protocol::machine::RunOut;
+use protocol::{Axis, AxisLaw, Machine, Position, ThreadPass};
+
+use super::cut::{Cut, Point};
+use super::flank::{largest, least_delay};
+use super::refusal::Refusal;
+
+/// Control cycles between the index and the first window, so that every regulator has seen the index in time.
+const MARGIN: f64 = 10.0;
+
+/// Share of an axis' speed that a thread leaves free at 100 % override, for the ripple of the spindle (M8).
+const VELOCITY_RESERVE: f64 = 0.02;
+
+/// A pass and what a user wants to know about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// The pass; its number and start are 0.
+    pub pass: ThreadPass,
+    /// Z where full depth begins and where it ends, mm.
+    pub full_depth_z_mm: [f64; 2],
+    /// Way of Z while it reaches the lead, and while it leaves it, mm.
+    pub delta_z_mm: [f64; 2],
+}
+
+/// Share of its speed that a retract has at least, however fast X follows a tapered helix.
+const LEAST_RETRACT: f64 = 0.05;
+
+/// A window of spindle angle.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    c: f64,
+    dc: f64,
+}
+
+impl Span {
+    fn end(self) -> f64 {
+        self.c + self.dc
+    }
+}
+
+/// The parts of a pass, angles from the start point of the helix.
+#[derive(Clone, Copy, Debug)]
+struct Windows {
+    approach: Span,
+    run_in: Span,
+    brake: Span,
+    retract: Span,
+    /// Full depth on the helix begins here.
+    locked: f64,
+    /// Full depth ends here.
+    thread_end: f64,
+}
+
+/// What the windows are laid out with.
+struct Design {
+    /// q = 6 S R, deg/s.
+    q: f64,
+    /// Ramps along the path at that speed.
+    run_in: Ramp,
+    brake: Ramp,
+    /// What strokes of X may use.
+    approach_limits: Limits,
+    retract_limits: Limits,
+    /// Share of the limits that a law may use.
+    share: f64,
+}
+
+/// Lays out a cut on a machine.
+///
+/// # Errors
+/// [`Refusal`] if the limits of the machine or the length of the thread leave no law.
+///
+/// # Panics
+/// If the machine has no X or Z, the speed is not positive, or the cut has no lead along Z.
+pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
+    assert!(cut.s_rpm > 0.0 && cut.lead.z != 0.0, "a cut has a speed and a lead");
+    let (x, z) = (axis_limits(machine, Axis::X), axis_limits(machine, Axis::Z));
+    for (axis, lead, limit) in [(Axis::X, cut.lead.x, x.v), (Axis::Z, cut.lead.z, z.v)] {
+        let v = lead.abs() * cut.s_rpm / 60.0;
+        let limit = limit * (1.0 - VELOCITY_RESERVE);
+        if v > limit {
+            return Err(Refusal::TooFast(axis, v, limit));
+        }
+    }
+    let design = Design::new(cut, machine, x, z);
+    let windows = windows(cut, machine, &design)?;
+    let earliest = windows.run_in.c.min(windows.approach.c);
+    let margin = design.q * MARGIN * machine.machine.cycle_s;
+    let turn = 360.0 * ((margin - earliest) / 360.0).ceil().max(0.0);
+    let pass = pass(cut, &windows, &design, turn, [x, z])?;
+    for axis in [Axis::X, Axis::Z] {
+        let end = pass.axis(axis).end.mm();
+        let [low, high] = travel(machine, axis);
+        if !(low..=high).contains(&end) {
+            return Err(Refusal::Travel(axis, end));
+        }
+    }
+    pass.check().map_err(Refusal::Extreme)?;
+    let on_helix = |c: f64| cut.from.z + cut.lead.z * c / 360.0;
+    let half_way = |window: Span| cut.lead.z.abs() * window.dc / 720.0;
+    Ok(Plan {
+        pass,
+        full_depth_z_mm: [on_helix(windows.locked), on_helix(windows.thread_end)],
+        delta_z_mm: [half_way(windows.run_in), half_way(windows.brake)],
+    })
+}
+
+impl Design {
+    fn new(cut: &Cut, machine: &Machine, x: Limits, z: Limits) -> Design {
+        let share = machine.threading.limit_share_pct / 100.0;
+        let (x, z) = (times(x, share), times(z, share));
+        // A retract from a tapered helix adds to the braking of X: each gets its part of the limits.
+        let shared = cut.lead.x != 0.0 && cut.retract_mm != 0.0;
+        let (in_limits, out_limits) =
+            (along(cut.lead, x, z), along(cut.lead, if shared { times(x, 0.5) } else { x }, z));
+        let v = libm::hypot(cut.lead.x, cut.lead.z) * cut.s_rpm / 60.0;
+        let ratio = (machine.threading.design_override_pct / 100.0).min(out_limits.v / v).max(1.0);
+        let mut retract_limits = x;
+        if shared {
+            let left = x.v - ratio * cut.lead.x.abs() * cut.s_rpm / 60.0;
+            retract_limits = Limits { v: left.max(LEAST_RETRACT * x.v), ..times(x, 0.5) };
+        }
+        Design {
+            q: 6.0 * cut.s_rpm * ratio,
+            run_in: Ramp::fastest(ratio * v, &in_limits),
+            brake: Ramp::fastest(ratio * v, &out_limits),
+            approach_limits: x,
+            retract_limits,
+            share,
+        }
+    }
+
+    /// The brake as Z makes it, at the design speed.
+    fn axial_brake(&self, lead: Point) -> Ramp {
+        let share = lead.z.abs() / libm::hypot(lead.x, lead.z);
+        Ramp::new(self.brake.dv() * share, self.brake.duration(), self.brake.lambda())
+    }
+}
+
+fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Refusal> {
+    let run_in_dc = design.q * design.run_in.duration();
+    let run_in = Span { c: -0.5 * run_in_dc, dc: run_in_dc };
+    let approach = approach(cut, design, run_in.end())?;
+    let locked = run_in.end().max(approach.end());
+
+    let retract_dc = retract_window(cut, design)?;
+    let exit = cut.exit.map_or(0.0, |taper| angle(cut, taper.length_mm));
+    let delay = if cut.retract_mm == 0.0 {
+        0.0
+    } else {
+        let retract = Stroke::new(cut.retract_mm, retract_dc / design.q);
+        let tan_flank = libm::tan(machine.threading.flank_half_angle_deg.to_radians());
+        let flank = least_delay(&design.axial_brake(cut.lead), &retract, cut.clear_mm, tan_flank);
+        exit.max(design.q * flank)
+    };
+    let length = cut.to_z - cut.from.z;
+    let c_end = 360.0 * length / cut.lead.z;
+    let brake_dc = design.q * design.brake.duration();
+    let brake_c = match machine.threading.run_out {
+        RunOut::Within => c_end - 0.5 * brake_dc,
+        RunOut::Beyond => c_end - exit + delay,
+    };
+    let brake = Span { c: brake_c, dc: brake_dc };
+    let thread_end = brake_c - delay;
+    let retract = if cut.retract_mm == 0.0 { brake } else { Span { c: thread_end, dc: retract_dc } };
+    if thread_end <= locked {
+        let mm = |c: f64| c * cut.lead.z.abs() / 360.0;
+        return Err(Refusal::NoThread {
+            run_in_mm: mm(locked),
+            run_out_mm: mm(c_end - thread_end),
+            length_mm: length.abs(),
+        });
+    }
+    Ok(Windows { approach, run_in, brake, retract, locked, thread_end })
+}
+
+/// The window of the approach, ending with the run-in, or where its taper ends.
+fn approach(cut: &Cut, design: &Design, run_in_end: f64) -> Result<Span, Refusal> {
+    let stroke = cut.approach_mm.abs();
+    let least = design.q * Stroke::shortest(stroke, &design.approach_limits);
+    let Some(taper) = cut.entry else { return Ok(Span { c: run_in_end - least, dc: least }) };
+    // The last `height` of the stroke lies on the taper: the share of the window it takes, by symmetry of the law.
+    let share = time_of(taper.height_mm / stroke);
+    let taper_dc = angle(cut, taper.length_mm);
+    if taper_dc < least * share {
+        return Err(Refusal::EntryTaper(least * share * cut.lead.z.abs() / 360.0));
+    }
+    let dc = taper_dc / share;
+    Ok(Span { c: run_in_end.max(taper_dc) - dc, dc })
+}
+
+/// The window of the retract, stretched so that its first part makes the taper at the end.
+fn retract_window(cut: &Cut, design: &Design) -> Result<f64, Refusal> {
+    let stroke = cut.retract_mm.abs();
+    let least = design.q * Stroke::shortest(stroke, &design.retract_limits);
+    let Some(taper) = cut.exit else { return Ok(least) };
+    let share = time_of(taper.height_mm / stroke);
+    let taper_dc = angle(cut, taper.length_mm);
+    if taper_dc < least * share {
+        return Err(Refusal::ExitTaper(least * share * cut.lead.z.abs() / 360.0));
+    }
+    Ok(taper_dc / share)
+}
+
+/// Spindle angle in which the helix advances by a length in mm.
+fn angle(cut: &Cut, length_mm: f64) -> f64 {
+    360.0 * length_mm / cut.lead.z.abs()
+}
+
+/// Share of its duration in which a stroke (M2) makes the given share of its way; 1 from the whole way on.
+fn time_of(way: f64) -> f64 {
+    let unit = Stroke::new(1.0, 1.0);
+    largest(1.0, |share| unit.at(share).s <= way)
+}
+
+/// The packet. `turn` are the whole turns from the index to the start point of the helix.
+fn pass(
+    cut: &Cut,
+    windows: &Windows,
+    design: &Design,
+    turn: f64,
+    limits: [Limits; 2],
+) -> Result<ThreadPass, Refusal> {
+    let Windows { approach, run_in, brake, retract, thread_end, .. } = *windows;
+    let lead = |lead_mm: f64| AxisLaw {
+        lead_mm,
+        run_in_c0_deg: run_in.c + turn,
+        run_in_dc_deg: run_in.dc,
+        run_in_lambda: design.run_in.lambda(),
+        brake_c_deg: brake.c + turn,
+        brake_dc_deg: brake.dc,
+        brake_lambda: design.brake.lambda(),
+        retract_c_deg: brake.c + turn,
+        retract_dc_deg: brake.dc,
+        ..AxisLaw::default()
+    };
+    let mut x = AxisLaw {
+        retract_mm: cut.retract_mm,
+        retract_c_deg: retract.c + turn,
+        retract_dc_deg: retract.dc,
+        ..if cut.lead.x == 0.0 { AxisLaw::default() } else { lead(cut.lead.x) }
+    };
+    if cut.approach_mm != 0.0 {
+        x.stroke_mm = cut.approach_mm;
+        x.stroke_c0_deg = approach.c + turn;
+        x.stroke_dc_deg = approach.dc;
+    }
+    let mut pass = ThreadPass {
+        s_rpm: cut.s_rpm,
+        direction: cut.direction,
+        lead_mm: cut.lead.z,
+        thread_end_deg: thread_end + turn,
+        depth_mm: cut.depth_mm,
+        max_ratio: f64::INFINITY,
+        ..ThreadPass::default()
+    };
+    let axes = [(Axis::X, x, cut.from.x), (Axis::Z, lead(cut.lead.z), cut.from.z)];
+    for ((axis, mut law, from), limits) in axes.into_iter().zip(limits) {
+        law.check().map_err(Refusal::Extreme)?;
+        let moves = law.law(cut.s_rpm);
+        law.start = Position::from_mm(from);
+        law.end = Position(law.start.0 + Position::from_mm(moves.at(law.done_deg()).s).0);
+        // A law laid out for its very limits may miss ratio 1 by a rounding.
+        let ratio = limits.top_ratio(&moves.peak());
+        if ratio < 1.0 - 1e-9 {
+            return Err(Refusal::TooFast(axis, moves.peak().v, limits.v));
+        }
+        // What is promised leaves a margin for changes of the spindle's speed (M8).
+        let promised = times(limits, design.share).top_ratio(&moves.peak());
+        pass.max_ratio = pass.max_ratio.min(promised.max(1.0));
+        pass.axes[axis.index()] = law;
+    }
+    Ok(pass)
+}
+
+/// Limits of an axis as the machine file states them.
+fn axis_limits(machine: &Machine, axis: Axis) -> Limits {
+    machine.axis.get(&axis).expect("a checked machine has X and Z").limits()
+}
+
+fn travel(machine: &Machine, axis: Axis) -> [f64; 2] {
+    machine.axis.get(&axis).expect("a checked machine has X and Z").travel_mm
+}
+
+fn times(limits: Limits, share: f64) -> Limits {
+    Limits { v: limits.v * share, a: limits.a * share, j: limits.j * share, dj: limits.dj * share }
+}
+
+/// Limits of the path in the direction of the lead: what both axes can do together.
+fn along(lead: Point, x: Limits, z: Limits) -> Limits {
+    let path = libm::hypot(lead.x, lead.z);
+    let bound = |x: f64, z: f64| {
+        let of_x = if lead.x == 0.0 { f64::INFINITY } else { x * path / lead.x.abs() };
+        of_x.min(z * path / lead.z.abs())
+    };
+    Limits { v: bound(x.v, z.v), a: bound(x.a, z.a), j: bound(x.j, z.j), dj: bound(x.dj, z.dj) }
+}

@@ -1,0 +1,127 @@
+//! Why a cut has no law, and what would give it one. In: a refusal and its cut. Out: a diagnostic that names the
+//! highest spindle speed that would do, and what else would help.
+
+use protocol::{Axis, Machine, Refused};
+
+use super::cut::Cut;
+use super::plan::plan;
+use crate::diagnostic::{Diagnostic, Spot, short};
+
+/// Why a cut cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// An axis would have to be faster than it can, mm/s.
+    TooFast(Axis, f64, f64),
+    /// Run-in and run-out leave no thread between them: their lengths and the length there is, mm.
+    NoThread {
+        /// Way along the axis until the tool is at depth on the helix, mm.
+        run_in_mm: f64,
+        /// Way along the axis from the end of full depth to the programmed end, mm.
+        run_out_mm: f64,
+        /// Programmed length, mm.
+        length_mm: f64,
+    },
+    /// X cannot make the taper at the start in its length; the least length, mm.
+    EntryTaper(f64),
+    /// X cannot make the taper at the end in its length; the least length, mm.
+    ExitTaper(f64),
+    /// An axis would leave its travel, at a position in mm.
+    Travel(Axis, f64),
+    /// A number of the pass is beyond what a regulator takes.
+    Extreme(Refused),
+}
+
+/// Slowest speed the search considers, as a share of the programmed one.
+const SLOWEST: f64 = 1e-3;
+/// Halvings of the search: more than the three digits that are shown need.
+const STEPS: u32 = 24;
+
+/// The highest spindle speed up to the programmed one at which all cuts can be made, 1/min, rounded down.
+fn highest_speed(cuts: &[Cut], machine: &Machine) -> Option<f64> {
+    let programmed = cuts.first()?.s_rpm;
+    let speed = cuts.iter().try_fold(programmed, |top, cut| highest_of_one(cut, top, machine))?;
+    let rounded = if speed >= 10.0 { speed.floor() } else { (speed * 100.0).floor() / 100.0 };
+    (rounded > 0.0).then_some(rounded)
+}
+
+/// The highest speed up to `top` at which one cut can be made.
+fn highest_of_one(cut: &Cut, top: f64, machine: &Machine) -> Option<f64> {
+    let possible = |s_rpm: f64| plan(&Cut { s_rpm, ..*cut }, machine).is_ok();
+    let (mut low, mut high) = (cut.s_rpm * SLOWEST, top);
+    if possible(high) {
+        return Some(high);
+    }
+    if !possible(low) {
+        return None;
+    }
+    for _ in 0..STEPS {
+        let middle = 0.5 * (low + high);
+        if possible(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(low)
+}
+
+impl Refusal {
+    /// The diagnostic for the user: `self` is the refusal of one of the cuts of a block.
+    pub(crate) fn diagnostic(self, cuts: &[Cut], machine: &Machine, spot: Spot) -> Diagnostic {
+        let s = short(cuts.first().map_or(0.0, |cut| cut.s_rpm));
+        let speed = highest_speed(cuts, machine);
+        let lower = speed.map(|rpm| format!("the highest spindle speed that would do is S{}", short(rpm)));
+        let slower = lower.clone().unwrap_or_else(|| "no spindle speed would do".to_owned());
+        let (code, message, help) = match self {
+            Refusal::TooFast(axis, needs, limit) => (
+                "pass-not-feasible",
+                format!(
+                    "at S{s} the thread needs {} mm/s of {axis}, which can do {}",
+                    short(needs),
+                    short(limit)
+                ),
+                format!("{slower}; a smaller lead would help too"),
+            ),
+            Refusal::NoThread { run_in_mm, run_out_mm, length_mm } => (
+                "pass-not-feasible",
+                format!(
+                    "no thread is left: at S{s} the run-in takes {} mm and the run-out {} mm of the {} mm from \
+                     start to end",
+                    short(run_in_mm),
+                    short(run_out_mm),
+                    short(length_mm)
+                ),
+                format!(
+                    "{slower}; a start further from the part, a smaller lead, or run_out = \"beyond\" would help \
+                     too"
+                ),
+            ),
+            Refusal::EntryTaper(least) | Refusal::ExitTaper(least) => {
+                let which = if matches!(self, Refusal::EntryTaper(_)) { "entry" } else { "exit" };
+                (
+                    "pass-not-feasible",
+                    format!("at S{s} X cannot make the {which} taper in its length E"),
+                    format!("make E at least {}, or lower S: {slower}", short(least + 5e-5)),
+                )
+            }
+            Refusal::Travel(axis, at) => {
+                let name = axis.name();
+                let [low, high] = machine.axis.get(&axis).map_or([0.0, 0.0], |config| config.travel_mm);
+                let message = format!(
+                    "the run-out would take {axis} to {} mm, outside axis.{name}.travel_mm = [{}, {}]",
+                    short(at),
+                    short(low),
+                    short(high)
+                );
+                let help = lower.unwrap_or_else(|| "end the thread earlier".to_owned());
+                ("travel-limit", message, help)
+            }
+            Refusal::Extreme(refused) => (
+                "pass-not-feasible",
+                format!("the pass is beyond what a regulator takes: {refused}"),
+                "use a lead, a speed and a length that a machine can have".to_owned(),
+            ),
+        };
+        Diagnostic::error(code, spot, message, help)
+    }
+}

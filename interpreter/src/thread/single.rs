@@ -1,0 +1,45 @@
+//! The cut of a G33 block. In: the path and K, mm; what the next block does with X. Out: a [`Cut`].
+//!
+//! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that of X
+//! K sin φ.
+
+use super::cut::{Cut, Point};
+
+/// A tool that has gone this many leads away from the path is out of any thread profile: those are less than one
+/// lead deep.
+const CLEAR_LEADS: f64 = 1.3;
+
+/// A G33 block: mm, radius; checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Single {
+    pub(crate) s_rpm: f64,
+    pub(crate) direction: f64,
+    pub(crate) from: Point,
+    pub(crate) to: Point,
+    pub(crate) k_mm: f64,
+    /// Where the G0 of the next block takes X, if it does nothing else.
+    pub(crate) retract_to: Option<f64>,
+}
+
+impl Single {
+    /// The cut of the block.
+    pub(crate) fn cut(&self) -> Cut {
+        let (dx, dz) = (self.to.x - self.from.x, self.to.z - self.from.z);
+        let per_mm = self.k_mm / libm::hypot(dx, dz);
+        let lead = Point { x: dx * per_mm, z: dz * per_mm };
+        let retract_mm = self.retract_to.map_or(0.0, |x| x - self.to.x);
+        Cut {
+            s_rpm: self.s_rpm,
+            direction: self.direction,
+            lead,
+            from: self.from,
+            to_z: self.to.z,
+            approach_mm: 0.0,
+            retract_mm,
+            clear_mm: retract_mm.abs().min(CLEAR_LEADS * lead.z.abs()),
+            depth_mm: 0.0,
+            entry: None,
+            exit: None,
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Bad programs: each error with its code, line and column, and a remedy.
+
+use interpreter::{Severity, check};
+use protocol::Machine;
+
+/// `(program, line, column, code)` of the first diagnostic.
+const SPELLING: [(&str, u32, u32, &str); 25] = [
+    ("G0 X1\n?\nM2", 2, 1, "bad-character"),
+    ("G0 X1 %\nM2", 1, 7, "bad-character"),
+    ("G33 Z1 K1 $0\nM2", 1, 11, "bad-character"),
+    ("G0 X1 /\nM2", 1, 7, "bad-character"),
+    ("G0 X1 é\nM2", 1, 7, "bad-character"),
+    ("G0 X1 (open\nM2", 1, 7, "unclosed-comment"),
+    ("(a (b) c)\nM2", 1, 1, "nested-comment"),
+    ("G0 X Z1\nM2", 1, 6, "missing-value"),
+    ("G0 X\nM2", 1, 5, "missing-value"),
+    ("#1 5\nM2", 1, 5, "missing-value"),
+    ("G0 X1.2.3\nM2", 1, 5, "bad-number"),
+    ("G0 X.\nM2", 1, 5, "bad-number"),
+    ("G0 X[1+[2]\nM2", 1, 5, "missing-bracket"),
+    ("G0 X SIN 30\nM2", 1, 10, "missing-bracket"),
+    ("G0 X[1 plus 2]\nM2", 1, 8, "unknown-operator"),
+    ("G0 XSINH[1]\nM2", 1, 5, "unknown-function"),
+    ("G0 X[1/0]\nM2", 1, 5, "arithmetic"),
+    ("G0 XSQRT[-4]\nM2", 1, 5, "arithmetic"),
+    ("G0 X[[0-2]**.5]\nM2", 1, 5, "arithmetic"),
+    ("G0 XLN[0]\nM2", 1, 5, "arithmetic"),
+    ("#0=1\nM2", 1, 1, "bad-parameter"),
+    ("G0 X#6000\nM2", 1, 5, "bad-parameter"),
+    ("G0 X#1.5\nM2", 1, 5, "bad-parameter"),
+    ("G0 N5 X1\nM2", 1, 4, "misplaced-line-number"),
+    ("N X1\nM2", 1, 1, "bad-line-number"),
+];
+
+const MEANING: [(&str, u32, u32, &str); 27] = [
+    ("G0 X1\n", 1, 1, "no-program-end"),
+    ("%\nG0 X1\n", 2, 1, "no-program-end"),
+    ("G63\nM2", 1, 1, "unknown-g-code"),
+    ("G1.55 X1\nM2", 1, 1, "unknown-g-code"),
+    ("M44\nM2", 1, 1, "unknown-m-code"),
+    ("G90 G2 X10 Z0\nM2", 1, 5, "not-available"),
+    ("M8\nM2", 1, 1, "not-available"),
+    ("o100 sub\nM2", 1, 1, "not-available"),
+    ("G0 X#<width>\nM2", 1, 5, "not-available"),
+    ("#5420=1\nM2", 1, 1, "not-available"),
+    ("G0 X1 Y2\nM2", 1, 7, "no-such-axis"),
+    ("G0 X1 D2\nM2", 1, 7, "unknown-word"),
+    ("G0 X3 X4\nM2", 1, 7, "repeated-word"),
+    ("G0 G1 X2\nM2", 1, 4, "modal-group"),
+    ("M3 S5 M5\nM2", 1, 7, "modal-group"),
+    ("G90 G91\nM2", 1, 5, "modal-group"),
+    ("G0 X1 P3\nM2", 1, 7, "unused-word"),
+    ("X1\nM2", 1, 1, "no-motion-mode"),
+    ("G4\nM2", 1, 1, "missing-word"),
+    ("G4 P-1\nM2", 1, 4, "bad-value"),
+    ("G1 X2\nM2", 1, 1, "no-feed"),
+    ("F100\nG95 G1 X2\nM2", 2, 5, "no-feed"),
+    ("G95 F.1 G1 X2\nM2", 1, 9, "spindle-not-turning"),
+    ("S4000 M3\nM2", 1, 1, "speed-limit"),
+    ("F0\nM2", 1, 1, "bad-value"),
+    ("G0 X10 Z500\nM2", 1, 8, "travel-limit"),
+    ("T1.5\nM2", 1, 1, "bad-value"),
+];
+
+/// After a preamble of one line: G21 G90 S400 M3 G0 X7 Z4.
+const THREADS: [(&str, u32, u32, &str); 25] = [
+    ("M5\nG33 Z-20 K1\nG0 X20\n", 3, 1, "spindle-not-turning"),
+    ("G33 Z-20 K1 F100\nG0 X20\n", 2, 13, "feed-in-thread"),
+    ("G33 Z-20\nG0 X20\n", 2, 1, "missing-word"),
+    ("G33 Z-20 K-1\nG0 X20\n", 2, 10, "bad-value"),
+    ("G33 X20 K1\nG0 X30\n", 2, 1, "not-available"),
+    ("G33 Z-20 K1\nG0 X20\nG33 Z-40 K1\nZ-60 K1\n", 5, 1, "not-available"),
+    ("G33 Z-20 K1 I1\nG0 X20\n", 2, 13, "unused-word"),
+    ("G33 Z4.01 K1\nG0 X20\n", 2, 1, "pass-not-feasible"),
+    ("G33 Z-100 K90\nG0 X20\n", 2, 1, "pass-not-feasible"),
+    ("G76 P1 Z-20 I-2 J.2\n", 2, 1, "missing-word"),
+    ("G76 P1 Z-20 I0 J.2 K.6\n", 2, 13, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.7 K.6\n", 2, 21, "bad-value"),
+    ("G76 P1 Z-20 I-2 J-.2 K.6\n", 2, 17, "bad-value"),
+    ("G76 P0 Z-20 I-2 J.2 K.6\n", 2, 5, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 R.5\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 Q85\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 H1.5\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 L4\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 L1\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 E13 L1\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 E1\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 E.001 L2\n", 2, 1, "pass-not-feasible"),
+    ("G76 P1 Z-20 I-2 J.00001 K.6\n", 2, 1, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 X5\n", 2, 25, "unused-word"),
+    ("G76 P1 Z-20 I-2 J.2 K.6\nX5\n", 3, 1, "no-motion-mode"),
+];
+
+fn assert_first(source: &str, (line, column, code): (u32, u32, &str)) {
+    let check = check("bad.ngc", source, &Machine::default());
+    let first = check.diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
+    let first = first.unwrap_or_else(|| panic!("no error in\n{source}"));
+    let shown = first.render("bad.ngc", source, false);
+    assert_eq!((first.code, first.line, first.column), (code, line, column), "{source}\n{shown}");
+    assert!(shown.starts_with(&format!("bad.ngc:{line}:{column}: error[{code}]: ")), "{shown}");
+    assert!(!first.help.is_empty() && shown.contains("help:"), "{shown}");
+    assert!(shown.contains('^'), "{shown}");
+    let table = include_str!("../../src/diagnostic.rs");
+    assert!(table.contains(&format!("`{code}`")), "{code} is not in the table of codes");
+}
+
+#[test]
+fn spelling() {
+    for (source, line, column, code) in SPELLING {
+        assert_first(source, (line, column, code));
+    }
+}
+
+#[test]
+fn meaning() {
+    for (source, line, column, code) in MEANING {
+        assert_first(source, (line, column, code));
+    }
+}
+
+#[test]
+fn threads() {
+    for (blocks, line, column, code) in THREADS {
+        assert_first(&format!("G21 G90 S400 M3 G0 X7 Z4\n{blocks}M2\n"), (line, column, code));
+    }
+}
+
+#[test]
+fn limits_are_named() {
+    let long = format!("G0 X1 {}\nM2", " ".repeat(300));
+    assert_first(&long, (1, 1, "line-too-long"));
+    let deep = format!("G0 X{}1{}\nM2", "[".repeat(40), "]".repeat(40));
+    assert_first(&deep, (1, 37, "expression-too-deep"));
+    let signs = format!("G0 X{}1\nM2", "-".repeat(100));
+    assert_first(&signs, (1, 37, "expression-too-deep"));
+    for (source, named) in [
+        ("S4000 M3\nM2", "3000"),
+        ("G0 X130\nM2", "axis.x.travel_mm = [-5, 120]"),
+        ("G0 X#6000\nM2", "#1"),
+        (&deep, "32"),
+        (&long, "256"),
+    ] {
+        let check = check("bad.ngc", source, &Machine::default());
+        let shown = check.diagnostics[0].render("bad.ngc", source, false);
+        assert!(shown.contains(named) || check.diagnostics[0].help.contains("5000"), "{shown}");
+    }
+}
+
+#[test]
+fn unknown_tools_are_refused_once_there_is_a_table() {
+    let mut machine = Machine::default();
+    assert!(check("t.ngc", "T7\nM2", &machine).is_good());
+    machine.tools.insert("3".into(), protocol::machine::Tool::default());
+    assert!(check("t.ngc", "T3\nM2", &machine).is_good());
+    assert_eq!(check("t.ngc", "T7\nM2", &machine).diagnostics[0].code, "unknown-tool");
+}
+
+#[test]
+fn several_errors_are_reported_at_once() {
+    let source = "G0 X500 Y1\nG2 M8 X1\nG0 Z900\nG1 X5\nM2\n";
+    let check = check("bad.ngc", source, &Machine::default());
+    let found: Vec<_> = check.diagnostics.iter().map(|d| (d.line, d.column, d.code)).collect();
+    assert_eq!(
+        found,
+        [
+            (1, 9, "no-such-axis"),
+            (2, 1, "not-available"),
+            (2, 4, "not-available"),
+            (3, 4, "travel-limit"),
+            (4, 1, "no-feed"),
+        ]
+    );
+}
+
+#[test]
+fn a_diagnostic_shows_place_words_and_remedy() {
+    let source = "G21 G90\nS4000 M3 (too fast)\nM2\n";
+    let check = check("part.ngc", source, &Machine::default());
+    let expected = "\
+part.ngc:2:1: error[speed-limit]: S4000 is outside what the spindle can do: 0.01 to 3000 1/min (spindle.max_rpm)
+  |
+2 | S4000 M3 (too fast)
+  | ^^^^^
+  |
+  = help: give at most S3000
+";
+    assert_eq!(check.diagnostics[0].render("part.ngc", source, false), expected);
+    // Another text than the one that was read is no reason to panic.
+    for other in ["", "\n", "é", "\né"] {
+        assert!(check.diagnostics[0].render("part.ngc", other, false).starts_with("part.ngc:2:1: "));
+    }
+}
+
+#[test]
+fn colour_is_only_colour() {
+    let source = "G2 X1\nM2\n";
+    let check = check("bad.ngc", source, &Machine::default());
+    let (plain, colour) =
+        (check.diagnostics[0].render("b", source, false), check.diagnostics[0].render("b", source, true));
+    assert!(!plain.contains('\u{1b}') && colour.contains('\u{1b}'), "{plain}{colour}");
+}

@@ -1,0 +1,137 @@
+//! Blocks: spelling, modal state, order of execution. The expectation is a listing of the items.
+
+use crate::{good, listing};
+
+fn assert_items(source: &str, expected: &str) {
+    let expected: String = expected.lines().map(|line| format!("{}\n", line.trim())).collect();
+    assert_eq!(listing(&good(source).items), expected.trim_start().to_owned(), "{source}");
+}
+
+#[test]
+fn words_in_every_legal_spelling() {
+    assert_items(
+        "g 0 x 1 0 . 5 z - 3\n\tG01 X+0007.250 z-.5 F01 50\n/ N0010 x5.(on)z5;off\n  \nm002\n",
+        "1 rapid X10.5 Z-3
+         2 feed 150/min X7.25 Z-0.5
+         3 feed 150/min X5 Z5
+         5 end",
+    );
+}
+
+#[test]
+fn a_tape_ends_at_its_second_percent_sign() {
+    assert_items("\n%\nG0 X1 Z1\n % \nG0 X99 Y1\n", "3 rapid X1 Z1\n5 end");
+}
+
+#[test]
+fn motion_stays_in_force() {
+    assert_items(
+        "G0 X10 Z10\nX9\nG1 F60\nZ1\nX2 Z3\nG0\nX4\nM30\nG2 nothing here is read",
+        "1 rapid X10 Z10
+         2 rapid X9 Z10
+         4 feed 60/min X9 Z1
+         5 feed 60/min X2 Z3
+         7 rapid X4 Z3
+         8 end",
+    );
+}
+
+#[test]
+fn units_diameters_and_increments() {
+    assert_items(
+        "G0 X20 Z0\nG91 X-1 Z2\nG7 X-1\nG90 X20\nG20 X1 Z-1\nG91 X-.2\nG8 G90 X1 F2\nG1 Z0\nG21 Z1 F30\nM2",
+        "1 rapid X20 Z0
+         2 rapid X19 Z2
+         3 rapid X18.5 Z2
+         4 rapid X10 Z2
+         5 rapid X12.7 Z-25.4
+         6 rapid X10.16 Z-25.4
+         7 rapid X25.4 Z-25.4
+         8 feed 50.8/min X25.4 Z0
+         9 feed 762/min X25.4 Z1
+         10 end",
+    );
+}
+
+#[test]
+fn a_block_is_executed_in_the_order_of_the_standard() {
+    assert_items(
+        "M30 X12 Z1 G4 P0.5 M3 T2 S500 F100 G1 G95 (all at once)\n",
+        "1 tool 2
+         1 spindle 500
+         1 dwell 0.5
+         1 feed 100/rev X12 Z1
+         1 spindle stop
+         1 end",
+    );
+}
+
+#[test]
+fn the_spindle_is_told_when_something_changes() {
+    assert_items(
+        "S400\nM3\nM3\nS500\nS500 M4\nM5\nS600\nM5\nG0 X1\nM3\nM2",
+        "2 spindle 400
+         4 spindle 500
+         5 spindle -500
+         6 spindle stop
+         9 rapid X1 Z100
+         10 spindle 600
+         11 spindle stop
+         11 end",
+    );
+}
+
+#[test]
+fn feed_per_revolution_is_a_mode_with_its_own_feed() {
+    assert_items(
+        "S100 M3 F100\nG1 X10\nG95 F.2\nX11\nG94 F80 X12\nM2",
+        "1 spindle 100
+         2 feed 100/min X10 Z100
+         4 feed 0.2/rev X11 Z100
+         5 feed 80/min X12 Z100
+         6 spindle stop
+         6 end",
+    );
+}
+
+#[test]
+fn codes_that_name_the_only_state_there_is_are_taken() {
+    assert_items("G18 G54 G97 G91.1 G8 G94\nG90.1\nM2", "3 end");
+}
+
+#[test]
+fn parameters_take_effect_after_their_line() {
+    assert_items(
+        "#1=5 #2=7\n#1=6 G0 X#1 Z#2\nX#1 #2=#1\nZ#2\n#4=1 #4=2 #4=3\nX#4\n#[#4+1]=9\n#5=4\nX##5 Z-#4\nM2",
+        "2 rapid X5 Z7
+         3 rapid X6 Z7
+         4 rapid X6 Z6
+         6 rapid X3 Z6
+         9 rapid X9 Z-9
+         10 end",
+    );
+}
+
+#[test]
+fn messages_are_comments_with_a_warning() {
+    let check = good("(MSG, load the bar)\n( plain, text )\nM2\n");
+    assert_eq!(check.diagnostics.len(), 1);
+    assert_eq!((check.diagnostics[0].code, check.diagnostics[0].line), ("message-not-shown", 1));
+}
+
+#[test]
+fn a_spindle_without_speed_is_a_warning() {
+    let check = good("M3\nS100\nM2\n");
+    assert_eq!(check.diagnostics[0].code, "no-spindle-speed");
+    assert_eq!(listing(&check.items), "1 spindle 0\n2 spindle 100\n3 spindle stop\n3 end\n");
+}
+
+#[test]
+fn time_adds_up() {
+    // 2 s of dwell, 400 1/min at 800 1/min per s twice, and 60 mm at 60 mm/min (ramps add little).
+    let check = good("G0 X10 Z0\nG4 P2\nS400 M3\nG1 Z-60 F60\nM2\n");
+    let rapid = good("G0 X10 Z0\nM2\n").time_s;
+    assert!(rapid > 0.5 && rapid < 2.0, "{rapid}");
+    let rest = check.time_s - rapid;
+    assert!((63.0..63.2).contains(&rest), "{rest}");
+}

@@ -1,0 +1,56 @@
+//! The interpreter from outside: programs in, items and diagnostics out.
+
+mod bad_programs;
+mod blocks;
+mod cycle;
+mod expressions;
+mod feasible;
+mod properties;
+mod single;
+mod threads;
+
+use interpreter::{Check, check};
+use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, ThreadPass};
+
+/// A program that must be right, on the built-in lathe.
+fn good(source: &str) -> Check {
+    let check = check("test.ngc", source, &Machine::default());
+    let said: String =
+        check.diagnostics.iter().map(|diagnostic| diagnostic.render("test.ngc", source, false)).collect();
+    assert!(check.is_good(), "{said}");
+    check
+}
+
+/// The passes among items.
+fn passes(items: &[Item]) -> Vec<ThreadPass> {
+    let pass = |item: &Item| if let Code::Pass(pass) = item.code { Some(pass) } else { None };
+    items.iter().filter_map(pass).collect()
+}
+
+/// Items as short text, one a line: `3 rapid X10 Z5`.
+fn listing(items: &[Item]) -> String {
+    items.iter().map(|item| format!("{} {}\n", item.line, text(&item.code))).collect()
+}
+
+fn text(code: &Code) -> String {
+    match code {
+        Code::Line { target, feed } => {
+            let (x, z) = (target[Axis::X.index()].mm(), target[Axis::Z.index()].mm());
+            let feed = match feed {
+                Feed::Rapid => "rapid".to_owned(),
+                Feed::PerMinute(feed) => format!("feed {feed}/min"),
+                Feed::PerRevolution(feed) => format!("feed {feed}/rev"),
+            };
+            format!("{feed} X{x} Z{z}")
+        }
+        Code::Dwell { seconds } => format!("dwell {seconds}"),
+        Code::Spindle { mode: SpindleMode::Stop, .. } => "spindle stop".to_owned(),
+        Code::Spindle { mode, rpm } => format!("spindle {}", mode.sign() * rpm),
+        Code::Tool { number } => format!("tool {number}"),
+        Code::Pass(pass) => {
+            let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
+            format!("pass {} X{} Z{} to Z{}", pass.pass, x.start.mm(), z.start.mm(), z.end.mm())
+        }
+        Code::End => "end".to_owned(),
+    }
+}

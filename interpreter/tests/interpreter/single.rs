@@ -1,0 +1,112 @@
+//! G33: the path, the retract of the next block, the starts of a multi-start thread.
+
+use interpreter::check;
+use protocol::machine::RunOut;
+use protocol::{Axis, Machine};
+
+use crate::{good, listing, passes};
+
+#[test]
+fn the_retract_of_the_next_block_belongs_to_the_pass() {
+    let source = "S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n(out)\nG0 X25\nZ4\nM2\n";
+    let check = good(source);
+    assert!(check.diagnostics.is_empty());
+    let pass = passes(&check.items)[0];
+    let (x, z) = (*pass.axis(Axis::X), *pass.axis(Axis::Z));
+    assert_eq!((x.start.mm(), x.end.mm(), x.stroke_mm, x.retract_mm), (19.5, 25.0, 0.0, 5.5));
+    assert_eq!((z.start.mm(), z.end.mm(), pass.lead_mm), (4.0, -25.0, -1.5));
+    assert!(x.retract_c_deg == pass.thread_end_deg && z.brake_c_deg >= x.retract_c_deg);
+    assert!(listing(&check.items).contains("5 rapid X25 Z-25\n6 rapid X25 Z4\n"));
+}
+
+#[test]
+fn the_modes_of_the_next_block_count() {
+    for (next, retract) in
+        [("G91 G0 X5", 5.0), ("G7 G0 X51", 6.0), ("#1=30 G0 X30", 10.5), ("g0x[2*10]", 0.5)]
+    {
+        let check = good(&format!("S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n{next}\nM2\n"));
+        assert_eq!(passes(&check.items)[0].axis(Axis::X).retract_mm, retract, "{next}");
+    }
+}
+
+#[test]
+fn without_a_retract_there_is_a_warning() {
+    for next in ["G0 X25 Z4", "G1 X25 F100", "G4 P1\nG0 X25", "G0 X25 S500", "G0 X25 M5", "G0 Z4", "G0 X500"]
+    {
+        let check =
+            check("t", &format!("S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n{next}\nM2\n"), &Machine::default());
+        let warning = &check.diagnostics[0];
+        assert_eq!((warning.code, warning.line), ("no-retract", 3), "{next}");
+        let pass = passes(&check.items)[0];
+        assert_eq!((pass.axis(Axis::X).retract_mm, pass.axis(Axis::X).end.mm()), (0.0, 19.5));
+        assert_eq!(pass.thread_end_deg, pass.axis(Axis::Z).brake_c_deg);
+    }
+}
+
+#[test]
+fn k_is_measured_along_the_path() {
+    // 3 in X and 4 in Z: K 5 gives leads of 3 and 4.
+    let check = good("S100 M3\nG0 X10 Z2\nG33 X28 Z-22 K5\nG0 X40\nM2\n");
+    let pass = passes(&check.items)[0];
+    let (x, z) = (*pass.axis(Axis::X), *pass.axis(Axis::Z));
+    assert!((x.lead_mm - 3.0).abs() < 1e-12 && (z.lead_mm + 4.0).abs() < 1e-12);
+    assert_eq!((x.end.mm(), z.end.mm()), (40.0, -22.0));
+    assert_eq!((x.run_in_c0_deg, x.run_in_dc_deg), (z.run_in_c0_deg, z.run_in_dc_deg));
+    let (x_law, z_law) = (x.law(100.0), z.law(100.0));
+    let end = pass.thread_end_deg;
+    for step in 0..=2000 {
+        let c = end * f64::from(step) / 2000.0;
+        assert!((4.0 * x_law.at(c).s + 3.0 * z_law.at(c).s).abs() < 1e-9, "the tool leaves the cone at {c}");
+    }
+}
+
+#[test]
+fn starts_are_told_apart_by_their_helix() {
+    let source = "S200 M3\nG0 X20 Z9\nG33 Z-30 K4.5\nG0 X34\nX20 Z10.5\nG33 Z-30 K4.5\nG0 X34\nX19.5 Z12\n\
+                  G33 Z-30 K4.5\nG0 X34\nX19.5 Z18\nG33 Z-30 K4.5\nG0 X34\nX19 Z10.5\nG33 Z-30 K3\nG0 X34\n\
+                  M4\nX19 Z10.5\nG33 Z-30 K4.5\nG0 X34\nM2\n";
+    let starts: Vec<u32> = passes(&good(source).items).iter().map(|pass| pass.start).collect();
+    assert_eq!(starts, [0, 1, 2, 0, 0, 0], "9 and 18 are one helix; another lead and direction count anew");
+}
+
+#[test]
+fn beyond_keeps_full_depth_to_the_programmed_end() {
+    let mut machine = Machine::default();
+    machine.threading.run_out = RunOut::Beyond;
+    let source = "S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\nG0 X25\nM2\n";
+    let beyond = check("t", source, &machine);
+    let pass = passes(&beyond.items)[0];
+    let end = beyond.passes[0].full_depth_z_mm[1];
+    assert!((end + 25.0).abs() < 1e-9, "{end}");
+    assert!(pass.axis(Axis::Z).end.mm() < -25.0);
+    assert!(
+        listing(&beyond.items).contains("4 rapid X25 Z-25\n"),
+        "the programmed point stays as programmed"
+    );
+    let within = check("t", source, &Machine::default());
+    assert!(within.passes[0].full_depth_z_mm[1] > -25.0);
+}
+
+#[test]
+fn a_cycle_beyond_comes_back_to_its_end() {
+    let mut machine = Machine::default();
+    machine.threading.run_out = RunOut::Beyond;
+    let check = check("t", "S400 M3\nG0 X12 Z4\nG76 P1 Z-20 I-2 J1 K1\nM2\n", &machine);
+    let listing = listing(&check.items);
+    assert!(check.is_good() && listing.contains("3 rapid X12 Z-20\n"), "{listing}");
+}
+
+#[test]
+fn a_run_out_beyond_the_travel_is_refused() {
+    let mut machine = Machine::default();
+    machine.threading.run_out = RunOut::Beyond;
+    let source = "S1500 M3\nG0 X20 Z-370\nG33 Z-399.9 K3\nG0 X25\nM2\n";
+    let refused = check("t", source, &machine);
+    assert_eq!(refused.diagnostics[0].code, "travel-limit");
+    assert!(
+        refused.diagnostics[0].message.contains("axis.z.travel_mm"),
+        "{}",
+        refused.diagnostics[0].message
+    );
+    assert!(check("t", source, &Machine::default()).is_good(), "within the programmed end it can be cut");
+}
