@@ -1,0 +1,158 @@
+//! The process of the interpolator: receive, tick, send.
+
+use protocol::{
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, Measurement, PerAxis,
+    code::Credit,
+    ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
+    shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
+    units::AXES,
+};
+
+use crate::{In, Interpolator};
+
+/// The ports to one regulator.
+struct ToAxis {
+    axis: Axis,
+    frames: Sender<AxisFrame>,
+    statuses: Receiver<AxisStatus>,
+    regulator: Waker,
+}
+
+impl ToAxis {
+    fn open(member: &Member, axis: Axis, patience: Patience) -> Result<ToAxis, IpcError> {
+        Ok(ToAxis {
+            axis,
+            frames: member.sender(channel::AXIS_COMMAND.of(axis), patience)?,
+            statuses: member.receiver(channel::AXIS_STATUS.of(axis))?,
+            regulator: member.waker(Process::Regulator(axis))?,
+        })
+    }
+}
+
+/// The ports to the interpreter.
+struct ToInterpreter {
+    code: Receiver<CodePacket>,
+    credit: Sender<Credit>,
+    interpreter: Waker,
+}
+
+/// Runs the interpolator until the machine may be switched off.
+///
+/// # Errors
+/// [`ShellError`] if the other processes cannot be reached.
+pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
+    let machine = args.read_machine()?;
+    let mut member = args.join(Process::Interpolator)?;
+    let patience = args.patience(&machine);
+    let mut measurements = member.receiver(channel::TICK_MEASUREMENT)?;
+    let mut spindle = member.sender(channel::SPINDLE_COMMAND, patience)?;
+    let mut status = member.sender(channel::MACHINE_STATUS, patience)?;
+    let mut source = ToInterpreter {
+        code: member.receiver(channel::MACHINE_CODE)?,
+        credit: member.sender(channel::CREDIT, patience)?,
+        interpreter: member.waker(Process::Interpreter)?,
+    };
+    let mut axes = machine
+        .axes()
+        .map(|(axis, _)| ToAxis::open(&member, axis, patience))
+        .collect::<Result<Vec<_>, _>>()?;
+    let plant = member.waker(Process::Plant)?;
+    let mut ports: Vec<&dyn Port> = vec![&measurements, &spindle, &status, &plant];
+    ports.extend([&source.code as &dyn Port, &source.credit, &source.interpreter]);
+    ports.extend(axes.iter().flat_map(|to| [&to.frames as &dyn Port, &to.statuses, &to.regulator]));
+    member.start(&ports, Moment::in_s(START_S))?;
+
+    let mut interpolator = Interpolator::new(&machine);
+    let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
+    let mut finished = false;
+    // The tick after the one that says "finished" is the last: its predecessor is in force then.
+    while !finished {
+        let Some(measurement) = measurements.receive()? else {
+            wait(&mut member, args.clock)?;
+            continue;
+        };
+        for to in &mut axes {
+            take_status(&mut member, to, args.clock, &measurement, &mut statuses[to.axis.index()])?;
+        }
+        take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
+        let was_finished = interpolator.finished();
+        let out = interpolator.tick(&In { measurement: &measurement, axes: &statuses });
+        deliver(&mut status, &out.status)?;
+        for to in &mut axes {
+            deliver(&mut to.frames, &out.frames[to.axis.index()])?;
+            to.regulator.wake()?;
+        }
+        deliver(&mut spindle, &out.spindle)?;
+        plant.wake()?;
+        finished = was_finished;
+    }
+    deliver(&mut source.credit, &Credit::ENOUGH)?;
+    source.interpreter.wake()?;
+    let mut counts = vec![measurements.count(), spindle.count(), status.count()];
+    counts.extend([source.code.count(), source.credit.count()]);
+    counts.extend(axes.iter().flat_map(|to| [to.frames.count(), to.statuses.count()]));
+    Ok(member.finish(&counts)?)
+}
+
+/// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock step it
+/// is there; in real time the newest one counts.
+fn take_status(
+    member: &mut Member,
+    to: &mut ToAxis,
+    clock: Clock,
+    measurement: &Measurement,
+    latest: &mut AxisStatus,
+) -> Result<(), ShellError> {
+    if measurement.cycle == Cycle(0) {
+        return Ok(());
+    }
+    let wanted = Cycle(measurement.cycle.0 - 1);
+    loop {
+        match to.statuses.receive()? {
+            Some(status) => {
+                *latest = status;
+                if clock == Clock::Virtual && status.cycle >= wanted {
+                    return Ok(());
+                }
+            }
+            None if clock == Clock::Real || member.is_gone(Process::Regulator(to.axis)) => return Ok(()),
+            None => wait(member, clock)?,
+        }
+    }
+}
+
+/// Takes machine code and gives credit. In lock step until the queue is full or the program has ended, so that nothing
+/// depends on how fast the interpreter is.
+fn take_code(
+    member: &mut Member,
+    interpolator: &mut Interpolator,
+    source: &mut ToInterpreter,
+    clock: Clock,
+) -> Result<(), ShellError> {
+    let mut taken = 0;
+    while interpolator.wants() {
+        if let Some(packet) = source.code.receive()? {
+            // A refused packet is a fault of the machine; the next tick says so.
+            let _ = interpolator.push(&packet);
+            taken += 1;
+            continue;
+        }
+        if taken > 0 {
+            give_credit(interpolator, source)?;
+            taken = 0;
+        }
+        if member.is_gone(Process::Interpreter) {
+            interpolator.lost_source();
+        }
+        if clock == Clock::Real || !interpolator.wants() {
+            break;
+        }
+        wait(member, clock)?;
+    }
+    if taken > 0 { give_credit(interpolator, source) } else { Ok(()) }
+}
+
+fn give_credit(interpolator: &Interpolator, source: &mut ToInterpreter) -> Result<(), ShellError> {
+    deliver(&mut source.credit, &Credit { taken: interpolator.received() })?;
+    Ok(source.interpreter.wake()?)
+}

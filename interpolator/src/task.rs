@@ -1,0 +1,100 @@
+//! What the interpolator is doing, as one enum.
+//!
+//! | from | when | to |
+//! |---|---|---|
+//! | Starting | every axis streams | Ready |
+//! | Ready | a line is next (and the spindle at speed, for a feed) | Moving |
+//! | Ready | a dwell is next | Dwelling |
+//! | Ready | a pass is next, spindle at speed, axes at its start and in position | Arming |
+//! | Ready | the program ends, or the operator stops it | Ending |
+//! | Moving | the end of the block | Ready |
+//! | Moving | stop, and the pace has come to zero | Ending |
+//! | Dwelling | time over | Ready |
+//! | Arming | every axis armed two ticks later | Threading |
+//! | Arming | one is not | Fault (called off on every axis before anything moves) |
+//! | Threading | every axis streams again | Ready |
+//! | Ending | the spindle stands | Ended |
+//! | any | an axis faults, bad machine code, a wait without end | Fault |
+
+use protocol::{Cycle, Fault, Feed, MachineState, ThreadPass};
+
+use crate::block::Block;
+
+/// What the interpolator is doing.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant)] // there is one of it, and it must not allocate
+pub(crate) enum Task {
+    /// Waits for the drives.
+    Starting,
+    /// At rest, the next item may begin.
+    Ready,
+    /// A block is under way.
+    Moving(Move),
+    /// Waits so many ticks.
+    Dwelling {
+        /// Ticks left.
+        left: u64,
+    },
+    /// A pass was sent at tick `sent`.
+    Arming {
+        /// The pass.
+        pass: ThreadPass,
+        /// The tick that sent it.
+        sent: Cycle,
+    },
+    /// The regulators cut a pass.
+    Threading {
+        /// The pass.
+        pass: ThreadPass,
+    },
+    /// The program is over, the spindle runs down.
+    Ending,
+    /// All is at rest.
+    Ended,
+    /// Latched; the spindle runs down.
+    Fault {
+        /// Why.
+        fault: Fault,
+        /// Axes are in a pass: those that can follow their laws while the spindle runs down.
+        threading: bool,
+    },
+}
+
+/// A block under way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    /// The plan.
+    pub(crate) block: Block,
+    /// Its feed.
+    pub(crate) feed: Feed,
+    /// The plan is for this multiple of the programmed feed.
+    pub(crate) planned_ratio: f64,
+    /// The plan is for this spindle speed, 1/min (feed per revolution).
+    pub(crate) planned_rpm: f64,
+    /// The ratio asked for last was clamped.
+    pub(crate) clamped: bool,
+}
+
+impl Task {
+    /// The state as others see it.
+    pub(crate) fn public(&self) -> MachineState {
+        match self {
+            Task::Starting => MachineState::Starting,
+            Task::Ready => MachineState::Ready,
+            Task::Moving(_) => MachineState::Moving,
+            Task::Dwelling { .. } => MachineState::Waiting,
+            Task::Arming { .. } | Task::Threading { .. } => MachineState::Threading,
+            Task::Ending => MachineState::Waiting,
+            Task::Ended => MachineState::Ended,
+            Task::Fault { .. } => MachineState::Fault,
+        }
+    }
+
+    /// The pass in hand.
+    pub(crate) fn pass(&self) -> Option<&ThreadPass> {
+        match self {
+            Task::Arming { pass, .. } | Task::Threading { pass } => Some(pass),
+            _ => None,
+        }
+    }
+}

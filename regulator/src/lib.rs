@@ -1,0 +1,24 @@
+//! One axis, synchronous with the spindle or with time.
+//!
+//! Every control cycle a [`Regulator`] takes the measurement, and at interpolator ticks a frame, and answers with a
+//! command to its drive and a status. The reference comes from setpoints (timed motion) or from the law of a pass
+//! evaluated at the measured spindle angle; the loops below do not know which (M54).
+//!
+//! | file | what |
+//! |---|---|
+//! | [`state`] | the states of an axis as one enum, one transition function |
+//! | [`spindle`] | spindle angle, speed and acceleration from counts (M53), index |
+//! | [`stream`] | timed motion between setpoints |
+//! | [`reference`](mod@reference) | where the axis shall be at three instants: now, and at the leads of the feedforwards (M8, M54) |
+//! | [`loops`] | position loop, feedforward of mass and friction (M54) |
+#![forbid(unsafe_code)]
+
+pub mod loops;
+pub mod reference;
+mod regulator;
+pub mod shell;
+pub mod spindle;
+pub mod state;
+pub mod stream;
+
+pub use regulator::{In, Out, Regulator};

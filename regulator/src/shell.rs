@@ -1,0 +1,103 @@
+//! The process of one regulator: receive, tick, send.
+
+use protocol::{
+    Axis, AxisFrame, Cycle, Measurement,
+    ipc::{Member, Process, Receiver, channel, time::Moment},
+    shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
+};
+
+use crate::{In, Regulator};
+
+/// Arguments of a regulator.
+#[derive(Clone, Debug, clap::Args)]
+pub struct RegulatorArgs {
+    /// Its axis: x, z …
+    #[arg(long, value_name = "AXIS", value_parser = axis)]
+    pub axis: Axis,
+    /// What every process needs.
+    #[command(flatten)]
+    pub process: ProcessArgs,
+}
+
+fn axis(name: &str) -> Result<Axis, String> {
+    Axis::from_name(name).ok_or_else(|| "an axis is one of x y z a b c u v".into())
+}
+
+/// Runs a regulator until the last measurement.
+///
+/// # Errors
+/// [`ShellError`] if the machine has no such axis, or the other processes cannot be reached.
+pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
+    let RegulatorArgs { axis, process: args } = args;
+    let axis = *axis;
+    let machine = args.read_machine()?;
+    if !machine.axis.contains_key(&axis) {
+        return Err(ShellError::Input(format!("the machine has no axis {axis}")));
+    }
+    let mut member = args.join(Process::Regulator(axis))?;
+    let patience = args.patience(&machine);
+    let mut measurements = member.receiver(channel::MEASUREMENT)?;
+    let mut frames = Frames {
+        receiver: member.receiver(channel::AXIS_COMMAND.of(axis))?,
+        next: None,
+        cycles_per_tick: machine.cycles_per_tick(),
+    };
+    let mut drive = member.sender(channel::DRIVE_COMMAND.of(axis), patience)?;
+    let mut status = member.sender(channel::AXIS_STATUS.of(axis), patience)?;
+    let plant = member.waker(Process::Plant)?;
+    member.start(&[&measurements, &frames.receiver, &drive, &status, &plant], Moment::in_s(START_S))?;
+
+    let mut regulator = Regulator::new(&machine, axis);
+    loop {
+        let Some(measurement) = measurements.receive()? else {
+            wait(&mut member, args.clock)?;
+            continue;
+        };
+        let frame = frames.due(&mut member, args.clock, &measurement)?;
+        let out = regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
+        deliver(&mut status, &out.status)?;
+        deliver(&mut drive, &out.drive)?;
+        plant.wake()?;
+        if measurement.last != 0 {
+            break;
+        }
+    }
+    Ok(member.finish(&[measurements.count(), frames.receiver.count(), drive.count(), status.count()])?)
+}
+
+/// Frames that have come and those in force.
+struct Frames {
+    receiver: Receiver<AxisFrame>,
+    next: Option<AxisFrame>,
+    cycles_per_tick: u64,
+}
+
+impl Frames {
+    /// The frame that takes effect with this measurement: one interpolator cycle after the tick that made it. In lock
+    /// step it is waited for, because it is on its way; in real time one that is late takes effect when it comes.
+    fn due(
+        &mut self,
+        member: &mut Member,
+        clock: Clock,
+        measurement: &Measurement,
+    ) -> Result<Option<AxisFrame>, ShellError> {
+        let cycle = measurement.cycle;
+        let tick = cycle > Cycle(0) && cycle.0.is_multiple_of(self.cycles_per_tick);
+        if clock == Clock::Virtual && !tick {
+            return Ok(None);
+        }
+        loop {
+            self.next = match self.next.take() {
+                Some(frame) if frame.cycle.after(self.cycles_per_tick) <= cycle => return Ok(Some(frame)),
+                Some(frame) => Some(frame),
+                None => self.receiver.receive()?,
+            };
+            let patient = clock == Clock::Virtual && !member.is_gone(Process::Interpolator);
+            match (&self.next, patient) {
+                (Some(frame), _) if frame.cycle.after(self.cycles_per_tick) <= cycle => {}
+                (None, true) => wait(member, clock)?,
+                _ => return Ok(None),
+            }
+        }
+    }
+}

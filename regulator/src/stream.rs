@@ -1,0 +1,97 @@
+//! Timed motion between setpoints: a quintic through position, speed and acceleration of two neighbours.
+//!
+//! Time in control cycles, lengths in mm. Before the first setpoint and after the last one the axis holds.
+
+use motion::Sample;
+use protocol::{Cycle, Position, Setpoint};
+
+/// How many setpoints are kept: one behind, and three to interpolate and look ahead in.
+const KEPT: usize = 4;
+
+/// The setpoints around the present.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    nodes: [Setpoint; KEPT],
+    begun: bool,
+    cycle_s: f64,
+}
+
+impl Stream {
+    /// A stream that has not begun. `cycle_s` is the control cycle.
+    pub fn new(cycle_s: f64) -> Stream {
+        Stream { nodes: [Setpoint::default(); KEPT], begun: false, cycle_s }
+    }
+
+    /// Whether there is a setpoint at all.
+    pub fn begun(&self) -> bool {
+        self.begun
+    }
+
+    /// Forgets the past and rests at a position from `cycle` on.
+    pub fn rest_at(&mut self, position: Position, cycle: Cycle) {
+        self.nodes = [Setpoint { cycle, position, ..Setpoint::default() }; KEPT];
+        self.begun = true;
+    }
+
+    /// Adds the next setpoint; false if it is not later than the last. The first one has nothing before it.
+    pub fn push(&mut self, node: Setpoint) -> bool {
+        if !self.begun {
+            self.rest_at(node.position, node.cycle);
+            return true;
+        }
+        if node.cycle <= self.last().cycle {
+            return false;
+        }
+        self.nodes.rotate_left(1);
+        self.nodes[KEPT - 1] = node;
+        true
+    }
+
+    /// The last setpoint.
+    pub fn last(&self) -> &Setpoint {
+        &self.nodes[KEPT - 1]
+    }
+
+    /// Whether `cycle` lies behind the last setpoint although that one still moves.
+    pub fn starved(&self, cycle: Cycle) -> bool {
+        let last = self.last();
+        cycle > last.cycle && (last.velocity_mm_s != 0.0 || last.acceleration_mm_s2 != 0.0)
+    }
+
+    /// The commanded motion at `cycle` plus `offset` cycles, mm and s.
+    pub fn at(&self, cycle: Cycle, offset: f64) -> Sample {
+        let time = |node: &Setpoint| node.cycle.0 as f64 - cycle.0 as f64;
+        let later = self.nodes.iter().position(|node| time(node) > offset);
+        match later {
+            None => rest(self.last()),
+            Some(0) => rest(&self.nodes[0]),
+            Some(i) => {
+                let (a, b) = (&self.nodes[i - 1], &self.nodes[i]);
+                let span = (b.cycle.0 - a.cycle.0) as f64;
+                quintic(a, b, (offset - time(a)) / span, span * self.cycle_s)
+            }
+        }
+    }
+}
+
+fn rest(node: &Setpoint) -> Sample {
+    Sample { s: node.position.mm(), ..Sample::default() }
+}
+
+/// Quintic Hermite interpolation at the fraction `u` of an interval of `h` seconds.
+fn quintic(a: &Setpoint, b: &Setpoint, u: f64, h: f64) -> Sample {
+    let d = b.position.mm_from(a.position);
+    let (v0, v1) = (a.velocity_mm_s * h, b.velocity_mm_s * h);
+    let (a0, a1) = (a.acceleration_mm_s2 * h * h, b.acceleration_mm_s2 * h * h);
+    let c2 = 0.5 * a0;
+    let c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1;
+    let c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1;
+    let c5 = 6.0 * d - 3.0 * (v0 + v1) + 0.5 * (a1 - a0);
+    Sample {
+        s: a.position.mm() + u * (v0 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+        v: (v0 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
+        a: (2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h),
+        j: (6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)) / (h * h * h),
+        dj: (24.0 * c4 + u * 120.0 * c5) / (h * h * h * h),
+    }
+}
