@@ -1,0 +1,285 @@
+//! The observer of the truth: sees what the plant really did, which no controller does, and measures every pass.
+//!
+//! In: once per control cycle a [`Record`], positions in mm, angles in degrees. Out: an [`Observation`], errors in
+//! µm, and the hash of the run. Errors are measured at the motor, the side that is controlled; those of the slide
+//! behind the elastic mode are reported apart.
+//!
+//! A [`Summary`] is what `summary.json` holds.
+
+mod helix;
+mod pass;
+mod summary;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use std::collections::BTreeMap;
+
+use protocol::{
+    Axis, AxisState, AxisStatus, Code, Fault, Item, Machine, MachineState, MachineStatus, PerAxis,
+    ThreadPass, Truth,
+};
+use zerocopy::IntoBytes;
+
+pub use summary::{
+    AxisLimits, Channel, FaultReport, LimitsUsed, MovesReport, Outcome, PassReport, Process, ServoError,
+    Summary, SummaryError, ThreadReport, VERSION,
+};
+
+use pass::{PassObserver, in_pass, state_in};
+
+/// Everything that is said of one control cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Record<'a> {
+    /// The true state of the plant, with the measurement it gave out.
+    pub truth: &'a Truth,
+    /// What each regulator said of this cycle, in the order of the wire.
+    pub axes: &'a [(Axis, AxisStatus)],
+    /// What the interpolator said at its latest tick.
+    pub machine: &'a MachineStatus,
+}
+
+/// Rounding of a commanded speed, acceleration or jerk that is no violation of its limit.
+const LIMIT_TOLERANCE: f64 = 1.0 + 1e-6;
+
+/// Bytes that are hashed at once.
+const HASH_BATCH: usize = 16 * 1024;
+
+/// Watches a run. Feed it every control cycle from the first, in order.
+pub struct Observer {
+    machine: Machine,
+    /// Every pass of the program and its line, by its number.
+    program: BTreeMap<u32, (u32, ThreadPass)>,
+    current: Option<PassObserver>,
+    index_number: u64,
+    index_deg: f64,
+    hash: blake3::Hasher,
+    batch: Vec<u8>,
+    /// Fault last seen of every axis, and of the interpolator.
+    fault_codes: (PerAxis<u32>, u32),
+    moving_cycles: u64,
+    out: Observation,
+}
+
+/// What was observed of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// How it ended, as far as the modules say.
+    pub outcome: Outcome,
+    /// Control cycles seen.
+    pub cycles: u64,
+    /// Control cycle, s.
+    pub cycle_s: f64,
+    /// BLAKE3 over the bytes of every truth (which holds the measurement), of every axis status, and of the
+    /// machine status of every tick, in this order within a cycle; hex.
+    pub trace_hash: String,
+    /// The passes that took an index, in the order of their cutting.
+    pub passes: Vec<PassReport>,
+    /// The threads.
+    pub thread: ThreadReport,
+    /// Timed motion.
+    pub moves: MovesReport,
+    /// Faults in the order of their coming.
+    pub faults: Vec<FaultReport>,
+    /// Overrides that were clamped.
+    pub overrides_clamped: u32,
+    /// Limits of the axes.
+    pub limits: BTreeMap<Axis, AxisLimits>,
+}
+
+impl Observer {
+    /// An observer of a machine and the whole of its program. A pass that no regulator would accept is not expected.
+    pub fn new(machine: &Machine, items: &[Item]) -> Observer {
+        let pass = |item: &Item| match item.code {
+            Code::Pass(pass) if pass.check().is_ok() => Some((pass.pass, (item.line, pass))),
+            _ => None,
+        };
+        Observer {
+            machine: machine.clone(),
+            program: items.iter().filter_map(pass).collect(),
+            current: None,
+            index_number: 0,
+            index_deg: 0.0,
+            hash: blake3::Hasher::new(),
+            batch: Vec::with_capacity(2 * HASH_BATCH),
+            fault_codes: Default::default(),
+            moving_cycles: 0,
+            out: Observation {
+                cycle_s: machine.machine.cycle_s,
+                limits: limits(machine),
+                ..Observation::default()
+            },
+        }
+    }
+
+    /// Takes one control cycle.
+    pub fn cycle(&mut self, record: &Record) {
+        self.out.cycles += 1;
+        let is_tick = record.machine.cycle == record.truth.cycle;
+        self.take_hash(record, is_tick);
+        self.take_index(record.truth);
+        self.take_pass(record, is_tick);
+        self.take_moves(record);
+        self.take_faults(record, is_tick);
+    }
+
+    /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle angle,
+    /// otherwise as commanded.
+    pub fn programmed_mm(&self, record: &Record, axis: Axis) -> f64 {
+        let in_pass = self.current.as_ref();
+        in_pass.and_then(|pass| pass.programmed_mm(axis, record.truth.spindle_deg)).unwrap_or_else(|| {
+            record
+                .axes
+                .iter()
+                .find(|(other, _)| *other == axis)
+                .map_or(0.0, |(_, status)| status.commanded_mm)
+        })
+    }
+
+    /// Ends the observation; a pass in hand is reported as far as it came.
+    pub fn finish(mut self) -> Observation {
+        self.close();
+        self.hash.update(&self.batch);
+        self.out.trace_hash = self.hash.finalize().to_hex().to_string();
+        self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
+        self.out.thread.phase_spread_um = phase_spread(&self.out.passes);
+        self.out
+    }
+
+    fn take_hash(&mut self, record: &Record, is_tick: bool) {
+        self.batch.extend_from_slice(record.truth.as_bytes());
+        for (_, status) in record.axes {
+            self.batch.extend_from_slice(status.as_bytes());
+        }
+        if is_tick {
+            self.batch.extend_from_slice(record.machine.as_bytes());
+        }
+        if self.batch.len() >= HASH_BATCH {
+            self.hash.update(&self.batch);
+            self.batch.clear();
+        }
+    }
+
+    /// The true index lies at a multiple of 360°; the cycle that first shows it is less than half a turn away from
+    /// it in either direction of the spindle, so it is the nearest.
+    fn take_index(&mut self, truth: &Truth) {
+        if truth.measurement.index_number != self.index_number {
+            self.index_number = truth.measurement.index_number;
+            self.index_deg = 360.0 * (truth.spindle_deg / 360.0).round();
+        }
+    }
+
+    fn take_pass(&mut self, record: &Record, is_tick: bool) {
+        if self.current.is_none() {
+            let armed = record.axes.iter().find(|(_, status)| in_pass(state_in(status.pass, status)));
+            let Some((_, status)) = armed else { return };
+            let Some((line, pass)) = self.program.get(&status.pass) else { return };
+            self.current = Some(PassObserver::new(&self.machine, pass, *line, record.truth.cycle.0));
+        }
+        let index_deg = self.index_deg;
+        if self.current.as_mut().is_some_and(|pass| !pass.cycle(record, index_deg, is_tick)) {
+            self.close();
+        }
+    }
+
+    fn close(&mut self) {
+        self.out.passes.extend(self.current.take().and_then(|pass| pass.finish()));
+    }
+
+    fn take_moves(&mut self, record: &Record) {
+        self.out.moves.count = record.machine.moves;
+        self.moving_cycles += u64::from(record.machine.state == MachineState::Moving as u32);
+        let beyond = record.axes.iter().any(|(axis, status)| {
+            let Some(limit) = self.machine.axis.get(axis) else { return false };
+            status.state == AxisState::Streaming as u32
+                && (status.velocity_mm_s.abs() > limit.velocity_mm_s * LIMIT_TOLERANCE
+                    || status.acceleration_mm_s2.abs() > limit.acceleration_mm_s2 * LIMIT_TOLERANCE
+                    || status.jerk_mm_s3.abs() > limit.jerk_mm_s3 * LIMIT_TOLERANCE)
+        });
+        self.out.moves.limit_violations += u64::from(beyond);
+    }
+
+    fn take_faults(&mut self, record: &Record, is_tick: bool) {
+        let cycle = record.truth.cycle.0;
+        let faults = &mut self.out.faults;
+        let mut take = |seen: &mut u32, code: u32, source: &dyn Fn() -> String| {
+            if std::mem::replace(seen, code) != code && code != 0 {
+                faults.push(fault_report(cycle, source(), code));
+            }
+        };
+        for (axis, status) in record.axes {
+            let source = || format!("regulator-{}", axis.name());
+            take(&mut self.fault_codes.0[axis.index()], status.fault, &source);
+        }
+        if is_tick {
+            take(&mut self.fault_codes.1, record.machine.fault, &|| "interpolator".into());
+            self.out.overrides_clamped = record.machine.overrides_clamped;
+        }
+        self.out.outcome = self.outcome(record.machine);
+    }
+
+    fn outcome(&self, machine: &MachineStatus) -> Outcome {
+        let faults = &self.out.faults;
+        if faults.iter().any(|fault| fault.code != Fault::Stopped.code()) {
+            Outcome::Faulted
+        } else if faults.is_empty() && machine.stopped == 0 && machine.state == MachineState::Ended as u32 {
+            Outcome::Completed
+        } else {
+            Outcome::Stopped
+        }
+    }
+}
+
+impl Observation {
+    /// The summary of a run, as far as it can be observed. `clock` is `virtual` or `real`; processes, channels, wall
+    /// time and deadline misses are for the launcher to fill.
+    pub fn summary(self, program: &str, clock: &str) -> Summary {
+        Summary {
+            version: VERSION,
+            program: program.into(),
+            clock: clock.into(),
+            outcome: self.outcome,
+            cycle_s: self.cycle_s,
+            cycles: self.cycles,
+            simulated_s: self.cycles as f64 * self.cycle_s,
+            trace_hash: self.trace_hash,
+            faults: self.faults,
+            overrides_clamped: self.overrides_clamped,
+            passes: self.passes,
+            thread: self.thread,
+            moves: self.moves,
+            limits: self.limits,
+            ..Summary::default()
+        }
+    }
+}
+
+fn limits(machine: &Machine) -> BTreeMap<Axis, AxisLimits> {
+    let of_axis = |(axis, config): (Axis, &protocol::machine::AxisConfig)| {
+        let limits = AxisLimits {
+            velocity_mm_s: config.velocity_mm_s,
+            acceleration_mm_s2: config.acceleration_mm_s2,
+            jerk_mm_s3: config.jerk_mm_s3,
+        };
+        (axis, limits)
+    };
+    machine.axes().map(of_axis).collect()
+}
+
+fn fault_report(cycle: u64, source: String, code: u32) -> FaultReport {
+    let (code, text) = match Fault::from_code(code) {
+        Some(fault) => (fault.code().into(), fault.text().into()),
+        None => (format!("unknown-{code}"), "a fault that this version does not know".into()),
+    };
+    FaultReport { cycle, source, code, text }
+}
+
+/// Largest minus smallest phase among the passes of one start and lead that have a thread, µm.
+fn phase_spread(passes: &[PassReport]) -> f64 {
+    let mut spans: BTreeMap<(u32, u64), (f64, f64)> = BTreeMap::new();
+    for pass in passes.iter().filter(|pass| pass.thread_cycles > 0) {
+        let phase = pass.phase_um;
+        let span = spans.entry((pass.start, pass.lead_mm.to_bits())).or_insert((phase, phase));
+        *span = (span.0.min(phase), span.1.max(phase));
+    }
+    spans.values().map(|(low, high)| high - low).fold(0.0, f64::max)
+}

@@ -1,0 +1,296 @@
+//! Measures one pass while it is cut. In: the true state and the statuses of every control cycle, mm and degrees.
+//! Out: a [`PassReport`], µm.
+//!
+//! | window | cycles |
+//! |---|---|
+//! | approach of an axis | its state is `run-in` |
+//! | end of the approach | its first `locked` sample after `run-in`; the last of `run-in` if it never locks |
+//! | thread of an axis (servo error) | its state is `locked` |
+//! | settled thread of an axis | the same, from one turn after its law reached the helix |
+//! | thread of the pass (helix) | every axis is `locked`: Z on its lead, X at depth, before the first run-out |
+//! | the pass (speed, override, limits, setpoints) | an axis is in `run-in`, `locked` or `run-out` |
+
+use std::mem::{offset_of, size_of};
+
+use motion::PassLaw;
+use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, Machine, ThreadPass};
+
+use super::Record;
+use super::helix::{Helix, LineFit};
+use super::summary::{LimitsUsed, PassReport, ServoError};
+
+/// What one axis frame carries because of a pass: number, S, direction, the first cycle that counts, the law.
+const PASS_BYTES: usize = size_of::<AxisFrame>() - offset_of!(AxisFrame, pass);
+
+/// The least interval that holds every value seen.
+#[derive(Clone, Copy, Debug, Default)]
+struct Span(Option<(f64, f64)>);
+
+impl Span {
+    fn add(&mut self, value: f64) {
+        let (low, high) = self.0.unwrap_or((value, value));
+        self.0 = Some((low.min(value), high.max(value)));
+    }
+
+    /// Smallest and largest; zeros if nothing was seen.
+    fn ends(self) -> (f64, f64) {
+        self.0.unwrap_or_default()
+    }
+}
+
+/// One axis of the pass.
+struct AxisTrack {
+    axis: Axis,
+    law: PassLaw,
+    start_mm: f64,
+    /// Limits of speed, acceleration and jerk, mm/sⁿ.
+    limits: [f64; 3],
+    state: AxisState,
+    /// True angle of the index this axis started from, degrees.
+    index_deg: Option<f64>,
+    approach: Span,
+    end_mm: f64,
+    thread_max_abs_mm: f64,
+    /// Angle from which the run-in counts as died away, degrees.
+    settled_deg: f64,
+    settled_max_abs_mm: f64,
+    /// Largest share of each limit.
+    used: [f64; 3],
+    /// It came to rest at the end of its law.
+    done: bool,
+}
+
+impl AxisTrack {
+    /// Takes the status of a cycle; whether the law moves the axis in it.
+    fn cycle(&mut self, pass: u32, status: &AxisStatus, index_deg: f64) -> bool {
+        let state = state_in(pass, status);
+        let before = std::mem::replace(&mut self.state, state);
+        if self.index_deg.is_none() && (AxisState::WaitingForC0..=AxisState::RunOut).contains(&state) {
+            self.index_deg = Some(index_deg);
+        }
+        let error = status.servo_error_mm;
+        match state {
+            AxisState::RunIn => {
+                self.approach.add(error);
+                self.end_mm = error;
+            }
+            AxisState::Locked => {
+                if before == AxisState::RunIn {
+                    self.end_mm = error;
+                }
+                self.thread_max_abs_mm = self.thread_max_abs_mm.max(error.abs());
+                if status.angle_deg >= self.settled_deg {
+                    self.settled_max_abs_mm = self.settled_max_abs_mm.max(error.abs());
+                }
+            }
+            AxisState::RunOut => {}
+            _ => {
+                let was_under_law = matches!(before, AxisState::Locked | AxisState::RunOut);
+                self.done |= was_under_law && state == AxisState::Streaming;
+                return false;
+            }
+        }
+        let moves = [status.velocity_mm_s, status.acceleration_mm_s2, status.jerk_mm_s3];
+        for ((used, value), limit) in self.used.iter_mut().zip(moves).zip(self.limits) {
+            *used = used.max(value.abs() / limit);
+        }
+        true
+    }
+
+    fn servo_error(&self) -> ServoError {
+        let (low, high) = self.approach.ends();
+        ServoError {
+            approach_min_um: 1e3 * low,
+            approach_max_um: 1e3 * high,
+            end_um: 1e3 * self.end_mm,
+            thread_max_abs_um: 1e3 * self.thread_max_abs_mm,
+            settled_max_abs_um: 1e3 * self.settled_max_abs_mm,
+        }
+    }
+}
+
+/// The state of an axis as far as a pass is concerned; another pass, or none, is timed motion to it.
+pub(super) fn state_in(pass: u32, status: &AxisStatus) -> AxisState {
+    match AxisState::from_code(status.state) {
+        Ok(AxisState::Fault) | Err(_) => AxisState::Fault,
+        Ok(state) if status.pass == pass => state,
+        Ok(_) => AxisState::Streaming,
+    }
+}
+
+/// Whether an axis belongs to a pass that is armed or being cut.
+pub(super) fn in_pass(state: AxisState) -> bool {
+    (AxisState::Armed..=AxisState::RunOut).contains(&state)
+}
+
+/// Measures one pass.
+pub(super) struct PassObserver {
+    pass: ThreadPass,
+    line: u32,
+    axes: Vec<AxisTrack>,
+    /// The axis along the thread.
+    along: Axis,
+    helix: Helix,
+    motor: LineFit,
+    slide: LineFit,
+    rpm: Span,
+    override_pct: Span,
+    ticks: u64,
+    armed_cycle: u64,
+    begin_cycle: u64,
+    end_cycle: u64,
+    thread_cycles: u64,
+}
+
+impl PassObserver {
+    /// A pass that was armed just now.
+    pub(super) fn new(machine: &Machine, pass: &ThreadPass, line: u32, armed_cycle: u64) -> PassObserver {
+        let track = |(axis, config): (Axis, &protocol::machine::AxisConfig)| AxisTrack {
+            axis,
+            law: pass.axis(axis).law(pass.s_rpm),
+            start_mm: pass.axis(axis).start.mm(),
+            limits: [config.velocity_mm_s, config.acceleration_mm_s2, config.jerk_mm_s3],
+            state: AxisState::Armed,
+            index_deg: None,
+            approach: Span::default(),
+            end_mm: 0.0,
+            thread_max_abs_mm: 0.0,
+            settled_deg: pass.axis(axis).locked_deg() + 360.0,
+            settled_max_abs_mm: 0.0,
+            used: [0.0; 3],
+            done: false,
+        };
+        let along = if pass.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X };
+        PassObserver {
+            pass: *pass,
+            line,
+            axes: machine.axes().map(track).collect(),
+            along,
+            helix: Helix::of(pass, pass.axis(along)),
+            motor: LineFit::default(),
+            slide: LineFit::default(),
+            rpm: Span::default(),
+            override_pct: Span::default(),
+            ticks: 0,
+            armed_cycle,
+            begin_cycle: 0,
+            end_cycle: 0,
+            thread_cycles: 0,
+        }
+    }
+
+    /// Takes a control cycle. `index_deg` is the true angle of the index that measurements show. Whether the pass
+    /// goes on.
+    pub(super) fn cycle(&mut self, record: &Record, index_deg: f64, is_tick: bool) -> bool {
+        let had_index = self.index_deg().is_some();
+        let (mut moving, mut waiting) = (false, false);
+        for (axis, status) in record.axes {
+            if let Some(track) = self.axes.iter_mut().find(|track| track.axis == *axis) {
+                moving |= track.cycle(self.pass.pass, status, index_deg);
+                waiting |= in_pass(track.state);
+            }
+        }
+        let truth = record.truth;
+        if !had_index && self.index_deg().is_some() {
+            self.begin_cycle = truth.cycle.0;
+        }
+        if moving {
+            self.rpm.add(truth.spindle_rpm * self.pass.direction);
+            self.override_pct.add(truth.measurement.panel.spindle_override_pct);
+            self.ticks += u64::from(is_tick);
+            self.end_cycle = truth.cycle.0;
+        }
+        if self.axes.iter().all(|track| track.state == AxisState::Locked) {
+            let c = self.angle_deg(self.along, truth.spindle_deg);
+            let place = &truth.axes[self.along.index()];
+            self.motor.add(c, self.helix.error_um(c, place.motor_mm));
+            self.slide.add(c, self.helix.error_um(c, place.slide_mm));
+            self.thread_cycles += 1;
+        }
+        waiting
+    }
+
+    /// True angle since the index that an axis took, in the direction of the pass, degrees; 0 before it took one.
+    fn angle_deg(&self, axis: Axis, spindle_deg: f64) -> f64 {
+        let index = self.track(axis).and_then(|track| track.index_deg);
+        index.map_or(0.0, |index| self.pass.direction * (spindle_deg - index))
+    }
+
+    /// Where the pass wants an axis at the true spindle angle, mm; `None` while it does not belong to the pass.
+    pub(super) fn programmed_mm(&self, axis: Axis, spindle_deg: f64) -> Option<f64> {
+        let track = self.track(axis).filter(|track| in_pass(track.state))?;
+        Some(track.start_mm + track.law.at(self.angle_deg(axis, spindle_deg)).s)
+    }
+
+    fn index_deg(&self) -> Option<f64> {
+        self.axes.iter().find_map(|track| track.index_deg)
+    }
+
+    /// The measures of the pass; `None` if no axis took an index, so that nothing was cut.
+    pub(super) fn finish(&self) -> Option<PassReport> {
+        let index_deg = self.index_deg()?;
+        let ThreadPass { pass, start, s_rpm, direction, thread_end_deg, max_ratio, depth_mm, .. } = self.pass;
+        let (run_in, x) = (self.pass.axis(self.along), self.pass.axis(Axis::X));
+        let (rpm_min, rpm_max) = self.rpm.ends();
+        let (override_min_pct, override_max_pct) = self.override_pct.ends();
+        let axes = self.axes.len();
+        Some(PassReport {
+            pass,
+            line: self.line,
+            start,
+            lead_mm: self.pass.lead_mm,
+            programmed_rpm: s_rpm,
+            rpm_min,
+            rpm_max,
+            override_min_pct,
+            override_max_pct,
+            max_feasible_override_pct: 100.0 * max_ratio,
+            c0_deg: run_in.run_in_c0_deg,
+            delta_c_deg: run_in.run_in_dc_deg,
+            delta_z_mm: run_in.lead_mm * run_in.run_in_dc_deg / 720.0,
+            delta_x_mm: x.stroke_mm,
+            thread_end_deg,
+            packet_bytes: (PASS_BYTES * axes) as u64,
+            setpoints_saved: self.ticks * axes as u64,
+            x: self.servo_error(Axis::X),
+            z: self.servo_error(Axis::Z),
+            helix_max_abs_um: self.motor.max_abs(),
+            phase_um: self.motor.mean(),
+            lead_error_um_per_rev: self.motor.slope(),
+            limits_used_pct: self.limits_used(),
+            slide_helix_max_abs_um: self.slide.max_abs(),
+            slide_phase_um: self.slide.mean(),
+            direction,
+            index_deg,
+            same_index: self.axes.iter().all(|track| track.index_deg == Some(index_deg)),
+            depth_mm,
+            x_moments_deg: moments(x),
+            z_moments_deg: moments(self.pass.axis(Axis::Z)),
+            helix_at_index_mm: self.helix.at_index_mm(),
+            armed_cycle: self.armed_cycle,
+            begin_cycle: self.begin_cycle,
+            end_cycle: self.end_cycle,
+            thread_cycles: self.thread_cycles,
+            complete: self.axes.iter().all(|track| track.done),
+        })
+    }
+
+    fn track(&self, axis: Axis) -> Option<&AxisTrack> {
+        self.axes.iter().find(|track| track.axis == axis)
+    }
+
+    fn servo_error(&self, axis: Axis) -> ServoError {
+        self.track(axis).map(AxisTrack::servo_error).unwrap_or_default()
+    }
+
+    fn limits_used(&self) -> LimitsUsed {
+        let used = |axis| self.track(axis).map_or([0.0; 3], |track| track.used.map(|share| 100.0 * share));
+        let ([x_v, x_a, x_j], [z_v, z_a, z_j]) = (used(Axis::X), used(Axis::Z));
+        LimitsUsed { x_v, x_a, x_j, z_v, z_a, z_j }
+    }
+}
+
+/// The angles between which a law runs in, is locked, and runs out.
+fn moments(law: &AxisLaw) -> [f64; 4] {
+    [law.begins_deg(), law.locked_deg(), law.leaves_deg(), law.done_deg()]
+}

@@ -1,0 +1,284 @@
+//! `summary.json`, version 1: what a run was, what it did, and how good its threads are.
+//!
+//! The observer fills what it can see ([`crate::observe::Observation::summary`]); processes, channels and wall time
+//! are the launcher's. Lengths in mm, errors in µm, angles in degrees, speeds in 1/min. Every number is finite.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use protocol::Axis;
+use serde::{Deserialize, Serialize};
+
+/// Version of the layout; fields may be added without a new one.
+pub const VERSION: u32 = 1;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// The program came to its end.
+    Completed,
+    /// A module latched a fault.
+    Faulted,
+    /// The operator ended the program, or the run was broken off before the program's end.
+    #[default]
+    Stopped,
+}
+
+/// A process of the machine and how it ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Process {
+    /// Its name, as in `regulator-x`.
+    pub name: String,
+    /// Number of the process.
+    pub pid: u32,
+    /// Exit status; `None` if a signal ended it.
+    pub exit: Option<i32>,
+}
+
+/// What went through one channel.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Its name, as in `axis-command/x`.
+    pub name: String,
+    /// Samples sent.
+    pub sent: u64,
+    /// Samples received.
+    pub received: u64,
+    /// Samples lost.
+    pub lost: u64,
+    /// Bytes of payload sent.
+    pub bytes: u64,
+}
+
+/// A fault when it was first seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FaultReport {
+    /// Control cycle in which it was first seen.
+    pub cycle: u64,
+    /// The module that latched it.
+    pub source: String,
+    /// Its stable name.
+    pub code: String,
+    /// What happened and what to look at.
+    pub text: String,
+}
+
+/// Servo error of one axis in a pass: commanded minus measured at the sample instant, µm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ServoError {
+    /// Smallest while the axis runs in; 0 for an axis that does not.
+    pub approach_min_um: f64,
+    /// Largest while the axis runs in; 0 for an axis that does not.
+    pub approach_max_um: f64,
+    /// At the end of the run-in: the first sample on the helix, or the last of a run-in that was broken off.
+    pub end_um: f64,
+    /// Largest magnitude on the helix, its first sample included.
+    pub thread_max_abs_um: f64,
+    /// Largest magnitude on the helix from one turn after it was reached: what is left when the run-in has died away.
+    pub settled_max_abs_um: f64,
+}
+
+/// Largest commanded speed, acceleration and jerk of a pass (M8) in per cent of the limits of the axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)] // axis and derivative, as the name says
+pub struct LimitsUsed {
+    pub x_v: f64,
+    pub x_a: f64,
+    pub x_j: f64,
+    pub z_v: f64,
+    pub z_a: f64,
+    pub z_j: f64,
+}
+
+/// One pass of a thread.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PassReport {
+    /// Running number in the program, from 1.
+    pub pass: u32,
+    /// Line of the part program.
+    pub line: u32,
+    /// Which start of a multi-start thread, from 0.
+    pub start: u32,
+    /// Signed advance per revolution.
+    pub lead_mm: f64,
+    /// S.
+    pub programmed_rpm: f64,
+    /// Lowest true speed from the first motion to the last, in the direction of the pass.
+    pub rpm_min: f64,
+    /// Highest true speed, likewise.
+    pub rpm_max: f64,
+    /// Lowest spindle override on the panel.
+    pub override_min_pct: f64,
+    /// Highest spindle override on the panel.
+    pub override_max_pct: f64,
+    /// Highest override that every axis can follow.
+    pub max_feasible_override_pct: f64,
+    /// C0 of the run-in along the thread.
+    pub c0_deg: f64,
+    /// ΔC of the run-in along the thread.
+    pub delta_c_deg: f64,
+    /// ΔZ, signed: way of the run-in along the thread (M10).
+    pub delta_z_mm: f64,
+    /// ΔX, signed: stroke of the approach.
+    pub delta_x_mm: f64,
+    /// Angle at which the thread ends.
+    pub thread_end_deg: f64,
+    /// Bytes that told the regulators of the pass, all axes together.
+    pub packet_bytes: u64,
+    /// Setpoints that a stream would have needed meanwhile: interpolator ticks times axes.
+    pub setpoints_saved: u64,
+    /// Servo error of X.
+    pub x: ServoError,
+    /// Servo error of Z.
+    pub z: ServoError,
+    /// Largest magnitude of true Z (at the motor) minus true helix (true spindle angle) over the thread.
+    pub helix_max_abs_um: f64,
+    /// Mean of the same over the angle of the thread: where this pass lies against the programmed helix.
+    pub phase_um: f64,
+    /// Slope of the same.
+    pub lead_error_um_per_rev: f64,
+    /// How much of the limits the pass used.
+    pub limits_used_pct: LimitsUsed,
+    /// As `helix_max_abs_um`, for the slide behind the elastic mode.
+    pub slide_helix_max_abs_um: f64,
+    /// As `phase_um`, for the slide.
+    pub slide_phase_um: f64,
+    /// +1 for M3, -1 for M4: the direction in which angles of this pass grow.
+    pub direction: f64,
+    /// True angle of the index that the pass started from, unwrapped degrees.
+    pub index_deg: f64,
+    /// Whether every axis started from that index (same-index rule).
+    pub same_index: bool,
+    /// Depth below the crest.
+    pub depth_mm: f64,
+    /// Angles at which X begins, is at depth, leaves it, and rests again.
+    pub x_moments_deg: [f64; 4],
+    /// Angles at which Z begins, is on the helix, leaves it, and rests again.
+    pub z_moments_deg: [f64; 4],
+    /// Where the programmed helix, prolonged, lies at angle 0, mm: at C it lies at this plus `lead_mm` C/360.
+    pub helix_at_index_mm: f64,
+    /// Control cycle in which the pass was armed.
+    pub armed_cycle: u64,
+    /// Control cycle in which the index of the pass was seen.
+    pub begin_cycle: u64,
+    /// Last control cycle in which an axis was under its law.
+    pub end_cycle: u64,
+    /// Control cycles in which the thread was cut: every axis on its helix.
+    pub thread_cycles: u64,
+    /// Whether every axis ran out to its rest.
+    pub complete: bool,
+}
+
+/// The limits of one axis that its motion is held against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AxisLimits {
+    /// mm/s.
+    pub velocity_mm_s: f64,
+    /// mm/s².
+    pub acceleration_mm_s2: f64,
+    /// mm/s³.
+    pub jerk_mm_s3: f64,
+}
+
+/// The threads as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ThreadReport {
+    /// Largest minus smallest `phase_um` among the passes of one start and lead.
+    pub phase_spread_um: f64,
+}
+
+/// Timed motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MovesReport {
+    /// Moves completed.
+    pub count: u64,
+    /// Time in motion, s.
+    pub time_s: f64,
+    /// Control cycles in which an axis was commanded beyond a limit of its speed, acceleration or jerk.
+    pub limit_violations: u64,
+}
+
+/// The whole of `summary.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The part program, as the user named it.
+    pub program: String,
+    /// `virtual` or `real`.
+    pub clock: String,
+    /// Seed of everything random about the plant.
+    #[serde(default)]
+    pub seed: u64,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Control cycle, s.
+    pub cycle_s: f64,
+    /// Control cycles seen.
+    pub cycles: u64,
+    /// Time on the machine, s.
+    pub simulated_s: f64,
+    /// Time on the clock, s.
+    pub wall_s: f64,
+    /// BLAKE3 over all measurements, true states and statuses, in hex.
+    pub trace_hash: String,
+    /// The processes of the run.
+    pub processes: Vec<Process>,
+    /// The channels of the run.
+    pub channels: Vec<Channel>,
+    /// Faults in the order of their coming.
+    pub faults: Vec<FaultReport>,
+    /// Overrides that were clamped.
+    pub overrides_clamped: u32,
+    /// Late answers in real time.
+    pub deadline_misses: u64,
+    /// The passes in the order of their cutting.
+    pub passes: Vec<PassReport>,
+    /// The threads.
+    pub thread: ThreadReport,
+    /// Timed motion.
+    pub moves: MovesReport,
+    /// Limits of the axes.
+    pub limits: BTreeMap<Axis, AxisLimits>,
+}
+
+/// Why a summary could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {reason}")]
+pub struct SummaryError {
+    path: String,
+    reason: String,
+}
+
+impl SummaryError {
+    fn new(path: &Path, reason: impl std::fmt::Display) -> SummaryError {
+        SummaryError { path: path.display().to_string(), reason: reason.to_string() }
+    }
+}
+
+impl Summary {
+    /// Reads `summary.json`.
+    ///
+    /// # Errors
+    /// Names the file and what is wrong with it.
+    pub fn read(path: &Path) -> Result<Summary, SummaryError> {
+        let text = std::fs::read_to_string(path).map_err(|error| SummaryError::new(path, error))?;
+        let summary: Summary = serde_json::from_str(&text).map_err(|error| SummaryError::new(path, error))?;
+        if summary.version != VERSION {
+            let reason = format!("version {} of the summary, this program reads {VERSION}", summary.version);
+            return Err(SummaryError::new(path, reason));
+        }
+        Ok(summary)
+    }
+
+    /// Writes `summary.json`, indented, with a newline at the end.
+    ///
+    /// # Errors
+    /// Names the file and why it could not be written.
+    pub fn write(&self, path: &Path) -> Result<(), SummaryError> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| SummaryError::new(path, error))?;
+        text.push('\n');
+        std::fs::write(path, text).map_err(|error| SummaryError::new(path, error))
+    }
+}

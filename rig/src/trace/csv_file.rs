@@ -1,0 +1,90 @@
+//! A trace as comma-separated text. States are spelled by name; numbers in the shortest form that reads back exactly.
+
+use std::fs::File;
+use std::path::Path;
+
+use csv::StringRecord;
+use protocol::{Axis, AxisState};
+
+use super::Told;
+use super::row::{Cell, Cells, Row, axes_of, columns};
+
+pub(super) struct Writer {
+    out: csv::Writer<File>,
+}
+
+impl Writer {
+    pub(super) fn create(path: &Path, axes: &[Axis]) -> Told<Writer> {
+        let mut out = csv::WriterBuilder::new().buffer_capacity(1 << 20).from_path(path)?;
+        out.write_record(columns(axes))?;
+        Ok(Writer { out })
+    }
+
+    pub(super) fn row(&mut self, row: &Row) -> Told<()> {
+        let mut written = Ok(());
+        row.cells(|cell| {
+            let text = match cell {
+                Cell::Count(count) => count.to_string(),
+                Cell::Real(value) => format!("{value:?}"),
+                Cell::State(state) => state.name().to_string(),
+            };
+            if written.is_ok() {
+                written = self.out.write_field(text);
+            }
+        });
+        written?;
+        Ok(self.out.write_record(None::<&[u8]>)?)
+    }
+
+    pub(super) fn finish(mut self) -> Told<()> {
+        Ok(self.out.flush()?)
+    }
+}
+
+pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
+    let mut file = csv::Reader::from_path(path)?;
+    let names = file.headers()?.clone();
+    let axes = axes_of(&names.iter().collect::<Vec<_>>())?;
+    let mut record = StringRecord::new();
+    while file.read_record(&mut record)? {
+        let mut cells = Text { record: &record, names: &names, next: 0 };
+        take(Row::from_cells(&axes, &mut cells)?);
+    }
+    Ok(())
+}
+
+/// The cells of one line.
+struct Text<'a> {
+    record: &'a StringRecord,
+    names: &'a StringRecord,
+    next: usize,
+}
+
+impl Text<'_> {
+    fn cell<T>(&mut self, parse: impl FnOnce(&str) -> Option<T>) -> Result<T, String> {
+        let index = self.next;
+        self.next += 1;
+        // The reader has refused lines that are longer or shorter than the header.
+        let text = self.record.get(index).unwrap_or_default();
+        parse(text).ok_or_else(|| {
+            let line = self.record.position().map_or(0, |place| place.line());
+            format!("line {line}, column {}: cannot read {text:?}", self.names.get(index).unwrap_or_default())
+        })
+    }
+}
+
+impl Cells for Text<'_> {
+    type Error = String;
+
+    fn count(&mut self) -> Result<i64, String> {
+        self.cell(|text| text.parse().ok())
+    }
+
+    fn real(&mut self) -> Result<f64, String> {
+        self.cell(|text| text.parse().ok())
+    }
+
+    fn state(&mut self) -> Result<AxisState, String> {
+        self.cell(|text| AxisState::ALL.into_iter().find(|state| state.name() == text))
+    }
+}

@@ -1,0 +1,136 @@
+//! A trace as MCAP: one channel, messages in little-endian CDR. Every field has eight bytes, so nothing needs padding:
+//! a message is the four bytes that announce little-endian CDR, and then the cells one after the other.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use mcap::records::MessageHeader;
+use protocol::{Axis, AxisState};
+
+use super::Told;
+use super::row::{Cell, Cells, Row, axes_of, described};
+
+/// Announces little-endian CDR without options.
+const CDR: [u8; 4] = [0, 1, 0, 0];
+const TOPIC: &str = "/cycle";
+const SCHEMA: &str = "pitchlock/msg/Cycle";
+/// Bytes of a chunk before compression: what a viewer unpacks to show one instant.
+const CHUNK: u64 = 1 << 20;
+
+pub(super) struct Writer {
+    out: mcap::Writer<BufWriter<File>>,
+    channel_id: u16,
+    message: Vec<u8>,
+}
+
+impl Writer {
+    pub(super) fn create(path: &Path, axes: &[Axis]) -> Told<Writer> {
+        let options = mcap::WriteOptions::new()
+            .profile("ros2")
+            .library("pitchlock")
+            .chunk_size(Some(CHUNK))
+            .compression_threads(0);
+        let mut out = options.create(BufWriter::new(File::create(path)?))?;
+        let schema_id = out.add_schema(SCHEMA, "ros2msg", schema(axes).as_bytes())?;
+        let channel_id = out.add_channel(schema_id, TOPIC, "cdr", &BTreeMap::new())?;
+        Ok(Writer { out, channel_id, message: Vec::new() })
+    }
+
+    pub(super) fn row(&mut self, row: &Row) -> Told<()> {
+        self.message.clear();
+        self.message.extend(CDR);
+        row.cells(|cell| {
+            self.message.extend(match cell {
+                Cell::Count(count) => count.to_le_bytes(),
+                Cell::Real(value) => value.to_le_bytes(),
+                Cell::State(state) => i64::from(state as u32).to_le_bytes(),
+            });
+        });
+        let time = (row.t_s * 1e9).round() as u64;
+        let header = MessageHeader {
+            channel_id: self.channel_id,
+            sequence: row.cycle as u32,
+            log_time: time,
+            publish_time: time,
+        };
+        Ok(self.out.write_to_known_channel(&header, &self.message)?)
+    }
+
+    pub(super) fn finish(mut self) -> Told<()> {
+        self.out.finish()?;
+        self.out.into_inner().into_inner()?;
+        Ok(())
+    }
+}
+
+/// The fields with their units, and the codes of the states.
+fn schema(axes: &[Axis]) -> String {
+    let mut text = String::from("# One control cycle of pitchlock.\n");
+    for state in AxisState::ALL {
+        let name = state.name().to_ascii_uppercase().replace('-', "_");
+        let _ = writeln!(text, "int64 STATE_{name}={}", state as u32);
+    }
+    for (name, unit, real) in described(axes) {
+        let kind = if real { "float64" } else { "int64" };
+        let _ = writeln!(text, "{kind} {name}  # {unit}");
+    }
+    text
+}
+
+/// The names of the fields of a schema.
+fn fields(schema: &str) -> Vec<&str> {
+    let field = |line| str::split_whitespace(line).nth(1).filter(|name| !name.contains('='));
+    schema.lines().filter(|line| !line.starts_with('#')).filter_map(field).collect()
+}
+
+pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
+    let bytes = std::fs::read(path)?;
+    let mut axes: Option<Vec<Axis>> = None;
+    for message in mcap::MessageStream::new(&bytes)? {
+        let message = message?;
+        if message.channel.topic != TOPIC {
+            continue;
+        }
+        let axes = match &axes {
+            Some(axes) => axes,
+            None => {
+                let schema = message.channel.schema.as_ref().ok_or("the trace has no schema")?;
+                axes.insert(axes_of(&fields(std::str::from_utf8(&schema.data)?))?)
+            }
+        };
+        let cells = message.data.strip_prefix(&CDR).ok_or("the trace is not little-endian CDR")?;
+        take(Row::from_cells(axes, &mut Bytes(cells))?);
+    }
+    Ok(())
+}
+
+/// The cells of one message.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn cell(&mut self) -> Result<[u8; 8], &'static str> {
+        let (cell, rest) = self.0.split_first_chunk().ok_or("a message of the trace is too short")?;
+        self.0 = rest;
+        Ok(*cell)
+    }
+}
+
+impl Cells for Bytes<'_> {
+    type Error = &'static str;
+
+    fn count(&mut self) -> Result<i64, &'static str> {
+        self.cell().map(i64::from_le_bytes)
+    }
+
+    fn real(&mut self) -> Result<f64, &'static str> {
+        self.cell().map(f64::from_le_bytes)
+    }
+
+    fn state(&mut self) -> Result<AxisState, &'static str> {
+        let code = u32::try_from(self.count()?).map_err(|_| "a message holds an unknown state")?;
+        AxisState::from_code(code).map_err(|_| "a message holds an unknown state")
+    }
+}

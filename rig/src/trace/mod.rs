@@ -1,0 +1,123 @@
+//! What happened in every control cycle: one [`Row`] a cycle, written as MCAP or CSV, and read back from either.
+//!
+//! An MCAP trace opens in Foxglove and PlotJuggler: one channel `/cycle`, messages in CDR with a `ros2msg` schema
+//! (every field eight bytes, so a cycle costs a fraction of what JSON would), chunks compressed with zstd. A CSV trace
+//! opens everywhere. Columns are the same in both, see [`columns`]; positions in mm.
+
+mod csv_file;
+mod mcap_file;
+mod row;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use protocol::Axis;
+
+pub use row::{AxisRow, Row, columns};
+
+/// How a trace is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Compressed binary, for Foxglove and PlotJuggler.
+    Mcap,
+    /// Comma-separated text with a header.
+    Csv,
+}
+
+impl Format {
+    /// The name of the trace in a run folder.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Format::Mcap => "trace.mcap",
+            Format::Csv => "trace.csv",
+        }
+    }
+}
+
+/// A trace that could not be written or read.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {reason}")]
+pub struct TraceError {
+    path: String,
+    reason: String,
+}
+
+impl TraceError {
+    fn new(path: &Path, reason: impl std::fmt::Display) -> TraceError {
+        TraceError { path: path.display().to_string(), reason: reason.to_string() }
+    }
+}
+
+enum Writer {
+    Mcap(Box<mcap_file::Writer>),
+    Csv(Box<csv_file::Writer>),
+}
+
+/// Writes a trace, row by row.
+pub struct TraceWriter {
+    path: PathBuf,
+    writer: Writer,
+}
+
+impl TraceWriter {
+    /// Creates the trace of a machine with these axes in the order of the wire; a file of that name is replaced.
+    ///
+    /// # Errors
+    /// Names the file and why it cannot be written.
+    pub fn create(path: &Path, format: Format, axes: &[Axis]) -> Result<TraceWriter, TraceError> {
+        let writer = match format {
+            Format::Mcap => {
+                mcap_file::Writer::create(path, axes).map(|writer| Writer::Mcap(Box::new(writer)))
+            }
+            Format::Csv => csv_file::Writer::create(path, axes).map(|writer| Writer::Csv(Box::new(writer))),
+        };
+        let writer = writer.map_err(|error| TraceError::new(path, error))?;
+        Ok(TraceWriter { path: path.into(), writer })
+    }
+
+    /// Writes a row, with the axes that the trace was created for.
+    ///
+    /// # Errors
+    /// Names the file and why it cannot be written.
+    pub fn row(&mut self, row: &Row) -> Result<(), TraceError> {
+        let written = match &mut self.writer {
+            Writer::Mcap(writer) => writer.row(row),
+            Writer::Csv(writer) => writer.row(row),
+        };
+        written.map_err(|error| TraceError::new(&self.path, error))
+    }
+
+    /// Completes the file. A trace that is dropped instead may lack its end.
+    ///
+    /// # Errors
+    /// Names the file and why it cannot be written.
+    pub fn finish(self) -> Result<(), TraceError> {
+        let written = match self.writer {
+            Writer::Mcap(writer) => writer.finish(),
+            Writer::Csv(writer) => writer.finish(),
+        };
+        written.map_err(|error| TraceError::new(&self.path, error))
+    }
+}
+
+/// What a module of this folder says of a file; the path is added here.
+type Told<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// Finds the trace in a run folder; `None` if the run was made without one.
+pub fn find(run_dir: &Path) -> Option<PathBuf> {
+    [Format::Mcap, Format::Csv]
+        .map(|format| run_dir.join(format.file_name()))
+        .into_iter()
+        .find(|path| path.exists())
+}
+
+/// Reads a trace, MCAP or CSV by the ending of its name, and hands every row to `take` in order.
+///
+/// # Errors
+/// Names the file, and the row or column that is wrong.
+pub fn read(path: &Path, mut take: impl FnMut(Row)) -> Result<(), TraceError> {
+    let csv = path.extension().is_some_and(|ending| ending == "csv");
+    let read = if csv { csv_file::read(path, &mut take) } else { mcap_file::read(path, &mut take) };
+    read.map_err(|error| TraceError::new(path, error))
+}

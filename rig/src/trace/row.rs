@@ -1,0 +1,233 @@
+//! One control cycle as a row of columns. In: a record of the run. Out: cells of eight bytes, in one order for every
+//! file. Positions in mm, angles in degrees, speeds of the spindle in 1/min, of axes in mm/sⁿ, torques in N·m.
+
+use protocol::{Axis, AxisState};
+
+use crate::observe::{Observer, Record};
+
+/// One axis in one control cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisRow {
+    /// Where the program wants it: in a pass the law at the true spindle angle, otherwise as commanded.
+    pub programmed: f64,
+    /// Commanded position at the sample instant.
+    pub commanded: f64,
+    /// Measured position.
+    pub measured: f64,
+    /// True position at the motor.
+    pub true_mm: f64,
+    /// Commanded speed, mm/s.
+    pub velocity: f64,
+    /// Commanded acceleration, mm/s².
+    pub acceleration: f64,
+    /// Commanded jerk, mm/s³.
+    pub jerk: f64,
+    /// Commanded minus measured position at the sample instant.
+    pub servo_error: f64,
+    /// True torque of the motor, N·m.
+    pub torque: f64,
+    /// State of the regulator.
+    pub state: AxisState,
+    /// True position of the slide behind the elastic mode.
+    pub slide: f64,
+}
+
+/// One control cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// The cycle.
+    pub cycle: u64,
+    /// Time on the machine, s.
+    pub t_s: f64,
+    /// True spindle angle, unwrapped.
+    pub spindle_true_deg: f64,
+    /// Counts of the spindle encoder, unwrapped.
+    pub spindle_counts: i64,
+    /// True spindle speed, signed.
+    pub spindle_rpm: f64,
+    /// Spindle override on the panel, per cent.
+    pub override_pct: f64,
+    /// The axes in the order of the wire.
+    pub axes: Vec<(Axis, AxisRow)>,
+    /// Pass that the axes are armed for or cut; 0 in timed motion.
+    pub pass: u32,
+    /// Line of the part program.
+    pub line: u32,
+}
+
+impl Row {
+    /// The row of a record that `observer` has just taken; `cycle_s` is the control cycle.
+    pub fn of(record: &Record, observer: &Observer, cycle_s: f64) -> Row {
+        let truth = record.truth;
+        let axis_row = |(axis, status): &(Axis, protocol::AxisStatus)| {
+            let place = &truth.axes[axis.index()];
+            let row = AxisRow {
+                programmed: observer.programmed_mm(record, *axis),
+                commanded: status.commanded_mm,
+                measured: truth.measurement.axes[axis.index()].position.mm(),
+                true_mm: place.motor_mm,
+                velocity: status.velocity_mm_s,
+                acceleration: status.acceleration_mm_s2,
+                jerk: status.jerk_mm_s3,
+                servo_error: status.servo_error_mm,
+                torque: place.torque_nm,
+                state: AxisState::from_code(status.state).unwrap_or(AxisState::Fault),
+                slide: place.slide_mm,
+            };
+            (*axis, row)
+        };
+        let in_pass = |(_, status): &&(Axis, protocol::AxisStatus)| {
+            (AxisState::Armed as u32..=AxisState::RunOut as u32).contains(&status.state)
+        };
+        Row {
+            cycle: truth.cycle.0,
+            t_s: truth.cycle.0 as f64 * cycle_s,
+            spindle_true_deg: truth.spindle_deg,
+            spindle_counts: truth.measurement.spindle_count,
+            spindle_rpm: truth.spindle_rpm,
+            override_pct: truth.measurement.panel.spindle_override_pct,
+            axes: record.axes.iter().map(axis_row).collect(),
+            pass: record.axes.iter().find(in_pass).map_or(0, |(_, status)| status.pass),
+            line: record.machine.line,
+        }
+    }
+
+    /// One axis of the row.
+    pub fn axis(&self, axis: Axis) -> Option<&AxisRow> {
+        self.axes.iter().find(|(other, _)| *other == axis).map(|(_, row)| row)
+    }
+
+    /// The cells in the order of [`columns`].
+    pub(super) fn cells(&self, mut put: impl FnMut(Cell)) {
+        let Row { t_s, spindle_true_deg, spindle_rpm, override_pct, .. } = *self;
+        put(Cell::Count(self.cycle as i64));
+        [t_s, spindle_true_deg].into_iter().for_each(|value| put(Cell::Real(value)));
+        put(Cell::Count(self.spindle_counts));
+        [spindle_rpm, override_pct].into_iter().for_each(|value| put(Cell::Real(value)));
+        for (_, axis) in &self.axes {
+            let AxisRow { programmed, commanded, measured, true_mm, velocity, acceleration, jerk, .. } =
+                *axis;
+            [programmed, commanded, measured, true_mm, velocity, acceleration, jerk]
+                .into_iter()
+                .for_each(|value| put(Cell::Real(value)));
+            [axis.servo_error, axis.torque].into_iter().for_each(|value| put(Cell::Real(value)));
+            put(Cell::State(axis.state));
+        }
+        put(Cell::Count(i64::from(self.pass)));
+        put(Cell::Count(i64::from(self.line)));
+        self.axes.iter().for_each(|(_, axis)| put(Cell::Real(axis.slide)));
+    }
+
+    /// The row of cells in the order of [`columns`].
+    pub(super) fn from_cells<E>(axes: &[Axis], cells: &mut impl Cells<Error = E>) -> Result<Row, E> {
+        let mut row = Row {
+            cycle: cells.count()? as u64,
+            t_s: cells.real()?,
+            spindle_true_deg: cells.real()?,
+            spindle_counts: cells.count()?,
+            spindle_rpm: cells.real()?,
+            override_pct: cells.real()?,
+            axes: Vec::with_capacity(axes.len()),
+            pass: 0,
+            line: 0,
+        };
+        for axis in axes {
+            let axis_row = AxisRow {
+                programmed: cells.real()?,
+                commanded: cells.real()?,
+                measured: cells.real()?,
+                true_mm: cells.real()?,
+                velocity: cells.real()?,
+                acceleration: cells.real()?,
+                jerk: cells.real()?,
+                servo_error: cells.real()?,
+                torque: cells.real()?,
+                state: cells.state()?,
+                slide: 0.0,
+            };
+            row.axes.push((*axis, axis_row));
+        }
+        (row.pass, row.line) = (cells.count()? as u32, cells.count()? as u32);
+        for (_, axis) in &mut row.axes {
+            axis.slide = cells.real()?;
+        }
+        Ok(row)
+    }
+}
+
+/// One value of a row.
+#[derive(Clone, Copy)]
+pub(super) enum Cell {
+    Count(i64),
+    Real(f64),
+    State(AxisState),
+}
+
+/// Where cells come from, in order.
+pub(super) trait Cells {
+    type Error;
+    fn count(&mut self) -> Result<i64, Self::Error>;
+    fn real(&mut self) -> Result<f64, Self::Error>;
+    fn state(&mut self) -> Result<AxisState, Self::Error>;
+}
+
+/// A name and a unit of what is recorded of an axis; `state` is no real number.
+const AXIS_COLUMNS: [(&str, &str); 10] = [
+    ("programmed", "mm"),
+    ("commanded", "mm"),
+    ("measured", "mm"),
+    ("true", "mm"),
+    ("velocity", "mm/s"),
+    ("acceleration", "mm/s^2"),
+    ("jerk", "mm/s^3"),
+    ("servo_error", "mm"),
+    ("torque", "N m"),
+    ("state", "code of the state"),
+];
+
+/// Name, unit and whether it is a real number, of every column of a trace.
+pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
+    let column = |name: &str, unit, real| (name.to_string(), unit, real);
+    let mut all = vec![
+        column("cycle", "control cycle", false),
+        column("t_s", "s", true),
+        column("spindle_true_deg", "degrees, unwrapped", true),
+        column("spindle_counts", "encoder counts, unwrapped", false),
+        column("spindle_rpm", "1/min, true", true),
+        column("override_pct", "per cent", true),
+    ];
+    for axis in axes {
+        let of_axis = |(name, unit)| (format!("{}_{name}", axis.name()), unit, name != "state");
+        all.extend(AXIS_COLUMNS.map(of_axis));
+    }
+    all.push(column("pass", "0 in timed motion", false));
+    all.push(column("line", "of the part program", false));
+    all.extend(axes.iter().map(|axis| (format!("{}_slide", axis.name()), "mm, true", true)));
+    all
+}
+
+/// The columns of a trace in their order. Those of an axis begin with its letter, as in `x_commanded`.
+pub fn columns(axes: &[Axis]) -> Vec<String> {
+    described(axes).into_iter().map(|(name, ..)| name).collect()
+}
+
+/// The axes of a trace with these columns.
+///
+/// # Errors
+/// Says which column is missing or unexpected.
+pub(super) fn axes_of(names: &[&str]) -> Result<Vec<Axis>, String> {
+    let axis = |name: &&str| Axis::from_name(name.strip_suffix("_programmed")?);
+    let axes: Vec<Axis> = names.iter().filter_map(axis).collect();
+    let expected = columns(&axes);
+    for (index, name) in expected.iter().enumerate() {
+        match names.get(index) {
+            Some(found) if found == name => {}
+            Some(found) => return Err(format!("column {} is {found}, expected {name}", index + 1)),
+            None => return Err(format!("column {name} is missing")),
+        }
+    }
+    match names.get(expected.len()) {
+        Some(extra) => Err(format!("unexpected column {extra}")),
+        None => Ok(axes),
+    }
+}

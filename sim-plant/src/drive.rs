@@ -1,0 +1,94 @@
+//! Drive of one axis: velocity loop, quick stop, trips (cyclic synchronous velocity mode).
+//! In: the command of a cycle and the encoder's count in it. Out: the torque that acts from the next cycle on, N·m.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | v_cmd | mm/s | target velocity + velocity offset |
+//! | v_meas | mm/s | one difference of the encoder: the mean speed of the cycle before |
+//! | Kp, Ti | N·m s/mm, s | gain M 2π f_v lead/2π of the believed mass M, and integral time |
+//!
+//! ```text
+//! torque = Kp (v_cmd − v_meas) + I + torque offset,   dI/dt = Kp/Ti (v_cmd − v_meas)                       (M54)
+//! ```
+//! The integral stands still while the torque is at its limit and the error would drive it further.
+
+use core::f64::consts::TAU;
+
+use protocol::machine::AxisConfig;
+use protocol::{Cycle, DriveCommand, StatusWord};
+
+use crate::config::AxisTrain;
+use crate::drive_state::StateMachine;
+
+/// A command this many cycles old is none: the drive trips.
+const OLDEST_COMMAND: u64 = 3;
+/// Below this measured speed a braking axis stands still, mm/s.
+const STANDSTILL_MM_S: f64 = 1.0;
+
+/// The drive of one axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Drive {
+    machine: StateMachine,
+    gain: f64,
+    integral_gain: f64,
+    limit_nm: f64,
+    braking_step: f64,
+    overspeed_mm_s: f64,
+    integral_nm: f64,
+    braking_mm_s: f64,
+}
+
+impl Drive {
+    pub(crate) fn new(config: &AxisConfig, train: &AxisTrain, cycle_s: f64) -> Drive {
+        // N at the slide per m/s, to N·m at the motor per mm/s.
+        let torque_per_force = config.screw_lead_mm * 1e-3 / TAU;
+        let gain = config.mass_kg * TAU * config.velocity_bandwidth_hz * torque_per_force * 1e-3;
+        Drive {
+            machine: StateMachine::new(),
+            gain,
+            integral_gain: gain * cycle_s / config.velocity_integral_s,
+            limit_nm: config.torque_limit_nm,
+            braking_step: train.quick_stop_mm_s2 * cycle_s,
+            overspeed_mm_s: train.overspeed_mm_s,
+            integral_nm: 0.0,
+            braking_mm_s: 0.0,
+        }
+    }
+
+    pub(crate) fn status_word(&self) -> StatusWord {
+        StatusWord::of(self.machine.state())
+    }
+
+    /// The answer to a command in a cycle: torque for the next one, or `None` without power, when the brake holds.
+    pub(crate) fn answer(&mut self, now: Cycle, command: &DriveCommand, v_meas: f64) -> Option<f64> {
+        let v_cmd = command.target_velocity_mm_s + command.velocity_offset_mm_s;
+        let sound = (v_cmd + command.torque_offset_nm).is_finite();
+        let was_powered = self.machine.powered();
+        let late = was_powered && now.0 >= command.cycle.0 + OLDEST_COMMAND;
+        let overspeed = was_powered && v_meas.abs() > self.overspeed_mm_s;
+        let standstill = !was_powered || (self.braking_mm_s == 0.0 && v_meas.abs() < STANDSTILL_MM_S);
+        self.machine.step(command.control_word, !sound || late || overspeed, standstill);
+        if !self.machine.powered() {
+            self.integral_nm = 0.0;
+            self.braking_mm_s = 0.0;
+            return None;
+        }
+        if self.machine.state() == protocol::DriveState::OperationEnabled {
+            self.braking_mm_s = v_meas;
+            return Some(self.velocity_loop(v_cmd - v_meas, command.torque_offset_nm));
+        }
+        let left = self.braking_mm_s.abs() - self.braking_step;
+        self.braking_mm_s = if left > 0.0 { left.copysign(self.braking_mm_s) } else { 0.0 };
+        Some(self.velocity_loop(self.braking_mm_s - v_meas, 0.0))
+    }
+
+    fn velocity_loop(&mut self, error_mm_s: f64, offset_nm: f64) -> f64 {
+        let integral_nm = self.integral_nm + self.integral_gain * error_mm_s;
+        let torque = self.gain * error_mm_s + integral_nm + offset_nm;
+        let limited = torque.clamp(-self.limit_nm, self.limit_nm);
+        if torque == limited || (torque > limited) != (error_mm_s > 0.0) {
+            self.integral_nm = integral_nm.clamp(-self.limit_nm, self.limit_nm);
+        }
+        limited
+    }
+}

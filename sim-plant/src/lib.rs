@@ -1,0 +1,35 @@
+//! The machine that is not there: axes with elastic drive trains and friction, CiA 402 drives, a belt-driven spindle,
+//! encoders, the operator's panel, and a scenario of what happens to them.
+//!
+//! Enters, once a control cycle: the [`DriveCommand`](protocol::DriveCommand) of each axis, the
+//! [`SpindleCommand`](protocol::SpindleCommand) in force, and perhaps what the operator does. Leaves: the
+//! [`Measurement`](protocol::Measurement) the controllers see and the [`Truth`](protocol::Truth) they do not.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `config` | `[plant.*]` of the machine file: the truth, with its defaults and ranges |
+//! | `friction`, `drive_train` | motor, screw, slide: the mechanics of one axis |
+//! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
+//! | `spindle` | motor, speed loop, ripple, encoder, index |
+//! | `scenario`, `timeline` | what happens, and when |
+//! | `plant` | one control cycle of all of it |
+//!
+//! The same machine, scenario, seed and commands give the same numbers on every computer.
+#![forbid(unsafe_code)]
+
+mod config;
+mod drive;
+mod drive_state;
+mod drive_train;
+mod friction;
+mod plant;
+mod ramped;
+mod scenario;
+mod seed;
+pub mod shell;
+mod spindle;
+mod timeline;
+
+pub use config::PlantError;
+pub use plant::Plant;
+pub use scenario::{Scenario, ScenarioError};

@@ -1,0 +1,226 @@
+//! The process of the plant: it beats the time of the machine.
+//!
+//! In lock step a cycle lasts until every drive has its command; in real time until the next moment of the clock, and
+//! what has not come by then is a late answer: the drive holds the command before, and trips at the third in a row.
+
+use std::{path::PathBuf, time::Duration};
+
+use protocol::{
+    Axis, Cycle, DriveCommand, Machine, Measurement, PerAxis, SpindleCommand, Truth,
+    ipc::{
+        ChannelCount, IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel,
+        time::{Moment, lock_memory, sleep_until},
+    },
+    operator::OperatorRequest,
+    shell::{Clock, ProcessArgs, START_S, ShellError, deliver, read_text},
+    units::AXES,
+};
+
+use crate::{Plant, Scenario};
+
+/// Arguments of the plant.
+#[derive(Clone, Debug, clap::Args)]
+pub struct PlantArgs {
+    /// What every process needs.
+    #[command(flatten)]
+    pub process: ProcessArgs,
+    /// What happens to the machine (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<PathBuf>,
+    /// Seed of everything random: encoder phases, spindle ripple.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// The ports to one regulator.
+struct FromAxis {
+    axis: Axis,
+    commands: Receiver<DriveCommand>,
+    regulator: Waker,
+}
+
+impl FromAxis {
+    fn open(member: &Member, axis: Axis) -> Result<FromAxis, IpcError> {
+        Ok(FromAxis {
+            axis,
+            commands: member.receiver(channel::DRIVE_COMMAND.of(axis))?,
+            regulator: member.waker(Process::Regulator(axis))?,
+        })
+    }
+}
+
+/// Runs the plant until the machine is switched off.
+///
+/// # Errors
+/// [`ShellError`] if machine file or scenario are wrong, or the other processes cannot be reached.
+pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
+    let machine = args.process.read_machine()?;
+    let clock = args.process.clock;
+    let scenario = match &args.scenario {
+        None => Scenario::none(),
+        Some(path) => Scenario::from_toml(&read_text(path)?)
+            .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?,
+    };
+    let mut plant = Plant::new(&machine, scenario, args.seed)
+        .map_err(|error| ShellError::Input(format!("machine file: {error}")))?;
+
+    let mut member = args.process.join(Process::Plant)?;
+    let mut ports = Ports::open(&member, &machine, args.process.patience(&machine))?;
+    member.start(&ports.all(), Moment::in_s(START_S))?;
+    if clock == Clock::Real
+        && let Err(error) = lock_memory()
+    {
+        tracing::warn!(%error, "memory is not locked");
+    }
+
+    let mut beat = Beat::new(clock, machine.machine.cycle_s);
+    let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
+    let mut in_force = SpindleCommand::default();
+    loop {
+        let measurement = *plant.measurement();
+        let tick = machine.is_tick(measurement.cycle);
+        ports.publish(plant.truth(), tick)?;
+        beat.wait();
+        for from in &mut ports.axes {
+            let command = &mut drives[from.axis.index()];
+            take_command(&mut member, from, clock, &measurement, command)?;
+            if command.cycle < measurement.cycle {
+                plant.note_late();
+            }
+        }
+        if tick && measurement.cycle > Cycle(0) {
+            take_spindle(&mut member, &mut ports.spindle, clock, &mut in_force)?;
+        }
+        if measurement.last != 0 {
+            break;
+        }
+        let request = ports.operator.receive()?.and_then(|packet| packet.unpack().ok());
+        plant.tick(&drives, &in_force, request);
+    }
+    for event in plant.pending_events() {
+        tracing::warn!("event {event} of the scenario did not happen: its moment never came");
+    }
+    Ok(member.finish(&ports.counts())?)
+}
+
+/// Every port of the plant.
+struct Ports {
+    measurements: Sender<Measurement>,
+    ticks: Sender<Measurement>,
+    truths: Sender<Truth>,
+    spindle: Receiver<SpindleCommand>,
+    operator: Receiver<OperatorRequest>,
+    axes: Vec<FromAxis>,
+    interpolator: Waker,
+    recorder: Waker,
+}
+
+impl Ports {
+    fn open(member: &Member, machine: &Machine, patience: Patience) -> Result<Ports, IpcError> {
+        let axes = machine.axes().map(|(axis, _)| FromAxis::open(member, axis));
+        Ok(Ports {
+            measurements: member.sender(channel::MEASUREMENT, patience)?,
+            ticks: member.sender(channel::TICK_MEASUREMENT, patience)?,
+            truths: member.sender(channel::TRUTH, patience)?,
+            spindle: member.receiver(channel::SPINDLE_COMMAND)?,
+            operator: member.receiver(channel::OPERATOR)?,
+            axes: axes.collect::<Result<_, _>>()?,
+            interpolator: member.waker(Process::Interpolator)?,
+            recorder: member.waker(Process::Launcher)?,
+        })
+    }
+
+    fn all(&self) -> Vec<&dyn Port> {
+        let mut ports: Vec<&dyn Port> = vec![&self.measurements, &self.ticks, &self.truths];
+        ports.extend([&self.spindle as &dyn Port, &self.operator, &self.interpolator, &self.recorder]);
+        ports.extend(self.axes.iter().flat_map(|from| [&from.commands as &dyn Port, &from.regulator]));
+        ports
+    }
+
+    fn counts(&self) -> Vec<ChannelCount> {
+        let mut counts = vec![self.measurements.count(), self.ticks.count(), self.truths.count()];
+        counts.extend([self.spindle.count(), self.operator.count()]);
+        counts.extend(self.axes.iter().map(|from| from.commands.count()));
+        counts
+    }
+
+    /// Sends what is measured to whoever needs it, and the truth to the recorder.
+    fn publish(&mut self, truth: &Truth, tick: bool) -> Result<(), ShellError> {
+        let measurement = &truth.measurement;
+        deliver(&mut self.measurements, measurement)?;
+        self.axes.iter().try_for_each(|from| from.regulator.wake())?;
+        if tick {
+            deliver(&mut self.ticks, measurement)?;
+            self.interpolator.wake()?;
+        }
+        deliver(&mut self.truths, truth)?;
+        if measurement.cycle.0.is_multiple_of(channel::RECORD_WAKE) || measurement.last != 0 {
+            self.recorder.wake()?;
+        }
+        Ok(())
+    }
+}
+
+/// The beat of real time; in lock step there is none.
+struct Beat {
+    period: Option<Duration>,
+    next: Moment,
+}
+
+impl Beat {
+    fn new(clock: Clock, cycle_s: f64) -> Beat {
+        let period = Duration::from_secs_f64(cycle_s);
+        let period = Some(period).filter(|_| clock == Clock::Real);
+        Beat { period, next: Moment::now().after(period.unwrap_or_default()) }
+    }
+
+    /// Sleeps to the end of the cycle. If this process was itself held up, the next cycle keeps at least half of its
+    /// length: the regulators need it.
+    fn wait(&mut self) {
+        let Some(period) = self.period else { return };
+        sleep_until(self.next);
+        self.next = self.next.after(period).max(Moment::now().after(period / 2));
+    }
+}
+
+/// The answer of a regulator to this measurement; in real time what has come by now.
+fn take_command(
+    member: &mut Member,
+    from: &mut FromAxis,
+    clock: Clock,
+    measurement: &Measurement,
+    command: &mut DriveCommand,
+) -> Result<(), ShellError> {
+    loop {
+        match from.commands.receive()? {
+            Some(next) => {
+                *command = next;
+                if next.cycle >= measurement.cycle {
+                    return Ok(());
+                }
+            }
+            None if clock == Clock::Real || member.is_gone(Process::Regulator(from.axis)) => return Ok(()),
+            None => member.wait()?,
+        }
+    }
+}
+
+/// The spindle command of the tick before, which is in force from this one on.
+fn take_spindle(
+    member: &mut Member,
+    spindle: &mut Receiver<SpindleCommand>,
+    clock: Clock,
+    in_force: &mut SpindleCommand,
+) -> Result<(), ShellError> {
+    loop {
+        match spindle.receive()? {
+            Some(command) if command.check().is_ok() => {
+                *in_force = command;
+                return Ok(());
+            }
+            Some(_) => return Ok(()),
+            None if clock == Clock::Real || member.is_gone(Process::Interpolator) => return Ok(()),
+            None => member.wait()?,
+        }
+    }
+}

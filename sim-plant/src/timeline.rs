@@ -1,0 +1,168 @@
+//! The scenario being played: which event is due, and what it does to the panel and to the cut.
+//! In: once a control cycle, the cycle, the true Z in mm, the true angle of the spindle in degrees, the index, and the
+//! tags of the program. Out: the panel, the load of the spindle in N·m, the forces on the slides in N. What an event
+//! does is there in the cycle in which it is due.
+
+use protocol::operator::Request;
+use protocol::{Cycle, Panel, SpindleCommand};
+
+use crate::ramped::Ramped;
+use crate::scenario::{Action, Burden, Event, Knob, Scenario, Trigger};
+
+/// What triggers look at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    pub(crate) cycle: Cycle,
+    pub(crate) z_mm: f64,
+    pub(crate) spindle_deg: f64,
+    pub(crate) spindle_rpm: f64,
+    /// True angle of the last index, degrees, and the first cycle that showed it; `None` before the first.
+    pub(crate) index: Option<(f64, Cycle)>,
+}
+
+/// The pass in hand, and where its angle counts from.
+#[derive(Clone, Copy, Debug, Default)]
+struct PassInHand {
+    pass: u32,
+    index_not_before: Cycle,
+    origin_deg: Option<f64>,
+}
+
+/// A scenario and how far it got.
+#[derive(Clone, Debug)]
+pub(crate) struct Timeline {
+    events: Vec<Event>,
+    due: Vec<bool>,
+    cycle_s: f64,
+    rise_cycles: f64,
+    knobs: [Ramped; 3],
+    buttons: u32,
+    burdens: [Ramped; 3],
+    burden_until: [Option<u64>; 3],
+    pass: PassInHand,
+    z_before: f64,
+}
+
+impl Timeline {
+    pub(crate) fn new(scenario: Scenario, cycle_s: f64, rise_s: f64, z_mm: f64) -> Timeline {
+        Timeline {
+            due: vec![true; scenario.events.len()],
+            events: scenario.events,
+            cycle_s,
+            rise_cycles: rise_s / cycle_s,
+            knobs: [Ramped::at(100.0); 3],
+            buttons: 0,
+            burdens: [Ramped::at(0.0); 3],
+            burden_until: [None; 3],
+            pass: PassInHand::default(),
+            z_before: z_mm,
+        }
+    }
+
+    /// Numbers, from 1, of the events that did not happen yet.
+    pub(crate) fn pending(&self) -> impl Iterator<Item = usize> {
+        self.due.iter().enumerate().filter(|(_, due)| **due).map(|(index, _)| index + 1)
+    }
+
+    /// The panel as it stands.
+    pub(crate) fn panel(&self) -> Panel {
+        let [spindle, feed, rapid] = &self.knobs;
+        Panel {
+            spindle_override_pct: spindle.value(),
+            feed_override_pct: feed.value(),
+            rapid_override_pct: rapid.value(),
+            buttons: self.buttons,
+            reserved: 0,
+        }
+    }
+
+    /// Torque that holds the spindle back, N·m; force on the slide of Z, of X, N.
+    pub(crate) fn burdens(&self) -> [f64; 3] {
+        self.burdens.map(|burden| burden.value())
+    }
+
+    /// Whoever stands at the machine does something at the panel.
+    pub(crate) fn operate(&mut self, request: Request) {
+        match request {
+            Request::SpindleOverride(pct) => self.knobs[Knob::Spindle as usize].go(pct, 0.0),
+            Request::FeedOverride(pct) => self.knobs[Knob::Feed as usize].go(pct, 0.0),
+            Request::RapidOverride(pct) => self.knobs[Knob::Rapid as usize].go(pct, 0.0),
+            Request::FeedHold => self.buttons |= Panel::FEED_HOLD,
+            Request::CycleStart => self.buttons &= !Panel::FEED_HOLD,
+            Request::Stop => self.buttons |= Panel::STOP,
+        }
+    }
+
+    /// One control cycle.
+    pub(crate) fn advance(&mut self, moment: &Moment, tags: &SpindleCommand) {
+        let pass_before = self.pass.pass;
+        self.follow_pass(moment, tags);
+        for index in 0..self.events.len() {
+            let Event { trigger, action } = self.events[index];
+            if self.due[index] && self.fires(trigger, pass_before, moment, tags) {
+                self.due[index] = false;
+                self.act(action, moment);
+            }
+        }
+        self.z_before = moment.z_mm;
+        self.knobs.iter_mut().for_each(Ramped::advance);
+        for (burden, until) in self.burdens.iter_mut().zip(&mut self.burden_until) {
+            if until.is_some_and(|until| moment.cycle.0 >= until) {
+                *until = None;
+                burden.go(0.0, self.rise_cycles);
+            }
+            burden.advance();
+        }
+    }
+
+    fn follow_pass(&mut self, moment: &Moment, tags: &SpindleCommand) {
+        if (tags.pass, tags.index_not_before) != (self.pass.pass, self.pass.index_not_before) {
+            self.pass =
+                PassInHand { pass: tags.pass, index_not_before: tags.index_not_before, origin_deg: None };
+        }
+        if self.pass.origin_deg.is_none() {
+            self.pass.origin_deg = moment
+                .index
+                .filter(|(_, seen)| *seen >= self.pass.index_not_before)
+                .map(|(index_deg, _)| index_deg);
+        }
+    }
+
+    fn fires(&self, trigger: Trigger, pass_before: u32, moment: &Moment, tags: &SpindleCommand) -> bool {
+        match trigger {
+            Trigger::PassZ { pass, z_mm } => {
+                let (before, now) = (self.z_before - z_mm, moment.z_mm - z_mm);
+                pass == tags.pass && pass == pass_before && (before > 0.0) != (now > 0.0)
+            }
+            Trigger::PassAngle { pass, angle_deg } => {
+                pass == tags.pass
+                    && self.pass.origin_deg.is_some_and(|origin_deg| {
+                        (moment.spindle_deg - origin_deg) * tags.direction >= angle_deg
+                    })
+            }
+            Trigger::AfterPass { pass } => pass == pass_before && pass != tags.pass,
+            Trigger::Time { time_s } => moment.cycle.0 as f64 >= time_s / self.cycle_s - 1e-6,
+            Trigger::Cycle { cycle } => moment.cycle.0 >= cycle,
+            Trigger::Line { line } => line == tags.line,
+        }
+    }
+
+    fn act(&mut self, action: Action, moment: &Moment) {
+        match action {
+            Action::Turn { knob, pct, ramp_s } => self.knobs[knob as usize].go(pct, ramp_s / self.cycle_s),
+            Action::FeedHold => self.operate(Request::FeedHold),
+            Action::CycleStart => self.operate(Request::CycleStart),
+            Action::Stop => self.operate(Request::Stop),
+            Action::Burden { burden, amount, for_s } => self.burden(burden, amount, for_s, moment.cycle),
+            Action::LoadBySpeed { nm_per_rpm, for_s } => {
+                let amount = nm_per_rpm * moment.spindle_rpm.abs();
+                self.burden(Burden::Spindle, amount, for_s, moment.cycle);
+            }
+        }
+    }
+
+    fn burden(&mut self, burden: Burden, amount: f64, for_s: Option<f64>, now: Cycle) {
+        self.burdens[burden as usize].go(amount, self.rise_cycles);
+        self.burden_until[burden as usize] = for_s.map(|for_s| now.0 + (for_s / self.cycle_s).round() as u64);
+    }
+}
