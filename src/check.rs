@@ -1,0 +1,65 @@
+//! `pitchlock check` and `pitchlock compile`: a program is read to its end, nothing moves.
+
+use std::{fmt::Write as _, process::ExitCode};
+
+use interpreter::Severity;
+use protocol::{Code, code_file::CodeFile};
+
+use crate::{
+    cli::{self, CheckArgs, CompileArgs},
+    error::CliError,
+    program::Program,
+};
+
+/// Reports every diagnostic, every pass, and the time the program takes.
+pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
+    let (machine, _) = args.machine.read()?;
+    let program = Program::judge(&args.program, &machine)?;
+    eprint!("{}", program.messages);
+    cli::print(&findings(&program));
+    let good = program.count(Severity::Error) == 0;
+    Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
+}
+
+fn findings(program: &Program) -> String {
+    let mut text = String::new();
+    let moves = program.items.iter().filter(|item| matches!(item.code, Code::Line { .. })).count();
+    let (errors, warnings) = (program.count(Severity::Error), program.count(Severity::Warning));
+    let _ = writeln!(text, "{errors} errors, {warnings} warnings, {moves} moves");
+    let Some(check) = &program.check else { return text };
+    if !check.passes.is_empty() {
+        let _ =
+            writeln!(text, "pass  line  depth mm    start Z  full depth from Z     to Z  highest override");
+    }
+    for pass in &check.passes {
+        let [from, to] = pass.full_depth_z_mm;
+        let _ = writeln!(
+            text,
+            "{:>4}  {:>4}  {:>8.4}  {:>9.4}  {:>17.4}  {:>7.3}  {:>14.0} %",
+            pass.pass, pass.line, pass.depth_mm, pass.start_z_mm, from, to, pass.max_override_pct
+        );
+    }
+    if errors == 0 {
+        let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", check.time_s);
+    }
+    text
+}
+
+/// Writes machine code to a file.
+pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
+    if !CodeFile::is_named(&args.out) {
+        return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
+    }
+    let (machine, _) = args.check.machine.read()?;
+    let program = Program::read(&args.check.program, &machine)?;
+    eprint!("{}", program.messages);
+    let name = args.check.program.display().to_string();
+    let items = program.items.len();
+    let mut bytes = Vec::new();
+    CodeFile::new(&name, &machine, program.items)
+        .write(&mut bytes)
+        .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
+        .map_err(|error| CliError::file(&args.out, error))?;
+    cli::print(&format!("{}: {items} items, {} bytes\n", args.out.display(), bytes.len()));
+    Ok(ExitCode::SUCCESS)
+}

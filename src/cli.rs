@@ -1,0 +1,240 @@
+//! The arguments.
+
+use std::{io::Write, path::PathBuf};
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use protocol::{Machine, machine::Dialect, shell::Clock};
+
+use crate::error::CliError;
+
+/// A two-level CNC for spindle-synchronised machining.
+///
+/// Threads are cut as functions of the measured spindle angle, so they are right at any spindle speed.
+/// Begin with: pitchlock run examples/m20x2.ngc
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) log: LogArgs,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What is said on standard error.
+#[derive(Debug, Args)]
+pub(crate) struct LogArgs {
+    /// Say more; twice for everything.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub(crate) verbose: u8,
+    /// No progress, no summary; only errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Form of log messages.
+    #[arg(long, global = true, value_enum, default_value_t)]
+    pub(crate) log_format: LogFormat,
+}
+
+/// Form of log messages.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum LogFormat {
+    /// For people.
+    #[default]
+    Text,
+    /// For programs, one JSON object a line.
+    Json,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Start the machine, run a program, write the run folder.
+    #[command(after_help = RUN_HELP)]
+    Run(RunArgs),
+    /// Read a program: every diagnostic, every pass, the time it takes. Moves nothing.
+    #[command(after_help = "Example:\n  pitchlock check examples/m20x2.ngc")]
+    Check(CheckArgs),
+    /// Turn a program into a machine-code file that `run` takes.
+    #[command(
+        after_help = "Example:\n  pitchlock compile examples/m20x2.ngc -o m20x2.mc\n  pitchlock run m20x2.mc"
+    )]
+    Compile(CompileArgs),
+    /// Print the built-in machine file: a start for your own.
+    #[command(
+        after_help = "Example:\n  pitchlock machine > my-lathe.toml\n  pitchlock run part.ngc --machine my-lathe.toml"
+    )]
+    Machine,
+    /// Draw report.html of a run folder again.
+    #[command(after_help = "Example:\n  pitchlock report runs/m20x2-1")]
+    Report(ReportArgs),
+    /// Say whether this computer can run the machine, and what to change if not.
+    #[command(after_help = "Example:\n  pitchlock doctor")]
+    Doctor(DoctorArgs),
+    /// The interpreter process, as `run` starts it.
+    #[command(after_help = PROCESS_HELP)]
+    Interpreter(interpreter::shell::InterpreterArgs),
+    /// The interpolator process, as `run` starts it.
+    #[command(after_help = PROCESS_HELP)]
+    Interpolator(protocol::shell::ProcessArgs),
+    /// A regulator process, as `run` starts it.
+    #[command(after_help = PROCESS_HELP)]
+    Regulator(regulator::shell::RegulatorArgs),
+    /// The plant process, as `run` starts it.
+    #[command(after_help = PROCESS_HELP)]
+    SimPlant(sim_plant::shell::PlantArgs),
+}
+
+const RUN_HELP: &str = "Examples:
+  pitchlock run examples/m20x2.ngc
+  pitchlock run part.ngc --machine my-lathe.toml --scenario examples/scenarios/override-in-pass.toml
+  pitchlock run runs/m20x2-1          the same run again, from its folder
+
+The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
+browser, no network), and the program, machine file and scenario that were used.
+
+Exit status: 0 done and good, 1 the run ended in a fault, 2 the program, machine file, scenario or an argument is wrong.";
+
+const PROCESS_HELP: &str = "A process of a machine that `pitchlock run` has set up; it ends with its launcher.
+Example, as the launcher starts them:
+  pitchlock regulator --axis x --address ADDRESS --machine runs/m20x2-1/machine.toml --clock virtual --processor 0";
+
+/// Which machine, which language.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct MachineArgs {
+    /// Machine file (TOML); without it the built-in small lathe (`pitchlock machine`).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) machine: Option<PathBuf>,
+    /// Dialect of the part program; without it that of the machine file.
+    #[arg(long, value_name = "DIALECT", value_parser = dialect)]
+    pub(crate) dialect: Option<Dialect>,
+}
+
+fn dialect(name: &str) -> Result<Dialect, String> {
+    match name {
+        "linuxcnc" => Ok(Dialect::Linuxcnc),
+        "fanuc" => Err("the fanuc dialect is not available yet; use linuxcnc".into()),
+        _ => Err("linuxcnc is the dialect there is".into()),
+    }
+}
+
+impl MachineArgs {
+    /// What messages call the machine file.
+    pub(crate) fn name(&self) -> String {
+        self.machine.as_ref().map_or("built-in machine file".into(), |path| path.display().to_string())
+    }
+
+    /// The machine and the text of its file.
+    pub(crate) fn read(&self) -> Result<(Machine, String), CliError> {
+        let text = match &self.machine {
+            None => protocol::machine::SMALL_LATHE.to_owned(),
+            Some(path) => std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?,
+        };
+        let mut machine = Machine::from_toml(&text)
+            .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
+        // The truth about the plant is in the same file: whatever is wrong with it is said here.
+        sim_plant::Plant::new(&machine, sim_plant::Scenario::none(), 1)
+            .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
+        if let Some(dialect) = self.dialect {
+            machine.machine.dialect = dialect;
+        }
+        Ok((machine, text))
+    }
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RunArgs {
+    /// Part program (G-code), machine code (`.mc`), or a run folder to repeat.
+    #[arg(value_name = "FILE")]
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+    /// How the processes wait for each other: in lock step as fast as possible, or in real time.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) clock: Clock,
+    /// The same machine in one process, without iceoryx2; same numbers.
+    #[arg(long)]
+    pub(crate) in_process: bool,
+    /// What happens to the machine while it runs (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Seed of everything random about the plant [default: 1].
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Run folder [default: `runs/PROGRAM-N`].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Form of the trace.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) trace: Trace,
+    /// Print summary.json to standard output, and nothing else.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Form of the trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Trace {
+    /// MCAP: opens in Foxglove and PlotJuggler.
+    #[default]
+    Mcap,
+    /// Comma-separated values.
+    Csv,
+    /// No trace; the report shows the figures only.
+    None,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// Part program (G-code) or machine code (`.mc`).
+    #[arg(value_name = "FILE")]
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CompileArgs {
+    #[command(flatten)]
+    pub(crate) check: CheckArgs,
+    /// The machine-code file.
+    #[arg(short, long, value_name = "OUT.mc")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ReportArgs {
+    /// A run folder.
+    pub(crate) run_dir: PathBuf,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DoctorArgs {
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+}
+
+/// Sends log messages to standard error.
+pub(crate) fn start_log(log: &LogArgs) {
+    let level = match (log.quiet, log.verbose) {
+        (true, _) => "error",
+        (false, 0) => "warn",
+        (false, 1) => "info",
+        (false, _) => "debug",
+    };
+    let builder = tracing_subscriber::fmt()
+        .with_env_filter(tracing_subscriber::EnvFilter::new(level))
+        .with_ansi(colour(&std::io::stderr()))
+        .with_writer(std::io::stderr);
+    match log.log_format {
+        LogFormat::Text => builder.without_time().init(),
+        LogFormat::Json => builder.json().init(),
+    }
+}
+
+/// Whether a stream shall be coloured: a terminal, and `NO_COLOR` not set.
+pub(crate) fn colour(stream: &impl std::io::IsTerminal) -> bool {
+    stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Prints results to standard output; a reader that has gone away is no error.
+pub(crate) fn print(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}

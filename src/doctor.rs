@@ -1,0 +1,95 @@
+//! `pitchlock doctor`: can this computer run the machine, and what to change if not.
+
+use std::{fmt::Write as _, process::ExitCode};
+
+use protocol::ipc::{
+    NameSpace,
+    time::{Moment, lock_memory, processors, sleep_until},
+};
+
+use crate::{
+    cli::{self, DoctorArgs},
+    error::CliError,
+    run::axes,
+};
+
+/// Wake-ups that are measured.
+const WAKE_UPS: usize = 2000;
+
+/// Tries the name space, the processors, memory locking and wake-ups, and says what it found.
+pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
+    let (machine, _) = args.machine.read()?;
+    let mut text = String::new();
+    let begun = Moment::now();
+    let space = NameSpace::create(&axes(&machine));
+    let can_run = space.is_ok();
+    let _ = match &space {
+        Ok(_) => writeln!(
+            text,
+            "ok    shared memory and channels of a machine: made in {:.0} ms",
+            begun.elapsed().as_secs_f64() * 1e3
+        ),
+        Err(error) => writeln!(
+            text,
+            "FAIL  channels of a machine: {error}\n      give this user a writable /dev/shm and a folder for temporary files (TMPDIR); \
+             in a container: --shm-size=256m"
+        ),
+    };
+    drop(space);
+    let processors = processors().len();
+    let needed = 3 + machine.axis.len();
+    let _ = if processors >= needed {
+        writeln!(text, "ok    {processors} processors for {needed} processes")
+    } else {
+        writeln!(
+            text,
+            "note  {processors} processors for {needed} processes: virtual time is fine, real time will miss cycles \
+             under load"
+        )
+    };
+    let _ = match lock_memory() {
+        Ok(()) => writeln!(text, "ok    memory can be locked"),
+        Err(error) => writeln!(text, "note  {error}: real time needs `ulimit -l unlimited`"),
+    };
+    let late = wake_up_lateness_us(machine.machine.cycle_s);
+    let cycle_us = machine.machine.cycle_s * 1e6;
+    let verdict = if late[1] < cycle_us / 4.0 { "ok  " } else { "note" };
+    let _ = writeln!(
+        text,
+        "{verdict}  wake-ups every {cycle_us:.0} µs come late by {:.0} µs (median), {:.0} µs (99 %), {:.0} µs (worst of {WAKE_UPS}){}",
+        late[0],
+        late[1],
+        late[2],
+        if verdict == "ok  " {
+            ""
+        } else {
+            "; use a kernel with PREEMPT_RT and a real-time priority (chrt -f 80)"
+        }
+    );
+    let _ = writeln!(
+        text,
+        "{}",
+        if can_run {
+            "this computer can run the machine in virtual time"
+        } else {
+            "this computer cannot run the machine"
+        }
+    );
+    cli::print(&text);
+    Ok(if can_run { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Median, 99th percentile and worst lateness of absolute waits, µs.
+fn wake_up_lateness_us(cycle_s: f64) -> [f64; 3] {
+    let period = std::time::Duration::from_secs_f64(cycle_s);
+    let mut moment = Moment::now();
+    let mut late: Vec<f64> = (0..WAKE_UPS)
+        .map(|_| {
+            moment = moment.after(period);
+            sleep_until(moment);
+            moment.elapsed().as_secs_f64() * 1e6
+        })
+        .collect();
+    late.sort_by(f64::total_cmp);
+    [late[WAKE_UPS / 2], late[WAKE_UPS * 99 / 100], late[WAKE_UPS - 1]]
+}

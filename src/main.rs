@@ -1,0 +1,47 @@
+//! `pitchlock`: the launcher and command line. One binary that can be every process of the machine.
+
+mod check;
+mod cli;
+mod doctor;
+mod error;
+mod program;
+mod report;
+mod run;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use cli::{Cli, Command};
+use error::CliError;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    cli::start_log(&cli.log);
+    match dispatch(&cli) {
+        Ok(code) => code,
+        Err(error) => error.report(),
+    }
+}
+
+fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
+    let quiet = cli.log.quiet;
+    match &cli.command {
+        Command::Run(args) => run::run(args, quiet),
+        Command::Check(args) => check::check(args),
+        Command::Compile(args) => check::compile(args),
+        Command::Machine => {
+            cli::print(protocol::machine::SMALL_LATHE);
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Report(args) => {
+            let path = report::render(&args.run_dir)?;
+            cli::print(&format!("{}\n", path.display()));
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Doctor(args) => doctor::doctor(args),
+        Command::Interpreter(args) => Ok(interpreter::shell::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::Interpolator(args) => Ok(interpolator::shell::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::Regulator(args) => Ok(regulator::shell::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::SimPlant(args) => Ok(sim_plant::shell::run(args).map(|()| ExitCode::SUCCESS)?),
+    }
+}

@@ -1,0 +1,239 @@
+//! The figures of a report, as the plotting script takes them: traces and axes in JSON, without fonts and sizes, which
+//! the page adds for the width it has. In: [`Curves`]. Out: [`Figure`]s with what to look for in words.
+
+use rig::observe::{PassReport, Summary};
+use serde_json::{Value, json};
+
+use super::curves::{Curves, moving_deg, thread_deg};
+use super::envelope::Envelope;
+
+/// One picture and its words.
+pub(super) struct Figure {
+    pub(super) title: String,
+    /// What is drawn, what is good, what would be wrong.
+    pub(super) caption: String,
+    /// For a reader who does not see it.
+    pub(super) alt: String,
+    /// Traces and layout.
+    pub(super) plot: Value,
+    /// Height over width, on a wide page.
+    pub(super) aspect: f64,
+}
+
+/// Colours that differ for every kind of colour vision and in grey (Okabe and Ito).
+pub(super) const BLUE: &str = "#0072b2";
+pub(super) const ORANGE: &str = "#d55e00";
+pub(super) const GREEN: &str = "#009e73";
+pub(super) const GREY: &str = "#8a9099";
+
+/// Passes beyond this number are told apart by pointing at them, not by a legend.
+const LEGEND_PASSES: usize = 8;
+
+/// All figures that the curves allow.
+pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
+    let mut figures = vec![path(curves)];
+    let shown = summary.passes.get(curves.shown_index).zip(curves.shown.as_ref());
+    if let Some((pass, shown)) = shown {
+        figures.push(super::figures_pass::motion(pass, shown));
+    }
+    if !summary.passes.is_empty() {
+        figures.push(servo(summary, curves));
+        figures.push(helix(summary, curves));
+    }
+    if let Some((pass, shown)) = shown {
+        figures.push(super::figures_pass::limits(pass, shown));
+    }
+    figures.push(spindle(summary, curves));
+    figures
+}
+
+/// A number short enough for a page: six significant digits of what is drawn.
+fn short(value: f64) -> f64 {
+    (value * 1e5).round() / 1e5
+}
+
+/// A line through points.
+pub(super) fn line(points: &[(f64, f64)], name: &str, color: &str, axes: (&str, &str)) -> Value {
+    let x: Vec<f64> = points.iter().map(|point| short(point.0)).collect();
+    let y: Vec<f64> = points.iter().map(|point| short(point.1)).collect();
+    json!({ "type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "xaxis": axes.0, "yaxis": axes.1,
+            "line": { "color": color, "width": 1.5 } })
+}
+
+/// A line through the points of an envelope.
+pub(super) fn curve(envelope: &Envelope, name: &str, color: &str, axes: (&str, &str)) -> Value {
+    line(&envelope.points(), name, color, axes)
+}
+
+/// An axis of a plot with its title.
+pub(super) fn axis(title: &str) -> Value {
+    json!({ "title": { "text": title } })
+}
+
+/// Two plots one above the other, over the same x.
+pub(super) fn stacked(x: &str, upper: &str, lower: &str) -> Value {
+    json!({
+        "xaxis": { "anchor": "y2", "title": { "text": x } },
+        "yaxis": { "domain": [0.54, 1.0], "title": { "text": upper } },
+        "yaxis2": { "domain": [0.0, 0.46], "title": { "text": lower } },
+    })
+}
+
+fn path(curves: &Curves) -> Figure {
+    let drawn = |points: &[Option<(f64, f64)>], name: &str, color: &str, width: f64| {
+        let z: Vec<_> = points.iter().map(|point| point.map(|point| short(point.0))).collect();
+        let x: Vec<_> = points.iter().map(|point| point.map(|point| short(point.1))).collect();
+        json!({ "type": "scatter", "mode": "lines", "name": name, "x": z, "y": x, "connectgaps": false,
+                "line": { "color": color, "width": width, "simplify": false } })
+    };
+    let [timed, passes] = &curves.path;
+    let (mut z, mut x) = (axis("Z (mm)"), axis("X, radius (mm)"));
+    x["scaleanchor"] = json!("x");
+    if let Some([z_range, x_range]) = around(passes) {
+        (z["range"], x["range"]) = (json!(z_range), json!(x_range));
+    }
+    let good = if passes.is_empty() {
+        "Good: nothing crosses the part in rapid motion."
+    } else {
+        "Good: every pass enters on a smooth curve, runs straight, and leaves on a smooth curve; nothing crosses the \
+         part in timed motion. The picture opens on the thread; double-click it for the whole way."
+    };
+    Figure {
+        title: "Tool path".into(),
+        caption: format!(
+            "Where the tool really went, both axes at the same scale; the spindle's axis lies along X = 0. {good}"
+        ),
+        alt: "Tool path in the plane of Z and X: timed motion in grey, passes of the thread in blue.".into(),
+        plot: json!({
+            "data": [drawn(timed, "timed motion", GREY, 1.0), drawn(passes, "thread passes", BLUE, 2.0)],
+            "layout": { "xaxis": z, "yaxis": x },
+        }),
+        aspect: 0.5,
+    }
+}
+
+/// The ranges of Z and X that show the passes with some room around; `None` if there are none.
+fn around(passes: &[Option<(f64, f64)>]) -> Option<[[f64; 2]; 2]> {
+    let range = |of: fn(&(f64, f64)) -> f64| {
+        let values = passes.iter().flatten().map(of);
+        let (low, high) = (values.clone().reduce(f64::min)?, values.reduce(f64::max)?);
+        let room = 0.15 * (high - low) + 1.0;
+        Some([low - room, high + room])
+    };
+    Some([range(|point| point.0)?, range(|point| point.1)?])
+}
+
+/// Colour of a pass: from dark blue for the first to light orange for the last.
+fn pass_color(index: usize, passes: usize) -> String {
+    const RAMP: [[f64; 3]; 5] = [
+        [20.0, 42.0, 100.0],
+        [0.0, 114.0, 178.0],
+        [0.0, 145.0, 120.0],
+        [190.0, 120.0, 0.0],
+        [213.0, 94.0, 0.0],
+    ];
+    let place = index as f64 * (RAMP.len() - 1) as f64 / passes.saturating_sub(1).max(1) as f64;
+    let (low, high) = (RAMP[place as usize], RAMP[(place as usize + 1).min(RAMP.len() - 1)]);
+    let share = place - place.floor();
+    let [r, g, b] = [0, 1, 2].map(|i| low[i] + share * (high[i] - low[i]));
+    format!("rgb({r:.0},{g:.0},{b:.0})")
+}
+
+/// One curve a pass, in the order of cutting.
+fn by_pass<'a>(
+    curves: &'a Curves,
+    axes: (&'a str, &'a str),
+    in_legend: bool,
+    of: impl Fn(usize) -> &'a Envelope + 'a,
+) -> impl Iterator<Item = Value> + 'a {
+    let passes = curves.passes.len();
+    (0..passes).map(move |index| {
+        let name = format!("pass {}", curves.passes[index].pass);
+        let mut drawn = curve(of(index), &name, &pass_color(index, passes), axes);
+        drawn["legendgroup"] = json!(name);
+        drawn["showlegend"] = json!(in_legend && passes <= LEGEND_PASSES);
+        drawn
+    })
+}
+
+fn servo(summary: &Summary, curves: &Curves) -> Figure {
+    let x = by_pass(curves, ("x", "y"), true, |index| &curves.passes[index].servo[0]);
+    let z = by_pass(curves, ("x", "y2"), false, |index| &curves.passes[index].servo[1]);
+    let mut layout = stacked("spindle angle since the index (degrees)", "X (µm)", "Z (µm)");
+    layout["shapes"] = bands(summary);
+    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    let x_worst = worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um));
+    let z_worst = worst(|pass| pass.z.approach_max_um.max(-pass.z.approach_min_um));
+    Figure {
+        title: "Servo error of every pass".into(),
+        caption: "Commanded minus measured position, at the instant of measuring. The shaded part is the thread. \
+                  Good: a few µm while the tool accelerates before and after it, next to nothing in it, and passes \
+                  that lie on each other."
+            .into(),
+        alt: format!(
+            "Servo errors of X and Z over the spindle angle, one curve a pass. Largest in the run-in: X {x_worst:.2} \
+             µm, Z {z_worst:.2} µm."
+        ),
+        plot: json!({ "data": x.chain(z).collect::<Vec<_>>(), "layout": layout }),
+        aspect: 0.6,
+    }
+}
+
+/// The part of the angle in which every pass is in its thread.
+fn bands(summary: &Summary) -> Value {
+    let from = summary.passes.iter().map(|pass| thread_deg(pass).0).fold(0.0, f64::max);
+    let to = summary.passes.iter().map(|pass| thread_deg(pass).1).fold(f64::INFINITY, f64::min);
+    let end = summary.passes.iter().map(|pass| moving_deg(pass).1).fold(0.0, f64::max);
+    if from >= to.min(end) {
+        return json!([]);
+    }
+    json!([band(from, to)])
+}
+
+/// A shaded interval of x.
+fn band(from: f64, to: f64) -> Value {
+    json!({ "type": "rect", "xref": "x", "yref": "paper", "x0": short(from), "x1": short(to), "y0": 0, "y1": 1,
+            "fillcolor": "rgba(0,114,178,0.08)", "line": { "width": 0 }, "layer": "below" })
+}
+
+fn helix(summary: &Summary, curves: &Curves) -> Figure {
+    let drawn = by_pass(curves, ("x", "y"), true, |index| &curves.passes[index].helix);
+    let worst = summary.passes.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
+    Figure {
+        title: "Thread error of every pass".into(),
+        caption: "True Z minus the programmed helix at the true spindle angle, over the turns of the thread: what a \
+                  perfect gauge would read. Good: every curve close to zero, without slope (a slope is a wrong lead), \
+                  all on each other (a distance between passes is a wrong groove)."
+            .into(),
+        alt: format!("Distance from the helix over the turns of the thread, one curve a pass; at most {worst:.2} µm."),
+        plot: json!({
+            "data": drawn.collect::<Vec<_>>(),
+            "layout": { "xaxis": axis("turns of the thread"), "yaxis": axis("distance from the helix (µm)") },
+        }),
+        aspect: 0.45,
+    }
+}
+
+fn spindle(summary: &Summary, curves: &Curves) -> Figure {
+    let at = |cycle: u64| cycle as f64 * summary.cycle_s;
+    let cut: Vec<Value> = summary.passes.iter().map(|p| band(at(p.begin_cycle), at(p.end_cycle))).collect();
+    let mut layout = stacked("time (s)", "spindle (1/min)", "override (%)");
+    layout["shapes"] = json!(cut);
+    layout["showlegend"] = json!(false);
+    layout["yaxis2"]["rangemode"] = json!("tozero");
+    Figure {
+        title: "Spindle over time".into(),
+        caption: "True speed of the spindle, and the override on the panel; shaded where a pass is cut. The speed may \
+                  change as it likes, in a pass too: the thread follows the angle, not the time."
+            .into(),
+        alt: "Spindle speed and spindle override over the time of the run, with the passes shaded.".into(),
+        plot: json!({
+            "data": [
+                curve(&curves.rpm, "speed", BLUE, ("x", "y")),
+                curve(&curves.override_pct, "override", ORANGE, ("x", "y2")),
+            ],
+            "layout": layout,
+        }),
+        aspect: 0.45,
+    }
+}

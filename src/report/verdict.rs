@@ -1,0 +1,184 @@
+//! What a run comes to, in plain words. In: the summary. Out: a grade, a headline, and sentences.
+
+use rig::observe::{Outcome, Summary};
+
+/// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is several
+/// times what a sound machine shows.
+const LOOK_UM: f64 = 5.0;
+
+/// How good a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Grade {
+    Good,
+    Look,
+    Bad,
+}
+
+impl Grade {
+    /// Word and sign: never colour alone.
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Grade::Good => "✓ Good",
+            Grade::Look => "! Take a look",
+            Grade::Bad => "✗ Not good",
+        }
+    }
+
+    /// Class of the style sheet.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            Grade::Good => "good",
+            Grade::Look => "look",
+            Grade::Bad => "bad",
+        }
+    }
+}
+
+/// The verdict on a run.
+pub(super) struct Verdict {
+    pub(super) grade: Grade,
+    pub(super) sentences: Vec<String>,
+}
+
+impl Verdict {
+    fn say(&mut self, grade: Grade, sentence: impl Into<String>) {
+        self.grade = self.grade.max(grade);
+        self.sentences.push(sentence.into());
+    }
+}
+
+/// Judges a run.
+pub(super) fn of(summary: &Summary) -> Verdict {
+    let mut verdict = Verdict { grade: Grade::Good, sentences: Vec::new() };
+    match summary.outcome {
+        Outcome::Completed => verdict.say(Grade::Good, "The program ran to its end."),
+        Outcome::Stopped => verdict.say(Grade::Look, "The program was stopped before its end."),
+        Outcome::Faulted => {
+            let why = summary.faults.first().map_or_else(String::new, |fault| {
+                format!(" {} at {:.3} s: {}.", fault.source, fault.cycle as f64 * summary.cycle_s, fault.text)
+            });
+            verdict.say(Grade::Bad, format!("The run ended in a fault.{why}"));
+        }
+    }
+    threads(summary, &mut verdict);
+    limits(summary, &mut verdict);
+    if summary.deadline_misses > 0 {
+        verdict.say(Grade::Look, format!("{} answers came late.", summary.deadline_misses));
+    }
+    verdict
+}
+
+fn threads(summary: &Summary, verdict: &mut Verdict) {
+    let passes = &summary.passes;
+    if passes.is_empty() {
+        return verdict.say(Grade::Good, "No thread was cut.");
+    }
+    let broken: Vec<String> = passes.iter().filter(|p| !p.complete).map(|p| p.pass.to_string()).collect();
+    if !broken.is_empty() {
+        verdict.say(Grade::Bad, format!("Not cut to the end: pass {}.", broken.join(", ")));
+    }
+    if passes.iter().any(|pass| !pass.same_index) {
+        verdict.say(Grade::Bad, "The axes of a pass started from different indexes of the spindle.");
+    }
+    let cut: Vec<_> = passes.iter().filter(|pass| pass.thread_cycles > 0).collect();
+    if cut.is_empty() {
+        return;
+    }
+    let helix = cut.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
+    let spread = summary.thread.phase_spread_um;
+    let grade = if helix.max(spread) > LOOK_UM { Grade::Look } else { Grade::Good };
+    let same = if cut.len() > 1 {
+        format!(", and passes of one start follow the same groove within {}", um(spread))
+    } else {
+        String::new()
+    };
+    let count = if cut.len() == 1 {
+        "One pass was cut; it".into()
+    } else {
+        format!("{} passes were cut; they", cut.len())
+    };
+    let keeps = if cut.len() == 1 { "keeps" } else { "keep" };
+    verdict.say(grade, format!("{count} {keeps} within {} of the programmed helix{same}.", um(helix)));
+}
+
+fn limits(summary: &Summary, verdict: &mut Verdict) {
+    let beyond = summary.passes.iter().find(|pass| {
+        let used = &pass.limits_used_pct;
+        [used.x_v, used.x_a, used.x_j, used.z_v, used.z_a, used.z_j].iter().any(|used| *used > 100.0)
+    });
+    if let Some(pass) = beyond {
+        verdict.say(Grade::Look, format!("Pass {} asked an axis for more than its limits.", pass.pass));
+    }
+    match summary.moves.limit_violations {
+        0 => {}
+        n => verdict.say(Grade::Look, format!("Timed motion went beyond a limit of an axis in {n} cycles.")),
+    }
+    match summary.overrides_clamped {
+        0 => {}
+        1 => verdict.say(Grade::Good, "One override was lowered to what the axes can follow."),
+        n => verdict.say(Grade::Good, format!("{n} overrides were lowered to what the axes can follow.")),
+    }
+}
+
+/// A length for people: µm, or mm if it is long.
+pub(super) fn um(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1000.0 => format!("{:.3} mm", value / 1000.0),
+        size if size >= 0.1 => format!("{value:.2} µm"),
+        _ => format!("{value:.3} µm"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Grade, of};
+    use rig::observe::{FaultReport, Outcome, PassReport, Summary};
+
+    fn good() -> Summary {
+        let pass = PassReport {
+            pass: 1,
+            complete: true,
+            same_index: true,
+            thread_cycles: 100,
+            helix_max_abs_um: 0.5,
+            ..PassReport::default()
+        };
+        Summary { outcome: Outcome::Completed, passes: vec![pass], ..Summary::default() }
+    }
+
+    #[test]
+    fn a_good_run_is_called_good() {
+        let verdict = of(&good());
+        assert_eq!(verdict.grade, Grade::Good);
+        assert_eq!(
+            verdict.sentences.join(" "),
+            "The program ran to its end. One pass was cut; it keeps within 0.50 µm of the programmed helix."
+        );
+    }
+
+    #[test]
+    fn every_defect_is_said() {
+        let defect = |spoil: fn(&mut Summary)| {
+            let mut summary = good();
+            spoil(&mut summary);
+            let verdict = of(&summary);
+            (verdict.grade, verdict.sentences.join(" "))
+        };
+        let (grade, words) = defect(|summary| summary.passes[0].helix_max_abs_um = 2100.0);
+        assert!(grade == Grade::Look && words.contains("2.100 mm"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].complete = false);
+        assert!(grade == Grade::Bad && words.contains("Not cut to the end: pass 1"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].same_index = false);
+        assert!(grade == Grade::Bad && words.contains("different indexes"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].limits_used_pct.z_a = 101.0);
+        assert!(grade == Grade::Look && words.contains("more than its limits"), "{words}");
+        let (grade, words) = defect(|summary| summary.moves.limit_violations = 3);
+        assert!(grade == Grade::Look && words.contains("in 3 cycles"), "{words}");
+        let (grade, words) = defect(|summary| {
+            summary.outcome = Outcome::Faulted;
+            let text = "the drive reports a fault".into();
+            summary.faults.push(FaultReport { source: "regulator-x".into(), text, ..FaultReport::default() });
+        });
+        assert!(grade == Grade::Bad && words.contains("regulator-x at 0.000 s: the drive"), "{words}");
+    }
+}

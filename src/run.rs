@@ -1,0 +1,135 @@
+//! `pitchlock run`: read everything, start the machine, record, sum up.
+
+mod channels;
+mod folder;
+mod in_process;
+mod interrupts;
+mod processes;
+mod progress;
+mod recorder;
+
+use std::process::ExitCode;
+
+use protocol::{Machine, shell::Clock};
+use rig::observe::{Outcome, Summary};
+
+use crate::{
+    cli::{self, RunArgs},
+    error::CliError,
+    program::Program,
+    report,
+};
+use folder::RunFolder;
+pub(crate) use recorder::axes;
+
+/// Everything a run depends on.
+pub(crate) struct Setup {
+    /// The machine.
+    pub(crate) machine: Machine,
+    /// The program as a whole.
+    pub(crate) program: Program,
+    /// What happens meanwhile.
+    pub(crate) scenario: sim_plant::Scenario,
+    /// Seed of the plant.
+    pub(crate) seed: u64,
+    /// How processes wait for each other.
+    pub(crate) clock: Clock,
+    /// Where everything is written.
+    pub(crate) folder: RunFolder,
+    /// Whether progress is shown.
+    pub(crate) progress: bool,
+}
+
+/// Runs a program. Anything wrong with the input ends this before the machine starts.
+pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    let args = &folder::repeated(args)?;
+    let (machine, machine_text) = args.machine.read()?;
+    let program = Program::read(&args.program, &machine)?;
+    if !quiet {
+        eprint!("{}", program.messages);
+    }
+    let (scenario, scenario_text) = read_scenario(args)?;
+    let seed = args.seed.unwrap_or(1);
+    if args.in_process && args.clock == Clock::Real {
+        return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
+    }
+    let folder = RunFolder::create(args, &machine_text, scenario_text.as_deref())?;
+    let progress = !quiet && !args.json;
+    let setup = Setup { machine, program, scenario, seed, clock: args.clock, folder, progress };
+
+    let summary = if args.in_process { in_process::run(&setup)? } else { processes::run(&setup)? };
+    summary.write(&setup.folder.path.join("summary.json"))?;
+    let report = report::render(&setup.folder.path)?;
+    if args.json {
+        let text =
+            serde_json::to_string_pretty(&summary).map_err(|error| CliError::Machine(error.to_string()))?;
+        cli::print(&format!("{text}\n"));
+    } else if !quiet {
+        cli::print(&summed_up(&summary, &report));
+    }
+    Ok(if summary.outcome == Outcome::Faulted { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+fn read_scenario(args: &RunArgs) -> Result<(sim_plant::Scenario, Option<String>), CliError> {
+    let Some(path) = &args.scenario else { return Ok((sim_plant::Scenario::none(), None)) };
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?;
+    let scenario = sim_plant::Scenario::from_toml(&text)
+        .map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
+    Ok((scenario, Some(text)))
+}
+
+/// What a person wants to know first.
+fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    for fault in &summary.faults {
+        let _ = writeln!(
+            text,
+            "fault     {} {} (cycle {}): {}",
+            fault.source, fault.code, fault.cycle, fault.text
+        );
+    }
+    let outcome = match summary.outcome {
+        Outcome::Completed => "completed",
+        Outcome::Faulted => "FAULTED",
+        Outcome::Stopped => "stopped by the operator",
+    };
+    let _ = writeln!(
+        text,
+        "{outcome}: {} passes, {} moves, {:.1} s on the machine in {:.1} s",
+        summary.passes.len(),
+        summary.moves.count,
+        summary.simulated_s,
+        summary.wall_s
+    );
+    let worst = |of: fn(&rig::observe::PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    if !summary.passes.is_empty() {
+        let _ = writeln!(
+            text,
+            "thread    helix error at most {:.2} µm, phase spread from pass to pass {:.2} µm, lead error at most {:.3} µm/rev",
+            worst(|pass| pass.helix_max_abs_um),
+            summary.thread.phase_spread_um,
+            worst(|pass| pass.lead_error_um_per_rev.abs()),
+        );
+        let _ = writeln!(
+            text,
+            "depth (X) servo error in the approach at most {:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
+            worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
+            worst(|pass| pass.x.end_um.abs()),
+            worst(|pass| pass.x.thread_max_abs_um),
+        );
+    }
+    if summary.overrides_clamped > 0 {
+        let _ = writeln!(
+            text,
+            "override  clamped {} times to what the axes can follow",
+            summary.overrides_clamped
+        );
+    }
+    if summary.deadline_misses > 0 {
+        let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
+    }
+    let _ = writeln!(text, "trace     {}", summary.trace_hash);
+    let _ = writeln!(text, "report    {}", report.display());
+    text
+}

@@ -1,0 +1,58 @@
+//! Progress on a terminal: passes, depth, time on the machine. Silent elsewhere.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use protocol::Code;
+use rig::observe::Record;
+
+use super::Setup;
+
+/// Control cycles between two looks.
+const EVERY: u64 = 256;
+
+/// The bar.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    passes: u32,
+    cycle_s: f64,
+}
+
+impl Progress {
+    /// A bar over the items of the program.
+    pub(crate) fn new(setup: &Setup) -> Progress {
+        let items = &setup.program.items;
+        let bar = ProgressBar::new(items.len() as u64);
+        if !setup.progress {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        let style =
+            ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+        bar.set_style(style);
+        let passes = items.iter().filter(|item| matches!(item.code, Code::Pass(_))).count() as u32;
+        Progress { bar, passes, cycle_s: setup.machine.machine.cycle_s }
+    }
+
+    /// Shows a cycle, now and then.
+    pub(crate) fn cycle(&mut self, record: &Record) {
+        let cycle = record.truth.cycle.0;
+        if !cycle.is_multiple_of(EVERY) {
+            return;
+        }
+        let machine = record.machine;
+        self.bar.set_position(machine.taken);
+        self.bar.set_message(format!(
+            "line {}  pass {}/{}  depth {:.3} mm  {:.0} 1/min ({:.0} %)  {:.1} s",
+            machine.line,
+            machine.pass,
+            self.passes,
+            machine.depth_mm,
+            record.truth.spindle_rpm,
+            machine.spindle_override_pct,
+            cycle as f64 * self.cycle_s,
+        ));
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

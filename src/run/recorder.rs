@@ -1,0 +1,75 @@
+//! Takes what the machine says of every control cycle to the observer, the trace and the progress bar.
+
+use protocol::{Axis, Machine, shell::Clock};
+use rig::{
+    observe::{Observer, Record, Summary},
+    trace::{Row, TraceWriter},
+};
+
+use super::{Setup, progress::Progress};
+use crate::error::CliError;
+
+/// Records one run.
+pub(crate) struct Recorder {
+    observer: Observer,
+    trace: Option<TraceWriter>,
+    progress: Progress,
+    cycle_s: f64,
+    failed: Option<CliError>,
+}
+
+impl Recorder {
+    /// A recorder that writes into the run folder.
+    pub(crate) fn new(setup: &Setup) -> Result<Recorder, CliError> {
+        let axes: Vec<Axis> = axes(&setup.machine);
+        let create = |format: rig::trace::Format| {
+            TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)
+        };
+        Ok(Recorder {
+            observer: Observer::new(&setup.machine, &setup.program.items),
+            trace: setup.folder.trace.map(create).transpose()?,
+            progress: Progress::new(setup),
+            cycle_s: setup.machine.machine.cycle_s,
+            failed: None,
+        })
+    }
+
+    /// Takes one control cycle. A trace that cannot be written (a full disk) is given up, not the run.
+    pub(crate) fn cycle(&mut self, record: &Record) {
+        self.observer.cycle(record);
+        if let Some(trace) = &mut self.trace
+            && let Err(error) = trace.row(&Row::of(record, &self.observer, self.cycle_s))
+        {
+            self.failed = Some(error.into());
+            self.trace = None;
+        }
+        self.progress.cycle(record);
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// The trace could not be written.
+    pub(crate) fn finish(self, program: &str, clock: Clock) -> Result<Summary, CliError> {
+        self.progress.finish();
+        if let Some(trace) = self.trace {
+            trace.finish()?;
+        }
+        match self.failed {
+            Some(error) => Err(error),
+            None => Ok(self.observer.finish().summary(program, clock_name(clock))),
+        }
+    }
+}
+
+fn clock_name(clock: Clock) -> &'static str {
+    match clock {
+        Clock::Virtual => "virtual",
+        Clock::Real => "real",
+    }
+}
+
+/// The axes of a machine.
+pub(crate) fn axes(machine: &Machine) -> Vec<Axis> {
+    machine.axes().map(|(axis, _)| axis).collect()
+}
