@@ -1,0 +1,56 @@
+//! Same machine, program, scenario and seed: the same numbers, over processes and in one process, every time.
+
+mod shop;
+
+use shop::{Place, SCENARIOS, example, scenario};
+
+/// Runs an example over processes and in one process, quietly and with every scenario.
+fn both_agree(name: &str) {
+    let place = Place::new();
+    let program = example(name);
+    let mut hashes = Vec::new();
+    for scenario_name in std::iter::once(None).chain(SCENARIOS.map(Some)) {
+        let inside = place.run_inside(&program, scenario_name);
+        let path = scenario_name.map(|name| scenario(name).display().to_string());
+        let mut arguments = vec!["--trace", "none"];
+        arguments.extend(path.iter().flat_map(|path| ["--scenario", path.as_str()]));
+        let over_processes = place.run(&program, "processes", &arguments);
+        let what = format!("{name} {scenario_name:?}");
+        assert_eq!(over_processes.trace_hash, inside.trace_hash, "{what}");
+        assert_eq!(over_processes.cycles, inside.cycles, "{what}");
+        assert_eq!(over_processes.passes, inside.passes, "{what}");
+        for channel in &over_processes.channels {
+            assert_eq!(channel.lost, 0, "{what}: {channel:?}");
+        }
+        hashes.push(inside.trace_hash);
+    }
+    hashes.sort();
+    hashes.dedup();
+    assert_eq!(hashes.len(), 1 + SCENARIOS.len(), "every scenario leaves its own trace");
+}
+
+#[test]
+fn m20x2_is_the_same_over_processes_and_in_one() {
+    both_agree("m20x2");
+}
+
+#[test]
+fn worm_left_is_the_same_over_processes_and_in_one() {
+    both_agree("worm-left");
+}
+
+#[test]
+fn internal_m30_is_the_same_over_processes_and_in_one() {
+    both_agree("internal-m30");
+}
+
+#[test]
+fn the_seed_is_part_of_the_numbers() {
+    let place = Place::new();
+    let run = |out: &str, seed: &str| {
+        place.run(&example("m20x2"), out, &["--in-process", "--trace", "none", "--seed", seed]).trace_hash
+    };
+    let (first, again, other) = (run("a", "1"), run("b", "1"), run("c", "2"));
+    assert_eq!(first, again);
+    assert_ne!(first, other);
+}

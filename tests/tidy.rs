@@ -1,0 +1,123 @@
+//! What a machine can check of how the code reads, how the crates depend on each other, and whether the documents are
+//! right.
+
+#[path = "tidy/documents.rs"]
+mod documents;
+#[path = "tidy/sources.rs"]
+mod sources;
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// The crates of the workspace but the root package, and what of the others each may name.
+const CRATES: [(&str, &[&str]); 7] = [
+    ("motion", &[]),
+    ("protocol", &["motion"]),
+    ("interpreter", &["protocol", "motion"]),
+    ("interpolator", &["protocol", "motion"]),
+    ("regulator", &["protocol", "motion"]),
+    ("sim-plant", &["protocol", "motion"]),
+    ("rig", &["protocol", "motion", "interpreter", "interpolator", "regulator", "sim-plant"]),
+];
+
+fn project() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = project().join(path);
+    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Files below the project with one of these endings, relative to it; not what was built, run or hidden.
+fn files(endings: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![project().to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("the project can be read").flatten() {
+            let (path, name) = (entry.path(), entry.file_name());
+            let name = name.to_string_lossy();
+            if name.starts_with('.') || ["target", "runs"].contains(&name.as_ref()) {
+                continue;
+            }
+            if path.is_dir() {
+                folders.push(path);
+            } else if endings.iter().any(|ending| name.ends_with(ending)) {
+                found.push(path.strip_prefix(project()).expect("it lies below").to_path_buf());
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Fails with every finding, one a line.
+fn none(findings: &[String]) {
+    assert!(findings.is_empty(), "\n{}", findings.join("\n"));
+}
+
+fn manifest(folder: &str) -> toml::Table {
+    read(Path::new(folder).join("Cargo.toml")).parse().expect("cargo has read it, too")
+}
+
+/// Names in a section of a manifest.
+fn names(manifest: &toml::Table, section: &str) -> BTreeSet<String> {
+    let table = manifest.get(section).and_then(toml::Value::as_table);
+    table.map(|table| table.keys().cloned().collect()).unwrap_or_default()
+}
+
+#[test]
+fn crates_depend_in_one_direction() {
+    let ours: BTreeSet<String> = CRATES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let mut findings = Vec::new();
+    for (name, allowed) in CRATES {
+        let manifest = manifest(name);
+        for other in names(&manifest, "dependencies").intersection(&ours) {
+            if !allowed.contains(&other.as_str()) {
+                findings.push(format!("{name} must not depend on {other}"));
+            }
+        }
+        let all = ["dependencies", "dev-dependencies", "build-dependencies"];
+        let everything: BTreeSet<String> = all.iter().flat_map(|section| names(&manifest, section)).collect();
+        if everything.contains("iceoryx2") != (name == "protocol") {
+            findings.push(format!("{name}: only protocol names iceoryx2"));
+        }
+        if everything.contains("pitchlock") {
+            findings.push(format!("{name} must not depend on the program that starts it"));
+        }
+    }
+    let members = manifest("");
+    let members = members["workspace"]["members"].as_array().expect("a list of folders");
+    assert_eq!(members.len(), CRATES.len(), "a new crate needs its place in this test");
+    assert!(!names(&manifest(""), "dependencies").contains("iceoryx2"), "the launcher knows no iceoryx2");
+    none(&findings);
+}
+
+/// Nothing is named that no crate uses, and every crate from outside is accounted for in CONTRIBUTING.md.
+#[test]
+fn every_dependency_has_its_reason() {
+    let ours: BTreeSet<String> = CRATES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let contributing = read("CONTRIBUTING.md");
+    let rows = contributing.lines().filter_map(|line| line.strip_prefix('|')?.split('|').next());
+    let table: BTreeSet<&str> = rows.map(|cell| cell.trim().trim_matches('`')).collect();
+    let mut used = BTreeSet::new();
+    for folder in CRATES.map(|(name, _)| name).iter().chain(&[""]) {
+        for section in ["dependencies", "dev-dependencies", "build-dependencies"] {
+            used.extend(names(&manifest(folder), section));
+        }
+    }
+    let missing = used.difference(&ours).filter(|name| !table.contains(name.as_str()));
+    none(&missing.map(|name| format!("CONTRIBUTING.md has no row for {name}")).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_file_of_the_workspace_is_seen() {
+    let sources = files(&[".rs"]);
+    assert!(sources.len() > 150, "{sources:?}");
+    for path in ["src/main.rs", "motion/src/lib.rs", "tests/tidy.rs", "protocol/src/ipc/port.rs"] {
+        assert!(sources.iter().any(|source| source == Path::new(path)), "{path}");
+    }
+}

@@ -1,0 +1,142 @@
+//! The documents: what they link to and name exists, and what is shipped as an example can be read.
+
+use std::path::{Path, PathBuf};
+
+use protocol::Machine;
+use sim_plant::Scenario;
+
+use super::{files, none, project, read};
+
+/// Files and folders whose names begin a path of this project.
+const ROOTS: [&str; 12] = [
+    "src/",
+    "tests/",
+    "docs/",
+    "examples/",
+    "benches/",
+    "motion/",
+    "protocol/",
+    "interpreter/",
+    "interpolator/",
+    "regulator/",
+    "sim-plant/",
+    "rig/",
+];
+
+fn documents() -> Vec<PathBuf> {
+    let documents = files(&[".md"]);
+    assert!(documents.iter().any(|path| path == Path::new("README.md")), "{documents:?}");
+    documents
+}
+
+/// What stands between `open` and `close`, wherever they occur in this order on one line.
+fn between<'a>(text: &'a str, open: &str, close: &str) -> Vec<&'a str> {
+    let parts = text.lines().flat_map(|line| line.split(open).skip(1));
+    parts.filter_map(|part| part.split_once(close).map(|(inside, _)| inside)).collect()
+}
+
+/// A document without its blocks of code.
+fn prose(text: &str) -> String {
+    text.split("\n```").step_by(2).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let mut count = 0;
+    let mut findings = Vec::new();
+    for path in documents() {
+        let text = read(&path);
+        for link in between(&prose(&text), "](", ")") {
+            let (target, anchor) = link.split_once('#').unwrap_or((link, ""));
+            if target.contains("://") || target.starts_with("mailto:") {
+                continue;
+            }
+            count += 1;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let there = if target.is_empty() { path.clone() } else { folder.join(target) };
+            if !project().join(&there).exists() {
+                findings.push(format!("{}: {link} does not exist", path.display()));
+            } else if !anchor.is_empty() && !anchors(&read(&there)).contains(&anchor.to_owned()) {
+                findings.push(format!("{}: {link} has no such heading", path.display()));
+            }
+        }
+    }
+    assert!(count > 5, "only {count} links were recognised");
+    none(&findings);
+}
+
+/// Headings as anchors: lower case, hyphens for spaces, nothing else but letters and digits.
+fn anchors(text: &str) -> Vec<String> {
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    let anchor = |heading: &str| {
+        let kept = heading.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
+        kept.chars().filter(|letter| letter.is_alphanumeric() || "-_".contains(*letter)).collect()
+    };
+    headings.map(anchor).collect()
+}
+
+#[test]
+fn every_path_that_is_named_exists() {
+    let mut count = 0;
+    let mut findings = Vec::new();
+    for path in documents() {
+        for named in between_backticks(&prose(&read(&path))) {
+            let is_path = ROOTS.iter().any(|root| named.starts_with(root));
+            if !is_path || named.contains([' ', '*', '<', '{', '…']) {
+                continue;
+            }
+            count += 1;
+            let file = named.split([':', '#']).next().unwrap_or(&named);
+            if !project().join(file).exists() {
+                findings.push(format!("{}: `{named}` does not exist", path.display()));
+            }
+        }
+    }
+    assert!(count > 10, "only {count} paths were recognised");
+    none(&findings);
+}
+
+fn between_backticks(text: &str) -> Vec<String> {
+    let inside = |line: &str| line.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    text.lines().flat_map(inside).collect()
+}
+
+/// Commands in blocks of code that name a file of the project name one that exists.
+#[test]
+fn every_command_that_is_shown_names_files_that_exist() {
+    let mut findings = Vec::new();
+    for path in documents() {
+        for block in read(&path).split("\n```").skip(1).step_by(2) {
+            let commands =
+                block.lines().filter(|line| line.contains("pitchlock ") || line.contains("cargo "));
+            for word in commands.flat_map(str::split_whitespace) {
+                if word.starts_with("examples/") && !project().join(word).exists() {
+                    findings.push(format!("{}: {word} does not exist", path.display()));
+                }
+            }
+        }
+    }
+    none(&findings);
+}
+
+#[test]
+fn every_example_can_be_read() {
+    let of_folder = |folder: &str, ending: &str| {
+        let found = files(&[ending]).into_iter().filter(|path| path.parent() == Some(Path::new(folder)));
+        let found: Vec<PathBuf> = found.collect();
+        assert!(!found.is_empty(), "{folder} holds no {ending}");
+        found
+    };
+    for path in of_folder("examples/machines", ".toml") {
+        let machine = Machine::from_toml(&read(&path)).unwrap_or_else(|error| panic!("{path:?}: {error}"));
+        let plant = sim_plant::Plant::new(&machine, Scenario::none(), 1);
+        assert!(plant.is_ok(), "{path:?}: {:?}", plant.err());
+    }
+    for path in of_folder("examples/scenarios", ".toml") {
+        Scenario::from_toml(&read(&path)).unwrap_or_else(|error| panic!("{path:?}: {error}"));
+    }
+    for path in of_folder("examples", ".ngc") {
+        let check = interpreter::check(&path.display().to_string(), &read(&path), &Machine::default());
+        assert!(check.diagnostics.is_empty(), "{path:?}: {:?}", check.diagnostics);
+    }
+}
