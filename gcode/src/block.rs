@@ -1,0 +1,240 @@
+//! A block: the words of one line, sorted by letter and modal group, with their places.
+//!
+//! One block is filled again and again, so that reading allocates nothing.
+
+use crate::canon::Position;
+use crate::codes::{G, G_GROUPS, M, M_GROUPS};
+use crate::problem::{Blame, Problem, Span};
+
+/// Room for the letters A to Z and the words that have none.
+const WORDS: usize = 32;
+
+/// `@`: distance of a polar point. `^`: its angle. `$`: spindle. `,C` and `,R` of FANUC are `c` and `r`.
+pub const SPECIAL: [char; 5] = ['@', '^', '$', 'c', 'r'];
+
+fn slot(letter: char) -> usize {
+    match letter {
+        'A'..='Z' => letter as usize - 'A' as usize,
+        '@' => 26,
+        '^' => 27,
+        '$' => 28,
+        'c' => 29,
+        'r' => 30,
+        _ => 31,
+    }
+}
+
+/// Letters of X, Y, Z, A, B, C.
+pub const AXES: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+
+/// What a comment is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommentKind {
+    /// Text for the reader of the program.
+    Plain,
+    /// `(MSG,...)`.
+    Message,
+    /// `(DEBUG,...)`: parameters in it are replaced by their values.
+    Debug,
+    /// `(PRINT,...)`: the same, to standard output.
+    Print,
+    /// `(LOG,...)` `(LOGOPEN,...)` `(LOGAPPEND,...)` `(LOGCLOSE)`.
+    Log,
+}
+
+/// A comment of a block.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Comment {
+    /// Kind.
+    pub kind: CommentKind,
+    /// Its text with the parameters of DEBUG, PRINT and LOG replaced; verbs of messages are left out, that of
+    /// LOG stands in front.
+    pub text: String,
+}
+
+/// What stands on the left of `=`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Assigned {
+    /// `#n`.
+    Number(u32),
+    /// `#<name>`, lower case without blanks; names that begin with `_` are global.
+    Name(String),
+}
+
+/// The words of one line.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Line, from 1.
+    pub line: u32,
+    /// File, see [`crate::Place`].
+    pub file: u16,
+    /// N word.
+    pub n: Option<u32>,
+    present: u32,
+    values: [f64; WORDS],
+    spans: [Span; WORDS],
+    g: [Option<G>; G_GROUPS],
+    g_spans: [Span; G_GROUPS],
+    m: [Option<M>; M_GROUPS],
+    m_spans: [Span; M_GROUPS],
+    /// The last comment of the line, and whether there is any.
+    pub comment: Option<Comment>,
+    /// Parameters to set before the words of the block take effect.
+    pub assignments: Vec<(Assigned, f64)>,
+}
+
+impl Default for Block {
+    fn default() -> Block {
+        Block {
+            line: 0,
+            file: 0,
+            n: None,
+            present: 0,
+            values: [0.0; WORDS],
+            spans: [Span::default(); WORDS],
+            g: [None; G_GROUPS],
+            g_spans: [Span::default(); G_GROUPS],
+            m: [None; M_GROUPS],
+            m_spans: [Span::default(); M_GROUPS],
+            comment: None,
+            assignments: Vec::new(),
+        }
+    }
+}
+
+impl Block {
+    /// Makes the block an empty one of `line`.
+    pub fn clear(&mut self, file: u16, line: u32) {
+        (self.file, self.line, self.n, self.present) = (file, line, None, 0);
+        (self.g, self.m) = ([None; G_GROUPS], [None; M_GROUPS]);
+        self.comment = None;
+        self.assignments.clear();
+    }
+
+    /// Where its calls come from.
+    pub fn place(&self) -> crate::Place {
+        crate::Place { file: self.file, line: self.line, n: self.n }
+    }
+
+    /// Adds the word of a letter.
+    ///
+    /// # Errors
+    /// The letter stands in the block already.
+    pub fn add(&mut self, letter: char, value: f64, span: Span) -> Result<(), Box<Problem>> {
+        if self.has(letter) {
+            let message = format!("{letter} stands in this block already");
+            let help = "leave one of the two out, or put them in different blocks";
+            return Err(Problem::error("repeated-word", Blame::Span(span), message, help));
+        }
+        let slot = slot(letter);
+        self.present |= 1 << slot;
+        (self.values[slot], self.spans[slot]) = (value, span);
+        Ok(())
+    }
+
+    /// Adds a G code of a group.
+    ///
+    /// # Errors
+    /// The block has a code of that group.
+    pub fn add_g(&mut self, group: usize, code: G, span: Span) -> Result<(), Box<Problem>> {
+        if let Some(other) = self.g[group] {
+            return Err(excluded(&code.to_string(), &other.to_string(), span));
+        }
+        (self.g[group], self.g_spans[group]) = (Some(code), span);
+        Ok(())
+    }
+
+    /// Adds an M code of a group.
+    ///
+    /// # Errors
+    /// The block has a code of that group.
+    pub fn add_m(&mut self, group: usize, code: M, span: Span) -> Result<(), Box<Problem>> {
+        if let Some(other) = self.m[group] {
+            return Err(excluded(&code.to_string(), &other.to_string(), span));
+        }
+        (self.m[group], self.m_spans[group]) = (Some(code), span);
+        Ok(())
+    }
+
+    /// Whether the block has the word of a letter.
+    pub fn has(&self, letter: char) -> bool {
+        self.present >> slot(letter) & 1 == 1
+    }
+
+    /// The value of the word of a letter.
+    pub fn get(&self, letter: char) -> Option<f64> {
+        self.has(letter).then(|| self.values[slot(letter)])
+    }
+
+    /// The letters of its words (no G, no M, no N), in the order of the alphabet.
+    pub fn letters(&self) -> impl Iterator<Item = char> + '_ {
+        ('A'..='Z').chain(SPECIAL).filter(|letter| self.has(*letter))
+    }
+
+    /// The G code of a group.
+    pub fn g(&self, group: usize) -> Option<G> {
+        self.g[group]
+    }
+
+    /// The M code of a group.
+    pub fn m(&self, group: usize) -> Option<M> {
+        self.m[group]
+    }
+
+    /// Its G codes.
+    pub fn g_codes(&self) -> impl Iterator<Item = G> + '_ {
+        self.g.iter().flatten().copied()
+    }
+
+    /// Its M codes.
+    pub fn m_codes(&self) -> impl Iterator<Item = M> + '_ {
+        self.m.iter().flatten().copied()
+    }
+
+    /// Whether it has any word of X, Y, Z, A, B, C.
+    pub fn has_axes(&self) -> bool {
+        AXES.into_iter().any(|letter| self.has(letter))
+    }
+
+    /// The values of its axis words.
+    pub fn axes(&self) -> [Option<f64>; 6] {
+        AXES.map(|letter| self.get(letter))
+    }
+
+    /// Whether it has no words, codes or comment.
+    pub fn is_empty(&self) -> bool {
+        self.present == 0
+            && self.comment.is_none()
+            && self.g_codes().next().is_none()
+            && self.m_codes().next().is_none()
+    }
+
+    /// The bytes of the line that `blame` means.
+    pub fn span(&self, blame: Blame) -> Option<Span> {
+        match blame {
+            Blame::Span(span) => Some(span),
+            Blame::Word(letter) => self.has(letter).then(|| self.spans[slot(letter)]),
+            Blame::G(code) => {
+                self.g.iter().position(|g| *g == Some(code)).map(|group| self.g_spans[group])
+            }
+            Blame::M(code) => {
+                self.m.iter().position(|m| *m == Some(code)).map(|group| self.m_spans[group])
+            }
+            Blame::Block | Blame::Line(_) => None,
+        }
+    }
+
+    /// The position that its axis words alone give: those that it lacks are those of `from`.
+    pub fn axes_or(&self, from: &Position) -> Position {
+        let mut point = *from;
+        for (value, axis) in point.iter_mut().zip(self.axes()) {
+            *value = axis.unwrap_or(*value);
+        }
+        point
+    }
+}
+
+fn excluded(code: &str, other: &str, span: Span) -> Box<Problem> {
+    let message = format!("{code} and {other} exclude each other in one block");
+    Problem::error("modal-group", Blame::Span(span), message, "put them in different blocks, or leave one out")
+}

@@ -1,0 +1,1 @@
+//! Which line comes next: O-words, M98, M99.

@@ -1,0 +1,1 @@
+//! A program, block by block.

@@ -1,0 +1,1 @@
+//! Parameters: numbered, named and those of the calls of subroutines.

@@ -1,0 +1,3 @@
+//! Lines become blocks: words and numbers in every legal spelling, comments, parameters, expressions.
+
+pub mod memory;
