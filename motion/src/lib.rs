@@ -6,6 +6,7 @@
 //! | change of speed (run-in, run-out, feed ramp), sin² jerk | [`Ramp`] | M9–M21 |
 //! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15 |
 //! | feed of one block, ramp – cruise – ramp | [`FeedBlock`] | M22–M27 |
+//! | line or arc as a function of its length, in the space of the axes | [`Path`] | M55–M58 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
 //!
 //! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to `p`. For
@@ -20,6 +21,7 @@ mod feed;
 mod limits;
 mod observer;
 mod pass;
+mod path;
 mod ramp;
 mod sample;
 mod search;
@@ -30,6 +32,7 @@ pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
 pub use limits::Limits;
 pub use observer::{SpindleMotion, SpindleObserver};
 pub use pass::{PassLaw, Window};
+pub use path::Path;
 pub use ramp::{Binding, Ramp};
 pub use sample::Sample;
 pub use stroke::Stroke;

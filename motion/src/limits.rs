@@ -23,6 +23,10 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// No bound.
+    pub const NONE: Limits =
+        Limits { v: f64::INFINITY, a: f64::INFINITY, j: f64::INFINITY, dj: f64::INFINITY };
+
     /// Peaks of the same law when its master runs at ratio `r`: v r, a r², j r³, dj r⁴ (M7).
     #[must_use]
     pub fn scaled(self, r: f64) -> Limits {

@@ -4,6 +4,8 @@
 mod draw;
 #[path = "properties/feed.rs"]
 mod feed;
+#[path = "properties/path.rs"]
+mod path;
 #[path = "properties/ramp.rs"]
 mod ramp;
 #[path = "properties/stroke.rs"]
