@@ -30,5 +30,5 @@ pub mod words;
 pub use block::Block;
 pub use canon::{Call, Place, Position, Sink};
 pub use problem::{Diagnostic, Problem, Severity};
-pub use program::{Options, Program, Step};
+pub use program::{Dialect, Limits, Options, Program, Step};
 pub use state::State;

@@ -1,1 +1,116 @@
-//! Parameters: numbered, named and those of the calls of subroutines.
+//! Parameters: what `#1`, `#<name>` and `#<_name>` hold.
+//!
+//! In: numbers and names (lower case, without blanks). Out: values, dimensionless. Numbered parameters are 0 until
+//! they are set. `#1` to `#30` and names belong to the call level they are set in; names that begin with `_` and all
+//! other numbers belong to the program.
+
+use std::collections::BTreeMap;
+
+/// Parameters are `#1` to `#5601`.
+pub const LAST: u32 = 5601;
+/// `#1` to `#30` are the arguments of a subroutine.
+pub const ARGUMENTS: usize = 30;
+/// `(DEBUG,...)` is shown while this is positive.
+pub const DEBUG_SHOWN: u32 = 5599;
+
+/// Values of named parameters, by the number of their name.
+type Values = Vec<Option<f64>>;
+
+/// The parameters of a program.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// `#0` is never used.
+    numbered: Vec<f64>,
+    names: BTreeMap<Box<str>, usize>,
+    globals: Values,
+    /// One for each call level; those above `level` wait to be used again.
+    locals: Vec<Values>,
+    level: usize,
+    /// `#1` to `#30` of the levels below, for those calls that have arguments.
+    saved: Vec<[f64; ARGUMENTS]>,
+}
+
+impl Default for Memory {
+    fn default() -> Memory {
+        let mut memory = Memory {
+            numbered: vec![0.0; LAST as usize + 1],
+            names: BTreeMap::new(),
+            globals: Vec::new(),
+            locals: vec![Vec::new()],
+            level: 0,
+            saved: Vec::new(),
+        };
+        memory.set_numbered(DEBUG_SHOWN, 1.0);
+        memory
+    }
+}
+
+impl Memory {
+    /// The value of `#index`; 0 if it was never set or there is none.
+    pub fn numbered(&self, index: u32) -> f64 {
+        self.numbered.get(index as usize).copied().unwrap_or(0.0)
+    }
+
+    /// Sets `#index`, 1 to [`LAST`]; nothing happens if there is none.
+    pub fn set_numbered(&mut self, index: u32, value: f64) {
+        if let Some(parameter) = self.numbered.get_mut(index as usize) {
+            *parameter = value;
+        }
+    }
+
+    /// The value of `#<name>`, if it is set.
+    pub fn named(&self, name: &str) -> Option<f64> {
+        let index = *self.names.get(name)?;
+        let values = if is_global(name) { &self.globals } else { self.locals.get(self.level)? };
+        values.get(index).copied().flatten()
+    }
+
+    /// Sets `#<name>`.
+    pub fn set_named(&mut self, name: &str, value: f64) {
+        let index = match self.names.get(name) {
+            Some(index) => *index,
+            None => {
+                let index = self.names.len();
+                self.names.insert(name.into(), index);
+                index
+            }
+        };
+        let values = if is_global(name) { Some(&mut self.globals) } else { self.locals.get_mut(self.level) };
+        let Some(values) = values else { return };
+        if values.len() <= index {
+            values.resize(index + 1, None);
+        }
+        if let Some(slot) = values.get_mut(index) {
+            *slot = Some(value);
+        }
+    }
+
+    /// Enters a subroutine: its names are its own, and so are `#1` to `#30` if it is given arguments.
+    pub(crate) fn enter(&mut self, arguments: Option<&[f64; ARGUMENTS]>) {
+        self.level += 1;
+        match self.locals.get_mut(self.level) {
+            Some(values) => values.clear(),
+            None => self.locals.push(Vec::new()),
+        }
+        if let (Some(arguments), Some(slots)) = (arguments, self.numbered.get_mut(1..=ARGUMENTS)) {
+            let mut saved = *arguments;
+            saved.swap_with_slice(slots);
+            self.saved.push(saved);
+        }
+    }
+
+    /// Leaves a subroutine that was entered with arguments or without.
+    pub(crate) fn leave(&mut self, with_arguments: bool) {
+        self.level = self.level.saturating_sub(1);
+        if !with_arguments {
+            return;
+        }
+        if let (Some(saved), Some(slots)) = (self.saved.pop(), self.numbered.get_mut(1..=ARGUMENTS)) {
+            slots.copy_from_slice(&saved);
+        }
+    }
+}
+
+fn is_global(name: &str) -> bool {
+    name.starts_with('_')
+}

@@ -1,3 +1,12 @@
-//! Lines become blocks: words and numbers in every legal spelling, comments, parameters, expressions.
+//! From the bytes of a line to its words: letters, values, comments, parameters.
 
+mod comment;
+mod cursor;
+mod expression;
+mod line;
 pub mod memory;
+mod number;
+mod operator;
+
+pub(crate) use cursor::Cursor;
+pub(crate) use line::{Reader, head};

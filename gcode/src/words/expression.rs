@@ -1,0 +1,307 @@
+//! Values: numbers, parameters, functions, expressions in brackets. In: a cursor and the state of the program. Out:
+//! an f64, always finite; angles in degrees.
+//!
+//! Operators of one rank go from left to right, also `**` and comparisons. Highest first:
+//! `**` · `*` `/` `MOD` · `+` `-` · `EQ` `NE` `GT` `GE` `LT` `LE` · `AND` `OR` `XOR`. A sign belongs to the value behind
+//! it, so that `-2**2` is 4.
+
+use super::cursor::Cursor;
+use super::memory::LAST;
+use super::number::number;
+use super::operator::{OPERATORS, Operator};
+use crate::execute::system;
+use crate::problem::{Problem, Span, short};
+use crate::state::State;
+
+type Value = Result<f64, Box<Problem>>;
+
+/// How far a number may be from a whole one that is meant.
+const WHOLE: f64 = 1e-4;
+
+/// Reads the values of one line.
+pub(crate) struct Values<'a> {
+    pub(crate) state: &'a State,
+    /// Brackets, signs and `#` that may stand inside each other.
+    pub(crate) deepest: u32,
+    pub(crate) depth: u32,
+    /// The name of a parameter is put together here.
+    pub(crate) name: &'a mut String,
+}
+
+impl Values<'_> {
+    /// Reads one value.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be computed.
+    #[inline]
+    pub(crate) fn value(&mut self, cursor: &mut Cursor) -> Value {
+        match cursor.peek() {
+            Some(b'0'..=b'9' | b'.') => number(cursor),
+            Some(b'-') => {
+                cursor.skip();
+                match cursor.peek() {
+                    Some(b'0'..=b'9' | b'.') => number(cursor).map(|value| -value),
+                    _ => self.nested(cursor, Values::value).map(|value| -value),
+                }
+            }
+            Some(first) => self.other_value(first, cursor),
+            None => Err(missing_value(cursor)),
+        }
+    }
+
+    fn other_value(&mut self, first: u8, cursor: &mut Cursor) -> Value {
+        match first {
+            b'[' => self.bracket(cursor),
+            b'#' => {
+                let start = cursor.mark();
+                cursor.skip();
+                self.parameter(start, cursor)
+            }
+            b'+' => {
+                cursor.skip();
+                self.nested(cursor, Values::value)
+            }
+            b'a'..=b'z' => self.function(cursor),
+            _ => Err(missing_value(cursor)),
+        }
+    }
+
+    /// Reads `what` one level deeper.
+    fn nested(&mut self, cursor: &mut Cursor, what: fn(&mut Self, &mut Cursor) -> Value) -> Value {
+        if self.depth >= self.deepest {
+            let message =
+                format!("more than {} brackets, signs or # inside each other, the limit expression_depth", self.deepest);
+            let help = "compute part of it into a parameter on a line before, as in #1=[...]";
+            return Err(cursor.error_here("expression-too-deep", message, help));
+        }
+        self.depth += 1;
+        let value = what(self, cursor);
+        self.depth -= 1;
+        value
+    }
+
+    /// The value of a parameter, its `#` taken already.
+    fn parameter(&mut self, start: u32, cursor: &mut Cursor) -> Value {
+        if cursor.peek() == Some(b'<') {
+            self.read_name(start, cursor)?;
+            return self.named().ok_or_else(|| self.never_set(cursor.span(start)));
+        }
+        let index = self.index(start, cursor)?;
+        Ok(numbered(index, self.state))
+    }
+
+    /// The number of a parameter, its `#` taken already.
+    ///
+    /// # Errors
+    /// There is no parameter of this number.
+    pub(crate) fn index(&mut self, start: u32, cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
+        let index = self.nested(cursor, Values::value)?;
+        match whole(index) {
+            Some(whole) if (1..=i64::from(LAST)).contains(&whole) => Ok(whole as u32),
+            _ => {
+                let message = format!("there is no parameter number {}", short(index));
+                let help = format!("use a whole number from 1 to {LAST}");
+                Err(cursor.error_from(start, "bad-parameter", message, help))
+            }
+        }
+    }
+
+    /// Reads `<name>` into `name`: lower case, without blanks.
+    ///
+    /// # Errors
+    /// The name is empty or not closed.
+    pub(crate) fn read_name(&mut self, start: u32, cursor: &mut Cursor) -> Result<(), Box<Problem>> {
+        read_name(self.name, start, cursor)
+    }
+
+    /// The value of the parameter whose name was read.
+    fn named(&self) -> Option<f64> {
+        named(self.name, self.state)
+    }
+
+    #[cold]
+    fn never_set(&self, span: Span) -> Box<Problem> {
+        let message = format!("the parameter #<{}> was never set", self.name);
+        let help = match self.name.starts_with('_') {
+            true => "set it on a line before, or check how it is spelled",
+            false => "set it on a line before in the same subroutine (names that begin with _ belong to the program)",
+        };
+        Problem::error("unknown-name", crate::problem::Blame::Span(span), message, help)
+    }
+
+    /// `[ a op b op c ]`.
+    ///
+    /// # Errors
+    /// A bracket or an operator is missing, or the value cannot be computed.
+    pub(crate) fn bracket(&mut self, cursor: &mut Cursor) -> Value {
+        let start = cursor.mark();
+        if !cursor.take_if(b'[') {
+            let help = "put the argument in brackets, as in SQRT[2] or ATAN[1]/[2]";
+            return Err(cursor.error_here("missing-bracket", "an opening bracket is missing here", help));
+        }
+        let value = self.nested(cursor, |values, cursor| values.chain(0, cursor).map(|(value, _)| value))?;
+        if cursor.take_if(b']') {
+            return Ok(value);
+        }
+        if cursor.peek().is_none() {
+            let help = "close every [ with a ]";
+            return Err(cursor.error_from(start, "missing-bracket", "the closing bracket is missing", help));
+        }
+        let help = "operators: + - * / ** MOD EQ NE GT GE LT LE AND OR XOR";
+        Err(cursor.error_here("unknown-operator", "an operator or ] was expected here", help))
+    }
+
+    /// A value and what operators of at least `rank` make of it; with the operator that comes behind.
+    fn chain(&mut self, rank: u8, cursor: &mut Cursor) -> Result<(f64, Option<Operator>), Box<Problem>> {
+        let start = cursor.mark();
+        let mut value = self.value(cursor)?;
+        let mut next = cursor.take_name(&OPERATORS);
+        while let Some(operator) = next.filter(|operator| operator.rank() >= rank) {
+            let (right, behind) = self.chain(operator.rank() + 1, cursor)?;
+            value = operator.apply(value, right).map_err(|reason| arithmetic(cursor, start, reason))?;
+            if !value.is_finite() {
+                return Err(arithmetic(cursor, start, "the value is too large for a number"));
+            }
+            next = behind;
+        }
+        Ok((value, next))
+    }
+
+    fn function(&mut self, cursor: &mut Cursor) -> Value {
+        let start = cursor.mark();
+        let Some(function) = cursor.take_name(&FUNCTIONS) else { return Err(unknown_function(cursor)) };
+        match function {
+            Function::Atan => self.arc_tangent(cursor),
+            Function::Exists => self.exists(cursor),
+            Function::Real(name, function) => {
+                let argument = self.bracket(cursor)?;
+                let value = function(argument);
+                if value.is_finite() {
+                    return Ok(value);
+                }
+                let reason = format!("{name} of {} has no value", short(argument));
+                Err(arithmetic(cursor, start, &reason))
+            }
+        }
+    }
+
+    /// `ATAN[y]/[x]`, -180 to 180 degrees.
+    fn arc_tangent(&mut self, cursor: &mut Cursor) -> Value {
+        let y = self.bracket(cursor)?;
+        if !cursor.take_if(b'/') {
+            let help = "ATAN takes two arguments, as in ATAN[1]/[2]";
+            return Err(cursor.error_here("missing-value", "the / of ATAN is missing here", help));
+        }
+        let x = self.bracket(cursor)?;
+        Ok(libm::atan2(y, x).to_degrees())
+    }
+
+    /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0.
+    fn exists(&mut self, cursor: &mut Cursor) -> Value {
+        let start = cursor.mark();
+        if !cursor.take_if(b'[') || !cursor.take_if(b'#') || cursor.peek() != Some(b'<') {
+            let help = "EXISTS takes the name of a parameter, as in EXISTS[#<depth>]";
+            return Err(cursor.error_here("missing-value", "the name of a parameter is missing here", help));
+        }
+        self.read_name(start, cursor)?;
+        if !cursor.take_if(b']') {
+            let help = "close every [ with a ]";
+            return Err(cursor.error_here("missing-bracket", "the closing bracket is missing", help));
+        }
+        Ok(f64::from(self.named().is_some()))
+    }
+}
+
+/// The value of `#index`.
+pub(crate) fn numbered(index: u32, state: &State) -> f64 {
+    let told = if index < 5000 { None } else { system::numbered(index, state) };
+    told.unwrap_or_else(|| state.memory.numbered(index))
+}
+
+/// The value of `#<name>`: one that the program has set, or one that tells the state.
+pub(crate) fn named(name: &str, state: &State) -> Option<f64> {
+    let set = state.memory.named(name);
+    if set.is_none() && name.starts_with('_') { system::named(name, state) } else { set }
+}
+
+/// Reads `<name>` into `name`: lower case, without blanks.
+///
+/// # Errors
+/// The name is empty, not closed or no text.
+pub(crate) fn read_name(name: &mut String, start: u32, cursor: &mut Cursor) -> Result<(), Box<Problem>> {
+    name.clear();
+    cursor.take_if(b'<');
+    let Some(bytes) = cursor.take_until(b'>') else {
+        cursor.take_rest();
+        let help = "names stand in < >, as in #<depth>";
+        return Err(cursor.error_from(start, "missing-bracket", "the closing > of the name is missing", help));
+    };
+    let blank = |byte: &u8| matches!(byte, b' ' | b'\t');
+    if bytes.iter().any(|byte| !byte.is_ascii_graphic() && !blank(byte)) {
+        let help = "names are made of letters, digits and signs such as _ and -";
+        return Err(cursor.error_from(start, "bad-character", "this is not the name of anything", help));
+    }
+    name.extend(bytes.iter().filter(|byte| !blank(byte)).map(|byte| char::from(byte.to_ascii_lowercase())));
+    if name.is_empty() {
+        let help = "put letters between < and >, as in #<depth>";
+        return Err(cursor.error_from(start, "missing-value", "the name is empty", help));
+    }
+    Ok(())
+}
+
+/// The whole number that a value is near to.
+pub(crate) fn whole(value: f64) -> Option<i64> {
+    let rounded = value.round();
+    ((value - rounded).abs() <= WHOLE && rounded.abs() < 1e15).then_some(rounded as i64)
+}
+
+#[derive(Clone, Copy)]
+enum Function {
+    Real(&'static str, fn(f64) -> f64),
+    Atan,
+    Exists,
+}
+
+const FUNCTIONS: [(&str, Function); 14] = [
+    ("abs", Function::Real("ABS", f64::abs)),
+    ("acos", Function::Real("ACOS", |x| libm::acos(x).to_degrees())),
+    ("asin", Function::Real("ASIN", |x| libm::asin(x).to_degrees())),
+    ("atan", Function::Atan),
+    ("cos", Function::Real("COS", |x| libm::cos(x.to_radians()))),
+    ("exists", Function::Exists),
+    ("exp", Function::Real("EXP", libm::exp)),
+    ("fix", Function::Real("FIX", f64::floor)),
+    ("fup", Function::Real("FUP", f64::ceil)),
+    ("ln", Function::Real("LN", libm::log)),
+    ("round", Function::Real("ROUND", f64::round)),
+    ("sin", Function::Real("SIN", |x| libm::sin(x.to_radians()))),
+    ("sqrt", Function::Real("SQRT", f64::sqrt)),
+    ("tan", Function::Real("TAN", |x| libm::tan(x.to_radians()))),
+];
+
+#[cold]
+fn unknown_function(cursor: &mut Cursor) -> Box<Problem> {
+    let mut ahead = cursor.clone();
+    let mut name = String::new();
+    while let Some(letter @ b'a'..=b'z') = ahead.peek() {
+        name.push(char::from(letter.to_ascii_uppercase()));
+        ahead.skip();
+    }
+    if ahead.peek() != Some(b'[') {
+        return missing_value(cursor);
+    }
+    let start = cursor.mark();
+    let help = "functions: ABS ACOS ASIN ATAN[]/[] COS EXISTS EXP FIX FUP LN ROUND SIN SQRT TAN";
+    ahead.error_from(start, "unknown-function", format!("there is no function {name}"), help)
+}
+
+#[cold]
+fn missing_value(cursor: &mut Cursor) -> Box<Problem> {
+    let help = "write a number, a parameter (#1), an expression ([...]) or a function (SQRT[...])";
+    cursor.error_here("missing-value", "a value is missing here", help)
+}
+
+#[cold]
+fn arithmetic(cursor: &Cursor, start: u32, reason: &str) -> Box<Problem> {
+    cursor.error_from(start, "arithmetic", reason, "check the values the expression is given")
+}

@@ -1,0 +1,278 @@
+//! One line as words. In: its bytes, the state. Out: a [`Block`], and the parameters that the line sets: they take
+//! effect when all of it has been read, before the block is executed.
+
+use super::comment;
+use super::cursor::Cursor;
+use super::expression::{Values, whole};
+use super::number::number;
+use crate::block::Block;
+use crate::codes::{G, M, g_group, m_group};
+use crate::execute::system;
+use crate::problem::{Blame, Problem, Span, short};
+use crate::state::State;
+
+/// Largest number of an N word.
+const LAST_N: u32 = 99_999_999;
+
+type Done = Result<(), Box<Problem>>;
+
+/// What stands on the left of `=`.
+enum Target {
+    Number(u32),
+    /// The name ends at this byte of `names`, and begins where the one before ends.
+    Name(usize),
+}
+
+/// Fills blocks. What it needs on the way is kept, so that a line allocates nothing.
+pub(crate) struct Reader {
+    /// Brackets, signs and `#` that may stand inside each other.
+    deepest: u32,
+    /// The name of a parameter that is being read.
+    pub(crate) name: String,
+    assignments: Vec<(Target, f64)>,
+    names: String,
+    /// Notes on the line read last.
+    pub(crate) warnings: Vec<Problem>,
+}
+
+impl Reader {
+    /// A reader for values of at most `deepest` brackets, signs and `#` inside each other.
+    pub(crate) fn new(deepest: u32) -> Reader {
+        let (name, names) = (String::new(), String::new());
+        Reader { deepest, name, assignments: Vec::new(), names, warnings: Vec::new() }
+    }
+
+    /// Reads values with the parameters of a state.
+    #[inline]
+    pub(crate) fn values<'a>(&'a mut self, state: &'a State) -> Values<'a> {
+        Values { state, deepest: self.deepest, depth: 0, name: &mut self.name }
+    }
+
+    /// Reads the words of a line from the cursor to its end, and sets the parameters that it sets.
+    ///
+    /// # Errors
+    /// The first thing that is wrong. No parameter is set then.
+    pub(crate) fn words(&mut self, cursor: &mut Cursor, state: &mut State, block: &mut Block) -> Done {
+        self.assignments.clear();
+        self.names.clear();
+        let mut comment = None;
+        while let Some(first) = cursor.peek() {
+            match first {
+                b'g' => {
+                    let (value, span) = self.word(cursor, state)?;
+                    add_g(value, span, block)?;
+                }
+                b'm' => {
+                    let (value, span) = self.word(cursor, state)?;
+                    add_m(value, span, block)?;
+                }
+                b'n' | b'o' => return Err(misplaced(first, cursor)),
+                b'a'..=b'z' | b'@' | b'^' | b'$' => {
+                    let (value, span) = self.word(cursor, state)?;
+                    block.add(char::from(first.to_ascii_uppercase()), value, span)?;
+                }
+                b'(' => {
+                    let hidden = comment.replace(parentheses(cursor)?);
+                    self.warn_if_speaking(hidden);
+                }
+                b';' => semicolon(cursor)?,
+                b'#' => self.assignment(cursor, state)?,
+                _ => return Err(bad_character(cursor)),
+            }
+        }
+        self.assign(state);
+        if let Some((text, span)) = comment {
+            block.comment = comment::comment(text, span, state)?;
+        }
+        Ok(())
+    }
+
+    /// Takes a letter and the value behind it.
+    #[inline]
+    fn word(&mut self, cursor: &mut Cursor, state: &State) -> Result<(f64, Span), Box<Problem>> {
+        let start = cursor.mark();
+        cursor.skip();
+        let value = self.values(state).value(cursor)?;
+        Ok((value, cursor.span(start)))
+    }
+
+    /// `#1=..` and `#<name>=..`.
+    fn assignment(&mut self, cursor: &mut Cursor, state: &State) -> Done {
+        let start = cursor.mark();
+        cursor.skip();
+        let mut values = self.values(state);
+        let target = if cursor.peek() == Some(b'<') {
+            values.read_name(start, cursor)?;
+            writable_name(values.name, cursor.span(start), state)?;
+            self.names.push_str(&self.name);
+            Target::Name(self.names.len())
+        } else {
+            let index = values.index(start, cursor)?;
+            if matches!(index, 5400..=5413 | 5420..=5428) {
+                return Err(read_only(&format!("#{index}"), cursor.span(start)));
+            }
+            Target::Number(index)
+        };
+        if !cursor.take_if(b'=') {
+            let help = "a line may set a parameter, as in #1=2.5; to use one, write a letter before it, as in X#1";
+            return Err(cursor.error_here("missing-value", "= is missing here", help));
+        }
+        let value = self.values(state).value(cursor)?;
+        self.assignments.push((target, value));
+        Ok(())
+    }
+
+    /// Sets the parameters that the line sets.
+    fn assign(&mut self, state: &mut State) {
+        let mut start = 0;
+        for (target, value) in &self.assignments {
+            match target {
+                Target::Number(index) => state.memory.set_numbered(*index, *value),
+                Target::Name(end) => {
+                    state.memory.set_named(self.names.get(start..*end).unwrap_or(""), *value);
+                    start = *end;
+                }
+            }
+        }
+    }
+
+    fn warn_if_speaking(&mut self, hidden: Option<(&str, Span)>) {
+        let Some((_, span)) = hidden.filter(|(text, _)| comment::speaks(text)) else { return };
+        let message = "this message is not shown: only the last comment of a line counts";
+        let help = "put it in a line of its own";
+        self.warnings.push(*Problem::warning("message-not-shown", Blame::Span(span), message, help));
+    }
+}
+
+/// What comes before the words: `/`, which switches a line off if optional lines are, and N. Returns whether the line
+/// is to be read.
+///
+/// # Errors
+/// N has no usable number.
+pub(crate) fn head(cursor: &mut Cursor, block_delete: bool, block: &mut Block) -> Result<bool, Box<Problem>> {
+    if cursor.take_if(b'/') && block_delete {
+        return Ok(false);
+    }
+    if cursor.peek() != Some(b'n') {
+        return Ok(true);
+    }
+    let start = cursor.mark();
+    cursor.skip();
+    let digits = cursor.digits_here();
+    let value = match cursor.peek() {
+        Some(b'0'..=b'9' | b'.') => number(cursor)?,
+        _ => -1.0,
+    };
+    if !(0.0..=f64::from(LAST_N)).contains(&value) {
+        let help = format!("a line number is a number from 0 to {LAST_N}, or left out");
+        return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
+    }
+    (block.n, block.n_digits) = (Some(value as u32), digits);
+    Ok(true)
+}
+
+/// Takes a comment in parentheses: its text, and the bytes it stands at.
+///
+/// # Errors
+/// It is not closed, holds another comment, or is no text.
+pub(crate) fn parentheses<'a>(cursor: &mut Cursor<'a>) -> Result<(&'a str, Span), Box<Problem>> {
+    let start = cursor.mark();
+    cursor.skip();
+    let Some(bytes) = cursor.take_until(b')') else {
+        cursor.take_rest();
+        return Err(cursor.error_from(start, "unclosed-comment", "the comment is not closed", "add a )"));
+    };
+    if bytes.contains(&b'(') {
+        let help = "close the first comment before opening another, or use brackets [ ] in the text";
+        return Err(cursor.error_from(start, "nested-comment", "a comment inside a comment", help));
+    }
+    Ok((readable(bytes, start + 1)?, cursor.span(start)))
+}
+
+/// Takes a comment that begins with a semicolon.
+///
+/// # Errors
+/// It is no text.
+pub(crate) fn semicolon(cursor: &mut Cursor) -> Done {
+    let start = cursor.mark();
+    readable(cursor.take_rest(), start).map(|_| ())
+}
+
+/// Bytes as text.
+///
+/// # Errors
+/// They are not UTF-8, or hold control characters.
+fn readable(bytes: &[u8], start: u32) -> Result<&str, Box<Problem>> {
+    let (at, what) = match std::str::from_utf8(bytes) {
+        Err(error) => (error.valid_up_to(), "bytes that are not UTF-8"),
+        Ok(text) => match bytes.iter().position(|byte| byte.is_ascii_control() && *byte != b'\t') {
+            Some(at) => (at, "a control character"),
+            None => return Ok(text),
+        },
+    };
+    let start = start + at as u32;
+    let blame = Blame::Span(Span { start, end: start + 1 });
+    let help = "save the program as UTF-8 (or plain ASCII) text";
+    Err(Problem::error("bad-character", blame, format!("the comment holds {what}"), help))
+}
+
+fn add_g(value: f64, span: Span, block: &mut Block) -> Done {
+    let code = whole(10.0 * value).and_then(|code| u16::try_from(code).ok()).map(G);
+    match code.and_then(|code| Some((g_group(code)?, code))) {
+        Some((group, code)) => block.add_g(group, code, span),
+        None => Err(unknown_code("unknown-g-code", 'G', value, span)),
+    }
+}
+
+fn add_m(value: f64, span: Span, block: &mut Block) -> Done {
+    let code = whole(value).and_then(|code| u16::try_from(code).ok()).map(M);
+    match code.and_then(|code| Some((m_group(code)?, code))) {
+        Some((group, code)) => block.add_m(group, code, span),
+        None => Err(unknown_code("unknown-m-code", 'M', value, span)),
+    }
+}
+
+#[cold]
+fn unknown_code(code: &'static str, letter: char, value: f64, span: Span) -> Box<Problem> {
+    let message = format!("there is no code {letter}{}", short(value));
+    let help = format!("check the number; the {letter} codes are listed in the manual");
+    Problem::error(code, Blame::Span(span), message, help)
+}
+
+/// Refuses names that tell the state.
+fn writable_name(name: &str, span: Span, state: &State) -> Done {
+    let told = name.starts_with('_') && state.memory.named(name).is_none() && system::named(name, state).is_some();
+    if told { Err(read_only(&format!("#<{name}>"), span)) } else { Ok(()) }
+}
+
+#[cold]
+fn read_only(name: &str, span: Span) -> Box<Problem> {
+    let message = format!("{name} tells the state of the control and cannot be set");
+    Problem::error("bad-parameter", Blame::Span(span), message, "use another parameter")
+}
+
+#[cold]
+fn misplaced(letter: u8, cursor: &mut Cursor) -> Box<Problem> {
+    if letter == b'n' {
+        let help = "a line number comes first in its line";
+        return cursor.error_here("misplaced-line-number", "N inside a line", help);
+    }
+    let help = "an O word comes first in its line; only N may stand before it";
+    cursor.error_here("misplaced-o-word", "O inside a line", help)
+}
+
+#[cold]
+fn bad_character(cursor: &mut Cursor) -> Box<Problem> {
+    let Some(c) = cursor.character() else {
+        let help = "save the program as UTF-8 (or plain ASCII) text";
+        return cursor.error_here("bad-character", "this byte is not UTF-8", help);
+    };
+    let help = match c {
+        '%' => "a % stands alone on the first and the last line of a program",
+        '/' => "a / that marks an optional line comes first in it",
+        ')' => "a comment begins with (",
+        '\u{feff}' => "save the file without a byte order mark",
+        _ => "a block is made of words such as G1 or X-2.5; put remarks in parentheses or after ;",
+    };
+    cursor.error_here("bad-character", format!("{c:?} cannot begin a word"), help)
+}

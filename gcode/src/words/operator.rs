@@ -1,0 +1,96 @@
+//! Operators between two values. In: two numbers. Out: a number; 1 or 0 for comparisons and logic.
+
+/// Numbers that differ by less than this are equal for EQ, NE, GE and LE (LinuxCNC's value).
+const EQUAL: f64 = 1e-6;
+
+/// An operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Operator {
+    Power,
+    Times,
+    Divide,
+    Modulo,
+    Plus,
+    Minus,
+    Equal,
+    NotEqual,
+    Greater,
+    GreaterOrEqual,
+    Less,
+    LessOrEqual,
+    And,
+    Or,
+    ExclusiveOr,
+}
+
+/// How operators are written; `**` before `*`.
+pub(crate) const OPERATORS: [(&str, Operator); 15] = [
+    ("+", Operator::Plus),
+    ("-", Operator::Minus),
+    ("**", Operator::Power),
+    ("*", Operator::Times),
+    ("/", Operator::Divide),
+    ("lt", Operator::Less),
+    ("le", Operator::LessOrEqual),
+    ("gt", Operator::Greater),
+    ("ge", Operator::GreaterOrEqual),
+    ("eq", Operator::Equal),
+    ("ne", Operator::NotEqual),
+    ("mod", Operator::Modulo),
+    ("and", Operator::And),
+    ("or", Operator::Or),
+    ("xor", Operator::ExclusiveOr),
+];
+
+impl Operator {
+    /// Operators of higher rank come first.
+    pub(crate) fn rank(self) -> u8 {
+        use Operator::*;
+        match self {
+            Power => 5,
+            Times | Divide | Modulo => 4,
+            Plus | Minus => 3,
+            Equal | NotEqual | Greater | GreaterOrEqual | Less | LessOrEqual => 2,
+            And | Or | ExclusiveOr => 1,
+        }
+    }
+
+    /// Its value.
+    ///
+    /// # Errors
+    /// There is none; the reason is returned.
+    pub(crate) fn apply(self, a: f64, b: f64) -> Result<f64, &'static str> {
+        use Operator::*;
+        let equal = (a - b).abs() < EQUAL;
+        let truth = match self {
+            Plus => return Ok(a + b),
+            Minus => return Ok(a - b),
+            Times => return Ok(a * b),
+            Divide if b == 0.0 => return Err("division by zero"),
+            Divide => return Ok(a / b),
+            Modulo if b == 0.0 => return Err("MOD by zero"),
+            Modulo => return Ok(a.rem_euclid(b)),
+            Power => return power(a, b),
+            Equal => equal,
+            NotEqual => !equal,
+            Greater => a > b,
+            GreaterOrEqual => a > b || equal,
+            Less => a < b,
+            LessOrEqual => a < b || equal,
+            And => a != 0.0 && b != 0.0,
+            Or => a != 0.0 || b != 0.0,
+            ExclusiveOr => (a != 0.0) != (b != 0.0),
+        };
+        Ok(f64::from(truth))
+    }
+}
+
+fn power(a: f64, b: f64) -> Result<f64, &'static str> {
+    if a < 0.0 && b.fract() != 0.0 {
+        return Err("a negative number has no power that is not whole");
+    }
+    if a == 0.0 && b < 0.0 {
+        return Err("0 has no negative power");
+    }
+    Ok(libm::pow(a, b))
+}
