@@ -4,8 +4,14 @@
 //! that the last [`Call::UseLengthUnits`] named, positions in the coordinate system that the last offsets made, X a
 //! radius, angles in degrees.
 
+mod decimal;
+mod linuxcnc;
+mod plain;
+mod printer;
 mod thread;
 
+pub use linuxcnc::LinuxcncPrinter;
+pub use plain::PlainPrinter;
 pub use thread::{Degression, ThreadCycle};
 
 /// X, Y, Z in units of length; A, B, C in degrees.
@@ -247,8 +253,11 @@ pub struct Place {
     pub file: u16,
     /// Line, from 1.
     pub line: u32,
-    /// N word of the line.
+    /// N word of the line that was being read when the call was made: moves that wait for the next one
+    /// (compensation) are sent while a later line is read.
     pub n: Option<u32>,
+    /// How many digits N was written with, so that N0010 can be printed as it stands; 0 with a blank behind the N.
+    pub n_digits: u8,
 }
 
 /// Where calls go.

@@ -1,0 +1,137 @@
+//! Tool tables, parameter files, machine descriptions.
+
+use std::path::{Path, PathBuf};
+
+use gcode::Severity;
+use gcode::canon::Units;
+use gcode::files::{FileError, MachineFile, ParameterFile, Tool, ToolTable};
+
+#[test]
+fn a_tool_table_is_read_and_written_back() {
+    let text = "; the tools of the small lathe\n\nT11 p3 X-12.4Z-35.6 D1.6 I95 J155 q2 ;turning tool, tip radius 0.8\n  t 2 P2 Z+0.5 U1\n";
+    let table = ToolTable::parse("tool.tbl", text).unwrap();
+    let tool = table.find(11).unwrap();
+    assert_eq!((tool.index, tool.pocket, tool.orientation), (1, 3, 2));
+    assert_eq!((tool.offset, tool.diameter), ([-12.4, 0.0, -35.6, 0.0, 0.0, 0.0], 1.6));
+    assert_eq!((tool.front_angle, tool.back_angle), (95.0, 155.0));
+    assert_eq!(tool.comment, "turning tool, tip radius 0.8");
+    assert_eq!(table.find(2).unwrap().uvw, [1.0, 0.0, 0.0]);
+    assert_eq!(table.find(3), None);
+    assert_eq!(
+        table.to_text(),
+        "T11 P3 X-12.4 Z-35.6 D1.6 I95 J155 Q2 ;turning tool, tip radius 0.8\nT2 P2 Z0.5 U1\n"
+    );
+    assert_eq!(ToolTable::parse("again", &table.to_text()).unwrap(), table);
+}
+
+#[test]
+fn a_tool_keeps_its_place_in_the_table() {
+    let mut table = ToolTable::parse("tool.tbl", "T5 P1\nT1 P2 D3\n").unwrap();
+    table.set(Tool { number: 5, diameter: 8.0, ..Tool::default() });
+    table.set(Tool { number: 9, ..Tool::default() });
+    let order: Vec<_> = table.iter().map(|tool| (tool.index, tool.number, tool.diameter)).collect();
+    assert_eq!(order, [(1, 5, 8.0), (2, 1, 3.0), (3, 9, 0.0)]);
+}
+
+#[test]
+fn a_wrong_line_of_a_tool_table_is_named_with_its_word() {
+    for (text, line, column, word) in [
+        ("T1 P1\nT2 P2 Z1.2.3\n", 2, 7, "Z1.2.3"),
+        ("T1.5 P1\n", 1, 1, "T1.5"),
+        ("T1 P1 K3\n", 1, 7, "K"),
+        ("T1 P1 Q10", 1, 7, "Q10"),
+        ("T1 P1 ?", 1, 7, "?"),
+        ("T1 P1 X", 1, 7, "X"),
+        ("T1 P1 Xnan", 1, 7, "X"),
+        ("T1\nT1\n", 2, 3, ""),
+        ("P1 Z3", 1, 6, ""),
+        ("T1 \u{b5}3", 1, 4, "\u{b5}"),
+    ] {
+        let error = ToolTable::parse("my.tbl", text).unwrap_err();
+        let at = (error.line, error.column, &error.text[error.span.clone()]);
+        assert_eq!(at, (line, column, word), "{text}: {}", error.message);
+        assert!(error.headline().starts_with(&format!("my.tbl:{line}:{column}: error[bad-file]: ")));
+        assert!(!error.help.is_empty());
+    }
+}
+
+#[test]
+fn a_tool_table_is_replaced_as_a_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tool.tbl");
+    ToolTable::parse("", "T1 P1 Z5 ;drill").unwrap().write(&path).unwrap();
+    assert_eq!(ToolTable::read(&path).unwrap().find(1).unwrap().offset[2], 5.0);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside the table");
+    let nowhere = folder.path().join("missing/tool.tbl");
+    assert!(matches!(ToolTable::default().write(&nowhere), Err(FileError::Write { .. })));
+    assert!(ToolTable::read(&nowhere).unwrap_err().to_string().contains("missing/tool.tbl: cannot be read"));
+}
+
+#[test]
+fn a_parameter_file_keeps_its_entries_and_gets_those_it_must_have() {
+    let file = ParameterFile::parse("a.var", "31\t1.5\n# a remark\n5161 2\n5221\t-3.25\n").unwrap();
+    assert_eq!(file.values, [(31, 1.5), (5161, 2.0), (5221, -3.25)]);
+    let updated = file.updated(f64::from);
+    let numbers: Vec<u32> = updated.values.iter().map(|(number, _)| *number).collect();
+    assert!(numbers.is_sorted());
+    assert_eq!(numbers.len(), 1 + 9 + 9 + 10 + 1 + 9 * 10);
+    assert_eq!((numbers[0], *numbers.last().unwrap()), (31, 5390));
+    assert!(updated.to_text().starts_with("31\t31.000000\n5161\t5161.000000\n"));
+    assert_eq!(ParameterFile::parse("b.var", &updated.to_text()).unwrap(), updated);
+}
+
+#[test]
+fn a_wrong_parameter_file_is_refused() {
+    for (text, line, message) in [
+        ("5602 1\n", 1, "there is no parameter #5602"),
+        ("0 1\n", 1, "there is no parameter #0"),
+        ("-3 1\n", 1, "there is no parameter #-3"),
+        ("10 1\n\n  9 1\n", 3, "#9 stands behind #10"),
+        ("10 1\n10 1\n", 2, "#10 stands behind #10"),
+    ] {
+        let error = ParameterFile::parse("my.var", text).unwrap_err();
+        assert_eq!((error.line, error.message.as_str()), (line, message));
+    }
+}
+
+#[test]
+fn writing_parameters_leaves_the_old_file_as_a_backup() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lathe.var");
+    assert_eq!(ParameterFile::read(&path).unwrap(), ParameterFile::default());
+    ParameterFile::default().updated(|_| 1.0).write(&path).unwrap();
+    let first = std::fs::read_to_string(&path).unwrap();
+    ParameterFile::default().updated(|_| 2.0).write(&path).unwrap();
+    assert_eq!(std::fs::read_to_string(folder.path().join("lathe.var.bak")).unwrap(), first);
+    assert_eq!(ParameterFile::read(&path).unwrap().values[0], (5161, 2.0));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn a_machine_description_gives_what_programs_depend_on() {
+    let text = "[EMC]\nMACHINE = lathe\n[TRAJ]\n# units\nLINEAR_UNITS = inch\n[RS274NGC]\nG73_PECK_CLEARANCE=0.01\n\
+                G83_PECK_CLEARANCE = 0.02\nPARAMETER_FILE = lathe.var\nSUBROUTINE_PATH = subs:/opt/library\nREMAP = M400 modalgroup=10\n\
+                RETAIN_G43 = 0\n[EMCIO]\nTOOL_TABLE = tool.tbl\n[DISPLAY]\nPROGRAM_PREFIX = programs\nLINEAR_UNITS = nonsense\n";
+    let machine = MachineFile::parse("lathe.ini", text, Path::new("/etc/lathe")).unwrap();
+    assert_eq!(machine.units, Some(Units::Inch));
+    assert_eq!((machine.g73_clearance, machine.g83_clearance), (Some(0.01), Some(0.02)));
+    assert_eq!(machine.parameter_file, Some(PathBuf::from("/etc/lathe/lathe.var")));
+    assert_eq!(machine.tool_table, Some(PathBuf::from("/etc/lathe/tool.tbl")));
+    let folders = ["/etc/lathe/programs", "/etc/lathe/subs", "/opt/library"].map(PathBuf::from);
+    assert_eq!(machine.subroutine_folders, folders);
+    let [warning] = &machine.warnings[..] else { panic!("{:?}", machine.warnings) };
+    assert_eq!((warning.line, warning.severity), (11, Severity::Warning));
+    assert!(warning.message.contains("[RS274NGC]REMAP"));
+}
+
+#[test]
+fn a_wrong_value_of_a_machine_description_is_named() {
+    for (text, column) in [
+        ("[TRAJ]\nLINEAR_UNITS = furlong", 16),
+        ("[RS274NGC]\nG73_PECK_CLEARANCE = -1  ", 22),
+        ("[RS274NGC]\nG83_PECK_CLEARANCE =", 21),
+    ] {
+        let error = MachineFile::parse("my.ini", text, Path::new("")).unwrap_err();
+        assert_eq!((error.line, error.column), (2, column), "{}", error.headline());
+    }
+}
