@@ -12,7 +12,12 @@ const WORDS: usize = 32;
 /// `@`: distance of a polar point. `^`: its angle. `$`: spindle. `,C` and `,R` of FANUC are `c` and `r`.
 pub const SPECIAL: [char; 5] = ['@', '^', '$', 'c', 'r'];
 
-fn slot(letter: char) -> usize {
+/// The bit of a letter in [`Block::present`].
+pub const fn letter_bit(letter: char) -> u32 {
+    1 << slot(letter)
+}
+
+const fn slot(letter: char) -> usize {
     match letter {
         'A'..='Z' => letter as usize - 'A' as usize,
         '@' => 26,
@@ -22,6 +27,11 @@ fn slot(letter: char) -> usize {
         'r' => 30,
         _ => 31,
     }
+}
+
+/// The letters of some bits of [`Block::present`], in the order of the alphabet.
+pub fn letters_of(bits: u32) -> impl Iterator<Item = char> {
+    ('A'..='Z').chain(SPECIAL).filter(move |letter| bits & letter_bit(*letter) != 0)
 }
 
 /// Letters of X, Y, Z, A, B, C.
@@ -70,6 +80,8 @@ pub struct Block {
     pub file: u16,
     /// N word.
     pub n: Option<u32>,
+    /// How many digits N was written with, see [`crate::Place`].
+    pub n_digits: u8,
     present: u32,
     values: [f64; WORDS],
     spans: [Span; WORDS],
@@ -89,6 +101,7 @@ impl Default for Block {
             line: 0,
             file: 0,
             n: None,
+            n_digits: 0,
             present: 0,
             values: [0.0; WORDS],
             spans: [Span::default(); WORDS],
@@ -105,7 +118,7 @@ impl Default for Block {
 impl Block {
     /// Makes the block an empty one of `line`.
     pub fn clear(&mut self, file: u16, line: u32) {
-        (self.file, self.line, self.n, self.present) = (file, line, None, 0);
+        (self.file, self.line, self.n, self.n_digits, self.present) = (file, line, None, 0, 0);
         (self.g, self.m) = ([None; G_GROUPS], [None; M_GROUPS]);
         self.comment = None;
         self.assignments.clear();
@@ -113,7 +126,7 @@ impl Block {
 
     /// Where its calls come from.
     pub fn place(&self) -> crate::Place {
-        crate::Place { file: self.file, line: self.line, n: self.n }
+        crate::Place { file: self.file, line: self.line, n: self.n, n_digits: self.n_digits }
     }
 
     /// Adds the word of a letter.
@@ -161,14 +174,19 @@ impl Block {
         self.present >> slot(letter) & 1 == 1
     }
 
+    /// The letters it has, as bits of [`letter_bit`].
+    pub fn present(&self) -> u32 {
+        self.present
+    }
+
     /// The value of the word of a letter.
     pub fn get(&self, letter: char) -> Option<f64> {
         self.has(letter).then(|| self.values[slot(letter)])
     }
 
     /// The letters of its words (no G, no M, no N), in the order of the alphabet.
-    pub fn letters(&self) -> impl Iterator<Item = char> + '_ {
-        ('A'..='Z').chain(SPECIAL).filter(|letter| self.has(*letter))
+    pub fn letters(&self) -> impl Iterator<Item = char> + use<> {
+        letters_of(self.present)
     }
 
     /// The G code of a group.

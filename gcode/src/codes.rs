@@ -35,7 +35,7 @@ pub const M_GROUPS: usize = 10;
 
 /// Groups of G codes, as indexes.
 pub mod group {
-    /// Not modal: G4 G10 G28 G30 G52 G53 G92.
+    /// Not modal: G4 G10 G28 G28.1 G30 G30.1 G52 G53 G92.
     pub const ONCE: usize = 0;
     /// G0 to G3, G33, G38, G70 to G76, G80 to G89.
     pub const MOTION: usize = 1;
@@ -53,6 +53,8 @@ pub mod group {
     pub const COMPENSATION: usize = 7;
     /// G43 G49.
     pub const TOOL_LENGTH: usize = 8;
+    /// G92.1 G92.2 G92.3.
+    pub const SUSPENSION: usize = 9;
     /// G98 G99.
     pub const RETRACT: usize = 10;
     /// G54 to G59.3.
@@ -90,7 +92,8 @@ pub mod m_group {
 /// The group of a G code of the dialect `linuxcnc`, or `None` if there is no such code.
 pub fn g_group(code: G) -> Option<usize> {
     Some(match code.0 {
-        40 | 100 | 280 | 281 | 300 | 301 | 520 | 530 | 920..=923 => group::ONCE,
+        40 | 100 | 280 | 281 | 300 | 301 | 520 | 530 | 920 => group::ONCE,
+        921..=923 => group::SUSPENSION,
         0 | 10 | 20 | 30 | 50..=53 | 330 | 331 | 382..=385 | 700..=702 | 710..=712 | 720..=722 | 730 | 740
         | 760 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => group::MOTION,
         170 | 180 | 190 | 171 | 181 | 191 => group::PLANE,

@@ -78,6 +78,9 @@ pub struct Options {
     pub parameters: Vec<(u32, f64)>,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub peck_clearance: f64,
+    /// G20 and G21 leave F and the offset of the tool as numbers: LinuxCNC's stand-alone interpreter does so, its
+    /// controller converts them.
+    pub keep_numbers: bool,
     /// Where subroutine files are looked for, behind the folder of the program.
     pub subroutine_folders: Vec<PathBuf>,
     /// Limits.
@@ -97,6 +100,7 @@ impl Default for Options {
             tools: ToolTable::default(),
             parameters: Vec::new(),
             peck_clearance: 0.254,
+            keep_numbers: false,
             subroutine_folders: Vec::new(),
             limits: Limits::default(),
         }

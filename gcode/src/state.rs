@@ -3,11 +3,34 @@
 //! Lengths in the units in force (G20 and G21 convert them), X a radius, angles in degrees; values that belong to
 //! the machine (tool table, offsets of the coordinate systems, home positions) in units of the machine.
 
-use crate::canon::{FeedMode, PathMode, Plane, Position, Turn, Units};
+use crate::block::Block;
+use crate::canon::{FeedMode, PathMode, Plane, Position, Turn, Units, X, Y, Z};
 use crate::codes::G;
-use crate::execute::{compensation::Compensation, cycles::Sticky};
+use crate::execute::{compensation::Compensation, cycles::Sticky, modes::Contexts};
 use crate::files::ToolTable;
+use crate::program::Options;
 use crate::words::memory::Memory;
+
+/// #5161 to #5166: home of G28, machine units; #5181: home of G30.
+pub const HOME: [u32; 2] = [5161, 5181];
+/// 1 while the offset of G52 and G92 is applied.
+pub const G92_APPLIED: u32 = 5210;
+/// #5211 to #5216: that offset, machine units.
+pub const G92_OFFSET: u32 = 5211;
+/// The coordinate system in force.
+pub const SYSTEM: u32 = 5220;
+/// What the last M66 read.
+pub const INPUT: u32 = 5399;
+
+/// #5221 for G54, #5241 for G55...: the first of six offsets, machine units; the rotation is nine behind it.
+pub fn offset_of_system(system: u8) -> u32 {
+    SYSTEM + 1 + 20 * u32::from(system.saturating_sub(1))
+}
+
+/// The parameter that holds the rotation of a coordinate system, degrees.
+pub fn rotation_of_system(system: u8) -> u32 {
+    offset_of_system(system) + 9
+}
 
 /// S, M3, M4, M5, G96, G97.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,11 +119,147 @@ pub struct State {
     pub call_level: u32,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub peck_clearance: f64,
+    /// What M70 and M73 saved.
+    pub contexts: Contexts,
+    /// G20 and G21 leave F and the offset of the tool as numbers, as LinuxCNC's stand-alone interpreter does.
+    pub keeps_numbers: bool,
+    /// M2 or M30 was executed.
+    pub ended: bool,
 }
 
 impl State {
+    /// The state in which a program begins: G17 G90 G91.1 G94 G8 G40 G49 G64 G97 G98 and no motion code, with the
+    /// offsets that the parameters hold.
+    pub fn new(options: &Options) -> State {
+        let mut memory = Memory::default();
+        for (index, value) in &options.parameters {
+            memory.set_numbered(*index, *value);
+        }
+        let system = memory.numbered(SYSTEM) as u8;
+        let system = if (1..=9).contains(&system) { system } else { 1 };
+        memory.set_numbered(SYSTEM, f64::from(system));
+        let mut state = State {
+            machine_units: options.machine_units,
+            units: options.machine_units,
+            plane: options.plane,
+            diameter: options.diameter,
+            incremental: false,
+            absolute_centers: false,
+            feed_mode: FeedMode::PerMinute,
+            feed: 0.0,
+            spindle: Spindle { turning: None, speed: 0.0, constant_surface: None },
+            motion: None,
+            retract_to_start: true,
+            path: PathMode::Continuous(0.0),
+            naivecam: 0.0,
+            mist: false,
+            flood: false,
+            overrides: Overrides { feed: true, speed: true, adaptive: false, hold: false },
+            position: options.position,
+            system,
+            g5x: [0.0; 6],
+            g92: [0.0; 6],
+            rotation: 0.0,
+            tool_offset: [0.0; 6],
+            selected: None,
+            tool: 0,
+            tools: options.tools.clone(),
+            compensation: Compensation::default(),
+            cycle: Sticky::default(),
+            memory,
+            call_level: 0,
+            peck_clearance: options.peck_clearance,
+            contexts: Contexts::default(),
+            keeps_numbers: options.keep_numbers,
+            ended: false,
+        };
+        state.g5x = state.lengths_at(offset_of_system(system));
+        state.rotation = state.parameter(rotation_of_system(system));
+        if state.parameter(G92_APPLIED) != 0.0 {
+            state.g92 = state.lengths_at(G92_OFFSET);
+        }
+        state
+    }
+
     /// Multiply machine units by this to get program units.
     pub fn per_machine_unit(&self) -> f64 {
         self.machine_units.mm() / self.units.mm()
     }
+
+    /// The axis words of a block; X words are diameters under G7.
+    pub fn axes(&self, block: &Block) -> [Option<f64>; 6] {
+        let mut words = block.axes();
+        if self.diameter {
+            words[X] = words[X].map(|diameter| diameter / 2.0);
+        }
+        words
+    }
+
+    /// The value of `#index` as it is stored.
+    pub fn parameter(&self, index: u32) -> f64 {
+        self.memory.numbered(index)
+    }
+
+    /// Stores a value in `#index`.
+    pub fn set_parameter(&mut self, index: u32, value: f64) {
+        self.memory.set_numbered(index, value);
+    }
+
+    /// Six parameters in machine units, as program units.
+    pub fn lengths_at(&self, first: u32) -> Position {
+        let stored = [0, 1, 2, 3, 4, 5].map(|axis| self.parameter(first + axis));
+        self.to_program(&stored)
+    }
+
+    /// Stores program units in six parameters in machine units.
+    pub fn set_lengths_at(&mut self, first: u32, lengths: &Position) {
+        for (index, value) in (first..).zip(self.to_machine(lengths)) {
+            self.set_parameter(index, value);
+        }
+    }
+
+    /// Machine units to program units; angles stay.
+    pub fn to_program(&self, lengths: &Position) -> Position {
+        scaled(lengths, self.per_machine_unit())
+    }
+
+    /// Program units to machine units; angles stay.
+    pub fn to_machine(&self, lengths: &Position) -> Position {
+        scaled(lengths, 1.0 / self.per_machine_unit())
+    }
+
+    /// A point of the coordinate system in force as a point of the machine, program units.
+    pub fn absolute(&self, point: &Position) -> Position {
+        let mut absolute: Position = std::array::from_fn(|axis| point[axis] + self.g92[axis]);
+        turn(&mut absolute, self.rotation);
+        std::array::from_fn(|axis| absolute[axis] + self.g5x[axis] + self.tool_offset[axis])
+    }
+
+    /// A point of the machine as a point of the coordinate system in force, program units.
+    pub fn relative(&self, point: &Position) -> Position {
+        let mut relative: Position =
+            std::array::from_fn(|axis| point[axis] - self.tool_offset[axis] - self.g5x[axis]);
+        turn(&mut relative, -self.rotation);
+        std::array::from_fn(|axis| relative[axis] - self.g92[axis])
+    }
+}
+
+/// Lengths times a factor, angles as they are.
+pub(crate) fn scaled(lengths: &Position, factor: f64) -> Position {
+    let mut scaled = *lengths;
+    for axis in [X, Y, Z] {
+        scaled[axis] *= factor;
+    }
+    scaled
+}
+
+/// Turns a point about Z by degrees.
+pub(crate) fn turn(point: &mut Position, degrees: f64) {
+    if degrees == 0.0 {
+        return;
+    }
+    let (sin, cos) = libm::sincos(degrees.to_radians());
+    let [x, y, ..] = *point;
+    point[X] = x * cos - y * sin;
+    point[Y] = x * sin + y * cos;
 }

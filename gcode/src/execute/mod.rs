@@ -1,14 +1,14 @@
 //! A block becomes calls, in the order of RS274/NGC.
 //!
 //! ```text
-//! comment · feed mode · F · S · T · M62-M68 (M66 first) · M6 · M61 · spindle mode (G96, G97) · spindle (M3 M4 M5 M19)
-//! M7 M8 M9 · M48-M53 · M70-M73 (saving first, restoring last) · G4 · plane · units · G7 G8 · G40-G42 · G43 G49 · G54-G59.3
-//! G61 G64 · G90 G91 · G98 G99 · G10 G28 G30 G52 G92 · motion (modified by G53) · M0 M1 M2 M30 M60
+//! comment · spindle mode (G96, G97) · feed mode · F · S · T · M62-M68 · M6 M61 · M3 M4 M5 M19 · M70-M73 · M7 M8 M9
+//! M48-M53 · G4 · plane · units · G7 G8 · G40-G42 · G43 G49 · G54-G59.3 · G61 G64 · G90 G91 · G90.1 G91.1 · G98 G99
+//! G10 G28 G30 G52 G92 · G92.1-G92.3 · motion (modified by G53) · M0 M1 M2 M30 M60
 //! ```
 //!
 //! | file | what it executes |
 //! |---|---|
-//! | `check.rs` | refuses blocks whose words no code uses or whose codes contradict |
+//! | `check.rs`, `words.rs` | refuse blocks whose words no code uses or whose codes contradict |
 //! | `modes.rs` | planes, units, distance, feed, path, retract modes; M70 to M73 |
 //! | `spindle.rs`, `tool.rs`, `outputs.rs` | S M3-M5 M19 G96 G97; T M6 M61 G43 G49 G10 L1; coolant, M48-M53, M62-M68 |
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
@@ -20,6 +20,166 @@
 //! | `compensation/` | G40 to G42.1: contour offset by the radius of the tool |
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
+mod check;
 pub mod compensation;
+mod coordinates;
 pub mod cycles;
+pub mod modes;
 pub(crate) mod output;
+mod outputs;
+mod spindle;
+mod stop;
+pub(crate) mod system;
+mod tool;
+mod words;
+
+use crate::block::{Block, Comment, CommentKind};
+use crate::canon::Call;
+use crate::codes::{G, group, m_group};
+use crate::problem::{Blame, Problem};
+use crate::state::State;
+
+pub(crate) use output::{Done, Output};
+pub(crate) use stop::finish;
+
+/// What a control says before the first block: units, offsets, feed reference.
+pub(crate) fn start(state: &State, out: &mut Output) -> Done {
+    out.call(Call::UseLengthUnits(state.units))?;
+    out.call(Call::SetG5xOffset(state.system, state.g5x))?;
+    out.call(Call::SetG92Offset(state.g92))?;
+    out.call(Call::SetXyRotation(state.rotation))?;
+    out.call(Call::SetFeedReference)?;
+    out.call(Call::OnReset)
+}
+
+/// Executes one block.
+///
+/// # Errors
+/// The block contradicts itself or the state. What stood before the error in the order of execution has been sent.
+pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    let motion = check::check(block, state)?;
+    if let Some(comment) = &block.comment {
+        say(comment, out)?;
+    }
+    rates(block, state, out)?;
+    if block.m_codes().next().is_some() {
+        m_codes(block, state, out)?;
+    }
+    if block.g_codes().next().is_some() {
+        g_codes(block, state, out)?;
+    }
+    if let Some(code) = motion {
+        move_by(code, block, state, out)?;
+    }
+    match block.m(m_group::STOP) {
+        Some(code) => stop::stop(code, state, out),
+        None => Ok(()),
+    }
+}
+
+fn say(comment: &Comment, out: &mut Output) -> Done {
+    let text = comment.text.as_str();
+    out.call(match comment.kind {
+        CommentKind::Plain => Call::Comment(text),
+        CommentKind::Message | CommentKind::Debug => Call::Message(text),
+        CommentKind::Print => Call::Print(text),
+        CommentKind::Log => {
+            let (verb, text) = text.split_once(',').unwrap_or((text, ""));
+            Call::Log(verb, text)
+        }
+    })
+}
+
+/// Spindle mode, feed mode, F, S, T.
+fn rates(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if let Some(code) = block.g(group::SPINDLE_MODE) {
+        spindle::mode(code, block, state, out)?;
+    }
+    if let Some(code) = block.g(group::FEED_MODE) {
+        modes::feed_mode(code, state, out)?;
+    }
+    modes::feed(block, state, out)?;
+    spindle::speed(block, state, out)?;
+    tool::select(block, state, out)
+}
+
+fn m_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if let Some(code) = block.m(m_group::IO) {
+        outputs::io(code, block, state, out)?;
+    }
+    if let Some(code) = block.m(m_group::TOOL) {
+        tool::change(code, block, state, out)?;
+    }
+    if let Some(code) = block.m(m_group::SPINDLE) {
+        spindle::turn(code, block, state, out)?;
+    }
+    if let Some(code) = block.m(m_group::STATE) {
+        modes::save_or_restore(code, state, out)?;
+    }
+    outputs::coolant(block, state, out)?;
+    match block.m(m_group::OVERRIDE) {
+        Some(code) => outputs::overrides(code, block, state, out),
+        None => Ok(()),
+    }
+}
+
+/// G codes but those of motion, spindle mode and feed mode.
+fn g_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    let once = block.g(group::ONCE);
+    if once == Some(G(40)) {
+        out.call(Call::Dwell(block.get('P').unwrap_or(0.0)))?;
+    }
+    for group in [group::PLANE, group::UNITS, group::DIAMETER] {
+        if let Some(code) = block.g(group) {
+            modes::set(code, block, state, out)?;
+        }
+    }
+    if let Some(code) = block.g(group::COMPENSATION) {
+        compensation::switch(code, block, state, out)?;
+    }
+    if let Some(code) = block.g(group::TOOL_LENGTH) {
+        tool::offset(code, block, state, out)?;
+    }
+    if let Some(code) = block.g(group::COORDINATES) {
+        coordinates::system(code, state, out)?;
+    }
+    for group in [group::PATH, group::DISTANCE, group::ARC_DISTANCE, group::RETRACT] {
+        if let Some(code) = block.g(group) {
+            modes::set(code, block, state, out)?;
+        }
+    }
+    match once {
+        Some(G(100)) if matches!(integer(block, 'L'), Some(1 | 10 | 11)) => tool::set_entry(block, state, out)?,
+        Some(G(100)) => coordinates::set_offset(block, state, out)?,
+        Some(code @ G(280 | 300)) => coordinates::home(code, block, state, out)?,
+        Some(code @ G(281 | 301)) => coordinates::set_home(code, state)?,
+        Some(code @ G(520 | 920)) => coordinates::shift(code, block, state, out)?,
+        _ => {}
+    }
+    match block.g(group::SUSPENSION) {
+        Some(code) => coordinates::suspend(code, state, out),
+        None => Ok(()),
+    }
+}
+
+/// Motion codes. [`State::motion`] is `code` from here.
+fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if code == G(800) {
+        state.motion = None;
+        return out.call(Call::Note("interpreter: motion mode set to none"));
+    }
+    state.motion = Some(code);
+    run_motion(code, block, state, out)
+}
+
+fn run_motion(code: G, _block: &Block, _state: &mut State, _out: &mut Output) -> Done {
+    let message = format!("{code} is not available");
+    Err(Problem::error("not-available", Blame::G(code), message, "write the moves it stands for"))
+}
+
+/// The word of a letter as a whole number, if it is near one.
+pub(crate) fn integer(block: &Block, letter: char) -> Option<i64> {
+    let value = block.get(letter)?;
+    let rounded = value.round();
+    ((value - rounded).abs() < 1e-4 && rounded.abs() < 1e9).then_some(rounded as i64)
+}

@@ -1,0 +1,126 @@
+//! Coolant, M48 to M53, M62 to M68.
+
+use crate::block::Block;
+use crate::canon::Call;
+use crate::codes::{M, m_group};
+use crate::problem::{Blame, Problem, short};
+use crate::state::{INPUT, State};
+
+use super::{Done, Output, check};
+
+/// M7, M8, M9.
+pub(super) fn coolant(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if block.m(m_group::MIST).is_some() {
+        state.mist = true;
+        out.call(Call::MistOn)?;
+    }
+    match block.m(m_group::FLOOD) {
+        Some(M(8)) => {
+            state.flood = true;
+            out.call(Call::FloodOn)
+        }
+        Some(_) => {
+            (state.mist, state.flood) = (false, false);
+            out.call(Call::MistOff)?;
+            out.call(Call::FloodOff)
+        }
+        None => Ok(()),
+    }
+}
+
+/// M48 to M53. P0 switches off; without P it is on.
+pub(super) fn overrides(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    check::compensation_off(Blame::M(code), "change the overrides", state)?;
+    let on = match code.0 {
+        48 => true,
+        49 => false,
+        _ => block.get('P') != Some(0.0),
+    };
+    let overrides = &mut state.overrides;
+    if matches!(code.0, 48..=50) {
+        overrides.feed = on;
+        out.call(Call::EnableFeedOverride(on))?;
+    }
+    if matches!(code.0, 48 | 49 | 51) {
+        overrides.speed = on;
+        out.call(Call::EnableSpeedOverride(on))?;
+    }
+    if code.0 == 52 {
+        overrides.adaptive = on;
+        out.call(Call::EnableAdaptiveFeed(on))?;
+    }
+    if code.0 == 53 {
+        overrides.hold = on;
+        out.call(Call::EnableFeedHold(on))?;
+    }
+    Ok(())
+}
+
+/// M62 to M68.
+pub(super) fn io(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    check::compensation_off(Blame::M(code), "switch outputs or wait for inputs", state)?;
+    match code.0 {
+        62 => out.call(Call::SetMotionOutputBit(number(block, 'P', code)?, true)),
+        63 => out.call(Call::SetMotionOutputBit(number(block, 'P', code)?, false)),
+        64 => out.call(Call::SetAuxOutputBit(number(block, 'P', code)?, true)),
+        65 => out.call(Call::SetAuxOutputBit(number(block, 'P', code)?, false)),
+        66 => wait(code, block, state, out),
+        67 => out.call(Call::SetMotionOutputValue(number(block, 'E', code)?, value(block, code)?)),
+        _ => out.call(Call::SetAuxOutputValue(number(block, 'E', code)?, value(block, code)?)),
+    }
+}
+
+/// M66 P (digital) or E (analog), L (how to wait), Q (at most, s). The input is known when the program runs, not
+/// when it is read: #5399 keeps what it was.
+fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    let analog = block.has('E');
+    if analog && block.has('P') {
+        let message = "M66 has both P (a digital input) and E (an analog one)";
+        return Err(Problem::error("bad-value", Blame::Word('E'), message, "leave one of the two out"));
+    }
+    let index = number(block, if analog { 'E' } else { 'P' }, code)?;
+    let wait = block.get('L').unwrap_or(0.0).round();
+    if !(0.0..=4.0).contains(&wait) {
+        let message = format!("L{} is no way to wait", short(wait));
+        let help = "L0 does not wait, L1 waits for a rise, L2 for a fall, L3 for high, L4 for low";
+        return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
+    }
+    if analog && wait != 0.0 {
+        let message = "M66 cannot wait for a value of an analog input";
+        return Err(Problem::error("bad-value", Blame::Word('L'), message, "use L0 with E"));
+    }
+    let timeout = block.get('Q').unwrap_or(0.0).max(0.0);
+    if wait > 0.0 && timeout == 0.0 {
+        let message = format!("M66 L{wait} waits, but not how long");
+        return Err(Problem::error(
+            "missing-word",
+            Blame::M(code),
+            message,
+            "add Q, the longest wait in s, > 0",
+        ));
+    }
+    let last = state.parameter(INPUT);
+    state.set_parameter(INPUT, if analog { last } else { f64::from(last != 0.0) });
+    out.call(Call::WaitInput { index, analog, wait: wait as u8, timeout })
+}
+
+fn number(block: &Block, letter: char, code: M) -> Result<u32, Box<Problem>> {
+    match block.get(letter).map(f64::round) {
+        Some(number) if (0.0..1e6).contains(&number) => Ok(number as u32),
+        Some(number) => {
+            let message = format!("{letter}{} is no number of an input or output", short(number));
+            Err(Problem::error("bad-value", Blame::Word(letter), message, "they are numbered from 0"))
+        }
+        None => {
+            let message = format!("{code} needs {letter}, the number of the input or output");
+            Err(Problem::error("missing-word", Blame::M(code), message, format!("add {letter}")))
+        }
+    }
+}
+
+fn value(block: &Block, code: M) -> Result<f64, Box<Problem>> {
+    block.get('Q').ok_or_else(|| {
+        let message = format!("{code} needs Q, the value of the output");
+        Problem::error("missing-word", Blame::M(code), message, "add Q")
+    })
+}

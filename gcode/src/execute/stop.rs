@@ -1,0 +1,68 @@
+//! M0 M1 M60, M2 M30 with what they put back, and the end of a tape.
+
+use crate::canon::{Call, FeedMode, Plane};
+use crate::codes::{G, M};
+use crate::state::{SYSTEM, State};
+
+use super::{Done, Output, compensation, coordinates};
+
+/// M0, M1, M60, M2, M30.
+pub(super) fn stop(code: M, state: &mut State, out: &mut Output) -> Done {
+    compensation::flush(state, out)?;
+    match code.0 {
+        0 => out.call(Call::ProgramStop),
+        1 => out.call(Call::OptionalProgramStop),
+        60 => {
+            out.call(Call::PalletShuttle)?;
+            out.call(Call::ProgramStop)
+        }
+        _ => end(code, state, out),
+    }
+}
+
+/// M2 and M30: G54 G17 G90 G94 G40 G97 M5 M9 M48 G1, F and S forgotten.
+fn end(code: M, state: &mut State, out: &mut Output) -> Done {
+    state.set_parameter(SYSTEM, 1.0);
+    coordinates::enter(1, state);
+    out.call(Call::SetG5xOffset(1, state.g5x))?;
+    out.call(Call::SetXyRotation(state.rotation))?;
+    if state.plane != Plane::Xy {
+        state.plane = Plane::Xy;
+        out.call(Call::SelectPlane(Plane::Xy))?;
+    }
+    (state.incremental, state.feed_mode, state.feed) = (false, FeedMode::PerMinute, 0.0);
+    out.call(Call::SetFeedMode(FeedMode::PerMinute))?;
+    out.call(Call::SetFeedRate(0.0))?;
+    if !state.overrides.feed {
+        out.call(Call::EnableFeedOverride(true))?;
+    }
+    if !state.overrides.speed {
+        out.call(Call::EnableSpeedOverride(true))?;
+    }
+    (state.overrides.feed, state.overrides.speed) = (true, true);
+    state.compensation = compensation::Compensation::default();
+    (state.spindle.turning, state.spindle.constant_surface) = (None, None);
+    out.call(Call::StopSpindle)?;
+    out.call(Call::SetSpindleMode(0.0))?;
+    state.motion = Some(G(10));
+    if std::mem::take(&mut state.mist) {
+        out.call(Call::MistOff)?;
+    }
+    if std::mem::take(&mut state.flood) {
+        out.call(Call::FloodOff)?;
+    }
+    if code == M(30) {
+        out.call(Call::PalletShuttle)?;
+    }
+    state.ended = true;
+    out.call(Call::ProgramEnd)?;
+    out.call(Call::OnReset)
+}
+
+/// The second `%` of a tape: the text ends without M2.
+pub(crate) fn finish(state: &mut State, out: &mut Output) -> Done {
+    compensation::flush(state, out)?;
+    state.ended = true;
+    out.call(Call::Finish)?;
+    out.call(Call::OnReset)
+}

@@ -1,0 +1,189 @@
+//! T, M6, M61; G43 G43.1 G43.2 G49; G10 L1 L10 L11.
+
+use crate::block::Block;
+use crate::canon::{Call, Position, X, Y};
+use crate::codes::{G, M};
+use crate::files::Tool;
+use crate::problem::{Blame, Problem, short};
+use crate::state::{G92_APPLIED, G92_OFFSET, State, offset_of_system, rotation_of_system, turn};
+
+use super::{Done, Output, check, integer};
+
+/// T.
+pub(super) fn select(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if !block.has('T') {
+        return Ok(());
+    }
+    let number = tool_number(block, 'T')?;
+    if number != 0 && state.tools.find(number).is_none() {
+        let message = format!("T{number} is not in the tool table");
+        let help = "it is taken to have no offset and no radius; enter it in the table";
+        out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
+    }
+    state.selected = Some(number);
+    out.call(Call::SelectTool(number))
+}
+
+/// M6 and M61 Q.
+pub(super) fn change(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if code == M(61) {
+        return change_number(block, state, out);
+    }
+    check::compensation_off(Blame::M(code), "change the tool", state)?;
+    let number = state.selected.unwrap_or_else(|| {
+        let message = "M6 without T in this block or before it: the spindle is left empty";
+        out.warn(Problem::warning("no-tool", Blame::M(code), message, "name the tool, such as T1 M6"));
+        0
+    });
+    state.spindle.turning = None;
+    out.call(Call::StopSpindle)?;
+    load(number, state);
+    out.call(Call::ChangeTool(number))
+}
+
+fn change_number(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if !block.has('Q') {
+        let message = "M61 needs Q, the number of the tool that is in the spindle";
+        return Err(Problem::error("missing-word", Blame::M(M(61)), message, "add Q"));
+    }
+    let number = tool_number(block, 'Q')?;
+    if number != 0 {
+        entry(number, 'Q', state)?;
+    }
+    load(number, state);
+    out.call(Call::ChangeToolNumber(number))
+}
+
+/// Puts a copy of the tool into the spindle.
+fn load(number: i32, state: &mut State) {
+    state.tool = number;
+    let unknown = || Tool { number, ..Tool::default() };
+    let tool = state.tools.find(number).cloned().unwrap_or_else(unknown);
+    state.tools.in_spindle = Tool { index: 0, ..tool };
+}
+
+fn tool_number(block: &Block, letter: char) -> Result<i32, Box<Problem>> {
+    match integer(block, letter) {
+        Some(number) if (0..1_000_000_000).contains(&number) => Ok(number as i32),
+        _ => {
+            let message =
+                format!("{letter}{} is no number of a tool", short(block.get(letter).unwrap_or(0.0)));
+            Err(Problem::error(
+                "bad-value",
+                Blame::Word(letter),
+                message,
+                "give a whole number, 0 or greater",
+            ))
+        }
+    }
+}
+
+/// A tool that must be in the table; 0 is the one in the spindle.
+fn entry(number: i32, letter: char, state: &State) -> Result<&Tool, Box<Problem>> {
+    if number == 0 {
+        return Ok(&state.tools.in_spindle);
+    }
+    state.tools.find(number).ok_or_else(|| {
+        let message = format!("tool {number} is not in the tool table");
+        Problem::error(
+            "unknown-tool",
+            Blame::Word(letter),
+            message,
+            "enter it in the table, or name another tool",
+        )
+    })
+}
+
+/// G43 H, G43.1 (axis words), G43.2 H or axis words, G49.
+pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    check::compensation_off(Blame::G(code), "change the tool offset", state)?;
+    let words = state.axes(block);
+    let mut offset = state.tool_offset;
+    match code.0 {
+        430 => {
+            let number = if block.has('H') { tool_number(block, 'H')? } else { 0 };
+            offset = state.to_program(&entry(number, 'H', state)?.offset);
+        }
+        431 => {
+            for (value, word) in offset.iter_mut().zip(words) {
+                *value = word.unwrap_or(*value);
+            }
+        }
+        432 => {
+            let added = match block.has('H') {
+                true => state.to_program(&entry(tool_number(block, 'H')?, 'H', state)?.offset),
+                false => words.map(|word| word.unwrap_or(0.0)),
+            };
+            for (value, added) in offset.iter_mut().zip(added) {
+                *value += added;
+            }
+        }
+        _ => offset = [0.0; 6],
+    }
+    let place = state.absolute(&state.position);
+    state.tool_offset = offset;
+    state.position = state.relative(&place);
+    out.call(Call::UseToolLengthOffset(offset))
+}
+
+/// G10 L1 (offsets as given), L10 (so that the tool is at the given place of the system in force), L11 (of G59.3).
+pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    let number = tool_number(block, 'P')?;
+    let words = state.axes(block);
+    let direct = integer(block, 'L') == Some(1);
+    let to_fixture = integer(block, 'L') == Some(11);
+    let mut tool = entry(number, 'P', state)?.clone();
+    let mut offset = state.to_program(&tool.offset);
+    if direct {
+        for (value, word) in offset.iter_mut().zip(words) {
+            *value = word.unwrap_or(*value);
+        }
+    } else {
+        measure(&mut offset, &words, to_fixture, state);
+    }
+    tool.offset = state.to_machine(&offset);
+    if let Some(radius) = block.get('R') {
+        tool.diameter = 2.0 * radius / state.per_machine_unit();
+    }
+    tool.front_angle = block.get('I').unwrap_or(tool.front_angle);
+    tool.back_angle = block.get('J').unwrap_or(tool.back_angle);
+    if let Some(orientation) = integer(block, 'Q') {
+        tool.orientation = orientation as u8;
+    }
+    out.call(Call::SetToolTableEntry(&tool))?;
+    state.tools.set(tool);
+    if state.tool == number {
+        load(number, state);
+        out.call(Call::SetToolTableEntry(&state.tools.in_spindle))?;
+    }
+    Ok(())
+}
+
+/// The offset with which the place of the machine reads the given values.
+fn measure(offset: &mut Position, words: &[Option<f64>; 6], to_fixture: bool, state: &State) {
+    let system = if to_fixture { 9 } else { state.system };
+    let rotation = state.parameter(rotation_of_system(system));
+    let origin = state.lengths_at(offset_of_system(system));
+    let mut place = state.absolute(&state.position);
+    for (value, origin) in place.iter_mut().zip(origin) {
+        *value -= origin;
+    }
+    turn(&mut place, -rotation);
+    if !to_fixture && state.parameter(G92_APPLIED) != 0.0 {
+        for (value, shift) in place.iter_mut().zip(state.lengths_at(G92_OFFSET)) {
+            *value -= shift;
+        }
+    }
+    let turned = words[X].is_some() || words[Y].is_some();
+    if turned {
+        turn(offset, -rotation);
+    }
+    for (axis, word) in words.iter().enumerate() {
+        if let Some(word) = word {
+            offset[axis] = place[axis] - word;
+        }
+    }
+    if turned {
+        turn(offset, rotation);
+    }
+}
