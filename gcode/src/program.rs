@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::block::Block;
 use crate::canon::{Plane, Position, Sink, Units};
+use crate::execute::compensation::Waiting;
 use crate::execute::{self, Output};
 use crate::files::ToolTable;
 use crate::problem::{Blame, Diagnostic, Problem, Span};
@@ -126,6 +127,7 @@ pub struct Program {
     started: bool,
     ended: bool,
     problems: Vec<Problem>,
+    waiting: Waiting,
     warnings: Vec<Diagnostic>,
 }
 
@@ -161,6 +163,7 @@ impl Program {
             started: false,
             ended: false,
             problems: Vec::new(),
+            waiting: Waiting::default(),
             warnings: Vec::new(),
         }
     }
@@ -184,12 +187,12 @@ impl Program {
     fn line(&mut self, sink: &mut dyn Sink) -> Result<Step, Box<Problem>> {
         if !self.started {
             self.started = true;
-            let mut out = Output::new(sink, self.block.place(), &mut self.problems);
+            let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
             execute::start(&self.state, &mut out)?;
         }
         let Some(line) = self.source.take()? else {
             self.ended = true;
-            let mut out = Output::new(sink, self.block.place(), &mut self.problems);
+            let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
             execute::finish(&mut self.state, &mut out)?;
             return Ok(Step::Ended);
         };
@@ -199,7 +202,7 @@ impl Program {
             return Ok(Step::More);
         }
         self.reader.words(&mut cursor, &mut self.state, &mut self.block)?;
-        let mut out = Output::new(sink, self.block.place(), &mut self.problems);
+        let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
         execute::execute(&self.block, &mut self.state, &mut out)?;
         self.ended = self.state.ended;
         Ok(if self.ended { Step::Ended } else { Step::More })

@@ -9,7 +9,7 @@ use crate::codes::{G, M, g_group, group, m_group};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::{G92_APPLIED, Spindle, State, scaled};
 
-use super::{Done, Output, check, execute};
+use super::{Done, Output, check, compensation, execute};
 
 /// G93, G94, G95. A change to G94 or G95 forgets F, which had another meaning.
 pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
@@ -112,7 +112,7 @@ fn units(code: G, state: &mut State, out: &mut Output) -> Done {
     for lengths in [&mut state.position, &mut state.g5x, &mut state.g92] {
         *lengths = scaled(lengths, factor);
     }
-    state.compensation.scale(factor);
+    compensation::scale(factor, state, out);
     if !state.keeps_numbers {
         state.tool_offset = scaled(&state.tool_offset, factor);
         if state.feed_mode != FeedMode::InverseTime {

@@ -1,42 +1,200 @@
-//! Cutter radius and tool nose compensation.
+//! G40, G41, G42, G41.1, G42.1: a contour is programmed, and the centre of the tool moves beside it.
+//!
+//! In: programmed moves, radius and side of the tool. Out: moves of the tool's centre (of a turning tool: of the point that its
+//! offsets measure), corners included, or a refusal where the tool would cut what it must not.
+//!
+//! | file | content |
+//! |---|---|
+//! | `geometry.rs` | offsets of lines and arcs, corners: pure geometry |
+//! | `contour.rs` | entry, following moves, corners; what is refused |
+//! | `queue.rs` | the last move, which waits for the corner behind it, and the calls behind that |
+//!
+//! [`State::position`] is the programmed point all the time. Behaviour and limits are those of LinuxCNC (manual, chapter
+//! Cutter Compensation), but for contours that LinuxCNC lets the tool cut into: they are refused. A corner is seen with the
+//! move before it and the move behind it; whether the tool touches parts of the contour that are further away is not.
+
+mod contour;
+pub mod geometry;
+mod queue;
 
 use crate::block::Block;
-use crate::canon::Call;
+use crate::canon::{Call, Plane, Position};
 use crate::codes::G;
-use crate::problem::{Blame, Problem};
+use crate::problem::{Blame, Problem, short};
 use crate::state::State;
+
+pub(crate) use contour::{arc, straight};
+use geometry::{Point, Side};
+pub use queue::Waiting;
 
 use super::{Done, Output};
 
-/// G40, G41, G42 and the moves that wait for the next corner.
-#[derive(Clone, Debug, Default)]
-pub struct Compensation;
+/// G40, G41, G42.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Compensation {
+    tool: Option<Cutter>,
+    /// From the programmed point to the centre of the tool, as a unit vector; `None` before the entry move.
+    normal: Option<Point>,
+    /// G40 has ended a contour: the next move must be straight.
+    leaving: bool,
+}
+
+/// What is at work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cutter {
+    side: Side,
+    /// ≥ 0, program units.
+    radius: f64,
+    /// 0 for a mill, else where the tip of a turning tool lies (9: in its centre).
+    orientation: u8,
+}
+
+impl Cutter {
+    /// From the centre of the nose to the point that the offsets of the tool measure, in radii: first and second axis of G18.
+    fn tip(&self) -> Point {
+        match self.orientation {
+            1 => [1.0, -1.0],
+            2 => [-1.0, -1.0],
+            3 => [-1.0, 1.0],
+            4 => [1.0, 1.0],
+            5 => [1.0, 0.0],
+            6 => [0.0, -1.0],
+            7 => [-1.0, 0.0],
+            8 => [0.0, 1.0],
+            _ => [0.0, 0.0],
+        }
+    }
+}
 
 impl Compensation {
-    /// Whether G41 or G42 is on.
+    /// Whether G41 or G42 is in force, also with a radius of 0.
     pub fn is_on(&self) -> bool {
-        false
+        self.tool.is_some()
     }
 
-    /// G40, G41 or G42.
+    /// G40, G41 or G42. A negative diameter changes sides.
     pub fn code(&self) -> G {
-        G(400)
+        match self.tool {
+            None => G(400),
+            Some(Cutter { side: Side::Left, .. }) => G(410),
+            Some(Cutter { side: Side::Right, .. }) => G(420),
+        }
     }
-
-    /// Converts its lengths.
-    pub(crate) fn scale(&mut self, _factor: f64) {}
 }
 
-/// G40, G41, G42, G41.1, G42.1.
-pub(crate) fn switch(code: G, _block: &Block, _state: &mut State, out: &mut Output) -> Done {
+/// Where the centre of the tool is: the programmed point while compensation is off.
+pub(crate) fn center(state: &State) -> Position {
+    let mut center = state.position;
+    if let Compensation { tool: Some(cutter), normal: Some(n), .. } = state.compensation {
+        let (first, second, _) = state.plane.axes();
+        center[first] += cutter.radius * n[0];
+        center[second] += cutter.radius * n[1];
+    }
+    center
+}
+
+/// G40 to G42.1.
+///
+/// # Errors
+/// G41 or G42 while it is on, in the YZ plane, or with a tool that does not exist or does not suit the plane.
+pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     if code == G(400) {
-        return out.call(Call::Note("interpreter: cutter radius compensation off"));
+        return switch_off(state, out);
     }
-    let message = format!("{code} is not available");
-    Err(Problem::error("not-available", Blame::G(code), message, "program the path of the tool's centre"))
+    if state.compensation.is_on() {
+        let message = format!("{code} begins what {} has begun already", state.compensation.code());
+        return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 first"));
+    }
+    if state.plane == Plane::Yz {
+        let message = "the radius of the tool can be compensated in the XY and the XZ plane only";
+        return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G17 or G18 before"));
+    }
+    let left = matches!(code.0, 410 | 411);
+    let dynamic = code.0 % 10 == 1;
+    let (radius, orientation) = if dynamic { from_block(code, block, state)? } else { from_table(code, block, state)? };
+    let side = if left == (radius >= 0.0) { Side::Left } else { Side::Right };
+    out.call(Call::Note(match side {
+        Side::Left => "interpreter: cutter radius compensation on left",
+        Side::Right => "interpreter: cutter radius compensation on right",
+    }))?;
+    let cutter = Cutter { side, radius: radius.abs(), orientation };
+    (state.compensation.tool, state.compensation.normal) = (Some(cutter), None);
+    Ok(())
 }
 
-/// Sends the moves that wait.
-pub(crate) fn flush(_state: &mut State, _out: &mut Output) -> Done {
+fn switch_off(state: &mut State, out: &mut Output) -> Done {
+    out.call(Call::Note("interpreter: cutter radius compensation off"))?;
+    flush(state, out)?;
+    let Compensation { normal, leaving, .. } = state.compensation;
+    state.compensation = Compensation { leaving: leaving || normal.is_some(), ..Compensation::default() };
     Ok(())
+}
+
+/// G41.1, G42.1: D is the diameter, L the orientation.
+fn from_block(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Problem>> {
+    let Some(diameter) = block.get('D') else {
+        let message = format!("{code} needs D, the diameter of the tool");
+        let help = format!("add D, or take the tool of the table with G{}", code.0 / 10);
+        return Err(Problem::error("missing-word", Blame::G(code), message, help));
+    };
+    let Some(l) = block.get('L') else { return Ok((diameter / 2.0, 0)) };
+    if state.plane != Plane::Xz {
+        let message = "L is the orientation of a turning tool, and the plane is not XZ";
+        return Err(Problem::error("compensation-plane", Blame::Word('L'), message, "select G18, or leave L out"));
+    }
+    match super::integer(block, 'L') {
+        Some(orientation @ 0..=9) => Ok((diameter / 2.0, orientation as u8)),
+        _ => {
+            let message = format!("L{} is no orientation of a turning tool", short(l));
+            Err(Problem::error("bad-value", Blame::Word('L'), message, "orientations are 0 to 9"))
+        }
+    }
+}
+
+/// G41, G42: the tool in the spindle, or tool D of the table.
+fn from_table(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Problem>> {
+    let tool = match (block.get('D'), super::integer(block, 'D')) {
+        (None, _) | (_, Some(0)) => &state.tools.in_spindle,
+        (Some(d), number) => {
+            let number = number.and_then(|number| i32::try_from(number).ok());
+            number.and_then(|number| state.tools.get(number)).ok_or_else(|| {
+                let message = format!("D{} is no tool of the tool table", short(d));
+                let help = "D is the number of a tool; without D the tool in the spindle counts";
+                Problem::error("unknown-tool", Blame::Word('D'), message, help)
+            })?
+        }
+    };
+    if state.plane != Plane::Xz && !matches!(tool.orientation, 0 | 9) {
+        let message = format!("T{} is a turning tool, and the plane is not XZ", tool.number);
+        return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G18 before"));
+    }
+    Ok((tool.diameter * state.per_machine_unit() / 2.0, tool.orientation))
+}
+
+/// Sends all that waits: the contour is held up here, or at its end.
+pub(crate) fn flush(_state: &State, out: &mut Output) -> Done {
+    out.release()
+}
+
+/// G20, G21: lengths in other units.
+pub(crate) fn scale(factor: f64, state: &mut State, out: &mut Output) {
+    if let Some(cutter) = &mut state.compensation.tool {
+        cutter.radius *= factor;
+    }
+    out.waiting.scale(factor);
+}
+
+/// A straight move has been made: arcs may follow.
+pub(crate) fn straight_made(state: &mut State) {
+    state.compensation.leaving = false;
+}
+
+/// Refuses an arc right behind G40.
+pub(crate) fn arc_allowed(block: &Block, state: &State) -> Done {
+    if !state.compensation.leaving {
+        return Ok(());
+    }
+    let blame = block.g(crate::codes::group::MOTION).map_or(Blame::Block, Blame::G);
+    let message = "the first move behind G40 must be straight: the tool is not yet on the programmed way";
+    Err(Problem::error("compensation-exit", blame, message, "leave the contour with G0 or G1"))
 }

@@ -1,0 +1,138 @@
+//! Calls that wait until the next corner is known.
+//!
+//! The last move of a compensated contour waits, because an inside corner ends it earlier. What is called behind it
+//! waits too, so that the order stays: other moves at the same point of the plane, F, spindle, coolant, dwell, comments. Calls
+//! that do not act on the machine in the course of the path go at once, as they do in LinuxCNC: messages, units, T.
+
+use super::geometry::{Point, Track};
+use crate::canon::{Call, Place, Plane, Position};
+
+/// A call that owns its text.
+#[derive(Clone, Debug, PartialEq)]
+enum Held {
+    Comment(String),
+    Note(String),
+    Other(Call<'static>),
+}
+
+impl Held {
+    /// The call, if it is one that waits.
+    fn new(call: Call<'_>) -> Option<Held> {
+        Some(match call {
+            Call::Comment(text) => Held::Comment(text.to_owned()),
+            Call::Note(text) => Held::Note(text.to_owned()),
+            Call::StraightTraverse(to) => Held::Other(Call::StraightTraverse(to)),
+            Call::StraightFeed(to) => Held::Other(Call::StraightFeed(to)),
+            Call::ArcFeed(arc) => Held::Other(Call::ArcFeed(arc)),
+            Call::Dwell(time) => Held::Other(Call::Dwell(time)),
+            Call::SetFeedMode(mode) => Held::Other(Call::SetFeedMode(mode)),
+            Call::SetFeedRate(feed) => Held::Other(Call::SetFeedRate(feed)),
+            Call::SetSpindleMode(limit) => Held::Other(Call::SetSpindleMode(limit)),
+            Call::SetSpindleSpeed(speed) => Held::Other(Call::SetSpindleSpeed(speed)),
+            Call::StartSpindle(turn) => Held::Other(Call::StartSpindle(turn)),
+            Call::StopSpindle => Held::Other(Call::StopSpindle),
+            Call::OrientSpindle(angle, direction) => Held::Other(Call::OrientSpindle(angle, direction)),
+            Call::WaitSpindleOrient(time) => Held::Other(Call::WaitSpindleOrient(time)),
+            Call::MistOn => Held::Other(Call::MistOn),
+            Call::MistOff => Held::Other(Call::MistOff),
+            Call::FloodOn => Held::Other(Call::FloodOn),
+            Call::FloodOff => Held::Other(Call::FloodOff),
+            _ => return None,
+        })
+    }
+
+    fn call(&self) -> Call<'_> {
+        match self {
+            Held::Comment(text) => Call::Comment(text),
+            Held::Note(text) => Call::Note(text),
+            Held::Other(call) => *call,
+        }
+    }
+}
+
+/// The last move of a contour and what was called behind it.
+#[derive(Clone, Debug, Default)]
+pub struct Waiting {
+    calls: Vec<(Place, Held)>,
+    track: Option<Track>,
+}
+
+impl Waiting {
+    /// Whether a call has to wait behind others.
+    pub(crate) fn delays(&self, call: &Call<'_>) -> bool {
+        !self.calls.is_empty() && Held::new(*call).is_some()
+    }
+
+    /// Puts a call behind the others.
+    pub(crate) fn push(&mut self, place: Place, call: Call<'_>) {
+        self.calls.extend(Held::new(call).map(|held| (place, held)));
+    }
+
+    /// Puts a move of the contour behind the others.
+    pub(super) fn push_move(&mut self, place: Place, call: Call<'_>, track: Track) {
+        self.push(place, call);
+        self.track = Some(track);
+    }
+
+    /// The way of the tool's centre along the move of the contour that waits.
+    pub(super) fn track(&self) -> Option<&Track> {
+        self.track.as_ref()
+    }
+
+    /// Ends the move of the contour at `corner`, which is `tip` for the point that is programmed, and takes with it the
+    /// moves behind it. `false` if nothing is left of that move.
+    pub(super) fn end_at(&mut self, corner: Point, tip: Point, plane: Plane) -> bool {
+        let left = self.track.as_mut().is_some_and(|track| track.end_at(corner));
+        let (first, second, _) = plane.axes();
+        for (_, held) in &mut self.calls {
+            match held {
+                Held::Other(Call::StraightTraverse(to) | Call::StraightFeed(to)) => {
+                    (to[first], to[second]) = (tip[0], tip[1]);
+                }
+                Held::Other(Call::ArcFeed(arc)) => arc.end = tip,
+                _ => {}
+            }
+        }
+        left
+    }
+
+    /// Place of the move of the contour that waits.
+    pub(super) fn place(&self) -> Option<Place> {
+        self.calls.first().map(|(place, _)| *place)
+    }
+
+    /// Hands out all calls in their order.
+    pub(crate) fn take(&mut self) -> Waiting {
+        std::mem::take(self)
+    }
+
+    /// The calls in their order.
+    pub(crate) fn calls(&self) -> impl Iterator<Item = (Place, Call<'_>)> {
+        self.calls.iter().map(|(place, held)| (*place, held.call()))
+    }
+
+    /// G20, G21: lengths in other units.
+    pub(super) fn scale(&mut self, factor: f64) {
+        if let Some(track) = &mut self.track {
+            track.scale(factor);
+        }
+        for (_, held) in &mut self.calls {
+            match held {
+                Held::Other(Call::StraightTraverse(to) | Call::StraightFeed(to)) => scale_lengths(to, factor),
+                Held::Other(Call::ArcFeed(arc)) => {
+                    for length in arc.end.iter_mut().chain(&mut arc.center) {
+                        *length *= factor;
+                    }
+                    arc.along *= factor;
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn scale_lengths(position: &mut Position, factor: f64) {
+    for length in &mut position[..3] {
+        *length *= factor;
+    }
+}
