@@ -63,13 +63,15 @@ impl Default for Limits {
 pub struct Options {
     /// Language.
     pub dialect: Dialect,
-    /// Units of the machine, in force at the start.
+    /// Units of the machine: tool table, parameters.
     pub machine_units: Units,
+    /// Units in force at the start.
+    pub units: Units,
     /// Plane at the start.
     pub plane: Plane,
     /// G7 at the start.
     pub diameter: bool,
-    /// Programmed point at the start, machine units.
+    /// Programmed point at the start, in the units in force.
     pub position: Position,
     /// Lines that begin with `/` are left out.
     pub block_delete: bool,
@@ -94,6 +96,7 @@ impl Default for Options {
         Options {
             dialect: Dialect::Linuxcnc,
             machine_units: Units::Millimetre,
+            units: Units::Millimetre,
             plane: Plane::Xy,
             diameter: false,
             position: [0.0; 6],

@@ -140,7 +140,7 @@ impl State {
         memory.set_numbered(SYSTEM, f64::from(system));
         let mut state = State {
             machine_units: options.machine_units,
-            units: options.machine_units,
+            units: options.units,
             plane: options.plane,
             diameter: options.diameter,
             incremental: false,

@@ -157,7 +157,7 @@ fn from_table(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
         (None, _) | (_, Some(0)) => &state.tools.in_spindle,
         (Some(d), number) => {
             let number = number.and_then(|number| i32::try_from(number).ok());
-            number.and_then(|number| state.tools.get(number)).ok_or_else(|| {
+            number.and_then(|number| state.tools.find(number)).ok_or_else(|| {
                 let message = format!("D{} is no tool of the tool table", short(d));
                 let help = "D is the number of a tool; without D the tool in the spindle counts";
                 Problem::error("unknown-tool", Blame::Word('D'), message, help)
