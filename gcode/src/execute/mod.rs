@@ -20,15 +20,19 @@
 //! | `compensation/` | G40 to G42.1: contour offset by the radius of the tool |
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
+mod arc;
 mod check;
 pub mod compensation;
 mod coordinates;
 pub mod cycles;
+mod feed;
 pub mod modes;
 pub(crate) mod output;
 mod outputs;
+mod probe;
 mod spindle;
 mod stop;
+mod straight;
 pub(crate) mod system;
 mod tool;
 mod words;
@@ -172,9 +176,17 @@ fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done 
     run_motion(code, block, state, out)
 }
 
-fn run_motion(code: G, _block: &Block, _state: &mut State, _out: &mut Output) -> Done {
-    let message = format!("{code} is not available");
-    Err(Problem::error("not-available", Blame::G(code), message, "write the moves it stands for"))
+fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    match code.0 {
+        0 | 10 => straight::straight(code, block, state, out),
+        20 | 30 => arc::arc(code, block, state, out),
+        382..=385 => probe::probe(code, block, state, out),
+        730 | 740 | 810..=890 => cycles::cycle(code, block, state, out),
+        _ => {
+            let message = format!("{code} is not available");
+            Err(Problem::error("not-available", Blame::G(code), message, "write the moves it stands for"))
+        }
+    }
 }
 
 /// The word of a letter as a whole number, if it is near one.
