@@ -174,7 +174,7 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
         match call {
             Call::WaitInput { .. } | Call::SetFeedMode(FeedMode::InverseTime) => return Ok(()),
-            Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
+            Call::ThreadCycle(_) => return Err(super::printer::no_cycles()),
             Call::Print(text) => {
                 self.lines.text(text);
                 return self.lines.end();

@@ -1,11 +1,20 @@
-//! A threading cycle as one call: G76 of LinuxCNC, G76 and G92 of FANUC.
+//! A threading cycle as one call: G76 of LinuxCNC, G76 and G92 of FANUC. Here are the depths of its passes and the moves
+//! that LinuxCNC makes of it.
 //!
 //! ```text
-//! depth of pass n    d_n = min(max(J n^(1/R), d_(n-1) + m), K - f), then K, then the spring passes at K
-//! start of a pass    Z0 + d tan Q            towards the end
-//! end of a pass      Ze - (K - d) tan Q      so that the last one ends at Ze
+//! (1)  depth of pass n     d_n = max(J n^(1/R), d_(n-1) + m) while that is less than K - f; K - f if f > 0; then K, 1 + H times
+//! (2)  X at depth d        x0 ± (|I| + d), + inside, - outside
+//! (3)  shift of a pass     s = d tan Q, towards the end
+//! (4)  along Z             from z0 shifted by s, to the end shifted back by (K - d) tan Q, so that the last one ends at the end
+//! (5)  chamfer             over E along Z from depth d - K to d, with the lead P hypot(E, K) / E along the way
+//! (6)  tapered thread      all X grow by T (z - z0) / (ze - z0)
 //! ```
-//! with J first depth, R degression, m least cut, f finishing allowance, K full depth, Q infeed angle.
+//! I crest, J first depth, K full depth, R degression, m least cut, f finishing allowance, H springs, Q angle of the infeed,
+//! E chamfer, P lead, T taper.
+
+use std::iter::{repeat_n, successors};
+
+use super::{Call, Position, X, Z};
 
 /// How the depth grows from pass to pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,4 +58,90 @@ pub struct ThreadCycle {
     pub chamfer_out: bool,
     /// Angle of the spindle at which the thread starts, degrees (FANUC Q); 0 is the index.
     pub start_deg: f64,
+}
+
+impl ThreadCycle {
+    /// The depths of the passes below the crest, springs included (equation 1).
+    ///
+    /// Endless if the first depth or the exponent is not greater than 0; G76 refuses both.
+    pub fn depths(&self) -> impl Iterator<Item = f64> + use<> {
+        let Degression { first, exponent, least, finish } = self.degression;
+        let (crest, full) = (self.crest.abs(), self.depth);
+        let rough = full - finish;
+        let deeper = move |(n, depth): &(f64, f64)| {
+            let n = n + 1.0;
+            Some((n, (first * libm::pow(n, 1.0 / exponent)).max(depth + least)))
+        };
+        // Both sides from the drive line: there the last digits decide as they do in LinuxCNC.
+        let cuts = successors(Some((1.0, first)), deeper).map(|(_, depth)| depth);
+        let cuts = cuts.take_while(move |depth| crest + depth < crest + rough);
+        let before_finish = (finish > 0.0).then_some(rough);
+        cuts.chain(before_finish).chain(repeat_n(full, self.springs as usize + 1))
+    }
+
+    /// The calls that stand for the cycle, one after the other.
+    ///
+    /// The angle [`start_deg`](ThreadCycle::start_deg) has no call.
+    ///
+    /// # Errors
+    /// The first of `each`; nothing is sent behind it.
+    pub fn expand<E>(&self, each: &mut impl FnMut(Call<'static>) -> Result<(), E>) -> Result<(), E> {
+        for depth in self.depths() {
+            self.pass(depth, each)?;
+        }
+        each(Call::StraightTraverse(self.point(0.0, self.end_z)))
+    }
+
+    /// One pass: back to its start, in, along, out.
+    fn pass<E>(&self, depth: f64, each: &mut impl FnMut(Call<'static>) -> Result<(), E>) -> Result<(), E> {
+        let height = self.depth;
+        let (infeed, full) = (self.crest.abs() + depth, height + self.crest.abs());
+        let towards = if self.end_z > self.from[Z] { -1.0 } else { 1.0 };
+        let slope = libm::tan(towards * self.infeed_deg.to_radians());
+        let shift = (infeed - self.crest.abs()) * slope;
+        let (start, end) = (self.from[Z] - shift, self.end_z + height * slope - shift);
+        let chamfer = towards * self.chamfer;
+        let chamfer_lead = self.lead * libm::hypot(self.chamfer, height) / self.chamfer;
+        let synch = |lead| Call::StartSpeedFeedSynch { lead, velocity: false };
+
+        each(Call::StraightTraverse(self.clear(infeed, full, start)))?;
+        if self.chamfer > 0.0 && self.chamfer_in {
+            each(Call::EnableFeedOverride(false))?;
+            each(synch(chamfer_lead))?;
+            each(Call::StraightFeed(self.clear(infeed, height, start)))?;
+            each(Call::StraightFeed(self.point(infeed, start - chamfer)))?;
+            each(synch(self.lead))?;
+        } else {
+            each(Call::StraightTraverse(self.point(infeed, start)))?;
+            each(Call::EnableFeedOverride(false))?;
+            each(synch(self.lead))?;
+        }
+        if self.chamfer > 0.0 && self.chamfer_out {
+            each(Call::StraightFeed(self.point(infeed, end + chamfer)))?;
+            each(synch(chamfer_lead))?;
+            each(Call::StraightFeed(self.clear(infeed, height, end)))?;
+        } else {
+            each(Call::StraightFeed(self.point(infeed, end)))?;
+        }
+        each(Call::StopSpeedFeedSynch)?;
+        each(Call::StraightTraverse(self.clear(infeed, full, end)))?;
+        each(Call::EnableFeedOverride(true))
+    }
+
+    /// `infeed` away from the drive line.
+    fn point(&self, infeed: f64, z: f64) -> Position {
+        self.clear(infeed, 0.0, z)
+    }
+
+    /// `infeed` away from the drive line, and `back` towards it.
+    fn clear(&self, infeed: f64, back: f64, z: f64) -> Position {
+        let outwards = if self.crest > 0.0 { 1.0 } else { -1.0 };
+        let mut point = self.from;
+        point[X] = point[X] + outwards * infeed - outwards * back;
+        if self.taper_x != 0.0 {
+            point[X] += self.taper_x * (z - self.from[Z]) / (self.end_z - self.from[Z]);
+        }
+        point[Z] = z;
+        point
+    }
 }
