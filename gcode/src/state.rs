@@ -6,7 +6,7 @@
 use crate::block::Block;
 use crate::canon::{FeedMode, PathMode, Plane, Position, Turn, Units, X, Y, Z};
 use crate::codes::G;
-use crate::execute::{compensation::Compensation, cycles::Sticky, modes::Contexts};
+use crate::execute::{compensation::Compensation, cycles::Sticky, context::Contexts};
 use crate::files::ToolTable;
 use crate::program::Options;
 use crate::words::memory::Memory;

@@ -9,7 +9,7 @@
 //! | file | what it executes |
 //! |---|---|
 //! | `check.rs`, `words.rs` | refuse blocks whose words no code uses or whose codes contradict |
-//! | `modes.rs` | planes, units, distance, feed, path, retract modes; M70 to M73 |
+//! | `modes.rs`, `context.rs` | planes, units, distance, feed, path, retract modes; M70 to M73 |
 //! | `spindle.rs`, `tool.rs`, `outputs.rs` | S M3-M5 M19 G96 G97; T M6 M61 G43 G49 G10 L1; coolant, M48-M53, M62-M68 |
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
 //! | `system.rs` | parameters that tell the state (#5400.., #<_x>, ...) |
@@ -21,19 +21,25 @@
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
 mod arc;
+mod arc;
 mod check;
 pub mod compensation;
+pub mod context;
 mod coordinates;
 pub mod cycles;
 mod feed;
-pub mod modes;
+mod feed;
+mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
+mod probe;
 mod spindle;
 mod stop;
+pub(crate) mod straight;
 mod straight;
 pub(crate) mod system;
+mod threading;
 mod tool;
 mod words;
 
@@ -118,7 +124,7 @@ fn m_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
         spindle::turn(code, block, state, out)?;
     }
     if let Some(code) = block.m(m_group::STATE) {
-        modes::save_or_restore(code, state, out)?;
+        context::save_or_restore(code, state, out)?;
     }
     outputs::coolant(block, state, out)?;
     match block.m(m_group::OVERRIDE) {
@@ -168,6 +174,12 @@ fn g_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
 
 /// Motion codes. [`State::motion`] is `code` from here.
 fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if code == G(800) || !words::CYCLES.contains(&code.0) {
+        state.cycle.end();
+    }
+    if !cycles::is_cycle(code) {
+        state.cycle.end();
+    }
     if code == G(800) {
         state.motion = None;
         return out.call(Call::Note("interpreter: motion mode set to none"));
@@ -180,6 +192,7 @@ fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Do
     match code.0 {
         0 | 10 => straight::straight(code, block, state, out),
         20 | 30 => arc::arc(code, block, state, out),
+        330 | 331 | 760 => threading::threading(code, block, state, out),
         382..=385 => probe::probe(code, block, state, out),
         730 | 740 | 810..=890 => cycles::cycle(code, block, state, out),
         _ => {

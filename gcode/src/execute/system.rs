@@ -6,7 +6,7 @@
 use crate::canon::{FeedMode, Plane, Turn, Units};
 use crate::state::State;
 
-use super::modes::system_code;
+use super::context::system_code;
 
 /// The value of `#index`, if it tells the state; all others are what was stored last.
 pub(crate) fn numbered(index: u32, state: &State) -> Option<f64> {
