@@ -21,23 +21,19 @@
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
 mod arc;
-mod arc;
 mod check;
 pub mod compensation;
 pub mod context;
 mod coordinates;
 pub mod cycles;
 mod feed;
-mod feed;
 mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
-mod probe;
 mod spindle;
 mod stop;
 pub(crate) mod straight;
-mod straight;
 pub(crate) mod system;
 mod threading;
 mod tool;
@@ -174,9 +170,6 @@ fn g_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
 
 /// Motion codes. [`State::motion`] is `code` from here.
 fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
-    if code == G(800) || !words::CYCLES.contains(&code.0) {
-        state.cycle.end();
-    }
     if !cycles::is_cycle(code) {
         state.cycle.end();
     }
