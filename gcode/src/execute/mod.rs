@@ -13,8 +13,9 @@
 //! | `spindle.rs`, `tool.rs`, `outputs.rs` | S M3-M5 M19 G96 G97; T M6 M61 G43 G49 G10 L1; coolant, M48-M53, M62-M68 |
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
 //! | `system.rs` | parameters that tell the state (#5400.., #<_x>, ...) |
-//! | `straight.rs`, `arc.rs` | G0 G1 G53 polar points; G2 G3 |
+//! | `straight.rs`, `arc.rs`, `feed.rs` | G0 G1 G53 polar points; G2 G3; the F they need |
 //! | `threading.rs` | G33 G33.1 G76 |
+//! | `probe.rs` | G38.2 to G38.5 |
 //! | `cycles/` | G73 G74 G80 to G89 |
 //! | `roughing/` | G70 G71 G72 |
 //! | `compensation/` | G40 to G42.1: contour offset by the radius of the tool |

@@ -1,5 +1,272 @@
-//! Canned drilling cycles.
+//! Canned cycles along the axis across the plane: G73, G74, G81 to G89.
+//!
+//! In: a block and the state; the depth is the word of the axis across the plane (Z in G17, Y in G18, X in G19). Out: for
+//! every hole the moves to it, the strokes of the cycle ([`hole`]), all of them in exact path mode.
+//!
+//! ```text
+//! level L0   where the axis across the plane stood before the first cycle in a row
+//! G90        R and depth as programmed;      G91   R from L0, depth from R, holes in steps
+//! clear      R (G99), or the higher of R and L0 (G98)
+//! first hole (up to R if L0 is below it) · over the hole · down to R;   next holes over at clear, down to R
+//! ```
+//! What is sticky: R, depth, P, Q, I, J, K, as long as the same cycle is in force.
+
+mod hole;
+
+use crate::block::{AXES, Block};
+use crate::canon::{Call, FeedMode, PathMode, Plane};
+use crate::codes::G;
+use crate::problem::{Blame, Problem, short};
+use crate::state::State;
+
+use super::{Done, Output, feed, integer, straight};
+use hole::{Bar, Hole, Strokes};
+
+/// Holes of one block, and pecks of one hole, at most.
+const MOST: i64 = 1_000_000;
 
 /// What canned cycles keep from block to block.
-#[derive(Clone, Debug, Default)]
-pub struct Sticky;
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sticky {
+    /// The cycle in force, and its plane.
+    code: Option<(G, Plane)>,
+    /// The axis across the plane where the first cycle in a row began.
+    level: Option<f64>,
+    /// R.
+    r: f64,
+    /// The word of the axis across the plane.
+    depth: f64,
+    /// P, s.
+    dwell: f64,
+    /// Q.
+    peck: f64,
+    /// I, J, K of G87.
+    offset: [f64; 3],
+}
+
+impl Sticky {
+    /// Another motion code is executed.
+    pub(super) fn end(&mut self) {
+        if self.code.is_some() {
+            *self = Sticky::default();
+        }
+    }
+
+    /// Converts its lengths: program units have changed.
+    pub(super) fn scale(&mut self, factor: f64) {
+        if let Some(level) = &mut self.level {
+            *level *= factor;
+        }
+        for length in [&mut self.r, &mut self.depth, &mut self.peck].into_iter().chain(&mut self.offset) {
+            *length *= factor;
+        }
+    }
+}
+
+/// Whether a code is one of them.
+pub(super) fn is_cycle(code: G) -> bool {
+    matches!(code.0, 730 | 740 | 810..=890)
+}
+
+/// Executes a cycle.
+pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if state.feed_mode == FeedMode::InverseTime {
+        let message = format!("{code} makes several moves, and under G93 every move needs an F of its own");
+        return Err(Problem::error("bad-value", Blame::G(code), message, "use G94 or G95 and a feed"));
+    }
+    feed::ready(block, state)?;
+    if state.compensation.is_on() {
+        let message = format!("{code} while {} is on", state.compensation.code());
+        return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 before"));
+    }
+    let before = match state.cycle.code {
+        Some((other, plane)) if plane == state.plane && other == code => state.cycle,
+        Some((_, plane)) if plane == state.plane => Sticky { level: state.cycle.level, ..Sticky::default() },
+        _ => Sticky::default(),
+    };
+    let words = words(code, block, state, before)?;
+    let repeats = repeats(block)?;
+    let pattern = Pattern::new(code, block, state, &words)?;
+    state.cycle = Sticky { code: Some((code, state.plane)), level: Some(pattern.level), ..words };
+    pattern.drill(repeats, block, state, out)
+}
+
+/// The words of the block, or those that stick. `level` and `code` are those of `before`.
+fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky, Box<Problem>> {
+    let (.., along) = state.plane.axes();
+    let sticks = before.code.is_some();
+    let missing = |letter: char, what: &str| {
+        let message = format!("{code} lacks {letter}, {what}");
+        Problem::error(
+            "missing-word",
+            Blame::G(code),
+            message,
+            format!("add {letter}; it stays for the holes that follow"),
+        )
+    };
+    let pick = |letter: char, stuck: f64, what: &str| match straight::word(letter, block, state) {
+        Some(value) => Ok(value),
+        None if sticks => Ok(stuck),
+        None => Err(missing(letter, what)),
+    };
+    let mut words = before;
+    words.r = pick('R', before.r, "where the feed begins")?;
+    words.depth = pick(AXES[along], before.depth, "the bottom of the hole")?;
+    match code.0 {
+        820 | 860 | 880 | 890 => words.dwell = pick('P', before.dwell, "the dwell at the bottom in s")?,
+        740 | 840 => words.dwell = block.get('P').unwrap_or(before.dwell),
+        730 | 830 => words.peck = pick('Q', before.peck, "the depth of a peck")?,
+        870 => {
+            for (n, letter) in ['I', 'J', 'K'].into_iter().enumerate() {
+                words.offset[n] =
+                    pick(letter, before.offset[n], "which is part of where the bar passes the hole")?;
+            }
+        }
+        _ => {}
+    }
+    if words.dwell < 0.0 {
+        let message = format!("the dwell P{} is negative", short(words.dwell));
+        return Err(Problem::error("bad-value", Blame::Word('P'), message, "give a time in s"));
+    }
+    if matches!(code.0, 730 | 830) && words.peck <= 0.0 {
+        let message = format!("the peck Q{} is not greater than 0", short(words.peck));
+        return Err(Problem::error("bad-value", Blame::Word('Q'), message, "give the depth of one peck"));
+    }
+    Ok(words)
+}
+
+/// L.
+fn repeats(block: &Block) -> Result<i64, Box<Problem>> {
+    let Some(value) = block.get('L') else { return Ok(1) };
+    integer(block, 'L').filter(|count| (1..=MOST).contains(count)).ok_or_else(|| {
+        let message = format!("L{} is no number of holes", short(value));
+        Problem::error(
+            "bad-value",
+            Blame::Word('L'),
+            message,
+            format!("give a whole number from 1 to {MOST}"),
+        )
+    })
+}
+
+/// The holes of a block.
+struct Pattern {
+    /// What is done in each.
+    hole: Hole,
+    plane: Plane,
+    /// Where the axis across the plane stood before the first cycle in a row.
+    level: f64,
+    /// Where it is taken to stand now.
+    height: f64,
+    /// Along the first and second axis: the first hole (G90), or where the tool stands (G91).
+    at: [f64; 2],
+    /// From hole to hole.
+    step: [f64; 2],
+    /// From hole to hole in polar coordinates: length and degrees.
+    polar_step: [f64; 2],
+}
+
+impl Pattern {
+    fn new(code: G, block: &Block, state: &State, words: &Sticky) -> Result<Pattern, Box<Problem>> {
+        let (first, second, along) = state.plane.axes();
+        let height = state.position[along];
+        let level = words.level.unwrap_or(height);
+        let (r, bottom) = match state.incremental {
+            true => (words.r + level, words.r + level + words.depth),
+            false => (words.r, words.depth),
+        };
+        if r < bottom {
+            let letter = AXES[along];
+            let [shown, r] = [short(bottom), short(r)];
+            let message = format!(
+                "{code} feeds from R to the bottom, but R is at {letter}{r} and the bottom at {letter}{shown}"
+            );
+            return Err(Problem::error("bad-value", Blame::Word('R'), message, "put R above the bottom"));
+        }
+        let here = [state.position[first], state.position[second]];
+        let given = [first, second].map(|axis| straight::word(AXES[axis], block, state));
+        let mut pattern = Pattern {
+            hole: Hole {
+                code,
+                r,
+                bottom,
+                clear: if state.retract_to_start { level.max(r) } else { r },
+                dwell: words.dwell,
+                peck: words.peck,
+                back: state.peck_clearance * state.per_machine_unit(),
+                bar: Bar::new(words.offset, bottom, state),
+                turning: state.spindle.turning,
+                overrides: state.overrides,
+            },
+            plane: state.plane,
+            level,
+            height: if level < r { r } else { height },
+            at: here,
+            step: [0.0; 2],
+            polar_step: [0.0; 2],
+        };
+        pattern.hole.check()?;
+        if block.has('@') || block.has('^') {
+            straight::check_polar(block, state)?;
+        }
+        if state.incremental {
+            pattern.step = given.map(|word| word.unwrap_or(0.0));
+            pattern.polar_step = ['@', '^'].map(|letter| block.get(letter).unwrap_or(0.0));
+        } else if block.has('@') || block.has('^') {
+            pattern.at =
+                straight::polar_point(here, block, state).ok_or_else(|| straight::at_origin(block, state))?;
+        } else {
+            pattern.at = [0, 1].map(|n| given[n].unwrap_or(here[n]));
+        }
+        Ok(pattern)
+    }
+
+    /// Sends all the holes; the state is then above the last.
+    fn drill(mut self, repeats: i64, block: &Block, state: &mut State, out: &mut Output) -> Done {
+        let (first, second, along) = self.plane.axes();
+        let r = self.hole.r;
+        if self.height < r && self.level >= r {
+            let message = format!(
+                "the tool stands below R and goes to the first hole on a slant, up to {}{}",
+                AXES[along],
+                short(self.hole.clear)
+            );
+            let help = "move up before the cycle where R is raised, or use G98";
+            out.warn(Problem::warning("slanting-rapid", Blame::Word('R'), message, help));
+        }
+        if self.level < r {
+            state.position[along] = r;
+            out.call(Call::StraightTraverse(state.position))?;
+        }
+        let exact = state.path == PathMode::ExactPath;
+        if !exact {
+            out.call(Call::SetMotionControlMode(PathMode::ExactPath))?;
+        }
+        for n in 0..repeats {
+            self.at = self.next().ok_or_else(|| straight::at_origin(block, state))?;
+            let mut strokes = Strokes { plane: self.plane, at: self.at, position: &state.position, out };
+            let over = if n == 0 && self.height > r { self.height } else { self.hole.clear };
+            strokes.rapid(over)?;
+            if over > r {
+                strokes.rapid(r)?;
+            }
+            self.hole.make(&mut strokes)?;
+        }
+        [state.position[first], state.position[second]] = self.at;
+        state.position[along] = self.hole.clear;
+        if !exact {
+            out.call(Call::SetMotionControlMode(state.path))?;
+            out.call(Call::SetNaivecamTolerance(state.naivecam))?;
+        }
+        Ok(())
+    }
+
+    /// The next hole; `None` if it takes the angle of the origin.
+    fn next(&self) -> Option<[f64; 2]> {
+        let at = [0, 1].map(|n| self.at[n] + self.step[n]);
+        if self.polar_step == [0.0; 2] {
+            return Some(at);
+        }
+        straight::polar_step(at, self.polar_step[0], self.polar_step[1])
+    }
+}

@@ -1,0 +1,48 @@
+//! What F must be before a move cuts, and what it becomes under G93.
+//!
+//! In: a block and the state. Out: nothing, or the feed in units per minute of a move that is to take `1/F` minutes.
+
+use crate::block::Block;
+use crate::canon::{Call, FeedMode};
+use crate::problem::{Blame, Problem};
+use crate::state::State;
+
+use super::{Done, Output};
+
+/// The least feed that G93 makes, units per minute: a move without length needs one, too.
+const LEAST: f64 = 0.1;
+
+/// Refuses to cut without a feed.
+///
+/// # Errors
+/// No F, no F in this block (G93), no S (G95).
+pub(super) fn ready(block: &Block, state: &State) -> Done {
+    match state.feed_mode {
+        FeedMode::InverseTime if !block.has('F') => {
+            let message = "under G93 every block that cuts needs an F of its own";
+            let help = "add F: one divided by the minutes that the move takes; or return to G94";
+            Err(Problem::error("no-feed", Blame::Block, message, help))
+        }
+        FeedMode::InverseTime => Ok(()),
+        _ if state.feed == 0.0 => {
+            let message = "there is no feed for a move that cuts";
+            let help = "program F in this block or before; G94 and G95 forget the F of the other mode";
+            Err(Problem::error("no-feed", Blame::Block, message, help))
+        }
+        FeedMode::PerRevolution if state.spindle.speed == 0.0 => {
+            let message = "G95 feeds per revolution, and the spindle has no speed";
+            Err(Problem::error("no-spindle-speed", Blame::Block, message, "program S with M3 or M4 before"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Under G93, sends the feed of a move of some length.
+pub(super) fn inverse_time(length: f64, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if state.feed_mode != FeedMode::InverseTime {
+        return Ok(());
+    }
+    let feed = (length * block.get('F').unwrap_or(0.0)).max(LEAST);
+    state.feed = feed;
+    out.call(Call::SetFeedRate(feed))
+}

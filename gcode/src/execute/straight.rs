@@ -1,0 +1,212 @@
+//! Straight moves: G0, G1, G53 and polar points.
+//!
+//! In: a block and the state, words in program units or degrees (X a diameter under G7). Out: the end point, which is
+//! sent as it is, or handed over to the compensation of the tool radius.
+//!
+//! ```text
+//! G90   word                         polar   x = @ cos ^,  y = @ sin ^; the one that is missing is that of the point
+//! G91   point + word                         point + (@, ^) in polar coordinates
+//! G53   word - G5x - tool - G92, with X and Y turned back by the rotation of the coordinate system
+//! ```
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::block::{AXES, Block};
+use crate::canon::{A, Call, Plane, Position, X, Y, Z};
+use crate::codes::{G, group};
+use crate::problem::{Blame, Problem};
+use crate::state::{State, turn};
+
+use super::{Done, Output, compensation, feed};
+
+/// Whether a move cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// As fast as the machine can.
+    Traverse,
+    /// At the feed.
+    Feed,
+}
+
+impl Kind {
+    /// The call of a move to a point.
+    pub(crate) fn call(self, target: Position) -> Call<'static> {
+        match self {
+            Kind::Traverse => Call::StraightTraverse(target),
+            Kind::Feed => Call::StraightFeed(target),
+        }
+    }
+}
+
+/// G0 and G1.
+pub(super) fn straight(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    let kind = if code == G(0) { Kind::Traverse } else { Kind::Feed };
+    if kind == Kind::Feed {
+        feed::ready(block, state)?;
+    }
+    let target = target(block, state)?;
+    if kind == Kind::Feed {
+        feed::inverse_time(length(&state.position, &target), block, state, out)?;
+    }
+    compensation::straight_made(state);
+    move_to(kind, target, block, state, out)
+}
+
+/// Moves to a programmed point, with compensation if it is on.
+pub(crate) fn move_to(
+    kind: Kind,
+    target: Position,
+    block: &Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
+    compensation::straight_made(state);
+    if state.compensation.is_on() {
+        return compensation::straight(kind, target, block, state, out);
+    }
+    out.call(kind.call(target))?;
+    state.position = target;
+    Ok(())
+}
+
+/// The programmed end point of a move.
+///
+/// # Errors
+/// Polar words that name no point.
+pub(crate) fn target(block: &Block, state: &State) -> Result<Position, Box<Problem>> {
+    if block.g(group::ONCE) == Some(G(530)) {
+        return machine_target(block, state);
+    }
+    let mut target = state.position;
+    for (axis, letter) in AXES.into_iter().enumerate() {
+        let Some(value) = word(letter, block, state) else { continue };
+        target[axis] = if state.incremental { target[axis] + value } else { value };
+    }
+    if block.has('@') || block.has('^') {
+        polar(block, state, &mut target)?;
+    }
+    Ok(target)
+}
+
+/// The word of an axis; X as a radius.
+pub(super) fn word(letter: char, block: &Block, state: &State) -> Option<f64> {
+    let value = block.get(letter)?;
+    Some(if letter == 'X' && state.diameter { value / 2.0 } else { value })
+}
+
+/// G53: the words are those of the machine.
+fn machine_target(block: &Block, state: &State) -> Result<Position, Box<Problem>> {
+    if let Some(letter) = ['@', '^'].into_iter().find(|letter| block.has(*letter)) {
+        let message = format!("{letter} is no coordinate of the machine, which G53 asks for");
+        return Err(Problem::error("bad-value", Blame::Word(letter), message, "give X and Y"));
+    }
+    let mut target = state.position;
+    let mut turned = state.position;
+    for axis in [X, Y] {
+        turned[axis] += state.g92[axis];
+    }
+    turn(&mut turned, state.rotation);
+    for axis in [X, Y] {
+        if let Some(value) = word(AXES[axis], block, state) {
+            turned[axis] = value - state.g5x[axis] - state.tool_offset[axis];
+        }
+    }
+    turn(&mut turned, -state.rotation);
+    for axis in [X, Y] {
+        target[axis] = turned[axis] - state.g92[axis];
+    }
+    for axis in Z..AXES.len() {
+        if let Some(value) = word(AXES[axis], block, state) {
+            target[axis] = value - state.g5x[axis] - state.g92[axis] - state.tool_offset[axis];
+        }
+    }
+    Ok(target)
+}
+
+/// `@` and `^`.
+fn polar(block: &Block, state: &State, target: &mut Position) -> Done {
+    check_polar(block, state)?;
+    let point = polar_point([target[X], target[Y]], block, state).ok_or_else(|| at_origin(block, state))?;
+    [target[X], target[Y]] = point;
+    Ok(())
+}
+
+/// Refuses polar words where they name no point.
+pub(super) fn check_polar(block: &Block, state: &State) -> Done {
+    if let Some(letter) = ['X', 'Y'].into_iter().find(|letter| block.has(*letter)) {
+        let message = format!("a polar point gives X and Y, and {letter} gives the same once more");
+        return Err(Problem::error(
+            "repeated-word",
+            Blame::Word(letter),
+            message,
+            "leave one of the two out",
+        ));
+    }
+    if state.plane != Plane::Xy {
+        let message = "polar words name a point of the XY plane, and another plane is in force";
+        let blame = Blame::Word(if block.has('@') { '@' } else { '^' });
+        return Err(Problem::error("bad-value", blame, message, "select G17, or give the coordinates"));
+    }
+    Ok(())
+}
+
+/// The problem of polar words that lack an angle.
+pub(super) fn at_origin(block: &Block, state: &State) -> Box<Problem> {
+    let message = "at the origin no angle is defined that a polar word could start from";
+    let help = if state.incremental { "move away from X0 Y0 before" } else { "give the angle, too: ^" };
+    let blame = Blame::Word(if block.has('@') { '@' } else { '^' });
+    Problem::error("bad-value", blame, message, help)
+}
+
+/// The point that polar words name; `None` if that takes the angle of the origin.
+pub(super) fn polar_point([x, y]: [f64; 2], block: &Block, state: &State) -> Option<[f64; 2]> {
+    let (distance, angle) = (block.get('@'), block.get('^'));
+    let at_origin = x == 0.0 && y == 0.0;
+    let (here, beyond) = (libm::hypot(y, x), libm::atan2(y, x));
+    if !state.incremental {
+        if at_origin && angle.is_none() {
+            return None;
+        }
+        let angle = angle.map_or(beyond, radians);
+        return Some(at(distance.unwrap_or(here), angle));
+    }
+    polar_step([x, y], distance.unwrap_or(0.0), angle.unwrap_or(0.0))
+}
+
+/// The point that is further away by `distance` and turned by `degrees`; `None` at the origin.
+pub(super) fn polar_step([x, y]: [f64; 2], distance: f64, degrees: f64) -> Option<[f64; 2]> {
+    if x == 0.0 && y == 0.0 {
+        return None;
+    }
+    Some(at(libm::hypot(y, x) + distance, libm::atan2(y, x) + radians(degrees)))
+}
+
+fn at(distance: f64, angle: f64) -> [f64; 2] {
+    [distance * libm::cos(angle), distance * libm::sin(angle)]
+}
+
+/// Degrees in radians, rounded once: the sine of 180 then has the sign that other controls print.
+pub(super) fn radians(degrees: f64) -> f64 {
+    /// What π/180 has beyond its double.
+    const REST: f64 = 2.948_652_270_870_168_7e-19;
+    let first = degrees * (PI / 180.0);
+    let lost = libm::fma(degrees, PI / 180.0, -first);
+    first + (lost + degrees * REST)
+}
+
+/// An angle minus a quarter turn, rounded once.
+pub(super) fn minus_quarter(angle: f64) -> f64 {
+    /// What π/2 has beyond its double.
+    const REST: f64 = 6.123_233_995_736_766e-17;
+    (angle - FRAC_PI_2) - REST
+}
+
+/// Length of a straight move: along X, Y, Z; in degrees if only rotary axes move.
+fn length(from: &Position, to: &Position) -> f64 {
+    /// A way that counts as none, units.
+    const NONE: f64 = 1e-7;
+    let way: Position = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let (lengths, angles) = way.split_at(A);
+    let moving = if lengths.iter().any(|way| way.abs() > NONE) { lengths } else { angles };
+    moving.iter().map(|way| way * way).sum::<f64>().sqrt()
+}
