@@ -173,8 +173,8 @@ impl<W: Write> LinuxcncPrinter<W> {
 impl<W: Write> Sink for LinuxcncPrinter<W> {
     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
         match call {
-            Call::WaitInput { .. } | Call::SetFeedMode(FeedMode::InverseTime) => return Ok(()),
-            Call::ThreadCycle(_) => return Err(super::printer::no_cycles()),
+            Call::WaitInput { .. } => return Ok(()),
+            Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
             Call::Print(text) => {
                 self.lines.text(text);
                 return self.lines.end();
@@ -186,7 +186,15 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
             Call::StraightFeed(end) => self.position("STRAIGHT_FEED(", &end),
             Call::StraightTraverse(end) => self.position("STRAIGHT_TRAVERSE(", &end),
             Call::ArcFeed(arc) => self.arc(&arc),
-            Call::StraightProbe(_, end) => self.position("STRAIGHT_PROBE(", &end),
+            Call::StraightProbe(_, end) => {
+                self.lines.text("TURN_PROBE_ON()");
+                self.lines.end()?;
+                self.head(place);
+                self.position("STRAIGHT_PROBE(", &end);
+                self.lines.end()?;
+                self.head(place);
+                self.lines.text("TURN_PROBE_OFF()");
+            }
             Call::RigidTap(bottom, _) => {
                 self.lines.text("RIGID_TAP(");
                 self.lines.fours(bottom.split_at(3).0, ", ");

@@ -164,8 +164,3 @@ enum Word {
     Text(&'static str),
     Number(i64),
 }
-
-/// The moves of a threading cycle cannot be printed yet.
-pub(super) fn no_cycles() -> Box<Problem> {
-    Problem::error("not-available", Blame::Block, "threading cycles are not printed yet", "use G33, pass by pass")
-}
