@@ -145,12 +145,17 @@ impl Block {
         Ok(())
     }
 
-    /// Adds a G code of a group.
+    /// Adds a G code of a group. Beside another motion code G80 says nothing.
     ///
     /// # Errors
     /// The block has a code of that group.
     pub fn add_g(&mut self, group: usize, code: G, span: Span) -> Result<(), Box<Problem>> {
-        if let Some(other) = self.g[group] {
+        const G80: G = G(800);
+        let other = self.g[group];
+        if code == G80 && other.is_some() {
+            return Ok(());
+        }
+        if let Some(other) = other.filter(|other| *other != G80) {
             return Err(excluded(&code.to_string(), &other.to_string(), span));
         }
         (self.g[group], self.g_spans[group]) = (Some(code), span);

@@ -119,7 +119,7 @@ fn every_call_has_the_arguments_of_rs274() {
         (Call::Message(" lower the tailstock "), "MESSAGE(\" lower the tailstock \")"),
         (Call::Log("LOGOPEN", "a.txt"), "LOGOPEN(\"a.txt\")"),
         (Call::Log("LOGCLOSE", ""), "LOGCLOSE()"),
-        (Call::SetFeedMode(FeedMode::InverseTime), ""),
+        (Call::SetFeedMode(FeedMode::InverseTime), "SET_FEED_MODE(0, 0)"),
         (Call::WaitInput { index: 0, analog: false, wait: 1, timeout: 1.0 }, ""),
     ] {
         assert_eq!(line(call), text);

@@ -224,7 +224,8 @@ pub enum Call<'a> {
     },
     /// A comment, without its parentheses.
     Comment(&'a str),
-    /// What the control says about itself where LinuxCNC's `rs274` prints a comment of its own.
+    /// What the control says about itself where LinuxCNC's `rs274` prints a comment of its own; `interpreter: ` is
+    /// left out.
     Note(&'a str),
     /// `(MSG,...)` and `(DEBUG,...)`.
     Message(&'a str),

@@ -24,7 +24,7 @@ pub(super) fn system(code: G, state: &mut State, out: &mut Output) -> Done {
         tenths => tenths / 10 - 53,
     } as u8;
     if system == state.system {
-        return out.call(Call::Note("interpreter: continuing to use same coordinate system"));
+        return out.call(Call::Note("continuing to use same coordinate system"));
     }
     state.set_parameter(SYSTEM, f64::from(system));
     enter(system, state);
@@ -74,7 +74,7 @@ pub(super) fn set_offset(block: &Block, state: &mut State, out: &mut Output) -> 
     }
     state.set_lengths_at(first, &origin);
     if system != state.system {
-        return out.call(Call::Note("interpreter: setting coordinate system origin"));
+        return out.call(Call::Note("setting coordinate system origin"));
     }
     enter(system, state);
     out.call(Call::SetG5xOffset(system, state.g5x))?;

@@ -65,7 +65,7 @@ pub(crate) fn start(state: &State, out: &mut Output) -> Done {
 /// The block contradicts itself or the state. What stood before the error in the order of execution has been sent.
 pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Done {
     let motion = check::check(block, state)?;
-    if let Some(comment) = &block.comment {
+    if let Some(comment) = block.comment.as_ref().filter(|comment| !comment.text.is_empty()) {
         say(comment, out)?;
     }
     rates(block, state, out)?;
@@ -176,7 +176,7 @@ fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done 
     }
     if code == G(800) {
         state.motion = None;
-        return out.call(Call::Note("interpreter: motion mode set to none"));
+        return out.call(Call::Note("motion mode set to none"));
     }
     state.motion = Some(code);
     run_motion(code, block, state, out)

@@ -11,9 +11,9 @@ use super::{Done, Output, check, compensation};
 /// G93, G94, G95. A change to G94 or G95 forgets F, which had another meaning.
 pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
     let (mode, note) = match code.0 {
-        930 => (FeedMode::InverseTime, "interpreter: feed mode set to inverse time"),
-        950 => (FeedMode::PerRevolution, "interpreter: feed mode set to units per revolution"),
-        _ => (FeedMode::PerMinute, "interpreter: feed mode set to units per minute"),
+        930 => (FeedMode::InverseTime, "feed mode set to inverse time"),
+        950 => (FeedMode::PerRevolution, "feed mode set to units per revolution"),
+        _ => (FeedMode::PerMinute, "feed mode set to units per minute"),
     };
     out.call(Call::Note(note))?;
     out.call(Call::SetFeedMode(mode))?;
@@ -48,15 +48,15 @@ pub(super) fn set(code: G, block: &Block, state: &mut State, out: &mut Output) -
         610 | 611 | 640 => path(code, block, state, out),
         900 | 910 => {
             let notes = [
-                "interpreter: distance mode changed to absolute",
-                "interpreter: distance mode changed to incremental",
+                "distance mode changed to absolute",
+                "distance mode changed to incremental",
             ];
             switch(&mut state.incremental, code.0 == 910, notes, out)
         }
         901 | 911 => {
             let notes = [
-                "interpreter: IJK distance mode changed to incremental",
-                "interpreter: IJK distance mode changed to absolute",
+                "IJK distance mode changed to incremental",
+                "IJK distance mode changed to absolute",
             ];
             switch(&mut state.absolute_centers, code.0 == 901, notes, out)
         }
@@ -74,8 +74,8 @@ fn switch(mode: &mut bool, on: bool, notes: [&str; 2], out: &mut Output) -> Done
 
 fn diameter(on: bool, state: &mut State, out: &mut Output) -> Done {
     let notes = [
-        "interpreter: Lathe diameter mode changed to radius",
-        "interpreter: Lathe diameter mode changed to diameter",
+        "Lathe diameter mode changed to radius",
+        "Lathe diameter mode changed to diameter",
     ];
     switch(&mut state.diameter, on, notes, out)
 }
@@ -146,7 +146,7 @@ fn retract(code: G, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::G(code), "change the retract mode", state)?;
     state.retract_to_start = code.0 == 980;
     out.call(Call::Note(match state.retract_to_start {
-        true => "interpreter: retract mode set to old_z",
-        false => "interpreter: retract mode set to r_plane",
+        true => "retract mode set to old_z",
+        false => "retract mode set to r_plane",
     }))
 }

@@ -114,8 +114,8 @@ pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output
     let (radius, orientation) = if dynamic { from_block(code, block, state)? } else { from_table(code, block, state)? };
     let side = if left == (radius >= 0.0) { Side::Left } else { Side::Right };
     out.call(Call::Note(match side {
-        Side::Left => "interpreter: cutter radius compensation on left",
-        Side::Right => "interpreter: cutter radius compensation on right",
+        Side::Left => "cutter radius compensation on left",
+        Side::Right => "cutter radius compensation on right",
     }))?;
     let cutter = Cutter { side, radius: radius.abs(), orientation };
     (state.compensation.tool, state.compensation.normal) = (Some(cutter), None);
@@ -123,7 +123,7 @@ pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output
 }
 
 fn switch_off(state: &mut State, out: &mut Output) -> Done {
-    out.call(Call::Note("interpreter: cutter radius compensation off"))?;
+    out.call(Call::Note("cutter radius compensation off"))?;
     flush(state, out)?;
     let Compensation { normal, leaving, .. } = state.compensation;
     state.compensation = Compensation { leaving: leaving || normal.is_some(), ..Compensation::default() };
