@@ -9,14 +9,18 @@
 //!    └───── flow ◄────┘
 //! ```
 
+use std::collections::BTreeSet;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::block::Block;
-use crate::canon::{Plane, Position, Sink, Units};
+use crate::canon::{Call, Place, Plane, Position, Sink, Units};
+use crate::codes::{M, m_group};
 use crate::execute::compensation::Waiting;
-use crate::execute::{self, Output};
+use crate::execute::{self, Done, Output};
 use crate::files::ToolTable;
+use crate::flow::{Files, Flow};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 use crate::source::Source;
 use crate::state::State;
@@ -122,16 +126,35 @@ pub enum Step {
 
 /// A program that is being run.
 pub struct Program {
-    source: Source,
+    flow: Flow,
     reader: Reader,
     block: Block,
     state: State,
-    block_delete: bool,
-    started: bool,
-    ended: bool,
+    options: RunOptions,
+    stage: Stage,
+    /// Lines since the last move.
+    idle: u64,
     problems: Vec<Problem>,
     waiting: Waiting,
     warnings: Vec<Diagnostic>,
+    /// File and line of every error so far: each line is reported once.
+    reported: BTreeSet<(u16, u32)>,
+    /// The same of warnings.
+    warned: BTreeSet<(u16, u32, &'static str)>,
+}
+
+/// What of the [`Options`] is needed again and again.
+#[derive(Clone, Copy)]
+struct RunOptions {
+    block_delete: bool,
+    longest_idle: u64,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Fresh,
+    Running,
+    Ended,
 }
 
 impl Program {
@@ -140,12 +163,14 @@ impl Program {
     /// # Errors
     /// It cannot be opened or read.
     pub fn open(path: &Path, options: &Options) -> io::Result<Program> {
-        Ok(Program::new(Source::open(path, options.limits.line_length)?, options))
+        let source = Source::open(path, options.limits.line_length)?;
+        Ok(Program::new(source, path.parent(), options))
     }
 
     /// Takes a text. `name` is shown in diagnostics.
     pub fn from_text(name: &str, text: impl Into<String>, options: &Options) -> Program {
-        Program::new(Source::from_text(name, text.into().into_bytes(), options.limits.line_length), options)
+        let text = text.into().into_bytes();
+        Program::new(Source::from_text(name, text, options.limits.line_length), None, options)
     }
 
     /// Takes what a reader gives until its end, such as standard input.
@@ -153,82 +178,201 @@ impl Program {
     /// # Errors
     /// It cannot be read, or not be spooled to a temporary file.
     pub fn from_reader(name: &str, reader: impl Read, options: &Options) -> io::Result<Program> {
-        Ok(Program::new(Source::from_reader(name, reader, options.limits.line_length)?, options))
+        Ok(Program::new(Source::from_reader(name, reader, options.limits.line_length)?, None, options))
     }
 
-    fn new(source: Source, options: &Options) -> Program {
+    fn new(source: Source, folder: Option<&Path>, options: &Options) -> Program {
+        let limits = options.limits;
+        let folders = folder.map(Path::to_owned).into_iter().chain(options.subroutine_folders.iter().cloned());
+        let files = Files::new(source, folders.collect(), limits.subroutine_bytes, limits.line_length);
+        let mut state = State::new(options);
+        state.memory.set_named("_value", 0.0);
+        state.memory.set_named("_value_returned", 0.0);
         Program {
-            source,
-            reader: Reader::new(options.limits.expression_depth),
+            flow: Flow::new(files, options.block_delete, limits.call_depth),
+            reader: Reader::new(limits.expression_depth),
             block: Block::default(),
-            state: State::new(options),
-            block_delete: options.block_delete,
-            started: false,
-            ended: false,
+            state,
+            options: RunOptions {
+                block_delete: options.block_delete,
+                longest_idle: limits.blocks_without_motion,
+            },
+            stage: Stage::Fresh,
+            idle: 0,
             problems: Vec::new(),
             waiting: Waiting::default(),
             warnings: Vec::new(),
+            reported: BTreeSet::new(),
+            warned: BTreeSet::new(),
         }
     }
 
-    /// Executes the next line. After an error it can be called again and goes on behind the faulty line.
+    /// Executes the next line. After an error it can be called again and goes on behind the faulty line, so that
+    /// other errors are found; from then on nothing is repeated, and no line is reported twice.
     ///
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
     pub fn step(&mut self, sink: &mut dyn Sink) -> Result<Step, Box<Diagnostic>> {
-        if self.ended {
-            return Ok(Step::Ended);
+        let mut watch = Watch { sink, moved: false, refused: None };
+        let done = self.line(&mut watch);
+        self.idle = if watch.moved { 0 } else { self.idle + 1 };
+        if !self.problems.is_empty() || !self.reader.warnings.is_empty() {
+            self.keep_warnings();
         }
-        let done = self.line(sink);
-        for problem in std::mem::take(&mut self.problems) {
-            let diagnostic = self.diagnostic(problem);
-            self.warnings.push(diagnostic);
+        match done {
+            Ok(()) if self.stage == Stage::Ended => Ok(Step::Ended),
+            Ok(()) => Ok(Step::More),
+            Err(problem) => self.report(*problem, watch.refused),
         }
-        done.map_err(|problem| Box::new(self.diagnostic(*problem)))
     }
 
-    fn line(&mut self, sink: &mut dyn Sink) -> Result<Step, Box<Problem>> {
-        if !self.started {
-            self.started = true;
-            let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
-            execute::start(&self.state, &mut out)?;
+    fn line(&mut self, sink: &mut Watch) -> Done {
+        match self.stage {
+            Stage::Ended => return Ok(()),
+            Stage::Fresh => {
+                self.stage = Stage::Running;
+                let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
+                execute::start(&self.state, &mut out)?;
+            }
+            Stage::Running => {}
         }
-        let Some(line) = self.source.take()? else {
-            self.ended = true;
-            let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
-            execute::finish(&mut self.state, &mut out)?;
-            return Ok(Step::Ended);
+        if self.idle >= self.options.longest_idle {
+            return Err(self.endless());
+        }
+        let file = self.flow.files.current() as u16;
+        let line = match self.flow.files.take() {
+            Ok(Some(line)) => line,
+            Ok(None) => return self.end_of_file(sink),
+            Err(problem) => {
+                self.block.clear(file, self.flow.files.mark().lines);
+                return Err(problem);
+            }
         };
-        self.block.clear(0, line.number());
-        let mut cursor = Cursor::new(self.source.bytes(&line));
-        if !head(&mut cursor, self.block_delete, &mut self.block)? {
-            return Ok(Step::More);
+        self.block.clear(file, line.number());
+        let mut cursor = Cursor::new(self.flow.files.bytes(&line));
+        let head = head(&mut cursor)?;
+        if head.optional && self.options.block_delete {
+            return Ok(());
+        }
+        if let Some((number, digits)) = head.number {
+            (self.block.n, self.block.n_digits) = (Some(number), digits);
+        }
+        if cursor.peek() == Some(b'o') {
+            let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
+            return self.flow.control(&line, &mut self.reader, &mut self.state, &mut out);
         }
         self.reader.words(&mut cursor, &mut self.state, &mut self.block)?;
         let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
         execute::execute(&self.block, &mut self.state, &mut out)?;
-        self.ended = self.state.ended;
-        Ok(if self.ended { Step::Ended } else { Step::More })
+        if self.state.ended {
+            self.stage = Stage::Ended;
+        }
+        match self.block.m(m_group::CALL) {
+            None => Ok(()),
+            Some(M(98)) => self.flow.m98(&self.block, &mut self.reader, &mut self.state),
+            Some(_) => self.flow.m99(&mut self.state, &mut out),
+        }
     }
 
-    fn diagnostic(&mut self, problem: Problem) -> Diagnostic {
-        let line = match problem.blame {
-            Blame::Line(line) => line,
-            _ => self.block.line,
+    fn end_of_file(&mut self, sink: &mut Watch) -> Done {
+        let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
+        let ended = self.flow.end(&mut self.state, &mut out);
+        if self.state.ended {
+            self.stage = Stage::Ended;
+        }
+        ended?;
+        execute::finish(&mut self.state, &mut out)
+    }
+
+    fn endless(&mut self) -> Box<Problem> {
+        self.stage = Stage::Ended;
+        let message = format!(
+            "{} lines without a move: the limit blocks_without_motion, which ends endless loops",
+            self.options.longest_idle
+        );
+        Problem::error("endless-loop", Blame::Block, message, "check the condition of the loop that this line is in")
+    }
+
+    /// Makes a diagnostic of an error, if there is none for its line yet.
+    fn report(&mut self, problem: Problem, refused: Option<Place>) -> Result<Step, Box<Diagnostic>> {
+        self.flow.repeats = false;
+        let diagnostic = self.diagnostic(problem, refused);
+        if self.reported.insert((self.block.file, diagnostic.line)) {
+            return Err(Box::new(diagnostic));
+        }
+        Ok(if self.stage == Stage::Ended { Step::Ended } else { Step::More })
+    }
+
+    fn keep_warnings(&mut self) {
+        let mut problems = std::mem::take(&mut self.reader.warnings);
+        problems.append(&mut self.problems);
+        for problem in problems {
+            let diagnostic = self.diagnostic(problem, None);
+            if self.warned.insert((self.block.file, diagnostic.line, diagnostic.code)) {
+                self.warnings.push(diagnostic);
+            }
+        }
+    }
+
+    /// Puts a problem at its place. `refused`: the call that the sink refused, which may be of an earlier line.
+    fn diagnostic(&mut self, problem: Problem, refused: Option<Place>) -> Diagnostic {
+        let block = self.block.place();
+        let earlier = refused.filter(|place| (place.file, place.line) != (block.file, block.line));
+        let (file, line) = match (problem.blame, earlier) {
+            (Blame::Line(line), _) => (block.file, line),
+            (_, Some(place)) => (place.file, place.line),
+            _ => (block.file, block.line),
         };
-        let text = self.source.text(line);
+        let source = self.flow.files.get_mut(usize::from(file));
+        let (name, text) = match source {
+            Some(source) => (Arc::clone(source.name()), source.text(line)),
+            None => ("".into(), String::new()),
+        };
         let whole = Span { start: 0, end: text.len() as u32 };
-        let span = self.block.span(problem.blame).unwrap_or(whole);
-        Diagnostic::new(problem, self.source.name(), line, &text, span)
+        let span = if earlier.is_some() { None } else { self.block.span(problem.blame) };
+        Diagnostic::new(problem, &name, line, &text, span.unwrap_or(whole))
     }
 
-    /// The warnings since the last call.
+    /// The warnings since the last call; each line warns once.
     pub fn take_warnings(&mut self) -> Vec<Diagnostic> {
         std::mem::take(&mut self.warnings)
+    }
+
+    /// Name of a file, see [`Place::file`].
+    pub fn file_name(&self, file: u16) -> Option<&Arc<str>> {
+        self.flow.files.get(usize::from(file)).map(Source::name)
     }
 
     /// The state after the last step.
     pub fn state(&self) -> &State {
         &self.state
+    }
+}
+
+/// The receiver of the calls, watched.
+struct Watch<'a> {
+    sink: &'a mut dyn Sink,
+    /// A move was among the calls.
+    moved: bool,
+    /// Where the call that was refused comes from.
+    refused: Option<Place>,
+}
+
+impl Sink for Watch<'_> {
+    fn call(&mut self, place: Place, call: Call<'_>) -> Done {
+        self.moved |= matches!(
+            call,
+            Call::StraightTraverse(_)
+                | Call::StraightFeed(_)
+                | Call::ArcFeed(_)
+                | Call::StraightProbe(..)
+                | Call::RigidTap(..)
+                | Call::ThreadCycle(_)
+        );
+        let done = self.sink.call(place, call);
+        if done.is_err() {
+            self.refused = Some(place);
+        }
+        done
     }
 }

@@ -59,6 +59,8 @@ pub struct Source {
     longest: usize,
     /// The program stands between two % lines.
     tape: bool,
+    /// Its second % was met.
+    closed: bool,
     beginning: Mark,
 }
 
@@ -68,12 +70,13 @@ impl Source {
     /// # Errors
     /// The file cannot be opened or read.
     pub fn open(path: &Path, longest: usize) -> io::Result<Source> {
-        Ok(Source::new(&path.display().to_string(), Box::new(File::open(path)?), longest))
+        Ok(Source::new(&path.display().to_string(), Box::new(File::open(path)?), longest, usize::MAX))
     }
 
     /// Reads a text.
     pub fn from_text(name: &str, text: Vec<u8>, longest: usize) -> Source {
-        Source::new(name, Box::new(Cursor::new(text)), longest)
+        let room = text.len() + 1;
+        Source::new(name, Box::new(Cursor::new(text)), longest, room)
     }
 
     /// Reads what cannot seek to its end and goes on from a temporary file that has no name.
@@ -85,20 +88,22 @@ impl Source {
         io::copy(&mut reader, &mut file)?;
         file.flush()?;
         file.rewind()?;
-        Ok(Source::new(name, Box::new(file), longest))
+        Ok(Source::new(name, Box::new(file), longest, usize::MAX))
     }
 
-    fn new(name: &str, input: Box<dyn Input>, longest: usize) -> Source {
+    /// `room`: no larger buffer is needed.
+    fn new(name: &str, input: Box<dyn Input>, longest: usize, room: usize) -> Source {
         let mut source = Source {
             name: name.into(),
             input,
-            buffer: vec![0; BUFFER.max(2 * longest + 2)],
+            buffer: vec![0; BUFFER.max(2 * longest + 2).min(room)],
             filled: 0,
             base: 0,
             next: 0,
             lines: 0,
             longest,
             tape: false,
+            closed: false,
             beginning: Mark::default(),
         };
         if source.find_tape().is_err() {
@@ -132,6 +137,11 @@ impl Source {
     /// Whether the program stands between `%` lines.
     pub fn is_tape(&self) -> bool {
         self.tape
+    }
+
+    /// Whether the `%` that ends the program was met.
+    pub fn is_closed(&self) -> bool {
+        self.closed
     }
 
     /// Where the program begins: behind the first `%`, if there is one.
@@ -172,8 +182,9 @@ impl Source {
             return Err(too_long(number, self.longest));
         }
         let text = self.bytes(&line);
-        if self.tape && text.trim_ascii_start().first() == Some(&b'%') && text.trim_ascii() == b"%" {
-            return Ok(None);
+        if self.tape && text.trim_ascii() == b"%" {
+            self.closed = true;
+            return self.go(line.mark).map(|()| None).map_err(|error| unreadable(number, &error));
         }
         Ok(Some(line))
     }

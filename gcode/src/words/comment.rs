@@ -37,7 +37,7 @@ const VERBS: [(&str, Verb); 10] = [
 ];
 
 /// Whether a comment does more than explain.
-pub(super) fn speaks(text: &str) -> bool {
+pub(crate) fn speaks(text: &str) -> bool {
     verb(text).is_some()
 }
 

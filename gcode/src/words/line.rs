@@ -1,7 +1,7 @@
 //! One line as words. In: its bytes, the state. Out: a [`Block`], and the parameters that the line sets: they take
 //! effect when all of it has been read, before the block is executed.
 
-use super::comment;
+use super::comment::{comment, speaks};
 use super::cursor::Cursor;
 use super::expression::{Values, whole};
 use super::number::number;
@@ -55,7 +55,7 @@ impl Reader {
     pub(crate) fn words(&mut self, cursor: &mut Cursor, state: &mut State, block: &mut Block) -> Done {
         self.assignments.clear();
         self.names.clear();
-        let mut comment = None;
+        let mut last = None;
         while let Some(first) = cursor.peek() {
             match first {
                 b'g' => {
@@ -64,7 +64,7 @@ impl Reader {
                 }
                 b'm' => {
                     let (value, span) = self.word(cursor, state)?;
-                    add_m(value, span, block)?;
+                    add_m(value, span, state.call_level > 0, block)?;
                 }
                 b'n' | b'o' => return Err(misplaced(first, cursor)),
                 b'a'..=b'z' | b'@' | b'^' | b'$' => {
@@ -72,7 +72,7 @@ impl Reader {
                     block.add(char::from(first.to_ascii_uppercase()), value, span)?;
                 }
                 b'(' => {
-                    let hidden = comment.replace(parentheses(cursor)?);
+                    let hidden = last.replace(parentheses(cursor)?);
                     self.warn_if_speaking(hidden);
                 }
                 b';' => semicolon(cursor)?,
@@ -81,8 +81,8 @@ impl Reader {
             }
         }
         self.assign(state);
-        if let Some((text, span)) = comment {
-            block.comment = comment::comment(text, span, state)?;
+        if let Some((text, span)) = last {
+            block.comment = comment(text, span, state)?;
         }
         Ok(())
     }
@@ -137,25 +137,41 @@ impl Reader {
     }
 
     fn warn_if_speaking(&mut self, hidden: Option<(&str, Span)>) {
-        let Some((_, span)) = hidden.filter(|(text, _)| comment::speaks(text)) else { return };
-        let message = "this message is not shown: only the last comment of a line counts";
+        if let Some((_, span)) = hidden.filter(|(text, _)| speaks(text)) {
+            let message = "this message is not shown: only the last comment of a line counts";
+            self.warn_message_not_shown(message, span);
+        }
+    }
+
+    /// Notes that a comment says something that nobody hears.
+    #[cold]
+    pub(crate) fn warn_message_not_shown(&mut self, message: &str, span: Span) {
         let help = "put it in a line of its own";
         self.warnings.push(*Problem::warning("message-not-shown", Blame::Span(span), message, help));
     }
 }
 
-/// What comes before the words: `/`, which switches a line off if optional lines are, and N. Returns whether the line
-/// is to be read.
+/// What comes before the words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Head {
+    /// `/`: the line is left out if optional lines are.
+    pub(crate) optional: bool,
+    /// N with the number of its digits, see [`crate::Place`].
+    pub(crate) number: Option<(u32, u8)>,
+}
+
+/// Reads what comes before the words.
 ///
 /// # Errors
 /// N has no usable number.
-pub(crate) fn head(cursor: &mut Cursor, block_delete: bool, block: &mut Block) -> Result<bool, Box<Problem>> {
-    if cursor.take_if(b'/') && block_delete {
-        return Ok(false);
-    }
-    if cursor.peek() != Some(b'n') {
-        return Ok(true);
-    }
+#[inline]
+pub(crate) fn head(cursor: &mut Cursor) -> Result<Head, Box<Problem>> {
+    let optional = cursor.take_if(b'/');
+    let number = if cursor.peek() == Some(b'n') { Some(line_number(cursor)?) } else { None };
+    Ok(Head { optional, number })
+}
+
+fn line_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Problem>> {
     let start = cursor.mark();
     cursor.skip();
     let digits = cursor.digits_here();
@@ -163,12 +179,11 @@ pub(crate) fn head(cursor: &mut Cursor, block_delete: bool, block: &mut Block) -
         Some(b'0'..=b'9' | b'.') => number(cursor)?,
         _ => -1.0,
     };
-    if !(0.0..=f64::from(LAST_N)).contains(&value) {
-        let help = format!("a line number is a number from 0 to {LAST_N}, or left out");
-        return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
+    if (0.0..=f64::from(LAST_N)).contains(&value) {
+        return Ok((value as u32, digits));
     }
-    (block.n, block.n_digits) = (Some(value as u32), digits);
-    Ok(true)
+    let help = format!("a line number is a number from 0 to {LAST_N}, or left out");
+    Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help))
 }
 
 /// Takes a comment in parentheses: its text, and the bytes it stands at.
@@ -224,8 +239,10 @@ fn add_g(value: f64, span: Span, block: &mut Block) -> Done {
     }
 }
 
-fn add_m(value: f64, span: Span, block: &mut Block) -> Done {
+/// `called`: M99 returns to the caller; elsewhere it is M2 (as in LinuxCNC without its endless programs).
+fn add_m(value: f64, span: Span, called: bool, block: &mut Block) -> Done {
     let code = whole(value).and_then(|code| u16::try_from(code).ok()).map(M);
+    let code = code.map(|code| if code == M(99) && !called { M(2) } else { code });
     match code.and_then(|code| Some((m_group(code)?, code))) {
         Some((group, code)) => block.add_m(group, code, span),
         None => Err(unknown_code("unknown-m-code", 'M', value, span)),

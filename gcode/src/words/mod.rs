@@ -8,5 +8,7 @@ pub mod memory;
 mod number;
 mod operator;
 
+pub(crate) use comment::speaks;
 pub(crate) use cursor::Cursor;
-pub(crate) use line::{Reader, head};
+pub(crate) use expression::whole;
+pub(crate) use line::{Reader, head, parentheses, semicolon};

@@ -1,0 +1,272 @@
+//! sub, call, return; M98 and M99. In: the label of a subroutine and its arguments. Out: the line that comes next.
+//!
+//! A subroutine is looked for among those that were met before, then as a file of its name, then in the rest of the
+//! file that calls it.
+
+use super::control::{Control, Keyword};
+use super::labels::{Definition, Label, Style};
+use super::skip::Goal;
+use super::{Done, Flow};
+use crate::block::Block;
+use crate::codes::M;
+use crate::execute::{Output, context};
+use crate::problem::{Blame, Problem, short};
+use crate::source::Mark;
+use crate::state::State;
+use crate::words::memory::ARGUMENTS;
+use crate::words::{Reader, whole};
+
+/// A subroutine that is being executed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    label: Label,
+    definition: Definition,
+    /// Where it was called from.
+    file: usize,
+    back: Mark,
+    /// What was open there.
+    pub(super) opens: usize,
+    /// M98 L: turns that are left.
+    left: u64,
+}
+
+impl Flow {
+    /// The definition of a subroutine, reached in the course of the program: it is passed over.
+    pub(super) fn pass_over(&mut self, label: Label, at: Mark, reader: &mut Reader, state: &State) -> Done {
+        let name = self.labels.text(label);
+        if let Some(frame) = self.frames.last() {
+            let outer = self.labels.text(frame.label);
+            let message = format!("{name} sub begins inside of {outer}");
+            let help = format!("end {outer} before, and call {name} from it");
+            return Err(Problem::error("nested-subroutine", Blame::Block, message, help));
+        }
+        let file = self.files.current();
+        let here = Definition { style: Style::Sub, file, line: at.lines + 1, body: self.files.mark() };
+        let first = self.labels.define(label, here);
+        let end = self.find(at, label, Goal::EndSub, reader, state)?;
+        self.files.go(file, end.next)?;
+        if first == here {
+            return Ok(());
+        }
+        let name = self.labels.text(label);
+        let message = format!("{name} is defined twice: first in {}", self.place(first));
+        Err(Problem::error("nested-subroutine", Blame::Block, message, "give one of them another name"))
+    }
+
+    fn place(&self, definition: Definition) -> String {
+        let file = self.files.get(definition.file).map_or("", |source| source.name());
+        format!("line {} of {file}", definition.line)
+    }
+
+    pub(super) fn call(
+        &mut self,
+        label: Label,
+        arguments: &[f64; ARGUMENTS],
+        reader: &mut Reader,
+        state: &mut State,
+    ) -> Done {
+        let definition = self.resolve(label, Style::Sub, reader, state)?;
+        self.enter(label, definition, Some(arguments), 1, state)
+    }
+
+    /// M98: `P` is the label, `L` how often.
+    ///
+    /// # Errors
+    /// P is missing or no label; there is no such program; calls are too deep.
+    pub(crate) fn m98(&mut self, block: &Block, reader: &mut Reader, state: &mut State) -> Done {
+        let Some(number) = block.get('P') else {
+            let help = "M98 P100 calls the program that begins with o100";
+            return Err(Problem::error("missing-word", Blame::M(M(98)), "M98 has no P word", help));
+        };
+        let count = |letter: char, value: f64| {
+            whole(value).and_then(|value| u32::try_from(value).ok()).ok_or_else(|| {
+                let message = format!("{letter}{} is no whole number that M98 could use", short(value));
+                let help = "P is the number of a program, L how often it is called";
+                Problem::error("bad-value", Blame::Word(letter), message, help)
+            })
+        };
+        let label = self.labels.number(count('P', number)?);
+        let turns = count('L', block.get('L').unwrap_or(1.0))?;
+        if turns == 0 {
+            return Ok(());
+        }
+        let definition = self.resolve(label, Style::Program, reader, state)?;
+        self.enter(label, definition, None, turns, state)
+    }
+
+    /// Where a subroutine is.
+    fn resolve(
+        &mut self,
+        label: Label,
+        style: Style,
+        reader: &mut Reader,
+        state: &State,
+    ) -> Result<Definition, Box<Problem>> {
+        let definition = match self.labels.definition(label) {
+            Some(definition) => definition,
+            None => self.search_for(label, reader, state)?,
+        };
+        if definition.style == style {
+            return Ok(definition);
+        }
+        let name = self.labels.text(label);
+        let (how, help) = match definition.style {
+            Style::Sub => ("sub", format!("call it by {name} call")),
+            Style::Program => ("the beginning of a program", format!("call it by M98 P{}", &name.trim_start_matches('o'))),
+        };
+        let message = format!("{name} in {} is {how}, which is called in another way", self.place(definition));
+        Err(Problem::error("wrong-call", Blame::Block, message, help))
+    }
+
+    fn search_for(&mut self, label: Label, reader: &mut Reader, state: &State) -> Result<Definition, Box<Problem>> {
+        let stem = self.labels.file_stem(label).to_owned();
+        if let Some(file) = self.files.open(&stem)? {
+            let (caller, back) = (self.files.current(), self.files.mark());
+            let beginning = self.files.get(file).map_or(Mark::default(), |source| source.beginning());
+            self.files.go(file, beginning)?;
+            self.search_definitions(reader, state)?;
+            self.files.go(caller, back)?;
+        } else {
+            self.search_definitions(reader, state)?;
+        }
+        self.labels.definition(label).ok_or_else(|| {
+            let name = self.labels.text(label);
+            let files: Vec<String> =
+                self.files.candidates(&stem).iter().map(|path| path.display().to_string()).collect();
+            let message = match files.as_slice() {
+                [] => format!("there is no subroutine {name} in this file"),
+                files => format!("there is no subroutine {name}, neither in this file nor in {}", files.join(", ")),
+            };
+            let help = "define it, put its file into a folder for subroutines, or correct the label";
+            Problem::error("no-subroutine", Blame::Block, message, help)
+        })
+    }
+
+    fn enter(
+        &mut self,
+        label: Label,
+        definition: Definition,
+        arguments: Option<&[f64; ARGUMENTS]>,
+        turns: u32,
+        state: &mut State,
+    ) -> Done {
+        if !self.repeats && self.frames.iter().any(|frame| frame.label == label) {
+            return Ok(());
+        }
+        if self.frames.len() >= self.deepest as usize {
+            let name = self.labels.text(label);
+            let message =
+                format!("{name} would be call number {} inside each other: the limit call_depth", self.frames.len() + 1);
+            let help = "end the recursion by an if, or make a loop of it";
+            return Err(Problem::error("calls-too-deep", Blame::Block, message, help));
+        }
+        let (file, back) = (self.files.current(), self.files.mark());
+        let (opens, left) = (self.opens.len(), u64::from(turns) - 1);
+        self.frames.push(Frame { label, definition, file, back, opens, left });
+        state.memory.enter(arguments);
+        state.call_level += 1;
+        context::on_call(state);
+        self.files.go(definition.file, definition.body)
+    }
+
+    /// return and endsub.
+    pub(super) fn end_sub(
+        &mut self,
+        control: Control,
+        value: Option<f64>,
+        state: &mut State,
+        out: &mut Output,
+    ) -> Done {
+        let keyword = control.keyword.text();
+        let name = self.labels.text(control.label);
+        match self.frames.last() {
+            Some(frame) if frame.label == control.label && frame.definition.style == Style::Sub => {}
+            Some(frame) => {
+                let inside = self.labels.text(frame.label);
+                let end = if frame.definition.style == Style::Sub { keyword } else { "M99" };
+                let message = format!("{name} {keyword} stands in {inside}");
+                let help = format!("{inside} ends with {end}");
+                return Err(Problem::error("unmatched", Blame::Block, message, help));
+            }
+            None => {
+                let message = format!("{name} {keyword} stands outside of a subroutine");
+                let help = format!("add {name} sub where it begins, or correct the label");
+                return Err(Problem::error("unmatched", Blame::Block, message, help));
+            }
+        }
+        let closed = if control.keyword == Keyword::EndSub { self.check_closed() } else { Ok(()) };
+        state.memory.set_named("_value", value.unwrap_or(0.0));
+        state.memory.set_named("_value_returned", f64::from(value.is_some()));
+        self.leave(state, out)?;
+        closed
+    }
+
+    /// M99 in a program that M98 called.
+    ///
+    /// # Errors
+    /// The subroutine was called in another way.
+    pub(crate) fn m99(&mut self, state: &mut State, out: &mut Output) -> Done {
+        let Some(frame) = self.frames.last_mut() else { return Ok(()) };
+        let (definition, label) = (frame.definition, frame.label);
+        if definition.style == Style::Sub {
+            let name = self.labels.text(label);
+            let message = format!("M99 stands in {name} sub");
+            return Err(Problem::error("unmatched", Blame::M(M(99)), message, format!("end it with {name} endsub")));
+        }
+        match frame.left.checked_sub(1).filter(|_| self.repeats) {
+            Some(left) => {
+                frame.left = left;
+                self.opens.truncate(frame.opens);
+                let restored = context::on_return(state, out);
+                state.memory.leave(false);
+                state.memory.enter(None);
+                context::on_call(state);
+                self.files.go(definition.file, definition.body)?;
+                restored
+            }
+            None => self.leave(state, out),
+        }
+    }
+
+    /// Goes on behind the call.
+    fn leave(&mut self, state: &mut State, out: &mut Output) -> Done {
+        let Some(frame) = self.frames.pop() else { return Ok(()) };
+        self.opens.truncate(frame.opens);
+        let restored = context::on_return(state, out);
+        state.memory.leave(frame.definition.style == Style::Sub);
+        state.call_level = state.call_level.saturating_sub(1);
+        self.files.go(frame.file, frame.back)?;
+        restored
+    }
+
+    /// The end of a file.
+    ///
+    /// # Errors
+    /// The subroutine, an if or a loop is not ended; it is given up, so that the next call goes on behind it. Or the
+    /// program has no end.
+    pub(crate) fn end(&mut self, state: &mut State, out: &mut Output) -> Done {
+        self.check_closed()?;
+        if let Some(frame) = self.frames.last() {
+            let name = self.labels.text(frame.label).to_owned();
+            let end = match frame.definition.style {
+                Style::Sub => format!("{name} endsub"),
+                Style::Program => "M99".into(),
+            };
+            let message = format!("the file ends inside of the subroutine {name}");
+            self.leave(state, out)?;
+            return Err(Problem::error("missing-end", Blame::Block, message, format!("add {end}")));
+        }
+        state.ended = true;
+        match self.files.get(0) {
+            Some(program) if program.is_closed() => Ok(()),
+            Some(program) if program.is_tape() => {
+                let message = "the program ends without the % that belongs to its first line, and without M2";
+                Err(Problem::error("no-program-end", Blame::Block, message, "end it with M2, M30 or a line with %"))
+            }
+            _ => {
+                let message = "the program ends without M2 or M30";
+                Err(Problem::error("no-program-end", Blame::Block, message, "end it with M2 or M30"))
+            }
+        }
+    }
+}
