@@ -28,7 +28,7 @@ pub mod context;
 mod coordinates;
 pub mod cycles;
 mod feed;
-mod modes;
+pub(crate) mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
