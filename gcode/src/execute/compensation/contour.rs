@@ -41,6 +41,7 @@ pub(crate) fn straight(
         return Ok(());
     }
     let (from, to) = (in_plane(&state.position, state), in_plane(&target, state));
+    computable(&[from, to], &cutter)?;
     let (track, joined) = match normal {
         None if distance(from, to) <= cutter.radius => return Err(short_entry(from, to, &cutter)),
         None => (Track::entry_line(from, to, cutter.side, cutter.radius), Ok(())),
@@ -76,6 +77,7 @@ pub(crate) fn arc(arc: Arc, block: &Block, state: &mut State, out: &mut Output) 
         return Ok(());
     }
     let from = in_plane(&state.position, state);
+    computable(&[from, arc.end, arc.center], &cutter)?;
     let element = Element { from, to: arc.end, arc: Some((arc.center, arc.turns)) };
     let (track, center, joined) = match normal {
         None => {
@@ -113,6 +115,7 @@ fn join(n: Point, track: &mut Track, p: Point, to: Move, state: &State, out: &mu
                 Ok(()) => out.release(),
                 Err(problem) => {
                     out.waiting.take();
+                    track.left = f64::INFINITY;
                     Err(problem)
                 }
             }
@@ -215,6 +218,16 @@ fn target_of(arc: &Arc, state: &State) -> Position {
     target[across] = arc.along;
     target[3..].copy_from_slice(&arc.rotary);
     target
+}
+
+/// Refuses numbers whose squares would not be numbers.
+fn computable(points: &[Point], cutter: &Cutter) -> Done {
+    const GREATEST: f64 = 1e100;
+    if cutter.radius <= GREATEST && points.iter().flatten().all(|length| length.abs() <= GREATEST) {
+        return Ok(());
+    }
+    let message = "these lengths are too great to compute the way of the tool";
+    Err(Problem::error("bad-value", Blame::Block, message, "check the coordinates, and the diameter of the tool"))
 }
 
 fn short_entry(from: Point, to: Point, cutter: &Cutter) -> Box<Problem> {
