@@ -108,7 +108,7 @@ impl Reader {
             Target::Name(self.names.len())
         } else {
             let index = values.index(start, cursor)?;
-            if matches!(index, 5400..=5413 | 5420..=5428) {
+            if system::is_read_only(index, state) {
                 return Err(read_only(&format!("#{index}"), cursor.span(start)));
             }
             Target::Number(index)
@@ -256,9 +256,12 @@ fn unknown_code(code: &'static str, letter: char, value: f64, span: Span) -> Box
     Problem::error(code, Blame::Span(span), message, help)
 }
 
-/// Refuses names that tell the state.
+/// Refuses names that tell the state, or what a subroutine returned.
 fn writable_name(name: &str, span: Span, state: &State) -> Done {
-    let told = name.starts_with('_') && state.memory.named(name).is_none() && system::named(name, state).is_some();
+    let told = match name {
+        "_value" | "_value_returned" => true,
+        _ => name.starts_with('_') && state.memory.named(name).is_none() && system::named(name, state).is_some(),
+    };
     if told { Err(read_only(&format!("#<{name}>"), span)) } else { Ok(()) }
 }
 
