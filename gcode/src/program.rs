@@ -18,7 +18,7 @@ use crate::block::Block;
 use crate::canon::{Call, Place, Plane, Position, Sink, Units};
 use crate::codes::{M, m_group};
 use crate::execute::compensation::Waiting;
-use crate::execute::{self, Done, Output};
+use crate::execute::{self, Done, Output, roughing};
 use crate::files::ToolTable;
 use crate::flow::{Files, Flow};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
@@ -259,13 +259,21 @@ impl Program {
         }
         if cursor.peek() == Some(b'o') {
             let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
-            return self.flow.control(&line, &mut self.reader, &mut self.state, &mut out);
+            let done = self.flow.control(&line, &mut self.reader, &mut self.state, &mut out);
+            return match self.state.recorder.is_on() {
+                true => roughing::end(done, &mut self.state, &mut out),
+                false => done,
+            };
         }
         self.reader.words(&mut cursor, &mut self.state, &mut self.block)?;
         let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
         execute::execute(&self.block, &mut self.state, &mut out)?;
         if self.state.ended {
             self.stage = Stage::Ended;
+        }
+        if let Some(number) = self.state.recorder.take_call() {
+            let called = self.flow.call_number(number, &mut self.reader, &mut self.state);
+            return called.inspect_err(|_| self.state.recorder.cancel());
         }
         match self.block.m(m_group::CALL) {
             None => Ok(()),
@@ -331,6 +339,11 @@ impl Program {
         let whole = Span { start: 0, end: text.len() as u32 };
         let span = if earlier.is_some() { None } else { self.block.span(problem.blame) };
         Diagnostic::new(problem, &name, line, &text, span.unwrap_or(whole))
+    }
+
+    /// Puts what the receiver of the calls finds wrong, later than at the call, at the place the call came from.
+    pub fn diagnose(&mut self, place: Place, problem: Problem) -> Diagnostic {
+        self.diagnostic(problem, Some(place))
     }
 
     /// The warnings since the last call; each line warns once.
