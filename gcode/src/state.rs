@@ -6,7 +6,7 @@
 use crate::block::Block;
 use crate::canon::{FeedMode, PathMode, Plane, Position, Turn, Units, X, Y, Z};
 use crate::codes::G;
-use crate::execute::{compensation::Compensation, cycles::Sticky, context::Contexts};
+use crate::execute::{compensation::Compensation, context::Contexts, cycles::Sticky, roughing::Recorder};
 use crate::files::ToolTable;
 use crate::program::Options;
 use crate::words::memory::Memory;
@@ -113,6 +113,8 @@ pub struct State {
     pub compensation: Compensation,
     /// What canned cycles keep from block to block.
     pub cycle: Sticky,
+    /// G70, G71, G72: the contour that is being read.
+    pub recorder: Recorder,
     /// Parameters.
     pub memory: Memory,
     /// Value that the last M66 or probe left (#5399, #5061 to #5070) is in `memory`; depth of subroutine calls.
@@ -166,6 +168,7 @@ impl State {
             tools: options.tools.clone(),
             compensation: Compensation::default(),
             cycle: Sticky::default(),
+            recorder: Recorder::default(),
             memory,
             call_level: 0,
             peck_clearance: options.peck_clearance,

@@ -32,6 +32,7 @@ pub(crate) mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
+pub mod roughing;
 mod spindle;
 mod stop;
 pub(crate) mod straight;
@@ -64,6 +65,9 @@ pub(crate) fn start(state: &State, out: &mut Output) -> Done {
 /// # Errors
 /// The block contradicts itself or the state. What stood before the error in the order of execution has been sent.
 pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if state.recorder.is_on() {
+        return roughing::record(block, state, out);
+    }
     let motion = check::check(block, state)?;
     if let Some(comment) = block.comment.as_ref().filter(|comment| !comment.text.is_empty()) {
         say(comment, out)?;
@@ -188,6 +192,7 @@ fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Do
         20 | 30 => arc::arc(code, block, state, out),
         330 | 331 | 760 => threading::threading(code, block, state, out),
         382..=385 => probe::probe(code, block, state, out),
+        700..=722 => roughing::begin(code, block, state, out),
         730 | 740 | 810..=890 => cycles::cycle(code, block, state, out),
         _ => {
             let message = format!("{code} is not available");

@@ -69,6 +69,15 @@ impl Flow {
         self.enter(label, definition, Some(arguments), 1, state)
     }
 
+    /// Calls the subroutine of a number, without arguments.
+    ///
+    /// # Errors
+    /// There is no such subroutine; calls are too deep.
+    pub(crate) fn call_number(&mut self, number: u32, reader: &mut Reader, state: &mut State) -> Done {
+        let label = self.labels.number(number);
+        self.call(label, &[0.0; ARGUMENTS], reader, state)
+    }
+
     /// M98: `P` is the label, `L` how often.
     ///
     /// # Errors
