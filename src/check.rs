@@ -7,23 +7,33 @@ use protocol::{Code, code_file::CodeFile};
 
 use crate::{
     cli::{self, CheckArgs, CompileArgs},
+    diagnostics::Document,
     error::CliError,
     program::Program,
 };
 
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
-    let (machine, _) = args.machine.read()?;
-    let program = Program::judge(&args.program, &machine)?;
-    eprint!("{}", program.messages);
-    cli::print(&findings(&program));
+    let (machine, _) = args.input.machine.read()?;
+    let program = Program::judge(&args.input.program, &machine)?;
+    if args.json {
+        let name = args.input.program.display().to_string();
+        let document = Document::new(&name, &program.diagnostics);
+        let text = serde_json::to_string_pretty(&document);
+        let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
+        cli::print(&format!("{text}\n"));
+    } else {
+        eprint!("{}", program.messages);
+        cli::print(&findings(&program));
+    }
     let good = program.count(Severity::Error) == 0;
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
 fn findings(program: &Program) -> String {
     let mut text = String::new();
-    let moves = program.items.iter().filter(|item| matches!(item.code, Code::Line { .. })).count();
+    let is_move = |code: &Code| matches!(code, Code::Line { .. } | Code::Arc { .. });
+    let moves = program.items.iter().filter(|item| is_move(&item.code)).count();
     let (errors, warnings) = (program.count(Severity::Error), program.count(Severity::Warning));
     let _ = writeln!(text, "{errors} errors, {warnings} warnings, {moves} moves");
     let Some(check) = &program.check else { return text };
@@ -50,10 +60,10 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     if !CodeFile::is_named(&args.out) {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
     }
-    let (machine, _) = args.check.machine.read()?;
-    let program = Program::read(&args.check.program, &machine)?;
+    let (machine, _) = args.input.machine.read()?;
+    let program = Program::read(&args.input.program, &machine)?;
     eprint!("{}", program.messages);
-    let name = args.check.program.display().to_string();
+    let name = args.input.program.display().to_string();
     let items = program.items.len();
     let mut bytes = Vec::new();
     CodeFile::new(&name, &machine, program.items)

@@ -50,13 +50,16 @@ pub(crate) enum Command {
     #[command(after_help = RUN_HELP)]
     Run(RunArgs),
     /// Read a program: every diagnostic, every pass, the time it takes. Moves nothing.
-    #[command(after_help = "Example:\n  pitchlock check examples/m20x2.ngc")]
+    #[command(after_help = "Examples:\n  pitchlock check examples/m20x2.ngc\n  pitchlock check part.ngc --json      for editors")]
     Check(CheckArgs),
     /// Turn a program into a machine-code file that `run` takes.
     #[command(
         after_help = "Example:\n  pitchlock compile examples/m20x2.ngc -o m20x2.mc\n  pitchlock run m20x2.mc"
     )]
     Compile(CompileArgs),
+    /// Print what a program means: canonical machining functions, one a line.
+    #[command(after_help = crate::canon::HELP)]
+    Canon(crate::canon::CanonArgs),
     /// Print the built-in machine file: a start for your own.
     #[command(
         after_help = "Example:\n  pitchlock machine > my-lathe.toml\n  pitchlock run part.ngc --machine my-lathe.toml"
@@ -89,6 +92,9 @@ const RUN_HELP: &str = "Examples:
 
 The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
 browser, no network), and the program, machine file and scenario that were used.
+
+M0, M1 and M60 wait for cycle start. An event of the scenario presses it; where none is left that could, it is pressed
+after 1 s on the machine, and the summary names the pause.
 
 Exit status: 0 done and good, 1 the run ended in a fault, 2 the program, machine file, scenario or an argument is wrong.";
 
@@ -181,8 +187,9 @@ pub(crate) enum Trace {
     None,
 }
 
+/// A program and the machine it is for.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct CheckArgs {
+pub(crate) struct ProgramArgs {
     /// Part program (G-code) or machine code (`.mc`).
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
@@ -191,9 +198,18 @@ pub(crate) struct CheckArgs {
 }
 
 #[derive(Clone, Debug, Args)]
+pub(crate) struct CheckArgs {
+    #[command(flatten)]
+    pub(crate) input: ProgramArgs,
+    /// Print every diagnostic as one JSON document, for editors, and nothing else.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Clone, Debug, Args)]
 pub(crate) struct CompileArgs {
     #[command(flatten)]
-    pub(crate) check: CheckArgs,
+    pub(crate) input: ProgramArgs,
     /// The machine-code file.
     #[arg(short, long, value_name = "OUT.mc")]
     pub(crate) out: PathBuf,

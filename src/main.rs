@@ -1,7 +1,9 @@
 //! `pitchlock`: the launcher and command line. One binary that can be every process of the machine.
 
+mod canon;
 mod check;
 mod cli;
+mod diagnostics;
 mod doctor;
 mod error;
 mod program;
@@ -29,6 +31,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Run(args) => run::run(args, quiet),
         Command::Check(args) => check::check(args),
         Command::Compile(args) => check::compile(args),
+        Command::Canon(args) => canon::canon(args, quiet),
         Command::Machine => {
             cli::print(protocol::machine::SMALL_LATHE);
             Ok(ExitCode::SUCCESS)

@@ -1,0 +1,249 @@
+//! `pitchlock canon`: what a program means, one canonical machining function a line.
+//!
+//! A program streams through: a line is read, executed, printed and forgotten. Nothing else of the machine is started.
+
+use std::fs::File;
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
+use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
+use gcode::{Call, Dialect, Options, Place, Problem, Program, Severity, Sink, Step};
+
+use crate::{cli, error::CliError};
+
+pub(crate) const HELP: &str = "Examples:
+  pitchlock canon part.ngc
+  pitchlock canon part.ngc --format linuxcnc -t tool.tbl -i lathe.ini > part.canon
+  echo 'G21 G0 X10' | pitchlock canon
+  pitchlock canon part.ngc -v lathe.var          parameters are read before and written back after the run
+
+The switches of LinuxCNC's `rs274` (-g -t -v -i -b -n) mean the same here.
+
+Exit status: 0 the program is good, 2 it has errors or a file is wrong. Messages: FILE:LINE:COLUMN: on standard error.";
+
+/// What to print, and what the program is run with.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CanonArgs {
+    /// Part program (G-code); `-`, or nothing behind a pipe: standard input.
+    #[arg(value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Where to print; without it standard output.
+    #[arg(value_name = "OUTPUT")]
+    output: Option<PathBuf>,
+    /// Form of the calls.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Dialect of the part program.
+    #[arg(long, value_name = "DIALECT", value_parser = dialect, default_value = "linuxcnc")]
+    dialect: Dialect,
+    /// Tool table (LinuxCNC's format).
+    #[arg(short, long = "tools", value_name = "FILE")]
+    tools: Option<PathBuf>,
+    /// Parameter file: read if it exists, written when the program is over.
+    #[arg(short = 'v', long, value_name = "FILE")]
+    parameters: Option<PathBuf>,
+    /// Machine description of LinuxCNC (.ini): units, peck clearance, folders, tool table, parameters.
+    #[arg(short, long, value_name = "FILE")]
+    ini: Option<PathBuf>,
+    /// Leave out lines that begin with `/`.
+    #[arg(short, long)]
+    block_delete: bool,
+    /// After an error: 0 go on with the next line, 2 stop.
+    #[arg(short = 'n', long, value_name = "N", value_parser = on_error, default_value = "2")]
+    on_error: OnError,
+    /// Ask nothing before the start, as this command never does.
+    #[arg(short = 'g', long, hide = true)]
+    go: bool,
+    // Takes the place of the global switch of this name, whose -v means the parameter file here.
+    /// Say more; twice for everything.
+    #[arg(long, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+/// Form of the calls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// In mm, without numbers: for reading and comparing.
+    #[default]
+    Plain,
+    /// As LinuxCNC's `rs274 -g` prints them.
+    Linuxcnc,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OnError {
+    GoOn,
+    Stop,
+}
+
+fn on_error(number: &str) -> Result<OnError, String> {
+    match number {
+        "0" => Ok(OnError::GoOn),
+        "1" => Err("there is no keyboard to go on from here; use 0 to go on or 2 to stop".into()),
+        "2" => Ok(OnError::Stop),
+        _ => Err("use 0 to go on with the next line or 2 to stop".into()),
+    }
+}
+
+fn dialect(name: &str) -> Result<Dialect, String> {
+    match name {
+        "linuxcnc" => Ok(Dialect::Linuxcnc),
+        "fanuc" => Err("the fanuc dialect is not available yet; use linuxcnc".into()),
+        _ => Err("linuxcnc is the dialect there is".into()),
+    }
+}
+
+/// Prints the calls of a program.
+pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    let (options, parameters) = options(args, quiet)?;
+    let mut program = open(args, &options)?;
+    let mut printer = Printer::new(args.format, output(args)?, &options);
+    let done = print(&mut program, &mut printer, args.on_error, quiet);
+    let good = match done.and_then(|good| printer.finish(good, args.ini.is_some()).map(|()| good)) {
+        Ok(good) => good,
+        // Whoever was reading has seen enough.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => true,
+        Err(error) => return Err(CliError::Input(format!("the output cannot be written: {error}"))),
+    };
+    if let Some(path) = &args.parameters {
+        parameters.updated(|number| program.state().parameter(number)).write(path).map_err(file_error)?;
+    }
+    Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
+}
+
+/// Runs the program to its end. Whether it had no errors.
+fn print(
+    program: &mut Program,
+    printer: &mut Printer,
+    on_error: OnError,
+    quiet: bool,
+) -> Result<bool, io::Error> {
+    let colour = cli::colour(&io::stderr());
+    let mut good = true;
+    loop {
+        let step = program.step(printer);
+        for warning in program.take_warnings() {
+            if !quiet {
+                eprint!("{}", warning.render(colour));
+            }
+        }
+        match step {
+            Ok(Step::More) => {}
+            Ok(Step::Ended) => break,
+            Err(error) => {
+                // What was printed before comes first, and an output that is lost is no error of the program.
+                printer.flush()?;
+                good &= error.severity != Severity::Error;
+                eprint!("{}", error.render(colour));
+                if on_error == OnError::Stop {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(good)
+}
+
+/// What the program is run with, and the parameter file that it began with.
+fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), CliError> {
+    let machine = match &args.ini {
+        Some(path) => MachineFile::read(path).map_err(file_error)?,
+        None => MachineFile::default(),
+    };
+    for warning in machine.warnings.iter().filter(|_| !quiet) {
+        eprint!("{}", warning.render(cli::colour(&io::stderr())));
+    }
+    let mut options = Options {
+        dialect: args.dialect,
+        block_delete: args.block_delete,
+        keep_numbers: args.format == Format::Linuxcnc,
+        subroutine_folders: machine.subroutine_folders,
+        ..Options::default()
+    };
+    options.machine_units = machine.units.unwrap_or(match args.format {
+        Format::Plain => Units::Millimetre,
+        // Where nothing says otherwise, `rs274` takes the machine for one in inches; programs begin in mm anyway.
+        Format::Linuxcnc => Units::Inch,
+    });
+    if let Some(clearance) = machine.g83_clearance.or(machine.g73_clearance) {
+        options.peck_clearance = clearance;
+    }
+    if let Some(path) = args.tools.as_ref().or(machine.tool_table.as_ref()) {
+        options.tools = ToolTable::read(path).map_err(file_error)?;
+    }
+    let mut parameters = ParameterFile::default();
+    if let Some(path) = args.parameters.as_ref().or(machine.parameter_file.as_ref()) {
+        parameters = ParameterFile::read(path).map_err(file_error)?;
+        options.parameters.clone_from(&parameters.values);
+    }
+    Ok((options, parameters))
+}
+
+fn open(args: &CanonArgs, options: &Options) -> Result<Program, CliError> {
+    match &args.program {
+        Some(path) if path != Path::new("-") => {
+            Program::open(path, options).map_err(|error| CliError::file(path, error))
+        }
+        None if io::stdin().is_terminal() => Err(CliError::Input(
+            "no program: name a file, or `-` to type one in\nExample: pitchlock canon part.ngc".into(),
+        )),
+        _ => Program::from_reader("-", io::stdin().lock(), options)
+            .map_err(|error| CliError::file(Path::new("-"), error)),
+    }
+}
+
+fn output(args: &CanonArgs) -> Result<Box<dyn Write>, CliError> {
+    match &args.output {
+        Some(path) => Ok(Box::new(File::create(path).map_err(|error| CliError::file(path, error))?)),
+        None => Ok(Box::new(io::stdout().lock())),
+    }
+}
+
+fn file_error(error: FileError) -> CliError {
+    CliError::Input(error.to_string())
+}
+
+/// The printer of a format.
+enum Printer {
+    Plain(PlainPrinter<Box<dyn Write>>),
+    Linuxcnc(LinuxcncPrinter<Box<dyn Write>>),
+}
+
+impl Printer {
+    fn new(format: Format, file: Box<dyn Write>, options: &Options) -> Printer {
+        match format {
+            Format::Plain => Printer::Plain(PlainPrinter::new(file, options.machine_units)),
+            Format::Linuxcnc => Printer::Linuxcnc(LinuxcncPrinter::new(file)),
+        }
+    }
+
+    /// Ends the output. `rs274` resets when it leaves: after an error, and once more if it has no machine description.
+    fn finish(&mut self, good: bool, described: bool) -> io::Result<()> {
+        if let Printer::Linuxcnc(printer) = self {
+            for _ in 0..u8::from(!good) + u8::from(!described) {
+                // What the file below refuses is kept, and comes out of `flush`.
+                let _ = printer.call(Place::default(), Call::OnReset);
+            }
+        }
+        self.flush()
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Printer::Plain(printer) => printer.flush(),
+            Printer::Linuxcnc(printer) => printer.flush(),
+        }
+    }
+}
+
+impl Sink for Printer {
+    fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+        match self {
+            Printer::Plain(printer) => printer.call(place, call),
+            Printer::Linuxcnc(printer) => printer.call(place, call),
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Diagnostics as one JSON document, for editors: `pitchlock check --json`.
+//!
+//! ```json
+//! { "version": 1, "program": "part.ngc", "errors": 1, "warnings": 0, "diagnostics": [
+//!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error", "code": "unused-word",
+//!     "message": "no code of this block uses Q", "help": "leave it out" } ] }
+//! ```
+//! Lines and columns count from 1, columns in characters; `end_column` is that of the character behind the last.
+
+use gcode::{Diagnostic, Severity};
+use serde::Serialize;
+
+/// The document.
+#[derive(Debug, Serialize)]
+pub(crate) struct Document<'a> {
+    version: u32,
+    program: &'a str,
+    errors: usize,
+    warnings: usize,
+    diagnostics: Vec<Entry<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Entry<'a> {
+    file: &'a str,
+    line: u32,
+    column: u32,
+    end_column: u32,
+    severity: String,
+    code: &'a str,
+    message: &'a str,
+    help: &'a str,
+}
+
+impl<'a> Document<'a> {
+    /// The document of everything that was found in a program.
+    pub(crate) fn new(program: &'a str, diagnostics: &'a [Diagnostic]) -> Document<'a> {
+        let count = |severity| diagnostics.iter().filter(|one| one.severity == severity).count();
+        Document {
+            version: 1,
+            program,
+            errors: count(Severity::Error),
+            warnings: count(Severity::Warning),
+            diagnostics: diagnostics.iter().map(Entry::from).collect(),
+        }
+    }
+}
+
+impl<'a> From<&'a Diagnostic> for Entry<'a> {
+    fn from(diagnostic: &'a Diagnostic) -> Entry<'a> {
+        let Diagnostic { file, line, column, text, span, code, severity, message, help } = diagnostic;
+        let length = text.get(span.clone()).map_or(0, |blamed| blamed.chars().count() as u32);
+        Entry {
+            file,
+            line: *line,
+            column: *column,
+            end_column: column + length,
+            severity: severity.to_string(),
+            code,
+            message,
+            help,
+        }
+    }
+}
