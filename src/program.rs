@@ -42,7 +42,8 @@ impl Program {
             if let Some(text) = not_for(machine, &file.items) {
                 return Err(CliError::file(path, text));
             }
-            return Ok(Program { items: file.items, check: None, diagnostics: Vec::new(), messages: String::new() });
+            let (diagnostics, messages) = (Vec::new(), String::new());
+            return Ok(Program { items: file.items, check: None, diagnostics, messages });
         }
         let source = std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?;
         let name = path.display().to_string();
