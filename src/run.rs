@@ -119,6 +119,9 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
             worst(|pass| pass.x.thread_max_abs_um),
         );
     }
+    for pause in &summary.pauses {
+        let _ = writeln!(text, "pause     line {}: cycle start after {:.1} s", pause.line, pause.waited_s);
+    }
     if summary.overrides_clamped > 0 {
         let _ = writeln!(
             text,

@@ -1,8 +1,8 @@
 //! What begins at rest: the next item of the program.
 
 use protocol::{
-    AxisCommand, Code, Cycle, Fault, Feed, Panel, PerAxis, Position, Setpoint, ThreadPass,
-    frame::SETPOINT_LEAD,
+    Arc, AxisCommand, Code, Cycle, Fault, Feed, MachineStatus, Panel, PerAxis, Position, Setpoint,
+    ThreadPass, frame::SETPOINT_LEAD,
 };
 
 use crate::{
@@ -22,6 +22,18 @@ const ARMING_TICKS: u64 = 4;
 /// Farthest the axes may be from the start of a pass and still be led there by a move of its own, mm.
 const START_REACH_MM: f64 = 0.01;
 
+/// How a move starts.
+struct Start {
+    /// Feed of the plan, mm/s.
+    mm_s: f64,
+    /// Pace it starts with, 0 to 1.
+    ratio: f64,
+    /// The plan is for this multiple of the programmed feed.
+    planned_ratio: f64,
+    /// Speed of the spindle, 1/min.
+    rpm: f64,
+}
+
 impl Interpolator {
     /// At rest: works off items until one takes time.
     pub(crate) fn begin(&mut self, input: &In, cycle: Cycle, due: Cycle) -> (PerAxis<Setpoint>, AxisCommand) {
@@ -35,16 +47,16 @@ impl Interpolator {
         for _ in 0..ITEMS_PER_TICK {
             self.next = self.next.or_else(|| self.queue.pop());
             let Some(item) = self.next else { return resting };
-            if panel.pressed(Panel::FEED_HOLD) && matches!(item.code, Code::Line { .. } | Code::Pass(_)) {
+            let moves = matches!(item.code, Code::Line { .. } | Code::Arc { .. } | Code::Pass(_));
+            if moves && panel.pressed(Panel::FEED_HOLD) {
                 self.waited = 0;
                 return resting;
             }
             self.line = item.line;
             match item.code {
-                Code::Line { target, feed } => {
-                    if !self.begin_line(&target, feed, panel) {
-                        return resting;
-                    }
+                Code::Line { target, feed } if !self.begin_line(&target, feed, panel) => return resting,
+                Code::Arc { arc, feed } if !self.begin_arc(&arc, feed, panel) => return resting,
+                Code::Line { .. } | Code::Arc { .. } => {
                     if let Task::Moving(motion) = &self.task {
                         let first = Step { tau: 0.0, ratio: 0.0, ratio_rate: 0.0 };
                         return (motion.block.setpoints(due, &first), AxisCommand::Stream);
@@ -58,6 +70,12 @@ impl Interpolator {
                 }
                 Code::Spindle { mode, rpm } => self.spindle.program(mode, rpm),
                 Code::Tool { .. } => {}
+                Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
+                Code::Pause => {
+                    self.task = Task::Paused { cycle_starts: panel.cycle_starts };
+                    self.next = None;
+                    return resting;
+                }
                 Code::Pass(pass) => {
                     let command = self.begin_pass(input, cycle, &pass);
                     return (self.rest(due), command);
@@ -72,17 +90,45 @@ impl Interpolator {
         resting
     }
 
-    /// Plans a move; false if it has to wait for the spindle, or cannot be.
+    /// Plans a line; false if it has to wait for the spindle, or cannot be.
     fn begin_line(&mut self, target: &PerAxis<Position>, feed: Feed, panel: &Panel) -> bool {
         if !self.machine.can_reach(target) {
             self.enter_fault(Fault::TravelLimit);
             return false;
         }
+        let Some(start) = self.start(feed, panel) else { return false };
+        match Block::line(&self.machine, &self.here, target, start.mm_s, start.ratio) {
+            Some(block) => self.set_off(block, feed, &start),
+            None => self.here = *target,
+        }
+        true
+    }
+
+    /// Plans an arc; false if it has to wait for the spindle, or cannot be.
+    fn begin_arc(&mut self, arc: &Arc, feed: Feed, panel: &Panel) -> bool {
+        let Ok(corners) = arc.bounds(&self.here) else {
+            self.enter_fault(Fault::BadMachineCode);
+            return false;
+        };
+        if !corners.iter().all(|corner| self.machine.can_reach(corner)) {
+            self.enter_fault(Fault::TravelLimit);
+            return false;
+        }
+        let Some(start) = self.start(feed, panel) else { return false };
+        match Block::arc(&self.machine, &self.here, arc, start.mm_s, start.ratio) {
+            Ok(block) => self.set_off(block, feed, &start),
+            Err(_) => self.enter_fault(Fault::BadMachineCode),
+        }
+        true
+    }
+
+    /// The feed a move can start with; `None` while it has to wait for the spindle.
+    fn start(&self, feed: Feed, panel: &Panel) -> Option<Start> {
         let rpm = self.spindle.observed().abs();
         if feed != Feed::Rapid && !self.spindle.at_speed()
             || matches!(feed, Feed::PerRevolution(_)) && rpm < 1.0
         {
-            return false;
+            return None;
         }
         let planned_ratio = asked(feed, panel).max(1.0);
         let mm_s = match feed {
@@ -90,16 +136,13 @@ impl Interpolator {
             Feed::PerMinute(feed) => feed / 60.0 * planned_ratio,
             Feed::PerRevolution(feed) => feed * rpm / 60.0 * planned_ratio,
         };
-        let ratio = asked(feed, panel) / planned_ratio;
-        match Block::plan(&self.machine, &self.here, target, mm_s, ratio) {
-            Some(block) => {
-                self.task =
-                    Task::Moving(Move { block, feed, planned_ratio, planned_rpm: rpm, clamped: false });
-                self.next = None;
-            }
-            None => self.here = *target,
-        }
-        true
+        Some(Start { mm_s, ratio: asked(feed, panel) / planned_ratio, planned_ratio, rpm })
+    }
+
+    fn set_off(&mut self, block: Block, feed: Feed, start: &Start) {
+        let Start { planned_ratio, rpm, .. } = *start;
+        self.task = Task::Moving(Move { block, feed, planned_ratio, planned_rpm: rpm, clamped: false });
+        self.next = None;
     }
 
     /// A pass is next: leads the axes to its start, waits for speed and rest, then arms every axis.

@@ -49,6 +49,8 @@ pub struct Interpolator {
     pub(crate) line: u32,
     pub(crate) pass: u32,
     pub(crate) depth_mm: f64,
+    /// Bits of [`MachineStatus::coolant`].
+    pub(crate) coolant: u16,
     pub(crate) index_not_before: Cycle,
     moves: u64,
     clamped: u32,
@@ -78,6 +80,7 @@ impl Interpolator {
             line: 0,
             pass: 0,
             depth_mm: 0.0,
+            coolant: 0,
             index_not_before: Cycle(0),
             moves: 0,
             clamped: 0,
@@ -189,9 +192,8 @@ impl Interpolator {
 
     pub(crate) fn enter_fault(&mut self, fault: Fault) {
         let threading = matches!(self.task, Task::Threading { .. });
+        self.switch_off();
         self.task = Task::Fault { fault, threading };
-        self.spindle.program(SpindleMode::Stop, 0.0);
-        self.next = None;
     }
 
     /// Goes on with the task in hand: the setpoints of this tick, and the command that goes with them.
@@ -214,6 +216,12 @@ impl Interpolator {
             Task::Dwelling { left } => {
                 let over = left <= 1 || panel.pressed(Panel::STOP);
                 self.task = if over { Task::Ready } else { Task::Dwelling { left: left - 1 } };
+                (self.rest(due), AxisCommand::Stream)
+            }
+            Task::Paused { cycle_starts } => {
+                if panel.cycle_starts != cycle_starts || panel.pressed(Panel::STOP) {
+                    self.task = Task::Ready;
+                }
                 (self.rest(due), AxisCommand::Stream)
             }
             Task::Arming { pass, sent } => (self.rest(due), self.watch_arming(input, cycle, pass, sent)),
@@ -303,8 +311,14 @@ impl Interpolator {
     }
 
     pub(crate) fn end(&mut self) {
-        self.spindle.program(SpindleMode::Stop, 0.0);
+        self.switch_off();
         self.task = Task::Ending;
+    }
+
+    /// Spindle and coolant; nothing more begins.
+    fn switch_off(&mut self) {
+        self.spindle.program(SpindleMode::Stop, 0.0);
+        self.coolant = 0;
         self.next = None;
     }
 
@@ -340,7 +354,7 @@ impl Interpolator {
             finished: u32::from(self.finished()),
             line: self.line,
             pass: pass.map_or(0, |pass| pass.pass),
-            reserved: 0,
+            paused: u32::from(matches!(self.task, Task::Paused { .. })),
             index_not_before: self.index_not_before,
             direction: pass.map_or(0.0, |pass| pass.direction),
         };
@@ -353,7 +367,8 @@ impl Interpolator {
             moves: self.moves,
             taken: self.queue.taken(),
             overrides_clamped: self.clamped + self.spindle.clamped(),
-            stopped: u32::from(self.stopped),
+            stopped: u16::from(self.stopped),
+            coolant: self.coolant,
             spindle_rpm: self.spindle.commanded(),
             spindle_override_pct: self.spindle.override_pct(),
             feed_override_pct: panel.feed_override_pct,

@@ -3,13 +3,15 @@
 //! | from | when | to |
 //! |---|---|---|
 //! | Starting | every axis streams | Ready |
-//! | Ready | a line is next (and the spindle at speed, for a feed) | Moving |
+//! | Ready | a line or an arc is next (and the spindle at speed, for a feed) | Moving |
 //! | Ready | a dwell is next | Dwelling |
+//! | Ready | a pause is next | Paused |
 //! | Ready | a pass is next, spindle at speed, axes at its start and in position | Arming |
 //! | Ready | the program ends, or the operator stops it | Ending |
 //! | Moving | the end of the block | Ready |
 //! | Moving | stop, and the pace has come to zero | Ending |
 //! | Dwelling | time over | Ready |
+//! | Paused | cycle start, or stop | Ready |
 //! | Arming | every axis armed two ticks later | Threading |
 //! | Arming | one is not | Fault (called off on every axis before anything moves) |
 //! | Threading | every axis streams again | Ready |
@@ -34,6 +36,11 @@ pub(crate) enum Task {
     Dwelling {
         /// Ticks left.
         left: u64,
+    },
+    /// Waits for cycle start.
+    Paused {
+        /// How often it had been pressed before.
+        cycle_starts: u32,
     },
     /// A pass was sent at tick `sent`.
     Arming {
@@ -83,6 +90,7 @@ impl Task {
             Task::Ready => MachineState::Ready,
             Task::Moving(_) => MachineState::Moving,
             Task::Dwelling { .. } => MachineState::Waiting,
+            Task::Paused { .. } => MachineState::Paused,
             Task::Arming { .. } | Task::Threading { .. } => MachineState::Threading,
             Task::Ending => MachineState::Waiting,
             Task::Ended => MachineState::Ended,

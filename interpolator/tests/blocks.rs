@@ -1,7 +1,7 @@
 //! One move under changing overrides: limits of every axis, the end, the time.
 #![allow(clippy::unwrap_used)]
 
-use interpolator::block::{Block, path_limits};
+use interpolator::block::Block;
 use proptest::prelude::*;
 use protocol::{Cycle, Machine, PerAxis, Position, units::AXES};
 
@@ -24,7 +24,7 @@ proptest! {
     ) {
         let machine = Machine::default();
         let (from, to) = (point(60.0, 0.0), point(60.0 + x, z));
-        let Some(mut block) = Block::plan(&machine, &from, &to, feed, 1.0) else { return Ok(()) };
+        let Some(mut block) = Block::line(&machine, &from, &to, feed, 1.0) else { return Ok(()) };
         let mut ticks = 0;
         while !block.done() {
             let asked = pace[(ticks / every).min(pace.len() - 1)].max(if ticks > 600 { 0.3 } else { 0.0 });
@@ -45,24 +45,13 @@ proptest! {
 #[test]
 fn a_move_of_no_length_is_none() {
     let machine = Machine::default();
-    assert!(Block::plan(&machine, &point(1.0, 2.0), &point(1.0, 2.0), 10.0, 1.0).is_none());
-}
-
-#[test]
-fn the_tightest_axis_rules_the_path() {
-    let mut machine = Machine::default();
-    machine.axis.get_mut(&protocol::Axis::X).unwrap().velocity_mm_s = 10.0;
-    let mut direction = [0.0; AXES];
-    (direction[0], direction[2]) = (0.6, 0.8);
-    let limits = path_limits(&machine, &direction);
-    assert!((limits.v - 10.0 / 0.6).abs() < 1e-12);
-    assert!((limits.a - 2000.0 / 0.8).abs() < 1e-9);
+    assert!(Block::line(&machine, &point(1.0, 2.0), &point(1.0, 2.0), 10.0, 1.0).is_none());
 }
 
 #[test]
 fn a_plan_ends_on_a_tick_and_takes_hardly_longer() {
     let machine = Machine::default();
-    let mut block = Block::plan(&machine, &point(0.0, 0.0), &point(0.0, 30.0), 50.0, 1.0).unwrap();
+    let mut block = Block::line(&machine, &point(0.0, 0.0), &point(0.0, 30.0), 50.0, 1.0).unwrap();
     let mut ticks = 0;
     while !block.done() {
         block.advance(TICK, 1.0);
@@ -78,8 +67,8 @@ fn what_no_program_asks_for_does_no_harm() {
     let machine = Machine::default();
     let mut elsewhere = point(1.0, 2.0);
     elsewhere[1] = Position(1);
-    assert!(Block::plan(&machine, &point(1.0, 2.0), &elsewhere, f64::INFINITY, 1.0).is_none());
-    let slowest = Block::plan(&machine, &point(1.0, 2.0), &point(1.0, 2.001), 5e-324, 1.0).unwrap();
+    assert!(Block::line(&machine, &point(1.0, 2.0), &elsewhere, f64::INFINITY, 1.0).is_none());
+    let slowest = Block::line(&machine, &point(1.0, 2.0), &point(1.0, 2.001), 5e-324, 1.0).unwrap();
     assert!(!slowest.done());
     assert_eq!(Position(i64::MAX).mm_from(Position(i64::MIN)), (u64::MAX as f64) / Position::PER_MM);
 }

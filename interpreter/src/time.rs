@@ -1,10 +1,11 @@
 //! How long machine code takes. In: codes in the order of the program. Out: seconds at 100 % override.
 //!
-//! A move stops at its end and keeps the limits of both axes (M21–M23), the spindle follows its ramp, a pass takes its
-//! angle at the programmed speed and, in the mean, half a turn of waiting for the index.
+//! A line or an arc stops at its end and keeps the limits of both axes (M21–M23, M58), the spindle follows its ramp, a
+//! pass takes its angle at the programmed speed and, in the mean, half a turn of waiting for the index. How long a pause
+//! lasts is up to the operator; it counts as nothing.
 
-use motion::{FeedBlock, Limits};
-use protocol::{Axis, Code, Feed, Machine, PerAxis, Position};
+use motion::{FeedBlock, Path};
+use protocol::{Code, Feed, Machine, PerAxis, Position, units::AXES};
 
 /// Adds up time.
 pub(crate) struct Clock<'m> {
@@ -30,7 +31,8 @@ impl<'m> Clock<'m> {
 
     pub(crate) fn add(&mut self, code: &Code) {
         self.seconds += match code {
-            Code::Line { target, feed } => self.line(target, *feed),
+            Code::Line { target, feed } => self.travel(self.line(target), target, *feed),
+            Code::Arc { arc, feed } => self.travel(arc.path(&self.at).ok(), &arc.target, *feed),
             Code::Dwell { seconds } => *seconds,
             Code::Spindle { mode, rpm } => {
                 let rpm = mode.sign() * rpm;
@@ -44,33 +46,28 @@ impl<'m> Clock<'m> {
                 }
                 (pass.done_deg() + 180.0) / (6.0 * pass.s_rpm)
             }
-            Code::Tool { .. } | Code::End => 0.0,
+            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => 0.0,
         };
     }
 
-    fn line(&mut self, target: &PerAxis<Position>, feed: Feed) -> f64 {
-        let way = |axis: Axis| target[axis.index()].mm_from(self.at[axis.index()]).abs();
-        let length = self.machine.axes().fold(0.0, |sum, (axis, _)| libm::hypot(sum, way(axis)));
-        if length == 0.0 {
-            return 0.0;
-        }
-        let none = Limits { v: f64::INFINITY, a: f64::INFINITY, j: f64::INFINITY, dj: f64::INFINITY };
-        let limits =
-            self.machine.axes().filter(|(axis, _)| way(*axis) > 0.0).fold(none, |limits, (axis, config)| {
-                let path = length / way(axis);
-                Limits {
-                    v: limits.v.min(config.velocity_mm_s * path),
-                    a: limits.a.min(config.acceleration_mm_s2 * path),
-                    j: limits.j.min(config.jerk_mm_s3 * path),
-                    dj: limits.dj.min(config.jerk_rate_mm_s4 * path),
-                }
-            });
+    /// Along a path to `target`; none takes no time.
+    fn travel(&mut self, path: Option<Path<AXES>>, target: &PerAxis<Position>, feed: Feed) -> f64 {
+        self.at = *target;
+        let Some(path) = path else { return 0.0 };
+        let limits = path.limits(&self.machine.limits());
         let speed = match feed {
             Feed::Rapid => limits.v,
             Feed::PerMinute(feed) => feed / 60.0,
             Feed::PerRevolution(feed) => feed * self.rpm.abs() / 60.0,
         };
-        self.at = *target;
-        FeedBlock::plan(length, 0.0, speed, 0.0, &limits).map_or(0.0, |block| block.duration())
+        FeedBlock::plan(path.length(), 0.0, speed, 0.0, &limits).map_or(0.0, |block| block.duration())
+    }
+
+    fn line(&self, target: &PerAxis<Position>) -> Option<Path<AXES>> {
+        let mut displacement = [0.0; AXES];
+        for (axis, _) in self.machine.axes() {
+            displacement[axis.index()] = target[axis.index()].mm_from(self.at[axis.index()]);
+        }
+        Path::line(displacement)
     }
 }

@@ -4,6 +4,7 @@
 //! Wire types are plain data: `#[repr(C)]`, no padding, no pointers, integers where Rust would have an enum. What
 //! arrives is therefore always *some* value; a `check` turns it into something to rely on, or says why not.
 
+pub mod arc;
 pub mod code;
 pub mod code_file;
 pub mod drive;
@@ -18,6 +19,7 @@ pub mod status;
 pub mod truth;
 pub mod units;
 
+pub use arc::Arc;
 pub use code::{Code, CodePacket, Credit, Feed, Item, SpindleMode};
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Axis, Cycle, PerAxis, Position, ThreadPass, units::AXES};
+use crate::{Arc, Axis, Cycle, PerAxis, Position, ThreadPass, units::AXES};
 
 /// What a machine file that cannot be used has wrong.
 #[derive(Debug, thiserror::Error)]
@@ -264,6 +264,18 @@ impl Machine {
         self.axes().all(|(axis, config)| {
             (config.travel_mm[0]..=config.travel_mm[1]).contains(&point[axis.index()].mm())
         })
+    }
+
+    /// Whether the whole of an arc lies within the travel of every axis; false for what is no arc from there.
+    pub fn can_turn(&self, from: &PerAxis<Position>, arc: &Arc) -> bool {
+        arc.bounds(from).is_ok_and(|corners| corners.iter().all(|corner| self.can_reach(corner)))
+    }
+
+    /// The limits of every axis as paths take them; an axis that does not exist has none.
+    pub fn limits(&self) -> PerAxis<motion::Limits> {
+        let mut limits = [motion::Limits::NONE; AXES];
+        self.axes().for_each(|(axis, config)| limits[axis.index()] = config.limits());
+        limits
     }
 
     /// Encoder counts in one turn of the spindle.

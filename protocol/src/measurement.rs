@@ -33,8 +33,8 @@ pub struct Panel {
     pub rapid_override_pct: f64,
     /// Sum of [`Panel::FEED_HOLD`] and [`Panel::STOP`].
     pub buttons: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// How often cycle start was pressed. A count, so that no press is lost between two looks at the panel.
+    pub cycle_starts: u32,
 }
 
 impl Panel {
@@ -56,7 +56,7 @@ impl Default for Panel {
             feed_override_pct: 100.0,
             rapid_override_pct: 100.0,
             buttons: 0,
-            reserved: 0,
+            cycle_starts: 0,
         }
     }
 }
@@ -64,7 +64,7 @@ impl Default for Panel {
 /// What was true at one control cycle.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/measurement/1")]
+#[type_name("pitchlock/measurement/2")]
 #[repr(C)]
 pub struct Measurement {
     /// When it was true.

@@ -17,7 +17,7 @@ pub enum Request {
     RapidOverride(f64),
     /// Feed hold.
     FeedHold,
-    /// Cycle start: leave feed hold.
+    /// Cycle start: leave feed hold, or go on after a pause of the program.
     CycleStart,
     /// End the program at the next rest.
     Stop,
@@ -82,7 +82,10 @@ impl Panel {
             Request::FeedOverride(pct) => self.feed_override_pct = pct,
             Request::RapidOverride(pct) => self.rapid_override_pct = pct,
             Request::FeedHold => self.buttons |= Panel::FEED_HOLD,
-            Request::CycleStart => self.buttons &= !Panel::FEED_HOLD,
+            Request::CycleStart => {
+                self.buttons &= !Panel::FEED_HOLD;
+                self.cycle_starts = self.cycle_starts.wrapping_add(1);
+            }
             Request::Stop => self.buttons |= Panel::STOP,
         }
     }

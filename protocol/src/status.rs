@@ -217,6 +217,8 @@ pub enum MachineState {
     Ended = 5,
     /// Latched.
     Fault = 6,
+    /// Waits for cycle start.
+    Paused = 7,
 }
 
 impl MachineState {
@@ -233,6 +235,7 @@ impl MachineState {
             4 => MachineState::Threading,
             5 => MachineState::Ended,
             6 => MachineState::Fault,
+            7 => MachineState::Paused,
             other => return Err(Refused::UnknownCode("machine state", other)),
         })
     }
@@ -241,7 +244,7 @@ impl MachineState {
 /// The interpolator after one of its ticks.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/machine-status/1")]
+#[type_name("pitchlock/machine-status/2")]
 #[repr(C)]
 pub struct MachineStatus {
     /// The tick.
@@ -261,7 +264,9 @@ pub struct MachineStatus {
     /// Overrides that were clamped so far.
     pub overrides_clamped: u32,
     /// 1 if the program was ended by the operator.
-    pub stopped: u32,
+    pub stopped: u16,
+    /// What cools: sum of [`MachineStatus::MIST`] and [`MachineStatus::FLOOD`].
+    pub coolant: u16,
     /// Spindle speed commanded to the drive, 1/min, signed.
     pub spindle_rpm: f64,
     /// Spindle override in force, per cent.
@@ -272,11 +277,23 @@ pub struct MachineStatus {
     pub depth_mm: f64,
 }
 
+impl MachineStatus {
+    /// Mist is on (M7).
+    pub const MIST: u16 = 1;
+    /// Flood is on (M8).
+    pub const FLOOD: u16 = 2;
+
+    /// What cools as a sum of bits.
+    pub fn coolant(mist: bool, flood: bool) -> u16 {
+        u16::from(mist) * MachineStatus::MIST + u16::from(flood) * MachineStatus::FLOOD
+    }
+}
+
 /// What the spindle drive shall do; the interpolator sends one each tick, the plant acts on it one
 /// interpolator cycle later.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/spindle-command/1")]
+#[type_name("pitchlock/spindle-command/2")]
 #[repr(C)]
 pub struct SpindleCommand {
     /// The tick that made it.
@@ -289,8 +306,8 @@ pub struct SpindleCommand {
     pub line: u32,
     /// Pass in hand from arming to its end, else 0.
     pub pass: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Nonzero while the program waits for cycle start: somebody at the panel is wanted.
+    pub paused: u32,
     /// First cycle whose index counts for the pass in hand.
     pub index_not_before: Cycle,
     /// Direction in which C grows in the pass in hand, ±1, else 0.

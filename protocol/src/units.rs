@@ -40,6 +40,11 @@ impl Position {
         self.0 as f64 / Self::PER_MM
     }
 
+    /// The position `mm` further, to the nearest count; saturates.
+    pub fn moved(self, mm: f64) -> Position {
+        Position(self.0.saturating_add(Position::from_mm(mm).0))
+    }
+
     /// `self - origin` in mm, exact however far both are from zero.
     pub fn mm_from(self, origin: Position) -> f64 {
         (i128::from(self.0) - i128::from(origin.0)) as f64 / Self::PER_MM

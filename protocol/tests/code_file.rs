@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use protocol::{
-    AxisLaw, Code, Feed, Item, Machine, Position, Refused, SpindleMode, ThreadPass,
+    Arc, AxisLaw, Code, Feed, Item, Machine, Position, Refused, SpindleMode, ThreadPass,
     code_file::{CodeFile, CodeFileError},
 };
 
@@ -39,6 +39,18 @@ fn pass() -> ThreadPass {
     pass
 }
 
+fn any_arc() -> impl Strategy<Value = Arc> {
+    let mm = || (-1e3..1e3).prop_map(Position::from_mm);
+    let turns = prop_oneof![1..100, -100..0];
+    (prop::array::uniform8(mm()), prop::array::uniform2(mm()), turns).prop_filter_map(
+        "no radius",
+        |(target, center, turns)| {
+            let arc = Arc { target, center, turns };
+            arc.check().is_ok().then_some(arc)
+        },
+    )
+}
+
 fn any_item() -> impl Strategy<Value = Item> {
     let target = prop::array::uniform8(any::<i64>().prop_map(Position));
     let feed = prop_oneof![
@@ -46,6 +58,8 @@ fn any_item() -> impl Strategy<Value = Item> {
         (1e-3..1e5).prop_map(Feed::PerMinute),
         (1e-6..100.0).prop_map(Feed::PerRevolution)
     ];
+    let feed_of_arc =
+        prop_oneof![(1e-3..1e5).prop_map(Feed::PerMinute), (1e-6..100.0).prop_map(Feed::PerRevolution)];
     let mode = prop_oneof![
         Just(SpindleMode::Stop),
         Just(SpindleMode::Clockwise),
@@ -55,7 +69,10 @@ fn any_item() -> impl Strategy<Value = Item> {
         (target, feed).prop_map(|(target, feed)| Code::Line { target, feed }),
         (0.0..1e4).prop_map(|seconds| Code::Dwell { seconds }),
         (mode, 0.0..1e5).prop_map(|(mode, rpm)| Code::Spindle { mode, rpm }),
+        (any_arc(), feed_of_arc).prop_map(|(arc, feed)| Code::Arc { arc, feed }),
         any::<u32>().prop_map(|number| Code::Tool { number }),
+        any::<(bool, bool)>().prop_map(|(mist, flood)| Code::Coolant { mist, flood }),
+        Just(Code::Pause),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
         Just(Code::End),
     ];
@@ -101,7 +118,7 @@ proptest! {
 }
 
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x01\0".to_vec();
+    let mut bytes = b"PLMC\x02\0".to_vec();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -117,7 +134,7 @@ fn each_kind_of_wrong_file_has_its_message() {
     let mut later = bytes.clone();
     later[4] = 7;
     let error = read(&later).unwrap_err();
-    assert_eq!(error.to_string(), "machine code of version 7, this is 1: compile the program again");
+    assert_eq!(error.to_string(), "machine code of version 7, this is 2: compile the program again");
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
     assert!(matches!(error, CodeFileError::Truncated { missing: 3 }), "{error}");
@@ -135,7 +152,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x01\0".to_vec();
+    let mut bytes = b"PLMC\x02\0".to_vec();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

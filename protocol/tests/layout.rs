@@ -23,8 +23,8 @@ macro_rules! layout {
     };
 }
 
-layout!(code_packet: CodePacket, 1120, Some("pitchlock/code-packet/1"), {
-    sequence: 0, line: 8, kind: 12, number: 16, reserved: 20, value: 24, target: 32, pass: 96,
+layout!(code_packet: CodePacket, 1136, Some("pitchlock/code-packet/2"), {
+    sequence: 0, line: 8, kind: 12, number: 16, turns: 20, value: 24, target: 32, center: 96, pass: 112,
 });
 layout!(credit: Credit, 8, Some("pitchlock/credit/1"), {
     taken: 0,
@@ -45,7 +45,7 @@ layout!(axis_frame: AxisFrame, 200, Some("pitchlock/axis-frame/1"), {
 layout!(setpoint: Setpoint, 32, None, {
     cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
 });
-layout!(measurement: Measurement, 272, Some("pitchlock/measurement/1"), {
+layout!(measurement: Measurement, 272, Some("pitchlock/measurement/2"), {
     cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
     reserved: 44, axes: 48, panel: 240,
 });
@@ -53,7 +53,7 @@ layout!(axis_measurement: AxisMeasurement, 24, None, {
     position: 0, torque_nm: 8, status_word: 16, reserved: 20,
 });
 layout!(panel: Panel, 32, None, {
-    spindle_override_pct: 0, feed_override_pct: 8, rapid_override_pct: 16, buttons: 24, reserved: 28,
+    spindle_override_pct: 0, feed_override_pct: 8, rapid_override_pct: 16, buttons: 24, cycle_starts: 28,
 });
 layout!(drive_command: DriveCommand, 40, Some("pitchlock/drive-command/1"), {
     cycle: 0, control_word: 8, reserved: 12, target_velocity_mm_s: 16, velocity_offset_mm_s: 24,
@@ -65,15 +65,15 @@ layout!(axis_status: AxisStatus, 120, Some("pitchlock/axis-status/1"), {
     spindle_rpm: 80, control_word: 88, reserved: 92, target_velocity_mm_s: 96,
     velocity_offset_mm_s: 104, torque_offset_nm: 112,
 });
-layout!(machine_status: MachineStatus, 80, Some("pitchlock/machine-status/1"), {
+layout!(machine_status: MachineStatus, 80, Some("pitchlock/machine-status/2"), {
     cycle: 0, state: 8, fault: 12, line: 16, pass: 20, moves: 24, taken: 32, overrides_clamped: 40,
-    stopped: 44, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
+    stopped: 44, coolant: 46, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
 });
-layout!(spindle_command: SpindleCommand, 48, Some("pitchlock/spindle-command/1"), {
-    cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, reserved: 28, index_not_before: 32,
+layout!(spindle_command: SpindleCommand, 48, Some("pitchlock/spindle-command/2"), {
+    cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,
     direction: 40,
 });
-layout!(truth: Truth, 560, Some("pitchlock/truth/1"), {
+layout!(truth: Truth, 560, Some("pitchlock/truth/2"), {
     cycle: 0, spindle_deg: 8, spindle_rpm: 16, late_answers: 24, axes: 32, measurement: 288,
 });
 layout!(axis_truth: AxisTruth, 32, None, {

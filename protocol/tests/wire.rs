@@ -31,6 +31,13 @@ fn pass() -> ThreadPass {
     pass
 }
 
+/// An eighth of a circle of 10 mm about X 5, Z −20 that ends level with its centre.
+fn arc() -> Arc {
+    let mut target = [Position(0); 8];
+    (target[0], target[2]) = (Position::from_mm(5.0), Position::from_mm(-10.0));
+    Arc { target, center: [Position::from_mm(5.0), Position::from_mm(-20.0)], turns: -1 }
+}
+
 fn arm(law: AxisLaw) -> AxisCommand {
     AxisCommand::Arm { pass: 3, s_rpm: 600.0, direction: 1.0, not_before: Cycle(77), law }
 }
@@ -47,6 +54,13 @@ fn every_code_travels() {
     for feed in [Feed::Rapid, Feed::PerMinute(100.0), Feed::PerRevolution(0.1)] {
         codes.push(Code::Line { target, feed });
     }
+    for (feed, turns) in [(Feed::PerMinute(100.0), 1), (Feed::PerRevolution(0.1), -3)] {
+        codes.push(Code::Arc { arc: Arc { turns, ..arc() }, feed });
+    }
+    for (mist, flood) in [(false, false), (true, false), (false, true), (true, true)] {
+        codes.push(Code::Coolant { mist, flood });
+    }
+    codes.push(Code::Pause);
     for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
         codes.push(Code::Spindle { mode, rpm: 600.0 });
     }
@@ -77,6 +91,25 @@ fn machine_code_that_no_interpreter_sends_is_refused() {
     assert_eq!(code(0, 0), Refused::UnknownCode("machine code", 0));
     assert_eq!(code(1, 3), Refused::UnknownCode("feed", 3));
     assert_eq!(code(3, 9), Refused::UnknownCode("spindle", 9));
+    assert_eq!(code(8, 4), Refused::UnknownCode("coolant", 4));
+}
+
+#[test]
+fn arcs_that_no_interpreter_sends_are_refused() {
+    let unpack = |change: fn(&mut Arc), feed| {
+        let mut arc = arc();
+        change(&mut arc);
+        CodePacket::pack(0, &Item { line: 1, code: Code::Arc { arc, feed } }).unpack(0).unwrap_err()
+    };
+    let feed = Feed::PerMinute(100.0);
+    assert_eq!(unpack(|_| (), Feed::Rapid), Refused::OutOfRange("feed of an arc"));
+    assert_eq!(unpack(|_| (), Feed::PerRevolution(f64::NAN)), Refused::NotFinite("feed"));
+    assert_eq!(unpack(|arc| arc.turns = 0, feed), Refused::OutOfRange("turns of an arc"));
+    assert_eq!(unpack(|arc| arc.turns = i32::MIN, feed), Refused::OutOfRange("turns of an arc"));
+    let at_center = |arc: &mut Arc| (arc.target[0], arc.target[2]) = (arc.center[0], arc.center[1]);
+    assert_eq!(unpack(at_center, feed), Refused::OutOfRange("radius of an arc"));
+    let far = |arc: &mut Arc| arc.center = [Position(i64::MAX); 2];
+    assert_eq!(unpack(far, feed), Refused::OutOfRange("radius of an arc"));
 }
 
 #[test]
@@ -171,7 +204,7 @@ fn the_operator_is_understood_or_refused() {
         feed_override_pct: 0.0,
         rapid_override_pct: 25.0,
         buttons: Panel::STOP,
-        reserved: 0,
+        cycle_starts: 1,
     };
     assert_eq!(panel, expected);
     let refused = |request| OperatorRequest::pack(1, request).unpack().unwrap_err();
@@ -216,10 +249,10 @@ fn codes_of_states_and_faults_are_stable() {
     }
     assert_eq!(protocol::Fault::from_code(0), None);
     assert_eq!(protocol::Fault::from_code(u32::MAX), None);
-    for code in 0..7 {
+    for code in 0..8 {
         assert_eq!(MachineState::from_code(code).map(|state| state as u32), Ok(code));
     }
-    assert_eq!(MachineState::from_code(7), Err(Refused::UnknownCode("machine state", 7)));
+    assert_eq!(MachineState::from_code(8), Err(Refused::UnknownCode("machine state", 8)));
 }
 
 proptest! {
@@ -227,7 +260,7 @@ proptest! {
     fn any_bytes_are_some_packet_and_never_a_panic(
         code in prop::collection::vec(any::<u8>(), size_of::<CodePacket>()),
         frame in prop::collection::vec(any::<u8>(), size_of::<AxisFrame>()),
-        kind in 0u32..8, number in 0u32..4,
+        kind in 0u32..11, number in 0u32..5,
     ) {
         let code = CodePacket::read_from_bytes(&code).unwrap();
         let code = CodePacket { kind, number, ..code };

@@ -9,6 +9,9 @@ use protocol::{Cycle, Panel, SpindleCommand};
 use crate::ramped::Ramped;
 use crate::scenario::{Action, Burden, Event, Knob, Scenario, Trigger};
 
+/// How long the program waits for cycle start if nobody will press it, s.
+const UNATTENDED_S: f64 = 1.0;
+
 /// What triggers look at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
@@ -37,6 +40,9 @@ pub(crate) struct Timeline {
     rise_cycles: f64,
     knobs: [Ramped; 3],
     buttons: u32,
+    cycle_starts: u32,
+    /// Cycles for which the program has waited for cycle start with nobody to press it.
+    unattended: u64,
     burdens: [Ramped; 3],
     burden_until: [Option<u64>; 3],
     pass: PassInHand,
@@ -52,6 +58,8 @@ impl Timeline {
             rise_cycles: rise_s / cycle_s,
             knobs: [Ramped::at(100.0); 3],
             buttons: 0,
+            cycle_starts: 0,
+            unattended: 0,
             burdens: [Ramped::at(0.0); 3],
             burden_until: [None; 3],
             pass: PassInHand::default(),
@@ -72,7 +80,7 @@ impl Timeline {
             feed_override_pct: feed.value(),
             rapid_override_pct: rapid.value(),
             buttons: self.buttons,
-            reserved: 0,
+            cycle_starts: self.cycle_starts,
         }
     }
 
@@ -88,7 +96,10 @@ impl Timeline {
             Request::FeedOverride(pct) => self.knobs[Knob::Feed as usize].go(pct, 0.0),
             Request::RapidOverride(pct) => self.knobs[Knob::Rapid as usize].go(pct, 0.0),
             Request::FeedHold => self.buttons |= Panel::FEED_HOLD,
-            Request::CycleStart => self.buttons &= !Panel::FEED_HOLD,
+            Request::CycleStart => {
+                self.buttons &= !Panel::FEED_HOLD;
+                self.cycle_starts = self.cycle_starts.wrapping_add(1);
+            }
             Request::Stop => self.buttons |= Panel::STOP,
         }
     }
@@ -104,6 +115,7 @@ impl Timeline {
                 self.act(action, moment);
             }
         }
+        self.attend(tags);
         self.z_before = moment.z_mm;
         self.knobs.iter_mut().for_each(Ramped::advance);
         for (burden, until) in self.burdens.iter_mut().zip(&mut self.burden_until) {
@@ -113,6 +125,27 @@ impl Timeline {
             }
             burden.advance();
         }
+    }
+
+    /// Nobody stands at a simulated machine: a pause that no event of the scenario can end is ended here.
+    fn attend(&mut self, tags: &SpindleCommand) {
+        if tags.paused == 0 || self.somebody_will_come() {
+            self.unattended = 0;
+            return;
+        }
+        self.unattended += 1;
+        if self.unattended == (UNATTENDED_S / self.cycle_s).round() as u64 {
+            self.operate(Request::CycleStart);
+        }
+    }
+
+    /// Whether the scenario still ends a pause by the clock; its other moments do not come while the program waits.
+    fn somebody_will_come(&self) -> bool {
+        let ends = |event: &Event| {
+            matches!(event.action, Action::CycleStart | Action::Stop)
+                && matches!(event.trigger, Trigger::Time { .. } | Trigger::Cycle { .. })
+        };
+        self.events.iter().zip(&self.due).any(|(event, due)| *due && ends(event))
     }
 
     fn follow_pass(&mut self, moment: &Moment, tags: &SpindleCommand) {

@@ -1,7 +1,7 @@
 //! Progress on a terminal: passes, depth, time on the machine. Silent elsewhere.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use protocol::Code;
+use protocol::{Code, MachineState};
 use rig::observe::Record;
 
 use super::Setup;
@@ -38,9 +38,10 @@ impl Progress {
             return;
         }
         let machine = record.machine;
+        let paused = machine.state == MachineState::Paused as u32;
         self.bar.set_position(machine.taken);
         self.bar.set_message(format!(
-            "line {}  pass {}/{}  depth {:.3} mm  {:.0} 1/min ({:.0} %)  {:.1} s",
+            "line {}  pass {}/{}  depth {:.3} mm  {:.0} 1/min ({:.0} %)  {:.1} s{}",
             machine.line,
             machine.pass,
             self.passes,
@@ -48,6 +49,7 @@ impl Progress {
             record.truth.spindle_rpm,
             machine.spindle_override_pct,
             cycle as f64 * self.cycle_s,
+            if paused { "  paused: waits for cycle start" } else { "" },
         ));
     }
 

@@ -46,7 +46,10 @@ fn text(code: &Code) -> String {
         Code::Dwell { seconds } => format!("dwell {seconds}"),
         Code::Spindle { mode: SpindleMode::Stop, .. } => "spindle stop".to_owned(),
         Code::Spindle { mode, rpm } => format!("spindle {}", mode.sign() * rpm),
+        Code::Arc { arc, .. } => format!("arc {arc:?}"),
         Code::Tool { number } => format!("tool {number}"),
+        Code::Coolant { mist, flood } => format!("coolant mist {mist} flood {flood}"),
+        Code::Pause => "pause".to_owned(),
         Code::Pass(pass) => {
             let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
             format!("pass {} X{} Z{} to Z{}", pass.pass, x.start.mm(), z.start.mm(), z.end.mm())

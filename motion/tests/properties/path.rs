@@ -1,6 +1,6 @@
 //! Random paths (M55–M58): derivatives are derivatives, circles stay round, ends are met, axes keep their limits.
 
-use crate::draw::{limits, magnitude, times};
+use crate::draw::{keeps, limits, magnitude, times};
 use core::f64::consts::TAU;
 use motion::{FeedBlock, Limits, Path, Sample};
 use proptest::prelude::*;
@@ -150,6 +150,20 @@ proptest! {
         }
     }
 
+    /// All the terms of M57 at once, each at its worst, still fit into the bounds.
+    #[test]
+    fn m58_the_shares_add_up_to_the_bounds(drawn in arcs(0.0), axis in limits()) {
+        let Limits { v, a, j, dj } = drawn.path().limits(&[axis; 3]);
+        let c = 1.0 / drawn.r[0];
+        let terms = Limits {
+            v,
+            a: a + c * v * v,
+            j: j + 3.0 * c * v * a + c * c * v * v * v,
+            dj: dj + c * (4.0 * v * j + 3.0 * a * a) + 6.0 * c * c * v * v * a + c * c * c * v * v * v * v,
+        };
+        prop_assert!(keeps(&terms, &axis), "{terms:?} of {axis:?}");
+    }
+
     /// Nothing of the path lies outside its box, and the box is no larger than the path.
     #[test]
     fn the_box_fits(drawn in arcs(0.0)) {
@@ -184,7 +198,11 @@ fn a_line_shares_its_way_among_the_axes() {
     assert_eq!(path.bounds(), [[0.0, 0.0, -0.8], [0.6, 0.0, 0.0]]);
     let axis = |v: f64, a: f64| Limits { v, a, j: 1e5, dj: 1e7 };
     let limits = path.limits(&[axis(10.0, 5000.0), axis(1e-3, 1e-3), axis(100.0, 2000.0)]);
-    assert_eq!((limits.v, limits.a), (10.0 / 0.6, 2000.0 / 0.8), "the tightest axis rules, one that stands does not");
+    assert_eq!(
+        (limits.v, limits.a),
+        (10.0 / 0.6, 2000.0 / 0.8),
+        "the tightest axis rules, one that stands does not"
+    );
     assert!(Path::<3>::line([0.0; 3]).is_none());
 }
 

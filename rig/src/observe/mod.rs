@@ -21,8 +21,8 @@ use protocol::{
 use zerocopy::IntoBytes;
 
 pub use summary::{
-    AxisLimits, Channel, FaultReport, LimitsUsed, MovesReport, Outcome, PassReport, Process, ServoError,
-    Summary, SummaryError, ThreadReport, VERSION,
+    AxisLimits, Channel, FaultReport, LimitsUsed, MovesReport, Outcome, PassReport, PauseReport, Process,
+    ServoError, Summary, SummaryError, ThreadReport, VERSION,
 };
 
 use pass::{PassObserver, in_pass, state_in};
@@ -57,6 +57,7 @@ pub struct Observer {
     /// Fault last seen of every axis, and of the interpolator.
     fault_codes: (PerAxis<u32>, u32),
     moving_cycles: u64,
+    paused: bool,
     out: Observation,
 }
 
@@ -82,6 +83,8 @@ pub struct Observation {
     pub faults: Vec<FaultReport>,
     /// Overrides that were clamped.
     pub overrides_clamped: u32,
+    /// Pauses of the program in the order of their coming.
+    pub pauses: Vec<PauseReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
 }
@@ -103,6 +106,7 @@ impl Observer {
             batch: Vec::with_capacity(2 * HASH_BATCH),
             fault_codes: Default::default(),
             moving_cycles: 0,
+            paused: false,
             out: Observation {
                 cycle_s: machine.machine.cycle_s,
                 limits: limits(machine),
@@ -119,6 +123,7 @@ impl Observer {
         self.take_index(record.truth);
         self.take_pass(record, is_tick);
         self.take_moves(record);
+        self.take_pauses(record);
         self.take_faults(record, is_tick);
     }
 
@@ -198,6 +203,18 @@ impl Observer {
         self.out.moves.limit_violations += u64::from(beyond);
     }
 
+    fn take_pauses(&mut self, record: &Record) {
+        let paused = record.machine.state == MachineState::Paused as u32;
+        if paused && !std::mem::replace(&mut self.paused, paused) {
+            let (line, cycle) = (record.machine.line, record.truth.cycle.0);
+            self.out.pauses.push(PauseReport { line, cycle, waited_s: 0.0 });
+        }
+        self.paused = paused;
+        if let (true, Some(pause)) = (paused, self.out.pauses.last_mut()) {
+            pause.waited_s = (record.truth.cycle.0 + 1 - pause.cycle) as f64 * self.out.cycle_s;
+        }
+    }
+
     fn take_faults(&mut self, record: &Record, is_tick: bool) {
         let cycle = record.truth.cycle.0;
         let faults = &mut self.out.faults;
@@ -247,6 +264,7 @@ impl Observation {
             passes: self.passes,
             thread: self.thread,
             moves: self.moves,
+            pauses: self.pauses,
             limits: self.limits,
             ..Summary::default()
         }

@@ -199,6 +199,17 @@ pub struct MovesReport {
     pub limit_violations: u64,
 }
 
+/// A pause of the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PauseReport {
+    /// Line of the part program.
+    pub line: u32,
+    /// Control cycle in which it was first seen.
+    pub cycle: u64,
+    /// How long the program waited for cycle start, s.
+    pub waited_s: f64,
+}
+
 /// The whole of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -239,6 +250,9 @@ pub struct Summary {
     pub thread: ThreadReport,
     /// Timed motion.
     pub moves: MovesReport,
+    /// Pauses of the program.
+    #[serde(default)]
+    pub pauses: Vec<PauseReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
 }

@@ -1,0 +1,71 @@
+//! Arcs of machine code: which ends make one, and which of the machine's travel they need.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use protocol::{Arc, Axis, Machine, PerAxis, Position, Refused};
+
+fn point(x: f64, z: f64) -> PerAxis<Position> {
+    let mut point = [Position(0); 8];
+    (point[0], point[2]) = (Position::from_mm(x), Position::from_mm(z));
+    point
+}
+
+fn arc(x: f64, z: f64, center: [f64; 2], turns: i32) -> Arc {
+    Arc { target: point(x, z), center: center.map(Position::from_mm), turns }
+}
+
+/// X and Z of a corner, mm.
+fn xz(corner: &PerAxis<Position>) -> [f64; 2] {
+    [Axis::X, Axis::Z].map(|axis| corner[axis.index()].mm())
+}
+
+#[test]
+fn g3_turns_from_z_towards_x() {
+    // From (Z 10, X 0) to (Z 0, X 10) about the origin: a quarter one way, three quarters the other.
+    let (from, quarter) = (point(0.0, 10.0), 5.0 * std::f64::consts::PI);
+    assert!((arc(10.0, 0.0, [0.0, 0.0], 1).path(&from).unwrap().length() - quarter).abs() < 1e-9);
+    assert!((arc(10.0, 0.0, [0.0, 0.0], -1).path(&from).unwrap().length() - 3.0 * quarter).abs() < 1e-9);
+    assert!((arc(10.0, 0.0, [0.0, 0.0], 2).path(&from).unwrap().length() - 5.0 * quarter).abs() < 1e-9);
+}
+
+#[test]
+fn the_radii_may_differ_by_as_much_as_is_said() {
+    let differ = |r: f64, by: f64| arc(r + by, 0.0, [0.0, 0.0], 1).path(&point(0.0, r)).is_ok();
+    assert!(differ(1.0, 0.0049) && differ(1.0, -0.0049) && !differ(1.0, 0.0051));
+    assert!(differ(100.0, 0.099) && !differ(100.0, 0.101));
+    assert!(differ(5000.0, 0.499) && !differ(5000.0, 0.501));
+    let refused = arc(20.0, 0.0, [0.0, 0.0], 1).path(&point(0.0, 10.0));
+    assert_eq!(refused, Err(Refused::OutOfRange("difference of the radii of an arc")));
+    let from_center = arc(20.0, 0.0, [0.0, 0.0], 1).path(&point(0.0, 0.0));
+    assert_eq!(from_center, Err(Refused::OutOfRange("radius of an arc")));
+}
+
+#[test]
+fn quadrants_count_for_the_travel() {
+    let machine = Machine::default(); // X −5 to 120, Z −400 to 200
+    // A half circle whose ends lie at X 115 and which bulges to X 125, or to X 105.
+    let (from, outwards) = (point(115.0, 10.0), arc(115.0, -10.0, [115.0, 0.0], 1));
+    let [low, high] = outwards.bounds(&from).unwrap();
+    assert_eq!((xz(&low), xz(&high)), ([115.0, -10.0], [125.0, 10.0]));
+    assert!(!machine.can_turn(&from, &outwards));
+    assert!(machine.can_turn(&from, &Arc { turns: -1, ..outwards }));
+    assert!(!machine.can_turn(&from, &Arc { turns: -2, ..outwards }), "a whole turn passes every quadrant");
+    let to_the_last_count = arc(110.0, -10.0, [110.0, 0.0], 1);
+    assert!(machine.can_turn(&point(110.0, 10.0), &to_the_last_count));
+    assert!(!machine.can_turn(&point(110.0, 12.0), &to_the_last_count), "no arc at all");
+}
+
+proptest! {
+    /// Ends that were rounded to counts do not make a quadrant leave the travel, nor a whole turn vanish.
+    #[test]
+    fn rounding_does_no_harm(r in 0.01..500.0_f64, angle in 0.0..6.28_f64, way in 1e-3..6.28_f64, turns in 1..4) {
+        let at = |angle: f64| point(r * libm::sin(angle), r * libm::cos(angle));
+        let Arc { center, .. } = arc(0.0, 0.0, [0.0, 0.0], 1);
+        let [low, high] = Arc { target: at(angle + way), center, turns }.bounds(&at(angle)).unwrap();
+        for corner in [low, high] {
+            prop_assert!(xz(&corner).iter().all(|mm| mm.abs() <= r + 2e-9), "{corner:?} of {r}");
+        }
+        let circle = Arc { target: at(angle), center, turns }.path(&at(angle)).unwrap();
+        prop_assert!((circle.length() / (std::f64::consts::TAU * r * f64::from(turns)) - 1.0).abs() < 1e-6);
+    }
+}
