@@ -92,8 +92,15 @@ fn words_used(block: &Block, motion: Option<G>) -> Done {
     for code in block.m_codes() {
         claim(words::of_m(code))?;
     }
-    match letters_of(block.present() & !used).next() {
-        Some(letter) => Err(unused(letter, motion)),
+    if let Some(letter) = letters_of(block.present() & !used).next() {
+        return Err(unused(letter, motion));
+    }
+    let shifts = block.g_codes().find(|code| matches!(code.0, 432 | 520 | 920));
+    match shifts.filter(|_| block.present() & (AXES | letter_bit('H')) == 0) {
+        Some(code) => {
+            let message = format!("{code} shifts nothing: the block has no axis words");
+            Err(Problem::error("missing-word", Blame::G(code), message, "add the axes to shift, such as X0"))
+        }
         None => Ok(()),
     }
 }
@@ -170,6 +177,10 @@ fn ten(block: &Block) -> Done {
     } else {
         "P0 is the system in force, P1 is G54, P9 is G59.3"
     };
+    if !block.has('P') {
+        let message = "G10 needs P";
+        return Err(Problem::error("missing-word", Blame::G(G(100)), message, format!("add P: {what}")));
+    }
     whole(block, 'P')?;
     within(block, 'P', least, greatest, what)?;
     whole(block, 'Q')?;

@@ -6,7 +6,7 @@ use crate::block::Block;
 use crate::canon::{FeedMode, PathMode, Plane, Turn, Units};
 use crate::codes::{G, M, g_group, group, m_group};
 use crate::problem::{Blame, Problem, Span};
-use crate::state::{G92_APPLIED, Spindle, State};
+use crate::state::{G92_APPLIED, Overrides, Spindle, State};
 
 use super::{Done, Output, execute};
 
@@ -30,8 +30,10 @@ struct Saved {
     spindle: Spindle,
     path: PathMode,
     naivecam: f64,
+    mist: bool,
+    flood: bool,
+    overrides: Overrides,
     g: [G; 12],
-    m: [Option<M>; 6],
 }
 
 impl Saved {
@@ -41,8 +43,10 @@ impl Saved {
             spindle: state.spindle,
             path: state.path,
             naivecam: state.naivecam,
+            mist: state.mist,
+            flood: state.flood,
+            overrides: state.overrides,
             g: g_codes_of(state),
-            m: m_codes_of(state),
         }
     }
 }
@@ -147,32 +151,41 @@ pub(super) fn system_code(system: u8) -> G {
     }
 }
 
-/// The M codes that set spindle, coolant and overrides as they are; none where only a code for on exists.
-fn m_codes_of(state: &State) -> [Option<M>; 6] {
-    let spindle = match state.spindle.turning {
-        None => M(5),
-        Some(Turn::Clockwise) => M(3),
-        Some(Turn::Counterclockwise) => M(4),
-    };
-    let mist = match (state.mist, state.flood) {
-        (true, _) => Some(M(7)),
-        (false, true) => None,
-        (false, false) => Some(M(9)),
-    };
-    let overrides = match (state.overrides.feed, state.overrides.speed) {
-        (true, true) => M(48),
-        (true, false) => M(50),
-        (false, true) => M(51),
-        (false, false) => M(49),
-    };
-    [
-        Some(spindle),
-        mist,
-        state.flood.then_some(M(8)),
-        Some(overrides),
-        state.overrides.adaptive.then_some(M(52)),
-        state.overrides.hold.then_some(M(53)),
-    ]
+/// The M codes, some with P, that bring spindle, coolant and overrides back.
+fn m_codes_for(saved: &Saved, state: &State) -> Vec<(M, Option<bool>)> {
+    let mut codes = Vec::new();
+    if saved.spindle.turning != state.spindle.turning {
+        let code = match saved.spindle.turning {
+            None => M(5),
+            Some(Turn::Clockwise) => M(3),
+            Some(Turn::Counterclockwise) => M(4),
+        };
+        codes.push((code, None));
+    }
+    let off = state.mist && !saved.mist || state.flood && !saved.flood;
+    if off {
+        codes.push((M(9), None));
+    }
+    if saved.mist && (off || !state.mist) {
+        codes.push((M(7), None));
+    }
+    if saved.flood && (off || !state.flood) {
+        codes.push((M(8), None));
+    }
+    let (then, now) = (saved.overrides, state.overrides);
+    match (then.feed, then.speed) {
+        both if both == (now.feed, now.speed) => {}
+        (true, true) => codes.push((M(48), None)),
+        (false, false) => codes.push((M(49), None)),
+        (feed, speed) => codes.extend([(M(50), Some(feed)), (M(51), Some(speed))]),
+    }
+    if then.adaptive != now.adaptive {
+        codes.push((M(52), Some(then.adaptive)));
+    }
+    if then.hold != now.hold {
+        codes.push((M(53), Some(then.hold)));
+    }
+    codes
 }
 
 /// Executes the codes that differ between now and then.
@@ -186,24 +199,22 @@ fn restore(saved: &Saved, state: &mut State, out: &mut Output) -> Done {
         block.clear(out.place.file, out.place.line);
     }
     fill(saved, state, &mut block)?;
-    if !block.is_empty() {
-        execute(&block, state, out)?;
-    }
-    let now = m_codes_of(state);
-    for (code, now) in saved.m.iter().zip(now) {
-        let Some(code) = code.filter(|code| Some(*code) != now) else { continue };
-        block.clear(out.place.file, out.place.line);
-        let group = crate::codes::m_group(code).unwrap_or(m_group::SPINDLE);
-        block.add_m(group, code, Span::default())?;
-        if (50..=53).contains(&code.0) {
-            block.add('P', 1.0, Span::default())?;
+    for (code, p) in m_codes_for(saved, state) {
+        if p.is_some() && !block.is_empty() {
+            execute(&block, state, out)?;
+            block.clear(out.place.file, out.place.line);
         }
+        if let Some(on) = p {
+            block.add('P', f64::from(on), Span::default())?;
+        }
+        block.add_m(crate::codes::m_group(code).unwrap_or(m_group::SPINDLE), code, Span::default())?;
         execute(&block, state, out)?;
+        block.clear(out.place.file, out.place.line);
     }
-    Ok(())
+    if block.is_empty() { Ok(()) } else { execute(&block, state, out) }
 }
 
-/// Fills the block that restores feed, speed and G codes.
+/// Fills the block that restores feed, speed and G codes. F, S and G64 are always in it.
 fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
     let nowhere = Span::default();
     let now = g_codes_of(state);
@@ -211,27 +222,23 @@ fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
         let Some(group) = g_group(*code) else { continue };
         block.add_g(group, *code, nowhere)?;
     }
-    if saved.feed != state.feed || block.g(group::FEED_MODE).is_some() {
-        block.add('F', saved.feed, nowhere)?;
-    }
+    block.add('F', saved.feed, nowhere)?;
+    block.add('S', saved.spindle.speed, nowhere)?;
     let mode = block.g(group::SPINDLE_MODE);
-    if saved.spindle.speed != state.spindle.speed || mode.is_some() {
-        block.add('S', saved.spindle.speed, nowhere)?;
-    }
     if let (Some(G(960)), Some(highest)) = (mode, saved.spindle.constant_surface) {
         block.add('D', highest, nowhere)?;
     }
-    if (saved.path, saved.naivecam) != (state.path, state.naivecam) {
-        let code = match saved.path {
-            PathMode::ExactPath => 610,
-            PathMode::ExactStop => 611,
-            PathMode::Continuous(_) => 640,
-        };
-        block.add_g(group::PATH, G(code), nowhere)?;
-        if let PathMode::Continuous(tolerance) = saved.path {
+    let path = match saved.path {
+        PathMode::ExactPath => G(610),
+        PathMode::ExactStop => G(611),
+        PathMode::Continuous(tolerance) => {
             block.add('P', tolerance, nowhere)?;
             block.add('Q', saved.naivecam, nowhere)?;
+            G(640)
         }
+    };
+    if path == G(640) || saved.path != state.path {
+        block.add_g(group::PATH, path, nowhere)?;
     }
     Ok(())
 }

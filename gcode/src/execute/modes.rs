@@ -49,17 +49,11 @@ pub(super) fn set(code: G, block: &Block, state: &mut State, out: &mut Output) -
         70 | 80 => diameter(code.0 == 70, state, out),
         610 | 611 | 640 => path(code, block, state, out),
         900 | 910 => {
-            let notes = [
-                "distance mode changed to absolute",
-                "distance mode changed to incremental",
-            ];
+            let notes = ["distance mode changed to absolute", "distance mode changed to incremental"];
             switch(&mut state.incremental, code.0 == 910, notes, out)
         }
         901 | 911 => {
-            let notes = [
-                "IJK distance mode changed to incremental",
-                "IJK distance mode changed to absolute",
-            ];
+            let notes = ["IJK distance mode changed to incremental", "IJK distance mode changed to absolute"];
             switch(&mut state.absolute_centers, code.0 == 901, notes, out)
         }
         _ => retract(code, state, out),
@@ -75,10 +69,7 @@ fn switch(mode: &mut bool, on: bool, notes: [&str; 2], out: &mut Output) -> Done
 }
 
 fn diameter(on: bool, state: &mut State, out: &mut Output) -> Done {
-    let notes = [
-        "Lathe diameter mode changed to radius",
-        "Lathe diameter mode changed to diameter",
-    ];
+    let notes = ["Lathe diameter mode changed to radius", "Lathe diameter mode changed to diameter"];
     switch(&mut state.diameter, on, notes, out)
 }
 

@@ -89,7 +89,7 @@ fn machine(name: &str, state: &State) -> Option<f64> {
         "_rpm" => Some(state.spindle.speed),
         "_current_tool" => Some(f64::from(state.tool)),
         "_current_pocket" => Some(f64::from(state.tools.in_spindle.pocket)),
-        "_selected_tool" => Some(f64::from(state.selected.unwrap_or(-1))),
+        "_selected_tool" => Some(f64::from(state.selected.unwrap_or(0))),
         "_selected_pocket" => Some(match state.selected.and_then(|number| state.tools.find(number)) {
             Some(tool) => f64::from(tool.pocket),
             None => -1.0,

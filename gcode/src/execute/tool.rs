@@ -57,8 +57,8 @@ fn change_number(block: &Block, state: &mut State, out: &mut Output) -> Done {
 /// Puts a copy of the tool into the spindle.
 fn load(number: i32, state: &mut State) {
     state.tool = number;
-    let unknown = || Tool { number, ..Tool::default() };
-    let tool = state.tools.find(number).cloned().unwrap_or_else(unknown);
+    let bare = || Tool { number, ..Tool::default() };
+    let tool = state.tools.find(number).cloned().unwrap_or_else(bare);
     state.tools.in_spindle = Tool { index: 0, ..tool };
 }
 
@@ -80,18 +80,21 @@ fn tool_number(block: &Block, letter: char) -> Result<i32, Box<Problem>> {
 
 /// A tool that must be in the table; 0 is the one in the spindle.
 fn entry(number: i32, letter: char, state: &State) -> Result<&Tool, Box<Problem>> {
+    let number = if number == 0 { state.tool } else { number };
     if number == 0 {
         return Ok(&state.tools.in_spindle);
     }
-    state.tools.find(number).ok_or_else(|| {
-        let message = format!("tool {number} is not in the tool table");
-        Problem::error(
-            "unknown-tool",
-            Blame::Word(letter),
-            message,
-            "enter it in the table, or name another tool",
-        )
-    })
+    state.tools.find(number).ok_or_else(|| unknown(number, letter))
+}
+
+fn unknown(number: i32, letter: char) -> Box<Problem> {
+    let message = format!("tool {number} is not in the tool table");
+    Problem::error(
+        "unknown-tool",
+        Blame::Word(letter),
+        message,
+        "enter it in the table, or name another tool",
+    )
 }
 
 /// G43 H, G43.1 (axis words), G43.2 H or axis words, G49.
@@ -132,7 +135,7 @@ pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> D
     let words = state.axes(block);
     let direct = integer(block, 'L') == Some(1);
     let to_fixture = integer(block, 'L') == Some(11);
-    let mut tool = entry(number, 'P', state)?.clone();
+    let mut tool = state.tools.find(number).cloned().ok_or_else(|| unknown(number, 'P'))?;
     let mut offset = state.to_program(&tool.offset);
     if direct {
         for (value, word) in offset.iter_mut().zip(words) {
