@@ -6,6 +6,7 @@
 //! it, so that `-2**2` is 4.
 
 use super::cursor::Cursor;
+use super::degrees;
 use super::memory::LAST;
 use super::number::number;
 use super::operator::{OPERATORS, Operator};
@@ -193,7 +194,7 @@ impl Values<'_> {
             return Err(cursor.error_here("missing-value", "the / of ATAN is missing here", help));
         }
         let x = self.bracket(cursor)?;
-        Ok(libm::atan2(y, x).to_degrees())
+        Ok(degrees::from_radians(libm::atan2(y, x)))
     }
 
     /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0.
@@ -264,19 +265,19 @@ enum Function {
 
 const FUNCTIONS: [(&str, Function); 14] = [
     ("abs", Function::Real("ABS", f64::abs)),
-    ("acos", Function::Real("ACOS", |x| libm::acos(x).to_degrees())),
-    ("asin", Function::Real("ASIN", |x| libm::asin(x).to_degrees())),
+    ("acos", Function::Real("ACOS", |x| degrees::from_radians(libm::acos(x)))),
+    ("asin", Function::Real("ASIN", |x| degrees::from_radians(libm::asin(x)))),
     ("atan", Function::Atan),
-    ("cos", Function::Real("COS", |x| libm::cos(x.to_radians()))),
+    ("cos", Function::Real("COS", degrees::cosine)),
     ("exists", Function::Exists),
     ("exp", Function::Real("EXP", libm::exp)),
     ("fix", Function::Real("FIX", f64::floor)),
     ("fup", Function::Real("FUP", f64::ceil)),
     ("ln", Function::Real("LN", libm::log)),
     ("round", Function::Real("ROUND", f64::round)),
-    ("sin", Function::Real("SIN", |x| libm::sin(x.to_radians()))),
+    ("sin", Function::Real("SIN", degrees::sine)),
     ("sqrt", Function::Real("SQRT", f64::sqrt)),
-    ("tan", Function::Real("TAN", |x| libm::tan(x.to_radians()))),
+    ("tan", Function::Real("TAN", degrees::tangent)),
 ];
 
 #[cold]

@@ -2,6 +2,7 @@
 
 mod comment;
 mod cursor;
+mod degrees;
 mod expression;
 mod line;
 pub mod memory;
