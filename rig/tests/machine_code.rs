@@ -1,0 +1,228 @@
+//! Machine code against the plant: how round the motors turn on arcs, what the operator does meanwhile, pauses, coolant.
+#![allow(clippy::unwrap_used)]
+
+use protocol::{
+    Arc, Code, Feed, Item, Machine, MachineState, MachineStatus, PerAxis, Position, SpindleMode,
+    operator::Request,
+};
+use rig::{
+    Rig,
+    observe::{Observation, Observer, Outcome, Record},
+};
+use sim_plant::Scenario;
+
+fn point(x: f64, z: f64) -> PerAxis<Position> {
+    let mut point = [Position(0); 8];
+    (point[0], point[2]) = (Position::from_mm(x), Position::from_mm(z));
+    point
+}
+
+fn line(x: f64, z: f64, feed: Feed) -> Code {
+    Code::Line { target: point(x, z), feed }
+}
+
+fn arc(x: f64, z: f64, center: [f64; 2], turns: i32, feed: Feed) -> Code {
+    Code::Arc { arc: Arc { target: point(x, z), center: center.map(Position::from_mm), turns }, feed }
+}
+
+/// Lines of the program count from 1.
+fn items(codes: &[Code]) -> Vec<Item> {
+    (1..).zip(codes).map(|(line, code)| Item { line, code: *code }).collect()
+}
+
+fn run(codes: &[Code], requests: &[(u64, Request)], see: impl FnMut(&Record)) -> Observation {
+    run_with("", codes, requests, see)
+}
+
+fn run_with(
+    scenario: &str,
+    codes: &[Code],
+    requests: &[(u64, Request)],
+    mut see: impl FnMut(&Record),
+) -> Observation {
+    let (machine, items) = (Machine::default(), items(codes));
+    let scenario =
+        if scenario.is_empty() { Scenario::none() } else { Scenario::from_toml(scenario).unwrap() };
+    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 5).unwrap();
+    let mut observer = Observer::new(&machine, &items);
+    for cycle in 0..400_000 {
+        let request = requests.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
+        let more = rig.cycle(request, |record| {
+            observer.cycle(record);
+            see(record);
+        });
+        if !more {
+            return observer.finish();
+        }
+    }
+    panic!("the program does not end");
+}
+
+/// True positions of the motors of X and Z, mm.
+fn motors(record: &Record) -> [f64; 2] {
+    [record.truth.axes[0].motor_mm, record.truth.axes[2].motor_mm]
+}
+
+const FEED: Feed = Feed::PerMinute(600.0);
+
+/// Turns of a circle of 10 mm about X 60, Z 50, in line 3; the ways to it and from it are tangential.
+fn circle(turns: i32) -> [Code; 5] {
+    let aside = 5.0 * f64::from(turns.signum());
+    [
+        line(50.0, 50.0 - aside, Feed::Rapid),
+        line(50.0, 50.0, FEED),
+        arc(50.0, 50.0, [60.0, 50.0], turns, FEED),
+        line(50.0, 50.0 + aside, FEED),
+        Code::End,
+    ]
+}
+
+/// Largest distance of the motors from the circle, mm, and the sweep they make of it, rad.
+fn roundness(requests: &[(u64, Request)], turns: i32) -> (f64, f64, Observation) {
+    let (mut worst, mut swept, mut before) = (0.0_f64, 0.0, None);
+    let seen = run(&circle(turns), requests, |record| {
+        let arc = record.axes.iter().all(|(_, axis)| axis.line == 3);
+        if !arc {
+            return;
+        }
+        let [x, z] = motors(record);
+        let (dx, dz) = (x - 60.0, z - 50.0);
+        worst = worst.max((libm::hypot(dx, dz) - 10.0).abs());
+        let angle = libm::atan2(dx, dz);
+        let step = angle - before.replace(angle).unwrap_or(angle);
+        swept += step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round();
+    });
+    (worst, swept, seen)
+}
+
+#[test]
+fn a_full_circle_is_round_to_a_micrometre() {
+    for turns in [1, -1, 2] {
+        let (worst, swept, seen) = roundness(&[], turns);
+        assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+        assert_eq!((seen.moves.count, seen.moves.limit_violations), (4, 0));
+        assert!(worst < 1e-3, "{} µm off the circle", worst * 1e3);
+        assert!((swept - std::f64::consts::TAU * f64::from(turns)).abs() < 1e-3, "swept {swept}");
+    }
+}
+
+#[test]
+fn overrides_and_holds_leave_the_circle_round() {
+    let (_, _, plain) = roundness(&[], 1);
+    let requests = [
+        (4000, Request::FeedOverride(150.0)),
+        (5000, Request::FeedHold),
+        (8000, Request::CycleStart),
+        (9000, Request::FeedOverride(20.0)),
+        (12_000, Request::FeedOverride(200.0)),
+    ];
+    let (worst, swept, seen) = roundness(&requests, 1);
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert_eq!((seen.moves.count, seen.moves.limit_violations), (4, 0));
+    assert!(worst < 2e-3, "{} µm off the circle", worst * 1e3);
+    assert!((swept - std::f64::consts::TAU).abs() < 1e-3, "swept {swept}");
+    assert!((seen.moves.time_s - plain.moves.time_s).abs() > 0.3, "the operator changed nothing");
+    let stop = [(5000, Request::Stop)];
+    let (worst, swept, seen) = roundness(&stop, 1);
+    assert_eq!(seen.outcome, Outcome::Stopped, "{:?}", seen.faults);
+    assert!(worst < 1e-3 && (0.1..6.0).contains(&swept), "stopped after {swept} rad");
+}
+
+/// A shaft end as it is turned: face, corner radius, shoulder fillet, all of it by the revolution.
+#[test]
+fn arcs_by_the_revolution_follow_the_spindle() {
+    let feed = Feed::PerRevolution(0.2);
+    let codes = [
+        Code::Spindle { mode: SpindleMode::Clockwise, rpm: 600.0 },
+        line(10.0, 0.0, Feed::Rapid),
+        line(18.0, 0.0, feed),
+        arc(20.0, -2.0, [18.0, -2.0], 1, feed),
+        line(20.0, -10.0, feed),
+        arc(25.0, -15.0, [25.0, -10.0], -1, feed),
+        Code::End,
+    ];
+    let (mut worst, mut fastest) = (0.0_f64, 0.0_f64);
+    let seen = run(&codes, &[], |record| {
+        if record.axes.iter().all(|(_, axis)| axis.line == 4) {
+            let [x, z] = motors(record);
+            worst = worst.max((libm::hypot(x - 18.0, z + 2.0) - 2.0).abs());
+            let [vx, vz] = [record.axes[0].1.velocity_mm_s, record.axes[1].1.velocity_mm_s];
+            fastest = fastest.max(libm::hypot(vx, vz));
+        }
+    });
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert_eq!((seen.moves.count, seen.moves.limit_violations), (5, 0));
+    assert!(worst < 2e-3, "{} µm off the circle", worst * 1e3);
+    assert!((fastest - 2.0).abs() < 0.05, "0.2 mm at 600 1/min are 2 mm/s, not {fastest}");
+}
+
+#[test]
+fn arcs_that_cannot_be_are_faults_and_move_nothing() {
+    let fault = |code: Code| {
+        let mut end = [0.0; 2];
+        let seen = run(&[line(50.0, 50.0, Feed::Rapid), code, Code::End], &[], |record| end = motors(record));
+        assert_eq!(seen.outcome, Outcome::Faulted);
+        assert!((end[0] - 50.0).abs() < 0.002 && (end[1] - 50.0).abs() < 0.002, "moved to {end:?}");
+        seen.faults[0].code.clone()
+    };
+    assert_eq!(fault(arc(60.0, 61.0, [60.0, 50.0], 1, FEED)), "bad-machine-code", "radii 10 and 11");
+    assert_eq!(fault(arc(50.0, 50.0, [90.0, 50.0], 1, FEED)), "travel-limit", "by way of X 130");
+}
+
+#[test]
+fn a_pause_waits_for_cycle_start() {
+    let codes = [line(50.0, 90.0, Feed::Rapid), Code::Pause, line(50.0, 80.0, FEED), Code::End];
+    let pauses = |scenario: &str| {
+        let mut moved = 0.0_f64;
+        let seen = run_with(scenario, &codes, &[], |record| {
+            if record.machine.state == MachineState::Paused as u32 {
+                moved = moved.max(record.axes.iter().map(|(_, axis)| axis.velocity_mm_s.abs()).sum());
+            }
+        });
+        assert!(moved < 1.0, "the last setpoints of the move before are still on their way, nothing else");
+        (seen.outcome, seen.moves.count, seen.pauses)
+    };
+    // Nobody will press it: it is pressed after a second.
+    let (outcome, moves, alone) = pauses("");
+    assert_eq!((outcome, moves, alone.len(), alone[0].line), (Outcome::Completed, 2, 1, 2));
+    assert!((alone[0].waited_s - 1.0).abs() < 0.02, "{} s", alone[0].waited_s);
+    // Somebody will: the program waits, however long.
+    let start = |time_s: f64| format!("[[event]]\nat = {{ time_s = {time_s} }}\ncycle_start = true\n");
+    let (outcome, _, attended) = pauses(&start(20.0));
+    let started_s = (attended[0].cycle as f64) * 0.0005 + attended[0].waited_s;
+    assert_eq!(outcome, Outcome::Completed);
+    assert!((started_s - 20.0).abs() < 0.02, "went on at {started_s} s");
+    // Pressed before, when nothing waited: that press is over.
+    let (outcome, _, early) = pauses(&start(0.05));
+    assert_eq!((outcome, early.len()), (Outcome::Completed, 1));
+    assert!((early[0].waited_s - 1.0).abs() < 0.02, "{} s", early[0].waited_s);
+    // By the line of the pause.
+    let (_, _, by_line) = pauses("[[event]]\nat = { line = 2 }\ncycle_start = true\n");
+    assert!(by_line[0].waited_s < 0.02, "{} s", by_line[0].waited_s);
+    let (outcome, moves, _) = pauses("[[event]]\nat = { time_s = 5 }\nstop = true\n");
+    assert_eq!((outcome, moves), (Outcome::Stopped, 1));
+}
+
+#[test]
+fn each_of_two_pauses_waits() {
+    let seen = run(&[Code::Pause, Code::Pause, Code::End], &[], |_| ());
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert_eq!(seen.pauses.iter().map(|pause| pause.line).collect::<Vec<_>>(), [1, 2]);
+    assert!(seen.pauses.iter().all(|pause| (pause.waited_s - 1.0).abs() < 0.02), "{:?}", seen.pauses);
+}
+
+#[test]
+fn coolant_is_seen_and_ends_with_the_program() {
+    let codes = [
+        Code::Coolant { mist: true, flood: false },
+        Code::Dwell { seconds: 0.1 },
+        Code::Coolant { mist: false, flood: true },
+        Code::Dwell { seconds: 0.1 },
+        Code::End,
+    ];
+    let mut seen = Vec::new();
+    let observation = run(&codes, &[], |record| seen.push(record.machine.coolant));
+    seen.dedup();
+    assert_eq!(observation.outcome, Outcome::Completed);
+    assert_eq!(seen, [0, MachineStatus::MIST, MachineStatus::FLOOD, 0]);
+}
