@@ -89,7 +89,9 @@ impl ThreadCycle {
         for depth in self.depths() {
             self.pass(depth, each)?;
         }
-        each(Call::StraightTraverse(self.point(0.0, self.end_z)))
+        let mut end = self.from;
+        end[Z] = self.end_z;
+        each(Call::StraightTraverse(end))
     }
 
     /// One pass: back to its start, in, along, out.

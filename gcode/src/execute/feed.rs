@@ -4,18 +4,15 @@
 
 use crate::block::Block;
 use crate::canon::{Call, FeedMode};
-use crate::problem::{Blame, Problem};
+use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
 use super::{Done, Output};
 
-/// The least feed that G93 makes, units per minute: a move without length needs one, too.
-const LEAST: f64 = 0.1;
-
 /// Refuses to cut without a feed.
 ///
 /// # Errors
-/// No F, no F in this block (G93), no S (G95).
+/// No F, no F greater than 0 in this block (G93), no S (G95).
 pub(super) fn ready(block: &Block, state: &State) -> Done {
     match state.feed_mode {
         FeedMode::InverseTime if !block.has('F') => {
@@ -23,7 +20,13 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
             let help = "add F: one divided by the minutes that the move takes; or return to G94";
             Err(Problem::error("no-feed", Blame::Block, message, help))
         }
-        FeedMode::InverseTime => Ok(()),
+        FeedMode::InverseTime => match block.get('F') {
+            Some(feed) if feed <= 0.0 => {
+                let message = format!("under G93 a move takes 1/F minutes, and F is {}", short(feed));
+                Err(Problem::error("bad-value", Blame::Word('F'), message, "give a value greater than 0"))
+            }
+            _ => Ok(()),
+        },
         _ if state.feed == 0.0 => {
             let message = "there is no feed for a move that cuts";
             let help = "program F in this block or before; G94 and G95 forget the F of the other mode";
@@ -42,7 +45,7 @@ pub(super) fn inverse_time(length: f64, block: &Block, state: &mut State, out: &
     if state.feed_mode != FeedMode::InverseTime {
         return Ok(());
     }
-    let feed = (length * block.get('F').unwrap_or(0.0)).max(LEAST);
+    let feed = length * block.get('F').unwrap_or(0.0);
     state.feed = feed;
     out.call(Call::SetFeedRate(feed))
 }

@@ -21,6 +21,7 @@ const FOUND: u32 = 5070;
 /// G38.2, G38.3 (towards), G38.4, G38.5 (away); the odd ones do without contact.
 pub(super) fn probe(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let refuse = |kind, message: &str, help: &str| Err(Problem::error(kind, Blame::G(code), message, help));
+    straight::some_axis(code, block)?;
     if state.compensation.is_on() {
         return refuse("not-available", "no probing while G41 or G42 is on", "switch it off with G40 before");
     }

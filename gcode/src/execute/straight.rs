@@ -15,7 +15,7 @@ use crate::block::{AXES, Block};
 use crate::canon::{A, Call, Plane, Position, X, Y, Z};
 use crate::codes::{G, group};
 use crate::problem::{Blame, Problem};
-use crate::state::{State, turn};
+use crate::state::State;
 
 use super::{Done, Output, compensation, feed};
 
@@ -101,19 +101,15 @@ fn machine_target(block: &Block, state: &State) -> Result<Position, Box<Problem>
         return Err(Problem::error("bad-value", Blame::Word(letter), message, "give X and Y"));
     }
     let mut target = state.position;
-    let mut turned = state.position;
-    for axis in [X, Y] {
-        turned[axis] += state.g92[axis];
-    }
-    turn(&mut turned, state.rotation);
+    let mut point = turned([X, Y].map(|axis| target[axis] + state.g92[axis]), state.rotation);
     for axis in [X, Y] {
         if let Some(value) = word(AXES[axis], block, state) {
-            turned[axis] = value - state.g5x[axis] - state.tool_offset[axis];
+            point[axis] = value - state.g5x[axis] - state.tool_offset[axis];
         }
     }
-    turn(&mut turned, -state.rotation);
+    let point = turned(point, -state.rotation);
     for axis in [X, Y] {
-        target[axis] = turned[axis] - state.g92[axis];
+        target[axis] = point[axis] - state.g92[axis];
     }
     for axis in Z..AXES.len() {
         if let Some(value) = word(AXES[axis], block, state) {
@@ -121,6 +117,21 @@ fn machine_target(block: &Block, state: &State) -> Result<Position, Box<Problem>
         }
     }
     Ok(target)
+}
+
+/// A point turned about Z. Turning by 0 counts, too: it settles the sign of a zero as other controls print it.
+fn turned([x, y]: [f64; 2], degrees: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(radians(degrees));
+    [x * cos - y * sin, x * sin + y * cos]
+}
+
+/// Refuses a move without a word of an axis.
+pub(super) fn some_axis(code: G, block: &Block) -> Done {
+    if block.has_axes() || block.has('@') || block.has('^') {
+        return Ok(());
+    }
+    let message = format!("{code} goes nowhere: the block has no word of an axis");
+    Err(Problem::error("missing-word", Blame::G(code), message, "add the axes that move"))
 }
 
 /// `@` and `^`.
@@ -189,6 +200,9 @@ fn at(distance: f64, angle: f64) -> [f64; 2] {
 pub(super) fn radians(degrees: f64) -> f64 {
     /// What π/180 has beyond its double.
     const REST: f64 = 2.948_652_270_870_168_7e-19;
+    if degrees == 0.0 {
+        return degrees;
+    }
     let first = degrees * (PI / 180.0);
     let lost = libm::fma(degrees, PI / 180.0, -first);
     first + (lost + degrees * REST)

@@ -18,6 +18,7 @@ const MOST_SPRINGS: i64 = 1000;
 
 /// G33, G33.1 and G76.
 pub(super) fn threading(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    straight::some_axis(code, block)?;
     if state.compensation.is_on() {
         let message = format!("{code} while {} is on", state.compensation.code());
         return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 before"));

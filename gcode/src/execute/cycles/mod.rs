@@ -70,6 +70,7 @@ pub(super) fn is_cycle(code: G) -> bool {
 
 /// Executes a cycle.
 pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    straight::some_axis(code, block)?;
     if state.feed_mode == FeedMode::InverseTime {
         let message = format!("{code} makes several moves, and under G93 every move needs an F of its own");
         return Err(Problem::error("bad-value", Blame::G(code), message, "use G94 or G95 and a feed"));
