@@ -183,7 +183,8 @@ impl Program {
 
     fn new(source: Source, folder: Option<&Path>, options: &Options) -> Program {
         let limits = options.limits;
-        let folders = folder.map(Path::to_owned).into_iter().chain(options.subroutine_folders.iter().cloned());
+        let folders =
+            folder.map(Path::to_owned).into_iter().chain(options.subroutine_folders.iter().cloned());
         let files = Files::new(source, folders.collect(), limits.subroutine_bytes, limits.line_length);
         let mut state = State::new(options);
         state.memory.set_named("_value", 0.0);
@@ -249,6 +250,7 @@ impl Program {
             }
         };
         self.block.clear(file, line.number());
+        self.state.line = line.number();
         let mut cursor = Cursor::new(self.flow.files.bytes(&line));
         let head = head(&mut cursor)?;
         if head.optional && self.options.block_delete {
@@ -298,7 +300,12 @@ impl Program {
             "{} lines without a move: the limit blocks_without_motion, which ends endless loops",
             self.options.longest_idle
         );
-        Problem::error("endless-loop", Blame::Block, message, "check the condition of the loop that this line is in")
+        Problem::error(
+            "endless-loop",
+            Blame::Block,
+            message,
+            "check the condition of the loop that this line is in",
+        )
     }
 
     /// Makes a diagnostic of an error, if there is none for its line yet.

@@ -13,11 +13,15 @@ use crate::words::{Reader, whole};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// One of its branches was executed, or is.
-    If { taken: bool },
+    If {
+        taken: bool,
+    },
     While,
     Do,
     /// With the turns that are left.
-    Repeat { left: u64 },
+    Repeat {
+        left: u64,
+    },
 }
 
 impl Kind {
@@ -264,7 +268,8 @@ impl Flow {
             Some(open) => {
                 let other = format!("{} {}", self.labels.text(open.label), open.kind.text());
                 let line = open.line.lines + 1;
-                let message = format!("{text} {keyword} has no {beginning}: {other} in line {line} is open here");
+                let message =
+                    format!("{text} {keyword} has no {beginning}: {other} in line {line} is open here");
                 (message, format!("end {other} first, or correct the label"))
             }
             None => {

@@ -121,13 +121,21 @@ impl Flow {
         let name = self.labels.text(label);
         let (how, help) = match definition.style {
             Style::Sub => ("sub", format!("call it by {name} call")),
-            Style::Program => ("the beginning of a program", format!("call it by M98 P{}", &name.trim_start_matches('o'))),
+            Style::Program => {
+                ("the beginning of a program", format!("call it by M98 P{}", &name.trim_start_matches('o')))
+            }
         };
-        let message = format!("{name} in {} is {how}, which is called in another way", self.place(definition));
+        let message =
+            format!("{name} in {} is {how}, which is called in another way", self.place(definition));
         Err(Problem::error("wrong-call", Blame::Block, message, help))
     }
 
-    fn search_for(&mut self, label: Label, reader: &mut Reader, state: &State) -> Result<Definition, Box<Problem>> {
+    fn search_for(
+        &mut self,
+        label: Label,
+        reader: &mut Reader,
+        state: &State,
+    ) -> Result<Definition, Box<Problem>> {
         let stem = self.labels.file_stem(label).to_owned();
         if let Some(file) = self.files.open(&stem)? {
             let (caller, back) = (self.files.current(), self.files.mark());
@@ -144,7 +152,9 @@ impl Flow {
                 self.files.candidates(&stem).iter().map(|path| path.display().to_string()).collect();
             let message = match files.as_slice() {
                 [] => format!("there is no subroutine {name} in this file"),
-                files => format!("there is no subroutine {name}, neither in this file nor in {}", files.join(", ")),
+                files => {
+                    format!("there is no subroutine {name}, neither in this file nor in {}", files.join(", "))
+                }
             };
             let help = "define it, put its file into a folder for subroutines, or correct the label";
             Problem::error("no-subroutine", Blame::Block, message, help)
@@ -164,8 +174,10 @@ impl Flow {
         }
         if self.frames.len() >= self.deepest as usize {
             let name = self.labels.text(label);
-            let message =
-                format!("{name} would be call number {} inside each other: the limit call_depth", self.frames.len() + 1);
+            let message = format!(
+                "{name} would be call number {} inside each other: the limit call_depth",
+                self.frames.len() + 1
+            );
             let help = "end the recursion by an if, or make a loop of it";
             return Err(Problem::error("calls-too-deep", Blame::Block, message, help));
         }
@@ -220,7 +232,12 @@ impl Flow {
         if definition.style == Style::Sub {
             let name = self.labels.text(label);
             let message = format!("M99 stands in {name} sub");
-            return Err(Problem::error("unmatched", Blame::M(M(99)), message, format!("end it with {name} endsub")));
+            return Err(Problem::error(
+                "unmatched",
+                Blame::M(M(99)),
+                message,
+                format!("end it with {name} endsub"),
+            ));
         }
         match frame.left.checked_sub(1).filter(|_| self.repeats) {
             Some(left) => {
@@ -270,7 +287,12 @@ impl Flow {
             Some(program) if program.is_closed() => Ok(()),
             Some(program) if program.is_tape() => {
                 let message = "the program ends without the % that belongs to its first line, and without M2";
-                Err(Problem::error("no-program-end", Blame::Block, message, "end it with M2, M30 or a line with %"))
+                Err(Problem::error(
+                    "no-program-end",
+                    Blame::Block,
+                    message,
+                    "end it with M2, M30 or a line with %",
+                ))
             }
             _ => {
                 let message = "the program ends without M2 or M30";

@@ -81,7 +81,12 @@ pub(super) fn read(
         let number = whole(value).and_then(|number| u32::try_from(number).ok());
         let Some(number) = number else {
             let help = "a label is a whole number or a name, as in o100 or o<drill>";
-            return Err(cursor.error_from(start, "bad-label", "the label of the O word is no whole number", help));
+            return Err(cursor.error_from(
+                start,
+                "bad-label",
+                "the label of the O word is no whole number",
+                help,
+            ));
         };
         labels.number(number)
     };

@@ -97,6 +97,19 @@ impl Files {
         Ok(None)
     }
 
+    /// Opens a file by its whole name, in the first folder that has it; `None` if none has.
+    ///
+    /// # Errors
+    /// It cannot be read, or is too large.
+    pub(crate) fn open_file(&mut self, name: &str) -> Result<Option<usize>, Box<Problem>> {
+        let Some(path) = self.folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file())
+        else {
+            return Ok(None);
+        };
+        let file = File::open(&path).map_err(|error| unreadable(&path, &error))?;
+        self.load(&path, file).map(Some)
+    }
+
     /// The files that are looked for: none for names that would lead out of the folders.
     pub(crate) fn candidates(&self, stem: &str) -> Vec<PathBuf> {
         if stem.contains(['/', '\\']) || stem.starts_with('.') {
@@ -108,7 +121,8 @@ impl Files {
     fn load(&mut self, path: &Path, file: File) -> Result<usize, Box<Problem>> {
         let mut text = Vec::new();
         file.take(self.left + 1).read_to_end(&mut text).map_err(|error| unreadable(path, &error))?;
-        let Some(left) = self.left.checked_sub(text.len() as u64).filter(|_| self.sources.len() < MOST) else {
+        let Some(left) = self.left.checked_sub(text.len() as u64).filter(|_| self.sources.len() < MOST)
+        else {
             let message = format!(
                 "with {} the subroutine files have more than {} bytes, the limit subroutine_bytes",
                 path.display(),

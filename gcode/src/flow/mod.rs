@@ -117,7 +117,9 @@ impl Flow {
         let mut order = Order { control, value: None, arguments: [0.0; ARGUMENTS] };
         match control.keyword {
             // A branch that cannot be taken any more is not evaluated.
-            Keyword::ElseIf if self.open().is_some_and(|open| open.is_taken(control.label)) => return Ok(order),
+            Keyword::ElseIf if self.open().is_some_and(|open| open.is_taken(control.label)) => {
+                return Ok(order);
+            }
             Keyword::If | Keyword::ElseIf | Keyword::While | Keyword::Repeat => {
                 match control::value(control.keyword, &mut cursor, reader, state) {
                     Ok(value) => order.value = Some(value),

@@ -131,7 +131,11 @@ impl Flow {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub(super) fn search_definitions(&mut self, reader: &mut Reader, state: &State) -> Result<(), Box<Problem>> {
+    pub(super) fn search_definitions(
+        &mut self,
+        reader: &mut Reader,
+        state: &State,
+    ) -> Result<(), Box<Problem>> {
         let (file, back) = (self.files.current(), self.files.mark());
         if self.searched.len() <= file {
             self.searched.resize(file + 1, Mark::default());

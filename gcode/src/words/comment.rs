@@ -11,6 +11,8 @@ use crate::state::State;
 
 /// What stands for a parameter that is not set.
 const UNKNOWN: &str = "######";
+/// What is smaller is written as 0, without a sign (LinuxCNC 2.10).
+const ZERO: f64 = 1e-6;
 /// Numbers that would be longer than this are not written.
 const LONGEST_NUMBER: usize = 29;
 
@@ -157,7 +159,7 @@ fn parameter<'a>(
 fn write_value(value: Option<f64>, decimals: usize, out: &mut String) {
     let before = out.len();
     let Some(value) = value else { return out.push_str(UNKNOWN) };
-    let value = if value.abs() < 1e-4 { 0.0 } else { value };
+    let value = if value.abs() < ZERO { 0.0 } else { value };
     // A text in memory takes everything.
     let _ = write!(out, "{value:.decimals$}");
     if out.len() - before > LONGEST_NUMBER {

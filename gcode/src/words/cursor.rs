@@ -54,9 +54,22 @@ impl<'a> Cursor<'a> {
         is
     }
 
+    /// The bytes that are not taken yet, blanks included.
+    #[inline]
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.text.get(self.at..).unwrap_or(&[])
+    }
+
+    /// Takes so many bytes.
+    #[inline]
+    pub(crate) fn advance(&mut self, bytes: usize) {
+        self.at += bytes;
+        self.taken = self.at;
+    }
+
     /// How many digits come next, without a blank before or between them.
     pub(crate) fn digits_here(&self) -> u8 {
-        let rest = self.text.get(self.at..).unwrap_or(&[]);
+        let rest = self.rest();
         rest.iter().take_while(|byte| byte.is_ascii_digit()).count().min(255) as u8
     }
 
@@ -84,7 +97,7 @@ impl<'a> Cursor<'a> {
 
     /// Takes everything to the end of the line.
     pub(crate) fn take_rest(&mut self) -> &'a [u8] {
-        let rest = self.text.get(self.at..).unwrap_or(&[]);
+        let rest = self.rest();
         (self.at, self.taken) = (self.text.len(), self.text.len());
         rest
     }
@@ -105,7 +118,7 @@ impl<'a> Cursor<'a> {
     /// The next character, or the end of the line.
     pub(crate) fn here(&mut self) -> Blame {
         let start = self.mark();
-        let rest = self.text.get(self.at..).unwrap_or(&[]);
+        let rest = self.rest();
         let width = match rest.utf8_chunks().next() {
             Some(chunk) => chunk.valid().chars().next().map_or(1, char::len_utf8),
             None => 0,

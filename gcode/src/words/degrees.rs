@@ -13,7 +13,7 @@ use libm::{cos, sin, tan};
 use std::f64::consts::PI;
 
 /// π of 64 bits is `PI + PI_LOW`.
-const PI_LOW: f64 = 1.225148454908620e-16;
+const PI_LOW: f64 = 1.22514845490862e-16;
 
 /// An angle in radians, as the sum of two numbers.
 #[derive(Clone, Copy)]

@@ -70,8 +70,10 @@ impl Values<'_> {
     /// Reads `what` one level deeper.
     fn nested(&mut self, cursor: &mut Cursor, what: fn(&mut Self, &mut Cursor) -> Value) -> Value {
         if self.depth >= self.deepest {
-            let message =
-                format!("more than {} brackets, signs or # inside each other, the limit expression_depth", self.deepest);
+            let message = format!(
+                "more than {} brackets, signs or # inside each other, the limit expression_depth",
+                self.deepest
+            );
             let help = "compute part of it into a parameter on a line before, as in #1=[...]";
             return Err(cursor.error_here("expression-too-deep", message, help));
         }
@@ -125,7 +127,9 @@ impl Values<'_> {
         let message = format!("the parameter #<{}> was never set", self.name);
         let help = match self.name.starts_with('_') {
             true => "set it on a line before, or check how it is spelled",
-            false => "set it on a line before in the same subroutine (names that begin with _ belong to the program)",
+            false => {
+                "set it on a line before in the same subroutine (names that begin with _ belong to the program)"
+            }
         };
         Problem::error("unknown-name", crate::problem::Blame::Span(span), message, help)
     }
@@ -235,7 +239,12 @@ pub(crate) fn read_name(name: &mut String, start: u32, cursor: &mut Cursor) -> R
     let Some(bytes) = cursor.take_until(b'>') else {
         cursor.take_rest();
         let help = "names stand in < >, as in #<depth>";
-        return Err(cursor.error_from(start, "missing-bracket", "the closing > of the name is missing", help));
+        return Err(cursor.error_from(
+            start,
+            "missing-bracket",
+            "the closing > of the name is missing",
+            help,
+        ));
     };
     let blank = |byte: &u8| matches!(byte, b' ' | b'\t');
     if bytes.iter().any(|byte| !byte.is_ascii_graphic() && !blank(byte)) {
@@ -251,7 +260,12 @@ pub(crate) fn read_name(name: &mut String, start: u32, cursor: &mut Cursor) -> R
 }
 
 /// The whole number that a value is near to.
+#[inline]
 pub(crate) fn whole(value: f64) -> Option<i64> {
+    let truncated = value as i64;
+    if truncated as f64 == value {
+        return Some(truncated);
+    }
     let rounded = value.round();
     ((value - rounded).abs() <= WHOLE && rounded.abs() < 1e15).then_some(rounded as i64)
 }

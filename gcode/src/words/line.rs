@@ -114,7 +114,8 @@ impl Reader {
             Target::Number(index)
         };
         if !cursor.take_if(b'=') {
-            let help = "a line may set a parameter, as in #1=2.5; to use one, write a letter before it, as in X#1";
+            let help =
+                "a line may set a parameter, as in #1=2.5; to use one, write a letter before it, as in X#1";
             return Err(cursor.error_here("missing-value", "= is missing here", help));
         }
         let value = self.values(state).value(cursor)?;
@@ -260,7 +261,11 @@ fn unknown_code(code: &'static str, letter: char, value: f64, span: Span) -> Box
 fn writable_name(name: &str, span: Span, state: &State) -> Done {
     let told = match name {
         "_value" | "_value_returned" => true,
-        _ => name.starts_with('_') && state.memory.named(name).is_none() && system::named(name, state).is_some(),
+        _ => {
+            name.starts_with('_')
+                && state.memory.named(name).is_none()
+                && system::named(name, state).is_some()
+        }
     };
     if told { Err(read_only(&format!("#<{name}>"), span)) } else { Ok(()) }
 }

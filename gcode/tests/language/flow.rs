@@ -5,13 +5,17 @@ use gcode::{Limits, Options, Program};
 
 #[test]
 fn loops_turn_as_often_as_they_say() {
-    let text = "o1 while [#1 lt 4]\n#1=[#1+1]\no2 if [#1 eq 2]\no1 continue\no2 endif\n(debug,%d#1)\no1 endwhile";
+    let text =
+        "o1 while [#1 lt 4]\n#1=[#1+1]\no2 if [#1 eq 2]\no1 continue\no2 endif\n(debug,%d#1)\no1 endwhile";
     assert_eq!(messages(text), ["1", "3", "4"]);
     let text = "o1 do\n#1=[#1+1]\no2 if [#1 eq 3]\no1 break\no2 endif\n(debug,%d#1)\no1 while [1]\n(msg,out)";
     assert_eq!(messages(text), ["1", "2", "out"]);
     let text = "#1=2\no1 repeat [#1]\n#1=[#1*2]\no2 repeat [2]\n(debug,%d#1)\no2 endrepeat\no1 endrepeat";
     assert_eq!(messages(text), ["4", "4", "8", "8"]);
-    assert_eq!(messages("o1 while [0]\n(msg,no)\no1 endwhile\no2 repeat [0]\n(msg,no)\no2 endrepeat"), [""; 0]);
+    assert_eq!(
+        messages("o1 while [0]\n(msg,no)\no1 endwhile\no2 repeat [0]\n(msg,no)\no2 endrepeat"),
+        [""; 0]
+    );
 }
 
 #[test]
@@ -64,11 +68,16 @@ fn subroutine_files_are_found_in_the_folder_of_the_program_and_in_others() {
     };
     let main = write(&here, "main.ngc", "o<near> call\no<far> call [2]\nM98 P700\no<helper> call\nM2\n");
     write(&here, "near.ngc", "o<near> sub\n(msg,near)\no<near> endsub\n");
-    write(&there, "far.ngc", "o<helper> sub\n(msg,helper)\no<helper> endsub\no<far> sub\no<helper> call\n(debug,far %d#1)\no<far> endsub\nM2\n");
+    write(
+        &there,
+        "far.ngc",
+        "o<helper> sub\n(msg,helper)\no<helper> endsub\no<far> sub\no<helper> call\n(debug,far %d#1)\no<far> endsub\nM2\n",
+    );
     write(&there, "700.ngc", "o700\n(msg,700)\nM99\n");
     let options = Options { subroutine_folders: vec![there.path().to_owned()], ..Options::default() };
     let outcome = run(Program::open(&main, &options).unwrap());
-    let said: Vec<_> = outcome.record.calls.iter().filter(|call| call.starts_with("Message")).cloned().collect();
+    let said: Vec<_> =
+        outcome.record.calls.iter().filter(|call| call.starts_with("Message")).cloned().collect();
     assert_eq!(said, ["near", "helper", "far 2", "700", "helper"].map(|text| format!("Message({text:?})")));
     assert!(outcome.errors.is_empty());
 
@@ -128,8 +137,12 @@ fn what_does_not_belong_together_is_refused() {
 
 #[test]
 fn after_an_error_each_line_is_looked_at_once_and_the_program_ends() {
-    let text = "o1 while [#1 lt 10]\n#1=[#1+\nG0 X[1/0]\no1 endwhile\no2 while [#3 lt]\nG99999\no2 endwhile\nM2\n";
-    assert_eq!(errors(text), [(2, "missing-value"), (3, "arithmetic"), (5, "missing-value"), (6, "unknown-g-code")]);
+    let text =
+        "o1 while [#1 lt 10]\n#1=[#1+\nG0 X[1/0]\no1 endwhile\no2 while [#3 lt]\nG99999\no2 endwhile\nM2\n";
+    assert_eq!(
+        errors(text),
+        [(2, "missing-value"), (3, "arithmetic"), (5, "missing-value"), (6, "unknown-g-code")]
+    );
 }
 
 #[test]
@@ -152,4 +165,65 @@ fn an_unmatched_end_names_what_is_open() {
     let outcome = outcome("o1 while [1]\no2 if [1]\no1 endwhile\nM2\n");
     assert!(outcome.errors[0].message.contains("o2 if in line 2"), "{}", outcome.errors[0].message);
     assert_eq!(blamed("o1 if [1/0]\no1 endif\nM2").2, "1/0");
+}
+
+/// Lines that a random program is made of.
+const PIECES: [&str; 32] = [
+    "o1 while [#1 lt 3]",
+    "o1 endwhile",
+    "o1 do",
+    "o1 while [#1 lt 5]",
+    "o1 if [#1 gt 1]",
+    "o1 elseif [#2]",
+    "o1 else",
+    "o1 endif",
+    "o1 repeat [2]",
+    "o1 endrepeat",
+    "o1 break",
+    "o1 continue",
+    "o2 while [1]",
+    "o2 endwhile",
+    "o2 if [0]",
+    "o2 endif",
+    "o2 break",
+    "o<a> sub",
+    "o<a> endsub",
+    "o<a> call [#1] [2]",
+    "o<a> return [#1]",
+    "o3",
+    "M98 P3 L2",
+    "M99",
+    "#1=[#1+1]",
+    "#2=[1/#1]",
+    "G0 X#1",
+    "%",
+    "/ #1=9",
+    "(debug,#1 #<a>)",
+    "o[#1] if [1]",
+    "M2",
+];
+
+proptest::proptest! {
+    /// However lines are put together, the program ends, and each line has at most one error.
+    #[test]
+    fn any_program_ends(picks in proptest::collection::vec(0..PIECES.len(), 0..40)) {
+        let text: String = picks.iter().map(|pick| format!("{}\n", PIECES[*pick])).collect();
+        let limits = Limits { blocks_without_motion: 500, call_depth: 8, ..Limits::default() };
+        let mut program = Program::from_text("t", text.as_str(), &Options { limits, ..Options::default() });
+        let (mut record, mut lines) = (super::common::Record::default(), Vec::new());
+        for _ in 0..20_000 {
+            match program.step(&mut record) {
+                Ok(gcode::Step::Ended) => break,
+                Ok(gcode::Step::More) => {}
+                Err(error) => lines.push(error.line),
+            }
+        }
+        let before = lines.len();
+        lines.sort_unstable();
+        lines.dedup();
+        proptest::prop_assert_eq!(before, lines.len());
+        if before > 0 {
+            proptest::prop_assert!(program.state().ended || program.step(&mut record).is_ok_and(|step| step == gcode::Step::Ended));
+        }
+    }
 }

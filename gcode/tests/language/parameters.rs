@@ -4,15 +4,16 @@ use super::common::{blamed, errors, messages, outcome};
 
 #[test]
 fn parameters_may_stand_for_parameters() {
-    assert_eq!(messages("#10=11 #11=12\n(debug,#10)\n#1=##10 #2=#[5+6]\n(debug,#1 #2)"), [
-        "11.000000",
-        "12.000000 12.000000"
-    ]);
+    assert_eq!(
+        messages("#10=11 #11=12\n(debug,#10)\n#1=##10 #2=#[5+6]\n(debug,#1 #2)"),
+        ["11.000000", "12.000000 12.000000"]
+    );
 }
 
 #[test]
 fn names_that_begin_with_an_underscore_belong_to_the_program() {
-    let text = "o1 sub\n(debug,#<_g> #<l>)\n#<l>=9\n#<_g>=7\no1 endsub\n#<_g>=1 #<l>=2\no1 call\n(debug,#<_g> #<l>)";
+    let text =
+        "o1 sub\n(debug,#<_g> #<l>)\n#<l>=9\n#<_g>=7\no1 endsub\n#<_g>=1 #<l>=2\no1 call\n(debug,#<_g> #<l>)";
     assert_eq!(messages(text), ["1.000000 ######", "7.000000 2.000000"]);
 }
 
@@ -23,7 +24,10 @@ fn a_name_is_known_from_the_next_line_on() {
 
 #[test]
 fn what_tells_the_state_is_read_and_cannot_be_set() {
-    assert_eq!(messages("G0 X3 Y4\n(debug,#5420 #5421 #<_x> #5220)"), ["3.000000 4.000000 3.000000 1.000000"]);
+    assert_eq!(
+        messages("G0 X3 Y4\n(debug,#5420 #5421 #<_x> #5220)"),
+        ["3.000000 4.000000 3.000000 1.000000"]
+    );
     for text in ["#5420=1", "#5400=1", "#<_x>=1", "#<_value>=1"] {
         assert_eq!(errors(&format!("{text}\nM2")), [(1, "bad-parameter")], "{text}");
     }

@@ -7,7 +7,9 @@ const TRAVERSE: &str = "StraightTraverse([1.0, -2.5, 0.0, 0.0, 0.0, 0.0])";
 
 #[test]
 fn words_may_be_written_in_many_ways() {
-    for text in ["G0 X1 Y-2.5", "g0x1y-2.5", "G 0 0 x 0 1 . y-0 2 . 5", "\tG0\tX+1 Y-[2.5]", "N0010 X1 G0 Y-2.5 ;end"] {
+    for text in
+        ["G0 X1 Y-2.5", "g0x1y-2.5", "G 0 0 x 0 1 . y-0 2 . 5", "\tG0\tX+1 Y-[2.5]", "N0010 X1 G0 Y-2.5 ;end"]
+    {
         assert_eq!(calls(text), [TRAVERSE], "{text}");
     }
 }
@@ -27,16 +29,18 @@ fn optional_lines_are_left_out_if_they_are_switched_off() {
 fn comments_speak_with_the_values_of_parameters() {
     assert_eq!(messages("(MSG,load bar #1)"), ["load bar #1"]);
     assert_eq!(messages("( msg , load bar)"), [" load bar"]);
-    assert_eq!(messages("#1=2.5 #<a b>=-1\n(debug,#1 #<ab> #<A b> #<x> #)"), ["2.500000 -1.000000 -1.000000 ###### #"]);
+    assert_eq!(
+        messages("#1=2.5 #<a b>=-1\n(debug,#1 #<ab> #<A b> #<x> #)"),
+        ["2.500000 -1.000000 -1.000000 ###### #"]
+    );
     assert_eq!(messages("#1=2.56\n(debug,%d#1 %f#1 %.1f#1 50% %x)"), ["3 2.5600 2.6 50% %x"]);
     assert_eq!(messages("#1=3 (debug,#1)"), ["3.000000"], "parameters are set before the comment speaks");
     assert_eq!(messages("#5599=0\n(debug,off)\n(msg,on)"), ["on"]);
     assert_eq!(calls("(print,a #1)"), ["Print(\"a 0.000000\")"]);
-    assert_eq!(calls("(LOG,n=%d#1)\n(LogOpen,a.txt)\n(logclose)"), [
-        "Log(\"LOG\", \"n=0\")",
-        "Log(\"LOGOPEN\", \"a.txt\")",
-        "Log(\"LOGCLOSE\", \"\")"
-    ]);
+    assert_eq!(
+        calls("(LOG,n=%d#1)\n(LogOpen,a.txt)\n(logclose)"),
+        ["Log(\"LOG\", \"n=0\")", "Log(\"LOGOPEN\", \"a.txt\")", "Log(\"LOGCLOSE\", \"\")"]
+    );
     assert_eq!(calls("; not shown (msg,neither)"), [""; 0]);
     assert_eq!(errors("(abort,no bar)\nM2"), [(1, "abort")]);
 }
