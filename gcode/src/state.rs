@@ -8,7 +8,7 @@ use crate::canon::{FeedMode, PathMode, Plane, Position, Turn, Units, X, Y, Z};
 use crate::codes::G;
 use crate::execute::{compensation::Compensation, context::Contexts, cycles::Sticky, roughing::Recorder};
 use crate::files::ToolTable;
-use crate::program::Options;
+use crate::options::Options;
 use crate::words::memory::Memory;
 
 /// #5161 to #5166: home of G28, machine units; #5181: home of G30.

@@ -1,0 +1,95 @@
+//! What a program is run with: language, start of the machine, tools, parameters, limits.
+
+use std::path::PathBuf;
+
+use crate::canon::{Plane, Position, Units};
+use crate::files::ToolTable;
+
+/// Which language a program is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// RS274/NGC as LinuxCNC speaks it.
+    Linuxcnc,
+    /// FANUC lathe programs.
+    Fanuc,
+}
+
+/// Where a program ends that would not end by itself. Messages name the limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Lines in a row without a move: a loop that does nothing else is taken for endless.
+    pub blocks_without_motion: u64,
+    /// Subroutine calls inside each other.
+    pub call_depth: u32,
+    /// Brackets, signs and `#` inside each other.
+    pub expression_depth: u32,
+    /// Bytes of a line.
+    pub line_length: usize,
+    /// Bytes of all subroutine files.
+    pub subroutine_bytes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits {
+            blocks_without_motion: 100_000_000,
+            call_depth: 100,
+            expression_depth: 64,
+            line_length: 4096,
+            subroutine_bytes: 16 << 20,
+        }
+    }
+}
+
+/// What a program is run with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Language.
+    pub dialect: Dialect,
+    /// Units of the machine: tool table, parameters.
+    pub machine_units: Units,
+    /// Units in force at the start.
+    pub units: Units,
+    /// Plane at the start.
+    pub plane: Plane,
+    /// G7 at the start.
+    pub diameter: bool,
+    /// Programmed point at the start, in the units in force.
+    pub position: Position,
+    /// Lines that begin with `/` are left out.
+    pub block_delete: bool,
+    /// Tools.
+    pub tools: ToolTable,
+    /// Numbered parameters that are set at the start.
+    pub parameters: Vec<(u32, f64)>,
+    /// G73 and G83 go back by this much between pecks, machine units.
+    pub peck_clearance: f64,
+    /// G20 and G21 leave F and the offset of the tool as numbers: LinuxCNC's stand-alone interpreter does so, its
+    /// controller converts them.
+    pub keep_numbers: bool,
+    /// Where subroutine files are looked for, behind the folder of the program.
+    pub subroutine_folders: Vec<PathBuf>,
+    /// Limits.
+    pub limits: Limits,
+}
+
+impl Default for Options {
+    /// The start of LinuxCNC's `rs274` with a millimetre machine.
+    fn default() -> Options {
+        Options {
+            dialect: Dialect::Linuxcnc,
+            machine_units: Units::Millimetre,
+            units: Units::Millimetre,
+            plane: Plane::Xy,
+            diameter: false,
+            position: [0.0; 6],
+            block_delete: false,
+            tools: ToolTable::default(),
+            parameters: Vec::new(),
+            peck_clearance: 0.254,
+            keep_numbers: false,
+            subroutine_folders: Vec::new(),
+            limits: Limits::default(),
+        }
+    }
+}
