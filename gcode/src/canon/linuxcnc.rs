@@ -206,7 +206,7 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
                 self.lines.text(if turns { "SET_FEED_MODE(0, 1)" } else { "SET_FEED_MODE(0, 0)" });
             }
             Call::Dwell(time) => self.one_number("DWELL(", time),
-            Call::StartSpeedFeedSynch { lead, velocity } => {
+            Call::StartSpeedFeedSynch { lead, velocity, .. } => {
                 self.lines.text("START_SPEED_FEED_SYNC(");
                 self.lines.six(lead);
                 self.lines.text(if velocity { ",1)" } else { ",0)" });

@@ -166,6 +166,8 @@ pub enum Call<'a> {
         lead: f64,
         /// G95.
         velocity: bool,
+        /// Angle of the spindle at which the thread starts, degrees (FANUC Q); 0 is the index.
+        start_deg: f64,
     },
     /// Motion is free of the spindle again.
     StopSpeedFeedSynch,

@@ -235,10 +235,15 @@ impl<W: Write> Sink for PlainPrinter<W> {
                 self.numbers("SET_FEED_RATE", &[feed * mm]);
             }
             Call::Dwell(time) => self.numbers("DWELL", &[time]),
-            Call::StartSpeedFeedSynch { lead, velocity } => {
+            Call::StartSpeedFeedSynch { lead, velocity, start_deg } => {
                 self.lines.text("START_SPEED_FEED_SYNCH(0, ");
                 self.lines.four(lead * self.mm);
-                self.lines.text(if velocity { ", 1)" } else { ", 0)" });
+                self.lines.text(if velocity { ", 1" } else { ", 0" });
+                if start_deg != 0.0 {
+                    self.lines.text(", ");
+                    self.lines.four(start_deg);
+                }
+                self.lines.text(")");
             }
             Call::OrientSpindle(angle, direction) => {
                 self.lines.text("ORIENT_SPINDLE(0, ");

@@ -81,8 +81,6 @@ impl ThreadCycle {
 
     /// The calls that stand for the cycle, one after the other.
     ///
-    /// The angle [`start_deg`](ThreadCycle::start_deg) has no call.
-    ///
     /// # Errors
     /// The first of `each`; nothing is sent behind it.
     pub fn expand<E>(&self, each: &mut impl FnMut(Call<'static>) -> Result<(), E>) -> Result<(), E> {
@@ -104,7 +102,8 @@ impl ThreadCycle {
         let (start, end) = (self.from[Z] - shift, self.end_z + height * slope - shift);
         let chamfer = towards * self.chamfer;
         let chamfer_lead = self.lead * libm::hypot(self.chamfer, height) / self.chamfer;
-        let synch = |lead| Call::StartSpeedFeedSynch { lead, velocity: false };
+        let start_deg = self.start_deg;
+        let synch = |lead| Call::StartSpeedFeedSynch { lead, velocity: false, start_deg };
 
         each(Call::StraightTraverse(self.clear(infeed, full, start)))?;
         if self.chamfer > 0.0 && self.chamfer_in {

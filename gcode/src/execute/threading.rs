@@ -19,6 +19,21 @@ const MOST_SPRINGS: i64 = 1000;
 /// G33, G33.1 and G76.
 pub(super) fn threading(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     straight::some_axis(code, block)?;
+    ready(code, state, out)?;
+    let target = straight::target(block, state)?;
+    compensation::straight_made(state);
+    match code.0 {
+        330 => thread(target, block, state, out),
+        331 => tap(target, block, out),
+        _ => cycle(target, block, state, out),
+    }
+}
+
+/// Whether something may follow the spindle now.
+///
+/// # Errors
+/// The radius of the tool is compensated, or the spindle does not turn.
+pub(crate) fn ready(code: G, state: &State, out: &mut Output) -> Done {
     if state.compensation.is_on() {
         let message = format!("{code} while {} is on", state.compensation.code());
         return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 before"));
@@ -39,13 +54,7 @@ pub(super) fn threading(code: G, block: &Block, state: &mut State, out: &mut Out
         let help = "select G97 and a speed in 1/min before the thread";
         out.warn(Problem::warning("constant-surface-thread", Blame::G(code), message, help));
     }
-    let target = straight::target(block, state)?;
-    compensation::straight_made(state);
-    match code.0 {
-        330 => thread(target, block, state, out),
-        331 => tap(target, block, out),
-        _ => cycle(target, block, state, out),
-    }
+    Ok(())
 }
 
 /// A value that must be greater than 0.
@@ -66,7 +75,7 @@ fn positive(letter: char, what: &str, block: &Block) -> Result<f64, Box<Problem>
 /// G33: a straight move, K per revolution along it.
 fn thread(target: Position, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let lead = positive('K', "distance per revolution", block)?;
-    out.call(Call::StartSpeedFeedSynch { lead, velocity: false })?;
+    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
     out.call(Call::StraightFeed(target))?;
     out.call(Call::StopSpeedFeedSynch)?;
     state.position = target;
@@ -96,7 +105,7 @@ fn tap(target: Position, block: &Block, out: &mut Output) -> Done {
             "leave I out, or give a factor above 1",
         ));
     }
-    out.call(Call::StartSpeedFeedSynch { lead, velocity: false })?;
+    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
     out.call(Call::RigidTap(target, faster.max(1.0)))?;
     out.call(Call::StopSpeedFeedSynch)
 }

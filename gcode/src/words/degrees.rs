@@ -39,19 +39,19 @@ fn rounded(high: f64, low: f64) -> Radians {
 }
 
 /// Sine of an angle in degrees.
-pub(super) fn sine(degrees: f64) -> f64 {
+pub(crate) fn sine(degrees: f64) -> f64 {
     let Radians { high, low } = Radians::from_degrees(degrees);
     sin(high) + low * cos(high)
 }
 
 /// Cosine of an angle in degrees.
-pub(super) fn cosine(degrees: f64) -> f64 {
+pub(crate) fn cosine(degrees: f64) -> f64 {
     let Radians { high, low } = Radians::from_degrees(degrees);
     cos(high) - low * sin(high)
 }
 
 /// Tangent of an angle in degrees.
-pub(super) fn tangent(degrees: f64) -> f64 {
+pub(crate) fn tangent(degrees: f64) -> f64 {
     let Radians { high, low } = Radians::from_degrees(degrees);
     let tangent = tan(high);
     if tangent.abs() > 1e6 {

@@ -2,7 +2,7 @@
 
 mod comment;
 mod cursor;
-mod degrees;
+pub(crate) mod degrees;
 mod expression;
 mod line;
 pub mod memory;
@@ -13,3 +13,4 @@ pub(crate) use comment::speaks;
 pub(crate) use cursor::Cursor;
 pub(crate) use expression::whole;
 pub(crate) use line::{Reader, head, parentheses, semicolon};
+pub(crate) use number::number;

@@ -1,0 +1,191 @@
+//! G and M codes of G-code system A, the groups they exclude each other in, the words they use, and what is refused by
+//! name.
+
+use super::line::Line;
+use crate::block::{letter_bit, letters_of};
+use crate::codes::{G, M, group, m_group as groups};
+use crate::problem::{Blame, Problem, Span, short};
+
+/// G65, G66: the group of macro calls.
+pub(super) const MACRO: usize = 4;
+
+const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
+
+/// Codes that are known but not executed, and what to write in their place.
+const REFUSED: &[(&[u16], &str)] = &[
+    (&[340, 350], "write the thread as G32, G92 or G76 with a constant lead on a straight line"),
+    (&[50, 51, 61, 80, 81], "leave it out"),
+    (&[71, 1070, 121, 131, 1120, 1130], "there is no driven C axis: turn the contour with G01, G02 and G03"),
+    (&[220, 230, 250, 260], "leave it out: limits of travel and speed belong to the machine file"),
+    (&[270, 290, 301], "use G28 or G30"),
+    (&[310, 360, 370], "measure the tool or the part before, and write the value into the program"),
+    (&[660, 661, 670], "call the macro with G65 in every block that needs it"),
+    (&[680, 690], "there is one turret: write the blocks for it alone"),
+    (&[170, 190], "a lathe works in the plane of X and Z, G18"),
+    (&[800, 830, 840, 850, 870, 880, 890], "drill with G74 or G01"),
+    (&[502, 512], "write the corners of the polygon as moves"),
+];
+
+/// The group of a G code.
+///
+/// # Errors
+/// There is no such code, or it is not available.
+pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
+    Ok(match code.0 {
+        tenths if ONCE.contains(&tenths) => group::ONCE,
+        0 | 10 | 20 | 30 | 320 | 900 | 920 | 940 => group::MOTION,
+        180 => group::PLANE,
+        650 => MACRO,
+        960 | 970 => group::SPINDLE_MODE,
+        980 | 990 => group::FEED_MODE,
+        200 | 210 => group::UNITS,
+        400 | 410 | 420 => group::COMPENSATION,
+        540 | 550 | 560 | 570 | 580 | 590 => group::COORDINATES,
+        tenths => match REFUSED.iter().find(|(codes, _)| codes.contains(&tenths)) {
+            Some((_, help)) => {
+                let message = format!("{code} is not available");
+                return Err(Problem::error("not-available", Blame::Span(span), message, *help));
+            }
+            None => return Err(unknown('G', f64::from(tenths) / 10.0, span)),
+        },
+    })
+}
+
+/// The group of an M code.
+///
+/// # Errors
+/// There is no such code.
+pub(super) fn m_group(code: M, span: Span) -> Result<usize, Box<Problem>> {
+    Ok(match code.0 {
+        0 | 1 | 2 | 30 => groups::STOP,
+        3..=5 => groups::SPINDLE,
+        7 => groups::MIST,
+        8 | 9 => groups::FLOOD,
+        98 | 99 => groups::CALL,
+        other => return Err(unknown('M', f64::from(other), span)),
+    })
+}
+
+/// A code that does not exist.
+pub(super) fn unknown(letter: char, value: f64, span: Span) -> Box<Problem> {
+    let (code, help) = match letter {
+        'G' => ("unknown-g-code", "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed"),
+        _ => (
+            "unknown-m-code",
+            "M codes are M00 M01 M02 M03 M04 M05 M07 M08 M09 M30 M98 M99; leave out those of another machine",
+        ),
+    };
+    let message = format!("there is no code {letter}{}", short(value));
+    Problem::error(code, Blame::Span(span), message, help)
+}
+
+/// The local variable of a letter of G65 (argument assignment I), 1 to 26; I, J and K begin at 4.
+pub(super) fn argument(letter: u8) -> usize {
+    match letter {
+        b'a'..=b'c' => usize::from(letter - b'a') + 1,
+        b'd'..=b'f' => usize::from(letter - b'd') + 7,
+        b'h' => 11,
+        _ => usize::from(letter.saturating_sub(b'a')) + 1,
+    }
+}
+
+const fn bits(letters: &str) -> u32 {
+    let letters = letters.as_bytes();
+    let (mut bits, mut i) = (0, 0);
+    while i < letters.len() {
+        bits |= letter_bit(letters[i] as char);
+        i += 1;
+    }
+    bits
+}
+
+/// Words that name a point.
+const POINT: u32 = bits("XZUW");
+/// Words that a block may always have.
+const ALWAYS: u32 = bits("FST");
+
+/// The words that a G code uses.
+fn words_of_g(code: G) -> u32 {
+    match code.0 {
+        0 | 280 | 520 | 530 => POINT,
+        10 => POINT | bits("CRIKcr"),
+        20 | 30 => POINT | bits("RIK"),
+        40 => bits("XUP"),
+        100 => bits("LPXZ"),
+        300 => POINT | bits("P"),
+        320 => POINT | bits("Q"),
+        500 => POINT,
+        650 => bits("PL"),
+        700 => bits("PQ"),
+        710..=730 => bits("PQUWR"),
+        740 | 750 => POINT | bits("PQR"),
+        760 => POINT | bits("PQRIKAD"),
+        900 | 940 => POINT | bits("R"),
+        920 => POINT | bits("RQ"),
+        _ => 0,
+    }
+}
+
+/// The code that says what a block does: a macro or subprogram, a code that is not modal, or the motion code `motion`,
+/// if the block has words for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Deed {
+    None,
+    G(G),
+    M(M),
+}
+
+/// What the block does.
+///
+/// # Errors
+/// Two codes want its words, or a word is used by none.
+pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
+    let block = &line.block;
+    let once = block.g(MACRO).or(block.g(group::ONCE).filter(|code| *code != G(500) || line.has_any("XZUW")));
+    let point = line.has_any("XZUWIK");
+    let moving = block.g(group::MOTION).or(point.then_some(motion)).filter(|_| once.is_none());
+    let deed = match (once, block.m(groups::CALL)) {
+        (Some(code), Some(call)) => return Err(both(code, call)),
+        (Some(code), None) => Deed::G(code),
+        (None, Some(call)) if point => return Err(both(moving.unwrap_or(motion), call)),
+        (None, Some(call)) => Deed::M(call),
+        (None, None) => moving.map_or(Deed::None, Deed::G),
+    };
+    let used = match deed {
+        Deed::None => 0,
+        Deed::G(code) => words_of_g(code),
+        Deed::M(M(98)) => bits("PL"),
+        Deed::M(_) => bits("P"),
+    };
+    match letters_of(block.present() & !(ALWAYS | used)).next() {
+        Some(letter) => Err(unused(letter, deed)),
+        None => Ok(deed),
+    }
+}
+
+fn both(code: G, call: M) -> Box<Problem> {
+    let message = format!("{code} and {call} both act in this block");
+    Problem::error("modal-group", Blame::M(call), message, "put them in different blocks")
+}
+
+fn unused(letter: char, deed: Deed) -> Box<Problem> {
+    let blame = Blame::Word(letter);
+    if matches!(letter, 'Y' | 'A' | 'B' | 'V' | 'H') {
+        let message = format!("{letter} moves nothing on this lathe");
+        return Problem::error("not-available", blame, message, "axes are X and Z (U and W incremental)");
+    }
+    let (message, help) = match deed {
+        Deed::None => (format!("nothing in this block uses {letter}"), "leave it out, or write the code it belongs to"),
+        Deed::G(G(710..=730)) if matches!(letter, 'D' | 'I' | 'K') => (
+            format!("{letter} is not a word of the two-line cycle"),
+            "write two blocks: G71 U(depth) R(retract), then G71 P(first) Q(last) U W F",
+        ),
+        Deed::G(code) => (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own"),
+        Deed::M(code) => (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own"),
+    };
+    let written = match letter {
+        'c' | 'r' => message.replace(letter, if letter == 'c' { ",C" } else { ",R" }),
+        _ => message,
+    };
+    Problem::error("unused-word", blame, written, help)
+}

@@ -1,0 +1,298 @@
+//! Cycles along a contour: G70 finishes it, G71 and G72 rough it, G73 repeats it from farther away.
+//!
+//! ```text
+//! G71 U(Δd) R(e)            G72 W(Δd) R(e)            G73 U(Δi) W(Δk) R(d)
+//! G71 P Q U(Δu) W(Δw) F     G72 P Q U(Δu) W(Δw) F     G73 P Q U(Δu) W(Δw) F         G70 P Q
+//! ```
+//! P and Q are N of the first and last block of the contour; the first one leads to it. Δd, Δi and Δk are radii and
+//! lengths, Δu a diameter. The blocks are executed with a receiver that keeps their moves, corners made and tools left
+//! out: what remains is lines and arcs. The passes come from [`crate::execute::roughing`]. A program goes on behind
+//! the contour if that stands behind the cycle.
+
+use super::codes::{self, Deed};
+use super::line::{Line, Statement};
+use super::{Control, Done, Machine, block, corner, output};
+use crate::canon::{Arc, Call, Place, Sink, X, Z};
+use crate::codes::G;
+use crate::execute::compensation::Compensation;
+use crate::execute::roughing::contour::{Point, Segment};
+use crate::execute::roughing::frame::Frame;
+use crate::execute::roughing::passes::{Move, repeat, turn, walled};
+use crate::problem::{Blame, Problem, short};
+use crate::source::Mark;
+use crate::state::State;
+
+/// Blocks of a contour at most.
+const MOST_BLOCKS: u32 = 10_000;
+
+/// Where the contour of a cycle stands.
+struct Range {
+    first: u32,
+    last: u32,
+    begin: Mark,
+}
+
+impl Control {
+    /// G70 to G73. The modes of the block are in force.
+    ///
+    /// # Errors
+    /// A word is missing, there is no such contour, or it cannot be cut like that.
+    pub(super) fn contour_cycle(&mut self, code: G, machine: &mut Machine) -> Done {
+        if code != G(700) && !self.line.has_any("PQ") {
+            return first_line(code, &self.line, &mut self.modal);
+        }
+        let cycle = self.line.clone();
+        let range = self.range(code, machine)?;
+        let behind = machine.files.mark();
+        let done = match code {
+            G(700) => self.finish(&range, machine),
+            _ => self.rough(code, &cycle, &range, machine),
+        };
+        // Behind the contour, or where the cycle stands if that is farther on.
+        if machine.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
+            machine.files.go(machine.files.current(), behind)?;
+        }
+        done?;
+        self.line = cycle;
+        Ok(())
+    }
+
+    fn range(&mut self, code: G, machine: &mut Machine) -> Result<Range, Box<Problem>> {
+        let number = |letter: char| match self.line.whole(letter)? {
+            Some(number) if number > 0 => Ok(number as u32),
+            _ => {
+                let message = format!("{code} needs {letter}, the N of a block of the contour");
+                let help = "add P, N of its first block, and Q, N of its last one";
+                Err(Problem::error("missing-word", Blame::G(code), message, help))
+            }
+        };
+        let (first, last) = (number('P')?, number('Q')?);
+        let begin = self.flow.label(machine.files, first)?;
+        Ok(Range { first, last, begin })
+    }
+
+    /// G70: the blocks of the contour, and back.
+    fn finish(&mut self, range: &Range, machine: &mut Machine) -> Done {
+        let start = machine.state.position;
+        let place = self.line.block.place();
+        self.replay(range, machine)?;
+        let mut out = output(machine.sink, place, machine.problems, machine.waiting);
+        if machine.state.compensation.is_on() {
+            let message = "the nose of the tool is still compensated at the end of the contour";
+            let help = "write G40 in the last block of the contour, or behind G70";
+            out.warn(Problem::warning("compensation-on", Blame::Block, message, help));
+        }
+        let back = [start[Z], start[X]];
+        block::go(G(0), back, None, place, &mut self.equivalent, machine.state, &mut out)
+    }
+
+    /// Executes the blocks of a contour.
+    fn replay(&mut self, range: &Range, machine: &mut Machine) -> Done {
+        machine.files.go(machine.files.current(), range.begin)?;
+        for _ in 0..MOST_BLOCKS {
+            let Some(statement) = self.read(machine)? else { break };
+            match statement {
+                Statement::Nothing => {}
+                Statement::Block => self.contour_block(machine)?,
+                _ => {
+                    let message = "a contour is made of moves: nothing can be called or repeated in it";
+                    let help = "write its blocks one after the other";
+                    return Err(Problem::error("bad-contour", Blame::Block, message, help));
+                }
+            }
+            if self.line.block.n == Some(range.last) {
+                return match self.modal.pending.take() {
+                    Some(pending) => Err(corner::alone(&pending, "the end of the contour")),
+                    None => Ok(()),
+                };
+            }
+        }
+        let message = format!("the contour that begins at N{} has no N{} behind it", range.first, range.last);
+        let help = format!("give its last block N{}", range.last);
+        Err(Problem::error("bad-contour", Blame::Block, message, help))
+    }
+
+    fn contour_block(&mut self, machine: &mut Machine) -> Done {
+        let deed = codes::deed(&self.line, self.modal.motion)?;
+        if !matches!(deed, Deed::None | Deed::G(G(0 | 10 | 20 | 30 | 40))) {
+            let what = match deed {
+                Deed::G(code) => code.to_string(),
+                Deed::M(code) => code.to_string(),
+                Deed::None => String::new(),
+            };
+            let message = format!("{what} cannot stand in a contour");
+            return Err(Problem::error("bad-contour", Blame::Block, message, "use G00, G01, G02 and G03"));
+        }
+        let Control { line, modal, equivalent, .. } = self;
+        let mut out = output(machine.sink, line.block.place(), machine.problems, machine.waiting);
+        block::run(line, deed, modal, equivalent, machine.state, &mut out)?;
+        block::last(line, modal, equivalent, machine.state, &mut out)
+    }
+
+    /// The contour as it is, from the end of its first move.
+    fn shape(&mut self, code: G, range: &Range, machine: &mut Machine) -> Result<Vec<Segment>, Box<Problem>> {
+        let mut state = machine.state.clone();
+        state.compensation = Compensation::default();
+        let at = point(&state);
+        let mut shape = Shape { at, segments: Vec::new() };
+        let (modal, variables) = (self.modal.clone(), self.variables.clone());
+        self.modal.shape_only = true;
+        let done = self.replay(
+            range,
+            &mut Machine {
+                files: machine.files,
+                state: &mut state,
+                sink: &mut shape,
+                problems: &mut Vec::new(),
+                waiting: &mut Default::default(),
+            },
+        );
+        (self.modal, self.variables) = (modal, variables);
+        done?;
+        let mut segments = shape.segments;
+        let leads = segments.first().is_some_and(|first| first.bend.is_none());
+        if segments.len() < 2 || !leads {
+            let message = format!("N{} to N{} is no contour for {code}", range.first, range.last);
+            let help = "its first block leads to its beginning, G00 or G01; lines and arcs follow";
+            return Err(Problem::error("bad-contour", Blame::Block, message, help));
+        }
+        segments.remove(0);
+        Ok(segments)
+    }
+
+    /// G71, G72, G73.
+    fn rough(&mut self, code: G, cycle: &Line, range: &Range, machine: &mut Machine) -> Done {
+        if machine.state.compensation.is_on() {
+            let message = format!("{code} while {} is on", machine.state.compensation.code());
+            let help = "end it with G40 before; G41 or G42 in the contour is for G70";
+            return Err(Problem::error("compensation-on", Blame::G(code), message, help));
+        }
+        let facing = code == G(720);
+        let first = &self.modal.first;
+        let (depth, pattern) = (first.rough[usize::from(facing)], first.pattern);
+        if if code == G(730) { pattern.is_none() } else { depth.is_none() } {
+            let message = format!("the first line of {code} is missing");
+            let help = match code.0 {
+                710 => "write it before: G71 U2. R0.5 (depth of cut, retract)",
+                720 => "write it before: G72 W2. R0.5 (depth of cut, retract)",
+                _ => "write it before: G73 U8. W2. R4 (way in X and Z, number of passes)",
+            };
+            return Err(Problem::error("missing-word", Blame::G(code), message, help));
+        }
+        let contour = self.shape(code, range, machine)?;
+        let place = cycle.block.place();
+        let allowance =
+            Point::new(cycle.length('W').unwrap_or(0.0), cycle.length('U').unwrap_or(0.0) / 2.0);
+        let start = point(machine.state);
+        let frame = match code {
+            G(730) => Frame { facing: false, z: 1.0, x: 1.0 },
+            _ => Frame::of(&contour, start, facing),
+        };
+        let equivalent = &mut self.equivalent;
+        let mut out = output(machine.sink, place, machine.problems, machine.waiting);
+        let state = &mut *machine.state;
+        let mut send = |next| send(next, &frame, place, equivalent, state, &mut out);
+        if let (G(730), Some((x, z, passes))) = (code, pattern) {
+            return repeat(start, &contour, (Point::new(z, x), allowance), passes, &mut send);
+        }
+        let framed: Vec<Segment> =
+            contour.iter().map(|segment| frame.enter_segment(&segment.shifted(allowance))).collect();
+        if let Some(segment) = framed.iter().find(|segment| !segment.is_monotone()) {
+            let at = frame.leave(segment.start);
+            let axis = if facing { 'X' } else { 'Z' };
+            let message = format!("{axis} turns back along the contour, at X{} Z{}", short(2.0 * at.x), short(at.z));
+            let help = format!("let {axis} go in one direction, or use G73");
+            return Err(Problem::error("bad-contour", Blame::Block, message, help));
+        }
+        let from = frame.enter(start + allowance);
+        let (infeed, escape) = depth.unwrap_or((1.0, 0.0));
+        turn(from, &walled(from, &framed), infeed, escape, &mut send)?;
+        send(Move::Rapid(frame.enter(start)))
+    }
+}
+
+/// `G71 U R`, `G72 W R`, `G73 U W R`.
+fn first_line(code: G, line: &Line, modal: &mut block::Modal) -> Done {
+    let bad = |letter, message: String, help: &str| Err(Problem::error("bad-value", Blame::Word(letter), message, help));
+    if code == G(730) {
+        let passes = line.plain('R').unwrap_or(0.0);
+        if passes.fract() != 0.0 || !(1.0..=1000.0).contains(&passes) {
+            return bad('R', format!("R{} is no number of passes", short(passes)), "give a whole number from 1 to 1000");
+        }
+        let way = |letter| line.length(letter).unwrap_or(0.0);
+        modal.first.pattern = Some((way('U'), way('W'), passes as u32));
+        return Ok(());
+    }
+    let facing = code == G(720);
+    let (letter, other) = if facing { ('W', 'U') } else { ('U', 'W') };
+    if line.has(other) {
+        let message = format!("the first line of {code} does not use {other}");
+        return Err(Problem::error("unused-word", Blame::Word(other), message, format!("{letter} is the depth of cut")));
+    }
+    let slot = &mut modal.first.rough[usize::from(facing)];
+    let (depth, retract) = slot.unwrap_or((0.0, 0.0));
+    let (depth, retract) = (line.length(letter).unwrap_or(depth), line.length('R').unwrap_or(retract));
+    if depth <= 0.0 {
+        return bad(letter, format!("the depth of cut is {}", short(depth)), "give a radius greater than 0, such as 2.");
+    }
+    if retract < 0.0 {
+        return bad('R', format!("the retract is {}", short(retract)), "give 0 or more, such as R0.5");
+    }
+    *slot = Some((depth, retract));
+    Ok(())
+}
+
+fn point(state: &State) -> Point {
+    Point::new(state.position[Z], state.position[X])
+}
+
+/// A move of the passes.
+fn send(
+    next: Move,
+    frame: &Frame,
+    place: Place,
+    equivalent: &mut crate::Block,
+    state: &mut State,
+    out: &mut crate::execute::Output,
+) -> Done {
+    let at = |point| {
+        let Point { z, x } = frame.leave(point);
+        [z, x]
+    };
+    let (code, end, center) = match next {
+        Move::Rapid(end) => (G(0), at(end), None),
+        Move::Feed(end) => (G(10), at(end), None),
+        Move::Arc { end, center, ccw } => {
+            let code = if ccw != frame.mirrors() { G(30) } else { G(20) };
+            let ([z, x], here) = (at(center), point(state));
+            (code, at(end), Some([z - here.z, x - here.x]))
+        }
+    };
+    block::go(code, end, center, place, equivalent, state, out)
+}
+
+/// Keeps the moves of a contour.
+struct Shape {
+    at: Point,
+    segments: Vec<Segment>,
+}
+
+impl Sink for Shape {
+    fn call(&mut self, _: Place, call: Call<'_>) -> Done {
+        let segment = match call {
+            Call::StraightTraverse(end) | Call::StraightFeed(end) => {
+                Segment::line(self.at, Point::new(end[Z], end[X]))
+            }
+            Call::ArcFeed(Arc { end, center, turns, .. }) => {
+                let [end, center] = [end, center].map(|[z, x]| Point::new(z, x));
+                Segment::arc(self.at, end, center, turns > 0)
+            }
+            _ => return Ok(()),
+        };
+        self.at = segment.end;
+        if segment.chord() > 0.0 || segment.bend.is_some() || self.segments.is_empty() {
+            self.segments.push(segment);
+        }
+        Ok(())
+    }
+}

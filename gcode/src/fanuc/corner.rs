@@ -1,0 +1,163 @@
+//! Corners that are cut off or rounded: `,C` and `,R` behind any straight move, C R I K of G01 along one axis.
+//!
+//! In: a straight move and the one behind it. Out: the first one shortened, and what goes between them.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | P | the corner as programmed |
+//! | u, v | directions of the two moves, length 1, as (Z, X) |
+//! | θ | angle between them |
+//!
+//! ```text
+//! chamfer   from P − c u to P + c v                                          (1)
+//! rounding  t = r tan(θ/2); from P − t u to P + t v                           (2)
+//!           centre P − t u + r n, n normal to u on the side of v              (3)
+//! ```
+
+use super::Done;
+use super::codes::Deed;
+use super::{block, line::Line};
+use crate::block::Block;
+use crate::canon::{Place, Position, X, Z};
+use crate::codes::G;
+use crate::execute::Output;
+use crate::problem::{Blame, Problem, short};
+use crate::state::State;
+
+/// Lengths below this are none.
+const NEAR: f64 = 1e-9;
+
+/// What becomes of a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cut {
+    /// c of a chamfer, r of a rounding, > 0.
+    size: f64,
+    round: bool,
+    /// C R I K without a comma: the direction along the other axis that the next move must take.
+    next: Option<(usize, f64)>,
+}
+
+/// A move that waits for the next one.
+#[derive(Clone, Debug)]
+pub(super) struct Pending {
+    /// Its programmed end.
+    pub(super) end: Position,
+    pub(super) cut: Cut,
+    pub(super) place: Place,
+}
+
+/// What a G01 block says about the corner at its end.
+///
+/// # Errors
+/// Two words say different things, or a word does not fit the move.
+pub(super) fn of(line: &Line, from: &Position, end: &Position) -> Result<Option<Cut>, Box<Problem>> {
+    let words: Vec<char> = ['c', 'r', 'C', 'R', 'I', 'K'].into_iter().filter(|letter| line.has(*letter)).collect();
+    let (letter, value) = match words.as_slice() {
+        [] => return Ok(None),
+        [letter] => (*letter, line.length(*letter).unwrap_or(0.0)),
+        [_, second, ..] => {
+            let message = "two words for one corner";
+            return Err(Problem::error("repeated-word", Blame::Word(*second), message, "leave one of them out"));
+        }
+    };
+    let round = matches!(letter, 'r' | 'R');
+    if value == 0.0 {
+        return Ok(None);
+    }
+    if matches!(letter, 'c' | 'r') {
+        if value > 0.0 {
+            return Ok(Some(Cut { size: value, round, next: None }));
+        }
+        let message = format!(",{} is {}", letter.to_ascii_uppercase(), short(value));
+        return Err(Problem::error("bad-value", Blame::Word(letter), message, "give a value greater than 0"));
+    }
+    let along = [X, Z].map(|axis| (end[axis] - from[axis]).abs() > NEAR);
+    let (other, fits) = match along {
+        [false, true] => (X, letter != 'K'),
+        [true, false] => (Z, letter != 'I'),
+        _ => (X, false),
+    };
+    if !fits {
+        let message = format!("{letter} cuts no corner of this move");
+        let help = "I is for a move along Z, K for one along X, C and R for either; ,C and ,R fit any straight move";
+        return Err(Problem::error("bad-value", Blame::Word(letter), message, help));
+    }
+    Ok(Some(Cut { size: value.abs(), round, next: Some((other, value.signum())) }))
+}
+
+/// A corner that no move comes behind.
+pub(super) fn alone(pending: &Pending, what: &str) -> Box<Problem> {
+    let message = format!("the move before ({} its end) needs a straight move behind it, not {what}", cuts(pending));
+    Problem::error("bad-corner", Blame::Line(pending.place.line), message, "write the next G01, or leave the corner sharp")
+}
+
+fn cuts(pending: &Pending) -> &'static str {
+    if pending.cut.round { "which rounds" } else { "which cuts off" }
+}
+
+/// Sends the move that waits and its corner; `next` is where the next one leads.
+///
+/// # Errors
+/// The next block is no straight move, or the corner does not fit between the two.
+pub(super) fn close(
+    pending: &Pending,
+    deed: Deed,
+    next: Position,
+    equivalent: &mut Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
+    let moves = (next[Z] - pending.end[Z]).abs() > NEAR || (next[X] - pending.end[X]).abs() > NEAR;
+    if deed != Deed::G(G(10)) || !moves {
+        return Err(alone(pending, "this block"));
+    }
+    let place = std::mem::replace(&mut out.place, pending.place);
+    let done = send(pending, next, equivalent, state, out);
+    out.place = place;
+    done
+}
+
+fn send(pending: &Pending, next: Position, equivalent: &mut Block, state: &mut State, out: &mut Output) -> Done {
+    let [from, corner, to] = [state.position, pending.end, next].map(|point| [point[Z], point[X]]);
+    let Cut { size, round, next } = pending.cut;
+    let ((u, before), (v, behind)) = (way(from, corner), way(corner, to));
+    if let Some((axis, sign)) = next {
+        let (along, across) = if axis == X { (v[1], v[0]) } else { (v[0], v[1]) };
+        if along * sign <= 0.0 || across.abs() > 1e-6 {
+            let letter = if axis == X { 'X' } else { 'Z' };
+            let sign = if sign > 0.0 { "+" } else { "-" };
+            let message = format!("the next move must run along {letter} towards {sign}, as the sign of the corner says");
+            return Err(at_place(pending, message, "change the sign, or write ,C or ,R"));
+        }
+    }
+    let turn = u[0] * v[1] - u[1] * v[0];
+    let angle = libm::atan2(turn.abs(), u[0] * v[0] + u[1] * v[1]);
+    let t = if round { size * libm::tan(angle / 2.0) } else { size };
+    if turn.abs() < 1e-9 || t > before + 1e-6 || t > behind + 1e-6 {
+        let message = format!("a corner of {} does not fit between moves of {} and {}", short(size), short(before), short(behind));
+        return Err(at_place(pending, message, "make it smaller, or the moves longer"));
+    }
+    let start = [corner[0] - t * u[0], corner[1] - t * u[1]];
+    let end = [corner[0] + t * v[0], corner[1] + t * v[1]];
+    block::go(G(10), start, None, pending.place, equivalent, state, out)?;
+    if !round {
+        return block::go(G(10), end, None, pending.place, equivalent, state, out);
+    }
+    // left of u is counterclockwise with Z to the right and X up
+    let side = if turn > 0.0 { size } else { -size };
+    let center = [-side * u[1], side * u[0]];
+    let code = if turn > 0.0 { G(30) } else { G(20) };
+    block::go(code, end, Some(center), pending.place, equivalent, state, out)
+}
+
+/// Direction and length from one point to another.
+fn way(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], f64) {
+    let (z, x) = (to[0] - from[0], to[1] - from[1]);
+    let length = libm::hypot(z, x);
+    let unit = if length > 0.0 { [z / length, x / length] } else { [0.0; 2] };
+    (unit, length)
+}
+
+fn at_place(pending: &Pending, message: String, help: &str) -> Box<Problem> {
+    Problem::error("bad-corner", Blame::Line(pending.place.line), message, help)
+}

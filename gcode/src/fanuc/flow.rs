@@ -1,0 +1,340 @@
+//! Which line comes next: GOTO, WHILE, M98, G65, M99.
+//!
+//! In: labels and program numbers. Out: the place where the program goes on. Programs begin with O; the main program is
+//! the first of its file, a subprogram another of the same file, or a file of its own, `O1000.nc`. A place that was
+//! searched once is remembered: a loop does not search again.
+
+use std::collections::BTreeMap;
+
+use crate::flow::Files;
+use crate::problem::{Blame, Problem};
+use crate::source::Mark;
+use crate::words::{Cursor, number};
+
+type Done = Result<(), Box<Problem>>;
+
+/// Endings of the files of subprograms.
+const ENDINGS: [&str; 4] = [".nc", ".ngc", ".NC", ""];
+
+/// A subprogram that is being run.
+#[derive(Clone, Debug)]
+struct Level {
+    /// Where it begins: behind its O.
+    file: usize,
+    beginning: Mark,
+    /// Where the caller goes on, and where the caller's own program begins is told by the level below.
+    back: (usize, Mark),
+    /// Times that it is run after this one.
+    repeats: u32,
+    /// It was called by G65: it has variables of its own.
+    macro_call: bool,
+    /// Loops that were open when it was called.
+    loops: usize,
+}
+
+/// A loop that is being run.
+#[derive(Clone, Copy, Debug)]
+struct Loop {
+    number: u8,
+    at: Mark,
+    end: Mark,
+}
+
+/// What a line is looked for by.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Wanted {
+    /// N.
+    Label(u32),
+    /// END.
+    End(u8),
+    /// O.
+    Program(u32),
+}
+
+/// Where a program is.
+pub(super) struct Flow {
+    levels: Vec<Level>,
+    loops: Vec<Loop>,
+    /// Lines that were searched for: from a file and a line.
+    found: BTreeMap<(usize, u32, Wanted), Mark>,
+    programs: BTreeMap<u32, (usize, Mark)>,
+    deepest: u32,
+    /// Nothing was wrong so far. From the first error on nothing is repeated: the rest is looked through once.
+    pub(super) repeats: bool,
+}
+
+/// What M99 came back from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Left {
+    /// The main program.
+    Main,
+    /// A subprogram of M98; it is run once more.
+    Again,
+    /// A macro of G65; it is run once more.
+    MacroAgain,
+    /// A subprogram of M98.
+    Subprogram,
+    /// A macro of G65.
+    Macro,
+}
+
+impl Flow {
+    pub(super) fn new(deepest: u32) -> Flow {
+        Flow {
+            levels: Vec::new(),
+            loops: Vec::new(),
+            found: BTreeMap::new(),
+            programs: BTreeMap::new(),
+            deepest,
+            repeats: true,
+        }
+    }
+
+    /// Depth of calls.
+    pub(super) fn depth(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// The beginning of the program that is being run.
+    fn beginning(&self, files: &Files) -> Mark {
+        self.levels.last().map_or_else(|| beginning_of(files, 0), |level| level.beginning)
+    }
+
+    /// GOTO: the next line with this N, else the first one of the program.
+    ///
+    /// # Errors
+    /// The program has none.
+    pub(super) fn goto(&mut self, files: &mut Files, label: u32) -> Done {
+        let target = self.label(files, label)?;
+        if !self.repeats && target.lines < files.mark().lines {
+            return Ok(());
+        }
+        let base = self.levels.last().map_or(0, |level| level.loops);
+        let lines = target.lines;
+        let outside = |open: &Loop| lines <= open.at.lines || lines > open.end.lines;
+        if let Some(first) = self.loops.iter().skip(base).position(outside) {
+            self.loops.truncate(base + first);
+        }
+        files.go(files.current(), target)
+    }
+
+    /// Where the line with an N begins, looked for as GOTO does. The program stays where it is.
+    ///
+    /// # Errors
+    /// The program has none.
+    pub(super) fn label(&mut self, files: &mut Files, label: u32) -> Result<Mark, Box<Problem>> {
+        let here = files.mark();
+        if let Some(mark) = self.search(files, here, None, Wanted::Label(label))? {
+            return Ok(mark);
+        }
+        let beginning = self.beginning(files);
+        self.search(files, beginning, Some(here), Wanted::Label(label))?.ok_or_else(|| {
+            let help = "write this N in front of a block of the same program";
+            Problem::error("unknown-label", Blame::Block, format!("no block of this program has N{label}"), help)
+        })
+    }
+
+    /// WHILE and DO, at the line that begins at `at`: enters the loop or goes behind its end.
+    ///
+    /// # Errors
+    /// The loop has no end, or loops cross.
+    pub(super) fn begin(&mut self, files: &mut Files, number: u8, at: Mark, enter: bool) -> Done {
+        let base = self.levels.last().map_or(0, |level| level.loops);
+        if let Some(open) = self.loops.iter().skip(base).position(|open| open.number == number) {
+            let same = self.loops.get(base + open).is_some_and(|open| open.at == at);
+            if !same {
+                let message = format!("DO {number} begins inside of another DO {number}");
+                return Err(Problem::error("bad-loop", Blame::Block, message, "number loops inside each other differently"));
+            }
+            self.loops.truncate(base + open);
+        }
+        let here = files.mark();
+        let Some(end) = self.search(files, here, None, Wanted::End(number))? else {
+            let message = format!("DO {number} has no END {number} behind it");
+            return Err(Problem::error("bad-loop", Blame::Block, message, "write END behind the last block of the loop"));
+        };
+        if let Some(outer) = self.loops.get(base..).and_then(<[Loop]>::last).filter(|outer| end.lines > outer.end.lines) {
+            let message = format!("DO {number} and DO {} cross", outer.number);
+            return Err(Problem::error("bad-loop", Blame::Block, message, "end the inner loop before the outer one"));
+        }
+        if enter {
+            self.loops.push(Loop { number, at, end });
+            return Ok(());
+        }
+        files.go(files.current(), end)?;
+        files.take().map(|_| ())
+    }
+
+    /// END: back to the beginning of the loop.
+    ///
+    /// # Errors
+    /// No such loop is open.
+    pub(super) fn end(&mut self, files: &mut Files, number: u8) -> Done {
+        let base = self.levels.last().map_or(0, |level| level.loops);
+        let open = self.loops.iter().skip(base).position(|open| open.number == number);
+        let Some(open) = open.and_then(|open| self.loops.get(base + open).copied()) else {
+            let message = format!("END {number} without DO {number} before it");
+            return Err(Problem::error("bad-loop", Blame::Block, message, "begin the loop with WHILE [..] DO; do not jump into it"));
+        };
+        if !self.repeats {
+            return Ok(());
+        }
+        files.go(files.current(), open.at)
+    }
+
+    /// M98 and G65. Returns whether the program is a file of its own.
+    ///
+    /// # Errors
+    /// There is no such program, or calls are too deep.
+    pub(super) fn call(&mut self, files: &mut Files, program: u32, times: u32, macro_call: bool) -> Result<bool, Box<Problem>> {
+        if times == 0 {
+            return Ok(false);
+        }
+        if self.levels.len() >= self.deepest as usize {
+            let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
+            return Err(Problem::error("call-depth", Blame::Block, message, "check whether the program calls itself"));
+        }
+        let back = (files.current(), files.mark());
+        let (file, mark) = self.program(files, program)?;
+        files.go(file, mark)?;
+        let beginning = mark;
+        let loops = self.loops.len();
+        self.levels.push(Level { file, beginning, back, repeats: times - 1, macro_call, loops });
+        Ok(beginning == beginning_of(files, file))
+    }
+
+    /// M99: once more, or back to the caller (to its block `label`).
+    ///
+    /// # Errors
+    /// The caller has no such block.
+    pub(super) fn leave(&mut self, files: &mut Files, label: Option<u32>) -> Result<Left, Box<Problem>> {
+        let Some(level) = self.levels.last_mut() else { return Ok(Left::Main) };
+        self.loops.truncate(level.loops);
+        if level.repeats > 0 && self.repeats {
+            level.repeats -= 1;
+            let (file, mark, macro_call) = (level.file, level.beginning, level.macro_call);
+            files.go(file, mark)?;
+            return Ok(if macro_call { Left::MacroAgain } else { Left::Again });
+        }
+        let ((file, mark), macro_call) = (level.back, level.macro_call);
+        self.levels.pop();
+        files.go(file, mark)?;
+        if let Some(label) = label {
+            self.goto(files, label)?;
+        }
+        Ok(if macro_call { Left::Macro } else { Left::Subprogram })
+    }
+
+    /// Where a program begins: in the main file, in the file of the caller, or in one of its own.
+    fn program(&mut self, files: &mut Files, program: u32) -> Result<(usize, Mark), Box<Problem>> {
+        if let Some(place) = self.programs.get(&program) {
+            return Ok(*place);
+        }
+        let back = (files.current(), files.mark());
+        let mut found = None;
+        for file in [0, back.0] {
+            files.go(file, beginning_of(files, file))?;
+            let from = files.mark();
+            let line = self.search(files, from, None, Wanted::Program(program))?;
+            if let Some(mark) = line {
+                files.go(file, mark)?;
+                files.take()?;
+                found = Some((file, files.mark()));
+                break;
+            }
+        }
+        files.go(back.0, back.1)?;
+        let names = [format!("O{program:04}"), format!("o{program:04}"), format!("O{program}"), format!("o{program}")];
+        for name in names.iter().flat_map(|stem| ENDINGS.iter().map(move |ending| format!("{stem}{ending}"))) {
+            if found.is_none() {
+                let file = files.open_file(&name)?;
+                found = file.map(|file| (file, beginning_of(files, file)));
+            }
+        }
+        let Some(place) = found else {
+            let message = format!("there is no program O{program:04}");
+            let help = format!("write it behind the main program, or save it as O{program:04}.nc in its folder");
+            return Err(Problem::error("unknown-subroutine", Blame::Block, message, help));
+        };
+        self.programs.insert(program, place);
+        Ok(place)
+    }
+
+    /// The first line from a mark (to another) that holds what is wanted. Labels and END are looked for up to the next
+    /// program.
+    fn search(&mut self, files: &mut Files, from: Mark, to: Option<Mark>, wanted: Wanted) -> Result<Option<Mark>, Box<Problem>> {
+        let file = files.current();
+        let key = (file, from.lines, wanted);
+        if let Some(mark) = self.found.get(&key) {
+            return Ok(Some(*mark));
+        }
+        let back = files.mark();
+        files.go(file, from)?;
+        let mut found = None;
+        // The O of the program itself may stand on its first line.
+        let mut inside = from != beginning_of(files, file);
+        while to.is_none_or(|to| files.mark().lines < to.lines) {
+            // A line that is too long is reported when it is executed.
+            let before = files.mark();
+            let line = match files.take() {
+                Ok(Some(line)) => line,
+                Err(_) if files.mark() != before => continue,
+                _ => break,
+            };
+            let heading = Heading::of(files.bytes(&line));
+            if heading.is(wanted) {
+                found = Some(line.mark);
+                break;
+            }
+            if heading.program.is_some() && inside && !matches!(wanted, Wanted::Program(_)) {
+                break;
+            }
+            inside |= heading.program.is_some();
+        }
+        files.go(file, back)?;
+        if let Some(mark) = found {
+            self.found.insert(key, mark);
+        }
+        Ok(found)
+    }
+}
+
+fn beginning_of(files: &Files, file: usize) -> Mark {
+    files.get(file).map_or(Mark::default(), |source| source.beginning())
+}
+
+/// What a line can be found by.
+#[derive(Default)]
+struct Heading {
+    label: Option<u32>,
+    program: Option<u32>,
+    end: Option<u8>,
+}
+
+impl Heading {
+    fn of(text: &[u8]) -> Heading {
+        let mut cursor = Cursor::new(text);
+        let mut heading = Heading::default();
+        if cursor.take_if(b'/') && matches!(cursor.peek(), Some(b'1'..=b'9')) {
+            cursor.skip();
+        }
+        if cursor.take_if(b'n') {
+            heading.label = number(&mut cursor).ok().map(|label| label as u32);
+        }
+        if matches!(cursor.peek(), Some(b'o' | b':')) {
+            cursor.skip();
+            heading.program = number(&mut cursor).ok().map(|program| program as u32);
+        } else if cursor.take_name(&[("end", ())]).is_some() {
+            heading.end = cursor.peek().filter(u8::is_ascii_digit).map(|digit| digit - b'0');
+        }
+        heading
+    }
+
+    fn is(&self, wanted: Wanted) -> bool {
+        match wanted {
+            Wanted::Label(label) => self.label == Some(label),
+            Wanted::Program(program) => self.program == Some(program),
+            Wanted::End(number) => self.end == Some(number),
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! FANUC lathe programs, G-code system A, with custom macro B.
+//!
+//! In: the lines of a program. Out: the same calls as from the other dialect: X of a call is a radius, threads are
+//! [`Call::ThreadCycle`] or moves that follow the spindle. What a code has in common with RS274/NGC is made a block of
+//! that language and executed by [`crate::execute`]; cycles send their own calls.
+//!
+//! ```text
+//! line ─► line.rs ─ words ─► codes.rs ─ what the block does ─► block.rs ─ modes, tool, moves ─► execute
+//!            │ IF GOTO WHILE M98 G65 M99                         │ cycles
+//!            ▼                                                   ▼
+//!         flow.rs                                     threads.rs single.rs pecks.rs contour.rs
+//! ```
+//!
+//! X and U are diameters, I R P of cycles radii. Numbers without a decimal point count least input increments, 0.001 mm
+//! or 0.0001 inch (IS-B). F without a point is taken as mm or inch, with a warning under G99: controls differ there.
+
+mod block;
+mod codes;
+mod contour;
+mod corner;
+mod expression;
+mod flow;
+mod line;
+mod pecks;
+mod single;
+mod threads;
+mod tool;
+mod variables;
+
+use crate::block::Block;
+use crate::canon::{Call, FeedMode, Place, Plane, Sink};
+use crate::codes::{G, M, m_group};
+use crate::execute::compensation::Waiting;
+use crate::execute::{self, Output};
+use crate::flow::Files;
+use crate::problem::{Blame, Problem, Span, short};
+use crate::options::Options;
+use crate::state::State;
+
+use codes::Deed;
+use flow::{Flow, Left};
+use line::{Line, Reading, Statement};
+use variables::Variables;
+
+type Done = Result<(), Box<Problem>>;
+
+/// A FANUC program that is being run.
+pub(crate) struct Control {
+    line: Line,
+    /// The bytes of the line.
+    text: Vec<u8>,
+    variables: Variables,
+    flow: Flow,
+    modal: block::Modal,
+    /// The block of RS274/NGC that is executed in place of this one.
+    equivalent: Block,
+    block_delete: bool,
+    deepest: u32,
+    started: bool,
+    /// Nothing of the program was executed so far: its O may come.
+    fresh: bool,
+}
+
+/// What a line acts on.
+pub(crate) struct Machine<'a> {
+    pub(crate) files: &'a mut Files,
+    pub(crate) state: &'a mut State,
+    pub(crate) sink: &'a mut dyn Sink,
+    pub(crate) problems: &'a mut Vec<Problem>,
+    pub(crate) waiting: &'a mut Waiting,
+}
+
+fn output<'a>(
+    sink: &'a mut dyn Sink,
+    place: Place,
+    problems: &'a mut Vec<Problem>,
+    waiting: &'a mut Waiting,
+) -> Output<'a> {
+    Output::new(sink, place, problems, waiting)
+}
+
+impl Control {
+    /// At the beginning of a program.
+    pub(crate) fn new(options: &Options) -> Control {
+        Control {
+            line: Line::default(),
+            text: Vec::new(),
+            variables: Variables::new(&options.parameters),
+            flow: Flow::new(options.limits.call_depth),
+            modal: block::Modal::default(),
+            equivalent: Block::default(),
+            block_delete: options.block_delete,
+            deepest: options.limits.expression_depth,
+            started: false,
+            fresh: true,
+        }
+    }
+
+    /// The block that was read last, to find the place of a problem.
+    pub(crate) fn block_mut(&mut self) -> &mut Block {
+        &mut self.line.block
+    }
+
+    /// Something was wrong: nothing is repeated any more.
+    pub(crate) fn only_look(&mut self) {
+        self.flow.repeats = false;
+    }
+
+    /// Reads and executes the next line. [`State::ended`] tells whether it was the last.
+    ///
+    /// # Errors
+    /// What is wrong with the line, or what the sink refuses.
+    pub(crate) fn next(&mut self, machine: &mut Machine) -> Done {
+        if !self.started {
+            self.started = true;
+            self.start(machine)?;
+        }
+        let at = machine.files.mark();
+        let Some(statement) = self.read(machine)? else { return Err(self.end_of_text(machine)) };
+        let fresh = self.fresh;
+        self.fresh &= statement == Statement::Nothing;
+        match statement {
+            Statement::Nothing => self.comment(machine),
+            Statement::Program(_) if fresh => self.comment(machine),
+            Statement::Program(_) => Err(self.end_of_text(machine)),
+            Statement::Block => self.execute(machine),
+            Statement::Goto(label) => self.flow.goto(machine.files, label),
+            Statement::While(number, holds) => self.flow.begin(machine.files, number, at, holds),
+            Statement::End(number) => self.flow.end(machine.files, number),
+            Statement::Alarm(number) => Err(self.alarm(number, machine.state)),
+            Statement::Message => {
+                let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
+                let mut out = self.output(machine);
+                out.call(Call::Message(&text))?;
+                out.call(Call::ProgramStop)
+            }
+        }
+    }
+
+    fn output<'a>(&self, machine: &'a mut Machine) -> Output<'a> {
+        output(machine.sink, self.line.block.place(), machine.problems, machine.waiting)
+    }
+
+    /// G18, X as a diameter, G99: what a lathe with G-code system A begins with.
+    fn start(&mut self, machine: &mut Machine) -> Done {
+        machine.state.plane = Plane::Xz;
+        machine.state.diameter = true;
+        machine.state.feed_mode = FeedMode::PerRevolution;
+        let mut out = self.output(machine);
+        out.call(Call::SelectPlane(Plane::Xz))?;
+        out.call(Call::SetFeedMode(FeedMode::PerRevolution))
+    }
+
+    /// Reads the next line; `None` at the end of the text.
+    fn read(&mut self, machine: &mut Machine) -> Result<Option<Statement>, Box<Problem>> {
+        let file = machine.files.current() as u16;
+        let line = match machine.files.take() {
+            Ok(line) => line,
+            Err(problem) => {
+                self.line.block.clear(file, machine.files.mark().lines);
+                return Err(problem);
+            }
+        };
+        let Some(line) = line else { return Ok(None) };
+        self.text.clear();
+        self.text.extend_from_slice(machine.files.bytes(&line));
+        let mut reading = Reading {
+            text: &self.text,
+            variables: &mut self.variables,
+            state: machine.state,
+            block_delete: self.block_delete,
+            deepest: self.deepest,
+        };
+        reading.statement(file, line.number(), &mut self.line).map(Some)
+    }
+
+    fn comment(&mut self, machine: &mut Machine) -> Done {
+        match self.line.block.comment.take() {
+            Some(comment) => self.output(machine).call(Call::Comment(&comment.text)),
+            None => Ok(()),
+        }
+    }
+
+    /// The block, and what it does to the flow.
+    fn execute(&mut self, machine: &mut Machine) -> Done {
+        let deed = codes::deed(&self.line, self.modal.motion)?;
+        let Control { line, modal, equivalent, .. } = self;
+        let mut out = output(machine.sink, line.block.place(), machine.problems, machine.waiting);
+        block::run(line, deed, modal, equivalent, machine.state, &mut out)?;
+        if let Deed::G(code @ G(700 | 710 | 720 | 730)) = deed {
+            self.contour_cycle(code, machine)?;
+        }
+        let Control { line, modal, equivalent, .. } = self;
+        let mut out = output(machine.sink, line.block.place(), machine.problems, machine.waiting);
+        block::last(line, modal, equivalent, machine.state, &mut out)?;
+        match deed {
+            Deed::M(M(98)) => self.subprogram(machine),
+            Deed::M(_) => self.leave(machine),
+            Deed::G(G(650)) => self.macro_call(machine),
+            _ => Ok(()),
+        }
+    }
+
+    /// M98 P L: four digits of P are the program, those before them how often, unless L tells.
+    fn subprogram(&mut self, machine: &mut Machine) -> Done {
+        let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
+        let (program, times) = match (program, times) {
+            (Some(word @ 10_000..), None) => (word % 10_000, word / 10_000),
+            (Some(program), times) => (program, times.unwrap_or(1)),
+            (None, _) => (0, 1),
+        };
+        self.call(program, times, false, machine)
+    }
+
+    /// G65 P L with arguments.
+    fn macro_call(&mut self, machine: &mut Machine) -> Done {
+        let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
+        self.call(program.unwrap_or(0), times.unwrap_or(1), true, machine)?;
+        if times != Some(0) {
+            self.variables.enter(self.line.arguments.take().map_or([None; 34], |arguments| *arguments));
+        }
+        Ok(())
+    }
+
+    fn call(&mut self, program: i64, times: i64, is_macro: bool, machine: &mut Machine) -> Done {
+        let (Ok(program @ 1..), Ok(times @ 0..=9999)) = (u32::try_from(program), u32::try_from(times)) else {
+            let message = "this calls no program";
+            let help = "P is the number of the program, L (up to 9999) how often it is run: M98 P1000 L2";
+            return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
+        };
+        self.fresh = self.flow.call(machine.files, program, times, is_macro)?;
+        machine.state.call_level = self.flow.depth() as u32;
+        Ok(())
+    }
+
+    /// M99, with P: back to that block of the caller. In the main program it begins anew, which is done once.
+    fn leave(&mut self, machine: &mut Machine) -> Done {
+        let label = self.line.whole('P')?.and_then(|label| u32::try_from(label).ok());
+        let left = self.flow.leave(machine.files, label)?;
+        machine.state.call_level = self.flow.depth() as u32;
+        match left {
+            Left::MacroAgain => self.variables.again(),
+            Left::Macro => self.variables.leave(),
+            Left::Again | Left::Subprogram => {}
+            Left::Main => {
+                let mut out = self.output(machine);
+                let message = "M99 repeats the main program for ever: it is run once here";
+                out.warn(Problem::warning("no-effect", Blame::M(M(99)), message, "end it with M30"));
+                block::begin(&self.line, &mut self.equivalent);
+                self.equivalent.add_m(m_group::STOP, M(2), Span::default())?;
+                let mut out = output(machine.sink, self.line.block.place(), machine.problems, machine.waiting);
+                return execute::execute(&self.equivalent, machine.state, &mut out);
+            }
+        }
+        Ok(())
+    }
+
+    /// #3000: the program ends with an error of its own.
+    fn alarm(&mut self, number: f64, state: &mut State) -> Box<Problem> {
+        state.ended = true;
+        let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
+        let message = format!("the program gives alarm {}: {text}", short(3000.0 + number));
+        Problem::error("alarm", Blame::Block, message, "see what the program says before #3000")
+    }
+
+    /// The text ends, or another program begins.
+    fn end_of_text(&mut self, machine: &mut Machine) -> Box<Problem> {
+        machine.state.ended = true;
+        self.line.block.clear(machine.files.current() as u16, machine.files.mark().lines);
+        let (message, help) = match self.flow.depth() {
+            0 => ("the program ends without M30", "write M30 (or M02) as its last block"),
+            _ => ("the subprogram ends without M99", "write M99 as its last block"),
+        };
+        Problem::error("no-program-end", Blame::Block, message, help)
+    }
+}

@@ -1,0 +1,125 @@
+//! G74 and G75: grooves and holes, cut in pecks along Z (G74) or X (G75), one beside the other along the other axis.
+//!
+//! In: `G74 R(e)`, then `G74 X Z P(Δi) Q(Δk) R(Δd) F`. P (along X, a radius) and Q (along Z) are lengths in least
+//! increments. Out: for each column, pecks that go back by e, the way out, and the step to the next column. At the bottom
+//! the tool moves aside by Δd before it goes back.
+
+use super::line::Line;
+use super::{Done, block};
+use crate::block::Block;
+use crate::canon::{X, Z};
+use crate::codes::G;
+use crate::execute::Output;
+use crate::problem::{Blame, Problem, short};
+use crate::state::State;
+
+/// Pecks and columns of a cycle at most.
+const MOST: f64 = 100_000.0;
+
+/// One axis of the cycle.
+#[derive(Clone, Copy)]
+struct Way {
+    from: f64,
+    to: f64,
+    /// 0: in one go.
+    step: f64,
+}
+
+impl Way {
+    fn sign(&self) -> f64 {
+        if self.to < self.from { -1.0 } else { 1.0 }
+    }
+
+    /// How many steps it takes.
+    fn count(&self) -> f64 {
+        let way = (self.to - self.from).abs();
+        if self.step > 0.0 { (way / self.step - 1e-9).ceil().max(1.0) } else { 1.0 }
+    }
+
+    /// Where step `n` ends; the last one at the end.
+    fn at(&self, n: f64) -> f64 {
+        if n >= self.count() { self.to } else { self.from + self.sign() * self.step * n }
+    }
+}
+
+/// G74, G75.
+///
+/// # Errors
+/// A word is missing or makes no sense; what the moves refuse.
+pub(super) fn cycle(
+    code: G,
+    line: &Line,
+    modal: &mut block::Modal,
+    equivalent: &mut Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
+    let retract = line.length('R');
+    if !line.has_any("XZUWPQ") {
+        let Some(retract) = retract.filter(|retract| *retract >= 0.0) else {
+            let message = format!("the first line of {code} needs R, how far a peck goes back");
+            return Err(Problem::error("missing-word", Blame::G(code), message, "add R, such as R0.5"));
+        };
+        modal.first.retract = Some(retract);
+        return Ok(());
+    }
+    let Some(back) = modal.first.retract else {
+        let message = format!("the first line of {code} is missing");
+        let help = format!("write {code} R0.5 before it: how far a peck goes back");
+        return Err(Problem::error("missing-word", Blame::G(code), message, help));
+    };
+    let end = block::target(line, state.position)?;
+    let [x, z] = [('P', X), ('Q', Z)].map(|(letter, axis)| {
+        let step = line.increments(letter)?.unwrap_or(0.0);
+        if step < 0.0 {
+            let message = format!("{letter} is {}", short(step));
+            return Err(Problem::error("bad-value", Blame::Word(letter), message, "give 0 or more"));
+        }
+        Ok(Way { from: state.position[axis], to: end[axis], step })
+    });
+    let along_z = code == G(740);
+    let (cut, beside) = if along_z { (z?, x?) } else { (x?, z?) };
+    let peck = if along_z { 'Q' } else { 'P' };
+    if cut.to == cut.from {
+        let message = format!("{code} cuts nothing: it ends where it begins");
+        let help = format!("add {}", if along_z { "Z or W" } else { "X or U" });
+        return Err(Problem::error("missing-word", Blame::G(code), message, help));
+    }
+    if cut.count() * columns(&beside) > MOST {
+        let message = format!("this would take more than {MOST} pecks");
+        return Err(Problem::error("bad-value", Blame::Word(peck), message, "give a greater P or Q"));
+    }
+    let aside = if beside.to == beside.from { retract.unwrap_or(0.0) } else { -beside.sign() * retract.unwrap_or(0.0) };
+    let place = line.block.place();
+    let mut go = |kind, along: f64, across: f64| {
+        let end = if along_z { [along, across] } else { [across, along] };
+        block::go(kind, end, None, place, equivalent, state, out)
+    };
+    let (rapid, feed) = (G(0), G(10));
+    let mut column = 0.0;
+    while column < columns(&beside) {
+        let across = beside.at(column);
+        if column > 0.0 {
+            go(rapid, cut.from, across)?;
+        }
+        let mut n = 1.0;
+        while n <= cut.count() {
+            go(feed, cut.at(n), across)?;
+            if n < cut.count() && back > 0.0 {
+                go(rapid, cut.at(n) - cut.sign() * back, across)?;
+            }
+            n += 1.0;
+        }
+        if aside != 0.0 {
+            go(rapid, cut.to, across + aside)?;
+        }
+        go(rapid, cut.from, across + aside)?;
+        column += 1.0;
+    }
+    go(rapid, cut.from, beside.from)
+}
+
+/// How many columns there are: one at the beginning, and one for each step.
+fn columns(beside: &Way) -> f64 {
+    if beside.to == beside.from { 1.0 } else { beside.count() + 1.0 }
+}

@@ -1,0 +1,63 @@
+//! T: tool and offset. In: `T0102`, tool 1 with offset 2. Out: the change and the offset in force. The turret turns
+//! without stopping the spindle.
+
+use super::Done;
+use super::line::Line;
+use crate::canon::Call;
+use crate::execute::Output;
+use crate::files::Tool;
+use crate::problem::{Blame, Problem};
+use crate::state::State;
+
+/// T, if the line has it.
+///
+/// # Errors
+/// It is no whole number of up to four digits, or the nose of the tool is being compensated.
+pub(super) fn call(line: &Line, state: &mut State, out: &mut Output) -> Done {
+    let Some(word) = line.whole('T')? else { return Ok(()) };
+    let (tool, offset) = match word {
+        0..=9999 => ((word / 100) as i32, (word % 100) as i32),
+        _ => {
+            let message = format!("T{word} is no tool with an offset");
+            let help = "write two digits for the tool and two for the offset, such as T0101";
+            return Err(Problem::error("bad-value", Blame::Word('T'), message, help));
+        }
+    };
+    if state.compensation.is_on() {
+        let message = format!("T{word:04} while {} is on", state.compensation.code());
+        return Err(Problem::error("compensation-on", Blame::Word('T'), message, "end it with G40 before"));
+    }
+    if word != 0 && word < 100 {
+        let message = format!("T{word:04} names offset {word}, but no tool");
+        let help = "write two digits for the tool and two for the offset, such as T0101";
+        out.warn(Problem::warning("no-tool", Blame::Word('T'), message, help));
+    }
+    let changes = tool != 0 && tool != state.tool;
+    if changes {
+        (state.selected, state.tool) = (Some(tool), tool);
+        out.call(Call::SelectTool(tool))?;
+        out.call(Call::ChangeTool(tool))?;
+    }
+    load(offset, state, out);
+    let offset = if offset == 0 { [0.0; 6] } else { state.to_program(&state.tools.in_spindle.offset) };
+    let place = state.absolute(&state.position);
+    state.tool_offset = offset;
+    state.position = state.relative(&place);
+    out.call(Call::UseToolLengthOffset(offset))
+}
+
+/// The entry of an offset: its lengths and its nose are those of the tool at work.
+fn load(offset: i32, state: &mut State, out: &mut Output) {
+    let number = state.tool;
+    if offset == 0 {
+        state.tools.in_spindle = Tool { number, ..Tool::default() };
+        return;
+    }
+    let entry = state.tools.find(offset).cloned();
+    if entry.is_none() {
+        let message = format!("offset {offset} is not in the tool table");
+        let help = "it is taken to be 0 with a sharp nose; enter it in the table as the tool of this number";
+        out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
+    }
+    state.tools.in_spindle = Tool { index: 0, number, ..entry.unwrap_or_default() };
+}
