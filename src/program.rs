@@ -83,7 +83,9 @@ fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
         let what = match item.code {
             Code::Pass(pass) if !machine.can_follow(&pass) => "a pass its axes cannot follow",
             Code::Line { target, .. } if !machine.can_reach(&target) => "a move beyond its travel",
-            Code::Arc { arc, .. } if !machine.can_turn(&at, &arc) => "an arc that leaves its travel, or is none",
+            Code::Arc { arc, .. } if !machine.can_turn(&at, &arc) => {
+                "an arc that leaves its travel, or is none"
+            }
             Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => {
                 at = target;
                 return None;

@@ -14,7 +14,7 @@
 //! |---|---|
 //! | `spindle_override_pct`, `feed_override_pct` | 0 to 200; with `ramp_s` the knob is turned evenly over that time |
 //! | `rapid_override_pct` | 0 to 100; the same |
-//! | `feed_hold`, `cycle_start`, `stop` | `true`; a button is pressed, `cycle_start` releases the hold |
+//! | `feed_hold`, `cycle_start`, `stop` | `true`; a button is pressed, `cycle_start` releases the hold and ends a pause |
 //! | `spindle_load` | `{ torque_nm, for_s }`: holds the spindle back; or `{ nm_per_rpm, for_s }`: so much for each 1/min at that moment |
 //! | `axial_force_n`, `radial_force_n` | N on the slide of Z, X, positive along the axis; or `{ force_n, for_s }` |
 //!
