@@ -121,6 +121,10 @@ pub struct State {
     pub call_level: u32,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub peck_clearance: f64,
+    /// The line that is being read.
+    pub line: u32,
+    /// It was warned of a feed per revolution while the spindle stands.
+    pub standing_feed: bool,
     /// What M70 and M73 saved.
     pub contexts: Contexts,
     /// G20 and G21 leave F and the offset of the tool as numbers, as LinuxCNC's stand-alone interpreter does.
@@ -130,7 +134,7 @@ pub struct State {
 }
 
 impl State {
-    /// The state in which a program begins: G17 G90 G91.1 G94 G8 G40 G49 G64 G97 G98 and no motion code, with the
+    /// The state in which a program begins: G17 G90 G91.1 G94 G8 G40 G49 G64 G97 G99 and no motion code, with the
     /// offsets that the parameters hold.
     pub fn new(options: &Options) -> State {
         let mut memory = Memory::default();
@@ -151,7 +155,7 @@ impl State {
             feed: 0.0,
             spindle: Spindle { turning: None, speed: 0.0, constant_surface: None },
             motion: None,
-            retract_to_start: true,
+            retract_to_start: false,
             path: PathMode::Continuous(0.0),
             naivecam: 0.0,
             mist: false,
@@ -173,6 +177,8 @@ impl State {
             call_level: 0,
             peck_clearance: options.peck_clearance,
             contexts: Contexts::default(),
+            standing_feed: false,
+            line: 0,
             keeps_numbers: options.keep_numbers,
             ended: false,
         };

@@ -28,7 +28,7 @@ pub mod context;
 mod coordinates;
 pub mod cycles;
 mod feed;
-pub(crate) mod modes;
+mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
@@ -37,12 +37,12 @@ mod spindle;
 mod stop;
 pub(crate) mod straight;
 pub(crate) mod system;
-mod threading;
+pub(crate) mod threading;
 mod tool;
 mod words;
 
 use crate::block::{Block, Comment, CommentKind};
-use crate::canon::Call;
+use crate::canon::{Call, FeedMode};
 use crate::codes::{G, group, m_group};
 use crate::problem::{Blame, Problem};
 use crate::state::State;
@@ -181,6 +181,9 @@ fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done 
     if code == G(800) {
         state.motion = None;
         return out.call(Call::Note("motion mode set to none"));
+    }
+    if state.feed_mode == FeedMode::PerRevolution && matches!(code.0, 10 | 20 | 30) {
+        spindle::must_turn(code, state, out);
     }
     state.motion = Some(code);
     run_motion(code, block, state, out)

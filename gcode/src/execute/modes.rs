@@ -8,8 +8,6 @@ use crate::state::{State, scaled};
 
 use super::{Done, Output, check, compensation};
 
-pub(crate) use super::context::{on_call, on_return};
-
 /// G93, G94, G95. A change to G94 or G95 forgets F, which had another meaning.
 pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
     let (mode, note) = match code.0 {

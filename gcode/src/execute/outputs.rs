@@ -99,6 +99,12 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
             "add Q, the longest wait in s, > 0",
         ));
     }
+    if wait == 0.0 {
+        let message =
+            "what M66 reads is known when the machine runs, not when the program is read: #5399 stays";
+        let help = "do not let the program depend on #5399; or wait for the input with L1 to L4 and Q";
+        out.warn(Problem::warning("unknown-input", Blame::M(code), message, help));
+    }
     let last = state.parameter(INPUT);
     state.set_parameter(INPUT, if analog { last } else { f64::from(last != 0.0) });
     out.call(Call::WaitInput { index, analog, wait: wait as u8, timeout })

@@ -70,6 +70,21 @@ fn begin(turn: Turn, code: M, state: &mut State, out: &mut Output) -> Done {
     out.call(Call::StartSpindle(turn))
 }
 
+/// Warns, once until the spindle is started, of a feed per revolution while it stands.
+pub(super) fn must_turn(code: G, state: &mut State, out: &mut Output) {
+    let standing = state.spindle.turning.is_none();
+    if standing && !state.standing_feed {
+        let message = format!("{code} feeds per revolution (G95), and the spindle does not turn");
+        out.warn(Problem::warning(
+            "spindle-not-turning",
+            Blame::Block,
+            message,
+            "start it with M3 or M4 before",
+        ));
+    }
+    state.standing_feed = standing;
+}
+
 /// M19 R (angle) P (direction) Q (time to wait).
 fn orient(block: &Block, state: &mut State, out: &mut Output) -> Done {
     state.spindle.turning = None;

@@ -6,6 +6,7 @@
 use crate::canon::{FeedMode, Plane, Turn, Units};
 use crate::state::State;
 
+use super::compensation;
 use super::context::system_code;
 
 /// The value of `#index`, if it tells the state; all others are what was stored last.
@@ -37,10 +38,10 @@ pub(crate) fn is_read_only(index: u32, state: &State) -> bool {
 pub(crate) fn named(name: &str, state: &State) -> Option<f64> {
     let is = |condition: bool| Some(f64::from(condition));
     if let Some(axis) = name.strip_prefix("_abs_").and_then(axis) {
-        return state.absolute(&state.position).get(axis).copied();
+        return state.absolute(&compensation::center(state)).get(axis).copied();
     }
     if let Some(axis) = name.strip_prefix('_').and_then(axis) {
-        return Some(state.position.get(axis).copied().unwrap_or(0.0));
+        return Some(compensation::center(state).get(axis).copied().unwrap_or(0.0));
     }
     match name {
         "_vmajor" => Some(2.10),
@@ -94,6 +95,7 @@ fn machine(name: &str, state: &State) -> Option<f64> {
             Some(tool) => f64::from(tool.pocket),
             None => -1.0,
         }),
+        "_line" => Some(f64::from(state.line)),
         "_call_level" => Some(f64::from(state.call_level)),
         "_remap_level" | "_task" => Some(0.0),
         _ => None,
