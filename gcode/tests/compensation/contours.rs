@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::{Move, run};
 
-/// A contour by its elements: turn at its start, then length of a line, or radius and angle (> 0 left) of an arc.
+/// An element: turn at its start, then length of a line, or radius and angle (> 0 left) of an arc.
 #[derive(Clone, Copy, Debug)]
 enum Leg {
     Line(f64, f64),
@@ -28,7 +28,7 @@ fn legs() -> impl Strategy<Value = Vec<Leg>> {
 }
 
 fn direction(angle: f64) -> Point {
-    [angle.cos(), angle.sin()]
+    [libm::cos(angle), libm::sin(angle)]
 }
 
 fn along(p: Point, s: f64, angle: f64) -> Point {
@@ -36,8 +36,8 @@ fn along(p: Point, s: f64, angle: f64) -> Point {
     [p[0] + s * t[0], p[1] + s * t[1]]
 }
 
-/// Whether an element and the next one bend by less than half a turn together: else they may meet elsewhere, which
-/// compensation does not see.
+/// Whether an element and the next one bend by less than half a turn together: else they may meet elsewhere,
+/// which compensation does not see.
 fn open(legs: &[Leg], number: usize) -> bool {
     let parts = |leg: &Leg| match *leg {
         Leg::Line(turn, _) => [turn.abs(), 0.0],
@@ -100,7 +100,7 @@ fn points(element: &Element) -> Vec<Point> {
             let Some((m, turns)) = arc else {
                 return [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
             };
-            let [a, b] = [from, to].map(|p| (p[1] - m[1]).atan2(p[0] - m[0]));
+            let [a, b] = [from, to].map(|p| libm::atan2(p[1] - m[1], p[0] - m[0]));
             let sweep = (f64::from(turns) * (b - a)).rem_euclid(TAU) * f64::from(turns);
             along(m, distance(m, from), a + part * sweep)
         })
@@ -119,7 +119,7 @@ fn gap(p: Point, element: &Element) -> f64 {
             if (0.0..=1.0).contains(&part) { distance(p, foot) } else { ends }
         }
         Some((m, turns)) => {
-            let angle = |q: Point| f64::from(turns) * ((q[1] - m[1]).atan2(q[0] - m[0]));
+            let angle = |q: Point| f64::from(turns) * libm::atan2(q[1] - m[1], q[0] - m[0]);
             let sweep = (angle(to) - angle(from)).rem_euclid(TAU);
             let here = (angle(p) - angle(from)).rem_euclid(TAU);
             if here <= sweep { (distance(p, m) - distance(from, m)).abs().min(ends) } else { ends }
@@ -170,7 +170,7 @@ proptest! {
                         continue;
                     }
                     let gap = gap(point, &elements[other]);
-                    prop_assert!(gap > r - 1e-9, "element {number} comes within {gap} of {other}, not {r}, at {point:?}");
+                    prop_assert!(gap > r - 1e-9, "{number} is {gap} from {other}, not {r}, at {point:?}");
                 }
             }
         }
@@ -201,7 +201,10 @@ proptest! {
             let code = ["G1", "G2", "G3", "G0"][(i + four[0].abs() as usize % 7) % 4];
             let [a, b] = if lathe { ["Z", "K"] } else { ["Y", "J"] };
             text += &format!("{code} X{} {a}{}", four[0], four[1]);
-            text += &if i % 2 == 0 && code >= "G2" { format!(" I{} {b}{}\n", four[2], four[3]) } else { "\n".into() };
+            if i % 2 == 0 && code >= "G2" {
+                text += &format!(" I{} {b}{}", four[2], four[3]);
+            }
+            text.push('\n');
         }
         let (record, _) = run(&text);
         for (_, made) in record.moves {

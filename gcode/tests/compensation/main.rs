@@ -1,4 +1,4 @@
-//! Compensation of the tool radius: its geometry, the calls of whole programs, and properties of random contours.
+//! Compensation of the tool radius: geometry, calls of whole programs, properties of random contours.
 
 mod contours;
 mod geometry;

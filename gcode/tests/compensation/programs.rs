@@ -5,7 +5,9 @@ use crate::run;
 /// The calls behind the prologue of a program that must not fail.
 fn calls(text: &str) -> Vec<String> {
     let (record, problem) = run(text);
-    assert!(problem.is_none(), "{}", problem.unwrap().render(false));
+    if let Some(problem) = problem {
+        panic!("{}", problem.render(false));
+    }
     record.calls
 }
 
@@ -25,7 +27,11 @@ fn place_of(calls: &[String], start: &str) -> usize {
 fn what_is_called_behind_a_waiting_move_stays_behind_it() {
     let calls = calls("F100\nG41.1 D2\nG1 X10\nM3 S500 M8\n(comment)\nF200\nG4 P1\nY10\nG40 X0\nM2\n");
     let corner = place_of(&calls, "StraightFeed([9.0, 1.0,");
-    for (distance, start) in ["SetSpindleSpeed", "StartSpindle", "FloodOn", "Comment", "SetFeedRate(200", "Dwell"].iter().enumerate() {
+    for (distance, start) in
+        ["SetSpindleSpeed", "StartSpindle", "FloodOn", "Comment", "SetFeedRate(200", "Dwell"]
+            .iter()
+            .enumerate()
+    {
         assert!(calls[corner + 1 + distance].starts_with(start), "{start} {calls:#?}");
     }
 }
@@ -51,7 +57,7 @@ fn units_change_within_a_contour() {
     assert!(problem.is_none());
     let ends: Vec<[f64; 2]> = record.moves.iter().map(|(_, made)| made.end()).collect();
     for (end, [x, y]) in ends.iter().zip([[9.0 / 25.4, 1.0 / 25.4], [9.0, 24.4], [0.0, 24.4], [0.0, 0.0]]) {
-        assert!((end[0] - x).hypot(end[1] - y) < 1e-9, "{end:?} {x} {y}");
+        assert!(libm::hypot(end[0] - x, end[1] - y) < 1e-9, "{end:?} {x} {y}");
     }
 }
 
@@ -77,10 +83,7 @@ fn the_end_of_a_tape_sends_what_waits() {
 
 #[test]
 fn a_negative_diameter_changes_sides() {
-    assert_eq!(
-        calls("F100\nG41.1 D-2\nG1 X10\nG40 X0\nM2\n"),
-        calls("F100\nG42.1 D2\nG1 X10\nG40 X0\nM2\n")
-    );
+    assert_eq!(calls("F100\nG41.1 D-2\nG1 X10\nG40 X0\nM2\n"), calls("F100\nG42.1 D2\nG1 X10\nG40 X0\nM2\n"));
 }
 
 #[test]
@@ -142,11 +145,24 @@ fn an_arc_may_not_follow_g40() {
 #[test]
 fn what_compensation_cannot_bear_is_refused() {
     let on = "F1 G41.1 D2\nG1 X10\n";
-    for line in ["G81 X20 Z-1 R1", "G64 P0.01", "G18", "G92 X0", "G28", "M6 T0", "G43 H0", "G10 L2 P1 X0", "G53 G0 X0", "M62 P0", "M48"] {
+    for line in [
+        "G81 X20 Z-1 R1",
+        "G64 P0.01",
+        "G18",
+        "G92 X0",
+        "G28",
+        "M6 T0",
+        "G43 H0",
+        "G10 L2 P1 X0",
+        "G53 G0 X0",
+        "M62 P0",
+        "M48",
+    ] {
         let (at, code) = refused(&format!("{on}{line}\nM2\n"));
         assert_eq!((at, code), (3, "compensation-on"), "{line}");
     }
     assert_eq!(refused(&format!("{on}G42.1 D2\n")), (3, "compensation-on"));
+    assert_eq!(refused(&format!("{on}#1=#5420\n")), (3, "compensation-on"));
     assert_eq!(refused("G19\nG41.1 D2\n"), (2, "compensation-plane"));
     assert_eq!(refused("G41.1 D2 L3\n"), (1, "compensation-plane"));
     assert_eq!(refused("G18\nG41.1 D2 L10\n"), (2, "bad-value"));
@@ -163,4 +179,11 @@ fn the_tip_of_a_turning_tool() {
     let start = place_of(&calls, "StraightFeed");
     let moves: Vec<_> = calls[start..].iter().filter(|call| call.contains("Feed(")).collect();
     assert_eq!(moves.len(), 5, "{moves:#?}");
+}
+
+#[test]
+fn the_position_that_names_tell_is_that_of_the_tool() {
+    let calls = calls("F1 G41.1 D2\nG1 X10\n(DEBUG,#<_x> #<_y>)\nG40\n(DEBUG,#<_x> #<_y>)\nM2\n");
+    let said: Vec<_> = calls.iter().filter(|call| call.starts_with("Message")).collect();
+    assert_eq!(said, ["Message(\"10.000000 1.000000\")", "Message(\"10.000000 0.000000\")"]);
 }

@@ -2,10 +2,13 @@
 //!
 //! ```text
 //! entry    a straight move, or an arc, to the place beside its programmed end
-//! corner   tangent: go on · outside: an arc around it (a rapid goes straight) · inside: both moves end where their ways meet
+//! corner   tangent: go on
+//!          outside: an arc around it (a rapid goes straight)
+//!          inside: the ways of both moves are cut where they meet
 //! ```
-//! Every move waits in [`Waiting`](super::Waiting) until the next one is known. The axis across the plane and the rotary
-//! axes move with the move they are programmed in; around an outside corner the rotary axes turn already.
+//! Every move waits in [`Waiting`](super::Waiting) until the next one is known. The axis across the plane and
+//! the rotary axes move with the move they are programmed in; around an outside corner the rotary axes turn
+//! already.
 
 use super::geometry::{Corner, Element, Point, Side, Track, distance, meet};
 use super::{Compensation, Cutter};
@@ -53,7 +56,8 @@ pub(crate) fn straight(
         }
         Some(n) => {
             let element = Element { from, to, arc: None };
-            let mut track = element.offset(cutter.side, cutter.radius).ok_or_else(|| no_fit(block, &cutter))?;
+            let mut track =
+                element.offset(cutter.side, cutter.radius).ok_or_else(|| no_fit(block, &cutter))?;
             let joined = join(n, &mut track, from, Move { kind, target }, state, out);
             (track, joined)
         }
@@ -86,7 +90,8 @@ pub(crate) fn arc(arc: Arc, block: &Block, state: &mut State, out: &mut Output) 
             (track, center, Ok(()))
         }
         Some(n) => {
-            let mut track = element.offset(cutter.side, cutter.radius).ok_or_else(|| no_fit(block, &cutter))?;
+            let mut track =
+                element.offset(cutter.side, cutter.radius).ok_or_else(|| no_fit(block, &cutter))?;
             let joined = join(n, &mut track, from, Move { kind: Kind::Feed, target }, state, out);
             (track, arc.center, joined)
         }
@@ -98,8 +103,8 @@ pub(crate) fn arc(arc: Arc, block: &Block, state: &mut State, out: &mut Output) 
     joined
 }
 
-/// Ends what waits at the corner `p` and begins `track` there. After an error the move counts as made, so that what
-/// follows can be judged.
+/// Ends what waits at the corner `p` and begins `track` there. After an error the move counts as made, so
+/// that what follows can be judged.
 fn join(n: Point, track: &mut Track, p: Point, to: Move, state: &State, out: &mut Output) -> Done {
     let Some(cutter) = state.compensation.tool else { return Ok(()) };
     let before = out.waiting.track().copied();
@@ -168,7 +173,12 @@ fn enter_by_arc(element: &Element, block: &Block, cutter: &Cutter) -> Result<(Tr
     Track::entry_arc(element, cutter.side, cutter.radius).ok_or_else(|| {
         let radius = short(cutter.radius);
         let message = format!("this arc is too short for a tool of radius {radius} to enter along it");
-        Problem::error("compensation-entry", Blame::Block, message, "make it longer, or enter with a straight move")
+        Problem::error(
+            "compensation-entry",
+            Blame::Block,
+            message,
+            "make it longer, or enter with a straight move",
+        )
     })
 }
 
@@ -227,13 +237,19 @@ fn computable(points: &[Point], cutter: &Cutter) -> Done {
         return Ok(());
     }
     let message = "these lengths are too great to compute the way of the tool";
-    Err(Problem::error("bad-value", Blame::Block, message, "check the coordinates, and the diameter of the tool"))
+    Err(Problem::error(
+        "bad-value",
+        Blame::Block,
+        message,
+        "check the coordinates, and the diameter of the tool",
+    ))
 }
 
 fn short_entry(from: Point, to: Point, cutter: &Cutter) -> Box<Problem> {
     let (length, radius) = (short(distance(from, to)), short(cutter.radius));
     let message = format!("the entry is {length} long, and the radius of the tool is {radius}");
-    let help = "the first move behind G41 or G42 must be longer than the radius, within the plane: start further away";
+    let help =
+        "the first move behind G41 or G42 must be longer than the radius, in the plane: start further away";
     Problem::error("compensation-entry", Blame::Block, message, help)
 }
 
@@ -241,7 +257,12 @@ fn no_fit(block: &Block, cutter: &Cutter) -> Box<Problem> {
     let blame = Blame::Word(if block.has('R') { 'R' } else { 'I' });
     let radius = short(cutter.radius);
     let message = format!("a tool of radius {radius} does not fit into this arc");
-    Problem::error("compensation-gouge", blame, message, format!("the inside of an arc needs a radius above {radius}"))
+    Problem::error(
+        "compensation-gouge",
+        blame,
+        message,
+        format!("the inside of an arc needs a radius above {radius}"),
+    )
 }
 
 fn no_corner(cutter: &Cutter) -> Box<Problem> {
@@ -252,7 +273,9 @@ fn no_corner(cutter: &Cutter) -> Box<Problem> {
 
 fn too_short(blame: Blame, neighbour: &str, cutter: &Cutter) -> Box<Problem> {
     let radius = short(cutter.radius);
-    let message = format!("this move is too short for a tool of radius {radius}: in the corner with {neighbour} nothing is left of it");
+    let message = format!(
+        "too short for a tool of radius {radius}: the corner with {neighbour} leaves nothing of this move"
+    );
     Problem::error("compensation-gouge", blame, message, "take a smaller tool, or open the corner")
 }
 
@@ -268,7 +291,8 @@ fn too_short_before(cutter: &Cutter, out: &Output) -> Box<Problem> {
 }
 
 fn stopped_in_corner() -> Box<Problem> {
-    let message = "the tool has stopped at the end of the move before, beyond the inside corner that this move makes with it";
+    let message =
+        "the tool has stopped at the end of the move before, beyond the inside corner with this one";
     let help = "stop (M0, M1, M60) within a straight part of the contour or at an outside corner";
     Problem::error("compensation-gouge", Blame::Block, message, help)
 }

@@ -24,11 +24,11 @@
 //! m0 + x u ± √(ρ0² - x²) J u,                         (O7)  two circles, u from m0 to m1, D apart
 //!     x = (ρ0² + D² - ρ1²) / 2D
 //! σ (t0 × t1) > 0                                     (O8)  which of two points is the corner
-//! e + |c - e|² / (2 (c - e) · u) u                    (O9)  centre of an entry arc from c to e, u from e to m
+//! e + |c - e|² / (2 (c - e) · u) u                   (O9)  centre of an entry arc from c to e, u from e to m
 //! ```
-//! O8 follows from the corner being an inside one: there the way turns towards the tool. It gives the sign in O6
-//! (line to arc: σε, arc to line: -σε) and in O7 (σ ε0 ε1). A contour that turns back by half a turn has an inside corner if its
-//! two arms part slower than a line would, κ0 + κ1 < 0; else the tool goes around its tip.
+//! O8 follows from the corner being an inside one: there the way turns towards the tool. It gives the sign in
+//! O6 (line to arc: σε, arc to line: -σε) and in O7 (σ ε0 ε1). A contour that turns back by half a turn has
+//! an inside corner if its arms part on the side of the tool, κ0 + κ1 < 0; else the tool goes around its tip.
 
 use libm::{atan2, hypot, sqrt};
 use std::f64::consts::{PI, TAU};
@@ -82,7 +82,8 @@ pub struct Element {
     pub from: Point,
     /// Its end.
     pub to: Point,
-    /// Centre and turns (as [`crate::canon::Arc::turns`]) of an arc; `None` for a line, which has a length then.
+    /// Centre and turns (as [`crate::canon::Arc::turns`]) of an arc; `None` for a line, which has a length
+    /// then.
     pub arc: Option<(Point, i32)>,
 }
 
@@ -142,18 +143,26 @@ impl Element {
 }
 
 impl Track {
-    /// The straight way from `start` to the centre of the tool at `to`. It touches the contour at its end only and
-    /// cannot be too short for a corner.
+    /// The straight way from `start` to the centre of the tool at `to`. It touches the contour at its end
+    /// only and cannot be too short for a corner.
     pub fn entry_line(start: Point, to: Point, side: Side, r: f64) -> Track {
         let line = Element { from: start, to, arc: None };
         let t = unit(sub(to, start));
         let n = side.normal(t);
         let end = add(line.to, scale(r, n));
-        Track { from: start, to: end, normals: [n, n], path: Path::Line(t), curvature: 0.0, left: f64::INFINITY }
+        Track {
+            from: start,
+            to: end,
+            normals: [n, n],
+            path: Path::Line(t),
+            curvature: 0.0,
+            left: f64::INFINITY,
+        }
     }
 
-    /// The arc from `start` to the centre of the tool at the end of a programmed arc, tangent to it there: O9. Gives
-    /// its centre, too. `None` if the tool does not fit into the arc, or the arc is too short to lead in.
+    /// The arc from `start` to the centre of the tool at the end of a programmed arc, tangent to it there:
+    /// O9. Gives its centre, too. `None` if the tool does not fit into the arc, or the arc is too short to
+    /// lead in.
     pub fn entry_arc(programmed: &Element, side: Side, r: f64) -> Option<(Track, Point)> {
         let (m, turns) = programmed.arc?;
         let start = programmed.from;
@@ -219,7 +228,8 @@ pub enum Corner {
 }
 
 impl Corner {
-    /// The corner where the tool stands on `n` and goes on along `next`; `curvature` is that of the element before.
+    /// The corner where the tool stands on `n` and goes on along `next`; `curvature` is that of the element
+    /// before.
     pub fn between(n: Point, curvature: f64, next: &Track, side: Side) -> Corner {
         let angle = side.sign() * atan2(cross(n, next.normals[0]), dot(n, next.normals[0])); // O4
         let back = angle.abs() >= PI - TANGENT;

@@ -1,7 +1,8 @@
 //! G40, G41, G42, G41.1, G42.1: a contour is programmed, and the centre of the tool moves beside it.
 //!
-//! In: programmed moves, radius and side of the tool. Out: moves of the tool's centre (of a turning tool: of the point that its
-//! offsets measure), corners included, or a refusal where the tool would cut what it must not.
+//! In: programmed moves, radius and side of the tool. Out: moves of the tool's centre (of a turning tool: of
+//! the point that its offsets measure), corners included, or a refusal where the tool would cut what it must
+//! not.
 //!
 //! | file | content |
 //! |---|---|
@@ -9,9 +10,12 @@
 //! | `contour.rs` | entry, following moves, corners; what is refused |
 //! | `queue.rs` | the last move, which waits for the corner behind it, and the calls behind that |
 //!
-//! [`State::position`] is the programmed point all the time. Behaviour and limits are those of LinuxCNC (manual, chapter
-//! Cutter Compensation), but for contours that LinuxCNC lets the tool cut into: they are refused. A corner is seen with the
-//! move before it and the move behind it; whether the tool touches parts of the contour that are further away is not.
+//! [`State::position`] is the programmed point all the time. Behaviour and limits are those of LinuxCNC
+//! (manual, chapter Cutter Compensation), but where LinuxCNC lets the tool cut into the contour: moves that a
+//! corner uses up and a tangent move follows, arcs that touch from inside, a stop in an inside corner, an
+//! entry along too short an arc are refused; and the lead to the entry arc of a turning tool is not moved
+//! with the corner behind that arc. A corner is seen with the move before it and the move behind it, parts of
+//! the contour further away are not.
 
 mod contour;
 pub mod geometry;
@@ -50,7 +54,7 @@ struct Cutter {
 }
 
 impl Cutter {
-    /// From the centre of the nose to the point that the offsets of the tool measure, in radii: first and second axis of G18.
+    /// From the centre of the nose to the point that the offsets of the tool measure, in radii: Z and X.
     fn tip(&self) -> Point {
         match self.orientation {
             1 => [1.0, -1.0],
@@ -107,11 +111,17 @@ pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output
     }
     if state.plane == Plane::Yz {
         let message = "the radius of the tool can be compensated in the XY and the XZ plane only";
-        return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G17 or G18 before"));
+        return Err(Problem::error(
+            "compensation-plane",
+            Blame::G(code),
+            message,
+            "select G17 or G18 before",
+        ));
     }
     let left = matches!(code.0, 410 | 411);
     let dynamic = code.0 % 10 == 1;
-    let (radius, orientation) = if dynamic { from_block(code, block, state)? } else { from_table(code, block, state)? };
+    let (radius, orientation) =
+        if dynamic { from_block(code, block, state)? } else { from_table(code, block, state)? };
     let side = if left == (radius >= 0.0) { Side::Left } else { Side::Right };
     out.call(Call::Note(match side {
         Side::Left => "cutter radius compensation on left",
@@ -140,7 +150,12 @@ fn from_block(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
     let Some(l) = block.get('L') else { return Ok((diameter / 2.0, 0)) };
     if state.plane != Plane::Xz {
         let message = "L is the orientation of a turning tool, and the plane is not XZ";
-        return Err(Problem::error("compensation-plane", Blame::Word('L'), message, "select G18, or leave L out"));
+        return Err(Problem::error(
+            "compensation-plane",
+            Blame::Word('L'),
+            message,
+            "select G18, or leave L out",
+        ));
     }
     match super::integer(block, 'L') {
         Some(orientation @ 0..=9) => Ok((diameter / 2.0, orientation as u8)),

@@ -1,8 +1,9 @@
 //! Calls that wait until the next corner is known.
 //!
-//! The last move of a compensated contour waits, because an inside corner ends it earlier. What is called behind it
-//! waits too, so that the order stays: other moves at the same point of the plane, F, spindle, coolant, dwell, comments. Calls
-//! that do not act on the machine in the course of the path go at once, as they do in LinuxCNC: messages, units, T.
+//! The last move of a compensated contour waits, because an inside corner ends it earlier. What is called
+//! behind it waits too, so that the order stays: other moves at the same point of the plane, F, spindle,
+//! coolant, dwell, comments. What else may be called while compensation is on goes at once, as in LinuxCNC:
+//! messages, units, T.
 
 use super::geometry::{Point, Track};
 use crate::canon::{Call, Place, Plane, Position};
@@ -79,8 +80,8 @@ impl Waiting {
         self.track.as_ref()
     }
 
-    /// Ends the move of the contour at `corner`, which is `tip` for the point that is programmed, and takes with it the
-    /// moves behind it. `false` if nothing is left of that move.
+    /// Ends the move of the contour with the centre of the tool at `corner`, which is sent as `tip`, and
+    /// takes the moves behind it along. `false` if nothing is left of that move.
     pub(super) fn end_at(&mut self, corner: Point, tip: Point, plane: Plane) -> bool {
         let left = self.track.as_mut().is_some_and(|track| track.end_at(corner));
         let (first, second, _) = plane.axes();
