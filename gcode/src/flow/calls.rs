@@ -201,7 +201,10 @@ impl Flow {
         let keyword = control.keyword.text();
         let name = self.labels.text(control.label);
         match self.frames.last() {
-            Some(frame) if frame.label == control.label && frame.definition.style == Style::Sub => {}
+            // LinuxCNC looks at the label of endsub only.
+            Some(frame)
+                if frame.definition.style == Style::Sub
+                    && (frame.label == control.label || control.keyword == Keyword::Return) => {}
             Some(frame) => {
                 let inside = self.labels.text(frame.label);
                 let end = if frame.definition.style == Style::Sub { keyword } else { "M99" };
