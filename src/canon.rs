@@ -177,7 +177,8 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
     let mut parameters = ParameterFile::default();
     if let Some(path) = args.parameters.as_ref().or(machine.parameter_file.as_ref()) {
         parameters = ParameterFile::read(path).map_err(file_error)?;
-        options.parameters.clone_from(&parameters.values);
+        let counts = |(number, _): &&(u32, f64)| !(machine.forgets_g92 && (5210..=5219).contains(number));
+        options.parameters = parameters.values.iter().filter(counts).copied().collect();
     }
     Ok((options, parameters))
 }

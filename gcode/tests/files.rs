@@ -111,10 +111,11 @@ fn writing_parameters_leaves_the_old_file_as_a_backup() {
 fn a_machine_description_gives_what_programs_depend_on() {
     let text = "[EMC]\nMACHINE = lathe\n[TRAJ]\n# units\nLINEAR_UNITS = inch\n[RS274NGC]\nG73_PECK_CLEARANCE=0.01\n\
                 G83_PECK_CLEARANCE = 0.02\nPARAMETER_FILE = lathe.var\nSUBROUTINE_PATH = subs:/opt/library\nREMAP = M400 modalgroup=10\n\
-                RETAIN_G43 = 0\n[EMCIO]\nTOOL_TABLE = tool.tbl\n[DISPLAY]\nPROGRAM_PREFIX = programs\nLINEAR_UNITS = nonsense\n";
+                RETAIN_G43 = 0\nDISABLE_G92_PERSISTENCE = 1\n[EMCIO]\nTOOL_TABLE = tool.tbl\n[DISPLAY]\nPROGRAM_PREFIX = programs\nLINEAR_UNITS = nonsense\n";
     let machine = MachineFile::parse("lathe.ini", text, Path::new("/etc/lathe")).unwrap();
     assert_eq!(machine.units, Some(Units::Inch));
     assert_eq!((machine.g73_clearance, machine.g83_clearance), (Some(0.01), Some(0.02)));
+    assert!(machine.forgets_g92);
     assert_eq!(machine.parameter_file, Some(PathBuf::from("/etc/lathe/lathe.var")));
     assert_eq!(machine.tool_table, Some(PathBuf::from("/etc/lathe/tool.tbl")));
     let folders = ["/etc/lathe/programs", "/etc/lathe/subs", "/opt/library"].map(PathBuf::from);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! [TRAJ]     LINEAR_UNITS = mm
-//! [RS274NGC] PARAMETER_FILE = lathe.var   SUBROUTINE_PATH = subs:../library
+//! [RS274NGC] PARAMETER_FILE = lathe.var   SUBROUTINE_PATH = subs:../library   DISABLE_G92_PERSISTENCE = 0
 //!            G73_PECK_CLEARANCE = 0.254   G83_PECK_CLEARANCE = 0.254
 //! [EMCIO]    TOOL_TABLE = tool.tbl
 //! [DISPLAY]  PROGRAM_PREFIX = programs
@@ -49,6 +49,8 @@ pub struct MachineFile {
     pub parameter_file: Option<PathBuf>,
     /// Folders where subroutines are looked for, in order.
     pub subroutine_folders: Vec<PathBuf>,
+    /// G92 does not outlive a run: its parameters (#5210 to #5219) in the parameter file do not count.
+    pub forgets_g92: bool,
     /// Entries that change what programs mean and are not supported.
     pub warnings: Vec<Diagnostic>,
 }
@@ -109,6 +111,7 @@ impl MachineFile {
             ("RS274NGC", "G73_PECK_CLEARANCE") => self.g73_clearance = Some(entry.length()?),
             ("RS274NGC", "G83_PECK_CLEARANCE") => self.g83_clearance = Some(entry.length()?),
             ("RS274NGC", "PARAMETER_FILE") => self.parameter_file = Some(folder.join(entry.value)),
+            ("RS274NGC", "DISABLE_G92_PERSISTENCE") => self.forgets_g92 = entry.value != "0",
             ("EMCIO", "TOOL_TABLE") => self.tool_table = Some(folder.join(entry.value)),
             ("RS274NGC", "SUBROUTINE_PATH") => {
                 let folders = entry.value.split(':').filter(|path| !path.is_empty());
