@@ -37,8 +37,8 @@ impl Bar {
     /// I, J, K: two are distances in the plane, the one of the axis across it is the shoulder, under G91 from the bottom.
     pub(super) fn new(offset: [f64; 3], bottom: f64, state: &State) -> Bar {
         let (first, second, along) = state.plane.axes();
-        let from = if state.incremental { bottom } else { 0.0 };
-        Bar { beside: [offset[first], offset[second]], shoulder: from + offset[along] }
+        let shoulder = if state.incremental { bottom + offset[along] } else { offset[along] };
+        Bar { beside: [offset[first], offset[second]], shoulder }
     }
 }
 
