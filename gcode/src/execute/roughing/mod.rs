@@ -16,7 +16,7 @@
 //! | `walk.rs`, `passes.rs` | the order of cutting, and its moves |
 //!
 //! All but `record.rs` and this file is geometry that knows no state and no calls. Whoever has a contour in another
-//! way (FANUC's P and Q) goes `Frame::of` → `enter_segment` → `raised` → `rough`, `turn`, `repeat` or `finish` → `leave`.
+//! way (FANUC's P and Q) goes `Frame::of` → `enter_segment` → `walled` → `raised` → `rough`, `turn`, `repeat` or `finish` → `leave`.
 //!
 //! What the words mean, and the default values: manual of LinuxCNC, G70 and G71 G72.
 
@@ -40,7 +40,7 @@ use super::{Done, Output, compensation, feed, integer};
 use contour::{NEAR, Point, Segment};
 use frame::Frame;
 use offset::raised;
-use passes::{Move, Pockets, Roughing, finish, rough};
+use passes::{Move, Pockets, Roughing, finish, rough, walled};
 use record::Piece;
 
 pub(crate) use record::record;
@@ -190,7 +190,7 @@ impl Cycle {
             _ => Pockets::Only,
         };
         let how = Roughing { infeed: self.infeed, escape: self.escape, pockets };
-        rough(start, &self.raised(&contour, self.distance)?, &how, &mut send)
+        rough(start, &self.raised(&walled(start, &contour), self.distance)?, &how, &mut send)
     }
 
     /// The contour in the frame of its cuts. G70 takes the one that the contour is monotone in.

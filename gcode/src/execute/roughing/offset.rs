@@ -35,8 +35,13 @@ pub fn raised(contour: &[Segment], distance: f64) -> Option<Vec<Segment>> {
         path.join(run.start);
         path.add(run);
     }
-    if last.is_wall() {
-        path.join(last.end);
+    let walls = pieces.iter().rev().take_while(|piece| piece.is_wall()).count();
+    for wall in pieces.iter().skip(pieces.len() - walls) {
+        for to in [wall.start, wall.end] {
+            if (to.x - path.at.x) * (wall.end.x - wall.start.x) > 0.0 {
+                path.join(to);
+            }
+        }
     }
     Some(path.segments).filter(|segments| !segments.is_empty())
 }

@@ -59,6 +59,16 @@ pub struct Roughing {
     pub pockets: Pockets,
 }
 
+/// The contour with a wall at its end up to the height of `start`, if it ends lower: what is behind it stays.
+/// For roughing, before the allowance.
+pub fn walled(start: Point, contour: &[Segment]) -> Vec<Segment> {
+    let mut walled = contour.to_vec();
+    if let Some(end) = contour.last().map(|last| last.end).filter(|end| end.x < start.x) {
+        walled.push(Segment::line(end, Point::new(end.z, start.x)));
+    }
+    walled
+}
+
 /// Roughs a contour. The first pass is at the height of `start`, behind each pass the tool escapes (7) and goes back
 /// to its beginning, and it is left at the end of the contour.
 ///

@@ -19,8 +19,8 @@ use super::passes::{Pockets, Roughing};
 struct Flank {
     segment: Segment,
     rises: bool,
-    /// The second half of an arc that falls and rises.
-    valley: bool,
+    /// The second half of an arc that rises and falls, or falls and rises.
+    second: bool,
 }
 
 /// What the walk does next.
@@ -35,20 +35,16 @@ pub(super) enum Step {
     Up { part: Segment, valley: bool },
 }
 
-/// The way to the contour, its flanks, and a wall at its end up to the height of `start` if it ends lower.
+/// The way to the contour, and its flanks.
 fn flanks(start: Point, contour: &[Segment]) -> Vec<Flank> {
-    let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Vec::new() };
+    let Some(first) = contour.first() else { return Vec::new() };
     let flank =
-        |segment: Segment, valley| Flank { segment, rises: segment.end.x >= segment.start.x - NEAR, valley };
+        |segment: Segment, second| Flank { segment, rises: segment.end.x >= segment.start.x - NEAR, second };
     let mut flanks = vec![flank(Segment::line(start, first.start), false)];
     for segment in contour {
         let (one, two) = segment.halves();
-        let valley = segment.bend.is_some_and(|bend| !bend.ccw);
         flanks.push(flank(one, false));
-        flanks.extend(two.map(|two| flank(two, valley)));
-    }
-    if last.end.x < start.x {
-        flanks.push(flank(Segment::line(last.end, Point::new(last.end.z, start.x)), false));
+        flanks.extend(two.map(|two| flank(two, true)));
     }
     flanks
 }
@@ -72,7 +68,9 @@ pub(super) fn walk<E>(
             if how.pockets == Pockets::Bridge {
                 return bridge(flanks.iter().skip(next), at, visit);
             }
-            visit(Step::Up { part: Segment { start: at, ..flank.segment }, valley: flank.valley })?;
+            // a pass at the bottom of a valley divides it
+            let valley = flank.second && (level - at.x).abs() > NEAR;
+            visit(Step::Up { part: Segment { start: at, ..flank.segment }, valley })?;
             at = flank.segment.end;
             next += 1;
             if flanks.get(next).is_some_and(|flank| !flank.rises) {
@@ -112,15 +110,24 @@ fn bridge<'a, E>(
     mut at: Point,
     visit: &mut dyn FnMut(Step) -> Result<(), E>,
 ) -> Result<(), E> {
-    for flank in flanks.filter(|flank| flank.rises) {
-        let Some(z) = flank.segment.z_at(at.x) else { continue };
+    for Flank { segment, rises, second } in flanks {
+        if !rises {
+            let summit =
+                segment.bend.is_some_and(|bend| bend.ccw && (bend.center.z - segment.start.z).abs() < NEAR);
+            if summit && !second && (segment.start.x - at.x).abs() < NEAR {
+                at = segment.start;
+                visit(Step::Bridge(at))?;
+            }
+            continue;
+        }
+        let Some(z) = segment.z_at(at.x) else { continue };
         let from = Point::new(z, at.x);
-        let valley = flank.valley && from.distance(at) < NEAR;
+        let valley = *second && from.distance(at) < NEAR;
         if !valley {
             visit(Step::Bridge(from))?;
         }
-        visit(Step::Up { part: Segment { start: from, ..flank.segment }, valley })?;
-        at = flank.segment.end;
+        visit(Step::Up { part: Segment { start: from, ..*segment }, valley })?;
+        at = segment.end;
     }
     Ok(())
 }
