@@ -90,6 +90,11 @@ impl Values<'_> {
             return self.named().ok_or_else(|| self.never_set(cursor.span(start)));
         }
         let index = self.index(start, cursor)?;
+        if (5420..=5428).contains(&index) && self.state.compensation.is_on() {
+            let code = self.state.compensation.code();
+            let message = format!("#{index} is no position of the contour while {code} is on");
+            return Err(cursor.error_from(start, "compensation-on", message, "end it with G40 before"));
+        }
         Ok(numbered(index, self.state))
     }
 
