@@ -64,8 +64,8 @@ pub struct Options {
     pub parameters: Vec<(u32, f64)>,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub peck_clearance: f64,
-    /// G20 and G21 leave F and the offset of the tool as numbers: LinuxCNC's stand-alone interpreter does so, its
-    /// controller converts them.
+    /// G20 and G21 leave F and the offset of the tool as numbers, and a tool change brings the programmed point back to
+    /// the end of the last move: LinuxCNC's stand-alone interpreter does so, its controller follows the offsets.
     pub keep_numbers: bool,
     /// Where subroutine files are looked for, behind the folder of the program.
     pub subroutine_folders: Vec<PathBuf>,

@@ -127,8 +127,11 @@ pub struct State {
     pub standing_feed: bool,
     /// What M70 and M73 saved.
     pub contexts: Contexts,
-    /// G20 and G21 leave F and the offset of the tool as numbers, as LinuxCNC's stand-alone interpreter does.
+    /// G20 and G21 leave F and the offset of the tool as numbers, and a tool change forgets `unseen`, as LinuxCNC's
+    /// stand-alone interpreter does.
     pub keeps_numbers: bool,
+    /// By how much offsets of tools have shifted the programmed point since the last move.
+    pub unseen: Position,
     /// M2 or M30 was executed.
     pub ended: bool,
 }
@@ -180,6 +183,7 @@ impl State {
             standing_feed: false,
             line: 0,
             keeps_numbers: options.keep_numbers,
+            unseen: [0.0; 6],
             ended: false,
         };
         state.g5x = state.lengths_at(offset_of_system(system));

@@ -109,6 +109,7 @@ pub(super) fn home(code: G, block: &Block, state: &mut State, out: &mut Output) 
         }
     }
     out.call(Call::StraightTraverse(state.position))?;
+    state.unseen = [0.0; 6];
     let home = state.relative(&state.lengths_at(HOME[usize::from(code == G(300))]));
     let all = !block.has_axes();
     for (axis, value) in state.position.iter_mut().enumerate() {

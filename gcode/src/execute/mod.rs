@@ -81,6 +81,10 @@ pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Don
     }
     if let Some(code) = motion {
         move_by(code, block, state, out)?;
+        state.unseen = [0.0; 6];
+    }
+    if block.m(m_group::TOOL).is_some() {
+        tool::after_change(state);
     }
     match block.m(m_group::STOP) {
         Some(code) => stop::stop(code, state, out),

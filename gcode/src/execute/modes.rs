@@ -97,7 +97,7 @@ fn units(code: G, state: &mut State, out: &mut Output) -> Done {
         return Ok(());
     }
     state.units = units;
-    for lengths in [&mut state.position, &mut state.g5x, &mut state.g92] {
+    for lengths in [&mut state.position, &mut state.g5x, &mut state.g92, &mut state.unseen] {
         *lengths = scaled(lengths, factor);
     }
     compensation::scale(factor, state, out);

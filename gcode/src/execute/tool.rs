@@ -54,6 +54,17 @@ fn change_number(block: &Block, state: &mut State, out: &mut Output) -> Done {
     out.call(Call::ChangeToolNumber(number))
 }
 
+/// Behind a block with a tool change, LinuxCNC's stand-alone driver says where the tool stands. It does not follow
+/// offsets of tools.
+pub(super) fn after_change(state: &mut State) {
+    if state.keeps_numbers {
+        for (value, unseen) in state.position.iter_mut().zip(state.unseen) {
+            *value -= unseen;
+        }
+        state.unseen = [0.0; 6];
+    }
+}
+
 /// Puts a copy of the tool into the spindle.
 fn load(number: i32, state: &mut State) {
     state.tool = number;
@@ -123,9 +134,12 @@ pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output
         }
         _ => offset = [0.0; 6],
     }
-    let place = state.absolute(&state.position);
+    let (point, place) = (state.position, state.absolute(&state.position));
     state.tool_offset = offset;
     state.position = state.relative(&place);
+    for (axis, unseen) in state.unseen.iter_mut().enumerate() {
+        *unseen += state.position[axis] - point[axis];
+    }
     out.call(Call::UseToolLengthOffset(offset))
 }
 

@@ -80,3 +80,18 @@ fn g10_l10_measures_where_the_tool_is() {
 fn m6_stops_the_spindle() {
     assert_eq!(messages("M3 S100\nT1 M6\n(debug,#<_spindle_on>)"), ["0.000000"]);
 }
+
+#[test]
+fn the_stand_alone_driver_of_linuxcnc_does_not_follow_tool_offsets() {
+    let text = "G0 Z50\nT1 M6 G43\nG0 X1\nG20\n(debug,#5083)\nM2\n";
+    let ends = |keep_numbers| {
+        let tools = ToolTable::parse("tool.tbl", TABLE).expect("a table");
+        let options = Options { tools, keep_numbers, ..Options::default() };
+        let calls = run(Program::from_text("test.ngc", text, &options)).record.calls;
+        let told =
+            calls.into_iter().filter(|call| call.starts_with("StraightT") || call.starts_with("Message"));
+        told.skip(1).collect::<Vec<_>>()
+    };
+    assert_eq!(ends(true), ["StraightTraverse([1.0, 0.0, 50.0, 0.0, 0.0, 0.0])", "Message(\"-85.200000\")"]);
+    assert_eq!(ends(false), ["StraightTraverse([1.0, 0.0, 135.2, 0.0, 0.0, 0.0])", "Message(\"-3.354331\")"]);
+}
