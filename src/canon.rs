@@ -91,8 +91,8 @@ fn on_error(number: &str) -> Result<OnError, String> {
 fn dialect(name: &str) -> Result<Dialect, String> {
     match name {
         "linuxcnc" => Ok(Dialect::Linuxcnc),
-        "fanuc" => Err("the fanuc dialect is not available yet; use linuxcnc".into()),
-        _ => Err("linuxcnc is the dialect there is".into()),
+        "fanuc" => Ok(Dialect::Fanuc),
+        _ => Err("the dialects are linuxcnc and fanuc".into()),
     }
 }
 
