@@ -32,7 +32,7 @@ pub(super) fn probe(code: G, block: &Block, state: &mut State, out: &mut Output)
         return refuse("no-feed", "there is no feed to probe with", "program F in this block or before");
     }
     let target = straight::target(block, state)?;
-    if code.0 % 2 == 0 && target == state.position {
+    if code.0.is_multiple_of(2) && target == state.position {
         return refuse("bad-value", "the tool stands at the end of the probing move", "move it away before");
     }
     out.call(Call::StraightProbe((code.0 % 10) as u8, target))?;

@@ -199,7 +199,7 @@ fn degression(depths: f64, block: &Block) -> Result<f64, Box<Problem>> {
         return refuse(message, "1 keeps the depth of the passes, 2 the area they cut");
     }
     let passes = libm::pow(depths, exponent);
-    if !(passes <= MOST_PASSES) {
+    if passes > MOST_PASSES {
         let message = format!("this would take more than {MOST_PASSES} passes");
         return refuse(message, "give a greater J, or a smaller R");
     }
