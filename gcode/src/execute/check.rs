@@ -220,16 +220,10 @@ fn bad(block: &Block, letter: char, help: &str) -> Box<Problem> {
 
 /// Codes against codes and against the state.
 fn contradictions(block: &Block, motion: Option<G>, state: &State) -> Done {
-    if let (Some(user), Some(code)) = (axis_user(block), block.g(group::MOTION)) {
-        if code != G(800) {
-            let message = format!("{user} and {code} both use the axis words");
-            return Err(Problem::error(
-                "modal-group",
-                Blame::G(code),
-                message,
-                "put them in different blocks",
-            ));
-        }
+    let mover = block.g(group::MOTION).filter(|code| *code != G(800));
+    if let (Some(user), Some(code)) = (axis_user(block), mover) {
+        let message = format!("{user} and {code} both use the axis words");
+        return Err(Problem::error("modal-group", Blame::G(code), message, "put them in different blocks"));
     }
     if let (Some(code), Some(M(5 | 4 | 3 | 19))) = (block.m(m_group::STATE), block.m(m_group::SPINDLE)) {
         let message = format!("{code} and a spindle code exclude each other in one block");
