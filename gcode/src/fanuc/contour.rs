@@ -13,7 +13,7 @@ use super::codes::{self, Deed};
 use super::line::{Line, Statement};
 use super::{Control, Done, Machine, block, corner, output};
 use crate::canon::{Arc, Call, Place, Sink, X, Z};
-use crate::codes::G;
+use crate::codes::{G, m_group};
 use crate::execute::compensation::Compensation;
 use crate::execute::roughing::contour::{Point, Segment};
 use crate::execute::roughing::frame::Frame;
@@ -114,6 +114,10 @@ impl Control {
 
     fn contour_block(&mut self, machine: &mut Machine) -> Done {
         let deed = codes::deed(&self.line, self.modal.motion)?;
+        if let Some(code) = self.line.block.m(m_group::STOP) {
+            let message = format!("{code} stands in a contour");
+            return Err(Problem::error("bad-contour", Blame::M(code), message, "Q of the cycle names the last block"));
+        }
         if !matches!(deed, Deed::None | Deed::G(G(0 | 10 | 20 | 30 | 40))) {
             let what = match deed {
                 Deed::G(code) => code.to_string(),
@@ -129,13 +133,13 @@ impl Control {
         block::last(line, modal, equivalent, machine.state, &mut out)
     }
 
-    /// The contour as it is, from the end of its first move.
-    fn shape(&mut self, code: G, range: &Range, machine: &mut Machine) -> Result<Vec<Segment>, Box<Problem>> {
+    /// The contour as it is, with the move that leads to it. Variables that it sets stay set.
+    fn shape(&mut self, range: &Range, machine: &mut Machine) -> Result<Vec<Segment>, Box<Problem>> {
         let mut state = machine.state.clone();
         state.compensation = Compensation::default();
         let at = point(&state);
         let mut shape = Shape { at, segments: Vec::new() };
-        let (modal, variables) = (self.modal.clone(), self.variables.clone());
+        let modal = self.modal.clone();
         self.modal.shape_only = true;
         let done = self.replay(
             range,
@@ -147,17 +151,9 @@ impl Control {
                 waiting: &mut Default::default(),
             },
         );
-        (self.modal, self.variables) = (modal, variables);
+        self.modal = modal;
         done?;
-        let mut segments = shape.segments;
-        let leads = segments.first().is_some_and(|first| first.bend.is_none());
-        if segments.len() < 2 || !leads {
-            let message = format!("N{} to N{} is no contour for {code}", range.first, range.last);
-            let help = "its first block leads to its beginning, G00 or G01; lines and arcs follow";
-            return Err(Problem::error("bad-contour", Blame::Block, message, help));
-        }
-        segments.remove(0);
-        Ok(segments)
+        Ok(shape.segments)
     }
 
     /// G71, G72, G73.
@@ -179,21 +175,32 @@ impl Control {
             };
             return Err(Problem::error("missing-word", Blame::G(code), message, help));
         }
-        let contour = self.shape(code, range, machine)?;
+        if cycle.has('R') {
+            let message = format!("R belongs to the first line of {code}");
+            return Err(Problem::error("unused-word", Blame::Word('R'), message, "leave it out here"));
+        }
+        let contour = self.shape(range, machine)?;
+        self.line.clone_from(cycle);
+        if contour.len() < 2 || contour.first().is_some_and(|lead| lead.bend.is_some()) {
+            let message = format!("N{} to N{} is no contour for {code}", range.first, range.last);
+            let help = "its first block leads to its beginning, G00 or G01; lines and arcs follow";
+            return Err(Problem::error("bad-contour", Blame::G(code), message, help));
+        }
+        let contour = contour.get(1..).unwrap_or(&[]);
         let place = cycle.block.place();
         let allowance =
             Point::new(cycle.length('W').unwrap_or(0.0), cycle.length('U').unwrap_or(0.0) / 2.0);
         let start = point(machine.state);
         let frame = match code {
             G(730) => Frame { facing: false, z: 1.0, x: 1.0 },
-            _ => Frame::of(&contour, start, facing),
+            _ => Frame::of(contour, start, facing),
         };
         let equivalent = &mut self.equivalent;
         let mut out = output(machine.sink, place, machine.problems, machine.waiting);
         let state = &mut *machine.state;
         let mut send = |next| send(next, &frame, place, equivalent, state, &mut out);
         if let (G(730), Some((x, z, passes))) = (code, pattern) {
-            return repeat(start, &contour, (Point::new(z, x), allowance), passes, &mut send);
+            return repeat(start, contour, (Point::new(z, x), allowance), passes, &mut send);
         }
         let framed: Vec<Segment> =
             contour.iter().map(|segment| frame.enter_segment(&segment.shifted(allowance))).collect();

@@ -182,13 +182,13 @@ impl Flow {
         files.go(files.current(), open.at)
     }
 
-    /// M98 and G65. Returns whether the program is a file of its own.
+    /// M98 and G65.
     ///
     /// # Errors
     /// There is no such program, or calls are too deep.
-    pub(super) fn call(&mut self, files: &mut Files, program: u32, times: u32, macro_call: bool) -> Result<bool, Box<Problem>> {
+    pub(super) fn call(&mut self, files: &mut Files, program: u32, times: u32, macro_call: bool) -> Done {
         if times == 0 {
-            return Ok(false);
+            return Ok(());
         }
         if self.levels.len() >= self.deepest as usize {
             let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
@@ -200,7 +200,7 @@ impl Flow {
         let beginning = mark;
         let loops = self.loops.len();
         self.levels.push(Level { file, beginning, back, repeats: times - 1, macro_call, loops });
-        Ok(beginning == beginning_of(files, file))
+        Ok(())
     }
 
     /// M99: once more, or back to the caller (to its block `label`).
@@ -297,6 +297,11 @@ impl Flow {
         }
         Ok(found)
     }
+}
+
+/// Whether a file begins here: its O may come.
+pub(super) fn at_beginning(files: &Files) -> bool {
+    files.mark() == beginning_of(files, files.current())
 }
 
 fn beginning_of(files: &Files, file: usize) -> Mark {

@@ -270,11 +270,11 @@ impl Reading<'_> {
         while let Some(first) = cursor.peek() {
             match first {
                 b'g' => self.g_code(cursor, line)?,
-                b'm' => self.m_code(cursor, line)?,
                 b'n' | b'o' => return Err(misplaced(cursor)),
                 b'a'..=b'z' if line.arguments.is_some() && !matches!(first, b'p' | b'l') => {
                     last = self.argument(first, last, cursor, line)?;
                 }
+                b'm' => self.m_code(cursor, line)?,
                 b'a'..=b'z' | b',' => self.word(first, cursor, line)?,
                 b'(' | b';' => return self.end(cursor, line).map(|()| of_block(line)),
                 _ => return Err(bad_character(cursor)),

@@ -116,13 +116,13 @@ impl Control {
             self.start(machine)?;
         }
         let at = machine.files.mark();
-        let Some(statement) = self.read(machine)? else { return Err(self.end_of_text(machine)) };
+        let Some(statement) = self.read(machine)? else { return self.end_of_text(machine) };
         let fresh = self.fresh;
         self.fresh &= statement == Statement::Nothing;
         match statement {
             Statement::Nothing => self.comment(machine),
             Statement::Program(_) if fresh => self.comment(machine),
-            Statement::Program(_) => Err(self.end_of_text(machine)),
+            Statement::Program(_) => self.end_of_text(machine),
             Statement::Block => self.execute(machine),
             Statement::Goto(label) => self.flow.goto(machine.files, label),
             Statement::While(number, holds) => self.flow.begin(machine.files, number, at, holds),
@@ -228,7 +228,8 @@ impl Control {
             let help = "P is the number of the program, L (up to 9999) how often it is run: M98 P1000 L2";
             return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
         };
-        self.fresh = self.flow.call(machine.files, program, times, is_macro)?;
+        self.flow.call(machine.files, program, times, is_macro)?;
+        self.fresh = flow::at_beginning(machine.files);
         machine.state.call_level = self.flow.depth() as u32;
         Ok(())
     }
@@ -238,6 +239,7 @@ impl Control {
         let label = self.line.whole('P')?.and_then(|label| u32::try_from(label).ok());
         let left = self.flow.leave(machine.files, label)?;
         machine.state.call_level = self.flow.depth() as u32;
+        self.fresh = flow::at_beginning(machine.files);
         match left {
             Left::MacroAgain => self.variables.again(),
             Left::Macro => self.variables.leave(),
@@ -264,13 +266,17 @@ impl Control {
     }
 
     /// The text ends, or another program begins.
-    fn end_of_text(&mut self, machine: &mut Machine) -> Box<Problem> {
+    fn end_of_text(&mut self, machine: &mut Machine) -> Done {
         machine.state.ended = true;
+        if !self.flow.repeats {
+            // The block that ends the program may have been wrong itself.
+            return Ok(());
+        }
         self.line.block.clear(machine.files.current() as u16, machine.files.mark().lines);
         let (message, help) = match self.flow.depth() {
             0 => ("the program ends without M30", "write M30 (or M02) as its last block"),
             _ => ("the subprogram ends without M99", "write M99 as its last block"),
         };
-        Problem::error("no-program-end", Blame::Block, message, help)
+        Err(Problem::error("no-program-end", Blame::Block, message, help))
     }
 }

@@ -214,7 +214,8 @@ fn send(
     if way == 0.0 {
         return wrong('Z', format!("the thread has no length: it begins and ends at Z{}", short(from[Z])), "give Z of its end");
     }
-    let crest = infeed.abs() - height;
+    // The difference of two decimals is a decimal, too.
+    let crest = ((infeed.abs() - height) * 1e9).round() / 1e9;
     if crest <= 0.0 {
         let message = format!(
             "the tool starts at X{}, inside of the crest at X{}",
@@ -237,7 +238,7 @@ fn send(
     out.call(Call::ThreadCycle(&ThreadCycle {
         from,
         end_z: shape.end[Z],
-        taper_x: -shape.taper,
+        taper_x: 0.0 - shape.taper,
         lead: shape.lead,
         crest: crest.copysign(infeed),
         depth: height,

@@ -1,0 +1,152 @@
+//! Cutting cycles.
+
+use super::common::{errors, moves, sound};
+
+#[test]
+fn g90_turns_and_is_repeated() {
+    let text = "S500 M03\nG00 X50. Z2.\nG90 X46. Z-30. F0.2\nX42.\nU-12. W-20.\nG00 X60.";
+    assert_eq!(
+        moves(text)[1..],
+        [
+            "G0 23 2", "G1 23 -30", "G1 25 -30", "G0 25 2", //
+            "G0 21 2", "G1 21 -30", "G1 25 -30", "G0 25 2", //
+            "G0 19 2", "G1 19 -18", "G1 25 -18", "G0 25 2", //
+            "G0 30 2"
+        ]
+    );
+}
+
+#[test]
+fn g90_and_g94_with_a_taper() {
+    let text = "S500 M03\nG00 X50. Z2.\nG90 X40. Z-30. R-3. F0.2";
+    assert_eq!(moves(text)[1..], ["G0 17 2", "G1 20 -30", "G1 25 -30", "G0 25 2"]);
+    let text = "S500 M03\nG00 X50. Z2.\nG94 X20. Z-5. R-2. F0.2\nZ-8.";
+    assert_eq!(moves(text)[1..5], ["G0 25 -7", "G1 10 -5", "G1 10 2", "G0 25 2"]);
+    assert_eq!(moves(text)[5..], ["G0 25 -10", "G1 10 -8", "G1 10 2", "G0 25 2"]);
+}
+
+#[test]
+fn a_block_without_words_does_not_repeat_the_cycle() {
+    assert_eq!(moves("S500 M03\nG00 X50. Z2.\nG90 X46. Z-30. F0.2\nM08\nM09").len(), 5);
+}
+
+#[test]
+fn g74_drills_in_pecks() {
+    let text = "S500 M03\nG00 X0. Z2.\nG74 R1.\nG74 Z-10. Q5000 F0.1";
+    assert_eq!(moves(text)[1..], ["G1 0 -3", "G0 0 -2", "G1 0 -8", "G0 0 -7", "G1 0 -10", "G0 0 2", "G0 0 2"]);
+}
+
+#[test]
+fn g75_cuts_grooves_side_by_side() {
+    let text = "S500 M03\nG00 X42. Z-10.\nG75 R0.5\nG75 X30. Z-14. P3000 Q3000 F0.08";
+    let column = |z: &str| ["G1 18 ", "G0 18.5 ", "G1 15 ", "G0 21 "].map(|x| format!("{x}{z}"));
+    let mut wanted = column("-10").to_vec();
+    for z in ["-13", "-14"] {
+        wanted.push(format!("G0 21 {z}"));
+        wanted.extend(column(z));
+    }
+    wanted.push("G0 21 -10".into());
+    assert_eq!(moves(text)[1..], wanted);
+}
+
+/// A stepped shaft: 20 to Z-10, 30 to Z-20.
+const SHAFT: &str = "N10 G00 X20.\nN20 G01 Z-10. F0.1\nN30 X30.\nN40 Z-20.\nN50 X42.\n";
+
+#[test]
+fn g71_roughs_from_outside_in_and_follows_the_contour() {
+    let text = format!("S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U1. W0.2 F0.3\n{SHAFT}G00 X60.");
+    let moves = moves(&text);
+    // allowances 0.5 and 0.2; passes at 21.5 - 4 n
+    assert_eq!(moves[1], "G0 21.5 2.2");
+    assert_eq!(moves[2], "G0 17.5 2.2");
+    assert!(moves.contains(&"G1 17.5 -19.8".into()), "{moves:?}");
+    assert!(moves.contains(&"G1 13.5 -9.8".into()), "{moves:?}");
+    let last: Vec<&str> = moves.iter().rev().take(9).rev().map(String::as_str).collect();
+    assert!(last.contains(&"G1 15.5 -19.8"), "{last:?}");
+    assert_eq!(moves[moves.len() - 2..], ["G0 21 2", "G0 30 2"]);
+}
+
+#[test]
+fn roughing_leaves_the_allowance_everywhere() {
+    let text = format!("S500 M03\nG00 X42. Z2.\nG71 U1.5 R0.5\nG71 P10 Q50 U0.6 W0.1 F0.3\n{SHAFT}");
+    for call in moves(&text) {
+        let mut words = call.split(' ').skip(1).map(|word| word.parse::<f64>().unwrap());
+        let (x, z) = (words.next().unwrap(), words.next().unwrap());
+        let surface = if z > -10.0 + 0.1 - 1e-9 { 10.0 } else { 15.0 };
+        assert!(x > surface + 0.3 - 1e-4 || z > 2.0, "{call}");
+    }
+}
+
+#[test]
+fn g71_bores_from_inside_out() {
+    let text = "S500 M03\nG00 X18. Z2.\nG71 U2. R0.5\nG71 P10 Q40 U-1. W0.1 F0.3\n\
+                N10 G00 X40.\nN20 G01 Z-10. F0.1\nN30 X30.\nN40 Z-20.\n";
+    let moves = moves(text);
+    assert!(moves.contains(&"G1 14.5 -19.9".into()), "{moves:?}");
+    assert!(moves.contains(&"G1 19.5 -9.9".into()), "{moves:?}");
+}
+
+#[test]
+fn g72_faces() {
+    let text = "S500 M03\nG00 X42. Z1.\nG72 W2. R0.5\nG72 P10 Q40 U0.4 W0.2 F0.3\n\
+                N10 G00 Z-12.\nN20 G01 X30. F0.1\nN30 Z-6.\nN40 X10.\n";
+    let moves = moves(text);
+    assert!(moves.contains(&"G1 5.2 -5.8".into()), "{moves:?}");
+    assert!(moves.contains(&"G1 15.2 -11.8".into()), "{moves:?}");
+    assert_eq!(moves.last().unwrap(), "G0 21 1");
+}
+
+#[test]
+fn g73_repeats_the_contour_from_farther_away() {
+    let text = format!("S500 M03\nG00 X50. Z5.\nG73 U4. W2. R3\nG73 P10 Q50 U1. W0.5 F0.2\n{SHAFT}");
+    let moves = moves(&text);
+    let first: Vec<&String> = moves.iter().filter(|call| call.starts_with("G1") && call.contains(' ')).collect();
+    // first way to the contour: 10 + 4 + 0.5; -10 + 2 + 0.5
+    assert_eq!(first[0], "G1 14.5 -7.5");
+    assert_eq!(first[4], "G1 12.5 -8.5");
+    assert_eq!(first[8], "G1 10.5 -9.5");
+    assert_eq!(moves.last().unwrap(), "G0 25 5");
+}
+
+#[test]
+fn g70_finishes_with_the_feeds_of_the_contour() {
+    let text = format!("S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U1. W0.2 F0.3\n{SHAFT}G70 P10 Q50\nG00 X60.");
+    let record = sound(&text);
+    let end = record.moves.len();
+    assert_eq!(
+        record.moves[end - 7..],
+        ["G0 10 2", "G1 10 -10", "G1 15 -10", "G1 15 -20", "G1 21 -20", "G0 21 2", "G0 30 2"]
+    );
+    assert!(record.others.contains(&"SetFeedRate(0.1)".to_owned()));
+}
+
+#[test]
+fn contours_with_arcs_and_corners() {
+    let text = "S500 M03\nG00 X42. Z2.\nG71 U3. R1.\nG71 P10 Q50 U0.4 W0.1 F0.3\n\
+                N10 G00 X10. F0.1\nN20 G01 Z-5. ,R2.\nN30 X20. ,C1.\nN40 Z-10.\nG02 X30. Z-15. R5.\nN50 G01 X42.\nG70 P10 Q50";
+    let moves = moves(text);
+    assert!(moves.contains(&"G2 7 -5 c 7 -3".into()), "{moves:?}");
+    assert!(moves.contains(&"G2 15 -15 c 15 -10".into()), "{moves:?}");
+    assert!(moves.contains(&"G1 9 -5".into()) && moves.contains(&"G1 10 -6".into()), "{moves:?}");
+}
+
+#[test]
+fn contours_with_variables() {
+    let text = "S500 M03\n#1=20.\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U0 W0 F0.3\n\
+                N10 G00 X#1\n#2=-10.\nN20 G01 Z#2\nN50 X42.\nG04 U[-#2]";
+    assert!(moves(text).contains(&"G1 10 -10".into()));
+}
+
+#[test]
+fn cycles_that_make_no_sense_are_refused() {
+    let errors = |text: &str| errors(&format!("S500 M03\nG00 X42. Z2.\n{text}"));
+    assert_eq!(errors("G71 P10 Q20 U1. F0.3\nN10 G00 X20.\nN20 G01 Z-9."), [(3, "missing-word")]);
+    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 U1. F0.3"), [(4, "unknown-label")]);
+    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9."), [(7, "bad-contour")]);
+    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9.\nZ-5.\nN20 X42."), [(4, "bad-contour")]);
+    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nM98 P1\nN20 X42."), [(6, "bad-contour")]);
+    assert_eq!(errors("G71 U2. D1000"), [(3, "unused-word")]);
+    assert_eq!(errors("G75 X20. P1000 F0.1"), [(3, "missing-word")]);
+    assert_eq!(errors("G74 R1.\nG74 Z-10. Q1.5 F0.1"), [(4, "bad-value")]);
+    assert_eq!(errors("G90 X30. F0.2"), [(3, "missing-word")]);
+}

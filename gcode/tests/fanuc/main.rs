@@ -1,0 +1,9 @@
+//! FANUC lathe programs, from text to calls.
+
+mod blocks;
+mod common;
+mod cycles;
+mod errors;
+mod flow;
+mod macros;
+mod threads;
