@@ -19,8 +19,9 @@ use crate::canon::{Call, Place, Sink};
 use crate::codes::{M, m_group};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Done, Output, roughing};
+use crate::fanuc;
 use crate::flow::{Files, Flow};
-use crate::options::Options;
+use crate::options::{Dialect, Options};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 use crate::source::Source;
 use crate::state::State;
@@ -38,6 +39,8 @@ pub enum Step {
 /// A program that is being run.
 pub struct Program {
     flow: Flow,
+    /// The other dialect has a flow and blocks of its own.
+    fanuc: Option<Box<fanuc::Control>>,
     reader: Reader,
     block: Block,
     state: State,
@@ -102,6 +105,7 @@ impl Program {
         state.memory.set_named("_value_returned", 0.0);
         Program {
             flow: Flow::new(files, options.block_delete, limits.call_depth),
+            fanuc: (options.dialect == Dialect::Fanuc).then(|| Box::new(fanuc::Control::new(options))),
             reader: Reader::new(limits.expression_depth),
             block: Block::default(),
             state,
@@ -151,6 +155,9 @@ impl Program {
         if self.idle >= self.options.longest_idle {
             return Err(self.endless());
         }
+        if self.fanuc.is_some() {
+            return self.fanuc_line(sink);
+        }
         let file = self.flow.files.current() as u16;
         let line = match self.flow.files.take() {
             Ok(Some(line)) => line,
@@ -193,6 +200,22 @@ impl Program {
             Some(M(98)) => self.flow.m98(&self.block, &mut self.reader, &mut self.state),
             Some(_) => self.flow.m99(&mut self.state, &mut out),
         }
+    }
+
+    fn fanuc_line(&mut self, sink: &mut Watch) -> Done {
+        let Some(fanuc) = &mut self.fanuc else { return Ok(()) };
+        let done = fanuc.next(&mut fanuc::Machine {
+            files: &mut self.flow.files,
+            state: &mut self.state,
+            sink,
+            problems: &mut self.problems,
+            waiting: &mut self.waiting,
+        });
+        std::mem::swap(&mut self.block, fanuc.block_mut());
+        if self.state.ended {
+            self.stage = Stage::Ended;
+        }
+        done.inspect_err(|_| fanuc.only_look())
     }
 
     fn end_of_file(&mut self, sink: &mut Watch) -> Done {
