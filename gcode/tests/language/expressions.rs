@@ -37,6 +37,10 @@ fn functions_take_degrees_and_round_as_they_say() {
         ("exists[#<_x>]", "1.000000"),
         ("[-1 mod 4]", "3.000000"),
         ("t a n [ 4 5 ]", "1.000000"),
+        ("fix[tan[45]]", "1.000000"),
+        ("fix[100*sin[30]]", "50.000000"),
+        ("fup[10*cos[60]]", "5.000000"),
+        ("[cos[90] lt 0]", "1.000000"),
     ] {
         assert_eq!(value(expression), expected, "{expression}");
     }
