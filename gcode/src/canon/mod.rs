@@ -145,7 +145,8 @@ pub enum Call<'a> {
     StartSpindle(Turn),
     /// M5.
     StopSpindle,
-    /// M19: angle in degrees, direction 0 shortest, 1 clockwise, 2 counterclockwise.
+    /// M19: angle in degrees, direction 0 shortest, 1 clockwise, 2 counterclockwise. G87 sends
+    /// LinuxCNC's numbers of the direction in which the spindle turned: 2 clockwise, 3 counterclockwise.
     OrientSpindle(f64, u8),
     /// M19: wait until it is there, s.
     WaitSpindleOrient(f64),

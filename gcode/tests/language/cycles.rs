@@ -163,6 +163,15 @@ fn taps_reverse_with_the_overrides_off() {
 }
 
 #[test]
+fn g88_leaves_the_way_out_to_the_operator() {
+    assert_eq!(
+        framed("G88 X1 Z-5 R3 P1").split_off(2),
+        ["STRAIGHT_FEED 1 0 -5", "DWELL 1", "STOP_SPINDLE_TURNING 0",]
+    );
+    assert_eq!(warned("S1 M3 F1\nG88 X1 Z-5 R3 P1"), ["retract-by-hand"]);
+}
+
+#[test]
 fn a_dwell_does_not_pass_from_one_cycle_to_another() {
     assert!(framed("G84 X1 Z-5 R3").contains(&"DWELL 0".to_owned()));
     let calls = printed("S100 M3 F100\nG82 X1 Z-5 R3 P.5\nG84 X1 Z-5 R3");

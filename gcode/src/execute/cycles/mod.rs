@@ -239,6 +239,11 @@ impl Pattern {
             state.position[along] = r;
             out.call(Call::StraightTraverse(state.position))?;
         }
+        if self.hole.code == G(880) {
+            let message = "G88 stops in the hole, and what follows takes the tool to be out of it";
+            let help = "move the tool out by hand at the stop, or use G86";
+            out.warn(Problem::warning("retract-by-hand", Blame::G(G(880)), message, help));
+        }
         let exact = state.path == PathMode::ExactPath;
         if !exact {
             out.call(Call::SetMotionControlMode(PathMode::ExactPath))?;
