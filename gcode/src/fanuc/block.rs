@@ -11,9 +11,9 @@
 use super::codes::Deed;
 use super::corner::{self, Pending};
 use super::line::Line;
-use super::{Done, pecks, single, threads, tool};
+use super::{Done, once, pecks, rates, single, threads, tool};
 use crate::block::Block;
-use crate::canon::{FeedMode, Place, Position, X, Z};
+use crate::canon::{Place, Position, X, Z};
 use crate::codes::{G, M, group, m_group};
 use crate::execute::{self, Output};
 use crate::problem::{Blame, Problem, Span, short};
@@ -25,13 +25,13 @@ pub(super) struct Modal {
     /// The code of group 01 in force.
     pub(super) motion: G,
     /// G50 S: highest speed of the spindle at G96, 1/min.
-    highest: Option<f64>,
+    pub(super) highest: Option<f64>,
     /// The last S of G96.
-    surface: Option<f64>,
+    pub(super) surface: Option<f64>,
     /// The last F of a thread.
     pub(super) lead: Option<f64>,
     /// G50 has set coordinates: G52 would lose them.
-    preset: bool,
+    pub(super) preset: bool,
     /// Words of G90, G92 and G94.
     pub(super) single: single::Words,
     /// First lines of the cycles.
@@ -106,8 +106,8 @@ fn rest(
     }
     begin(line, equivalent);
     equivalent.comment.clone_from(&line.block.comment);
-    spindle(line, modal, equivalent, state, out)?;
-    feed(line, deed, modal, equivalent, state, out)?;
+    rates::spindle(line, modal, equivalent, state, out)?;
+    rates::feed(line, deed, modal, equivalent, state, out)?;
     modes(line, modal, equivalent, state)?;
     if let Some(code) = line.block.g(group::MOTION) {
         if code != modal.motion {
@@ -122,7 +122,7 @@ fn rest(
             return travel(code, line, end, modal, equivalent, state, out);
         }
         40 | 100 | 280 | 300 | 500 | 520 | 530 => {
-            once(code, line, modal, equivalent, state)?;
+            once::once(code, line, modal, equivalent, state)?;
             return execute::execute(equivalent, state, out);
         }
         _ => {}
@@ -138,7 +138,13 @@ fn rest(
 }
 
 /// M05, M09 and stops, which act behind the move.
-pub(super) fn last(line: &Line, modal: &Modal, equivalent: &mut Block, state: &mut State, out: &mut Output) -> Done {
+pub(super) fn last(
+    line: &Line,
+    modal: &Modal,
+    equivalent: &mut Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
     let stop = line.block.m(m_group::STOP);
     if let (Some(code), Some(pending)) = (stop, &modal.pending) {
         return Err(corner::alone(pending, &code.to_string()));
@@ -162,96 +168,8 @@ pub(super) fn begin(line: &Line, equivalent: &mut Block) {
     (equivalent.n, equivalent.n_digits) = (line.block.n, line.block.n_digits);
 }
 
-fn span_of(line: &Line, blame: Blame) -> Span {
+pub(super) fn span_of(line: &Line, blame: Blame) -> Span {
     line.block.span(blame).unwrap_or_default()
-}
-
-/// S, G96 G97, G50 S, M03 M04.
-fn spindle(line: &Line, modal: &mut Modal, equivalent: &mut Block, state: &State, out: &mut Output) -> Done {
-    let span = span_of(line, Blame::Word('S'));
-    let limit = line.block.g(group::ONCE) == Some(G(500)) && line.has('S');
-    let mode = line.block.g(group::SPINDLE_MODE);
-    let mut speed = line.plain('S');
-    if limit {
-        modal.highest = speed.take().filter(|highest| *highest > 0.0);
-    }
-    let surface = match mode {
-        Some(code) => code == G(960),
-        None => state.spindle.constant_surface.is_some(),
-    };
-    if let (Some(G(970)), None, true) = (mode, speed, state.spindle.constant_surface.is_some()) {
-        let message = "G97 behind G96 needs S: the speed in force is a surface speed";
-        return Err(Problem::error("missing-word", Blame::G(G(970)), message, "add S in 1/min, such as G97 S1200"));
-    }
-    if surface {
-        modal.surface = speed.or(modal.surface);
-        speed = speed.or(modal.surface.filter(|_| mode.is_some()));
-    }
-    match mode {
-        Some(G(960)) => {
-            if speed.is_none() {
-                let message = "G96 needs S, the surface speed";
-                return Err(Problem::error("missing-word", Blame::G(G(960)), message, "add S in m/min, such as G96 S180"));
-            }
-            if modal.highest.is_none() {
-                let message = "G96 without G50 S before it: nothing bounds the speed of the spindle as X comes near 0";
-                let help = "give the highest speed, 1/min, such as G50 S2500";
-                out.warn(Problem::warning("no-highest-speed", Blame::G(G(960)), message, help));
-            }
-            equivalent.add_g(group::SPINDLE_MODE, G(960), span_of(line, Blame::G(G(960))))?;
-            equivalent.add('D', modal.highest.unwrap_or(1e30), span)?;
-        }
-        Some(code) => equivalent.add_g(group::SPINDLE_MODE, code, span_of(line, Blame::G(code)))?,
-        None if limit && surface => {
-            equivalent.add_g(group::SPINDLE_MODE, G(960), span)?;
-            equivalent.add('D', modal.highest.unwrap_or(1e30), span)?;
-            speed = Some(state.spindle.speed);
-        }
-        None => {}
-    }
-    if let Some(speed) = speed {
-        equivalent.add('S', speed, span)?;
-    }
-    match line.block.m(m_group::SPINDLE).filter(|code| *code != M(5)) {
-        Some(code) => equivalent.add_m(m_group::SPINDLE, code, span_of(line, Blame::M(code))),
-        None => Ok(()),
-    }
-}
-
-/// F, G98 G99. F of a thread under G98 is a lead only.
-fn feed(
-    line: &Line,
-    deed: Deed,
-    modal: &mut Modal,
-    equivalent: &mut Block,
-    state: &State,
-    out: &mut Output,
-) -> Done {
-    let mut mode = state.feed_mode;
-    if let Some(code) = line.block.g(group::FEED_MODE) {
-        let (new, there) = match code.0 {
-            980 => (FeedMode::PerMinute, G(940)),
-            _ => (FeedMode::PerRevolution, G(950)),
-        };
-        if new != mode {
-            equivalent.add_g(group::FEED_MODE, there, span_of(line, Blame::G(code)))?;
-        }
-        mode = new;
-    }
-    let Some(value) = line.plain('F') else { return Ok(()) };
-    let thread = matches!(deed, Deed::G(G(320 | 920 | 760)));
-    if thread {
-        modal.lead = Some(value);
-    }
-    if line.is_bare('F') && (thread || mode == FeedMode::PerRevolution) && value != 0.0 {
-        let message = format!("F{value} has no decimal point: it is taken as {value} per revolution");
-        let help = format!("some controls count hundredths or less here; write F{value}. to be sure");
-        out.warn(Problem::warning("no-decimal-point", Blame::Word('F'), message, help));
-    }
-    if thread && mode == FeedMode::PerMinute {
-        return Ok(());
-    }
-    equivalent.add('F', value, span_of(line, Blame::Word('F')))
 }
 
 /// Codes that are the same in both languages.
@@ -281,7 +199,12 @@ pub(super) fn target(line: &Line, from: Position) -> Result<Position, Box<Proble
         match (line.length(absolute), line.length(incremental)) {
             (Some(_), Some(_)) => {
                 let message = format!("{absolute} and {incremental} both move the same axis");
-                return Err(Problem::error("repeated-word", Blame::Word(incremental), message, "leave one of them out"));
+                return Err(Problem::error(
+                    "repeated-word",
+                    Blame::Word(incremental),
+                    message,
+                    "leave one of them out",
+                ));
             }
             (Some(value), None) => end[axis] = scale * value,
             (None, Some(value)) => end[axis] += scale * value,
@@ -292,7 +215,7 @@ pub(super) fn target(line: &Line, from: Position) -> Result<Position, Box<Proble
 }
 
 /// Adds X and Z of a point to the equivalent block, those axes alone that the line names.
-fn add_point(line: &Line, end: &Position, equivalent: &mut Block) -> Done {
+pub(super) fn add_point(line: &Line, end: &Position, equivalent: &mut Block) -> Done {
     for (letters, letter, value) in [(['X', 'U'], 'X', 2.0 * end[X]), (['Z', 'W'], 'Z', end[Z])] {
         if let Some(named) = letters.into_iter().find(|letter| line.has(*letter)) {
             equivalent.add(letter, value, span_of(line, Blame::Word(named)))?;
@@ -312,12 +235,11 @@ fn travel(
     out: &mut Output,
 ) -> Done {
     let from = state.position;
-    if code == G(10) {
-        if let Some(cut) = corner::of(line, &from, &end)? {
-            execute::execute(equivalent, state, out)?;
-            modal.pending = Some(Pending { end, cut, place: line.block.place() });
-            return Ok(());
-        }
+    let cut = if code == G(10) { corner::of(line, &from, &end)? } else { None };
+    if let Some(cut) = cut {
+        execute::execute(equivalent, state, out)?;
+        modal.pending = Some(Pending { end, cut, place: line.block.place() });
+        return Ok(());
     }
     equivalent.add_g(group::MOTION, code, span_of(line, Blame::G(code)))?;
     add_point(line, &end, equivalent)?;
@@ -357,89 +279,4 @@ pub(super) fn go(
         equivalent.add('K', k, nowhere)?;
     }
     execute::execute(equivalent, state, out)
-}
-
-/// Codes that act in their own block only.
-fn once(code: G, line: &Line, modal: &mut Modal, equivalent: &mut Block, state: &State) -> Done {
-    let span = span_of(line, Blame::G(code));
-    let end = target(line, state.position)?;
-    match code.0 {
-        40 => {
-            equivalent.add_g(group::ONCE, G(40), span)?;
-            return equivalent.add('P', dwell(line)?, span);
-        }
-        100 => return origin(line, equivalent),
-        500 => {
-            modal.preset = true;
-            equivalent.add_g(group::ONCE, G(920), span)?;
-        }
-        520 if modal.preset => {
-            let message = "G52 behind G50 X Z: one shift would take the place of the other";
-            return Err(Problem::error("not-available", Blame::G(code), message, "use G54 to G59, or G50 alone"));
-        }
-        530 if line.has_any("UW") => {
-            let message = "G53 names a place of the machine: U and W are no place";
-            return Err(Problem::error("unused-word", Blame::G(code), message, "use X and Z"));
-        }
-        300 if line.whole('P')?.is_some_and(|p| p != 2) => {
-            let message = "there are two reference points: G28, and G30 or G30 P2";
-            return Err(Problem::error("not-available", Blame::Word('P'), message, "leave P out"));
-        }
-        530 => {
-            equivalent.add_g(group::MOTION, G(0), span)?;
-            equivalent.add_g(group::ONCE, code, span)?;
-        }
-        _ => equivalent.add_g(group::ONCE, code, span)?,
-    }
-    if code == G(520) {
-        for (letter, value) in [('X', line.length('X')), ('Z', line.length('Z'))] {
-            if let Some(value) = value {
-                equivalent.add(letter, value, span)?;
-            }
-        }
-        return Ok(());
-    }
-    if !line.has_any("XZUW") {
-        let message = format!("{code} needs the axes that it is for");
-        return Err(Problem::error("missing-word", Blame::G(code), message, "add X, Z, U or W, such as U0 W0"));
-    }
-    add_point(line, &end, equivalent)
-}
-
-/// G04: seconds. P counts milliseconds.
-fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
-    let given: Vec<char> = ['X', 'U', 'P'].into_iter().filter(|letter| line.has(*letter)).collect();
-    let [letter] = given.as_slice() else {
-        let message = "G04 needs one time";
-        return Err(Problem::error("missing-word", Blame::G(G(40)), message, "write X or U in s, or P in ms"));
-    };
-    let seconds = match letter {
-        'P' => line.whole('P')?.map_or(0.0, |milliseconds| milliseconds as f64 / 1000.0),
-        // Without a decimal point these are milliseconds in any units.
-        _ if line.is_bare(*letter) => line.plain(*letter).unwrap_or(0.0) / 1000.0,
-        _ => line.plain(*letter).unwrap_or(0.0),
-    };
-    if seconds < 0.0 {
-        let message = format!("a dwell of {} s", short(seconds));
-        return Err(Problem::error("bad-value", Blame::Word(*letter), message, "give a time of 0 or more"));
-    }
-    Ok(seconds)
-}
-
-/// G10 L2 P X Z.
-fn origin(line: &Line, equivalent: &mut Block) -> Done {
-    let (Some(2), Some(system @ 1..=6)) = (line.whole('L')?, line.whole('P')?) else {
-        let message = "of G10 there is L2 P1 to P6, which sets the offset of G54 to G59";
-        let help = "keep the offsets of tools in the tool table";
-        return Err(Problem::error("not-available", Blame::G(G(100)), message, help));
-    };
-    equivalent.add_g(group::ONCE, G(100), span_of(line, Blame::G(G(100))))?;
-    equivalent.add('L', 2.0, span_of(line, Blame::Word('L')))?;
-    equivalent.add('P', system as f64, span_of(line, Blame::Word('P')))?;
-    for letter in ['X', 'Z'] {
-        if let Some(value) = line.length(letter) {
-            equivalent.add(letter, value, span_of(line, Blame::Word(letter)))?;
-        }
-    }
-    Ok(())
 }

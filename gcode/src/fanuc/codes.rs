@@ -69,7 +69,10 @@ pub(super) fn m_group(code: M, span: Span) -> Result<usize, Box<Problem>> {
 /// A code that does not exist.
 pub(super) fn unknown(letter: char, value: f64, span: Span) -> Box<Problem> {
     let (code, help) = match letter {
-        'G' => ("unknown-g-code", "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed"),
+        'G' => (
+            "unknown-g-code",
+            "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed",
+        ),
         _ => (
             "unknown-m-code",
             "M codes are M00 M01 M02 M03 M04 M05 M07 M08 M09 M30 M98 M99; leave out those of another machine",
@@ -175,13 +178,19 @@ fn unused(letter: char, deed: Deed) -> Box<Problem> {
         return Problem::error("not-available", blame, message, "axes are X and Z (U and W incremental)");
     }
     let (message, help) = match deed {
-        Deed::None => (format!("nothing in this block uses {letter}"), "leave it out, or write the code it belongs to"),
+        Deed::None => {
+            (format!("nothing in this block uses {letter}"), "leave it out, or write the code it belongs to")
+        }
         Deed::G(G(710..=730)) if matches!(letter, 'D' | 'I' | 'K') => (
             format!("{letter} is not a word of the two-line cycle"),
             "write two blocks: G71 U(depth) R(retract), then G71 P(first) Q(last) U W F",
         ),
-        Deed::G(code) => (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own"),
-        Deed::M(code) => (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own"),
+        Deed::G(code) => {
+            (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own")
+        }
+        Deed::M(code) => {
+            (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own")
+        }
     };
     let written = match letter {
         'c' | 'r' => message.replace(letter, if letter == 'c' { ",C" } else { ",R" }),

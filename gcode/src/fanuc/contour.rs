@@ -116,7 +116,12 @@ impl Control {
         let deed = codes::deed(&self.line, self.modal.motion)?;
         if let Some(code) = self.line.block.m(m_group::STOP) {
             let message = format!("{code} stands in a contour");
-            return Err(Problem::error("bad-contour", Blame::M(code), message, "Q of the cycle names the last block"));
+            return Err(Problem::error(
+                "bad-contour",
+                Blame::M(code),
+                message,
+                "Q of the cycle names the last block",
+            ));
         }
         if !matches!(deed, Deed::None | Deed::G(G(0 | 10 | 20 | 30 | 40))) {
             let what = match deed {
@@ -188,8 +193,7 @@ impl Control {
         }
         let contour = contour.get(1..).unwrap_or(&[]);
         let place = cycle.block.place();
-        let allowance =
-            Point::new(cycle.length('W').unwrap_or(0.0), cycle.length('U').unwrap_or(0.0) / 2.0);
+        let allowance = Point::new(cycle.length('W').unwrap_or(0.0), cycle.length('U').unwrap_or(0.0) / 2.0);
         let start = point(machine.state);
         let frame = match code {
             G(730) => Frame { facing: false, z: 1.0, x: 1.0 },
@@ -207,7 +211,8 @@ impl Control {
         if let Some(segment) = framed.iter().find(|segment| !segment.is_monotone()) {
             let at = frame.leave(segment.start);
             let axis = if facing { 'X' } else { 'Z' };
-            let message = format!("{axis} turns back along the contour, at X{} Z{}", short(2.0 * at.x), short(at.z));
+            let message =
+                format!("{axis} turns back along the contour, at X{} Z{}", short(2.0 * at.x), short(at.z));
             let help = format!("let {axis} go in one direction, or use G73");
             return Err(Problem::error("bad-contour", Blame::Block, message, help));
         }
@@ -220,11 +225,17 @@ impl Control {
 
 /// `G71 U R`, `G72 W R`, `G73 U W R`.
 fn first_line(code: G, line: &Line, modal: &mut block::Modal) -> Done {
-    let bad = |letter, message: String, help: &str| Err(Problem::error("bad-value", Blame::Word(letter), message, help));
+    let bad = |letter, message: String, help: &str| {
+        Err(Problem::error("bad-value", Blame::Word(letter), message, help))
+    };
     if code == G(730) {
         let passes = line.plain('R').unwrap_or(0.0);
         if passes.fract() != 0.0 || !(1.0..=1000.0).contains(&passes) {
-            return bad('R', format!("R{} is no number of passes", short(passes)), "give a whole number from 1 to 1000");
+            return bad(
+                'R',
+                format!("R{} is no number of passes", short(passes)),
+                "give a whole number from 1 to 1000",
+            );
         }
         let way = |letter| line.length(letter).unwrap_or(0.0);
         modal.first.pattern = Some((way('U'), way('W'), passes as u32));
@@ -234,13 +245,22 @@ fn first_line(code: G, line: &Line, modal: &mut block::Modal) -> Done {
     let (letter, other) = if facing { ('W', 'U') } else { ('U', 'W') };
     if line.has(other) {
         let message = format!("the first line of {code} does not use {other}");
-        return Err(Problem::error("unused-word", Blame::Word(other), message, format!("{letter} is the depth of cut")));
+        return Err(Problem::error(
+            "unused-word",
+            Blame::Word(other),
+            message,
+            format!("{letter} is the depth of cut"),
+        ));
     }
     let slot = &mut modal.first.rough[usize::from(facing)];
     let (depth, retract) = slot.unwrap_or((0.0, 0.0));
     let (depth, retract) = (line.length(letter).unwrap_or(depth), line.length('R').unwrap_or(retract));
     if depth <= 0.0 {
-        return bad(letter, format!("the depth of cut is {}", short(depth)), "give a radius greater than 0, such as 2.");
+        return bad(
+            letter,
+            format!("the depth of cut is {}", short(depth)),
+            "give a radius greater than 0, such as 2.",
+        );
     }
     if retract < 0.0 {
         return bad('R', format!("the retract is {}", short(retract)), "give 0 or more, such as R0.5");

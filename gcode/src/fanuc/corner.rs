@@ -51,13 +51,19 @@ pub(super) struct Pending {
 /// # Errors
 /// Two words say different things, or a word does not fit the move.
 pub(super) fn of(line: &Line, from: &Position, end: &Position) -> Result<Option<Cut>, Box<Problem>> {
-    let words: Vec<char> = ['c', 'r', 'C', 'R', 'I', 'K'].into_iter().filter(|letter| line.has(*letter)).collect();
+    let words: Vec<char> =
+        ['c', 'r', 'C', 'R', 'I', 'K'].into_iter().filter(|letter| line.has(*letter)).collect();
     let (letter, value) = match words.as_slice() {
         [] => return Ok(None),
         [letter] => (*letter, line.length(*letter).unwrap_or(0.0)),
         [_, second, ..] => {
             let message = "two words for one corner";
-            return Err(Problem::error("repeated-word", Blame::Word(*second), message, "leave one of them out"));
+            return Err(Problem::error(
+                "repeated-word",
+                Blame::Word(*second),
+                message,
+                "leave one of them out",
+            ));
         }
     };
     let round = matches!(letter, 'r' | 'R');
@@ -79,7 +85,8 @@ pub(super) fn of(line: &Line, from: &Position, end: &Position) -> Result<Option<
     };
     if !fits {
         let message = format!("{letter} cuts no corner of this move");
-        let help = "I is for a move along Z, K for one along X, C and R for either; ,C and ,R fit any straight move";
+        let help =
+            "I is for a move along Z, K for one along X, C and R for either; ,C and ,R fit any straight move";
         return Err(Problem::error("bad-value", Blame::Word(letter), message, help));
     }
     Ok(Some(Cut { size: value.abs(), round, next: Some((other, value.signum())) }))
@@ -87,8 +94,14 @@ pub(super) fn of(line: &Line, from: &Position, end: &Position) -> Result<Option<
 
 /// A corner that no move comes behind.
 pub(super) fn alone(pending: &Pending, what: &str) -> Box<Problem> {
-    let message = format!("the move before ({} its end) needs a straight move behind it, not {what}", cuts(pending));
-    Problem::error("bad-corner", Blame::Line(pending.place.line), message, "write the next G01, or leave the corner sharp")
+    let message =
+        format!("the move before ({} its end) needs a straight move behind it, not {what}", cuts(pending));
+    Problem::error(
+        "bad-corner",
+        Blame::Line(pending.place.line),
+        message,
+        "write the next G01, or leave the corner sharp",
+    )
 }
 
 fn cuts(pending: &Pending) -> &'static str {
@@ -117,7 +130,13 @@ pub(super) fn close(
     done
 }
 
-fn send(pending: &Pending, next: Position, equivalent: &mut Block, state: &mut State, out: &mut Output) -> Done {
+fn send(
+    pending: &Pending,
+    next: Position,
+    equivalent: &mut Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
     let [from, corner, to] = [state.position, pending.end, next].map(|point| [point[Z], point[X]]);
     let Cut { size, round, next } = pending.cut;
     let ((u, before), (v, behind)) = (way(from, corner), way(corner, to));
@@ -126,7 +145,9 @@ fn send(pending: &Pending, next: Position, equivalent: &mut Block, state: &mut S
         if along * sign <= 0.0 || across.abs() > 1e-6 {
             let letter = if axis == X { 'X' } else { 'Z' };
             let sign = if sign > 0.0 { "+" } else { "-" };
-            let message = format!("the next move must run along {letter} towards {sign}, as the sign of the corner says");
+            let message = format!(
+                "the next move must run along {letter} towards {sign}, as the sign of the corner says"
+            );
             return Err(at_place(pending, message, "change the sign, or write ,C or ,R"));
         }
     }
@@ -134,7 +155,12 @@ fn send(pending: &Pending, next: Position, equivalent: &mut Block, state: &mut S
     let angle = libm::atan2(turn.abs(), u[0] * v[0] + u[1] * v[1]);
     let t = if round { size * libm::tan(angle / 2.0) } else { size };
     if turn.abs() < 1e-9 || t > before + 1e-6 || t > behind + 1e-6 {
-        let message = format!("a corner of {} does not fit between moves of {} and {}", short(size), short(before), short(behind));
+        let message = format!(
+            "a corner of {} does not fit between moves of {} and {}",
+            short(size),
+            short(before),
+            short(behind)
+        );
         return Err(at_place(pending, message, "make it smaller, or the moves longer"));
     }
     let start = [corner[0] - t * u[0], corner[1] - t * u[1]];

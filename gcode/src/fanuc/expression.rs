@@ -162,8 +162,10 @@ impl Values<'_> {
 
     fn nested(&mut self, cursor: &mut Cursor, what: fn(&mut Self, &mut Cursor) -> Value) -> Value {
         if self.depth >= self.deepest {
-            let message =
-                format!("more than {} brackets, signs or # inside each other, the limit expression_depth", self.deepest);
+            let message = format!(
+                "more than {} brackets, signs or # inside each other, the limit expression_depth",
+                self.deepest
+            );
             let help = "compute part of it into a variable on a line before, as in #1=...";
             return Err(cursor.error_here("expression-too-deep", message, help));
         }
@@ -179,7 +181,8 @@ impl Values<'_> {
         let mut value = if rank > 3 { return self.value(cursor) } else { self.chain(rank + 1, cursor)? };
         loop {
             let before = cursor.clone();
-            let Some(operator) = cursor.take_name(&OPERATORS).filter(|operator| operator.rank() == rank) else {
+            let Some(operator) = cursor.take_name(&OPERATORS).filter(|operator| operator.rank() == rank)
+            else {
                 *cursor = before;
                 return Ok(value);
             };
@@ -205,7 +208,10 @@ impl Values<'_> {
                 let argument = self.bracket(cursor)?.unwrap_or(0.0);
                 let value = function(argument);
                 if !value.is_finite() {
-                    return Err(arithmetic(&format!("{name} of {} has no value", short(argument)), cursor.span(start)));
+                    return Err(arithmetic(
+                        &format!("{name} of {} has no value", short(argument)),
+                        cursor.span(start),
+                    ));
                 }
                 value
             }
@@ -268,7 +274,12 @@ fn close(cursor: &mut Cursor) -> Result<(), Box<Problem>> {
 
 fn arithmetic(reason: &str, span: Span) -> Box<Problem> {
     let blame = crate::problem::Blame::Span(span);
-    Problem::error("arithmetic", blame, format!("cannot be computed: {reason}"), "check the values that enter it")
+    Problem::error(
+        "arithmetic",
+        blame,
+        format!("cannot be computed: {reason}"),
+        "check the values that enter it",
+    )
 }
 
 impl Operator {
@@ -318,7 +329,8 @@ fn bits(value: f64) -> Result<i64, &'static str> {
 /// The digits of a number in one base, read as digits of another: BIN (16 to 10) and BCD (10 to 16).
 fn recoded(value: f64, from: u64, to: u64) -> f64 {
     let mut rest = value.round();
-    if !(0.0..1e8).contains(&rest) && from == 10 || rest < 0.0 || rest >= 4_294_967_296.0 {
+    // Eight digits of either base.
+    if !(0.0..(from as f64).powi(8)).contains(&rest) {
         return f64::NAN;
     }
     let (mut result, mut place) = (0.0, 1.0);

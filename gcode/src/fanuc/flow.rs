@@ -130,7 +130,12 @@ impl Flow {
         let beginning = self.beginning(files);
         self.search(files, beginning, Some(here), Wanted::Label(label))?.ok_or_else(|| {
             let help = "write this N in front of a block of the same program";
-            Problem::error("unknown-label", Blame::Block, format!("no block of this program has N{label}"), help)
+            Problem::error(
+                "unknown-label",
+                Blame::Block,
+                format!("no block of this program has N{label}"),
+                help,
+            )
         })
     }
 
@@ -144,18 +149,35 @@ impl Flow {
             let same = self.loops.get(base + open).is_some_and(|open| open.at == at);
             if !same {
                 let message = format!("DO {number} begins inside of another DO {number}");
-                return Err(Problem::error("bad-loop", Blame::Block, message, "number loops inside each other differently"));
+                return Err(Problem::error(
+                    "bad-loop",
+                    Blame::Block,
+                    message,
+                    "number loops inside each other differently",
+                ));
             }
             self.loops.truncate(base + open);
         }
         let here = files.mark();
         let Some(end) = self.search(files, here, None, Wanted::End(number))? else {
             let message = format!("DO {number} has no END {number} behind it");
-            return Err(Problem::error("bad-loop", Blame::Block, message, "write END behind the last block of the loop"));
+            return Err(Problem::error(
+                "bad-loop",
+                Blame::Block,
+                message,
+                "write END behind the last block of the loop",
+            ));
         };
-        if let Some(outer) = self.loops.get(base..).and_then(<[Loop]>::last).filter(|outer| end.lines > outer.end.lines) {
+        if let Some(outer) =
+            self.loops.get(base..).and_then(<[Loop]>::last).filter(|outer| end.lines > outer.end.lines)
+        {
             let message = format!("DO {number} and DO {} cross", outer.number);
-            return Err(Problem::error("bad-loop", Blame::Block, message, "end the inner loop before the outer one"));
+            return Err(Problem::error(
+                "bad-loop",
+                Blame::Block,
+                message,
+                "end the inner loop before the outer one",
+            ));
         }
         if enter {
             self.loops.push(Loop { number, at, end });
@@ -174,7 +196,12 @@ impl Flow {
         let open = self.loops.iter().skip(base).position(|open| open.number == number);
         let Some(open) = open.and_then(|open| self.loops.get(base + open).copied()) else {
             let message = format!("END {number} without DO {number} before it");
-            return Err(Problem::error("bad-loop", Blame::Block, message, "begin the loop with WHILE [..] DO; do not jump into it"));
+            return Err(Problem::error(
+                "bad-loop",
+                Blame::Block,
+                message,
+                "begin the loop with WHILE [..] DO; do not jump into it",
+            ));
         };
         if !self.repeats {
             return Ok(());
@@ -192,7 +219,12 @@ impl Flow {
         }
         if self.levels.len() >= self.deepest as usize {
             let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
-            return Err(Problem::error("call-depth", Blame::Block, message, "check whether the program calls itself"));
+            return Err(Problem::error(
+                "call-depth",
+                Blame::Block,
+                message,
+                "check whether the program calls itself",
+            ));
         }
         let back = (files.current(), files.mark());
         let (file, mark) = self.program(files, program)?;
@@ -244,8 +276,14 @@ impl Flow {
             }
         }
         files.go(back.0, back.1)?;
-        let names = [format!("O{program:04}"), format!("o{program:04}"), format!("O{program}"), format!("o{program}")];
-        for name in names.iter().flat_map(|stem| ENDINGS.iter().map(move |ending| format!("{stem}{ending}"))) {
+        let names = [
+            format!("O{program:04}"),
+            format!("o{program:04}"),
+            format!("O{program}"),
+            format!("o{program}"),
+        ];
+        for name in names.iter().flat_map(|stem| ENDINGS.iter().map(move |ending| format!("{stem}{ending}")))
+        {
             if found.is_none() {
                 let file = files.open_file(&name)?;
                 found = file.map(|file| (file, beginning_of(files, file)));
@@ -253,7 +291,8 @@ impl Flow {
         }
         let Some(place) = found else {
             let message = format!("there is no program O{program:04}");
-            let help = format!("write it behind the main program, or save it as O{program:04}.nc in its folder");
+            let help =
+                format!("write it behind the main program, or save it as O{program:04}.nc in its folder");
             return Err(Problem::error("unknown-subroutine", Blame::Block, message, help));
         };
         self.programs.insert(program, place);
@@ -262,7 +301,13 @@ impl Flow {
 
     /// The first line from a mark (to another) that holds what is wanted. Labels and END are looked for up to the next
     /// program.
-    fn search(&mut self, files: &mut Files, from: Mark, to: Option<Mark>, wanted: Wanted) -> Result<Option<Mark>, Box<Problem>> {
+    fn search(
+        &mut self,
+        files: &mut Files,
+        from: Mark,
+        to: Option<Mark>,
+        wanted: Wanted,
+    ) -> Result<Option<Mark>, Box<Problem>> {
         let file = files.current();
         let key = (file, from.lines, wanted);
         if let Some(mark) = self.found.get(&key) {

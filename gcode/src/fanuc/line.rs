@@ -1,22 +1,9 @@
-//! One line of a program. In: its bytes, the variables, the state. Out: a [`Statement`]; the words of a block are in a
-//! [`Line`], where lengths know whether they were written with a decimal point.
-//!
-//! ```text
-//! /  N10  words  (comment)                       a block
-//! O1000   :1000                                  the beginning of a program
-//! #100=[#101+2.5]*SIN[30]                        an assignment
-//! IF [c] GOTO 20 · IF [c] THEN #1=2 · GOTO 20 · WHILE [c] DO 1 · DO 1 · END 1
-//! ```
+//! What a line asks for, and the words of a block. Lengths know whether they were written with a decimal point.
 
-use super::codes;
-use super::expression::Values;
-use super::variables::{Locals, Variables};
-use crate::block::{Block, Comment, CommentKind, letter_bit};
+use super::variables::Locals;
+use crate::block::{Block, letter_bit};
 use crate::canon::Units;
-use crate::codes::{G, M};
 use crate::problem::{Blame, Problem, Span, short};
-use crate::state::State;
-use crate::words::{Cursor, number, parentheses};
 
 type Done = Result<(), Box<Problem>>;
 
@@ -53,7 +40,7 @@ pub(super) struct Line {
     /// Arguments of G65.
     pub(super) arguments: Option<Box<Locals>>,
     /// Units of the block: those in force, or those of its own G20 or G21.
-    units: Option<Units>,
+    pub(super) units: Option<Units>,
 }
 
 impl Line {
@@ -118,369 +105,33 @@ impl Line {
         letters.chars().any(|letter| self.has(letter))
     }
 
-    fn clear(&mut self, file: u16, line: u32, units: Units) {
+    pub(super) fn clear(&mut self, file: u16, line: u32, units: Units) {
         self.block.clear(file, line);
         (self.bare, self.computed, self.arguments, self.units) = (0, 0, None, Some(units));
     }
-}
 
-/// Reads a line.
-pub(super) struct Reading<'a> {
-    pub(super) text: &'a [u8],
-    pub(super) variables: &'a mut Variables,
-    pub(super) state: &'a State,
-    /// The switch for `/` is on.
-    pub(super) block_delete: bool,
-    pub(super) deepest: u32,
-}
-
-#[derive(Clone, Copy)]
-enum Keyword {
-    If,
-    While,
-    Do,
-    End,
-    Goto,
-}
-
-const KEYWORDS: [(&str, Keyword); 5] = [
-    ("if", Keyword::If),
-    ("while", Keyword::While),
-    ("do", Keyword::Do),
-    ("end", Keyword::End),
-    ("goto", Keyword::Goto),
-];
-
-impl Reading<'_> {
-    /// Reads the line into `line`.
+    /// Adds the word of a letter.
     ///
     /// # Errors
-    /// What is wrong with it.
-    pub(super) fn statement(&mut self, file: u16, number: u32, line: &mut Line) -> Result<Statement, Box<Problem>> {
-        line.clear(file, number, self.state.units);
-        let mut cursor = Cursor::new(self.text);
-        let optional = self.optional(&mut cursor)?;
-        (line.block.n, line.block.n_digits) = sequence_number(&mut cursor)?;
-        if optional {
-            return Ok(Statement::Nothing);
-        }
-        let statement = match cursor.take_name(&KEYWORDS) {
-            Some(keyword) => self.keyword(keyword, &mut cursor)?,
-            None => match cursor.peek() {
-                Some(b'o' | b':') => Statement::Program(program_number(&mut cursor)?),
-                Some(b'#') => self.assignments(&mut cursor)?,
-                _ => return self.block(&mut cursor, line),
-            },
-        };
-        self.end(&mut cursor, line)?;
-        Ok(statement)
-    }
-
-    /// `/` and `/1`: whether the line is left out.
-    fn optional(&self, cursor: &mut Cursor) -> Result<bool, Box<Problem>> {
-        let start = cursor.mark();
-        if !cursor.take_if(b'/') {
-            return Ok(false);
-        }
-        if matches!(cursor.peek(), Some(b'2'..=b'9')) {
-            cursor.skip();
-            let help = "write / alone";
-            return Err(cursor.error_from(start, "not-available", "there is one switch for optional blocks", help));
-        }
-        cursor.take_if(b'1');
-        Ok(self.block_delete)
-    }
-
-    fn keyword(&mut self, keyword: Keyword, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
-        match keyword {
-            Keyword::If => self.branch(cursor),
-            Keyword::Goto => self.goto(cursor),
-            Keyword::End => loop_number(cursor).map(Statement::End),
-            Keyword::Do => Ok(Statement::While(loop_number(cursor)?, true)),
-            Keyword::While => {
-                let holds = self.condition(cursor)?;
-                if cursor.take_name(&[("do", ())]).is_none() {
-                    let help = "write WHILE [condition] DO 1, and END 1 behind the last block of the loop";
-                    return Err(cursor.error_here("bad-loop", "DO is missing here", help));
-                }
-                Ok(Statement::While(loop_number(cursor)?, holds))
-            }
-        }
-    }
-
-    fn branch(&mut self, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
-        let holds = self.condition(cursor)?;
-        let statement = match cursor.take_name(&[("goto", Keyword::Goto), ("then", Keyword::If)]) {
-            Some(Keyword::Goto) if holds => return self.goto(cursor),
-            Some(_) if holds => return self.assignments(cursor),
-            Some(_) => Statement::Nothing,
-            None => {
-                let help = "write IF [condition] GOTO 20, or IF [condition] THEN #1=2";
-                return Err(cursor.error_here("bad-branch", "GOTO or THEN is missing here", help));
-            }
-        };
-        // What is not executed is not evaluated; its comment may stay.
-        cursor.take_rest();
-        Ok(statement)
-    }
-
-    fn condition(&mut self, cursor: &mut Cursor) -> Result<bool, Box<Problem>> {
-        Ok(self.values().bracket(cursor)?.is_some_and(|value| value != 0.0))
-    }
-
-    fn goto(&mut self, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
-        let start = cursor.mark();
-        match self.values().value(cursor)?.map(f64::round) {
-            Some(label) if (1.0..=99_999_999.0).contains(&label) => Ok(Statement::Goto(label as u32)),
-            _ => {
-                let help = "give the N of a block, 1 to 99999999";
-                Err(cursor.error_from(start, "bad-value", "GOTO needs the number of a block", help))
-            }
-        }
-    }
-
-    /// `#1=2 #[#1]=3`; #3000 and #3006 act.
-    fn assignments(&mut self, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
-        let mut statement = Statement::Nothing;
-        while cursor.peek() == Some(b'#') {
-            let start = cursor.mark();
-            cursor.skip();
-            let index = self.values().index(start, cursor)?;
-            let span = cursor.span(start);
-            if !cursor.take_if(b'=') {
-                let help = "a line may set a variable, as in #1=2.5; to use one, write a letter before it, as in X#1";
-                return Err(cursor.error_here("missing-value", "= is missing here", help));
-            }
-            let value = self.values().expression(cursor)?;
-            match index {
-                3000 => statement = Statement::Alarm(value.unwrap_or(0.0)),
-                3006 => statement = Statement::Message,
-                _ => self.variables.set(index, value, self.state, Blame::Span(span))?,
-            }
-        }
-        Ok(statement)
-    }
-
-    fn values(&self) -> Values<'_> {
-        Values { variables: self.variables, state: self.state, deepest: self.deepest, depth: 0 }
-    }
-
-    fn block(&mut self, cursor: &mut Cursor, line: &mut Line) -> Result<Statement, Box<Problem>> {
-        let mut last = None;
-        while let Some(first) = cursor.peek() {
-            match first {
-                b'g' => self.g_code(cursor, line)?,
-                b'n' | b'o' => return Err(misplaced(cursor)),
-                b'a'..=b'z' if line.arguments.is_some() && !matches!(first, b'p' | b'l') => {
-                    last = self.argument(first, last, cursor, line)?;
-                }
-                b'm' => self.m_code(cursor, line)?,
-                b'a'..=b'z' | b',' => self.word(first, cursor, line)?,
-                b'(' | b';' => return self.end(cursor, line).map(|()| of_block(line)),
-                _ => return Err(bad_character(cursor)),
-            }
-        }
-        Ok(of_block(line))
-    }
-
-    /// The end of a line: comments, `;`.
-    fn end(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
-        while cursor.peek() == Some(b'(') {
-            let (text, _) = parentheses(cursor)?;
-            line.block.comment = Some(Comment { kind: CommentKind::Plain, text: text.into() });
-        }
-        if cursor.take_if(b';') || cursor.peek().is_none() {
-            return match cursor.peek() {
-                None => Ok(()),
-                Some(_) => {
-                    let help = "; ends a block; write the next block on a line of its own";
-                    Err(cursor.error_here("bad-character", "this stands behind the end of the block", help))
-                }
-            };
-        }
-        if line.block.comment.is_some() {
-            return match cursor.peek() {
-                Some(b'a'..=b'z' | b',' | b'#') => self.block(cursor, line).map(|_| ()),
-                _ => Err(bad_character(cursor)),
-            };
-        }
-        Err(bad_character(cursor))
-    }
-
-    /// A letter and its value; `,C` and `,R` are `c` and `r`.
-    fn word(&mut self, first: u8, cursor: &mut Cursor, line: &mut Line) -> Done {
-        let start = cursor.mark();
-        cursor.skip();
-        let letter = match first {
-            b',' => match cursor.take() {
-                Some(letter @ (b'c' | b'r')) => char::from(letter),
-                _ => {
-                    let help = ",C cuts the corner behind a move, ,R rounds it";
-                    return Err(cursor.error_from(start, "not-available", "only C and R may follow a comma", help));
-                }
-            },
-            letter => char::from(letter.to_ascii_uppercase()),
-        };
-        let Some((value, kind)) = self.written(cursor)? else { return Ok(()) };
-        line.block.add(letter, value, cursor.span(start))?;
+    /// The letter stands in the block already.
+    pub(super) fn add(&mut self, letter: char, (value, kind): (f64, Kind), span: Span) -> Done {
+        self.block.add(letter, value, span)?;
         match kind {
-            Kind::Bare => line.bare |= letter_bit(letter),
-            Kind::Computed => line.computed |= letter_bit(letter),
+            Kind::Bare => self.bare |= letter_bit(letter),
+            Kind::Computed => self.computed |= letter_bit(letter),
             Kind::Pointed => {}
         }
         Ok(())
     }
-
-    /// A value and how it is written; `None` if it is vacant.
-    fn written(&mut self, cursor: &mut Cursor) -> Result<Option<(f64, Kind)>, Box<Problem>> {
-        let mut ahead = cursor.clone();
-        if matches!(ahead.peek(), Some(b'-' | b'+')) {
-            ahead.skip();
-        }
-        if !matches!(ahead.peek(), Some(b'0'..=b'9' | b'.')) {
-            return Ok(self.values().value(cursor)?.map(|value| (value, Kind::Computed)));
-        }
-        let negative = cursor.take_if(b'-');
-        cursor.take_if(b'+');
-        let start = cursor.mark();
-        let value = number(cursor)?;
-        let Span { start, end } = cursor.span(start);
-        let written = self.text.get(start as usize..end as usize).unwrap_or(&[]);
-        let kind = if written.contains(&b'.') { Kind::Pointed } else { Kind::Bare };
-        Ok(Some((if negative { -value } else { value }, kind)))
-    }
-
-    fn g_code(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
-        let (value, span) = self.code(cursor)?;
-        let code = (10.0 * value).round();
-        let known = ((10.0 * value - code).abs() < 1e-3 && (0.0..65_536.0).contains(&code)).then_some(G(code as u16));
-        let Some(code) = known else { return Err(codes::unknown('G', value, span)) };
-        let group = codes::g_group(code, span)?;
-        line.block.add_g(group, code, span)?;
-        match code {
-            G(200) => line.units = Some(Units::Inch),
-            G(210) => line.units = Some(Units::Millimetre),
-            G(650) => line.arguments = Some(Box::new([None; 34])),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn m_code(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
-        let (value, span) = self.code(cursor)?;
-        let known = (value.fract() == 0.0 && (0.0..65_536.0).contains(&value)).then_some(M(value as u16));
-        let Some(code) = known else { return Err(codes::unknown('M', value, span)) };
-        let group = codes::m_group(code, span)?;
-        line.block.add_m(group, code, span)
-    }
-
-    /// The number of a G or M code.
-    fn code(&mut self, cursor: &mut Cursor) -> Result<(f64, Span), Box<Problem>> {
-        let start = cursor.mark();
-        cursor.skip();
-        match self.written(cursor)? {
-            Some((value, _)) => Ok((value, cursor.span(start))),
-            None => {
-                let help = "set the variable before, or write the number of the code";
-                Err(cursor.error_from(start, "bad-value", "the number of this code is vacant", help))
-            }
-        }
-    }
-
-    /// A letter of G65: argument assignment I (each letter is a variable) or II (I J K again and again). `last` is the
-    /// variable that I, J or K set before.
-    fn argument(
-        &mut self,
-        letter: u8,
-        last: Option<usize>,
-        cursor: &mut Cursor,
-        line: &mut Line,
-    ) -> Result<Option<usize>, Box<Problem>> {
-        let start = cursor.mark();
-        cursor.skip();
-        let written = self.written(cursor)?;
-        let (index, last) = match letter {
-            b'i'..=b'k' => {
-                let mut index = 4 + usize::from(letter - b'i');
-                while last.is_some_and(|last| index <= last) {
-                    index += 3;
-                }
-                (index, Some(index))
-            }
-            _ => (codes::argument(letter), last),
-        };
-        let Some(slot) = line.arguments.as_mut().and_then(|locals| locals.get_mut(index)) else {
-            let help = "I, J and K may stand ten times each in G65";
-            return Err(cursor.error_from(start, "repeated-word", "too many arguments", help));
-        };
-        let steps = if matches!(letter, b'd' | b'e' | b'f' | b'h' | b'm' | b's' | b't') { 1.0 } else { 1000.0 };
-        let steps = if line.units == Some(Units::Inch) && steps > 1.0 { 10_000.0 } else { steps };
-        *slot = written.map(|(value, kind)| if kind == Kind::Bare { value / steps } else { value });
-        Ok(last)
-    }
 }
 
 /// How a number is written.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    /// A whole number without a decimal point.
     Bare,
+    /// With a decimal point.
     Pointed,
+    /// A variable or an expression.
     Computed,
-}
-
-fn of_block(line: &Line) -> Statement {
-    let empty = line.block.is_empty() && line.arguments.is_none();
-    if empty { Statement::Nothing } else { Statement::Block }
-}
-
-/// N and its digits.
-fn sequence_number(cursor: &mut Cursor) -> Result<(Option<u32>, u8), Box<Problem>> {
-    let mut ahead = cursor.clone();
-    if !ahead.take_if(b'n') {
-        return Ok((None, 0));
-    }
-    let start = cursor.mark();
-    cursor.skip();
-    let digits = cursor.digits_here();
-    let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(0.0..=99_999_999.0).contains(&value) {
-        let help = "a sequence number has up to eight digits, or is left out";
-        return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
-    }
-    Ok((Some(value as u32), digits))
-}
-
-fn program_number(cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
-    let start = cursor.mark();
-    cursor.skip();
-    let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(1.0..=99_999_999.0).contains(&value) {
-        let help = "a program number is 1 to 99999999, as in O1000";
-        return Err(cursor.error_from(start, "bad-label", "O without a usable number", help));
-    }
-    Ok(value as u32)
-}
-
-fn loop_number(cursor: &mut Cursor) -> Result<u8, Box<Problem>> {
-    match cursor.peek() {
-        Some(digit @ b'1'..=b'3') => {
-            cursor.skip();
-            Ok(digit - b'0')
-        }
-        _ => {
-            let help = "loops are numbered 1, 2 and 3, as in DO 1 ... END 1";
-            Err(cursor.error_here("bad-loop", "the number of the loop is missing here", help))
-        }
-    }
-}
-
-fn misplaced(cursor: &mut Cursor) -> Box<Problem> {
-    let help = "N and O come first in their line";
-    cursor.error_here("misplaced-line-number", "this cannot stand inside a block", help)
-}
-
-fn bad_character(cursor: &mut Cursor) -> Box<Problem> {
-    let what = cursor.character().map_or("this byte".into(), |c| format!("{c:?}"));
-    let help = "a block is made of words such as G01 or X-2.5; put remarks in parentheses";
-    cursor.error_here("bad-character", format!("{what} cannot begin a word"), help)
 }

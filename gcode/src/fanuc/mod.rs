@@ -5,7 +5,7 @@
 //! that language and executed by [`crate::execute`]; cycles send their own calls.
 //!
 //! ```text
-//! line ─► line.rs ─ words ─► codes.rs ─ what the block does ─► block.rs ─ modes, tool, moves ─► execute
+//! line ─► reading.rs ─ words ─► codes.rs ─ what the block does ─► block.rs ─ modes, tool, moves ─► execute
 //!            │ IF GOTO WHILE M98 G65 M99                         │ cycles
 //!            ▼                                                   ▼
 //!         flow.rs                                     threads.rs single.rs pecks.rs contour.rs
@@ -21,7 +21,10 @@ mod corner;
 mod expression;
 mod flow;
 mod line;
+mod once;
 mod pecks;
+mod rates;
+mod reading;
 mod single;
 mod threads;
 mod tool;
@@ -33,13 +36,14 @@ use crate::codes::{G, M, m_group};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Output};
 use crate::flow::Files;
-use crate::problem::{Blame, Problem, Span, short};
 use crate::options::Options;
+use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
 
 use codes::Deed;
 use flow::{Flow, Left};
-use line::{Line, Reading, Statement};
+use line::{Line, Statement};
+use reading::Reading;
 use variables::Variables;
 
 type Done = Result<(), Box<Problem>>;
@@ -250,7 +254,8 @@ impl Control {
                 out.warn(Problem::warning("no-effect", Blame::M(M(99)), message, "end it with M30"));
                 block::begin(&self.line, &mut self.equivalent);
                 self.equivalent.add_m(m_group::STOP, M(2), Span::default())?;
-                let mut out = output(machine.sink, self.line.block.place(), machine.problems, machine.waiting);
+                let mut out =
+                    output(machine.sink, self.line.block.place(), machine.problems, machine.waiting);
                 return execute::execute(&self.equivalent, machine.state, &mut out);
             }
         }

@@ -89,7 +89,11 @@ pub(super) fn cycle(
         let message = format!("this would take more than {MOST} pecks");
         return Err(Problem::error("bad-value", Blame::Word(peck), message, "give a greater P or Q"));
     }
-    let aside = if beside.to == beside.from { retract.unwrap_or(0.0) } else { -beside.sign() * retract.unwrap_or(0.0) };
+    let aside = if beside.to == beside.from {
+        retract.unwrap_or(0.0)
+    } else {
+        -beside.sign() * retract.unwrap_or(0.0)
+    };
     let place = line.block.place();
     let mut go = |kind, along: f64, across: f64| {
         let end = if along_z { [along, across] } else { [across, along] };

@@ -95,16 +95,25 @@ pub(super) fn cycle(line: &Line, modal: &mut block::Modal, state: &mut State, ou
     }
     let Some(first) = modal.first.thread else {
         let message = "the first line of G76 is missing";
-        let help = "write it before: G76 P021060 Q100 R0.05 (finishing passes, chamfer, angle; least cut; finish)";
+        let help =
+            "write it before: G76 P021060 Q100 R0.05 (finishing passes, chamfer, angle; least cut; finish)";
         return Err(Problem::error("missing-word", Blame::G(G(760)), message, help));
     };
-    let height = needed(line.increments('P')?, 'P', "the height of the thread, in steps of 0.001 mm", "P900")?;
-    let depth = needed(line.increments('Q')?, 'Q', "the depth of the first pass, in steps of 0.001 mm", "Q250")?;
+    let height =
+        needed(line.increments('P')?, 'P', "the height of the thread, in steps of 0.001 mm", "P900")?;
+    let depth =
+        needed(line.increments('Q')?, 'Q', "the depth of the first pass, in steps of 0.001 mm", "Q250")?;
     let taper = line.length('R').unwrap_or(0.0);
     let shape = Shape { end, taper, lead, chamfer: first.chamfer * lead / 10.0, start_deg: 0.0 };
     if first.finish >= height {
-        let message = format!("the finishing allowance {} is all of the height {}", short(first.finish), short(height));
-        return Err(Problem::error("bad-value", Blame::Word('P'), message, "make R of the first line smaller"));
+        let message =
+            format!("the finishing allowance {} is all of the height {}", short(first.finish), short(height));
+        return Err(Problem::error(
+            "bad-value",
+            Blame::Word('P'),
+            message,
+            "make R of the first line smaller",
+        ));
     }
     let degression = Degression { first: depth, exponent: 2.0, least: first.least, finish: first.finish };
     // With an allowance the first finishing pass takes it off; without one, all of them come on top.
@@ -121,18 +130,27 @@ fn needed(value: Option<f64>, letter: char, what: &str, example: &str) -> Result
         }
         None => {
             let message = format!("G76 needs {letter}, {what}");
-            Err(Problem::error("missing-word", Blame::G(G(760)), message, format!("add it, such as {example}")))
+            Err(Problem::error(
+                "missing-word",
+                Blame::G(G(760)),
+                message,
+                format!("add it, such as {example}"),
+            ))
         }
     }
 }
 
 fn first_line(line: &Line, before: Option<First>) -> Result<First, Box<Problem>> {
-    let mut first = before.unwrap_or(First { finishing: 1, chamfer: 10.0, angle: 60.0, least: 0.0, finish: 0.0 });
+    let mut first =
+        before.unwrap_or(First { finishing: 1, chamfer: 10.0, angle: 60.0, least: 0.0, finish: 0.0 });
     if let Some(word) = line.whole('P')? {
         let (m, r, a) = (word / 10_000, word / 100 % 100, word % 100);
         if !(1..=99).contains(&m) || !ANGLES.contains(&a) {
-            let message = format!("P{word:06} means {m} finishing passes, a chamfer of {r} tenths, a tool of {a} degrees");
-            let help = "P has two digits for each: passes 01 to 99, chamfer 00 to 99, angle 80 60 55 30 29 or 00";
+            let message = format!(
+                "P{word:06} means {m} finishing passes, a chamfer of {r} tenths, a tool of {a} degrees"
+            );
+            let help =
+                "P has two digits for each: passes 01 to 99, chamfer 00 to 99, angle 80 60 55 30 29 or 00";
             return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
         }
         (first.finishing, first.chamfer, first.angle) = (m as u32, r as f64, a as f64);
@@ -160,9 +178,18 @@ fn one_line(line: &Line, end: Position, lead: f64, state: &mut State, out: &mut 
         1 => 2.0,
         3 => 1.0,
         other => {
-            let (code, what) = if matches!(other, 2 | 4) { ("not-available", "cuts on both edges") } else { ("bad-value", "is no way to cut") };
+            let (code, what) = if matches!(other, 2 | 4) {
+                ("not-available", "cuts on both edges")
+            } else {
+                ("bad-value", "is no way to cut")
+            };
             let message = format!("P{other} {what}");
-            return Err(Problem::error(code, Blame::Word('P'), message, "P1 keeps the area of the cuts, P3 their depth"));
+            return Err(Problem::error(
+                code,
+                Blame::Word('P'),
+                message,
+                "P1 keeps the area of the cuts, P3 their depth",
+            ));
         }
     };
     let angle = line.plain('A').unwrap_or(0.0);
@@ -208,11 +235,17 @@ fn send(
     let from = state.position;
     let code = if state.motion == Some(G(920)) { G(920) } else { G(760) };
     execute::threading::ready(code, state, out)?;
-    let wrong = |letter, message: String, help: &str| Err(Problem::error("bad-value", Blame::Word(letter), message, help));
+    let wrong = |letter, message: String, help: &str| {
+        Err(Problem::error("bad-value", Blame::Word(letter), message, help))
+    };
     let infeed = shape.end[X] + shape.taper - from[X];
     let way = (shape.end[Z] - from[Z]).abs();
     if way == 0.0 {
-        return wrong('Z', format!("the thread has no length: it begins and ends at Z{}", short(from[Z])), "give Z of its end");
+        return wrong(
+            'Z',
+            format!("the thread has no length: it begins and ends at Z{}", short(from[Z])),
+            "give Z of its end",
+        );
     }
     // The difference of two decimals is a decimal, too.
     let crest = ((infeed.abs() - height) * 1e9).round() / 1e9;
@@ -225,14 +258,23 @@ fn send(
         return wrong('X', message, "start farther from the thread");
     }
     if degression.first > height {
-        let message = format!("the first pass, {}, is deeper than the thread, {}", short(degression.first), short(height));
+        let message = format!(
+            "the first pass, {}, is deeper than the thread, {}",
+            short(degression.first),
+            short(height)
+        );
         return wrong('Q', message, "make it smaller");
     }
     if libm::pow(height / degression.first, degression.exponent) > MOST_PASSES {
-        return wrong('Q', format!("this would take more than {MOST_PASSES} passes"), "give a deeper first pass");
+        return wrong(
+            'Q',
+            format!("this would take more than {MOST_PASSES} passes"),
+            "give a deeper first pass",
+        );
     }
     if shape.chamfer > way {
-        let message = format!("the chamfer, {}, is longer than the thread, {}", short(shape.chamfer), short(way));
+        let message =
+            format!("the chamfer, {}, is longer than the thread, {}", short(shape.chamfer), short(way));
         return wrong('Z', message, "give a shorter chamfer in the first line of G76, digits 3 and 4 of P");
     }
     out.call(Call::ThreadCycle(&ThreadCycle {

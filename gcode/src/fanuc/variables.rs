@@ -66,7 +66,9 @@ impl Variables {
     pub(super) fn get(&self, index: u32, state: &State, blame: Blame) -> Result<Option<f64>, Box<Problem>> {
         match index {
             0 => Ok(None),
-            1..=33 => Ok(self.locals.last().and_then(|(locals, _)| locals.get(index as usize)).copied().flatten()),
+            1..=33 => {
+                Ok(self.locals.last().and_then(|(locals, _)| locals.get(index as usize)).copied().flatten())
+            }
             _ if is_common(index) => Ok(self.common.get(index as usize).copied().flatten()),
             _ => system(index, state).map(Some).ok_or_else(|| unknown(index, blame)),
         }
@@ -76,7 +78,13 @@ impl Variables {
     ///
     /// # Errors
     /// There is no variable of this number, or it cannot be set.
-    pub(super) fn set(&mut self, index: u32, value: Option<f64>, state: &State, blame: Blame) -> Result<(), Box<Problem>> {
+    pub(super) fn set(
+        &mut self,
+        index: u32,
+        value: Option<f64>,
+        state: &State,
+        blame: Blame,
+    ) -> Result<(), Box<Problem>> {
         let slot = match index {
             1..=33 => self.locals.last_mut().and_then(|(locals, _)| locals.get_mut(index as usize)),
             _ if is_common(index) => self.common.get_mut(index as usize),

@@ -9,7 +9,10 @@ fn x_is_a_diameter_and_u_w_count_from_the_point() {
 
 #[test]
 fn absolute_and_incremental_words_mix_in_a_block() {
-    assert_eq!(moves("S500 M03\nG00 X40. Z2.\nG01 X50. W-12. F0.2\nU2. Z-30."), ["G0 20 2", "G1 25 -10", "G1 26 -30"]);
+    assert_eq!(
+        moves("S500 M03\nG00 X40. Z2.\nG01 X50. W-12. F0.2\nU2. Z-30."),
+        ["G0 20 2", "G1 25 -10", "G1 26 -30"]
+    );
 }
 
 #[test]
@@ -64,7 +67,10 @@ fn arcs_by_radius_and_by_centre_are_the_same() {
 
 #[test]
 fn dwells_are_seconds_or_milliseconds() {
-    assert_eq!(moves("G04 X1.5\nG04 U0.25\nG04 P500\nG04 X2000"), ["dwell 1.5", "dwell 0.25", "dwell 0.5", "dwell 2"]);
+    assert_eq!(
+        moves("G04 X1.5\nG04 U0.25\nG04 P500\nG04 X2000"),
+        ["dwell 1.5", "dwell 0.25", "dwell 0.5", "dwell 2"]
+    );
 }
 
 #[test]
@@ -85,7 +91,13 @@ fn constant_surface_speed_is_bounded_by_g50() {
     let speeds: Vec<&String> = record.others.iter().filter(|call| call.contains("Spindle")).collect();
     assert_eq!(
         speeds[..5],
-        ["SetSpindleMode(2500.0)", "SetSpindleSpeed(200.0)", "StartSpindle(Clockwise)", "SetSpindleMode(0.0)", "SetSpindleSpeed(800.0)"]
+        [
+            "SetSpindleMode(2500.0)",
+            "SetSpindleSpeed(200.0)",
+            "StartSpindle(Clockwise)",
+            "SetSpindleMode(0.0)",
+            "SetSpindleSpeed(800.0)"
+        ]
     );
     assert_eq!(errors("G50 S2500\nG96 S200 M03\nG97"), [(3, "missing-word")]);
 }
@@ -104,7 +116,11 @@ fn the_turret_turns_without_stopping_the_spindle() {
 fn an_offset_moves_the_coordinates() {
     let mut options = super::common::fanuc();
     options.tools = gcode::files::ToolTable::parse("tools", "T2 P2 X-10 Z-30 D0.8 Q3\n").unwrap();
-    let program = gcode::Program::from_text("O1", "G00 X40. Z2.\nT0102\n#1=#5001\n#2=#5002\nG04 U[#1]\nG04 U[#2]\nM30\n", &options);
+    let program = gcode::Program::from_text(
+        "O1",
+        "G00 X40. Z2.\nT0102\n#1=#5001\n#2=#5002\nG04 U[#1]\nG04 U[#2]\nM30\n",
+        &options,
+    );
     let outcome = super::common::run(program);
     assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
     assert_eq!(outcome.record.moves, ["G0 20 2", "dwell 60", "dwell 32"]);
@@ -126,7 +142,10 @@ fn corners_are_cut_off_and_rounded() {
     let round = moves(&format!("{start}G01 Z-20. ,R2. F0.1\nX40."));
     assert_eq!(round, ["G0 10 0", "G1 10 -18", "G2 12 -20 c 12 -18", "G1 20 -20"]);
     assert_eq!(round, moves(&format!("{start}G01 W-20. R2. F0.1\nU20.")));
-    assert_eq!(moves(&format!("{start}G01 X30. K-1. F0.1\nZ-9.")), ["G0 10 0", "G1 14 0", "G1 15 -1", "G1 15 -9"]);
+    assert_eq!(
+        moves(&format!("{start}G01 X30. K-1. F0.1\nZ-9.")),
+        ["G0 10 0", "G1 14 0", "G1 15 -1", "G1 15 -9"]
+    );
 }
 
 #[test]

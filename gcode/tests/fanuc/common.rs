@@ -28,7 +28,9 @@ impl Sink for Record {
             Call::ArcFeed(Arc { end: [z, x], center: [cz, cx], turns, .. }) => {
                 format!("{} {} {} c {} {}", if turns > 0 { "G3" } else { "G2" }, n(x), n(z), n(cx), n(cz))
             }
-            Call::StartSpeedFeedSynch { lead, start_deg, .. } => format!("lead {} at {}", n(lead), n(start_deg)),
+            Call::StartSpeedFeedSynch { lead, start_deg, .. } => {
+                format!("lead {} at {}", n(lead), n(start_deg))
+            }
             Call::StopSpeedFeedSynch => "free".into(),
             Call::ThreadCycle(cycle) => format!("{cycle:?}"),
             Call::Dwell(seconds) => format!("dwell {}", n(seconds)),

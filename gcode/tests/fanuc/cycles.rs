@@ -8,9 +8,18 @@ fn g90_turns_and_is_repeated() {
     assert_eq!(
         moves(text)[1..],
         [
-            "G0 23 2", "G1 23 -30", "G1 25 -30", "G0 25 2", //
-            "G0 21 2", "G1 21 -30", "G1 25 -30", "G0 25 2", //
-            "G0 19 2", "G1 19 -18", "G1 25 -18", "G0 25 2", //
+            "G0 23 2",
+            "G1 23 -30",
+            "G1 25 -30",
+            "G0 25 2", //
+            "G0 21 2",
+            "G1 21 -30",
+            "G1 25 -30",
+            "G0 25 2", //
+            "G0 19 2",
+            "G1 19 -18",
+            "G1 25 -18",
+            "G0 25 2", //
             "G0 30 2"
         ]
     );
@@ -33,7 +42,10 @@ fn a_block_without_words_does_not_repeat_the_cycle() {
 #[test]
 fn g74_drills_in_pecks() {
     let text = "S500 M03\nG00 X0. Z2.\nG74 R1.\nG74 Z-10. Q5000 F0.1";
-    assert_eq!(moves(text)[1..], ["G1 0 -3", "G0 0 -2", "G1 0 -8", "G0 0 -7", "G1 0 -10", "G0 0 2", "G0 0 2"]);
+    assert_eq!(
+        moves(text)[1..],
+        ["G1 0 -3", "G0 0 -2", "G1 0 -8", "G0 0 -7", "G1 0 -10", "G0 0 2", "G0 0 2"]
+    );
 }
 
 #[test]
@@ -100,7 +112,8 @@ fn g72_faces() {
 fn g73_repeats_the_contour_from_farther_away() {
     let text = format!("S500 M03\nG00 X50. Z5.\nG73 U4. W2. R3\nG73 P10 Q50 U1. W0.5 F0.2\n{SHAFT}");
     let moves = moves(&text);
-    let first: Vec<&String> = moves.iter().filter(|call| call.starts_with("G1") && call.contains(' ')).collect();
+    let first: Vec<&String> =
+        moves.iter().filter(|call| call.starts_with("G1") && call.contains(' ')).collect();
     // first way to the contour: 10 + 4 + 0.5; -10 + 2 + 0.5
     assert_eq!(first[0], "G1 14.5 -7.5");
     assert_eq!(first[4], "G1 12.5 -8.5");
@@ -110,7 +123,9 @@ fn g73_repeats_the_contour_from_farther_away() {
 
 #[test]
 fn g70_finishes_with_the_feeds_of_the_contour() {
-    let text = format!("S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U1. W0.2 F0.3\n{SHAFT}G70 P10 Q50\nG00 X60.");
+    let text = format!(
+        "S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U1. W0.2 F0.3\n{SHAFT}G70 P10 Q50\nG00 X60."
+    );
     let record = sound(&text);
     let end = record.moves.len();
     assert_eq!(
@@ -143,7 +158,10 @@ fn cycles_that_make_no_sense_are_refused() {
     assert_eq!(errors("G71 P10 Q20 U1. F0.3\nN10 G00 X20.\nN20 G01 Z-9."), [(3, "missing-word")]);
     assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 U1. F0.3"), [(4, "unknown-label")]);
     assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9."), [(7, "bad-contour")]);
-    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9.\nZ-5.\nN20 X42."), [(4, "bad-contour")]);
+    assert_eq!(
+        errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9.\nZ-5.\nN20 X42."),
+        [(4, "bad-contour")]
+    );
     assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nM98 P1\nN20 X42."), [(6, "bad-contour")]);
     assert_eq!(errors("G71 U2. D1000"), [(3, "unused-word")]);
     assert_eq!(errors("G75 X20. P1000 F0.1"), [(3, "missing-word")]);

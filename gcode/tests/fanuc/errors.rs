@@ -50,7 +50,10 @@ fn the_place_is_pointed_at() {
 
 #[test]
 fn several_errors_of_one_program() {
-    assert_eq!(errors("G63\nG00 X1.\nM12\nG00 Q1"), [(1, "unknown-g-code"), (3, "unknown-m-code"), (4, "unused-word")]);
+    assert_eq!(
+        errors("G63\nG00 X1.\nM12\nG00 Q1"),
+        [(1, "unknown-g-code"), (3, "unknown-m-code"), (4, "unused-word")]
+    );
 }
 
 proptest! {

@@ -38,7 +38,10 @@ fn arguments_by_letter() {
     let text = "G65 P9010 A1. B2. C3. D4. E5. F6. H7. I8. J9. K10. M11. Q12. R13. S14. T15. U16. V17. W18. X19. Y20. Z21.\n\
                 M30\nO9010\nG04 U[#1+#2*10]\nG04 U[#7+#8*10+#9*100]\nG04 U#11\nG04 U[#4+#5+#6]\nG04 U[#13+#17+#18]\n\
                 G04 U[#19+#20+#21+#22+#23]\nG04 U[#24+#25+#26]\nM99";
-    assert_eq!(moves(text), ["dwell 21", "dwell 654", "dwell 7", "dwell 27", "dwell 36", "dwell 80", "dwell 60"]);
+    assert_eq!(
+        moves(text),
+        ["dwell 21", "dwell 654", "dwell 7", "dwell 27", "dwell 36", "dwell 80", "dwell 60"]
+    );
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod blocks;
 mod common;
 mod cycles;
 mod errors;
+mod examples;
 mod flow;
 mod macros;
 mod threads;

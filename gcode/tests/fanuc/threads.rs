@@ -55,7 +55,9 @@ fn g76_in_one_line_is_g76() {
 #[test]
 fn g76_keeps_least_cut_finish_and_number_of_finishing_passes() {
     let thread = &here("G76 P021055 Q50 R0.1\nG76 X17.546 Z-22. P1227 Q350 F2.")[1];
-    for part in ["least: 0.05", "finish: 0.1", "exponent: 2.0", "springs: 1", "infeed_deg: 27.5", "chamfer: 2.0"] {
+    for part in
+        ["least: 0.05", "finish: 0.1", "exponent: 2.0", "springs: 1", "infeed_deg: 27.5", "chamfer: 2.0"]
+    {
         assert!(thread.contains(part), "{part} in {thread}");
     }
 }

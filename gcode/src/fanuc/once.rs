@@ -1,0 +1,111 @@
+//! Codes that act in their own block only: G04 G10 G28 G30 G50 G52 G53.
+//!
+//! In: a line. Out: the words of the equivalent block.
+
+use super::Done;
+use super::block::{Modal, add_point, span_of, target};
+use super::line::Line;
+use crate::block::Block;
+use crate::codes::{G, group};
+use crate::problem::{Blame, Problem, short};
+use crate::state::State;
+
+/// Codes that act in their own block only.
+pub(super) fn once(code: G, line: &Line, modal: &mut Modal, equivalent: &mut Block, state: &State) -> Done {
+    let span = span_of(line, Blame::G(code));
+    let end = target(line, state.position)?;
+    match code.0 {
+        40 => {
+            equivalent.add_g(group::ONCE, G(40), span)?;
+            return equivalent.add('P', dwell(line)?, span);
+        }
+        100 => return origin(line, equivalent),
+        500 => {
+            modal.preset = true;
+            equivalent.add_g(group::ONCE, G(920), span)?;
+        }
+        520 if modal.preset => {
+            let message = "G52 behind G50 X Z: one shift would take the place of the other";
+            return Err(Problem::error(
+                "not-available",
+                Blame::G(code),
+                message,
+                "use G54 to G59, or G50 alone",
+            ));
+        }
+        530 if line.has_any("UW") => {
+            let message = "G53 names a place of the machine: U and W are no place";
+            return Err(Problem::error("unused-word", Blame::G(code), message, "use X and Z"));
+        }
+        300 if line.whole('P')?.is_some_and(|p| p != 2) => {
+            let message = "there are two reference points: G28, and G30 or G30 P2";
+            return Err(Problem::error("not-available", Blame::Word('P'), message, "leave P out"));
+        }
+        530 => {
+            equivalent.add_g(group::MOTION, G(0), span)?;
+            equivalent.add_g(group::ONCE, code, span)?;
+        }
+        _ => equivalent.add_g(group::ONCE, code, span)?,
+    }
+    if code == G(520) {
+        for (letter, value) in [('X', line.length('X')), ('Z', line.length('Z'))] {
+            if let Some(value) = value {
+                equivalent.add(letter, value, span)?;
+            }
+        }
+        return Ok(());
+    }
+    if !line.has_any("XZUW") {
+        let message = format!("{code} needs the axes that it is for");
+        return Err(Problem::error(
+            "missing-word",
+            Blame::G(code),
+            message,
+            "add X, Z, U or W, such as U0 W0",
+        ));
+    }
+    add_point(line, &end, equivalent)
+}
+
+/// G04: seconds. P counts milliseconds.
+fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
+    let given: Vec<char> = ['X', 'U', 'P'].into_iter().filter(|letter| line.has(*letter)).collect();
+    let [letter] = given.as_slice() else {
+        let message = "G04 needs one time";
+        return Err(Problem::error(
+            "missing-word",
+            Blame::G(G(40)),
+            message,
+            "write X or U in s, or P in ms",
+        ));
+    };
+    let seconds = match letter {
+        'P' => line.whole('P')?.map_or(0.0, |milliseconds| milliseconds as f64 / 1000.0),
+        // Without a decimal point these are milliseconds in any units.
+        _ if line.is_bare(*letter) => line.plain(*letter).unwrap_or(0.0) / 1000.0,
+        _ => line.plain(*letter).unwrap_or(0.0),
+    };
+    if seconds < 0.0 {
+        let message = format!("a dwell of {} s", short(seconds));
+        return Err(Problem::error("bad-value", Blame::Word(*letter), message, "give a time of 0 or more"));
+    }
+    Ok(seconds)
+}
+
+/// G10 L2 P X Z.
+fn origin(line: &Line, equivalent: &mut Block) -> Done {
+    let (Some(2), Some(system @ 1..=6)) = (line.whole('L')?, line.whole('P')?) else {
+        let message = "of G10 there is L2 P1 to P6, which sets the offset of G54 to G59";
+        let help = "keep the offsets of tools in the tool table";
+        return Err(Problem::error("not-available", Blame::G(G(100)), message, help));
+    };
+    equivalent.add_g(group::ONCE, G(100), span_of(line, Blame::G(G(100))))?;
+    equivalent.add('L', 2.0, span_of(line, Blame::Word('L')))?;
+    equivalent.add('P', system as f64, span_of(line, Blame::Word('P')))?;
+    for letter in ['X', 'Z'] {
+        if let Some(value) = line.length(letter) {
+            equivalent.add(letter, value, span_of(line, Blame::Word(letter)))?;
+        }
+    }
+    Ok(())
+}
