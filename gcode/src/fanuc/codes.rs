@@ -8,6 +8,9 @@ use crate::problem::{Blame, Problem, Span, short};
 
 /// G65, G66: the group of macro calls.
 pub(super) const MACRO: usize = 4;
+/// Groups of codes that end what never begins here: drilling cycles G80, modal macros G67, mirrored turrets G69, the
+/// driven C axis G13.1 (G113).
+const ENDS: &[(&[u16], usize)] = &[(&[800], 10), (&[670], 3), (&[690], 9), (&[131, 1130], 13)];
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
 
@@ -15,14 +18,14 @@ const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 7
 const REFUSED: &[(&[u16], &str)] = &[
     (&[340, 350], "write the thread as G32, G92 or G76 with a constant lead on a straight line"),
     (&[50, 51, 61, 80, 81], "leave it out"),
-    (&[71, 1070, 121, 131, 1120, 1130], "there is no driven C axis: turn the contour with G01, G02 and G03"),
+    (&[71, 1070, 121, 1120], "there is no driven C axis: turn the contour with G01, G02 and G03"),
     (&[220, 230, 250, 260], "leave it out: limits of travel and speed belong to the machine file"),
     (&[270, 290, 301], "use G28 or G30"),
     (&[310, 360, 370], "measure the tool or the part before, and write the value into the program"),
-    (&[660, 661, 670], "call the macro with G65 in every block that needs it"),
-    (&[680, 690], "there is one turret: write the blocks for it alone"),
+    (&[660, 661], "call the macro with G65 in every block that needs it"),
+    (&[680], "there is one turret: write the blocks for it alone"),
     (&[170, 190], "a lathe works in the plane of X and Z, G18"),
-    (&[800, 830, 840, 850, 870, 880, 890], "drill with G74 or G01"),
+    (&[830, 840, 850, 870, 880, 890], "drill with G74 or G01"),
     (&[502, 512], "write the corners of the polygon as moves"),
 ];
 
@@ -41,14 +44,20 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         200 | 210 => group::UNITS,
         400 | 410 | 420 => group::COMPENSATION,
         540 | 550 | 560 | 570 | 580 | 590 => group::COORDINATES,
-        tenths => match REFUSED.iter().find(|(codes, _)| codes.contains(&tenths)) {
-            Some((_, help)) => {
+        tenths => match (in_table(ENDS, tenths), in_table(REFUSED, tenths)) {
+            (Some(group), _) => *group,
+            (None, Some(help)) => {
                 let message = format!("{code} is not available");
                 return Err(Problem::error("not-available", Blame::Span(span), message, *help));
             }
-            None => return Err(unknown('G', f64::from(tenths) / 10.0, span)),
+            (None, None) => return Err(unknown('G', f64::from(tenths) / 10.0, span)),
         },
     })
+}
+
+/// What a table says about a code.
+fn in_table<T>(table: &'static [(&[u16], T)], tenths: u16) -> Option<&'static T> {
+    table.iter().find(|(codes, _)| codes.contains(&tenths)).map(|(_, entry)| entry)
 }
 
 /// The group of an M code.
@@ -147,6 +156,10 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     let once = block.g(MACRO).or(block.g(group::ONCE).filter(|code| *code != G(500) || line.has_any("XZUW")));
     let point = line.has_any("XZUWIK");
     let moving = block.g(group::MOTION).or(point.then_some(motion)).filter(|_| once.is_none());
+    if block.g(group::ONCE) == Some(G(500)) && !line.has_any("XZUWS") {
+        let help = "add S, the highest speed of the spindle, or X and Z, the coordinates of this point";
+        return Err(Problem::error("missing-word", Blame::G(G(500)), "G50 alone sets nothing", help));
+    }
     let deed = match (once, block.m(groups::CALL)) {
         (Some(code), Some(call)) => return Err(both(code, call)),
         (Some(code), None) => Deed::G(code),
@@ -177,24 +190,22 @@ fn unused(letter: char, deed: Deed) -> Box<Problem> {
         let message = format!("{letter} moves nothing on this lathe");
         return Problem::error("not-available", blame, message, "axes are X and Z (U and W incremental)");
     }
+    let word = match letter {
+        'c' => ",C".into(),
+        'r' => ",R".into(),
+        letter => letter.to_string(),
+    };
+    let elsewhere = "leave it out, or put it in a block of its own";
     let (message, help) = match deed {
         Deed::None => {
-            (format!("nothing in this block uses {letter}"), "leave it out, or write the code it belongs to")
+            (format!("nothing in this block uses {word}"), "leave it out, or write the code it belongs to")
         }
         Deed::G(G(710..=730)) if matches!(letter, 'D' | 'I' | 'K') => (
-            format!("{letter} is not a word of the two-line cycle"),
+            format!("{word} is not a word of the two-line cycle"),
             "write two blocks: G71 U(depth) R(retract), then G71 P(first) Q(last) U W F",
         ),
-        Deed::G(code) => {
-            (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own")
-        }
-        Deed::M(code) => {
-            (format!("{code} does not use {letter}"), "leave it out, or put it in a block of its own")
-        }
+        Deed::G(code) => (format!("{code} does not use {word}"), elsewhere),
+        Deed::M(code) => (format!("{code} does not use {word}"), elsewhere),
     };
-    let written = match letter {
-        'c' | 'r' => message.replace(letter, if letter == 'c' { ",C" } else { ",R" }),
-        _ => message,
-    };
-    Problem::error("unused-word", blame, written, help)
+    Problem::error("unused-word", blame, message, help)
 }

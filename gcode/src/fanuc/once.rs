@@ -33,8 +33,8 @@ pub(super) fn once(code: G, line: &Line, modal: &mut Modal, equivalent: &mut Blo
                 "use G54 to G59, or G50 alone",
             ));
         }
-        530 if line.has_any("UW") => {
-            let message = "G53 names a place of the machine: U and W are no place";
+        520 | 530 if line.has_any("UW") => {
+            let message = format!("{code} takes X and Z as they are, not U or W");
             return Err(Problem::error("unused-word", Blame::G(code), message, "use X and Z"));
         }
         300 if line.whole('P')?.is_some_and(|p| p != 2) => {

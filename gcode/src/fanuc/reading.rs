@@ -182,7 +182,8 @@ impl Reading<'_> {
                 }
                 b'm' => self.m_code(cursor, line)?,
                 b'a'..=b'z' | b',' => self.word(first, cursor, line)?,
-                b'(' | b';' => return self.end(cursor, line).map(|()| of_block(line)),
+                b'(' => comment(cursor, line)?,
+                b';' => return self.end(cursor, line).map(|()| of_block(line)),
                 _ => return Err(bad_character(cursor)),
             }
         }
@@ -192,25 +193,20 @@ impl Reading<'_> {
     /// The end of a line: comments, `;`.
     fn end(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
         while cursor.peek() == Some(b'(') {
-            let (text, _) = parentheses(cursor)?;
-            line.block.comment = Some(Comment { kind: CommentKind::Plain, text: text.into() });
+            comment(cursor, line)?;
         }
-        if cursor.take_if(b';') || cursor.peek().is_none() {
-            return match cursor.peek() {
-                None => Ok(()),
-                Some(_) => {
-                    let help = "; ends a block; write the next block on a line of its own";
-                    Err(cursor.error_here("bad-character", "this stands behind the end of the block", help))
-                }
-            };
+        let ended = cursor.take_if(b';');
+        match cursor.peek() {
+            None => Ok(()),
+            Some(_) if ended => {
+                let help = "; ends a block; write the next block on a line of its own";
+                Err(cursor.error_here("bad-character", "this stands behind the end of the block", help))
+            }
+            Some(_) => {
+                let help = "only a comment may follow on this line: write words in a block of their own";
+                Err(cursor.error_here("unused-word", "this belongs to nothing", help))
+            }
         }
-        if line.block.comment.is_some() {
-            return match cursor.peek() {
-                Some(b'a'..=b'z' | b',' | b'#') => self.block(cursor, line).map(|_| ()),
-                _ => Err(bad_character(cursor)),
-            };
-        }
-        Err(bad_character(cursor))
     }
 
     /// A letter and its value; `,C` and `,R` are `c` and `r`.
@@ -325,6 +321,12 @@ impl Reading<'_> {
         *slot = written.map(|(value, kind)| if kind == Kind::Bare { value / steps } else { value });
         Ok(last)
     }
+}
+
+fn comment(cursor: &mut Cursor, line: &mut Line) -> Done {
+    let (text, _) = parentheses(cursor)?;
+    line.block.comment = Some(Comment { kind: CommentKind::Plain, text: text.into() });
+    Ok(())
 }
 
 fn of_block(line: &Line) -> Statement {

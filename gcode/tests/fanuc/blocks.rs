@@ -27,6 +27,11 @@ fn computed_lengths_are_lengths_and_rounded() {
 }
 
 #[test]
+fn codes_that_end_what_never_begins_are_harmless() {
+    assert_eq!(moves("G00 G40 G67 G69 G80 G97 G99 X40. (HERE) Z2."), ["G0 20 2"]);
+}
+
+#[test]
 fn feed_is_per_revolution_until_g98() {
     let record = sound("S500 M03\nG00 X10. Z0.\nG01 Z-5. F0.2\nG98 G01 Z-6. F120.\nG99 Z-7. F.1");
     let modes: Vec<&String> = record.others.iter().filter(|call| call.starts_with("SetFeed")).collect();

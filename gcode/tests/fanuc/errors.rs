@@ -14,6 +14,12 @@ fn unknown_and_unavailable_codes_are_named() {
 }
 
 #[test]
+fn what_a_corner_word_does_wrong_is_said_with_its_comma() {
+    let outcome = outcome("G00 X10. ,C2.\nM30\n");
+    assert_eq!(outcome.errors[0].message, "G0 does not use ,C");
+}
+
+#[test]
 fn every_word_is_used() {
     assert_eq!(errors("G00 X10. K3."), [(1, "unused-word")]);
     assert_eq!(errors("M08 X10. P2"), [(1, "unused-word")]);
@@ -22,6 +28,10 @@ fn every_word_is_used() {
     assert_eq!(errors("G00 X10. X2."), [(1, "repeated-word")]);
     assert_eq!(errors("G00 G01 X10."), [(1, "modal-group")]);
     assert_eq!(errors("G04 M98 P10"), [(1, "modal-group")]);
+    assert_eq!(errors("#1=2 (TWO) X10."), [(1, "unused-word")]);
+    assert_eq!(errors("GOTO 10 G01\nN10"), [(1, "unused-word")]);
+    assert_eq!(errors("G50"), [(1, "missing-word")]);
+    assert_eq!(errors("G52 U1."), [(1, "unused-word")]);
 }
 
 #[test]
