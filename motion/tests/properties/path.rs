@@ -41,7 +41,7 @@ impl Drawn {
 /// Arcs of any size; `mismatch` is the largest relative difference of the radii.
 fn arcs(mismatch: f64) -> impl Strategy<Value = Drawn> {
     let turns = prop_oneof![Just(1), Just(-1), Just(3), Just(-2)];
-    (magnitude(1e-2, 1e3), -1.0..1.0_f64, 0.0..TAU, magnitude(1e-2, 6.28), turns).prop_map(
+    (magnitude(1e-2, 1e3), -1.0..1.0_f64, 0.0..TAU, magnitude(1e-2, 0.999 * TAU), turns).prop_map(
         move |(r, differs, from, sweep, turns)| Drawn {
             r: [r, r * (1.0 + mismatch * differs)],
             from,
