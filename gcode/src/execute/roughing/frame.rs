@@ -18,26 +18,23 @@ pub struct Frame {
 
 impl Frame {
     /// The frame for a contour that the tool comes to from `start`. Passes run in the sense of the contour. The tool
-    /// is on that side of the contour where `start` is, seen from the line through its beginning and the
-    /// beginning of its last segment; if `start` is on that line, on the side that the contour ends on, and at last
-    /// on the side of the greater X (turning) or nearer to `start` (facing).
+    /// is on that side where `start` is, seen from the beginning of the contour in the direction of infeed. If both
+    /// are level, it is where the area lies that the contour and the ways from `start` and back to it enclose.
     pub fn of(contour: &[Segment], start: Point, facing: bool) -> Frame {
         let mut frame = Frame { facing, z: 1.0, x: 1.0 };
         let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return frame };
-        let [begin, knee, end, start] = [first.start, last.start, last.end, start].map(|at| frame.enter(at));
-        if end.z > begin.z {
+        if frame.enter(last.end).z > frame.enter(first.start).z {
             frame.z = -1.0;
         }
-        let way = if knee.distance(begin) > NEAR { knee - begin } else { end - begin };
-        // travel is towards −Z of the frame: what is to its right is on +X if Z keeps its sign
-        let side = frame.z * -way.cross(start - begin);
-        let up = if side.abs() > NEAR {
-            side
-        } else if (end.x - begin.x).abs() > NEAR {
-            end.x - begin.x
-        } else {
-            start.x - begin.x
-        };
+        let (mut area, mut at) = (0.0, Point::default());
+        for next in contour.iter().map(|segment| segment.start).chain([last.end]) {
+            let next = frame.enter(next) - frame.enter(start);
+            area += at.cross(next);
+            at = next;
+        }
+        let above = frame.enter(start).x - frame.enter(first.start).x;
+        // travel is towards −Z below the area: clockwise around it
+        let up = if above.abs() > NEAR { above } else { -area };
         if up < 0.0 {
             frame.x = -1.0;
         }

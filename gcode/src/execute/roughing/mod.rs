@@ -15,8 +15,14 @@
 //! | `offset.rs` | allowance |
 //! | `walk.rs`, `passes.rs` | the order of cutting, and its moves |
 //!
-//! All but `record.rs` and this file is geometry that knows no state and no calls. Whoever has a contour in another
-//! way (FANUC's P and Q) goes `Frame::of` → `enter_segment` → `walled` → `raised` → `rough`, `turn`, `repeat` or `finish` → `leave`.
+//! All but `record.rs` and this file is geometry that knows no state and no calls. Who has a contour from elsewhere
+//! (FANUC's P and Q) goes
+//! ```text
+//! Frame::of, enter_segment ─► walled ─► raised (D) or shifted (U W) ─► rough, turn, repeat, finish ─► leave
+//! ```
+//!
+//! Where LinuxCNC's stand-alone interpreter does otherwise: its G70 can put the distance on the far side of a face, its
+//! roughing skips levels behind an arc that falls and rises, and does not cut a contour that ends lower than it began.
 //!
 //! What the words mean, and the default values: manual of LinuxCNC, G70 and G71 G72.
 

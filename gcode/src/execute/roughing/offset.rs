@@ -29,7 +29,12 @@ pub fn raised(contour: &[Segment], distance: f64) -> Option<Vec<Segment>> {
         return None;
     }
     let runs = envelope(&pieces, from, to, distance.signum());
-    let begin = runs.first().filter(|_| !first.is_wall()).map_or(first.start, |run| run.start);
+    let sunk = |run: &&Segment| {
+        // a wall at the beginning that leads to the material, and is all below the rest
+        let (wall, over) = (first.end.x - first.start.x, run.start.x - first.start.x);
+        !first.is_wall() || (wall * distance < 0.0 && over * distance > 0.0)
+    };
+    let begin = runs.first().filter(sunk).map_or(first.start, |run| run.start);
     let mut path = Path { at: begin, segments: Vec::with_capacity(runs.len() + 2) };
     for run in runs {
         path.join(run.start);
@@ -52,8 +57,9 @@ fn pieces(contour: &[Segment], distance: f64) -> Vec<Segment> {
     let mut before: Option<(&Segment, Segment, bool)> = None;
     for segment in contour.iter().filter(|segment| segment.chord() > NEAR) {
         let (mut moved, left) = segment.offset(distance);
-        let opening = before
-            .filter(|(_, last, _)| opens(last.direction(last.end), moved.direction(moved.start), distance));
+        let opening = before.filter(|(previous, ..)| {
+            opens(previous.direction(previous.end), segment.direction(segment.start), distance)
+        });
         if let Some((previous, last, last_left)) = opening {
             match tip(&last, &moved) {
                 None => pieces.push(Segment::arc(last.end, moved.start, previous.end, distance > 0.0)),
@@ -70,7 +76,23 @@ fn pieces(contour: &[Segment], distance: f64) -> Vec<Segment> {
         }
         before = Some((segment, moved, left));
     }
+    if distance > 0.0 {
+        cap_the_ends(contour, distance, &mut pieces);
+    }
     pieces
+}
+
+/// Where the first or the last segment has vanished, the half circle about that end of the contour takes its place.
+fn cap_the_ends(contour: &[Segment], distance: f64, pieces: &mut Vec<Segment>) {
+    let way = Point::new(distance, 0.0);
+    let cap = |end: Point| Segment::arc(end + way, end - way, end, true);
+    let vanished = |segment: &&Segment| !segment.offset(distance).1;
+    if let Some(first) = contour.first().filter(vanished) {
+        pieces.insert(0, cap(first.start));
+    }
+    if let Some(last) = contour.last().filter(vanished) {
+        pieces.push(cap(last.end));
+    }
 }
 
 /// Whether a corner from one direction to another sticks out towards the side of `distance`: a turn to the left for
