@@ -111,7 +111,10 @@ fn tip(before: &Segment, after: &Segment) -> Option<Point> {
     }
     let tips = crossings(before, after).into_iter().flatten();
     let tip = tips.min_by(|a, b| a.distance(before.end).total_cmp(&b.distance(before.end)));
-    Some(tip.filter(|tip| tip.distance(before.end) <= 2.0 * gap).unwrap_or((before.end + after.start) * 0.5))
+    match tip.filter(|tip| tip.distance(before.end) <= 2.0 * gap) {
+        None if gap < NEAR => Some(before.end),
+        tip => tip,
+    }
 }
 
 /// The parts of pieces that are highest (lowest for `side` −1) between two Z, from the greater to the smaller (5).
