@@ -8,3 +8,4 @@ mod examples;
 mod flow;
 mod macros;
 mod threads;
+mod tools;
