@@ -15,10 +15,10 @@ use crate::{
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.input.machine.read()?;
-    let program = Program::judge(&args.input.program, &machine)?;
+    let program = Program::judge(&args.input.program, &args.input.language, &machine)?;
     if args.json {
         let name = args.input.program.display().to_string();
-        let document = Document::new(&name, &program.diagnostics);
+        let document = Document::new(&name, program.diagnostics());
         let text = serde_json::to_string_pretty(&document);
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
         cli::print(&format!("{text}\n"));
@@ -61,7 +61,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
     }
     let (machine, _) = args.input.machine.read()?;
-    let program = Program::read(&args.input.program, &machine)?;
+    let program = Program::read(&args.input.program, &args.input.language, &machine)?;
     eprint!("{}", program.messages);
     let name = args.input.program.display().to_string();
     let items = program.items.len();

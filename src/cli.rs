@@ -3,7 +3,8 @@
 use std::{io::Write, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use protocol::{Machine, machine::Dialect, shell::Clock};
+use interpreter::Language;
+use protocol::{Machine, shell::Clock};
 
 use crate::error::CliError;
 
@@ -50,7 +51,9 @@ pub(crate) enum Command {
     #[command(after_help = RUN_HELP)]
     Run(RunArgs),
     /// Read a program: every diagnostic, every pass, the time it takes. Moves nothing.
-    #[command(after_help = "Examples:\n  pitchlock check examples/m20x2.ngc\n  pitchlock check part.ngc --json      for editors")]
+    #[command(
+        after_help = "Examples:\n  pitchlock check examples/m20x2.ngc\n  pitchlock check part.ngc --json      for editors"
+    )]
     Check(CheckArgs),
     /// Turn a program into a machine-code file that `run` takes.
     #[command(
@@ -102,23 +105,12 @@ const PROCESS_HELP: &str = "A process of a machine that `pitchlock run` has set 
 Example, as the launcher starts them:
   pitchlock regulator --axis x --address ADDRESS --machine runs/m20x2-1/machine.toml --clock virtual --processor 0";
 
-/// Which machine, which language.
+/// Which machine.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MachineArgs {
     /// Machine file (TOML); without it the built-in small lathe (`pitchlock machine`).
     #[arg(long, value_name = "FILE")]
     pub(crate) machine: Option<PathBuf>,
-    /// Dialect of the part program; without it that of the machine file.
-    #[arg(long, value_name = "DIALECT", value_parser = dialect)]
-    pub(crate) dialect: Option<Dialect>,
-}
-
-fn dialect(name: &str) -> Result<Dialect, String> {
-    match name {
-        "linuxcnc" => Ok(Dialect::Linuxcnc),
-        "fanuc" => Err("the fanuc dialect is not available yet; use linuxcnc".into()),
-        _ => Err("linuxcnc is the dialect there is".into()),
-    }
 }
 
 impl MachineArgs {
@@ -133,14 +125,11 @@ impl MachineArgs {
             None => protocol::machine::SMALL_LATHE.to_owned(),
             Some(path) => std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?,
         };
-        let mut machine = Machine::from_toml(&text)
+        let machine = Machine::from_toml(&text)
             .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
         // The truth about the plant is in the same file: whatever is wrong with it is said here.
         sim_plant::Plant::new(&machine, sim_plant::Scenario::none(), 1)
             .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
-        if let Some(dialect) = self.dialect {
-            machine.machine.dialect = dialect;
-        }
         Ok((machine, text))
     }
 }
@@ -150,6 +139,8 @@ pub(crate) struct RunArgs {
     /// Part program (G-code), machine code (`.mc`), or a run folder to repeat.
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) language: Language,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
@@ -193,6 +184,8 @@ pub(crate) struct ProgramArgs {
     /// Part program (G-code) or machine code (`.mc`).
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) language: Language,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
 }

@@ -1,8 +1,8 @@
 //! A program, read and judged as a whole before anything moves: G-code or a `.mc` file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use interpreter::{Check, Diagnostic, Severity};
+use interpreter::{Check, Diagnostic, Language, Severity};
 use protocol::{Arc, Code, Item, Machine, PerAxis, Position, code_file::CodeFile};
 
 use crate::{cli, error::CliError};
@@ -13,8 +13,6 @@ pub(crate) struct Program {
     pub(crate) items: Vec<Item>,
     /// What the interpreter found, of G-code.
     pub(crate) check: Option<Check>,
-    /// Every diagnostic.
-    pub(crate) diagnostics: Vec<gcode::Diagnostic>,
     /// The same as the user sees them.
     pub(crate) messages: String,
 }
@@ -24,8 +22,8 @@ impl Program {
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or has errors: all of them are in the text.
-    pub(crate) fn read(path: &Path, machine: &Machine) -> Result<Program, CliError> {
-        let program = Program::judge(path, machine)?;
+    pub(crate) fn read(path: &Path, language: &Language, machine: &Machine) -> Result<Program, CliError> {
+        let program = Program::judge(path, language, machine)?;
         match &program.check {
             Some(check) if !check.is_good() => Err(CliError::Input(program.messages)),
             _ => Ok(program),
@@ -36,23 +34,31 @@ impl Program {
     ///
     /// # Errors
     /// The file cannot be read, or is damaged.
-    pub(crate) fn judge(path: &Path, machine: &Machine) -> Result<Program, CliError> {
+    pub(crate) fn judge(path: &Path, language: &Language, machine: &Machine) -> Result<Program, CliError> {
         if CodeFile::is_named(path) {
             let file = CodeFile::open(path, machine).map_err(|error| CliError::file(path, error))?;
             if let Some(text) = not_for(machine, &file.items) {
                 return Err(CliError::file(path, text));
             }
-            let (diagnostics, messages) = (Vec::new(), String::new());
-            return Ok(Program { items: file.items, check: None, diagnostics, messages });
+            return Ok(Program { items: file.items, check: None, messages: String::new() });
         }
-        let source = std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?;
-        let name = path.display().to_string();
-        let check = interpreter::check(&name, &source, machine);
+        let program =
+            interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))?;
+        let check = interpreter::check_program(program, machine);
         let colour = cli::colour(&std::io::stderr());
-        let render = |diagnostic: &Diagnostic| diagnostic.render(&name, &source, colour) + "\n";
+        let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
-        let diagnostics = check.diagnostics.iter().map(|one| placed(one, &name, &source)).collect();
-        Ok(Program { items: check.items.clone(), check: Some(check), diagnostics, messages })
+        Ok(Program { items: check.items.clone(), check: Some(check), messages })
+    }
+
+    /// Files that were read besides the program.
+    pub(crate) fn subroutine_files(&self) -> impl Iterator<Item = &Path> {
+        self.check.iter().flat_map(|check| check.subroutine_files.iter().map(PathBuf::as_path))
+    }
+
+    /// Every diagnostic.
+    pub(crate) fn diagnostics(&self) -> &[Diagnostic] {
+        self.check.as_ref().map_or(&[], |check| &check.diagnostics)
     }
 
     /// How many errors and warnings there are.
@@ -60,17 +66,6 @@ impl Program {
         let of = |check: &Check| check.diagnostics.iter().filter(|one| one.severity == severity).count();
         self.check.as_ref().map_or(0, of)
     }
-}
-
-/// A diagnostic with the name of the program and the line in question.
-fn placed(diagnostic: &Diagnostic, name: &str, source: &str) -> gcode::Diagnostic {
-    let Diagnostic { code, severity, line, column, span, message, help } = diagnostic.clone();
-    let text = source.lines().nth(line.saturating_sub(1) as usize).unwrap_or_default().to_owned();
-    let severity = match severity {
-        Severity::Error => gcode::Severity::Error,
-        Severity::Warning => gcode::Severity::Warning,
-    };
-    gcode::Diagnostic { file: name.into(), line, column, text, span, code, severity, message, help }
 }
 
 /// Why machine code does not suit the limits of a machine of the same name that has changed since.

@@ -44,7 +44,7 @@ pub(crate) struct Setup {
 pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let args = &folder::repeated(args)?;
     let (machine, machine_text) = args.machine.read()?;
-    let program = Program::read(&args.program, &machine)?;
+    let program = Program::read(&args.program, &args.language, &machine)?;
     if !quiet {
         eprint!("{}", program.messages);
     }
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if args.in_process && args.clock == Clock::Real {
         return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
     }
-    let folder = RunFolder::create(args, &machine_text, scenario_text.as_deref())?;
+    let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref())?;
     let progress = !quiet && !args.json;
     let setup = Setup { machine, program, scenario, seed, clock: args.clock, folder, progress };
 

@@ -237,12 +237,8 @@ impl Block {
         match blame {
             Blame::Span(span) => Some(span),
             Blame::Word(letter) => self.has(letter).then(|| self.spans[slot(letter)]),
-            Blame::G(code) => {
-                self.g.iter().position(|g| *g == Some(code)).map(|group| self.g_spans[group])
-            }
-            Blame::M(code) => {
-                self.m.iter().position(|m| *m == Some(code)).map(|group| self.m_spans[group])
-            }
+            Blame::G(code) => self.g.iter().position(|g| *g == Some(code)).map(|group| self.g_spans[group]),
+            Blame::M(code) => self.m.iter().position(|m| *m == Some(code)).map(|group| self.m_spans[group]),
             Blame::Block | Blame::Line(_) => None,
         }
     }
@@ -259,5 +255,10 @@ impl Block {
 
 fn excluded(code: &str, other: &str, span: Span) -> Box<Problem> {
     let message = format!("{code} and {other} exclude each other in one block");
-    Problem::error("modal-group", Blame::Span(span), message, "put them in different blocks, or leave one out")
+    Problem::error(
+        "modal-group",
+        Blame::Span(span),
+        message,
+        "put them in different blocks, or leave one out",
+    )
 }

@@ -126,6 +126,7 @@ impl Diagnostic {
         let span = if text.get(range.clone()).is_some() { range } else { 0..text.len() };
         let column = text[..span.start].chars().count() as u32 + 1;
         let (file, text) = (Arc::clone(file), text.to_owned());
+        let line = line.max(1);
         Diagnostic { file, line, column, text, span, code, severity, message, help }
     }
 

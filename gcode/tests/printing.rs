@@ -93,7 +93,10 @@ fn every_call_has_the_arguments_of_rs274() {
         (Call::StartSpindle(Turn::Counterclockwise), "START_SPINDLE_COUNTERCLOCKWISE(0)"),
         (Call::OrientSpindle(45.0, 2), "ORIENT_SPINDLE(0, 45.0000, 2)"),
         (Call::WaitSpindleOrient(5.0), "SPINDLE.0.WAIT_ORIENT_COMPLETE(5.0000)"),
-        (Call::StartSpeedFeedSynch { lead: 1.25, velocity: false, start_deg: 0.0 }, "START_SPEED_FEED_SYNC(1.250000,0)"),
+        (
+            Call::StartSpeedFeedSynch { lead: 1.25, velocity: false, start_deg: 0.0 },
+            "START_SPEED_FEED_SYNC(1.250000,0)",
+        ),
         (
             Call::SetMotionControlMode(PathMode::Continuous(0.02)),
             "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.020000)",

@@ -1,12 +1,14 @@
 //! A whole program at once: every diagnostic, every pass, and the time it takes. In: a program and a machine.
 //! Out: a [`Check`]; nothing moves.
 
+use std::path::PathBuf;
+
+use gcode::{Diagnostic, Program, Severity};
 use protocol::{Item, Machine};
 
-use crate::diagnostic::{Diagnostic, Severity};
-use crate::execute::Interpreter;
 use crate::threading::PassNote;
 use crate::time::Clock;
+use crate::{Interpreter, options};
 
 /// After so many errors a program is not read further.
 const MOST_ERRORS: usize = 100;
@@ -20,6 +22,8 @@ pub struct Check {
     pub items: Vec<Item>,
     /// The passes of threads.
     pub passes: Vec<PassNote>,
+    /// Files that were read besides the program.
+    pub subroutine_files: Vec<PathBuf>,
     /// Estimated duration at 100 % override, s.
     pub time_s: f64,
 }
@@ -31,10 +35,15 @@ impl Check {
     }
 }
 
+/// Reads a program that is at hand as text, in the dialect of the machine file. See [`check_program`].
+pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
+    check_program(Program::from_text(name, source, &options::options(machine)), machine)
+}
+
 /// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass, and an
 /// estimate of its duration. `machine` has been checked.
-pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
-    let mut interpreter = Interpreter::new(name, source, machine);
+pub fn check_program(program: Program, machine: &Machine) -> Check {
+    let mut interpreter = Interpreter::new(program, machine);
     let mut check = Check::default();
     let mut clock = Clock::new(machine);
     for item in &mut interpreter {
@@ -52,6 +61,8 @@ pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
     check.diagnostics.extend_from_slice(interpreter.warnings());
     check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
     check.passes = interpreter.passes().to_vec();
+    let files = (1..).map_while(|file| interpreter.program().file_name(file));
+    check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.time_s = clock.seconds();
     check
 }

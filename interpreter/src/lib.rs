@@ -1,15 +1,15 @@
-//! G-code to machine code: the interpreter of pitchlock.
+//! Canonical machining functions to machine code: the interpreter of pitchlock.
 //!
-//! In: a part program (dialect linuxcnc: words, expressions and modal groups of RS274/NGC, threads by G33 and G76)
-//! and a machine file. Out: [`protocol::Item`]s, pulled one at a time, in mm with X a radius; and [`Diagnostic`]s,
-//! several for one program, each with its place and a remedy. No word is ignored in silence.
+//! In: a part program, read by [`gcode`], and a machine file. Out: [`protocol::Item`]s, pulled one at a time, in mm
+//! with X a radius; and [`Diagnostic`]s, several for one program, each with its place and a remedy. What the machine
+//! cannot do is refused by name; nothing is ignored in silence.
 //!
 //! ```
 //! use interpreter::Interpreter;
 //! use protocol::{Code, Machine};
 //!
 //! let program = "G21 G90 G94\nG0 X12 Z2\nG1 Z-20 F120\nM2\n";
-//! let items: Result<Vec<_>, _> = Interpreter::new("part.ngc", program, &Machine::default()).collect();
+//! let items: Result<Vec<_>, _> = Interpreter::of_text("part.ngc", program, &Machine::default()).collect();
 //! let items = items.expect("the program is right");
 //! assert!(matches!(items[1].code, Code::Line { .. }) && items[1].line == 3);
 //! assert_eq!(items[2].code, Code::End);
@@ -17,29 +17,107 @@
 //!
 //! | module | from | to |
 //! |---|---|---|
-//! | `source` | text | lines |
-//! | `words` | a line | words with values (expressions, parameters) |
-//! | `codes`, `block` | words | a block: codes in their modal groups, every word of use |
-//! | `execute`, `moves`, `threading` | a block and the modal state | items, in the order of RS274/NGC |
+//! | [`gcode`] | the text of a program | calls of canonical functions |
+//! | `frame` | units and offsets | positions of the machine |
+//! | `translate`, `moves`, `threading` | calls | items |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
 
-mod block;
 mod check;
-mod codes;
-mod diagnostic;
-mod execute;
+mod frame;
 mod moves;
+mod options;
 pub mod shell;
-mod source;
-mod state;
 pub mod thread;
 mod threading;
 mod time;
-mod words;
+mod translate;
 
-pub use check::{Check, check};
-pub use diagnostic::{Diagnostic, Severity};
-pub use execute::Interpreter;
+use std::collections::VecDeque;
+
+use gcode::{Program, Step};
+use protocol::{Item, Machine};
+
+pub use check::{Check, check, check_program};
+pub use gcode::{Diagnostic, Severity};
+pub use options::{Language, OpenError, open};
 pub use threading::PassNote;
+use translate::Translator;
+
+/// Reads a part program and yields machine code, one item at a time.
+///
+/// After an error it goes on with the next line, so that a reader can collect several; from the first error on the
+/// items only serve to find more of them, and must not be run. The last item is [`protocol::Code::End`].
+pub struct Interpreter {
+    program: Program,
+    translator: Translator,
+    queue: VecDeque<Result<Item, Diagnostic>>,
+    warnings: Vec<Diagnostic>,
+    ended: bool,
+}
+
+impl Interpreter {
+    /// An interpreter at the beginning of a program. `machine` has been checked.
+    pub fn new(program: Program, machine: &Machine) -> Interpreter {
+        Interpreter {
+            program,
+            translator: Translator::new(machine),
+            queue: VecDeque::new(),
+            warnings: Vec::new(),
+            ended: false,
+        }
+    }
+
+    /// An interpreter of a text, in the dialect and with the tools of the machine file.
+    pub fn of_text(name: &str, text: impl Into<String>, machine: &Machine) -> Interpreter {
+        Interpreter::new(Program::from_text(name, text, &options::options(machine)), machine)
+    }
+
+    /// Warnings so far, in the order they were found.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
+    }
+
+    /// The passes of threads so far.
+    pub fn passes(&self) -> &[PassNote] {
+        self.translator.notes()
+    }
+
+    /// The program, for its parameters and tools at the end.
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// One block of the program.
+    fn step(&mut self) {
+        let result = self.program.step(&mut self.translator);
+        if matches!(result, Ok(Step::Ended)) {
+            self.translator.finish();
+            self.ended = true;
+        }
+        self.queue.extend(self.translator.items().map(Ok));
+        for (place, problem) in self.translator.problems() {
+            let diagnostic = self.program.diagnose(place, problem);
+            match diagnostic.severity {
+                Severity::Warning => self.warnings.push(diagnostic),
+                Severity::Error => self.queue.push_back(Err(diagnostic)),
+            }
+        }
+        self.warnings.extend(self.program.take_warnings());
+        if let Err(error) = result {
+            self.queue.push_back(Err(*error));
+        }
+    }
+}
+
+impl Iterator for Interpreter {
+    type Item = Result<Item, Diagnostic>;
+
+    fn next(&mut self) -> Option<Result<Item, Diagnostic>> {
+        while self.queue.is_empty() && !self.ended {
+            self.step();
+        }
+        self.queue.pop_front()
+    }
+}

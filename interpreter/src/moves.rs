@@ -1,58 +1,98 @@
-//! Straight moves: G0 and G1. In: a block and the modal state. Out: a line to an absolute point within the travel.
+//! Straight moves and arcs. In: calls. Out: lines and arcs to absolute points within the travel.
 
+use gcode::canon::{self, FeedMode, Plane, X, Z};
+use gcode::problem::{Blame, short};
+use gcode::{Place, Problem};
 use protocol::{Axis, Code, Feed, Machine, PerAxis, Position};
 
-use crate::block::{Block, Motion};
-use crate::diagnostic::{Diagnostic, Spot, short};
-use crate::execute::{Interpreter, Output};
-use crate::state::FeedMode;
+use crate::frame::Frame;
 use crate::thread::Point;
+use crate::translate::{Done, Translator, missing, no_axis};
 
-impl Interpreter {
-    /// G0 or G1. Without axis words it only sets the motion in force.
-    pub(crate) fn line(
-        &mut self,
-        block: &Block,
-        motion: Motion,
-        output: &mut Output,
-    ) -> Result<(), Diagnostic> {
-        if block.word('X').is_none() && block.word('Z').is_none() {
-            return Ok(());
+impl Translator {
+    /// G0, G1, and the moves of canned cycles.
+    pub(crate) fn straight(&mut self, place: Place, to: &gcode::Position, rapid: bool) -> Done {
+        let target = self.target(to)?;
+        if let (false, Some((lead_mm, start_deg))) = (rapid, self.lead) {
+            return self.thread_move(place, target, lead_mm, start_deg);
         }
-        let feed = if motion == Motion::Rapid { Feed::Rapid } else { self.feed_of(block)? };
-        let target = self.programmed_target(block)?;
-        output.push(Code::Line { target: positions(target), feed });
-        (self.state.point, self.state.rest, self.state.after_thread) = (target, target, false);
+        let feed = if rapid { Feed::Rapid } else { self.feed_of_move()? };
+        (self.point, self.after_thread) = (target, false);
+        self.line_to(place.line, target, feed);
         Ok(())
     }
 
-    /// The point of the X and Z words, refused if it lies outside the travel.
-    pub(crate) fn programmed_target(&self, block: &Block) -> Result<Point, Diagnostic> {
-        let (x, z) = (block.word('X'), block.word('Z'));
-        let target = self.state.target(x.map(|word| word.value), z.map(|word| word.value));
-        let spot_of = |word: Option<crate::words::Word>| word.map_or(block.spot, |word| word.spot);
-        within_travel(&self.machine, Axis::X, target.x, spot_of(x))?;
-        within_travel(&self.machine, Axis::Z, target.z, spot_of(z))?;
+    /// A line, unless the axes rest there already.
+    pub(crate) fn line_to(&mut self, line: u32, target: Point, feed: Feed) {
+        if positions(target) != positions(self.rest) {
+            self.push(line, Code::Line { target: positions(target), feed });
+            self.rest = target;
+        }
+    }
+
+    /// G2, G3 in the plane of the lathe.
+    pub(crate) fn arc(&mut self, place: Place, arc: &canon::Arc) -> Done {
+        if self.plane != Plane::Xz {
+            return Err(missing(
+                "an arc outside the plane of X and Z",
+                "choose the plane of the lathe with G18",
+            ));
+        }
+        if self.lead.is_some() {
+            return Err(missing("a thread along an arc", "cut it along lines"));
+        }
+        let [z, x] = arc.end;
+        let [a, b, c] = arc.rotary;
+        let target = self.target(&[x, arc.along, z, a, b, c])?;
+        let center = self.frame.point(arc.center[1], arc.center[0]);
+        let feed = self.feed_of_move()?;
+        let from = positions(self.rest);
+        let center = [Position::from_mm(center.x), Position::from_mm(center.z)];
+        let arc = protocol::Arc { target: positions(target), center, turns: arc.turns };
+        let [lowest, highest] = arc.bounds(&from).map_err(|refused| {
+            let help = "check the end point and the centre (I, K) or the radius (R)";
+            Problem::error("bad-arc", Blame::Block, format!("the arc cannot be made: {refused}"), help)
+        })?;
+        for corner in [lowest, highest] {
+            for axis in [Axis::X, Axis::Z] {
+                within_travel(&self.machine, axis, corner[axis.index()].mm(), Blame::Block)?;
+            }
+        }
+        (self.point, self.rest, self.after_thread) = (target, target, false);
+        self.push(place.line, Code::Arc { arc, feed });
+        Ok(())
+    }
+
+    /// The point of the machine that a programmed position means, refused if it lies outside the travel.
+    pub(crate) fn target(&self, to: &gcode::Position) -> Result<Point, Box<Problem>> {
+        if let Some((axis, at)) = Frame::foreign(to) {
+            return Err(no_axis(axis, at));
+        }
+        let target = self.frame.point(to[X], to[Z]);
+        within_travel(&self.machine, Axis::X, target.x, Blame::Word('X'))?;
+        within_travel(&self.machine, Axis::Z, target.z, Blame::Word('Z'))?;
         Ok(target)
     }
 
-    fn feed_of(&self, block: &Block) -> Result<Feed, Diagnostic> {
-        let spot = block.spot_of_task();
-        let Some(feed) = self.state.feed_of_move() else {
+    fn feed_of_move(&self) -> Result<Feed, Box<Problem>> {
+        if self.feed <= 0.0 {
             let help = "add an F word to this block or one before; G94 and G95 each need their own";
-            return Err(Diagnostic::error("no-feed", spot, "G1 has no feed", help));
-        };
-        if self.state.feed_mode == FeedMode::PerRevolution && self.state.turning().is_none() {
-            let message = "feed per revolution (G95) with a spindle that does not turn";
-            let help = "start it before, as in S600 M3, or use G94";
-            return Err(Diagnostic::error("spindle-not-turning", spot, message, help));
+            return Err(Problem::error("no-feed", Blame::Block, "the move has no feed", help));
         }
-        Ok(feed)
+        match self.feed_mode {
+            FeedMode::PerRevolution if self.turning().is_none() => {
+                let message = "feed per revolution (G95) with a spindle that does not turn";
+                let help = "start it before, as in S600 M3, or use G94";
+                Err(Problem::error("spindle-not-turning", Blame::Block, message, help))
+            }
+            FeedMode::PerRevolution => Ok(Feed::PerRevolution(self.feed)),
+            FeedMode::PerMinute | FeedMode::InverseTime => Ok(Feed::PerMinute(self.feed)),
+        }
     }
 }
 
 /// Refuses a position outside the travel of its axis.
-pub(crate) fn within_travel(machine: &Machine, axis: Axis, mm: f64, spot: Spot) -> Result<(), Diagnostic> {
+pub(crate) fn within_travel(machine: &Machine, axis: Axis, mm: f64, blame: Blame) -> Done {
     let [low, high] = machine.axis.get(&axis).map_or([0.0, 0.0], |config| config.travel_mm);
     if (low..=high).contains(&mm) {
         return Ok(());
@@ -65,8 +105,8 @@ pub(crate) fn within_travel(machine: &Machine, axis: Axis, mm: f64, spot: Spot) 
         short(low),
         short(high)
     );
-    let help = "keep the target within the travel; check units (G20, G21), G7 and G91";
-    Err(Diagnostic::error("travel-limit", spot, message, help))
+    let help = "keep the target within the travel; check units (G20, G21), G7, G91 and offsets";
+    Err(Problem::error("travel-limit", blame, message, help))
 }
 
 /// A point as the wire carries it.

@@ -7,16 +7,19 @@ use protocol::{
     code::Credit,
     code_file::CodeFile,
     ipc::{Process, channel, time::Moment},
-    shell::{ProcessArgs, START_S, ShellError, deliver, read_text, wait},
+    shell::{ProcessArgs, START_S, ShellError, deliver, wait},
 };
 
-use crate::Interpreter;
+use crate::{Interpreter, Language, open};
 
 /// Arguments of the interpreter.
 #[derive(Clone, Debug, clap::Args)]
 pub struct InterpreterArgs {
     /// Part program (G-code), or machine code made by `pitchlock compile` (`.mc`).
     pub program: PathBuf,
+    /// How it is read.
+    #[command(flatten)]
+    pub language: Language,
     /// What every process needs.
     #[command(flatten)]
     pub process: ProcessArgs,
@@ -64,11 +67,8 @@ fn items(args: &InterpreterArgs, machine: &Machine) -> Result<Items, ShellError>
             .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?;
         return Ok(Box::new(file.items.into_iter().map(Ok)));
     }
-    let name = path.display().to_string();
-    let source = read_text(path)?;
-    let interpreter = Interpreter::new(name.clone(), source.clone(), machine);
-    Ok(Box::new(
-        interpreter
-            .map(move |item| item.map_err(|error| ShellError::Input(error.render(&name, &source, false)))),
-    ))
+    let program =
+        open(path, &args.language, machine).map_err(|error| ShellError::Input(error.to_string()))?;
+    let interpreter = Interpreter::new(program, machine);
+    Ok(Box::new(interpreter.map(|item| item.map_err(|error| ShellError::Input(error.render(false))))))
 }

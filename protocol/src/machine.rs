@@ -71,12 +71,14 @@ pub struct General {
 }
 
 /// Dialect of G-code.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Dialect {
     /// RS274/NGC as LinuxCNC speaks it.
     #[default]
     Linuxcnc,
+    /// FANUC lathe programs, G-code system A.
+    Fanuc,
 }
 
 /// Kinematics of the machine.

@@ -1,12 +1,17 @@
 //! The run folder: everything that a run was made of, and everything it left.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use interpreter::Language;
 
 use rig::{observe::Summary, trace};
 
 use crate::{
     cli::{RunArgs, Trace},
     error::CliError,
+    program::Program,
 };
 
 /// A run folder and the copies in it.
@@ -17,6 +22,8 @@ pub(crate) struct RunFolder {
     pub(crate) named: String,
     /// Copy of the program.
     pub(crate) program: PathBuf,
+    /// How it is read; the tool table is a copy, too.
+    pub(crate) language: Language,
     /// Copy of the machine file.
     pub(crate) machine: PathBuf,
     /// Copy of the scenario.
@@ -25,6 +32,8 @@ pub(crate) struct RunFolder {
     pub(crate) trace: Option<trace::Format>,
 }
 
+const LANGUAGE: &str = "language.toml";
+const TOOLS: &str = "tool.tbl";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
 
@@ -32,6 +41,7 @@ impl RunFolder {
     /// Makes the folder and copies the input into it.
     pub(crate) fn create(
         args: &RunArgs,
+        judged: &Program,
         machine: &str,
         scenario: Option<&str>,
     ) -> Result<RunFolder, CliError> {
@@ -44,13 +54,24 @@ impl RunFolder {
         };
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
         let program = path.join(name);
-        if !same_file(&args.program, &program) {
-            std::fs::copy(&args.program, &program).map_err(|error| CliError::file(&program, error))?;
+        copy(&args.program, &program)?;
+        for file in judged.subroutine_files() {
+            copy(file, &path.join(file.file_name().unwrap_or_default()))?;
         }
+        let tools = args.language.tools.as_ref().map(|_| path.join(TOOLS));
+        if let (Some(from), Some(to)) = (&args.language.tools, &tools) {
+            copy(from, to)?;
+        }
+        let language = Language { tools, subroutines: Vec::new(), ..args.language.clone() };
         let write = |name: &str, text: &str| {
             let path = path.join(name);
             std::fs::write(&path, text).map(|()| path.clone()).map_err(|error| CliError::file(&path, error))
         };
+        if language != Language::default() {
+            let kept = Language { tools: None, ..language.clone() };
+            let text = toml::to_string(&kept).map_err(|error| CliError::Machine(error.to_string()))?;
+            write(LANGUAGE, &text)?;
+        }
         let machine = write(MACHINE, machine)?;
         let scenario = scenario.map(|text| write(SCENARIO, text)).transpose()?;
         let trace = match args.trace {
@@ -59,12 +80,39 @@ impl RunFolder {
             Trace::None => None,
         };
         let named = args.program.display().to_string();
-        Ok(RunFolder { path, named, program, machine, scenario, trace })
+        Ok(RunFolder { path, named, program, language, machine, scenario, trace })
     }
+}
+
+/// Copies a file, unless it is there already.
+fn copy(from: &Path, to: &Path) -> Result<(), CliError> {
+    if !same_file(from, to) {
+        std::fs::copy(from, to).map_err(|error| CliError::file(to, error))?;
+    }
+    Ok(())
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+impl RunFolder {
+    /// Arguments that tell the interpreter how to read the program.
+    pub(crate) fn language_args(&self) -> Vec<OsString> {
+        let Language { dialect, block_delete, tools, subroutines: _ } = &self.language;
+        let dialect = dialect.and_then(|dialect| dialect.to_possible_value());
+        let mut args: Vec<OsString> = Vec::new();
+        if let Some(dialect) = dialect {
+            args.extend(["--dialect".into(), dialect.get_name().into()]);
+        }
+        if *block_delete {
+            args.push("--block-delete".into());
+        }
+        if let Some(tools) = tools {
+            args.extend(["--tools".into(), tools.into()]);
+        }
+        args
+    }
 }
 
 /// `runs/<program>-<n>` with the first number that is free.
@@ -98,6 +146,13 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
     repeated.program = folder.join(name);
     let there = |name: &str| Some(folder.join(name)).filter(|path| path.exists());
     repeated.machine.machine = args.machine.machine.clone().or_else(|| there(MACHINE));
+    repeated.language.tools = args.language.tools.clone().or_else(|| there(TOOLS));
+    if let Some(kept) = there(LANGUAGE) {
+        let text = std::fs::read_to_string(&kept).map_err(|error| CliError::file(&kept, error))?;
+        let kept: Language = toml::from_str(&text).map_err(|error| CliError::file(&kept, error))?;
+        repeated.language.dialect = args.language.dialect.or(kept.dialect);
+        repeated.language.block_delete |= kept.block_delete;
+    }
     repeated.scenario = args.scenario.clone().or_else(|| there(SCENARIO));
     repeated.seed = args.seed.or(Some(summary.seed));
     Ok(repeated)

@@ -116,7 +116,9 @@ fn start(setup: &Setup, space: &NameSpace, process: Process) -> Result<Started, 
     let mut command = Command::new(this);
     command.stdin(Stdio::null()).stdout(Stdio::null()).process_group(0);
     match process {
-        Process::Interpreter => command.arg("interpreter").arg(&setup.folder.program),
+        Process::Interpreter => {
+            command.arg("interpreter").arg(&setup.folder.program).args(setup.folder.language_args())
+        }
         Process::Interpolator => command.arg("interpolator"),
         Process::Plant => {
             command.arg("sim-plant").arg("--seed").arg(setup.seed.to_string());

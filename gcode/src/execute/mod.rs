@@ -164,7 +164,9 @@ fn g_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
         }
     }
     match once {
-        Some(G(100)) if matches!(integer(block, 'L'), Some(1 | 10 | 11)) => tool::set_entry(block, state, out)?,
+        Some(G(100)) if matches!(integer(block, 'L'), Some(1 | 10 | 11)) => {
+            tool::set_entry(block, state, out)?
+        }
         Some(G(100)) => coordinates::set_offset(block, state, out)?,
         Some(code @ G(280 | 300)) => coordinates::home(code, block, state, out)?,
         Some(code @ G(281 | 301)) => coordinates::set_home(code, state)?,

@@ -31,6 +31,8 @@ pub struct Cut {
     pub from: Point,
     /// Programmed end of the helix in Z, mm.
     pub to_z: f64,
+    /// Angle of the spindle at which the helix goes through `from`, degrees from the index.
+    pub start_deg: f64,
     /// Signed stroke of X to depth, mm; 0 if X is there already.
     pub approach_mm: f64,
     /// Signed stroke of X out of the thread, mm; 0 for none.

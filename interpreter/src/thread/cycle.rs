@@ -1,24 +1,11 @@
-//! The cuts of a G76 cycle, as LinuxCNC defines it. In: the words of the block, scaled to mm and radius. Out: one
-//! [`Cut`] for each pass.
-//!
-//! | symbol | word | unit | meaning |
-//! |---|---|---|---|
-//! | P | P | mm/rev | lead along Z |
-//! | I | I | mm | drive line to crest, negative for an external thread |
-//! | J, K | J, K | mm | depth of the first pass, full depth |
-//! | R | R | – | degression, ≥ 1 |
-//! | Q | Q | deg | angle of the infeed |
-//! | E | E | mm | length of the tapers that L asks for |
-//!
-//! ```text
-//! depth of pass n    d = min(J n^(1/R), K),  then H passes at K
-//! start of a pass    Z0 + d tan Q            towards the end
-//! end of a pass      Ze - (K - d) tan Q      so that the last one ends at Ze
-//! ```
+//! The cuts of a threading cycle. In: the cycle as the program means it ([`gcode::canon::ThreadCycle`]: depths, infeed,
+//! tapers). Out: one [`Cut`] for each pass.
+
+use gcode::canon::ThreadCycle;
 
 use super::cut::{Cut, Point, Taper};
 
-/// Words of a G76 block: mm, radius, degrees; checked.
+/// A threading cycle at its place on the machine; mm, radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cycle {
     pub(crate) s_rpm: f64,
@@ -27,15 +14,9 @@ pub(crate) struct Cycle {
     pub(crate) from: Point,
     pub(crate) to_z: f64,
     pub(crate) lead_mm: f64,
-    pub(crate) crest_mm: f64,
-    pub(crate) first_mm: f64,
-    pub(crate) full_mm: f64,
-    pub(crate) degression: f64,
-    pub(crate) infeed_deg: f64,
-    pub(crate) springs: u32,
-    pub(crate) taper_mm: f64,
-    pub(crate) taper_in: bool,
-    pub(crate) taper_out: bool,
+    /// mm in one unit of `words`.
+    pub(crate) unit: f64,
+    pub(crate) words: ThreadCycle,
 }
 
 /// The most passes of one cycle.
@@ -44,38 +25,37 @@ pub(crate) const MOST_PASSES: usize = 1000;
 impl Cycle {
     /// Depths of the passes, mm; one more than [`MOST_PASSES`] if there are too many.
     pub(crate) fn depths(&self) -> Vec<f64> {
-        let mut depths = Vec::new();
-        for n in 1..=MOST_PASSES + 1 {
-            let depth = self.first_mm * libm::pow(n as f64, 1.0 / self.degression);
-            depths.push(depth.min(self.full_mm));
-            if depth >= self.full_mm {
-                break;
-            }
-        }
-        let springs = (self.springs as usize).min(MOST_PASSES + 1 - depths.len());
-        depths.resize(depths.len() + springs, self.full_mm);
-        depths
+        self.words.depths().take(MOST_PASSES + 1).map(|depth| depth * self.unit).collect()
     }
 
-    /// The cut of the pass that goes to `depth`.
+    /// The cut of the pass that goes to `depth`, mm.
     pub(crate) fn cut(&self, depth: f64) -> Cut {
-        let towards = (self.to_z - self.from.z).signum();
-        let tan = libm::tan(self.infeed_deg.to_radians());
-        let taper = Taper { length_mm: self.taper_mm, height_mm: self.full_mm };
-        let inwards = self.crest_mm.signum();
-        let approach_mm = self.crest_mm + inwards * depth;
+        let words = &self.words;
+        let full_mm = words.depth * self.unit;
+        let way = self.to_z - self.from.z;
+        let towards = way.signum();
+        let tan = libm::tan(words.infeed_deg.to_radians());
+        let taper = Taper { length_mm: words.chamfer * self.unit, height_mm: full_mm };
+        let to_z = self.to_z - towards * (full_mm - depth) * tan;
+        let from = Point { x: self.from.x, z: self.from.z + towards * depth * tan };
+        let slope = words.taper_x * self.unit / way;
+        let approach_mm =
+            words.crest * self.unit + words.crest.signum() * depth + slope * (from.z - self.from.z);
+        let lead_z = towards * self.lead_mm;
         Cut {
             s_rpm: self.s_rpm,
             direction: self.direction,
-            lead: Point { x: 0.0, z: towards * self.lead_mm },
-            from: Point { x: self.from.x, z: self.from.z + towards * depth * tan },
-            to_z: self.to_z - towards * (self.full_mm - depth) * tan,
+            lead: Point { x: slope * lead_z, z: lead_z },
+            from,
+            to_z,
+            start_deg: words.start_deg,
             approach_mm,
-            retract_mm: -approach_mm,
+            // X goes back to the drive line, however far the cone took it.
+            retract_mm: -approach_mm - slope * (to_z - from.z),
             clear_mm: depth,
             depth_mm: depth,
-            entry: self.taper_in.then_some(taper),
-            exit: self.taper_out.then_some(taper),
+            entry: words.chamfer_in.then_some(taper),
+            exit: words.chamfer_out.then_some(taper),
         }
     }
 }

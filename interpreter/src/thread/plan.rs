@@ -16,7 +16,7 @@
 //! brake      T as the run-in;                  within: centred on c_end = 360 L/F, so that it ends at L
 //! retract    T as the approach;                begins before the brake by the delay of flank.rs
 //! beyond     the retract begins at c_end, the brake after the delay
-//! k          the least number of turns that puts every window MARGIN cycles after the index
+//! k          the least number of turns that puts every window MARGIN cycles after the index; a start angle is added
 //! ```
 
 use motion::{Limits, Ramp, Stroke};
@@ -44,8 +44,8 @@ pub struct Plan {
     pub delta_z_mm: [f64; 2],
 }
 
-/// Share of its speed that a retract has at least, however fast X follows a tapered helix.
-const LEAST_RETRACT: f64 = 0.05;
+/// Share of its speed that a stroke of X has at least, however fast X follows a tapered helix.
+const LEAST_STROKE: f64 = 0.05;
 
 /// A window of spindle angle.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +108,7 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
     let windows = windows(cut, machine, &design)?;
     let earliest = windows.run_in.c.min(windows.approach.c);
     let margin = design.q * MARGIN * machine.machine.cycle_s;
-    let turn = 360.0 * ((margin - earliest) / 360.0).ceil().max(0.0);
+    let turn = cut.start_deg + 360.0 * ((margin - earliest - cut.start_deg) / 360.0).ceil().max(0.0);
     let pass = pass(cut, &windows, &design, turn, [x, z])?;
     for axis in [Axis::X, Axis::Z] {
         let end = pass.axis(axis).end.mm();
@@ -131,23 +131,26 @@ impl Design {
     fn new(cut: &Cut, machine: &Machine, x: Limits, z: Limits) -> Design {
         let share = machine.threading.limit_share_pct / 100.0;
         let (x, z) = (times(x, share), times(z, share));
-        // A retract from a tapered helix adds to the braking of X: each gets its part of the limits.
-        let shared = cut.lead.x != 0.0 && cut.retract_mm != 0.0;
-        let (in_limits, out_limits) =
-            (along(cut.lead, x, z), along(cut.lead, if shared { times(x, 0.5) } else { x }, z));
+        // On a tapered helix strokes of X add to its run-in and its braking: each gets its part of the limits.
+        let shared = |stroke_mm: f64| cut.lead.x != 0.0 && stroke_mm != 0.0;
+        let path_limits = |stroke_mm| along(cut.lead, if shared(stroke_mm) { times(x, 0.5) } else { x }, z);
+        let (in_limits, out_limits) = (path_limits(cut.approach_mm), path_limits(cut.retract_mm));
         let v = libm::hypot(cut.lead.x, cut.lead.z) * cut.s_rpm / 60.0;
-        let ratio = (machine.threading.design_override_pct / 100.0).min(out_limits.v / v).max(1.0);
-        let mut retract_limits = x;
-        if shared {
+        let top = in_limits.v.min(out_limits.v);
+        let ratio = (machine.threading.design_override_pct / 100.0).min(top / v).max(1.0);
+        let stroke_limits = |stroke_mm| {
+            if !shared(stroke_mm) {
+                return x;
+            }
             let left = x.v - ratio * cut.lead.x.abs() * cut.s_rpm / 60.0;
-            retract_limits = Limits { v: left.max(LEAST_RETRACT * x.v), ..times(x, 0.5) };
-        }
+            Limits { v: left.max(LEAST_STROKE * x.v), ..times(x, 0.5) }
+        };
         Design {
             q: 6.0 * cut.s_rpm * ratio,
             run_in: Ramp::fastest(ratio * v, &in_limits),
             brake: Ramp::fastest(ratio * v, &out_limits),
-            approach_limits: x,
-            retract_limits,
+            approach_limits: stroke_limits(cut.approach_mm),
+            retract_limits: stroke_limits(cut.retract_mm),
             share,
         }
     }
@@ -235,7 +238,7 @@ fn time_of(way: f64) -> f64 {
     largest(1.0, |share| unit.at(share).s <= way)
 }
 
-/// The packet. `turn` are the whole turns from the index to the start point of the helix.
+/// The packet. `turn` is the angle from the index to the start point of the helix: whole turns and the start angle.
 fn pass(
     cut: &Cut,
     windows: &Windows,

@@ -1,11 +1,12 @@
-//! Why a cut has no law, and what would give it one. In: a refusal and its cut. Out: a diagnostic that names the
+//! Why a cut has no law, and what would give it one. In: a refusal and its cut. Out: a problem that names the
 //! highest spindle speed that would do, and what else would help.
 
+use gcode::Problem;
+use gcode::problem::{Blame, short};
 use protocol::{Axis, Machine, Refused};
 
 use super::cut::Cut;
 use super::plan::plan;
-use crate::diagnostic::{Diagnostic, Spot, short};
 
 /// Why a cut cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,8 +67,8 @@ fn highest_of_one(cut: &Cut, top: f64, machine: &Machine) -> Option<f64> {
 }
 
 impl Refusal {
-    /// The diagnostic for the user: `self` is the refusal of one of the cuts of a block.
-    pub(crate) fn diagnostic(self, cuts: &[Cut], machine: &Machine, spot: Spot) -> Diagnostic {
+    /// What the user is told: `self` is the refusal of one of the cuts of a block.
+    pub(crate) fn problem(self, cuts: &[Cut], machine: &Machine) -> Box<Problem> {
         let s = short(cuts.first().map_or(0.0, |cut| cut.s_rpm));
         let speed = highest_speed(cuts, machine);
         let lower = speed.map(|rpm| format!("the highest spindle speed that would do is S{}", short(rpm)));
@@ -122,6 +123,6 @@ impl Refusal {
                 "use a lead, a speed and a length that a machine can have".to_owned(),
             ),
         };
-        Diagnostic::error(code, spot, message, help)
+        Problem::error(code, Blame::Block, message, help)
     }
 }

@@ -17,6 +17,8 @@ pub(crate) struct Single {
     pub(crate) from: Point,
     pub(crate) to: Point,
     pub(crate) k_mm: f64,
+    /// Angle of the spindle at which the path begins, degrees from the index.
+    pub(crate) start_deg: f64,
     /// Where the G0 of the next block takes X, if it does nothing else.
     pub(crate) retract_to: Option<f64>,
 }
@@ -34,6 +36,7 @@ impl Single {
             lead,
             from: self.from,
             to_z: self.to.z,
+            start_deg: self.start_deg,
             approach_mm: 0.0,
             retract_mm,
             clear_mm: retract_mm.abs().min(CLEAR_LEADS * lead.z.abs()),

@@ -4,10 +4,9 @@ use interpreter::{Severity, check};
 use protocol::Machine;
 
 /// `(program, line, column, code)` of the first diagnostic.
-const SPELLING: [(&str, u32, u32, &str); 25] = [
+const SPELLING: [(&str, u32, u32, &str); 24] = [
     ("G0 X1\n?\nM2", 2, 1, "bad-character"),
     ("G0 X1 %\nM2", 1, 7, "bad-character"),
-    ("G33 Z1 K1 $0\nM2", 1, 11, "bad-character"),
     ("G0 X1 /\nM2", 1, 7, "bad-character"),
     ("G0 X1 é\nM2", 1, 7, "bad-character"),
     ("G0 X1 (open\nM2", 1, 7, "unclosed-comment"),
@@ -20,10 +19,10 @@ const SPELLING: [(&str, u32, u32, &str); 25] = [
     ("G0 X[1+[2]\nM2", 1, 5, "missing-bracket"),
     ("G0 X SIN 30\nM2", 1, 10, "missing-bracket"),
     ("G0 X[1 plus 2]\nM2", 1, 8, "unknown-operator"),
-    ("G0 XSINH[1]\nM2", 1, 5, "unknown-function"),
-    ("G0 X[1/0]\nM2", 1, 5, "arithmetic"),
+    ("G0 XTANH[1]\nM2", 1, 8, "missing-bracket"),
+    ("G0 X[1/0]\nM2", 1, 6, "arithmetic"),
     ("G0 XSQRT[-4]\nM2", 1, 5, "arithmetic"),
-    ("G0 X[[0-2]**.5]\nM2", 1, 5, "arithmetic"),
+    ("G0 X[[0-2]**.5]\nM2", 1, 6, "arithmetic"),
     ("G0 XLN[0]\nM2", 1, 5, "arithmetic"),
     ("#0=1\nM2", 1, 1, "bad-parameter"),
     ("G0 X#6000\nM2", 1, 5, "bad-parameter"),
@@ -32,19 +31,22 @@ const SPELLING: [(&str, u32, u32, &str); 25] = [
     ("N X1\nM2", 1, 1, "bad-line-number"),
 ];
 
-const MEANING: [(&str, u32, u32, &str); 27] = [
+const MEANING: [(&str, u32, u32, &str); 30] = [
     ("G0 X1\n", 1, 1, "no-program-end"),
     ("%\nG0 X1\n", 2, 1, "no-program-end"),
     ("G63\nM2", 1, 1, "unknown-g-code"),
     ("G1.55 X1\nM2", 1, 1, "unknown-g-code"),
     ("M44\nM2", 1, 1, "unknown-m-code"),
-    ("G90 G2 X10 Z0\nM2", 1, 5, "not-available"),
-    ("M8\nM2", 1, 1, "not-available"),
-    ("o100 sub\nM2", 1, 1, "not-available"),
-    ("G0 X#<width>\nM2", 1, 5, "not-available"),
-    ("#5420=1\nM2", 1, 1, "not-available"),
+    ("G17 F60 G2 X60 I5\nM2", 1, 1, "not-available"),
+    ("M62 P1\nM2", 1, 1, "not-available"),
+    ("M19 R90\nM2", 1, 1, "not-available"),
+    ("G96 S100 D2000\nM2", 1, 1, "not-available"),
+    ("F60 G18 G2 X70 I5 Z130\nM2", 1, 16, "arc-radius"),
+    ("o100 sub\nM2", 1, 1, "missing-end"),
+    ("G0 X#<width>\nM2", 1, 5, "unknown-name"),
+    ("#5420=1\nM2", 1, 1, "bad-parameter"),
     ("G0 X1 Y2\nM2", 1, 7, "no-such-axis"),
-    ("G0 X1 D2\nM2", 1, 7, "unknown-word"),
+    ("G0 X1 D2\nM2", 1, 7, "unused-word"),
     ("G0 X3 X4\nM2", 1, 7, "repeated-word"),
     ("G0 G1 X2\nM2", 1, 4, "modal-group"),
     ("M3 S5 M5\nM2", 1, 7, "modal-group"),
@@ -54,16 +56,16 @@ const MEANING: [(&str, u32, u32, &str); 27] = [
     ("G4\nM2", 1, 1, "missing-word"),
     ("G4 P-1\nM2", 1, 4, "bad-value"),
     ("G1 X2\nM2", 1, 1, "no-feed"),
-    ("F100\nG95 G1 X2\nM2", 2, 5, "no-feed"),
-    ("G95 F.1 G1 X2\nM2", 1, 9, "spindle-not-turning"),
+    ("F100\nG95 G1 X2\nM2", 2, 1, "no-feed"),
+    ("S100 G95 F.1 G1 X2\nM2", 1, 1, "spindle-not-turning"),
     ("S4000 M3\nM2", 1, 1, "speed-limit"),
-    ("F0\nM2", 1, 1, "bad-value"),
+    ("F-1 G1 X1\nM2", 1, 1, "bad-value"),
     ("G0 X10 Z500\nM2", 1, 8, "travel-limit"),
     ("T1.5\nM2", 1, 1, "bad-value"),
 ];
 
 /// After a preamble of one line: G21 G90 S400 M3 G0 X7 Z4.
-const THREADS: [(&str, u32, u32, &str); 25] = [
+const THREADS: [(&str, u32, u32, &str); 24] = [
     ("M5\nG33 Z-20 K1\nG0 X20\n", 3, 1, "spindle-not-turning"),
     ("G33 Z-20 K1 F100\nG0 X20\n", 2, 13, "feed-in-thread"),
     ("G33 Z-20\nG0 X20\n", 2, 1, "missing-word"),
@@ -75,7 +77,7 @@ const THREADS: [(&str, u32, u32, &str); 25] = [
     ("G33 Z-100 K90\nG0 X20\n", 2, 1, "pass-not-feasible"),
     ("G76 P1 Z-20 I-2 J.2\n", 2, 1, "missing-word"),
     ("G76 P1 Z-20 I0 J.2 K.6\n", 2, 13, "bad-value"),
-    ("G76 P1 Z-20 I-2 J.7 K.6\n", 2, 21, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.7 K.6\n", 2, 17, "bad-value"),
     ("G76 P1 Z-20 I-2 J-.2 K.6\n", 2, 17, "bad-value"),
     ("G76 P0 Z-20 I-2 J.2 K.6\n", 2, 5, "bad-value"),
     ("G76 P1 Z-20 I-2 J.2 K.6 R.5\n", 2, 25, "bad-value"),
@@ -83,66 +85,76 @@ const THREADS: [(&str, u32, u32, &str); 25] = [
     ("G76 P1 Z-20 I-2 J.2 K.6 H1.5\n", 2, 25, "bad-value"),
     ("G76 P1 Z-20 I-2 J.2 K.6 L4\n", 2, 25, "bad-value"),
     ("G76 P1 Z-20 I-2 J.2 K.6 L1\n", 2, 25, "bad-value"),
-    ("G76 P1 Z-20 I-2 J.2 K.6 E13 L1\n", 2, 25, "bad-value"),
-    ("G76 P1 Z-20 I-2 J.2 K.6 E1\n", 2, 25, "bad-value"),
+    ("G76 P1 Z-20 I-2 J.2 K.6 E25 L1\n", 2, 25, "bad-value"),
     ("G76 P1 Z-20 I-2 J.2 K.6 E.001 L2\n", 2, 1, "pass-not-feasible"),
     ("G76 P1 Z-20 I-2 J.00001 K.6\n", 2, 1, "bad-value"),
     ("G76 P1 Z-20 I-2 J.2 K.6 X5\n", 2, 25, "unused-word"),
-    ("G76 P1 Z-20 I-2 J.2 K.6\nX5\n", 3, 1, "no-motion-mode"),
+    ("G76 P1 Z-20 I-2 J.2 K.6\nX5\n", 3, 1, "missing-word"),
 ];
 
-fn assert_first(source: &str, (line, column, code): (u32, u32, &str)) {
+/// What is wrong with the first error of a program, as a line to read; nothing if it is as expected.
+fn compare(source: &str, expected: (u32, u32, &str)) -> Option<String> {
     let check = check("bad.ngc", source, &Machine::default());
     let first = check.diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
-    let first = first.unwrap_or_else(|| panic!("no error in\n{source}"));
-    let shown = first.render("bad.ngc", source, false);
-    assert_eq!((first.code, first.line, first.column), (code, line, column), "{source}\n{shown}");
-    assert!(shown.starts_with(&format!("bad.ngc:{line}:{column}: error[{code}]: ")), "{shown}");
-    assert!(!first.help.is_empty() && shown.contains("help:"), "{shown}");
-    assert!(shown.contains('^'), "{shown}");
-    let table = include_str!("../../src/diagnostic.rs");
-    assert!(table.contains(&format!("`{code}`")), "{code} is not in the table of codes");
+    let Some(first) = first else { return Some(format!("no error in {source:?}")) };
+    let shown = first.render(false);
+    let found = (first.line, first.column, first.code);
+    let (line, column, code) = found;
+    let complete = shown.starts_with(&format!("bad.ngc:{line}:{column}: error[{code}]: "))
+        && !first.help.is_empty()
+        && shown.contains("help:")
+        && shown.contains('^');
+    (found != expected || !complete).then(|| format!("{expected:?} but {found:?} in {source:?}\n{shown}"))
+}
+
+fn assert_all(programs: impl Iterator<Item = (String, u32, u32, &'static str)>) {
+    let wrong: Vec<String> =
+        programs.filter_map(|(source, line, column, code)| compare(&source, (line, column, code))).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn assert_first(source: &str, expected: (u32, u32, &str)) {
+    assert_eq!(compare(source, expected), None);
 }
 
 #[test]
 fn spelling() {
-    for (source, line, column, code) in SPELLING {
-        assert_first(source, (line, column, code));
-    }
+    assert_all(
+        SPELLING.into_iter().map(|(source, line, column, code)| (source.to_owned(), line, column, code)),
+    );
 }
 
 #[test]
 fn meaning() {
-    for (source, line, column, code) in MEANING {
-        assert_first(source, (line, column, code));
-    }
+    assert_all(
+        MEANING.into_iter().map(|(source, line, column, code)| (source.to_owned(), line, column, code)),
+    );
 }
 
 #[test]
 fn threads() {
-    for (blocks, line, column, code) in THREADS {
-        assert_first(&format!("G21 G90 S400 M3 G0 X7 Z4\n{blocks}M2\n"), (line, column, code));
-    }
+    let whole = |blocks: &str| format!("G21 G90 S400 M3 G0 X7 Z4\n{blocks}M2\n");
+    assert_all(THREADS.into_iter().map(|(blocks, line, column, code)| (whole(blocks), line, column, code)));
 }
 
 #[test]
 fn limits_are_named() {
-    let long = format!("G0 X1 {}\nM2", " ".repeat(300));
-    assert_first(&long, (1, 1, "line-too-long"));
-    let deep = format!("G0 X{}1{}\nM2", "[".repeat(40), "]".repeat(40));
-    assert_first(&deep, (1, 37, "expression-too-deep"));
+    let long = format!("G0 X1 {}\nM2", " ".repeat(5000));
+    assert_first(&long, (1, 4097, "line-too-long"));
+    let deep = format!("G0 X{}1{}\nM2", "[".repeat(80), "]".repeat(80));
+    assert_first(&deep, (1, 70, "expression-too-deep"));
     let signs = format!("G0 X{}1\nM2", "-".repeat(100));
-    assert_first(&signs, (1, 37, "expression-too-deep"));
+    assert_first(&signs, (1, 70, "expression-too-deep"));
     for (source, named) in [
         ("S4000 M3\nM2", "3000"),
         ("G0 X130\nM2", "axis.x.travel_mm = [-5, 120]"),
-        ("G0 X#6000\nM2", "#1"),
-        (&deep, "32"),
-        (&long, "256"),
+        ("G0 X#6000\nM2", "6000"),
+        (&deep, "64"),
+        (&long, "4096"),
     ] {
         let check = check("bad.ngc", source, &Machine::default());
-        let shown = check.diagnostics[0].render("bad.ngc", source, false);
-        assert!(shown.contains(named) || check.diagnostics[0].help.contains("5000"), "{shown}");
+        let shown = check.diagnostics[0].render(false);
+        assert!(shown.contains(named), "{shown}");
     }
 }
 
@@ -162,13 +174,7 @@ fn several_errors_are_reported_at_once() {
     let found: Vec<_> = check.diagnostics.iter().map(|d| (d.line, d.column, d.code)).collect();
     assert_eq!(
         found,
-        [
-            (1, 9, "no-such-axis"),
-            (2, 1, "not-available"),
-            (2, 4, "not-available"),
-            (3, 4, "travel-limit"),
-            (4, 1, "no-feed"),
-        ]
+        [(1, 9, "no-such-axis"), (2, 1, "no-feed"), (3, 4, "travel-limit"), (4, 1, "no-feed"),]
     );
 }
 
@@ -184,18 +190,13 @@ part.ngc:2:1: error[speed-limit]: S4000 is outside what the spindle can do: 0.01
   |
   = help: give at most S3000
 ";
-    assert_eq!(check.diagnostics[0].render("part.ngc", source, false), expected);
-    // Another text than the one that was read is no reason to panic.
-    for other in ["", "\n", "é", "\né"] {
-        assert!(check.diagnostics[0].render("part.ngc", other, false).starts_with("part.ngc:2:1: "));
-    }
+    assert_eq!(check.diagnostics[0].render(false), expected);
 }
 
 #[test]
 fn colour_is_only_colour() {
     let source = "G2 X1\nM2\n";
     let check = check("bad.ngc", source, &Machine::default());
-    let (plain, colour) =
-        (check.diagnostics[0].render("b", source, false), check.diagnostics[0].render("b", source, true));
+    let (plain, colour) = (check.diagnostics[0].render(false), check.diagnostics[0].render(true));
     assert!(!plain.contains('\u{1b}') && colour.contains('\u{1b}'), "{plain}{colour}");
 }

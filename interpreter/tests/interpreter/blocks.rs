@@ -20,7 +20,7 @@ fn words_in_every_legal_spelling() {
 
 #[test]
 fn a_tape_ends_at_its_second_percent_sign() {
-    assert_items("\n%\nG0 X1 Z1\n % \nG0 X99 Y1\n", "3 rapid X1 Z1\n5 end");
+    assert_items("\n%\nG0 X1 Z1\n % \nG0 X99 Y1\n", "3 rapid X1 Z1\n3 end");
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn inches_scale_every_length() {
 
 #[test]
 fn an_incremental_end_is_measured_from_the_start_point() {
-    let words = "I-2 J.5 K.5";
+    let words = "I-2 J.499 K.5";
     let absolute = format!("{PREAMBLE}M3 S350\nG0 X12 Z6\nG76 P1 Z-14 {words}\nM2\n");
     let incremental = format!("{PREAMBLE}M3 S350\nG0 X12 Z6\nG91 G76 P1 Z-20 {words}\nM2\n");
     assert_eq!(passes(&good(&absolute).items), passes(&good(&incremental).items));
@@ -143,7 +143,7 @@ fn tapers_lie_at_the_ends_of_the_helix() {
 
 #[test]
 fn a_left_hand_thread_needs_nothing_special() {
-    let source = format!("{PREAMBLE}M4 S300\nG0 X12 Z-25\nG76 P2 Z5 I-2 J1 K1\nM2\n");
+    let source = format!("{PREAMBLE}M4 S300\nG0 X12 Z-25\nG76 P2 Z5 I-2 J.999 K1\nM2\n");
     let check = good(&source);
     let pass = passes(&check.items)[0];
     assert_eq!((pass.direction, pass.lead_mm), (-1.0, 2.0));

@@ -24,8 +24,8 @@ fn the_highest_speed_that_would_do_is_named_and_does() {
         (3000.0, "G33 Z-20 K10"),
         (2000.0, "G33 Z1 K4"),
         (1500.0, "G76 P2 Z2 I-3 J1 K1.2"),
-        (800.0, "G76 P2 Z-25 I-2 J1.2 K1.2 E.5 L1"),
-        (800.0, "G76 P2 Z-25 I-2 J1.2 K1.2 E.5 L2"),
+        (800.0, "G76 P2 Z-25 I-2 J1.199 K1.2 E.5 L1"),
+        (800.0, "G76 P2 Z-25 I-2 J1.199 K1.2 E.5 L2"),
         (2500.0, "G33 X30 Z-20 K8"),
     ] {
         let diagnostic = refusal(&thread(s, words));
@@ -42,7 +42,7 @@ fn the_highest_speed_that_would_do_is_named_and_does() {
 fn the_reason_is_named() {
     let speed = refusal(&thread(3000.0, "G33 Z-20 K10"));
     assert!(speed.message.contains("500 mm/s of Z, which can do 147"), "{}", speed.message);
-    let length = refusal(&thread(3000.0, "G76 P2 Z3 I-2 J1 K1"));
+    let length = refusal(&thread(3000.0, "G76 P2 Z3 I-2 J.999 K1"));
     assert!(length.message.contains("no thread is left"), "{}", length.message);
     assert!(length.help.contains("a start further from the part"), "{}", length.help);
 }
@@ -50,7 +50,7 @@ fn the_reason_is_named() {
 #[test]
 fn the_least_taper_that_is_named_does() {
     for l in [1, 2] {
-        let words = |e: f64| format!("G76 P2 Z-25 I-2 J1.2 K1.2 E{e} L{l}");
+        let words = |e: f64| format!("G76 P2 Z-25 I-2 J1.199 K1.2 E{e} L{l}");
         let diagnostic = refusal(&thread(800.0, &words(0.5)));
         let least: f64 = diagnostic
             .help

@@ -3,7 +3,6 @@
 mod bad_programs;
 mod blocks;
 mod cycle;
-mod expressions;
 mod feasible;
 mod properties;
 mod single;
@@ -15,8 +14,7 @@ use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, ThreadPass};
 /// A program that must be right, on the built-in lathe.
 fn good(source: &str) -> Check {
     let check = check("test.ngc", source, &Machine::default());
-    let said: String =
-        check.diagnostics.iter().map(|diagnostic| diagnostic.render("test.ngc", source, false)).collect();
+    let said: String = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect();
     assert!(check.is_good(), "{said}");
     check
 }

@@ -22,14 +22,15 @@ const WITHOUT_EFFECT: [&str; 6] = ["G18", "G54", "G97", "G90.1", "G91.1", "G91.1
 fn effect(before: &str, block: &str) -> String {
     let program = format!("{before}\n{block}\n{AFTER}\n");
     let machine = Machine::default();
-    let mut interpreter = Interpreter::new("p", program, &machine);
+    let mut interpreter = Interpreter::of_text("p", program, &machine);
     let items: Vec<String> = (&mut interpreter)
         .map(|item| match item {
             Ok(item) => format!("{item:?}"),
             Err(error) => format!("{} {} {}", error.line, error.code, error.message),
         })
         .collect();
-    items.join("\n")
+    let warnings = interpreter.warnings().iter().map(|warning| warning.message.clone());
+    items.into_iter().chain(warnings).collect::<Vec<_>>().join("\n")
 }
 
 /// Whether the block itself is refused.
@@ -98,7 +99,7 @@ proptest! {
         let source = String::from_utf8_lossy(&bytes).into_owned();
         let check = check("random", &source, &Machine::default());
         for diagnostic in &check.diagnostics {
-            let _ = diagnostic.render("random", &source, true);
+            let _ = diagnostic.render(true);
         }
     }
 
@@ -107,7 +108,7 @@ proptest! {
         let check = check("random", &source, &Machine::default());
         for diagnostic in &check.diagnostics {
             prop_assert!(!diagnostic.help.is_empty() && diagnostic.line >= 1 && diagnostic.column >= 1);
-            let _ = diagnostic.render("random", &source, false);
+            let _ = diagnostic.render(false);
         }
     }
 
