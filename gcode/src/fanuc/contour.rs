@@ -24,6 +24,8 @@ use crate::state::State;
 
 /// Blocks of a contour at most.
 const MOST_BLOCKS: u32 = 10_000;
+/// Passes of a cycle at most.
+const MOST_PASSES: f64 = 10_000.0;
 
 /// Where the contour of a cycle stands.
 struct Range {
@@ -163,27 +165,11 @@ impl Control {
 
     /// G71, G72, G73.
     fn rough(&mut self, code: G, cycle: &Line, range: &Range, machine: &mut Machine) -> Done {
-        if machine.state.compensation.is_on() {
-            let message = format!("{code} while {} is on", machine.state.compensation.code());
-            let help = "end it with G40 before; G41 or G42 in the contour is for G70";
-            return Err(Problem::error("compensation-on", Blame::G(code), message, help));
-        }
         let facing = code == G(720);
         let first = &self.modal.first;
         let (depth, pattern) = (first.rough[usize::from(facing)], first.pattern);
-        if if code == G(730) { pattern.is_none() } else { depth.is_none() } {
-            let message = format!("the first line of {code} is missing");
-            let help = match code.0 {
-                710 => "write it before: G71 U2. R0.5 (depth of cut, retract)",
-                720 => "write it before: G72 W2. R0.5 (depth of cut, retract)",
-                _ => "write it before: G73 U8. W2. R4 (way in X and Z, number of passes)",
-            };
-            return Err(Problem::error("missing-word", Blame::G(code), message, help));
-        }
-        if cycle.has('R') {
-            let message = format!("R belongs to the first line of {code}");
-            return Err(Problem::error("unused-word", Blame::Word('R'), message, "leave it out here"));
-        }
+        let missing = if code == G(730) { pattern.is_none() } else { depth.is_none() };
+        can_rough(code, cycle, missing, machine.state)?;
         let contour = self.shape(range, machine)?;
         self.line.clone_from(cycle);
         if contour.len() < 2 || contour.first().is_some_and(|lead| lead.bend.is_some()) {
@@ -202,25 +188,64 @@ impl Control {
         let equivalent = &mut self.equivalent;
         let mut out = output(machine.sink, place, machine.problems, machine.waiting);
         let state = &mut *machine.state;
+        if code != G(730) && frame.enter(allowance).x < 0.0 {
+            let letter = if facing { 'W' } else { 'U' };
+            let message =
+                format!("the allowance {letter} lies inside of the contour: nothing is left to finish");
+            let help = "its sign says on which side the tool stays: U+ outside, U- in a bore";
+            out.warn(Problem::warning("allowance-sign", Blame::Word(letter), message, help));
+        }
         let mut send = |next| send(next, &frame, place, equivalent, state, &mut out);
         if let (G(730), Some((x, z, passes))) = (code, pattern) {
             return repeat(start, contour, (Point::new(z, x), allowance), passes, &mut send);
         }
-        let framed: Vec<Segment> =
-            contour.iter().map(|segment| frame.enter_segment(&segment.shifted(allowance))).collect();
-        if let Some(segment) = framed.iter().find(|segment| !segment.is_monotone()) {
-            let at = frame.leave(segment.start);
-            let axis = if facing { 'X' } else { 'Z' };
-            let message =
-                format!("{axis} turns back along the contour, at X{} Z{}", short(2.0 * at.x), short(at.z));
-            let help = format!("let {axis} go in one direction, or use G73");
-            return Err(Problem::error("bad-contour", Blame::Block, message, help));
-        }
-        let from = frame.enter(start + allowance);
         let (infeed, escape) = depth.unwrap_or((1.0, 0.0));
+        let from = frame.enter(start + allowance);
+        let framed = framed(contour, allowance, &frame)?;
+        let deepest = framed.iter().map(|segment| from.x - segment.end.x).fold(0.0, f64::max);
+        if deepest / infeed > MOST_PASSES {
+            let message = format!("a depth of cut of {infeed} would take more than {MOST_PASSES} passes");
+            let help = "give a greater one in the first line";
+            return Err(Problem::error("bad-value", Blame::G(code), message, help));
+        }
         turn(from, &walled(from, &framed), infeed, escape, &mut send)?;
         send(Move::Rapid(frame.enter(start)))
     }
+}
+
+/// Whether G71, G72 or G73 may cut now; `missing`: its first line was not written.
+fn can_rough(code: G, cycle: &Line, missing: bool, state: &State) -> Done {
+    if state.compensation.is_on() {
+        let message = format!("{code} while {} is on", state.compensation.code());
+        let help = "end it with G40 before; G41 or G42 in the contour is for G70";
+        return Err(Problem::error("compensation-on", Blame::G(code), message, help));
+    }
+    if missing {
+        let message = format!("the first line of {code} is missing");
+        let help = match code.0 {
+            710 => "write it before: G71 U2. R0.5 (depth of cut, retract)",
+            720 => "write it before: G72 W2. R0.5 (depth of cut, retract)",
+            _ => "write it before: G73 U8. W2. R4 (way in X and Z, number of passes)",
+        };
+        return Err(Problem::error("missing-word", Blame::G(code), message, help));
+    }
+    if cycle.has('R') {
+        let message = format!("R belongs to the first line of {code}");
+        return Err(Problem::error("unused-word", Blame::Word('R'), message, "leave it out here"));
+    }
+    Ok(())
+}
+
+/// The contour with its allowance, in the frame of its cuts.
+fn framed(contour: &[Segment], allowance: Point, frame: &Frame) -> Result<Vec<Segment>, Box<Problem>> {
+    let framed: Vec<Segment> =
+        contour.iter().map(|segment| frame.enter_segment(&segment.shifted(allowance))).collect();
+    let Some(segment) = framed.iter().find(|segment| !segment.is_monotone()) else { return Ok(framed) };
+    let at = frame.leave(segment.start) - allowance;
+    let axis = if frame.facing { 'X' } else { 'Z' };
+    let message = format!("{axis} turns back along the contour, at X{} Z{}", short(2.0 * at.x), short(at.z));
+    let help = format!("let {axis} go in one direction, or use G73");
+    Err(Problem::error("bad-contour", Blame::Block, message, help))
 }
 
 /// `G71 U R`, `G72 W R`, `G73 U W R`.

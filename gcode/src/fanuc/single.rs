@@ -54,7 +54,6 @@ pub(super) fn cycle(
     (end[X], end[Z]) = (x, z);
     let words = *words;
     if code == G(920) {
-        state.motion = Some(G(920));
         return threads::box_cycle((end, words.taper), modal, words.start_deg, state, out);
     }
     let place = line.block.place();

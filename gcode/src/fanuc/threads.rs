@@ -43,6 +43,8 @@ pub(super) struct First {
 
 /// What is the same for all cycles.
 struct Shape {
+    /// G76 or G92.
+    code: G,
     end: Position,
     /// i.
     taper: f64,
@@ -104,7 +106,8 @@ pub(super) fn cycle(line: &Line, modal: &mut block::Modal, state: &mut State, ou
     let depth =
         needed(line.increments('Q')?, 'Q', "the depth of the first pass, in steps of 0.001 mm", "Q250")?;
     let taper = line.length('R').unwrap_or(0.0);
-    let shape = Shape { end, taper, lead, chamfer: first.chamfer * lead / 10.0, start_deg: 0.0 };
+    let shape =
+        Shape { code: G(760), end, taper, lead, chamfer: first.chamfer * lead / 10.0, start_deg: 0.0 };
     if first.finish >= height {
         let message =
             format!("the finishing allowance {} is all of the height {}", short(first.finish), short(height));
@@ -198,7 +201,7 @@ fn one_line(line: &Line, end: Position, lead: f64, state: &mut State, out: &mut 
         return Err(Problem::error("bad-value", Blame::Word('A'), message, "give 0 to 120 degrees"));
     }
     let taper = line.length('I').unwrap_or(0.0);
-    let shape = Shape { end, taper, lead, chamfer: 0.0, start_deg: start_angle(line)? };
+    let shape = Shape { code: G(760), end, taper, lead, chamfer: 0.0, start_deg: start_angle(line)? };
     let degression = Degression { first: depth, exponent, least: 0.0, finish: 0.0 };
     send(&shape, height, degression, angle / 2.0, 0, state, out)
 }
@@ -216,9 +219,9 @@ pub(super) fn box_cycle(
     let way = (end[Z] - state.position[Z]).abs();
     let chamfer = (tenths * lead / 10.0).min(way);
     let depth = (end[X] + taper - state.position[X]).abs();
-    // The pull-out is at 45 degrees, but no longer than half of the way out.
+    // The pull-out rises at 45 degrees, but by no more than half of the way out.
     let height = if chamfer > 0.0 { chamfer.min(depth / 2.0) } else { depth / 2.0 };
-    let shape = Shape { end, taper, lead, chamfer, start_deg };
+    let shape = Shape { code: G(920), end, taper, lead, chamfer, start_deg };
     let degression = Degression { first: height, exponent: 1.0, least: 0.0, finish: 0.0 };
     send(&shape, height, degression, 0.0, 0, state, out)
 }
@@ -233,8 +236,7 @@ fn send(
     out: &mut Output,
 ) -> Done {
     let from = state.position;
-    let code = if state.motion == Some(G(920)) { G(920) } else { G(760) };
-    execute::threading::ready(code, state, out)?;
+    execute::threading::ready(shape.code, state, out)?;
     let wrong = |letter, message: String, help: &str| {
         Err(Problem::error("bad-value", Blame::Word(letter), message, help))
     };

@@ -1,6 +1,6 @@
 //! Cutting cycles.
 
-use super::common::{errors, moves, sound};
+use super::common::{errors, moves, outcome, sound};
 
 #[test]
 fn g90_turns_and_is_repeated() {
@@ -99,6 +99,23 @@ fn g71_bores_from_inside_out() {
 }
 
 #[test]
+fn an_allowance_on_the_wrong_side_is_warned_of() {
+    let text = format!("S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U-1. W0.2 F0.3\n{SHAFT}M30\n");
+    let outcome = outcome(&text);
+    assert!(outcome.errors.is_empty());
+    assert_eq!(outcome.warnings[0].code, "allowance-sign");
+}
+
+#[test]
+fn a_contour_may_stand_before_its_cycle() {
+    let text = format!(
+        "S500 M03\nG00 X42. Z2.\nGOTO 60\n{SHAFT}N60 G71 U4. R1.\nG71 P10 Q50 U1. W0.2 F0.3\nG00 X60."
+    );
+    let behind = format!("S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q50 U1. W0.2 F0.3\n{SHAFT}G00 X60.");
+    assert_eq!(moves(&text), moves(&behind));
+}
+
+#[test]
 fn g72_faces() {
     let text = "S500 M03\nG00 X42. Z1.\nG72 W2. R0.5\nG72 P10 Q40 U0.4 W0.2 F0.3\n\
                 N10 G00 Z-12.\nN20 G01 X30. F0.1\nN30 Z-6.\nN40 X10.\n";
@@ -163,6 +180,9 @@ fn cycles_that_make_no_sense_are_refused() {
         [(4, "bad-contour")]
     );
     assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nM98 P1\nN20 X42."), [(6, "bad-contour")]);
+    let contour = "N10 G00 X20.\nN20 G01 Z-9. F0.1\nN30 X42.";
+    assert_eq!(errors(&format!("G71 U0.0001 R1.\nG71 P10 Q30 F0.3\n{contour}")), [(4, "bad-value")]);
+    assert_eq!(errors(&format!("G71 U2. R1.\nG71 P10 Q30 R1. F0.3\n{contour}")), [(4, "unused-word")]);
     assert_eq!(errors("G71 U2. D1000"), [(3, "unused-word")]);
     assert_eq!(errors("G75 X20. P1000 F0.1"), [(3, "missing-word")]);
     assert_eq!(errors("G74 R1.\nG74 Z-10. Q1.5 F0.1"), [(4, "bad-value")]);
