@@ -23,7 +23,7 @@ fn g32_is_g33() {
 #[test]
 fn g32_takes_the_lead_along_the_longer_way() {
     // 10 mm in X (radius 5), 28 in Z: the way is longer than Z by its slope
-    let lead = 2.0 * (28.0_f64.hypot(5.0) / 28.0);
+    let lead = 2.0 * ((28.0_f64 * 28.0 + 5.0 * 5.0).sqrt() / 28.0);
     assert_eq!(here("G32 X32. Z-20. F2."), there(&format!("G33 X32 Z-20 K{lead:.17}")));
     assert_eq!(here("G32 X2. F1.5"), there("G33 X2 K1.5"));
 }

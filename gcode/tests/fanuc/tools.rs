@@ -6,7 +6,7 @@ use gcode::files::ToolTable;
 use gcode::{Dialect, Options, Program};
 
 fn with_tools(options: Options) -> Options {
-    Options { tools: ToolTable::parse("tools", "T1 D1.6 Q2\n").unwrap(), ..options }
+    Options { tools: ToolTable::parse("tools", "T1 D1.6 Q2\n").expect("a table"), ..options }
 }
 
 #[test]
