@@ -1,7 +1,7 @@
 //! Single cycles: G90 (along Z), G94 (along X), G92 (a thread). Each goes in, along, out and back to where it began.
 //!
 //! In: X Z (or U W) of the far corner, R of a taper: start less end, a radius in X (G90, G92), a length in Z (G94). Words
-//! stay in force while the code does; a block that changes any of them is another cycle.
+//! stay in force while the code does (Q, the start angle of G92, does not); a block that changes any of them is another cycle.
 
 use super::line::Line;
 use super::{Done, block, threads};
@@ -19,7 +19,6 @@ pub(super) struct Words {
     x: Option<f64>,
     z: Option<f64>,
     taper: f64,
-    start_deg: f64,
 }
 
 /// G90, G92, G94.
@@ -44,9 +43,6 @@ pub(super) fn cycle(
         words.z = Some(end[Z]);
     }
     words.taper = line.length('R').unwrap_or(words.taper);
-    if line.has('Q') {
-        words.start_deg = threads::start_angle(line)?;
-    }
     let (Some(x), Some(z)) = (words.x, words.z) else {
         let message = format!("{code} needs the corner to cut to");
         return Err(Problem::error("missing-word", Blame::G(code), message, "add X and Z (or U and W)"));
@@ -54,7 +50,7 @@ pub(super) fn cycle(
     (end[X], end[Z]) = (x, z);
     let words = *words;
     if code == G(920) {
-        return threads::box_cycle((end, words.taper), modal, words.start_deg, state, out);
+        return threads::box_cycle((end, words.taper), modal, threads::start_angle(line)?, state, out);
     }
     let place = line.block.place();
     let [fx, fz] = [from[X], from[Z]];

@@ -118,6 +118,17 @@ fn g92_goes_to_its_x_with_start_angle_and_taper() {
 }
 
 #[test]
+fn the_start_angle_holds_for_its_block_alone() {
+    let moves = here("G92 X19. Z-20. F2. Q90000\nX18.6\nX18.2 Q90000");
+    let starts: Vec<bool> = moves
+        .iter()
+        .filter(|call| call.starts_with("Th"))
+        .map(|call| call.contains("start_deg: 90.0"))
+        .collect();
+    assert_eq!(starts, [true, false, true]);
+}
+
+#[test]
 fn threads_that_make_no_sense_are_refused() {
     let errors = |text: &str| errors(&format!("{START}{text}"));
     assert_eq!(errors("G32 Z-20."), [(3, "missing-word")]);
