@@ -67,6 +67,11 @@ pub(crate) fn options(machine: &Machine) -> Options {
     options.dialect = of_program(machine.machine.dialect);
     options.position[X] = home(Axis::X);
     options.position[Z] = home(Axis::Z);
+    // G28 and G30 go home.
+    options.parameters = [5161, 5181]
+        .into_iter()
+        .flat_map(|first| [(first, home(Axis::X)), (first + 2, home(Axis::Z))])
+        .collect();
     options
 }
 

@@ -35,6 +35,8 @@ pub(crate) struct Translator {
     spindle: SpindleMode,
     rpm: f64,
     tool: Option<u32>,
+    /// G96.
+    surface_speed: bool,
     mist: bool,
     flood: bool,
     /// The programmed point.
@@ -69,6 +71,7 @@ impl Translator {
             spindle: SpindleMode::Stop,
             rpm: 0.0,
             tool: None,
+            surface_speed: false,
             mist: false,
             flood: false,
             point,
@@ -203,7 +206,7 @@ impl Translator {
         self.report(place, *problem);
     }
 
-    fn modal(&mut self, call: &Call<'_>) -> Done {
+    fn modal(&mut self, place: Place, call: &Call<'_>) -> Done {
         match *call {
             Call::UseLengthUnits(units) => self.frame.unit = units.mm(),
             Call::SelectPlane(plane) => self.plane = plane,
@@ -211,13 +214,17 @@ impl Translator {
             Call::SetG92Offset(offset) => self.frame.shift = self.lathe_offset(&offset)?,
             Call::UseToolLengthOffset(offset) => self.frame.tool = self.lathe_offset(&offset)?,
             Call::SetXyRotation(degrees) if degrees != 0.0 => {
-                return Err(missing("a coordinate system turned about Z", "leave R out, or set it to 0"));
+                let help = "leave R out, or set it to 0";
+                self.report(place, *missing("a coordinate system turned about Z", help));
             }
             Call::SetFeedMode(mode) => self.feed_mode = mode,
             Call::SetFeedRate(feed) => self.set_feed(feed)?,
             Call::SetSpindleMode(highest) if highest > 0.0 => {
-                return Err(missing("constant surface speed (G96)", "give the speed in 1/min with G97 S"));
+                self.surface_speed = true;
+                let help = "give the speed in 1/min with G97 S";
+                self.report(place, *missing("constant surface speed (G96)", help));
             }
+            Call::SetSpindleMode(_) => self.surface_speed = false,
             _ => {}
         }
         Ok(())
@@ -238,6 +245,8 @@ impl Translator {
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(place, seconds)?,
+            // S of G96 is m/min, and G96 has been refused.
+            Call::SetSpindleSpeed(_) if self.surface_speed => {}
             Call::SetSpindleSpeed(rpm) => {
                 let rpm = self.speed(rpm)?;
                 self.set_spindle(place, self.spindle, rpm);
@@ -304,7 +313,7 @@ impl Sink for Translator {
             | Call::SetXyRotation(_)
             | Call::SetFeedMode(_)
             | Call::SetFeedRate(_)
-            | Call::SetSpindleMode(_) => self.modal(&call),
+            | Call::SetSpindleMode(_) => self.modal(place, &call),
             Call::Message(text) | Call::Print(text) | Call::Log(_, text) => {
                 self.unheard(place, text);
                 Ok(())

@@ -15,7 +15,7 @@ pub(super) fn select(block: &Block, state: &mut State, out: &mut Output) -> Done
         return Ok(());
     }
     let number = tool_number(block, 'T')?;
-    if number != 0 && state.tools.find(number).is_none() {
+    if number != 0 && !state.tools.is_empty() && state.tools.find(number).is_none() {
         let message = format!("T{number} is not in the tool table");
         let help = "it is taken to have no offset and no radius; enter it in the table";
         out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));

@@ -54,7 +54,7 @@ fn load(offset: i32, state: &mut State, out: &mut Output) {
         return;
     }
     let entry = state.tools.find(offset).cloned();
-    if entry.is_none() {
+    if entry.is_none() && !state.tools.is_empty() {
         let message = format!("offset {offset} is not in the tool table");
         let help = "it is taken to be 0 with a sharp nose; enter it in the table as the tool of this number";
         out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));

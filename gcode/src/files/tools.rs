@@ -66,6 +66,11 @@ impl ToolTable {
         self.tools.iter_mut().find(|tool| tool.number == number)
     }
 
+    /// Whether there is no tool at all: no table was given.
+    pub fn is_empty(&self) -> bool {
+        self.tools.is_empty()
+    }
+
     /// The tools, in the order of the table.
     pub fn iter(&self) -> impl Iterator<Item = &Tool> {
         self.tools.iter()

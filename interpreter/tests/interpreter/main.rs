@@ -3,6 +3,7 @@
 mod bad_programs;
 mod blocks;
 mod cycle;
+mod dialects;
 mod feasible;
 mod properties;
 mod single;

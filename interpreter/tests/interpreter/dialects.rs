@@ -1,0 +1,68 @@
+//! Two equivalent programs, one in each dialect, give the same machine code.
+
+use interpreter::check;
+use protocol::machine::Dialect;
+use protocol::{Code, Machine};
+
+/// The machine code of a program, without lines, changes of tool and the order of the spindle's words.
+fn codes(dialect: Dialect, source: &str) -> Vec<Code> {
+    let mut machine = Machine::default();
+    machine.machine.dialect = dialect;
+    let check = check("test", source, &machine);
+    let said: String = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect();
+    assert!(check.is_good(), "{said}");
+    check.items.into_iter().map(|item| item.code).collect()
+}
+
+fn assert_same(linuxcnc: &str, fanuc: &str) {
+    let (one, other) = (codes(Dialect::Linuxcnc, linuxcnc), codes(Dialect::Fanuc, fanuc));
+    assert!(one.len() > 4, "the programs do something");
+    for (n, (one, other)) in one.iter().zip(&other).enumerate() {
+        assert_eq!(one, other, "code {n} of\n{linuxcnc}\n{fanuc}");
+    }
+    assert_eq!(one.len(), other.len(), "{linuxcnc}\n{fanuc}");
+}
+
+#[test]
+fn moves_feeds_and_arcs() {
+    assert_same(
+        "G21 G18 G7 G90 G95 G97 S600 M3\nG0 X40 Z2 M8\nG1 Z-10 F0.2\nG2 X50 Z-15 R5\nG3 X60 Z-20 I0 K-5\nG4 P1.5\n\
+         G94 G1 X62 F100\nM9\nG0 X80 Z50\nM30\n",
+        "O1\nG21 G99 G97 S600 M03\nG00 X40. Z2. M08\nG01 Z-10. F0.2\nG02 X50. Z-15. R5.\nG03 U10. W-5. I0. K-5.\nG04 P1500\n\
+         G98 G01 U2. F100.\nM09\nG00 X80. Z50.\nM30\n",
+    );
+}
+
+#[test]
+fn a_thread_in_one_block_of_either_dialect() {
+    // Depth 1.227, first cut 0.35, constant area, drive line 2.5 mm outside the crest, flank infeed of 30 degrees.
+    let fanuc =
+        "O1\nG21 G97 S400 M03\nG00 X25. Z8.\nG76 P010060 Q0 R0\nG76 X17.546 Z-20. P1227 Q350 F2.\nM30\n";
+    let linuxcnc =
+        "G21 G18 G7 G90 G97 S400 M3\nG0 X25 Z8\nG76 P2 Z-20 I-5 J0.7 K2.454 R2 Q30 H1\nG0 Z8\nM30\n";
+    assert_same(linuxcnc, fanuc);
+}
+
+#[test]
+fn a_single_pass_and_its_retract() {
+    assert_same(
+        "G21 G18 G7 G90 S300 M3\nG0 X38 Z6\nG33 Z-22 K1.5\nG0 X45\nZ6\nM2\n",
+        "O1\nG21 G97 S300 M03\nG00 X38. Z6.\nG32 Z-22. F1.5\nG00 X45.\nZ6.\nM30\n",
+    );
+}
+
+#[test]
+fn a_start_angle_moves_the_pass_along_the_spindle() {
+    let pass = |q: u32| {
+        let source = format!("O1\nG21 G97 S300 M03\nG00 X38. Z6.\nG32 Z-22. F1.5 Q{q}\nG00 X45.\nM30\n");
+        let codes = codes(Dialect::Fanuc, &source);
+        let pass = |code: &Code| if let Code::Pass(pass) = code { Some(*pass) } else { None };
+        codes.iter().find_map(pass).expect("a pass")
+    };
+    let (first, second) = (pass(0), pass(120_000));
+    assert_eq!(first.axes.len(), second.axes.len());
+    for (one, other) in first.axes.iter().zip(second.axes) {
+        let moved = other.run_in_c0_deg - one.run_in_c0_deg;
+        assert!(one.lead_mm == 0.0 || (moved.rem_euclid(360.0) - 120.0).abs() < 1e-9, "{moved}");
+    }
+}
