@@ -12,9 +12,11 @@
 //! | `execute` | a block and the [`State`] | calls, in the order of RS274/NGC |
 //! | `fanuc` | a FANUC lathe program | the same calls |
 //! | [`canon`] | calls | text, as LinuxCNC's `rs274` prints it or tidier |
+//! | [`alone`] | one line, one value | a [`Block`], a number |
 //! | [`files`] | tool table, parameter file, machine file | values |
 #![forbid(unsafe_code)]
 
+pub mod alone;
 pub mod block;
 pub mod canon;
 pub mod codes;

@@ -81,10 +81,9 @@ impl Program {
         Ok(Program::new(source, path.parent(), options))
     }
 
-    /// Takes a text. `name` is shown in diagnostics.
-    pub fn from_text(name: &str, text: impl Into<String>, options: &Options) -> Program {
-        let text = text.into().into_bytes();
-        Program::new(Source::from_text(name, text, options.limits.line_length), None, options)
+    /// Takes a text, UTF-8 or not. `name` is shown in diagnostics.
+    pub fn from_text(name: &str, text: impl Into<Vec<u8>>, options: &Options) -> Program {
+        Program::new(Source::from_text(name, text.into(), options.limits.line_length), None, options)
     }
 
     /// Takes what a reader gives until its end, such as standard input.

@@ -15,6 +15,8 @@ use crate::problem::{Blame, Problem, Span};
 
 /// Bytes that are read at once.
 const BUFFER: usize = 1 << 16;
+/// Lines between the places that are kept to find a line again.
+const FAR: u32 = 256;
 
 /// What lines can be read from.
 trait Input: Read + Seek {}
@@ -62,6 +64,8 @@ pub struct Source {
     /// Its second % was met.
     closed: bool,
     beginning: Mark,
+    /// Two lines that were taken not long ago, [`FAR`] lines apart: a text that is asked for again is near.
+    recent: [Mark; 2],
 }
 
 impl Source {
@@ -105,6 +109,7 @@ impl Source {
             tape: false,
             closed: false,
             beginning: Mark::default(),
+            recent: [Mark::default(); 2],
         };
         if source.find_tape().is_err() {
             // What cannot be read is reported when the first line is taken.
@@ -178,6 +183,10 @@ impl Source {
         let number = self.lines + 1;
         let line = self.raw_line().map_err(|error| unreadable(number, &error))?;
         let Some(line) = line else { return Ok(None) };
+        let last = self.recent[1];
+        if last.lines.abs_diff(line.mark.lines) >= FAR {
+            self.recent = [last, line.mark];
+        }
         if line.end - line.start > self.longest {
             return Err(too_long(number, self.longest));
         }
@@ -205,7 +214,8 @@ impl Source {
     }
 
     fn text_at(&mut self, number: u32) -> io::Result<String> {
-        self.go(Mark::default())?;
+        let before = self.recent.into_iter().filter(|mark| mark.lines < number);
+        self.go(before.max_by_key(|mark| mark.lines).unwrap_or_default())?;
         while let Some(line) = self.raw_line()? {
             if line.number() == number {
                 return Ok(printable(self.bytes(&line)));

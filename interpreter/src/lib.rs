@@ -70,7 +70,7 @@ impl Interpreter {
     }
 
     /// An interpreter of a text, in the dialect and with the tools of the machine file.
-    pub fn of_text(name: &str, text: impl Into<String>, machine: &Machine) -> Interpreter {
+    pub fn of_text(name: &str, text: impl Into<Vec<u8>>, machine: &Machine) -> Interpreter {
         Interpreter::new(Program::from_text(name, text, &options::options(machine)), machine)
     }
 

@@ -39,8 +39,10 @@ use crate::flow::Files;
 use crate::options::Options;
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
+use crate::words::Cursor;
 
 use codes::Deed;
+use expression::Values;
 use flow::{Flow, Left};
 use line::{Line, Statement};
 use reading::Reading;
@@ -81,6 +83,32 @@ fn output<'a>(
     waiting: &'a mut Waiting,
 ) -> Output<'a> {
     Output::new(sink, place, problems, waiting)
+}
+
+/// Reads one line at the start of a program, see [`crate::alone::line`].
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn line_alone(text: &[u8], state: &State, options: &Options) -> Result<Block, Box<Problem>> {
+    let (mut line, mut variables) = (Line::default(), Variables::new(&options.parameters));
+    let (block_delete, deepest) = (options.block_delete, options.limits.expression_depth);
+    let mut reading = Reading { text, variables: &mut variables, state, block_delete, deepest };
+    reading.statement(0, 1, &mut line)?;
+    Ok(line.block)
+}
+
+/// Computes one value, see [`crate::alone::value`].
+///
+/// # Errors
+/// There is none, or it cannot be computed.
+pub(crate) fn value_alone(
+    cursor: &mut Cursor,
+    state: &State,
+    options: &Options,
+) -> Result<Option<f64>, Box<Problem>> {
+    let variables = Variables::new(&options.parameters);
+    let deepest = options.limits.expression_depth;
+    Values { variables: &variables, state, deepest, depth: 0 }.value(cursor)
 }
 
 impl Control {
