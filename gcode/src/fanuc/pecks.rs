@@ -42,6 +42,32 @@ impl Way {
     }
 }
 
+/// The way of the cut and the way across it.
+fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>> {
+    let end = block::target(line, state.position)?;
+    let [x, z] = [('P', X), ('Q', Z)].map(|(letter, axis)| {
+        let step = line.increments(letter)?.unwrap_or(0.0);
+        if step < 0.0 {
+            let message = format!("{letter} is {}", short(step));
+            return Err(Problem::error("bad-value", Blame::Word(letter), message, "give 0 or more"));
+        }
+        Ok(Way { from: state.position[axis], to: end[axis], step })
+    });
+    let along_z = code == G(740);
+    let (cut, beside) = if along_z { (z?, x?) } else { (x?, z?) };
+    let peck = if along_z { 'Q' } else { 'P' };
+    if cut.to == cut.from {
+        let message = format!("{code} cuts nothing: it ends where it begins");
+        let help = format!("add {}", if along_z { "Z or W" } else { "X or U" });
+        return Err(Problem::error("missing-word", Blame::G(code), message, help));
+    }
+    if cut.count() * columns(&beside) > MOST {
+        let message = format!("this would take more than {MOST} pecks");
+        return Err(Problem::error("bad-value", Blame::Word(peck), message, "give a greater P or Q"));
+    }
+    Ok((cut, beside))
+}
+
 /// G74, G75.
 ///
 /// # Errors
@@ -68,27 +94,8 @@ pub(super) fn cycle(
         let help = format!("write {code} R0.5 before it: how far a peck goes back");
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     };
-    let end = block::target(line, state.position)?;
-    let [x, z] = [('P', X), ('Q', Z)].map(|(letter, axis)| {
-        let step = line.increments(letter)?.unwrap_or(0.0);
-        if step < 0.0 {
-            let message = format!("{letter} is {}", short(step));
-            return Err(Problem::error("bad-value", Blame::Word(letter), message, "give 0 or more"));
-        }
-        Ok(Way { from: state.position[axis], to: end[axis], step })
-    });
     let along_z = code == G(740);
-    let (cut, beside) = if along_z { (z?, x?) } else { (x?, z?) };
-    let peck = if along_z { 'Q' } else { 'P' };
-    if cut.to == cut.from {
-        let message = format!("{code} cuts nothing: it ends where it begins");
-        let help = format!("add {}", if along_z { "Z or W" } else { "X or U" });
-        return Err(Problem::error("missing-word", Blame::G(code), message, help));
-    }
-    if cut.count() * columns(&beside) > MOST {
-        let message = format!("this would take more than {MOST} pecks");
-        return Err(Problem::error("bad-value", Blame::Word(peck), message, "give a greater P or Q"));
-    }
+    let (cut, beside) = ways(code, line, state)?;
     let aside = if beside.to == beside.from {
         retract.unwrap_or(0.0)
     } else {

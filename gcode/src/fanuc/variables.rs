@@ -32,7 +32,7 @@ impl Variables {
     /// All vacant but those common ones that `set` names.
     pub(super) fn new(set: &[(u32, f64)]) -> Variables {
         let mut variables = Variables { locals: vec![([None; 34], [None; 34])], common: vec![None; 1000] };
-        for (index, value) in set.iter().filter(|(index, _)| is_common(*index)) {
+        for (index, value) in set.iter().filter(|(index, _)| is_shared(*index)) {
             if let Some(slot) = variables.common.get_mut(*index as usize) {
                 *slot = Some(*value);
             }
@@ -69,7 +69,7 @@ impl Variables {
             1..=33 => {
                 Ok(self.locals.last().and_then(|(locals, _)| locals.get(index as usize)).copied().flatten())
             }
-            _ if is_common(index) => Ok(self.common.get(index as usize).copied().flatten()),
+            _ if is_shared(index) => Ok(self.common.get(index as usize).copied().flatten()),
             _ => system(index, state).map(Some).ok_or_else(|| unknown(index, blame)),
         }
     }
@@ -87,7 +87,7 @@ impl Variables {
     ) -> Result<(), Box<Problem>> {
         let slot = match index {
             1..=33 => self.locals.last_mut().and_then(|(locals, _)| locals.get_mut(index as usize)),
-            _ if is_common(index) => self.common.get_mut(index as usize),
+            _ if is_shared(index) => self.common.get_mut(index as usize),
             _ => None,
         };
         if let Some(slot) = slot {
@@ -103,7 +103,7 @@ impl Variables {
     }
 }
 
-fn is_common(index: u32) -> bool {
+fn is_shared(index: u32) -> bool {
     COMMON.iter().any(|range| range.contains(&index))
 }
 

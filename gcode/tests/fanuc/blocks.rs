@@ -1,6 +1,6 @@
 //! Words and plain moves.
 
-use super::common::{errors, linuxcnc, moves, outcome, sound};
+use super::recorded::{errors, linuxcnc, moves, outcome, sound};
 
 #[test]
 fn x_is_a_diameter_and_u_w_count_from_the_point() {
@@ -119,14 +119,14 @@ fn the_turret_turns_without_stopping_the_spindle() {
 
 #[test]
 fn an_offset_moves_the_coordinates() {
-    let mut options = super::common::fanuc();
+    let mut options = super::recorded::fanuc();
     options.tools = gcode::files::ToolTable::parse("tools", "T2 P2 X-10 Z-30 D0.8 Q3\n").unwrap();
     let program = gcode::Program::from_text(
         "O1",
         "G00 X40. Z2.\nT0102\n#1=#5001\n#2=#5002\nG04 U[#1]\nG04 U[#2]\nM30\n",
         &options,
     );
-    let outcome = super::common::run(program);
+    let outcome = super::recorded::run(program);
     assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
     assert_eq!(outcome.record.moves, ["G0 20 2", "dwell 60", "dwell 32"]);
 }

@@ -1,6 +1,6 @@
 //! Cutting cycles.
 
-use super::common::{errors, moves, outcome, sound};
+use super::recorded::{errors, moves, outcome, sound};
 
 #[test]
 fn g90_turns_and_is_repeated() {

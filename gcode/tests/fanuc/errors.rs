@@ -1,6 +1,6 @@
 //! What is refused, and where it is said to be.
 
-use super::common::{errors, outcome};
+use super::recorded::{errors, outcome};
 use proptest::prelude::*;
 
 #[test]
@@ -74,11 +74,11 @@ proptest! {
     fn no_text_brings_it_down(lines in proptest::collection::vec(
         "[/]?(N[1-9])?[ ]?((G(0[0-4]|28|32|50|65|7[0-6]|9[0-9])|M(0[0-9]|98|99|30)|[A-Z,#][-]?[0-9.#\\[\\]]{1,5}|IF|GOTO|WHILE|DO|END|THEN|=|\\[|\\]|[(]A[)]|EQ|SIN)[ ]?){0,7}",
         0..12)) {
-        let mut options = super::common::fanuc();
+        let mut options = super::recorded::fanuc();
         options.limits.blocks_without_motion = 200;
         options.limits.call_depth = 5;
         let mut program = gcode::Program::from_text("O1", lines.join("\n"), &options);
-        let mut record = super::common::Record::default();
+        let mut record = super::recorded::Record::default();
         for _ in 0..3000 {
             if matches!(program.step(&mut record), Ok(gcode::Step::Ended)) {
                 break;

@@ -1,6 +1,6 @@
 //! The programs of `examples/fanuc`.
 
-use super::common::{fanuc, run};
+use super::recorded::{fanuc, run};
 use gcode::Program;
 
 #[test]

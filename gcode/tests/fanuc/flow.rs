@@ -1,6 +1,6 @@
 //! GOTO, WHILE, M98, G65, M99.
 
-use super::common::{errors, fanuc, moves, outcome, run};
+use super::recorded::{errors, fanuc, moves, outcome, run};
 use gcode::{Options, Program};
 
 #[test]

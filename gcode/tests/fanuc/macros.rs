@@ -1,6 +1,6 @@
 //! Custom macro B: variables, expressions, arguments.
 
-use super::common::{errors, moves, value};
+use super::recorded::{errors, moves, value};
 
 #[test]
 fn functions_and_ranks() {
@@ -52,7 +52,7 @@ fn arguments_by_repeated_i_j_k() {
 }
 
 #[test]
-fn locals_belong_to_a_macro_and_commons_to_all() {
+fn locals_belong_to_a_macro_and_shared_ones_to_all() {
     let text = "#1=5\n#100=1\nG65 P9010 A2. L2\nG04 U#1\nG04 U#100\nM30\n\
                 O9010\nG04 U#1\n#1=#1+1\n#100=#100+1\nM99";
     assert_eq!(moves(text), ["dwell 2", "dwell 2", "dwell 5", "dwell 3"]);

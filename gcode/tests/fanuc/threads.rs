@@ -1,6 +1,6 @@
 //! Threads: the same as in the other dialect.
 
-use super::common::{errors, linuxcnc, moves};
+use super::recorded::{errors, linuxcnc, moves};
 
 const START: &str = "G97 S600 M03\nG00 X22. Z8.\n";
 const THERE: &str = "G97 S600 M3\nG0 X22 Z8\n";

@@ -1,6 +1,6 @@
 //! Tool noses, inches, and the other dialect where both say the same.
 
-use super::common::{fanuc, linuxcnc, moves, run};
+use super::recorded::{fanuc, linuxcnc, moves, run};
 use gcode::canon::Units;
 use gcode::files::ToolTable;
 use gcode::{Dialect, Options, Program};

@@ -1,6 +1,6 @@
 //! Blocks that are refused as a whole: words nobody uses, words that are missing, codes that contradict.
 
-use crate::common::{blamed, errors};
+use crate::recorded::{blamed, errors};
 
 #[test]
 fn a_word_that_nothing_uses_is_refused_by_name() {
@@ -45,7 +45,7 @@ fn every_code_uses_only_its_own_words() {
 
 #[test]
 fn the_help_names_the_codes_that_use_the_word() {
-    let outcome = crate::common::outcome("G0 X1 E1\nM2\n");
+    let outcome = crate::recorded::outcome("G0 X1 E1\nM2\n");
     assert!(outcome.errors[0].help.contains("G70, G76, M66, M67 and M68"), "{}", outcome.errors[0].help);
 }
 
@@ -113,7 +113,7 @@ fn values_out_of_range_are_refused() {
 
 #[test]
 fn nothing_of_a_refused_block_is_executed() {
-    let outcome = crate::common::outcome("M3 S100 M8 G0 X1 Q1\nM2\n");
+    let outcome = crate::recorded::outcome("M3 S100 M8 G0 X1 Q1\nM2\n");
     assert!(
         !outcome.record.calls.iter().any(|call| call.contains("StartSpindle") || call.contains("FloodOn"))
     );

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::common::{calls, errors, messages};
+use crate::recorded::{calls, errors, messages};
 
 const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
 

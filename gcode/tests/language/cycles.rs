@@ -1,7 +1,7 @@
 //! G73, G74, G80 to G89.
 
-use crate::common::messages;
 use crate::printed::{moves, printed, refused, warned};
+use crate::recorded::messages;
 
 /// The moves of a program that begins at Z10 with the spindle on.
 fn holes(text: &str) -> Vec<String> {

@@ -1,6 +1,6 @@
 //! Values: operators, functions, numbers.
 
-use super::common::{blamed, messages, value};
+use super::recorded::{blamed, messages, value};
 use proptest::prelude::*;
 
 #[test]
@@ -81,8 +81,8 @@ fn what_has_no_value_is_refused_where_it_stands() {
 #[test]
 fn brackets_have_a_limit_that_is_named() {
     let deep = |depth: usize| format!("#1={}1{}\nM2", "[".repeat(depth), "]".repeat(depth));
-    assert!(super::common::errors(&deep(60)).is_empty());
-    let outcome = super::common::outcome(&deep(1000));
+    assert!(super::recorded::errors(&deep(60)).is_empty());
+    let outcome = super::recorded::outcome(&deep(1000));
     assert_eq!(outcome.errors[0].code, "expression-too-deep");
     assert!(outcome.errors[0].message.contains("expression_depth"));
 }
@@ -91,14 +91,14 @@ proptest! {
     /// A number means the f64 nearest to what is written, however it is written.
     #[test]
     fn numbers_are_read_as_the_standard_library_reads_them(text in "[0-9]{0,25}\\.?[0-9]{1,25}") {
-        let outcome = super::common::outcome(&format!("#1={text}\nM2"));
+        let outcome = super::recorded::outcome(&format!("#1={text}\nM2"));
         prop_assert_eq!(outcome.program.state().memory.numbered(1), text.parse::<f64>().unwrap());
     }
 
     /// No text makes the reader fail in another way than by a diagnostic.
     #[test]
     fn any_expression_is_a_value_or_an_error(text in "[-+*/\\[\\]0-9. #<>a-z]{0,40}") {
-        let outcome = super::common::outcome(&format!("#1={text}\nM2"));
+        let outcome = super::recorded::outcome(&format!("#1={text}\nM2"));
         let value = outcome.program.state().memory.numbered(1);
         prop_assert!(value.is_finite());
     }

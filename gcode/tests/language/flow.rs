@@ -1,6 +1,6 @@
 //! O words, M98 and M99, subroutine files.
 
-use super::common::{blamed, errors, messages, outcome, run};
+use super::recorded::{blamed, errors, messages, outcome, run};
 use gcode::{Limits, Options, Program};
 
 #[test]
@@ -210,7 +210,7 @@ proptest::proptest! {
         let text: String = picks.iter().map(|pick| format!("{}\n", PIECES[*pick])).collect();
         let limits = Limits { blocks_without_motion: 500, call_depth: 8, ..Limits::default() };
         let mut program = Program::from_text("t", text.as_str(), &Options { limits, ..Options::default() });
-        let (mut record, mut lines) = (super::common::Record::default(), Vec::new());
+        let (mut record, mut lines) = (super::recorded::Record::default(), Vec::new());
         for _ in 0..20_000 {
             match program.step(&mut record) {
                 Ok(gcode::Step::Ended) => break,

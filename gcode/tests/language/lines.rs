@@ -1,7 +1,7 @@
 //! G0, G1, G53, polar points, feeds, G38.n.
 
-use crate::common::messages;
 use crate::printed::{last_move, moves, printed, refused};
+use crate::recorded::messages;
 
 #[test]
 fn words_are_points_or_distances() {

@@ -2,7 +2,6 @@
 
 mod arcs;
 mod check;
-mod common;
 mod coordinates;
 mod cycles;
 mod expressions;
@@ -11,6 +10,7 @@ mod lines;
 mod modes;
 mod parameters;
 mod printed;
+mod recorded;
 mod source;
 mod threading;
 mod tools;

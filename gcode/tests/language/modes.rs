@@ -1,6 +1,6 @@
 //! Order of execution, units, G7 G8, feed, path and plane modes, spindle, outputs, stops; M70 to M73.
 
-use crate::common::{calls, errors, messages, outcome};
+use crate::recorded::{calls, errors, messages, outcome};
 
 /// The names of the calls of a block.
 fn names(text: &str) -> Vec<String> {

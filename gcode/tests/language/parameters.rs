@@ -1,6 +1,6 @@
 //! Numbered and named parameters.
 
-use super::common::{blamed, errors, messages, outcome};
+use super::recorded::{blamed, errors, messages, outcome};
 
 #[test]
 fn parameters_may_stand_for_parameters() {

@@ -3,7 +3,7 @@
 use gcode::canon::LinuxcncPrinter;
 use gcode::{Diagnostic, Options, Program, Step};
 
-use crate::common::outcome;
+use crate::recorded::outcome;
 
 /// The calls of a program without fault as LinuxCNC prints them, without numbers, prologue and `M2`; rotary axes that
 /// stand at 0, trailing zeros and the sign of zero are left out.

@@ -1,9 +1,9 @@
 //! Lines: ends, percent signs, long lines, streams, and the way back.
 
-use super::common::{errors, messages, outcome, run};
+use super::recorded::{errors, messages, outcome, run};
 use gcode::{Options, Program};
 
-fn said(outcome: &super::common::Outcome) -> usize {
+fn said(outcome: &super::recorded::Outcome) -> usize {
     outcome.record.calls.iter().filter(|call| call.starts_with("Message")).count()
 }
 

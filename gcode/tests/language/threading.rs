@@ -2,8 +2,8 @@
 
 use gcode::canon::{Degression, ThreadCycle};
 
-use crate::common::messages;
 use crate::printed::{last_move, printed, refused, warned};
+use crate::recorded::messages;
 
 const ON: &str = "G18 S100 M3\n";
 

@@ -3,7 +3,7 @@
 use gcode::files::ToolTable;
 use gcode::{Options, Program};
 
-use crate::common::{Outcome, run};
+use crate::recorded::{Outcome, run};
 
 const TABLE: &str = "T1 P1 Z-85.2 D10\nT12 P3 X-12.4 Z-35.6 D1.6 I95 J155 Q2\n";
 

@@ -1,6 +1,6 @@
 //! Words, comments, N, block delete, and what cannot be read.
 
-use super::common::{blamed, calls, errors, messages, outcome, run};
+use super::recorded::{blamed, calls, errors, messages, outcome, run};
 use gcode::{Options, Program};
 
 const TRAVERSE: &str = "StraightTraverse([1.0, -2.5, 0.0, 0.0, 0.0, 0.0])";
