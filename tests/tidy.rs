@@ -13,10 +13,11 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 7] = [
+const CRATES: [(&str, &[&str]); 8] = [
     ("motion", &[]),
     ("protocol", &["motion"]),
-    ("interpreter", &["protocol", "motion"]),
+    ("gcode", &[]),
+    ("interpreter", &["gcode", "protocol", "motion"]),
     ("interpolator", &["protocol", "motion"]),
     ("regulator", &["protocol", "motion"]),
     ("sim-plant", &["protocol", "motion"]),
