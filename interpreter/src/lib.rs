@@ -34,7 +34,7 @@ mod threading;
 mod time;
 mod translate;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use gcode::{Program, Step};
 use protocol::{Item, Machine};
@@ -54,6 +54,8 @@ pub struct Interpreter {
     translator: Translator,
     queue: VecDeque<Result<Item, Diagnostic>>,
     warnings: Vec<Diagnostic>,
+    /// What the translator has found, and where.
+    reported: BTreeSet<(u16, u32, &'static str)>,
     ended: bool,
 }
 
@@ -65,6 +67,7 @@ impl Interpreter {
             translator: Translator::new(machine),
             queue: VecDeque::new(),
             warnings: Vec::new(),
+            reported: BTreeSet::new(),
             ended: false,
         }
     }
@@ -98,6 +101,10 @@ impl Interpreter {
         }
         self.queue.extend(self.translator.items().map(Ok));
         for (place, problem) in self.translator.problems() {
+            // A line that is run again and again is blamed once.
+            if !self.reported.insert((place.file, place.line, problem.code)) {
+                continue;
+            }
             let diagnostic = self.program.diagnose(place, problem);
             match diagnostic.severity {
                 Severity::Warning => self.warnings.push(diagnostic),

@@ -1,13 +1,15 @@
 //! Straight moves and arcs. In: calls. Out: lines and arcs to absolute points within the travel.
 
-use gcode::canon::{self, FeedMode, Plane, X, Z};
+use gcode::canon::{self, A, B, C, FeedMode, Plane, X, Y, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use protocol::{Axis, Code, Feed, Machine, PerAxis, Position};
 
-use crate::frame::Frame;
 use crate::thread::Point;
 use crate::translate::{Done, Translator, missing, no_axis};
+
+/// Positions closer than this are one, mm or degrees: the quantum of the wire.
+pub(crate) const SAME: f64 = 1e-9;
 
 impl Translator {
     /// G0, G1, and the moves of canned cycles.
@@ -63,14 +65,24 @@ impl Translator {
         Ok(())
     }
 
-    /// The point of the machine that a programmed position means, refused if it lies outside the travel.
-    pub(crate) fn target(&self, to: &gcode::Position) -> Result<Point, Box<Problem>> {
-        if let Some((axis, at)) = Frame::foreign(to) {
-            return Err(no_axis(axis, at));
+    /// The point of the machine that a programmed position means, refused if it lies outside the travel. What has
+    /// been refused before is not refused again before it changes.
+    fn target(&mut self, to: &gcode::Position) -> Result<Point, Box<Problem>> {
+        let asked = self.frame.machine(to);
+        let before = std::mem::replace(&mut self.asked, asked);
+        let new = |axis: usize| asked[axis] != before[axis];
+        if let Some((axis, name)) = [(Y, 'Y'), (A, 'A'), (B, 'B'), (C, 'C')]
+            .into_iter()
+            .find(|(axis, _)| new(*axis) && asked[*axis].abs() > SAME)
+        {
+            return Err(no_axis(name, asked[axis]));
         }
-        let target = self.frame.point(to[X], to[Z]);
-        within_travel(&self.machine, Axis::X, target.x, Blame::Word('X'))?;
-        within_travel(&self.machine, Axis::Z, target.z, Blame::Word('Z'))?;
+        let target = Point { x: asked[X], z: asked[Z] };
+        for (index, axis, at) in [(X, Axis::X, target.x), (Z, Axis::Z, target.z)] {
+            if new(index) {
+                within_travel(&self.machine, axis, at, Blame::Word(if index == X { 'X' } else { 'Z' }))?;
+            }
+        }
         Ok(target)
     }
 

@@ -8,7 +8,7 @@ use gcode::problem::{Blame, short};
 use gcode::{Call, Place, Problem};
 use protocol::{Axis, Code, Feed, ThreadPass};
 
-use crate::moves::within_travel;
+use crate::moves::{SAME, within_travel};
 use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Single, plan};
 use crate::translate::{Done, Translator};
 
@@ -18,8 +18,6 @@ const LEADS: [f64; 2] = [0.001, 1000.0];
 const INFEED_DEG: f64 = 80.0;
 /// Highest degression.
 const DEGRESSION: f64 = 100.0;
-/// Positions closer than this are one, mm: the quantum of the wire.
-const SAME: f64 = 1e-9;
 /// The end of a law may miss the programmed one by this much, mm.
 const ROUNDING: f64 = 1e-8;
 
@@ -77,9 +75,10 @@ impl Translator {
     /// Whether a call is the retract of the G33 that waits; if so, the pass has it now.
     pub(crate) fn retracts(&mut self, call: &Call<'_>) -> bool {
         let Call::StraightTraverse(to) = call else { return false };
-        let Ok(to) = self.target(to) else { return false };
-        let from = self.point;
-        let only_x = (to.z - from.z).abs() < SAME && (to.x - from.x).abs() > SAME;
+        let (from, to) = (self.point, self.frame.point(to[X], to[Z]));
+        let only_x = (to.z - from.z).abs() < SAME
+            && (to.x - from.x).abs() > SAME
+            && within_travel(&self.machine, Axis::X, to.x, Blame::Block).is_ok();
         if only_x {
             self.release(Some(to.x));
         }

@@ -39,6 +39,8 @@ pub(crate) struct Translator {
     surface_speed: bool,
     mist: bool,
     flood: bool,
+    /// Where the last move was to go, whether or not it can.
+    pub(crate) asked: gcode::Position,
     /// The programmed point.
     pub(crate) point: Point,
     /// Where the axes rest; differs from the programmed point after a pass that ran beyond it.
@@ -74,6 +76,7 @@ impl Translator {
             surface_speed: false,
             mist: false,
             flood: false,
+            asked: [point.x, 0.0, point.z, 0.0, 0.0, 0.0],
             point,
             rest: point,
             lead: None,
@@ -245,8 +248,8 @@ impl Translator {
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(place, seconds)?,
-            // S of G96 is m/min, and G96 has been refused.
-            Call::SetSpindleSpeed(_) if self.surface_speed => {}
+            // S of G96 is m/min, and G96 has been refused: any speed will do to find other errors.
+            Call::SetSpindleSpeed(_) if self.surface_speed => self.rpm = 1.0,
             Call::SetSpindleSpeed(rpm) => {
                 let rpm = self.speed(rpm)?;
                 self.set_spindle(place, self.spindle, rpm);
@@ -288,8 +291,19 @@ impl Translator {
 }
 
 impl Sink for Translator {
+    /// Takes a call. What the machine cannot do is reported, and the program goes on: its own state is not disturbed,
+    /// so that what else is wrong is found, and nothing that is not.
     fn call(&mut self, place: Place, call: Call<'_>) -> Done {
         self.line = place.line;
+        if let Err(problem) = self.take(place, call) {
+            self.report(place, *problem);
+        }
+        Ok(())
+    }
+}
+
+impl Translator {
+    fn take(&mut self, place: Place, call: Call<'_>) -> Done {
         match call {
             Call::Comment(_)
             | Call::Note(_)

@@ -273,6 +273,7 @@ fn pass(
     let mut pass = ThreadPass {
         s_rpm: cut.s_rpm,
         direction: cut.direction,
+        start_angle_deg: cut.start_deg,
         lead_mm: cut.lead.z,
         thread_end_deg: thread_end + turn,
         depth_mm: cut.depth_mm,
