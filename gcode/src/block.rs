@@ -85,9 +85,12 @@ pub struct Block {
     present: u32,
     values: [f64; WORDS],
     spans: [Span; WORDS],
-    g: [Option<G>; G_GROUPS],
+    /// Bits of the groups that have a code. Values without their bit are old.
+    g_present: u32,
+    g: [G; G_GROUPS],
     g_spans: [Span; G_GROUPS],
-    m: [Option<M>; M_GROUPS],
+    m_present: u32,
+    m: [M; M_GROUPS],
     m_spans: [Span; M_GROUPS],
     /// The last comment of the line, and whether there is any.
     pub comment: Option<Comment>,
@@ -105,9 +108,11 @@ impl Default for Block {
             present: 0,
             values: [0.0; WORDS],
             spans: [Span::default(); WORDS],
-            g: [None; G_GROUPS],
+            g_present: 0,
+            g: [G(0); G_GROUPS],
             g_spans: [Span::default(); G_GROUPS],
-            m: [None; M_GROUPS],
+            m_present: 0,
+            m: [M(0); M_GROUPS],
             m_spans: [Span::default(); M_GROUPS],
             comment: None,
             assignments: Vec::new(),
@@ -119,9 +124,17 @@ impl Block {
     /// Makes the block an empty one of `line`.
     pub fn clear(&mut self, file: u16, line: u32) {
         (self.file, self.line, self.n, self.n_digits, self.present) = (file, line, None, 0, 0);
-        (self.g, self.m) = ([None; G_GROUPS], [None; M_GROUPS]);
+        (self.g_present, self.m_present) = (0, 0);
         self.comment = None;
         self.assignments.clear();
+    }
+
+    /// Makes the block one of `line` that has nothing but its N word, with the count of its digits.
+    pub(crate) fn begin(&mut self, file: u16, line: u32, number: Option<(u32, u8)>) {
+        self.clear(file, line);
+        if let Some((number, digits)) = number {
+            (self.n, self.n_digits) = (Some(number), digits);
+        }
     }
 
     /// Where its calls come from.
@@ -151,14 +164,15 @@ impl Block {
     /// The block has a code of that group.
     pub fn add_g(&mut self, group: usize, code: G, span: Span) -> Result<(), Box<Problem>> {
         const G80: G = G(800);
-        let other = self.g[group];
+        let other = self.g(group);
         if code == G80 && other.is_some() {
             return Ok(());
         }
         if let Some(other) = other.filter(|other| *other != G80) {
             return Err(excluded(&code.to_string(), &other.to_string(), span));
         }
-        (self.g[group], self.g_spans[group]) = (Some(code), span);
+        self.g_present |= 1 << group;
+        (self.g[group], self.g_spans[group]) = (code, span);
         Ok(())
     }
 
@@ -167,10 +181,11 @@ impl Block {
     /// # Errors
     /// The block has a code of that group.
     pub fn add_m(&mut self, group: usize, code: M, span: Span) -> Result<(), Box<Problem>> {
-        if let Some(other) = self.m[group] {
+        if let Some(other) = self.m(group) {
             return Err(excluded(&code.to_string(), &other.to_string(), span));
         }
-        (self.m[group], self.m_spans[group]) = (Some(code), span);
+        self.m_present |= 1 << group;
+        (self.m[group], self.m_spans[group]) = (code, span);
         Ok(())
     }
 
@@ -196,22 +211,22 @@ impl Block {
 
     /// The G code of a group.
     pub fn g(&self, group: usize) -> Option<G> {
-        self.g[group]
+        (self.g_present >> group & 1 == 1).then(|| self.g[group])
     }
 
     /// The M code of a group.
     pub fn m(&self, group: usize) -> Option<M> {
-        self.m[group]
+        (self.m_present >> group & 1 == 1).then(|| self.m[group])
     }
 
     /// Its G codes.
     pub fn g_codes(&self) -> impl Iterator<Item = G> + '_ {
-        self.g.iter().flatten().copied()
+        places(self.g_present).map(|group| self.g[group])
     }
 
     /// Its M codes.
     pub fn m_codes(&self) -> impl Iterator<Item = M> + '_ {
-        self.m.iter().flatten().copied()
+        places(self.m_present).map(|group| self.m[group])
     }
 
     /// Whether it has any word of X, Y, Z, A, B, C.
@@ -237,8 +252,12 @@ impl Block {
         match blame {
             Blame::Span(span) => Some(span),
             Blame::Word(letter) => self.has(letter).then(|| self.spans[slot(letter)]),
-            Blame::G(code) => self.g.iter().position(|g| *g == Some(code)).map(|group| self.g_spans[group]),
-            Blame::M(code) => self.m.iter().position(|m| *m == Some(code)).map(|group| self.m_spans[group]),
+            Blame::G(code) => {
+                places(self.g_present).find(|group| self.g[*group] == code).map(|group| self.g_spans[group])
+            }
+            Blame::M(code) => {
+                places(self.m_present).find(|group| self.m[*group] == code).map(|group| self.m_spans[group])
+            }
             Blame::Block | Blame::Line(_) => None,
         }
     }
@@ -251,6 +270,15 @@ impl Block {
         }
         point
     }
+}
+
+/// The places of the bits that are set, lowest first.
+fn places(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros();
+        bits &= bits.wrapping_sub(1);
+        (place < u32::BITS).then_some(place as usize)
+    })
 }
 
 fn excluded(code: &str, other: &str, span: Span) -> Box<Problem> {

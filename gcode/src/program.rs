@@ -20,7 +20,7 @@ use crate::codes::{M, m_group};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Done, Output, roughing};
 use crate::fanuc;
-use crate::flow::{Files, Flow};
+use crate::flow::{Files, Flow, Order};
 use crate::options::{Dialect, Options};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 use crate::source::Source;
@@ -62,6 +62,16 @@ pub struct Program {
 struct RunOptions {
     block_delete: bool,
     longest_idle: u64,
+}
+
+/// What a line holds; words are in the block.
+enum Content {
+    Words,
+    /// An O word, or what is wrong with it.
+    Control(Result<Order, Box<Problem>>),
+    /// It is left out.
+    Nothing,
+    End,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -157,10 +167,26 @@ impl Program {
         if self.fanuc.is_some() {
             return self.fanuc_line(sink);
         }
+        match self.read()? {
+            Content::Words => self.execute(sink),
+            Content::Control(order) => self.control(order, sink),
+            Content::Nothing => Ok(()),
+            Content::End => self.end_of_file(sink),
+        }
+    }
+
+    /// Reads the next line.
+    fn read(&mut self) -> Result<Content, Box<Problem>> {
+        let repeating = self.flow.is_repeating();
+        if repeating
+            && let Some(known) = self.flow.read_again(&mut self.reader, &mut self.state, &mut self.block)
+        {
+            return Ok(known?.map_or(Content::Words, |order| Content::Control(Ok(order))));
+        }
         let file = self.flow.files.current() as u16;
         let line = match self.flow.files.take() {
             Ok(Some(line)) => line,
-            Ok(None) => return self.end_of_file(sink),
+            Ok(None) => return Ok(Content::End),
             Err(problem) => {
                 self.block.clear(file, self.flow.files.mark().lines);
                 return Err(problem);
@@ -171,20 +197,31 @@ impl Program {
         let mut cursor = Cursor::new(self.flow.files.bytes(&line));
         let head = head(&mut cursor)?;
         if head.optional && self.options.block_delete {
-            return Ok(());
+            return Ok(Content::Nothing);
         }
-        if let Some((number, digits)) = head.number {
-            (self.block.n, self.block.n_digits) = (Some(number), digits);
-        }
+        self.block.begin(file, line.number(), head.number);
+        self.reader.tape.begin(repeating);
         if cursor.peek() == Some(b'o') {
-            let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
-            let done = self.flow.control(&line, &mut self.reader, &mut self.state, &mut out);
-            return match self.state.recorder.is_on() {
-                true => roughing::end(done, &mut self.state, &mut out),
-                false => done,
-            };
+            return Ok(Content::Control(self.flow.read(&line, &mut self.reader, &self.state)));
         }
         self.reader.words(&mut cursor, &mut self.state, &mut self.block)?;
+        self.flow.remember_words(&line, head, &mut self.reader);
+        Ok(Content::Words)
+    }
+
+    /// Executes an O word.
+    fn control(&mut self, order: Result<Order, Box<Problem>>, sink: &mut Watch) -> Done {
+        let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
+        let done =
+            order.and_then(|order| self.flow.control(&order, &mut self.reader, &mut self.state, &mut out));
+        match self.state.recorder.is_on() {
+            true => roughing::end(done, &mut self.state, &mut out),
+            false => done,
+        }
+    }
+
+    /// Executes the block.
+    fn execute(&mut self, sink: &mut Watch) -> Done {
         let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
         execute::execute(&self.block, &mut self.state, &mut out)?;
         if self.state.ended {

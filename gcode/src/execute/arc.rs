@@ -38,7 +38,8 @@ pub(super) fn arc(code: G, block: &Block, state: &mut State, out: &mut Output) -
     compensation::arc_allowed(block, state)?;
     feed::ready(block, state)?;
     let arc = programmed(code, block, state, out)?;
-    feed::inverse_time(length(&arc, state.plane, &state.position), block, state, out)?;
+    let plane = state.plane;
+    feed::inverse_time(|from| length(&arc, plane, from), block, state, out)?;
     if state.compensation.is_on() {
         return compensation::arc(arc, block, state, out);
     }

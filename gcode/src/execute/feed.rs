@@ -3,7 +3,7 @@
 //! In: a block and the state. Out: nothing, or the feed in units per minute of a move that is to take `1/F` minutes.
 
 use crate::block::Block;
-use crate::canon::{Call, FeedMode};
+use crate::canon::{Call, FeedMode, Position};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
@@ -40,12 +40,17 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
     }
 }
 
-/// Under G93, sends the feed of a move of some length.
-pub(super) fn inverse_time(length: f64, block: &Block, state: &mut State, out: &mut Output) -> Done {
+/// Under G93, sends the feed of a move, whose `length` from the programmed point on is asked for only then.
+pub(super) fn inverse_time(
+    length: impl FnOnce(&Position) -> f64,
+    block: &Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
     if state.feed_mode != FeedMode::InverseTime {
         return Ok(());
     }
-    let feed = length * block.get('F').unwrap_or(0.0);
+    let feed = length(&state.position) * block.get('F').unwrap_or(0.0);
     state.feed = feed;
     out.call(Call::SetFeedRate(feed))
 }

@@ -46,7 +46,7 @@ pub(super) fn straight(code: G, block: &Block, state: &mut State, out: &mut Outp
     }
     let target = target(block, state)?;
     if kind == Kind::Feed {
-        feed::inverse_time(length(&state.position, &target), block, state, out)?;
+        feed::inverse_time(|from| length(from, &target), block, state, out)?;
     }
     compensation::straight_made(state);
     move_to(kind, target, block, state, out)

@@ -9,10 +9,12 @@
 //! | `branches.rs` | if, while, do, repeat, break, continue |
 //! | `calls.rs` | sub, call, return, M98, M99 |
 //! | `skip.rs` | finds the end of what is not executed |
+//! | `again.rs` | remembers the lines of loops and subroutines |
 //!
 //! What is open (an if, a loop) lies on one stack, what was called on another. After the first error nothing is
 //! repeated any more: every line is still looked at once, and the program comes to its end.
 
+mod again;
 mod branches;
 mod calls;
 mod control;
@@ -22,6 +24,7 @@ mod skip;
 
 pub(crate) use files::Files;
 
+use again::Again;
 use branches::Open;
 use calls::Frame;
 use control::{Control, Keyword};
@@ -44,20 +47,24 @@ pub(crate) struct Flow {
     opens: Vec<Open>,
     frames: Vec<Frame>,
     jumps: Jumps,
+    again: Again,
     /// How far each file was searched for subroutines.
     searched: Vec<Mark>,
     block_delete: bool,
     deepest: u32,
+    /// Of the call that is being made.
+    arguments: [f64; ARGUMENTS],
     /// Loops go back: nothing was wrong so far.
     pub(crate) repeats: bool,
 }
 
 /// An O word with its values.
-struct Order {
+pub(crate) struct Order {
     control: Control,
+    /// Where its line begins.
+    at: Mark,
     /// Condition, number of turns or value that is returned.
     value: Option<f64>,
-    arguments: [f64; ARGUMENTS],
 }
 
 impl Flow {
@@ -69,27 +76,28 @@ impl Flow {
             opens: Vec::new(),
             frames: Vec::new(),
             jumps: Jumps::new(),
+            again: Again::new(),
             searched: Vec::new(),
             block_delete,
             deepest,
+            arguments: [0.0; ARGUMENTS],
             repeats: true,
         }
     }
 
-    /// Reads and executes the O word of the line that was taken last.
+    /// Executes the O word of the line that was read last.
     ///
     /// # Errors
-    /// It is misspelled, its values cannot be computed, or it stands where it cannot.
+    /// It stands where it cannot.
     pub(crate) fn control(
         &mut self,
-        line: &Line,
+        order: &Order,
         reader: &mut Reader,
         state: &mut State,
         out: &mut Output,
     ) -> Done {
-        let order = self.read(line, reader, state)?;
-        let Order { control, value, .. } = order;
-        let (label, at) = (control.label, line.mark);
+        let Order { control, at, value } = *order;
+        let label = control.label;
         let truth = value.is_some_and(|value| value != 0.0);
         match control.keyword {
             Keyword::If => self.begin_if(label, truth, at, reader, state),
@@ -104,22 +112,34 @@ impl Flow {
             Keyword::Break => self.leave_loop(label, at, reader, state),
             Keyword::Continue => self.next_turn(label, at, reader, state),
             Keyword::Sub => self.pass_over(label, at, reader, state),
-            Keyword::Call => self.call(label, &order.arguments, reader, state),
+            Keyword::Call => {
+                let arguments = self.arguments;
+                self.call(label, &arguments, reader, state)
+            }
             Keyword::Return | Keyword::EndSub => self.end_sub(control, value, state, out),
             Keyword::Program => Ok(()),
         }
     }
 
-    fn read(&mut self, line: &Line, reader: &mut Reader, state: &State) -> Result<Order, Box<Problem>> {
+    /// Reads the O word of the line that was taken last.
+    ///
+    /// # Errors
+    /// It is misspelled, or its values cannot be computed.
+    pub(crate) fn read(
+        &mut self,
+        line: &Line,
+        reader: &mut Reader,
+        state: &State,
+    ) -> Result<Order, Box<Problem>> {
         let mut cursor = Cursor::new(self.files.bytes(line));
-        head(&mut cursor)?;
+        let head = head(&mut cursor)?;
         let control = control::read(&mut cursor, &mut self.labels, reader, state)?;
-        let mut order = Order { control, value: None, arguments: [0.0; ARGUMENTS] };
+        reader.tape.forget_label();
+        let mut order = Order { control, at: line.mark, value: None };
+        if self.is_passed(control) {
+            return Ok(order);
+        }
         match control.keyword {
-            // A branch that cannot be taken any more is not evaluated.
-            Keyword::ElseIf if self.open().is_some_and(|open| open.is_taken(control.label)) => {
-                return Ok(order);
-            }
             Keyword::If | Keyword::ElseIf | Keyword::While | Keyword::Repeat => {
                 match control::value(control.keyword, &mut cursor, reader, state) {
                     Ok(value) => order.value = Some(value),
@@ -132,11 +152,17 @@ impl Flow {
             Keyword::Return | Keyword::EndSub if cursor.peek() == Some(b'[') => {
                 order.value = Some(reader.values(state).bracket(&mut cursor)?);
             }
-            Keyword::Call => order.arguments = control::arguments(&mut cursor, reader, state)?,
+            Keyword::Call => self.arguments = control::arguments(&mut cursor, reader, state)?,
             _ => {}
         }
         control::comments(&mut cursor, reader, false)?;
+        self.remember(line, head, Some(control), reader);
         Ok(order)
+    }
+
+    /// Whether it is a branch that cannot be taken any more; its condition is not evaluated.
+    fn is_passed(&self, control: Control) -> bool {
+        control.keyword == Keyword::ElseIf && self.open().is_some_and(|open| open.is_taken(control.label))
     }
 
     /// What was begun last in the subroutine that is executed.

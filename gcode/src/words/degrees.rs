@@ -9,7 +9,7 @@
 //! | a = h + l, l of the order of an ulp of h | the angle, radians |
 //! | sin a = sin h + l cos h, cos a = cos h - l sin h | its sine and cosine |
 
-use libm::{cos, sin, tan};
+use libm::{sincos, tan};
 use std::f64::consts::PI;
 
 /// π of 64 bits is `PI + PI_LOW`.
@@ -41,13 +41,15 @@ fn rounded(high: f64, low: f64) -> Radians {
 /// Sine of an angle in degrees.
 pub(crate) fn sine(degrees: f64) -> f64 {
     let Radians { high, low } = Radians::from_degrees(degrees);
-    sin(high) + low * cos(high)
+    let (sin, cos) = sincos(high);
+    sin + low * cos
 }
 
 /// Cosine of an angle in degrees.
 pub(crate) fn cosine(degrees: f64) -> f64 {
     let Radians { high, low } = Radians::from_degrees(degrees);
-    cos(high) - low * sin(high)
+    let (sin, cos) = sincos(high);
+    cos - low * sin
 }
 
 /// Tangent of an angle in degrees.
@@ -58,6 +60,11 @@ pub(crate) fn tangent(degrees: f64) -> f64 {
         return sine(degrees) / cosine(degrees);
     }
     tangent + low * (1.0 + tangent * tangent)
+}
+
+/// The angle of a point, -180 to 180 degrees.
+pub(super) fn arc_tangent(y: f64, x: f64) -> f64 {
+    from_radians(libm::atan2(y, x))
 }
 
 /// Radians in degrees: 180 times the angle, divided by π of 64 bits.

@@ -9,7 +9,8 @@ use super::cursor::Cursor;
 use super::degrees;
 use super::memory::LAST;
 use super::number::number;
-use super::operator::{OPERATORS, Operator};
+use super::operator::Operator;
+use super::tape::{Operation, Tape};
 use crate::execute::system;
 use crate::problem::{Problem, Span, short};
 use crate::state::State;
@@ -27,6 +28,8 @@ pub(crate) struct Values<'a> {
     pub(crate) depth: u32,
     /// The name of a parameter is put together here.
     pub(crate) name: &'a mut String,
+    /// Notes what is done.
+    pub(super) tape: &'a mut Tape,
 }
 
 impl Values<'_> {
@@ -37,17 +40,29 @@ impl Values<'_> {
     #[inline]
     pub(crate) fn value(&mut self, cursor: &mut Cursor) -> Value {
         match cursor.peek() {
-            Some(b'0'..=b'9' | b'.') => number(cursor),
+            Some(b'0'..=b'9' | b'.') => self.number(false, cursor),
             Some(b'-') => {
                 cursor.skip();
                 match cursor.peek() {
-                    Some(b'0'..=b'9' | b'.') => number(cursor).map(|value| -value),
-                    _ => self.nested(cursor, Values::value).map(|value| -value),
+                    Some(b'0'..=b'9' | b'.') => self.number(true, cursor),
+                    _ => {
+                        let value = self.nested(cursor, Values::value)?;
+                        self.tape.note(Operation::Negate);
+                        Ok(-value)
+                    }
                 }
             }
             Some(first) => self.other_value(first, cursor),
             None => Err(missing_value(cursor)),
         }
+    }
+
+    #[inline]
+    fn number(&mut self, negative: bool, cursor: &mut Cursor) -> Value {
+        let value = number(cursor)?;
+        let value = if negative { -value } else { value };
+        self.tape.note(Operation::Value(value));
+        Ok(value)
     }
 
     fn other_value(&mut self, first: u8, cursor: &mut Cursor) -> Value {
@@ -87,10 +102,15 @@ impl Values<'_> {
     fn parameter(&mut self, start: u32, cursor: &mut Cursor) -> Value {
         if cursor.peek() == Some(b'<') {
             self.read_name(start, cursor)?;
+            match self.state.memory.find(self.name) {
+                Some(name) => self.tape.note(Operation::Named(name)),
+                None => self.tape.spoil(),
+            }
             return self.named().ok_or_else(|| self.never_set(cursor.span(start)));
         }
         let index = self.index(start, cursor)?;
-        if (5420..=5428).contains(&index) && self.state.compensation.is_on() {
+        self.tape.note(Operation::Indirect);
+        if !readable(index, self.state) {
             let code = self.state.compensation.code();
             let message = format!("#{index} is no position of the contour while {code} is on");
             return Err(cursor.error_from(start, "compensation-on", message, "end it with G40 before"));
@@ -103,15 +123,15 @@ impl Values<'_> {
     /// # Errors
     /// There is no parameter of this number.
     pub(crate) fn index(&mut self, start: u32, cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
-        let index = self.nested(cursor, Values::value)?;
-        match whole(index) {
-            Some(whole) if (1..=i64::from(LAST)).contains(&whole) => Ok(whole as u32),
-            _ => {
-                let message = format!("there is no parameter number {}", short(index));
-                let help = format!("use a whole number from 1 to {LAST}");
-                Err(cursor.error_from(start, "bad-parameter", message, help))
-            }
-        }
+        let index = match cursor.peek() {
+            Some(b'0'..=b'9') => self.number(false, cursor)?,
+            _ => self.nested(cursor, Values::value)?,
+        };
+        parameter_number(index).ok_or_else(|| {
+            let message = format!("there is no parameter number {}", short(index));
+            let help = format!("use a whole number from 1 to {LAST}");
+            cursor.error_from(start, "bad-parameter", message, help)
+        })
     }
 
     /// Reads `<name>` into `name`: lower case, without blanks.
@@ -165,13 +185,14 @@ impl Values<'_> {
     fn chain(&mut self, rank: u8, cursor: &mut Cursor) -> Result<(f64, Option<Operator>), Box<Problem>> {
         let start = cursor.mark();
         let mut value = self.value(cursor)?;
-        let mut next = cursor.take_name(&OPERATORS);
+        let mut next = Operator::take(cursor);
         while let Some(operator) = next.filter(|operator| operator.rank() >= rank) {
             let (right, behind) = self.chain(operator.rank() + 1, cursor)?;
             value = operator.apply(value, right).map_err(|reason| arithmetic(cursor, start, reason))?;
             if !value.is_finite() {
                 return Err(arithmetic(cursor, start, "the value is too large for a number"));
             }
+            self.tape.note(Operation::Operator(operator));
             next = behind;
         }
         Ok((value, next))
@@ -187,6 +208,7 @@ impl Values<'_> {
                 let argument = self.bracket(cursor)?;
                 let value = function(argument);
                 if value.is_finite() {
+                    self.tape.note(Operation::Function(function));
                     return Ok(value);
                 }
                 let reason = format!("{name} of {} has no value", short(argument));
@@ -203,7 +225,8 @@ impl Values<'_> {
             return Err(cursor.error_here("missing-value", "the / of ATAN is missing here", help));
         }
         let x = self.bracket(cursor)?;
-        Ok(degrees::from_radians(libm::atan2(y, x)))
+        self.tape.note(Operation::ArcTangent);
+        Ok(degrees::arc_tangent(y, x))
     }
 
     /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0.
@@ -214,12 +237,24 @@ impl Values<'_> {
             return Err(cursor.error_here("missing-value", "the name of a parameter is missing here", help));
         }
         self.read_name(start, cursor)?;
+        self.tape.spoil();
         if !cursor.take_if(b']') {
             let help = "close every [ with a ]";
             return Err(cursor.error_here("missing-bracket", "the closing bracket is missing", help));
         }
         Ok(f64::from(self.named().is_some()))
     }
+}
+
+/// Whether `#index` has a value: the compensation hides where the contour is.
+pub(super) fn readable(index: u32, state: &State) -> bool {
+    !((5420..=5428).contains(&index) && state.compensation.is_on())
+}
+
+/// The number of a parameter, if there is one of this number.
+#[inline]
+pub(super) fn parameter_number(value: f64) -> Option<u32> {
+    whole(value).filter(|number| (1..=i64::from(LAST)).contains(number)).map(|number| number as u32)
 }
 
 /// The value of `#index`.
@@ -256,7 +291,9 @@ pub(crate) fn read_name(name: &mut String, start: u32, cursor: &mut Cursor) -> R
         let help = "names are made of letters, digits and signs such as _ and -";
         return Err(cursor.error_from(start, "bad-character", "this is not the name of anything", help));
     }
-    name.extend(bytes.iter().filter(|byte| !blank(byte)).map(|byte| char::from(byte.to_ascii_lowercase())));
+    for byte in bytes.iter().filter(|byte| !blank(byte)) {
+        name.push(char::from(byte.to_ascii_lowercase()));
+    }
     if name.is_empty() {
         let help = "put letters between < and >, as in #<depth>";
         return Err(cursor.error_from(start, "missing-value", "the name is empty", help));
@@ -282,20 +319,21 @@ enum Function {
     Exists,
 }
 
+/// Those that are used most come first.
 const FUNCTIONS: [(&str, Function); 14] = [
+    ("sin", Function::Real("SIN", degrees::sine)),
+    ("cos", Function::Real("COS", degrees::cosine)),
+    ("sqrt", Function::Real("SQRT", f64::sqrt)),
     ("abs", Function::Real("ABS", f64::abs)),
     ("acos", Function::Real("ACOS", |x| degrees::from_radians(libm::acos(x)))),
     ("asin", Function::Real("ASIN", |x| degrees::from_radians(libm::asin(x)))),
     ("atan", Function::Atan),
-    ("cos", Function::Real("COS", degrees::cosine)),
     ("exists", Function::Exists),
     ("exp", Function::Real("EXP", libm::exp)),
     ("fix", Function::Real("FIX", f64::floor)),
     ("fup", Function::Real("FUP", f64::ceil)),
     ("ln", Function::Real("LN", libm::log)),
     ("round", Function::Real("ROUND", f64::round)),
-    ("sin", Function::Real("SIN", degrees::sine)),
-    ("sqrt", Function::Real("SQRT", f64::sqrt)),
     ("tan", Function::Real("TAN", degrees::tangent)),
 ];
 

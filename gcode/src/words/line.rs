@@ -4,7 +4,9 @@
 use super::comment::{comment, speaks};
 use super::cursor::Cursor;
 use super::expression::{Values, whole};
+use super::memory::Name;
 use super::number::number;
+use super::tape::{Operation, Tape, replay};
 use crate::block::Block;
 use crate::codes::{G, M, g_group, m_group};
 use crate::execute::system;
@@ -17,11 +19,13 @@ const LAST_N: u32 = 99_999_999;
 type Done = Result<(), Box<Problem>>;
 
 /// What stands on the left of `=`.
-enum Target {
+pub(super) enum Target {
     Number(u32),
-    /// The name ends at this byte of `names`, and begins where the one before ends.
-    Name(usize),
+    Name(Name),
 }
+
+/// A parameter and its new value.
+pub(super) type Assignment = (Target, f64);
 
 /// Fills blocks. What it needs on the way is kept, so that a line allocates nothing.
 pub(crate) struct Reader {
@@ -29,8 +33,11 @@ pub(crate) struct Reader {
     deepest: u32,
     /// The name of a parameter that is being read.
     pub(crate) name: String,
-    assignments: Vec<(Target, f64)>,
-    names: String,
+    assignments: Vec<Assignment>,
+    /// Notes what is done.
+    pub(crate) tape: Tape,
+    /// Values that are left when a line is done again.
+    pub(crate) stack: Vec<f64>,
     /// Notes on the line read last.
     pub(crate) warnings: Vec<Problem>,
 }
@@ -38,14 +45,20 @@ pub(crate) struct Reader {
 impl Reader {
     /// A reader for values of at most `deepest` brackets, signs and `#` inside each other.
     pub(crate) fn new(deepest: u32) -> Reader {
-        let (name, names) = (String::new(), String::new());
-        Reader { deepest, name, assignments: Vec::new(), names, warnings: Vec::new() }
+        Reader {
+            deepest,
+            name: String::new(),
+            assignments: Vec::new(),
+            tape: Tape::default(),
+            stack: Vec::new(),
+            warnings: Vec::new(),
+        }
     }
 
     /// Reads values with the parameters of a state.
     #[inline]
     pub(crate) fn values<'a>(&'a mut self, state: &'a State) -> Values<'a> {
-        Values { state, deepest: self.deepest, depth: 0, name: &mut self.name }
+        Values { state, deepest: self.deepest, depth: 0, name: &mut self.name, tape: &mut self.tape }
     }
 
     /// Reads the words of a line from the cursor to its end, and sets the parameters that it sets.
@@ -54,24 +67,28 @@ impl Reader {
     /// The first thing that is wrong. No parameter is set then.
     pub(crate) fn words(&mut self, cursor: &mut Cursor, state: &mut State, block: &mut Block) -> Done {
         self.assignments.clear();
-        self.names.clear();
         let mut last = None;
         while let Some(first) = cursor.peek() {
             match first {
                 b'g' => {
                     let (value, span) = self.word(cursor, state)?;
                     add_g(value, span, block)?;
+                    self.tape.note(Operation::G(span));
                 }
                 b'm' => {
                     let (value, span) = self.word(cursor, state)?;
                     add_m(value, span, state.call_level > 0, block)?;
+                    self.tape.note(Operation::M(span));
                 }
                 b'n' | b'o' => return Err(misplaced(first, cursor)),
                 b'a'..=b'z' | b'@' | b'^' | b'$' => {
                     let (value, span) = self.word(cursor, state)?;
-                    block.add(char::from(first.to_ascii_uppercase()), value, span)?;
+                    let letter = first.to_ascii_uppercase();
+                    block.add(char::from(letter), value, span)?;
+                    self.tape.note(Operation::Word(letter, span));
                 }
                 b'(' => {
+                    self.tape.spoil();
                     let hidden = last.replace(parentheses(cursor)?);
                     self.warn_if_speaking(hidden);
                 }
@@ -96,16 +113,29 @@ impl Reader {
         Ok((value, cursor.span(start)))
     }
 
+    /// Does a line again. `None`: it has to be read; nothing happened but to the block.
+    pub(crate) fn replay(
+        &mut self,
+        operations: &[Operation],
+        state: &mut State,
+        block: &mut Block,
+    ) -> Option<()> {
+        self.stack.clear();
+        self.assignments.clear();
+        replay(operations, state, block, &mut self.stack, &mut self.assignments)?;
+        self.assign(state);
+        Some(())
+    }
+
     /// `#1=..` and `#<name>=..`.
-    fn assignment(&mut self, cursor: &mut Cursor, state: &State) -> Done {
+    fn assignment(&mut self, cursor: &mut Cursor, state: &mut State) -> Done {
         let start = cursor.mark();
         cursor.skip();
         let mut values = self.values(state);
         let target = if cursor.peek() == Some(b'<') {
             values.read_name(start, cursor)?;
             writable_name(values.name, cursor.span(start), state)?;
-            self.names.push_str(&self.name);
-            Target::Name(self.names.len())
+            Target::Name(state.memory.note(&self.name))
         } else {
             let index = values.index(start, cursor)?;
             if system::is_read_only(index, state) {
@@ -119,20 +149,20 @@ impl Reader {
             return Err(cursor.error_here("missing-value", "= is missing here", help));
         }
         let value = self.values(state).value(cursor)?;
+        self.tape.note(match target {
+            Target::Number(_) => Operation::SetNumbered,
+            Target::Name(name) => Operation::SetNamed(name),
+        });
         self.assignments.push((target, value));
         Ok(())
     }
 
     /// Sets the parameters that the line sets.
     fn assign(&mut self, state: &mut State) {
-        let mut start = 0;
         for (target, value) in &self.assignments {
             match target {
                 Target::Number(index) => state.memory.set_numbered(*index, *value),
-                Target::Name(end) => {
-                    state.memory.set_named(self.names.get(start..*end).unwrap_or(""), *value);
-                    start = *end;
-                }
+                Target::Name(name) => state.memory.set_at(*name, *value),
             }
         }
     }
@@ -153,7 +183,7 @@ impl Reader {
 }
 
 /// What comes before the words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Head {
     /// `/`: the line is left out if optional lines are.
     pub(crate) optional: bool,
@@ -232,7 +262,7 @@ fn readable(bytes: &[u8], start: u32) -> Result<&str, Box<Problem>> {
     Err(Problem::error("bad-character", blame, format!("the comment holds {what}"), help))
 }
 
-fn add_g(value: f64, span: Span, block: &mut Block) -> Done {
+pub(super) fn add_g(value: f64, span: Span, block: &mut Block) -> Done {
     let code = whole(10.0 * value).and_then(|code| u16::try_from(code).ok()).map(G);
     match code.and_then(|code| Some((g_group(code)?, code))) {
         Some((group, code)) => block.add_g(group, code, span),
@@ -241,7 +271,7 @@ fn add_g(value: f64, span: Span, block: &mut Block) -> Done {
 }
 
 /// `called`: M99 returns to the caller; elsewhere it is M2 (as in LinuxCNC without its endless programs).
-fn add_m(value: f64, span: Span, called: bool, block: &mut Block) -> Done {
+pub(super) fn add_m(value: f64, span: Span, called: bool, block: &mut Block) -> Done {
     let code = whole(value).and_then(|code| u16::try_from(code).ok()).map(M);
     let code = code.map(|code| if code == M(99) && !called { M(2) } else { code });
     match code.and_then(|code| Some((m_group(code)?, code))) {

@@ -13,6 +13,21 @@ pub const ARGUMENTS: usize = 30;
 /// `(DEBUG,...)` is shown while this is positive.
 pub const DEBUG_SHOWN: u32 = 5599;
 
+/// A name that was met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// How many names were met before it.
+    index: usize,
+    global: bool,
+}
+
+impl Name {
+    /// Whether it belongs to the program and not to the call level.
+    pub fn is_global(self) -> bool {
+        self.global
+    }
+}
+
 /// Values of named parameters, by the number of their name.
 type Values = Vec<Option<f64>>;
 
@@ -21,7 +36,7 @@ type Values = Vec<Option<f64>>;
 pub struct Memory {
     /// `#0` is never used.
     numbered: Vec<f64>,
-    names: BTreeMap<Box<str>, usize>,
+    names: BTreeMap<Box<str>, Name>,
     globals: Values,
     /// One for each call level; those above `level` wait to be used again.
     locals: Vec<Values>,
@@ -60,27 +75,44 @@ impl Memory {
 
     /// The value of `#<name>`, if it is set.
     pub fn named(&self, name: &str) -> Option<f64> {
-        let index = *self.names.get(name)?;
-        let values = if is_global(name) { &self.globals } else { self.locals.get(self.level)? };
-        values.get(index).copied().flatten()
+        self.at(self.find(name)?)
     }
 
     /// Sets `#<name>`.
     pub fn set_named(&mut self, name: &str, value: f64) {
-        let index = match self.names.get(name) {
-            Some(index) => *index,
-            None => {
-                let index = self.names.len();
-                self.names.insert(name.into(), index);
-                index
-            }
-        };
-        let values = if is_global(name) { Some(&mut self.globals) } else { self.locals.get_mut(self.level) };
-        let Some(values) = values else { return };
-        if values.len() <= index {
-            values.resize(index + 1, None);
+        let name = self.note(name);
+        self.set_at(name, value);
+    }
+
+    /// A name, if it was met before.
+    pub(crate) fn find(&self, name: &str) -> Option<Name> {
+        self.names.get(name).copied()
+    }
+
+    /// A name that is met.
+    pub(crate) fn note(&mut self, name: &str) -> Name {
+        if let Some(known) = self.find(name) {
+            return known;
         }
-        if let Some(slot) = values.get_mut(index) {
+        let known = Name { index: self.names.len(), global: name.starts_with('_') };
+        self.names.insert(name.into(), known);
+        known
+    }
+
+    /// The value of a name, if it is set.
+    pub(crate) fn at(&self, name: Name) -> Option<f64> {
+        let values = if name.global { &self.globals } else { self.locals.get(self.level)? };
+        values.get(name.index).copied().flatten()
+    }
+
+    /// Sets a name.
+    pub(crate) fn set_at(&mut self, name: Name, value: f64) {
+        let values = if name.global { Some(&mut self.globals) } else { self.locals.get_mut(self.level) };
+        let Some(values) = values else { return };
+        if values.len() <= name.index {
+            values.resize(name.index + 1, None);
+        }
+        if let Some(slot) = values.get_mut(name.index) {
             *slot = Some(value);
         }
     }
@@ -109,8 +141,4 @@ impl Memory {
             slots.copy_from_slice(&saved);
         }
     }
-}
-
-fn is_global(name: &str) -> bool {
-    name.starts_with('_')
 }

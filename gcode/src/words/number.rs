@@ -40,7 +40,7 @@ pub(crate) fn number(cursor: &mut Cursor) -> Result<f64, Box<Problem>> {
     let goes_on = matches!(cursor.peek(), Some(b'0'..=b'9' | b'.'));
     match POWERS.get(decimals) {
         Some(power) if (1..=DIGITS).contains(&(whole + decimals)) && digits <= EXACT && !goes_on => {
-            Ok(digits as f64 / power)
+            Ok(if decimals == 0 { digits as f64 } else { digits as f64 / power })
         }
         _ => long_number(before, cursor),
     }

@@ -1,5 +1,7 @@
 //! Operators between two values. In: two numbers. Out: a number; 1 or 0 for comparisons and logic.
 
+use super::cursor::Cursor;
+
 /// Numbers that differ by less than this are equal for EQ, NE, GE and LE (LinuxCNC's value).
 const EQUAL: f64 = 1e-6;
 
@@ -23,13 +25,8 @@ pub(crate) enum Operator {
     ExclusiveOr,
 }
 
-/// How operators are written; `**` before `*`.
-pub(crate) const OPERATORS: [(&str, Operator); 15] = [
-    ("+", Operator::Plus),
-    ("-", Operator::Minus),
-    ("**", Operator::Power),
-    ("*", Operator::Times),
-    ("/", Operator::Divide),
+/// Operators that are written as words.
+const NAMES: [(&str, Operator); 10] = [
     ("lt", Operator::Less),
     ("le", Operator::LessOrEqual),
     ("gt", Operator::Greater),
@@ -43,6 +40,21 @@ pub(crate) const OPERATORS: [(&str, Operator); 15] = [
 ];
 
 impl Operator {
+    /// Takes an operator, if one comes next.
+    #[inline]
+    pub(super) fn take(cursor: &mut Cursor) -> Option<Operator> {
+        let sign = match cursor.peek()? {
+            b'+' => Operator::Plus,
+            b'-' => Operator::Minus,
+            b'*' => Operator::Times,
+            b'/' => Operator::Divide,
+            b'a'..=b'z' => return cursor.take_name(&NAMES),
+            _ => return None,
+        };
+        cursor.skip();
+        Some(if sign == Operator::Times && cursor.take_if(b'*') { Operator::Power } else { sign })
+    }
+
     /// Operators of higher rank come first.
     pub(crate) fn rank(self) -> u8 {
         use Operator::*;
