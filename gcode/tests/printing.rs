@@ -8,22 +8,22 @@ fn linuxcnc(calls: &[(Place, Call<'_>)]) -> String {
     let mut text = Vec::new();
     let mut printer = LinuxcncPrinter::new(&mut text);
     for (place, call) in calls {
-        printer.call(*place, *call).unwrap();
+        printer.call(*place, *call).expect("a buffer takes everything");
     }
-    printer.flush().unwrap();
+    printer.flush().expect("a buffer takes everything");
     drop(printer);
-    String::from_utf8(text).unwrap()
+    String::from_utf8(text).expect("a buffer takes everything")
 }
 
 fn plain(calls: &[Call<'_>]) -> String {
     let mut text = Vec::new();
     let mut printer = PlainPrinter::new(&mut text, Units::Millimetre);
     for call in calls {
-        printer.call(Place::default(), *call).unwrap();
+        printer.call(Place::default(), *call).expect("a buffer takes everything");
     }
-    printer.flush().unwrap();
+    printer.flush().expect("a buffer takes everything");
     drop(printer);
-    String::from_utf8(text).unwrap()
+    String::from_utf8(text).expect("a buffer takes everything")
 }
 
 /// The line of one call, without its number and N.
@@ -170,7 +170,9 @@ impl std::io::Write for Full {
 #[test]
 fn a_full_disk_ends_the_program_and_is_told_at_the_end_too() {
     let mut printer = LinuxcncPrinter::new(Full);
-    let error = (0..10_000).find_map(|_| printer.call(Place::default(), Call::MistOn).err()).unwrap();
+    let error = (0..10_000)
+        .find_map(|_| printer.call(Place::default(), Call::MistOn).err())
+        .expect("a buffer takes everything");
     assert_eq!(error.code, "output");
     assert_eq!(printer.flush().unwrap_err().kind(), std::io::ErrorKind::StorageFull);
 }

@@ -74,7 +74,7 @@ fn sign(out: &mut Vec<u8>, value: f64) {
 /// `|value| power` rounded to the nearest whole number, ties to even; `None` if it is too large or not finite.
 fn scaled(value: f64, power: u64) -> Option<u64> {
     let magnitude = value.abs();
-    if !(magnitude < LARGE) {
+    if magnitude.is_nan() || magnitude >= LARGE {
         return None;
     }
     let bits = magnitude.to_bits();

@@ -214,7 +214,13 @@ impl<W: Write> PlainPrinter<W> {
 }
 
 impl<W: Write> Sink for PlainPrinter<W> {
-    fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+    fn call(&mut self, _: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+        self.print(call)
+    }
+}
+
+impl<W: Write> PlainPrinter<W> {
+    fn print(&mut self, call: Call<'_>) -> Result<(), Box<Problem>> {
         if !self.begun {
             self.begun = true;
             self.lines.text("USE_LENGTH_UNITS(CANON_UNITS_MM)");
@@ -224,7 +230,7 @@ impl<W: Write> Sink for PlainPrinter<W> {
             return Ok(());
         }
         match call {
-            Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
+            Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.print(call)),
             Call::StraightFeed(end) => self.position("STRAIGHT_FEED(", &end),
             Call::StraightTraverse(end) => self.position("STRAIGHT_TRAVERSE(", &end),
             Call::ArcFeed(arc) => self.arc(&arc),

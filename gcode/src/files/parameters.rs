@@ -1,7 +1,7 @@
 //! The parameter file: numbered parameters that outlive a run, in the form that LinuxCNC keeps them in.
 //!
 //! ```text
-//! 5161	0.000000        number, blank, value; numbers go up
+//! 5161 0.000000        number, tab, value; numbers go up
 //! ```
 //! Other lines are passed over. A run keeps the parameters that the file names, and those that every file must have:
 //! home positions, offsets of G92 and of the coordinate systems.

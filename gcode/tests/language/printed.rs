@@ -13,9 +13,9 @@ pub(crate) fn printed(text: &str) -> Vec<String> {
     let mut printer = LinuxcncPrinter::new(&mut bytes);
     while program.step(&mut printer).unwrap_or_else(|error| panic!("{}", error.render(false))) == Step::More {
     }
-    printer.flush().unwrap();
+    printer.flush().expect("a buffer takes everything");
     drop(printer);
-    let text = String::from_utf8(bytes).unwrap();
+    let text = String::from_utf8(bytes).expect("a buffer takes everything");
     let calls = text.lines().filter_map(|line| line.split_once(" N..... "));
     let calls = calls.map(|(_, call)| call).skip_while(|call| *call != "ON_RESET()").skip(1);
     calls.take_while(|call| *call != "PROGRAM_STOP()").map(tidy).collect()
