@@ -4,7 +4,7 @@
 //! the first of its file, a subprogram another of the same file, or a file of its own, `O1000.nc`. A place that was
 //! searched once is remembered: a loop does not search again.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::flow::Files;
 use crate::problem::{Blame, Problem};
@@ -58,6 +58,8 @@ pub(super) struct Flow {
     /// Lines that were searched for: from a file and a line.
     found: BTreeMap<(usize, u32, Wanted), Mark>,
     programs: BTreeMap<u32, (usize, Mark)>,
+    /// Programs that were called since the first error: they are looked through once, too.
+    looked: BTreeSet<u32>,
     deepest: u32,
     /// Nothing was wrong so far. From the first error on nothing is repeated: the rest is looked through once.
     pub(super) repeats: bool,
@@ -85,6 +87,7 @@ impl Flow {
             loops: Vec::new(),
             found: BTreeMap::new(),
             programs: BTreeMap::new(),
+            looked: BTreeSet::new(),
             deepest,
             repeats: true,
         }
@@ -209,13 +212,19 @@ impl Flow {
         files.go(files.current(), open.at)
     }
 
-    /// M98 and G65.
+    /// M98 and G65. Whether the program is entered.
     ///
     /// # Errors
     /// There is no such program, or calls are too deep.
-    pub(super) fn call(&mut self, files: &mut Files, program: u32, times: u32, macro_call: bool) -> Done {
-        if times == 0 {
-            return Ok(());
+    pub(super) fn call(
+        &mut self,
+        files: &mut Files,
+        program: u32,
+        times: u32,
+        macro_call: bool,
+    ) -> Result<bool, Box<Problem>> {
+        if times == 0 || !self.repeats && !self.looked.insert(program) {
+            return Ok(false);
         }
         if self.levels.len() >= self.deepest as usize {
             let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
@@ -232,7 +241,7 @@ impl Flow {
         let beginning = mark;
         let loops = self.loops.len();
         self.levels.push(Level { file, beginning, back, repeats: times - 1, macro_call, loops });
-        Ok(())
+        Ok(true)
     }
 
     /// M99: once more, or back to the caller (to its block `label`).

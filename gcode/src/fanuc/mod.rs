@@ -241,29 +241,35 @@ impl Control {
             (Some(program), times) => (program, times.unwrap_or(1)),
             (None, _) => (0, 1),
         };
-        self.call(program, times, false, machine)
+        self.call(program, times, false, machine).map(|_| ())
     }
 
     /// G65 P L with arguments.
     fn macro_call(&mut self, machine: &mut Machine) -> Done {
         let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
-        self.call(program.unwrap_or(0), times.unwrap_or(1), true, machine)?;
-        if times != Some(0) {
+        if self.call(program.unwrap_or(0), times.unwrap_or(1), true, machine)? {
             self.variables.enter(self.line.arguments.take().map_or([None; 34], |arguments| *arguments));
         }
         Ok(())
     }
 
-    fn call(&mut self, program: i64, times: i64, is_macro: bool, machine: &mut Machine) -> Done {
+    /// Whether the program is entered.
+    fn call(
+        &mut self,
+        program: i64,
+        times: i64,
+        is_macro: bool,
+        machine: &mut Machine,
+    ) -> Result<bool, Box<Problem>> {
         let (Ok(program @ 1..), Ok(times @ 0..=9999)) = (u32::try_from(program), u32::try_from(times)) else {
             let message = "this calls no program";
             let help = "P is the number of the program, L (up to 9999) how often it is run: M98 P1000 L2";
             return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
         };
-        self.flow.call(machine.files, program, times, is_macro)?;
+        let entered = self.flow.call(machine.files, program, times, is_macro)?;
         self.fresh = flow::at_beginning(machine.files);
         machine.state.call_level = self.flow.depth() as u32;
-        Ok(())
+        Ok(entered)
     }
 
     /// M99, with P: back to that block of the caller. In the main program it begins anew, which is done once.

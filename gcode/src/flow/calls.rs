@@ -4,7 +4,7 @@
 //! file that calls it.
 
 use super::control::{Control, Keyword};
-use super::labels::{Definition, Label, Style};
+use super::labels::{Definition, Label, Labels, Style};
 use super::skip::Goal;
 use super::{Done, Flow};
 use crate::block::Block;
@@ -169,7 +169,10 @@ impl Flow {
         turns: u32,
         state: &mut State,
     ) -> Done {
-        if !self.repeats && self.frames.iter().any(|frame| frame.label == label) {
+        let repeated = |labels: &mut Labels| {
+            !labels.look(label) || self.frames.iter().any(|frame| frame.label == label)
+        };
+        if !self.repeats && repeated(&mut self.labels) {
             return Ok(());
         }
         if self.frames.len() >= self.deepest as usize {

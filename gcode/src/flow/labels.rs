@@ -34,6 +34,8 @@ struct Entry {
     /// As in `o100` or `o<name>`.
     text: Box<str>,
     definition: Option<Definition>,
+    /// Its subroutine was looked through after an error.
+    looked: bool,
 }
 
 /// All labels of a program and its subroutine files.
@@ -71,7 +73,7 @@ impl Labels {
     }
 
     fn add(&mut self, text: String) -> Label {
-        self.entries.push(Entry { text: text.into(), definition: None });
+        self.entries.push(Entry { text: text.into(), definition: None, looked: false });
         Label(self.entries.len() - 1)
     }
 
@@ -88,6 +90,11 @@ impl Labels {
     /// Where its subroutine is, if that is known.
     pub(super) fn definition(&self, label: Label) -> Option<Definition> {
         self.entries.get(label.0)?.definition
+    }
+
+    /// Whether its subroutine is to be looked through for the first time; not again from then on.
+    pub(super) fn look(&mut self, label: Label) -> bool {
+        self.entries.get_mut(label.0).is_some_and(|entry| !std::mem::replace(&mut entry.looked, true))
     }
 
     /// Notes where its subroutine is; the first one met counts, and is returned.
