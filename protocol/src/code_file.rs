@@ -41,6 +41,16 @@ pub struct CodeFile {
     pub items: Vec<Item>,
 }
 
+/// The same, as it is read: a text is part of the bytes, so that its length is no promise that memory is taken for.
+#[derive(Deserialize)]
+struct Content<'a> {
+    program: &'a str,
+    machine: &'a str,
+    cycle_s: f64,
+    interpolator_cycle_s: f64,
+    items: Vec<Item>,
+}
+
 /// Why a machine-code file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum CodeFileError {
@@ -182,11 +192,14 @@ impl CodeFile {
 
     fn from_content(content: &[u8]) -> Result<CodeFile, CodeFileError> {
         let limited = bincode::config::standard().with_limit::<{ LONGEST as usize }>();
-        let (file, used): (CodeFile, usize) = bincode::serde::decode_from_slice(content, limited)
+        let (read, used): (Content, usize) = bincode::serde::borrow_decode_from_slice(content, limited)
             .map_err(|error| CodeFileError::Content(error.to_string()))?;
         if used != content.len() {
             return Err(CodeFileError::Trailing);
         }
+        let Content { program, machine, cycle_s, interpolator_cycle_s, items } = read;
+        let (program, machine) = (program.into(), machine.into());
+        let file = CodeFile { program, machine, cycle_s, interpolator_cycle_s, items };
         file.check_items()?;
         Ok(file)
     }
