@@ -68,6 +68,9 @@ pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Don
     if state.recorder.is_on() {
         return roughing::record(block, state, out);
     }
+    if block.is_empty() {
+        return Ok(());
+    }
     let motion = check::check(block, state)?;
     if let Some(comment) = block.comment.as_ref().filter(|comment| !comment.text.is_empty()) {
         say(comment, out)?;

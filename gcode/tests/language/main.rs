@@ -1,5 +1,6 @@
 //! The language, from text to calls.
 
+mod again;
 mod arcs;
 mod check;
 mod coordinates;
