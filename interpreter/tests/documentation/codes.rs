@@ -1,0 +1,58 @@
+//! The tables of G and M codes name every code that the dialects know, and no other.
+
+use std::collections::BTreeSet;
+
+use gcode::Program;
+use gcode::codes::{G, M, g_group, m_group};
+
+use super::examples::{calls, options};
+use super::pages::rows_below;
+
+/// No dialect has codes from here on, in tenths and in ones.
+const END_G: u16 = 2000;
+const END_M: u16 = 1000;
+
+/// `G33.1` in the first cells of the tables below a heading.
+fn documented(page: &str, heading: &str, letter: char) -> BTreeSet<String> {
+    let rows = rows_below(page, heading);
+    let cells = rows.iter().filter_map(|cells| cells.first());
+    let words = cells.flat_map(|cell| cell.split([' ', ',']));
+    let number = |word: &str| word.strip_prefix(letter).is_some_and(|rest| rest.parse::<f64>().is_ok());
+    words.filter(|word| number(word)).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_code_of_the_dialect_linuxcnc_is_in_a_table() {
+    let known: BTreeSet<String> =
+        (0..END_G).map(G).filter(|code| g_group(*code).is_some()).map(|code| code.to_string()).collect();
+    assert_eq!(documented("gcode.md", "## G codes", 'G'), known);
+    let known: BTreeSet<String> =
+        (0..END_M).map(M).filter(|code| m_group(*code).is_some()).map(|code| code.to_string()).collect();
+    assert_eq!(documented("gcode.md", "## M codes", 'M'), known);
+}
+
+/// Codes of the dialect `fanuc` that do not lead to `unknown`, and those that are refused by name.
+fn of_fanuc(letter: char, end: u16, unknown: &str) -> [BTreeSet<String>; 2] {
+    let options = options(true);
+    let [mut known, mut refused] = [BTreeSet::new(), BTreeSet::new()];
+    for number in 0..end {
+        let code = if letter == 'G' { G(number).to_string() } else { M(number).to_string() };
+        let (codes, text) = calls(Program::from_text("O1", format!("{code}\nM30\n"), &options));
+        if text.contains(&format!("{code} is not available")) {
+            refused.insert(code);
+        } else if codes.iter().all(|code| code != unknown) {
+            known.insert(code);
+        }
+    }
+    [known, refused]
+}
+
+#[test]
+fn every_code_of_the_dialect_fanuc_is_in_a_table() {
+    let [known, refused] = of_fanuc('G', END_G, "unknown-g-code");
+    assert_eq!(documented("gcode-fanuc.md", "## G codes", 'G'), known);
+    assert_eq!(documented("gcode-fanuc.md", "## Refused by name", 'G'), refused);
+    let [known, refused] = of_fanuc('M', END_M, "unknown-m-code");
+    assert_eq!(documented("gcode-fanuc.md", "## M codes", 'M'), known);
+    assert!(refused.is_empty(), "{refused:?}");
+}
