@@ -4,7 +4,7 @@
 //! file that calls it.
 
 use super::control::{Control, Keyword};
-use super::labels::{Definition, Label, Labels, Style};
+use super::labels::{Definition, Label, Style};
 use super::skip::Goal;
 use super::{Done, Flow};
 use crate::block::Block;
@@ -169,10 +169,8 @@ impl Flow {
         turns: u32,
         state: &mut State,
     ) -> Done {
-        let repeated = |labels: &mut Labels| {
-            !labels.look(label) || self.frames.iter().any(|frame| frame.label == label)
-        };
-        if !self.repeats && repeated(&mut self.labels) {
+        let is_inside = self.frames.iter().any(|frame| frame.label == label);
+        if !self.repeats && (is_inside || !self.labels.look(label)) {
             return Ok(());
         }
         if self.frames.len() >= self.deepest as usize {

@@ -1,0 +1,181 @@
+//! What must hold for any bytes: no panic, an end, an answer that names a place.
+//!
+//! One function for each part that reads what others wrote. libFuzzer drives them from `fuzz_targets/`, with coverage;
+//! `tests/mutations` drives the same ones with mutations of programs that are known, on a stable compiler.
+
+use std::io;
+
+use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
+use gcode::files::{Tool, ToolTable};
+use gcode::{Call, Diagnostic, Dialect, Limits, Options, Place, Problem, Program, Sink, Step, alone};
+use protocol::code_file::{CodeFile, VERSION};
+
+/// Small, so that every loop ends soon.
+const LIMITS: Limits = Limits {
+    blocks_without_motion: 300,
+    call_depth: 10,
+    expression_depth: 16,
+    line_length: 512,
+    subroutine_bytes: 1 << 16,
+};
+/// Calls that a program may make; what it sends then is refused.
+const CALLS: u32 = 600;
+/// Diagnostics that are rendered.
+const RENDERED: u32 = 3;
+
+/// Every line of the bytes as a line of each dialect.
+pub fn lexer(bytes: &[u8]) {
+    for dialect in [Dialect::Linuxcnc, Dialect::Fanuc] {
+        let options = options(dialect);
+        for line in bytes.split(|byte| *byte == b'\n').take(64) {
+            match alone::line(line, &options) {
+                Ok(block) => {
+                    assert!(block.letters().all(|letter| block.get(letter).is_some_and(f64::is_finite)))
+                }
+                Err(problem) => check_problem(&problem),
+            }
+        }
+    }
+}
+
+/// The bytes as a value of each dialect: finite, or a reason.
+pub fn expression(bytes: &[u8]) {
+    for dialect in [Dialect::Linuxcnc, Dialect::Fanuc] {
+        match alone::value(bytes, &options(dialect)) {
+            Ok(value) => assert!(value.is_none_or(f64::is_finite), "{value:?}"),
+            Err(problem) => check_problem(&problem),
+        }
+    }
+}
+
+/// The bytes as a program of LinuxCNC.
+pub fn program_linuxcnc(bytes: &[u8]) {
+    program(bytes, Dialect::Linuxcnc);
+}
+
+/// The bytes as a FANUC program.
+pub fn program_fanuc(bytes: &[u8]) {
+    program(bytes, Dialect::Fanuc);
+}
+
+/// The bytes as a machine-code file, and as the content of one with a right head.
+pub fn code_file(bytes: &[u8]) {
+    let _ = CodeFile::read(&mut &bytes[..]);
+    let content = bytes.get(HEAD..).unwrap_or(bytes);
+    if let Ok(file) = CodeFile::read(&mut with_head(content).as_slice()) {
+        let mut written = Vec::new();
+        file.write(&mut written).expect("what can be read can be written");
+        let again = CodeFile::read(&mut written.as_slice()).expect("what was written can be read");
+        assert_eq!(format!("{file:?}"), format!("{again:?}"));
+    }
+}
+
+/// Bytes before the content of a machine-code file.
+const HEAD: usize = 18;
+
+fn with_head(content: &[u8]) -> Vec<u8> {
+    let mut file = b"PLMC".to_vec();
+    file.extend(VERSION.to_le_bytes());
+    file.extend((content.len() as u64).to_le_bytes());
+    file.extend(crc32fast::hash(content).to_le_bytes());
+    file.extend(content);
+    file
+}
+
+fn options(dialect: Dialect) -> Options {
+    let parameters = (31..=40).chain(100..=120).map(|n| (n, f64::from(n) - 35.0)).collect();
+    Options { dialect, parameters, limits: LIMITS, ..Options::default() }
+}
+
+/// Mills and turning tools, with and without a length, a radius and an orientation.
+fn tools() -> ToolTable {
+    let mut table = ToolTable::default();
+    for number in 1..=12 {
+        let size = f64::from(number);
+        let offset = [size - 4.0, 0.0, 10.0 * size, 0.0, 0.0, 0.0];
+        let orientation = (number - 1).min(9) as u8;
+        let angles = (95.0, 155.0);
+        table.set(Tool {
+            number,
+            pocket: number,
+            offset,
+            diameter: 0.4 * size,
+            front_angle: angles.0,
+            back_angle: angles.1,
+            orientation,
+            ..Tool::default()
+        });
+    }
+    table
+}
+
+/// Takes calls in both forms, and refuses them when they are too many.
+struct Printers {
+    linuxcnc: LinuxcncPrinter<io::Sink>,
+    plain: PlainPrinter<io::Sink>,
+    left: u32,
+}
+
+impl Sink for Printers {
+    fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+        let Some(left) = self.left.checked_sub(1) else {
+            let help = "nothing: it was long enough";
+            return Err(Problem::error("too-long", gcode::problem::Blame::Block, "enough", help));
+        };
+        self.left = left;
+        self.linuxcnc.call(place, call)?;
+        self.plain.call(place, call)?;
+        match call {
+            Call::ThreadCycle(cycle) => {
+                let mut left = 1000;
+                let mut each = |_: Call<'static>| {
+                    left -= 1;
+                    if left > 0 { Ok(()) } else { Err(()) }
+                };
+                // A thread of very many passes is refused by whoever has to cut it.
+                let _ = cycle.expand(&mut each);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn program(bytes: &[u8], dialect: Dialect) {
+    let mut options = options(dialect);
+    options.tools = tools();
+    let mut program = Program::from_text("fuzz", bytes, &options);
+    let mut sink = Printers {
+        linuxcnc: LinuxcncPrinter::new(io::sink()),
+        plain: PlainPrinter::new(io::sink(), Units::Millimetre),
+        left: CALLS,
+    };
+    let lines = bytes.iter().filter(|byte| **byte == b'\n').count() as u64 + 2;
+    let most = (u64::from(CALLS) + lines) * LIMITS.blocks_without_motion;
+    let mut rendered = 0;
+    for step in 0.. {
+        assert!(step < most, "no end after {step} lines");
+        match program.step(&mut sink) {
+            Ok(Step::More) => {}
+            Ok(Step::Ended) => break,
+            Err(diagnostic) => check_diagnostic(&diagnostic, &mut rendered),
+        }
+    }
+    for warning in program.take_warnings() {
+        check_diagnostic(&warning, &mut rendered);
+    }
+}
+
+fn check_problem(problem: &Problem) {
+    assert!(!problem.message.is_empty() && !problem.help.is_empty(), "{problem:?}");
+}
+
+fn check_diagnostic(diagnostic: &Diagnostic, rendered: &mut u32) {
+    let Diagnostic { text, span, message, help, .. } = diagnostic;
+    assert!(!message.is_empty() && !help.is_empty(), "{diagnostic:?}");
+    assert!(text.get(span.clone()).is_some(), "{diagnostic:?}");
+    if *rendered < RENDERED {
+        *rendered += 1;
+        assert!(diagnostic.render(false).contains(diagnostic.code));
+    }
+}

@@ -1,0 +1,188 @@
+//! Everything that reads what others wrote gets mutations of what is known, thousands of each in a run of the tests and
+//! as many as one likes at night: `PITCHLOCK_MUTATIONS=10000000 cargo test --release --test mutations`. No panic, an end
+//! of every program within its limits, and no more memory than the length of the input explains. (This test counts the
+//! bytes that are taken, and no time: work is bounded by lines and calls.)
+//!
+//! A failure tells the number of its mutation; `PITCHLOCK_MUTATION=number` runs that one alone.
+
+mod mutate;
+#[allow(unreachable_pub)]
+#[path = "../../fuzz/src/lib.rs"]
+mod targets;
+
+use std::{env, fs, path::Path};
+
+use mutate::mutation;
+use protocol::{Arc, Code, Feed, Item, Machine, PerAxis, Position, SpindleMode, code_file::CodeFile};
+
+/// Mutations of each target in a run of the tests.
+const MUTATIONS: u64 = 10_000;
+/// What reading may take beside the input, bytes, and how often the input.
+const MEMORY: u64 = 2 << 20;
+const PER_BYTE: u64 = 256;
+
+/// The value of a variable of the environment, if it is set.
+fn asked(variable: &str) -> Option<u64> {
+    env::var(variable).ok().map(|value| value.parse().expect("a whole number"))
+}
+
+/// The files below a folder that have an ending.
+fn programs(folder: &str, ending: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let entries = fs::read_dir(&folder).expect("the folder exists").flatten();
+    let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
+    paths.sort();
+    let named = paths.into_iter().filter(|path| path.extension().is_some_and(|found| found == ending));
+    named.map(|path| fs::read(path).expect("it can be read")).collect()
+}
+
+fn all_programs() -> Vec<Vec<u8>> {
+    let mut all = programs("tests/conformance/programs", "ngc");
+    all.extend(programs("examples", "ngc"));
+    all.extend(fanuc_programs());
+    all
+}
+
+fn fanuc_programs() -> Vec<Vec<u8>> {
+    let mut all = programs("examples/fanuc", "nc");
+    all.extend(FANUC.iter().map(|text| text.as_bytes().to_vec()));
+    all
+}
+
+/// What the examples lack.
+const FANUC: &[&str] = &[
+    "O1\nG50 S2000\nT0202\nG96 S150 M03\nG00 X60. Z2.\nG71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.3\nN10 G00 X20.\nG01 Z-20. F0.1\n\
+     X40. ,R2.\nG03 X50. Z-30. R10.\nN20 X60.\nG70 P10 Q20\nG28 U0 W0\nM30\n",
+    "O2\nG00 X50. Z5.\nG72 W2. R0.5\nG72 P1 Q2 U0.4 W0.1 F0.3\nN1 G00 Z-20.\nG01 X40. F0.1\nN2 Z2.\nG73 U5. W2. R3\n\
+     G73 P1 Q2 U0.4 W0.1\nG74 R1.\nG74 X20. Z-30. P2000 Q5000 F0.1\nG75 R1.\nG75 X10. Z-20. P2000 Q3000\nM30\n",
+    "O3\nG97 S500 M03\nG00 X30. Z5.\nG76 P020060 Q100 R0.05\nG76 X26. Z-20. R-1. P1840 Q400 F1.5\nG92 X29. Z-20. F1.5\nX28.\n\
+     G90 X20. Z-10. R-1. F0.2\nX18.\nG94 X10. Z-2.\nG32 Z-20. F2. Q90000\nG34 Z-40. F2. K0.1\nM30\n",
+    "O4\nG65 P5 A1. B2. L2\nM98 P20006\nG42 G01 X20. Z0 F.2 T0303\nG02 X30. Z-5. R5.\nG40 G00 X50.\n#1=0\nWHILE [#1 LT 3] DO 1\n\
+     #1=#1+1\nIF [#1 EQ 2] GOTO 10\nG01 U-1. W[-#1]\nN10 END 1\nG10 P1 X.1 Z.1\nM30\nO5\n#100=#1+#2\nG01 X#100\nM99\nO6\nG04 P500\n\
+     M99 P10\n",
+];
+
+/// Values as they stand in programs.
+fn values() -> Vec<Vec<u8>> {
+    let texts = [
+        "[1+2*3]",
+        "-[#31**2]",
+        "SQRT[ABS[-16]]",
+        "ATAN[1]/[2]",
+        "[1 LT 2 AND 3 GE 4]",
+        "#[30+#31]",
+        "EXISTS[#<a>]",
+        "1.25",
+        "[SIN[30]+COS[60]*TAN[45]]",
+        "ROUND[2.5]",
+        "[#101 MOD 7 XOR #102]",
+        "##100",
+        "ACOS[0.5]",
+        "[2**3**2]",
+        "FUP[1.2]",
+        "[[[1]]]",
+        "ATAN[1,2]",
+        "POW[2,3]",
+        "BIN[#100]",
+        "[#0 EQ #1]",
+        "LN[EXP[1]]",
+        "-#100",
+        "#<_x>",
+        "[10 MOD 3]",
+    ];
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
+/// A machine-code file with one of everything.
+fn code_files() -> Vec<Vec<u8>> {
+    let point = |x: f64, z: f64| {
+        let mut point: PerAxis<Position> = [Position(0); 8];
+        (point[0], point[2]) = (Position::from_mm(x), Position::from_mm(z));
+        point
+    };
+    let feed = Feed::PerRevolution(0.2);
+    let center = [Position::from_mm(18.0), Position::from_mm(-2.0)];
+    let codes = [
+        Code::Spindle { mode: SpindleMode::Clockwise, rpm: 600.0 },
+        Code::Coolant { mist: false, flood: true },
+        Code::Line { target: point(10.0, 0.0), feed: Feed::Rapid },
+        Code::Line { target: point(18.0, 0.0), feed },
+        Code::Pause,
+        Code::Arc { arc: Arc { target: point(20.0, -2.0), center, turns: 1 }, feed },
+        Code::End,
+    ];
+    let file = |items: Vec<Item>| {
+        let mut bytes = Vec::new();
+        CodeFile::new("mutated.ngc", &Machine::default(), items).write(&mut bytes).expect("it is sound");
+        bytes
+    };
+    let items: Vec<Item> = (1..).zip(codes).map(|(line, code)| Item { line, code }).collect();
+    let threads = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/m20x2.ngc"));
+    let threads = threads.expect("the example can be read");
+    let compiled = interpreter::Interpreter::of_text("m20x2.ngc", threads, &Machine::default());
+    vec![file(items), file(compiled.map_while(Result::ok).collect())]
+}
+
+/// Tells which mutation is at work when the target panics.
+struct Watched<'a>(u64, &'a [u8]);
+
+impl Drop for Watched<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let Watched(number, bytes) = self;
+            eprintln!("mutation {number}: {:?}", String::from_utf8_lossy(bytes));
+        }
+    }
+}
+
+fn mutate(target: fn(&[u8]), corpus: &[Vec<u8>]) {
+    for bytes in corpus {
+        target(bytes);
+    }
+    let one = asked("PITCHLOCK_MUTATION");
+    let first = one.or(asked("PITCHLOCK_FIRST_MUTATION")).unwrap_or(0);
+    let count = one.map(|_| 1).or(asked("PITCHLOCK_MUTATIONS")).unwrap_or(MUTATIONS);
+    for number in first..first + count {
+        let bytes = mutation(corpus, number);
+        let _watched = Watched(number, &bytes);
+        let memory = allocation_counter::measure(|| target(&bytes));
+        let most = MEMORY + PER_BYTE * bytes.len() as u64;
+        assert!(memory.bytes_max < most, "{} bytes taken for {}", memory.bytes_max, bytes.len());
+        assert_eq!(memory.bytes_current, 0, "bytes kept");
+    }
+}
+
+#[test]
+fn lexer() {
+    mutate(targets::lexer, &all_programs());
+}
+
+#[test]
+fn expression() {
+    mutate(targets::expression, &values());
+}
+
+#[test]
+fn program_linuxcnc() {
+    mutate(targets::program_linuxcnc, &all_programs());
+}
+
+#[test]
+fn program_fanuc() {
+    mutate(targets::program_fanuc, &fanuc_programs());
+}
+
+#[test]
+fn code_file() {
+    mutate(targets::code_file, &code_files());
+}
+
+/// The name of the program says that it is half a gigabyte long.
+#[test]
+fn the_length_of_a_name_is_no_promise_that_memory_is_taken_for() {
+    let mut content = vec![252];
+    content.extend((1u32 << 29).to_le_bytes());
+    content.extend(b"mutated.ngc");
+    let memory = allocation_counter::measure(|| targets::code_file(&content));
+    assert!(memory.bytes_max < 10_000, "{} bytes", memory.bytes_max);
+}
