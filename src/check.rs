@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, process::ExitCode};
 
 use interpreter::Severity;
-use protocol::{Code, code_file::CodeFile};
+use protocol::code_file::CodeFile;
 
 use crate::{
     cli::{self, CheckArgs, CompileArgs},
@@ -26,15 +26,14 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
         eprint!("{}", program.messages);
         cli::print(&findings(&program));
     }
-    let good = program.count(Severity::Error) == 0;
+    let good = program.found(Severity::Error) == 0;
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
 fn findings(program: &Program) -> String {
     let mut text = String::new();
-    let is_move = |code: &Code| matches!(code, Code::Line { .. } | Code::Arc { .. });
-    let moves = program.items.iter().filter(|item| is_move(&item.code)).count();
-    let (errors, warnings) = (program.count(Severity::Error), program.count(Severity::Warning));
+    let moves = program.moves;
+    let (errors, warnings) = (program.found(Severity::Error), program.found(Severity::Warning));
     let _ = writeln!(text, "{errors} errors, {warnings} warnings, {moves} moves");
     let Some(check) = &program.check else { return text };
     if !check.passes.is_empty() {
@@ -64,12 +63,12 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     let program = Program::read(&args.input.program, &args.input.language, &machine)?;
     eprint!("{}", program.messages);
     let name = args.input.program.display().to_string();
-    let items = program.items.len();
+    let items = program.items(&args.input.program, &args.input.language, &machine)?.collect();
     let mut bytes = Vec::new();
-    CodeFile::new(&name, &machine, program.items)
+    CodeFile::new(&name, &machine, items)
         .write(&mut bytes)
         .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
         .map_err(|error| CliError::file(&args.out, error))?;
-    cli::print(&format!("{}: {items} items, {} bytes\n", args.out.display(), bytes.len()));
+    cli::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
     Ok(ExitCode::SUCCESS)
 }

@@ -2,15 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use interpreter::{Check, Diagnostic, Language, Severity};
+use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
 use protocol::{Arc, Code, Item, Machine, PerAxis, Position, code_file::CodeFile};
 
 use crate::{cli, error::CliError};
 
 /// A program that was read.
 pub(crate) struct Program {
-    /// The machine code.
-    pub(crate) items: Vec<Item>,
+    /// Machine code that was read from a file; that of G-code is made anew whenever it is wanted.
+    pub(crate) code: Option<Vec<Item>>,
+    /// How many items of machine code there are, and how many of them are moves.
+    pub(crate) count: u64,
+    pub(crate) moves: u64,
+    /// Those of them that are passes of threads.
+    pub(crate) passes: Vec<Item>,
     /// What the interpreter found, of G-code.
     pub(crate) check: Option<Check>,
     /// The same as the user sees them.
@@ -40,15 +45,39 @@ impl Program {
             if let Some(text) = not_for(machine, &file.items) {
                 return Err(CliError::file(path, text));
             }
-            return Ok(Program { items: file.items, check: None, messages: String::new() });
+            let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
+            let passes = file.items.iter().filter(|item| is_pass(item)).copied().collect();
+            let (count, code) = (file.items.len() as u64, Some(file.items));
+            return Ok(Program { code, count, moves, passes, check: None, messages: String::new() });
         }
-        let program =
-            interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))?;
-        let check = interpreter::check_program(program, machine);
+        let mut passes = Vec::new();
+        let check = interpreter::check_program(open(path, language, machine)?, machine, |item| {
+            if is_pass(&item) {
+                passes.push(item);
+            }
+        });
         let colour = cli::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
-        Ok(Program { items: check.items.clone(), check: Some(check), messages })
+        let (count, moves) = (check.count, check.moves);
+        Ok(Program { code: None, count, moves, passes, check: Some(check), messages })
+    }
+
+    /// The machine code of a program that was judged and is good, item by item.
+    ///
+    /// # Errors
+    /// The file cannot be read any more.
+    pub(crate) fn items(
+        &self,
+        path: &Path,
+        language: &Language,
+        machine: &Machine,
+    ) -> Result<Box<dyn Iterator<Item = Item>>, CliError> {
+        if let Some(code) = &self.code {
+            return Ok(Box::new(code.clone().into_iter()));
+        }
+        let interpreter = Interpreter::new(open(path, language, machine)?, machine);
+        Ok(Box::new(interpreter.map_while(Result::ok)))
     }
 
     /// Files that were read besides the program.
@@ -61,11 +90,19 @@ impl Program {
         self.check.as_ref().map_or(&[], |check| &check.diagnostics)
     }
 
-    /// How many errors and warnings there are.
-    pub(crate) fn count(&self, severity: Severity) -> usize {
+    /// How many errors or warnings there are.
+    pub(crate) fn found(&self, severity: Severity) -> usize {
         let of = |check: &Check| check.diagnostics.iter().filter(|one| one.severity == severity).count();
         self.check.as_ref().map_or(0, of)
     }
+}
+
+fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Program, CliError> {
+    interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))
+}
+
+fn is_pass(item: &Item) -> bool {
+    matches!(item.code, Code::Pass(_))
 }
 
 /// Why machine code does not suit the limits of a machine of the same name that has changed since.

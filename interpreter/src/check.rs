@@ -18,8 +18,12 @@ const MOST_ERRORS: usize = 100;
 pub struct Check {
     /// Errors and warnings, in the order of the program.
     pub diagnostics: Vec<Diagnostic>,
-    /// The machine code; fit to run only if there is no error.
+    /// The machine code, where [`check`] was asked for it; fit to run only if there is no error.
     pub items: Vec<Item>,
+    /// How many items there are.
+    pub count: u64,
+    /// How many of them are moves.
+    pub moves: u64,
     /// The passes of threads.
     pub passes: Vec<PassNote>,
     /// Files that were read besides the program.
@@ -35,14 +39,19 @@ impl Check {
     }
 }
 
-/// Reads a program that is at hand as text, in the dialect of the machine file. See [`check_program`].
+/// Reads a program that is at hand as text, in the dialect of the machine file, and keeps its machine code. See
+/// [`check_program`].
 pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
-    check_program(Program::from_text(name, source, &options::options(machine)), machine)
+    let mut items = Vec::new();
+    let program = Program::from_text(name, source, &options::options(machine));
+    let check = check_program(program, machine, |item| items.push(item));
+    Check { items, ..check }
 }
 
 /// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass, and an
-/// estimate of its duration. `machine` has been checked.
-pub fn check_program(program: Program, machine: &Machine) -> Check {
+/// estimate of its duration. `machine` has been checked; `each` gets the machine code, item by item, so that a program of
+/// any length takes no more memory than its diagnostics and passes.
+pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(Item)) -> Check {
     let mut interpreter = Interpreter::new(program, machine);
     let mut check = Check::default();
     let mut clock = Clock::new(machine);
@@ -50,7 +59,9 @@ pub fn check_program(program: Program, machine: &Machine) -> Check {
         match item {
             Ok(item) => {
                 clock.add(&item.code);
-                check.items.push(item);
+                check.count += 1;
+                check.moves += u64::from(item.is_move());
+                each(item);
             }
             Err(error) => check.diagnostics.push(error),
         }

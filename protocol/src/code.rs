@@ -260,6 +260,11 @@ impl CodePacket {
 }
 
 impl Item {
+    /// Whether it moves the axes by time: a line or an arc.
+    pub fn is_move(&self) -> bool {
+        matches!(self.code, Code::Line { .. } | Code::Arc { .. })
+    }
+
     /// Refuses values that no interpreter sends, wherever the item came from.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ const LOOK_EVERY: u64 = 256;
 pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
     let mut interrupts = Interrupts::catch()?;
     let begun = Moment::now();
-    let items = setup.program.items.clone().into_iter();
+    let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
         .map_err(|error| CliError::Input(format!("machine file: {error}")))?;
     let mut recorder = Recorder::new(setup)?;

@@ -1,7 +1,7 @@
 //! Progress on a terminal: passes, depth, time on the machine. Silent elsewhere.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use protocol::{Code, MachineState};
+use protocol::MachineState;
 use rig::observe::Record;
 
 use super::Setup;
@@ -17,17 +17,16 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// A bar over the items of the program.
+    /// A bar over the machine code of the program.
     pub(crate) fn new(setup: &Setup) -> Progress {
-        let items = &setup.program.items;
-        let bar = ProgressBar::new(items.len() as u64);
+        let bar = ProgressBar::new(setup.program.count);
         if !setup.progress {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
         let style =
             ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
-        let passes = items.iter().filter(|item| matches!(item.code, Code::Pass(_))).count() as u32;
+        let passes = setup.program.passes.len() as u32;
         Progress { bar, passes, cycle_s: setup.machine.machine.cycle_s }
     }
 
