@@ -200,7 +200,7 @@ impl Program {
             return Ok(Content::Nothing);
         }
         self.block.begin(file, line.number(), head.number);
-        self.reader.tape.begin(repeating);
+        self.reader.notes.begin(repeating);
         if cursor.peek() == Some(b'o') {
             return Ok(Content::Control(self.flow.read(&line, &mut self.reader, &self.state)));
         }

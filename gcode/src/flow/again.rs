@@ -54,7 +54,7 @@ impl Flow {
         control: Option<Control>,
         reader: &mut Reader,
     ) {
-        let Some(operations) = reader.tape.take() else { return };
+        let Some(operations) = reader.notes.take() else { return };
         let (file, next) = (self.files.current(), self.files.mark());
         let Some(slot) = self.again.0.get_mut(line.mark.lines as usize % LINES) else { return };
         let known = slot.get_or_insert_default();

@@ -134,7 +134,7 @@ impl Flow {
         let mut cursor = Cursor::new(self.files.bytes(line));
         let head = head(&mut cursor)?;
         let control = control::read(&mut cursor, &mut self.labels, reader, state)?;
-        reader.tape.forget_label();
+        reader.notes.forget_label();
         let mut order = Order { control, at: line.mark, value: None };
         if self.is_passed(control) {
             return Ok(order);

@@ -8,9 +8,9 @@
 use super::cursor::Cursor;
 use super::degrees;
 use super::memory::LAST;
+use super::notes::{Notes, Operation};
 use super::number::number;
 use super::operator::Operator;
-use super::tape::{Operation, Tape};
 use crate::execute::system;
 use crate::problem::{Problem, Span, short};
 use crate::state::State;
@@ -29,7 +29,7 @@ pub(crate) struct Values<'a> {
     /// The name of a parameter is put together here.
     pub(crate) name: &'a mut String,
     /// Notes what is done.
-    pub(super) tape: &'a mut Tape,
+    pub(super) notes: &'a mut Notes,
 }
 
 impl Values<'_> {
@@ -47,7 +47,7 @@ impl Values<'_> {
                     Some(b'0'..=b'9' | b'.') => self.number(true, cursor),
                     _ => {
                         let value = self.nested(cursor, Values::value)?;
-                        self.tape.note(Operation::Negate);
+                        self.notes.note(Operation::Negate);
                         Ok(-value)
                     }
                 }
@@ -61,7 +61,7 @@ impl Values<'_> {
     fn number(&mut self, negative: bool, cursor: &mut Cursor) -> Value {
         let value = number(cursor)?;
         let value = if negative { -value } else { value };
-        self.tape.note(Operation::Value(value));
+        self.notes.note(Operation::Value(value));
         Ok(value)
     }
 
@@ -103,13 +103,13 @@ impl Values<'_> {
         if cursor.peek() == Some(b'<') {
             self.read_name(start, cursor)?;
             match self.state.memory.find(self.name) {
-                Some(name) => self.tape.note(Operation::Named(name)),
-                None => self.tape.spoil(),
+                Some(name) => self.notes.note(Operation::Named(name)),
+                None => self.notes.spoil(),
             }
             return self.named().ok_or_else(|| self.never_set(cursor.span(start)));
         }
         let index = self.index(start, cursor)?;
-        self.tape.note(Operation::Indirect);
+        self.notes.note(Operation::Indirect);
         if !readable(index, self.state) {
             let code = self.state.compensation.code();
             let message = format!("#{index} is no position of the contour while {code} is on");
@@ -192,7 +192,7 @@ impl Values<'_> {
             if !value.is_finite() {
                 return Err(arithmetic(cursor, start, "the value is too large for a number"));
             }
-            self.tape.note(Operation::Operator(operator));
+            self.notes.note(Operation::Operator(operator));
             next = behind;
         }
         Ok((value, next))
@@ -208,7 +208,7 @@ impl Values<'_> {
                 let argument = self.bracket(cursor)?;
                 let value = function(argument);
                 if value.is_finite() {
-                    self.tape.note(Operation::Function(function));
+                    self.notes.note(Operation::Function(function));
                     return Ok(value);
                 }
                 let reason = format!("{name} of {} has no value", short(argument));
@@ -225,7 +225,7 @@ impl Values<'_> {
             return Err(cursor.error_here("missing-value", "the / of ATAN is missing here", help));
         }
         let x = self.bracket(cursor)?;
-        self.tape.note(Operation::ArcTangent);
+        self.notes.note(Operation::ArcTangent);
         Ok(degrees::arc_tangent(y, x))
     }
 
@@ -237,7 +237,7 @@ impl Values<'_> {
             return Err(cursor.error_here("missing-value", "the name of a parameter is missing here", help));
         }
         self.read_name(start, cursor)?;
-        self.tape.spoil();
+        self.notes.spoil();
         if !cursor.take_if(b']') {
             let help = "close every [ with a ]";
             return Err(cursor.error_here("missing-bracket", "the closing bracket is missing", help));

@@ -5,8 +5,8 @@ use super::comment::{comment, speaks};
 use super::cursor::Cursor;
 use super::expression::{Values, whole};
 use super::memory::Name;
+use super::notes::{Notes, Operation, replay};
 use super::number::number;
-use super::tape::{Operation, Tape, replay};
 use crate::block::Block;
 use crate::codes::{G, M, g_group, m_group};
 use crate::execute::system;
@@ -35,7 +35,7 @@ pub(crate) struct Reader {
     pub(crate) name: String,
     assignments: Vec<Assignment>,
     /// Notes what is done.
-    pub(crate) tape: Tape,
+    pub(crate) notes: Notes,
     /// Values that are left when a line is done again.
     pub(crate) stack: Vec<f64>,
     /// Notes on the line read last.
@@ -49,7 +49,7 @@ impl Reader {
             deepest,
             name: String::new(),
             assignments: Vec::new(),
-            tape: Tape::default(),
+            notes: Notes::default(),
             stack: Vec::new(),
             warnings: Vec::new(),
         }
@@ -58,7 +58,7 @@ impl Reader {
     /// Reads values with the parameters of a state.
     #[inline]
     pub(crate) fn values<'a>(&'a mut self, state: &'a State) -> Values<'a> {
-        Values { state, deepest: self.deepest, depth: 0, name: &mut self.name, tape: &mut self.tape }
+        Values { state, deepest: self.deepest, depth: 0, name: &mut self.name, notes: &mut self.notes }
     }
 
     /// Reads the words of a line from the cursor to its end, and sets the parameters that it sets.
@@ -73,22 +73,22 @@ impl Reader {
                 b'g' => {
                     let (value, span) = self.word(cursor, state)?;
                     add_g(value, span, block)?;
-                    self.tape.note(Operation::G(span));
+                    self.notes.note(Operation::G(span));
                 }
                 b'm' => {
                     let (value, span) = self.word(cursor, state)?;
                     add_m(value, span, state.call_level > 0, block)?;
-                    self.tape.note(Operation::M(span));
+                    self.notes.note(Operation::M(span));
                 }
                 b'n' | b'o' => return Err(misplaced(first, cursor)),
                 b'a'..=b'z' | b'@' | b'^' | b'$' => {
                     let (value, span) = self.word(cursor, state)?;
                     let letter = first.to_ascii_uppercase();
                     block.add(char::from(letter), value, span)?;
-                    self.tape.note(Operation::Word(letter, span));
+                    self.notes.note(Operation::Word(letter, span));
                 }
                 b'(' => {
-                    self.tape.spoil();
+                    self.notes.spoil();
                     let hidden = last.replace(parentheses(cursor)?);
                     self.warn_if_speaking(hidden);
                 }
@@ -149,7 +149,7 @@ impl Reader {
             return Err(cursor.error_here("missing-value", "= is missing here", help));
         }
         let value = self.values(state).value(cursor)?;
-        self.tape.note(match target {
+        self.notes.note(match target {
             Target::Number(_) => Operation::SetNumbered,
             Target::Name(name) => Operation::SetNamed(name),
         });

@@ -8,11 +8,11 @@ mod line;
 pub mod memory;
 mod number;
 mod operator;
-mod tape;
+mod notes;
 
 pub(crate) use comment::speaks;
 pub(crate) use cursor::Cursor;
 pub(crate) use expression::whole;
 pub(crate) use line::{Head, Reader, head, parentheses, semicolon};
 pub(crate) use number::number;
-pub(crate) use tape::Operation;
+pub(crate) use notes::Operation;

@@ -2,7 +2,7 @@
 //!
 //! In: what the reader does while it reads a line. Out: the same done again, without the text. Values have no
 //! branches: each number goes on a stack, each operator takes its operands off and puts its result back, each word
-//! takes its value off. So one list of operations serves every turn, and costs a fifth of reading.
+//! takes its value off. So one list of operations serves every turn, at a fraction of the cost of reading.
 //!
 //! There are no errors here. What cannot be noted, or fails when it is done again (a division by zero, a name that
 //! is not set), is left to the reader, which says what is wrong and where. So nothing but the reader knows the language.
@@ -45,12 +45,12 @@ pub(crate) enum Operation {
 
 /// The operations of the line that is being read.
 #[derive(Default)]
-pub(crate) struct Tape {
+pub(crate) struct Notes {
     operations: Vec<Operation>,
     on: bool,
 }
 
-impl Tape {
+impl Notes {
     /// Begins a line; it is noted if it is `on`.
     #[inline]
     pub(crate) fn begin(&mut self, on: bool) {
