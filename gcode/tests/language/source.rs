@@ -11,7 +11,7 @@ fn said(outcome: &super::recorded::Outcome) -> usize {
 fn lines_may_end_in_any_way() {
     assert_eq!(messages("(msg,a)\r\n\r\n(msg,b)"), ["a", "b"]);
     assert!(errors("M2").is_empty(), "the last line needs no end");
-    assert_eq!(errors(""), [(0, "no-program-end")]);
+    assert_eq!(errors(""), [(1, "no-program-end")]);
 }
 
 #[test]

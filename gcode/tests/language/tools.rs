@@ -27,6 +27,13 @@ fn error(text: &str) -> (&'static str, String) {
 }
 
 #[test]
+fn a_tool_that_the_table_does_not_have_is_warned_of() {
+    let codes = |text: &str| with_table(text).warnings.iter().map(|warning| warning.code).collect::<Vec<_>>();
+    assert_eq!(codes("T5"), ["unknown-tool"]);
+    assert_eq!(codes("T12"), [""; 0]);
+}
+
+#[test]
 fn the_tool_in_the_spindle_can_be_read() {
     let all = "(debug,#5400 #5401 #5403 #5410 #5411 #5412 #5413 #<_current_pocket>)";
     let expected = "12.000000 -12.400000 -35.600000 1.600000 95.000000 155.000000 2.000000 3.000000";
