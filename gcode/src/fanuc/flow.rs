@@ -229,7 +229,7 @@ impl Flow {
         if self.levels.len() >= self.deepest as usize {
             let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
             return Err(Problem::error(
-                "call-depth",
+                "calls-too-deep",
                 Blame::Block,
                 message,
                 "check whether the program calls itself",
@@ -302,7 +302,7 @@ impl Flow {
             let message = format!("there is no program O{program:04}");
             let help =
                 format!("write it behind the main program, or save it as O{program:04}.nc in its folder");
-            return Err(Problem::error("unknown-subroutine", Blame::Block, message, help));
+            return Err(Problem::error("no-subroutine", Blame::Block, message, help));
         };
         self.programs.insert(program, place);
         Ok(place)

@@ -72,12 +72,12 @@ fn subprograms_in_files_of_their_own() {
     let outcome = run(Program::from_text("O1", "M98 P2000 L2\nM30\n", &options));
     assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
     assert_eq!(outcome.record.moves, ["dwell 1", "dwell 2", "dwell 1", "dwell 2"]);
-    assert_eq!(errors("M98 P4000"), [(1, "unknown-subroutine")]);
+    assert_eq!(errors("M98 P4000"), [(1, "no-subroutine")]);
 }
 
 #[test]
 fn calls_and_idle_loops_end() {
-    assert_eq!(errors("M98 P1000\nM30\nO1000\nM98 P1000\nM99")[0], (4, "call-depth"));
+    assert_eq!(errors("M98 P1000\nM30\nO1000\nM98 P1000\nM99")[0], (4, "calls-too-deep"));
     let mut options = fanuc();
     options.limits.blocks_without_motion = 1000;
     let outcome = run(Program::from_text("O1", "N1 #1=#1+1\nGOTO 1\n", &options));

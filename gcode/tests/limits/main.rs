@@ -128,7 +128,7 @@ fn recursion_ends() {
     {
         assert!(
             ended(Dialect::Fanuc, text)
-                .names("call-depth", "7 calls inside each other, the limit call_depth"),
+                .names("calls-too-deep", "7 calls inside each other, the limit call_depth"),
             "{text}"
         );
     }
