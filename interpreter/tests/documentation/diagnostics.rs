@@ -9,8 +9,15 @@ use super::pages::{cells, examples, page, project, quoted};
 /// Functions that take the code of a diagnostic first.
 const MAKERS: [&str; 4] = ["Problem::error(", "Problem::warning(", "error_here(", "error_from("];
 /// Codes that no short program leads to; what does so is told in words.
-const WITHOUT_EXAMPLE: [&str; 6] =
-    ["bad-file", "endless-loop", "file-too-large", "line-too-long", "output", "unreadable"];
+const WITHOUT_EXAMPLE: [&str; 7] = [
+    "bad-file",
+    "cut-after-thread",
+    "endless-loop",
+    "file-too-large",
+    "line-too-long",
+    "output",
+    "unreadable",
+];
 
 fn sources(folder: &Path, found: &mut Vec<String>) {
     for entry in fs::read_dir(folder).expect("a folder of sources") {
