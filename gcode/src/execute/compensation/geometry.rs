@@ -19,19 +19,22 @@
 //! c = p + r n                                         (O2)  centre of the tool at p
 //! ρ = R - σε r,  R > r if σε = 1                      (O3)
 //! γ = σ atan2(t0 × t1, t0 · t1)                       (O4)
-//! p + r (n0 + n1) / (1 + n0 · n1)                     (O5)  inside corner of two lines
+//! p + r (n0 - tan(γ/2) t0)                            (O5)  inside corner of two lines
 //! f ± √(ρ² - |m - f|²) t,  f = q + ((m - q) · t) t    (O6)  line through q along t, and a circle
 //! m0 + x u ± √(ρ0² - x²) J u,                         (O7)  two circles, u from m0 to m1, D apart
 //!     x = (ρ0² + D² - ρ1²) / 2D
 //! σ (t0 × t1) > 0                                     (O8)  which of two points is the corner
-//! e + |c - e|² / (2 (c - e) · u) u                   (O9)  centre of an entry arc from c to e, u from e to m
+//! e + |c - e| / (2 cos φ) u                           (O9)  centre of an entry arc from c to e, u from e to m,
+//!                                                           φ from u to c - e
 //! ```
+//! Unit vectors come from angles, and O5 is a way back from p + r n0, so that values which are exact in the drawing
+//! are rounded as LinuxCNC rounds them.
 //! O8 follows from the corner being an inside one: there the way turns towards the tool. It gives the sign in
 //! O6 (line to arc: σε, arc to line: -σε) and in O7 (σ ε0 ε1). A contour that turns back by half a turn has
 //! an inside corner if its arms part on the side of the tool, κ0 + κ1 < 0; else the tool goes around its tip.
 
-use libm::{atan2, hypot, sqrt};
-use std::f64::consts::{PI, TAU};
+use libm::{atan2, cos, hypot, sin, sqrt, tan};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// First axis and second axis of the plane.
 pub type Point = [f64; 2];
@@ -69,9 +72,9 @@ impl Side {
         }
     }
 
-    /// O1: n of a direction of travel.
-    pub fn normal(self, t: Point) -> Point {
-        scale(self.sign(), left(t))
+    /// O1: n of the straight way from one point to another.
+    pub fn normal(self, from: Point, to: Point) -> Point {
+        polar(angle(sub(to, from)) + self.sign() * FRAC_PI_2)
     }
 }
 
@@ -119,8 +122,7 @@ impl Element {
         let Element { from, to, arc } = *self;
         let shifted = |p: Point, n: Point| add(p, scale(r, n));
         let Some((m, turns)) = arc else {
-            let t = unit(sub(to, from));
-            let n = side.normal(t);
+            let (t, n) = (unit(sub(to, from)), side.normal(from, to));
             let (from, to, left) = (shifted(from, n), shifted(to, n), distance(from, to));
             return Some(Track { from, to, normals: [n, n], path: Path::Line(t), curvature: 0.0, left });
         };
@@ -130,7 +132,7 @@ impl Element {
         if inside > 0.0 && radius <= r {
             return None;
         }
-        let normals = [from, to].map(|p| scale(inside, unit(sub(m, p))));
+        let normals = [from, to].map(|p| polar(angle(scale(inside, sub(m, p)))));
         Some(Track {
             from: shifted(from, normals[0]),
             to: shifted(to, normals[1]),
@@ -147,8 +149,7 @@ impl Track {
     /// only and cannot be too short for a corner.
     pub fn entry_line(start: Point, to: Point, side: Side, r: f64) -> Track {
         let line = Element { from: start, to, arc: None };
-        let t = unit(sub(to, start));
-        let n = side.normal(t);
+        let (t, n) = (unit(sub(to, start)), side.normal(start, to));
         let end = add(line.to, scale(r, n));
         Track {
             from: start,
@@ -167,14 +168,14 @@ impl Track {
         let (m, turns) = programmed.arc?;
         let start = programmed.from;
         let track = programmed.offset(side, r)?;
-        let (end, u) = (track.to, unit(sub(m, track.to)));
-        let chord = sub(start, end);
-        let along = dot(chord, u);
-        if along <= 1e-4 * length(chord) {
+        let end = track.to;
+        let (u, chord) = (angle(sub(m, end)), sub(start, end));
+        let slant = cos(angle(chord) - u);
+        if slant <= 1e-4 {
             return None;
         }
-        let radius = dot(chord, chord) / (2.0 * along);
-        let center = add(end, scale(radius, u));
+        let radius = length(chord) / 2.0 / slant;
+        let center = add(end, scale(radius, polar(u)));
         let sense = f64::from(turns.signum());
         let path = Path::Circle(center, radius, sense);
         Some((Track { from: start, path, left: sweep(start, end, center, turns), ..track }, center))
@@ -248,7 +249,9 @@ pub fn meet(before: &Track, next: &Track, p: Point, side: Side, r: f64) -> Optio
     match (before.path, next.path) {
         (Path::Line(_), Path::Line(_)) => {
             let (n0, n1) = (before.normals[1], next.normals[0]);
-            Some(add(p, scale(r / (1.0 + dot(n0, n1)), add(n0, n1))))
+            let half = atan2(cross(n0, n1), dot(n0, n1)).abs() / 2.0;
+            let back = polar(angle(n0) + side.sign() * FRAC_PI_2);
+            finite(add(add(p, scale(r, n0)), scale(r * tan(half), back)))
         }
         (Path::Line(t), Path::Circle(m, radius, sense)) => {
             line_and_circle(before.to, t, m, radius, side.sign() * sense)
@@ -314,6 +317,16 @@ fn cross(a: Point, b: Point) -> f64 {
 
 fn left(a: Point) -> Point {
     [-a[1], a[0]]
+}
+
+/// Direction of a vector.
+fn angle(a: Point) -> f64 {
+    atan2(a[1], a[0])
+}
+
+/// The unit vector of a direction.
+fn polar(angle: f64) -> Point {
+    [cos(angle), sin(angle)]
 }
 
 fn length(a: Point) -> f64 {
