@@ -229,20 +229,26 @@ impl Values<'_> {
         Ok(degrees::arc_tangent(y, x))
     }
 
-    /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0.
+    /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0. `EXISTS[#n]`: 1 if there is a parameter of this number.
     fn exists(&mut self, cursor: &mut Cursor) -> Value {
         let start = cursor.mark();
-        if !cursor.take_if(b'[') || !cursor.take_if(b'#') || cursor.peek() != Some(b'<') {
-            let help = "EXISTS takes the name of a parameter, as in EXISTS[#<depth>]";
-            return Err(cursor.error_here("missing-value", "the name of a parameter is missing here", help));
+        if !cursor.take_if(b'[') || !cursor.take_if(b'#') {
+            let help = "EXISTS takes a parameter, as in EXISTS[#<depth>]";
+            return Err(cursor.error_here("missing-value", "a parameter is missing here", help));
         }
-        self.read_name(start, cursor)?;
+        let exists = if cursor.peek() == Some(b'<') {
+            self.read_name(start, cursor)?;
+            self.named().is_some()
+        } else {
+            let index = self.nested(cursor, Values::value)?;
+            whole(index).is_some_and(|index| (1..=i64::from(LAST)).contains(&index))
+        };
         self.notes.spoil();
         if !cursor.take_if(b']') {
             let help = "close every [ with a ]";
             return Err(cursor.error_here("missing-bracket", "the closing bracket is missing", help));
         }
-        Ok(f64::from(self.named().is_some()))
+        Ok(f64::from(exists))
     }
 }
 

@@ -205,13 +205,16 @@ pub(crate) fn head(cursor: &mut Cursor) -> Result<Head, Box<Problem>> {
 fn line_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Problem>> {
     let start = cursor.mark();
     cursor.skip();
-    let digits = cursor.digits_here();
+    let (text, digits) = (cursor.rest(), cursor.digits_here());
     let value = match cursor.peek() {
         Some(b'0'..=b'9' | b'.') => number(cursor)?,
         _ => -1.0,
     };
     if (0.0..=f64::from(LAST_N)).contains(&value) {
-        return Ok((value as u32, digits));
+        // Of `N1 016` LinuxCNC shows what stands before the blank.
+        let shown = text.iter().take(usize::from(digits));
+        let n = shown.fold(0, |n: u32, digit| n.wrapping_mul(10).wrapping_add(u32::from(digit - b'0')));
+        return Ok((n, digits));
     }
     let help = format!("a line number is a number from 0 to {LAST_N}, or left out");
     Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help))
@@ -292,9 +295,10 @@ fn writable_name(name: &str, span: Span, state: &State) -> Done {
     let told = match name {
         "_value" | "_value_returned" => true,
         _ => {
-            name.starts_with('_')
-                && state.memory.named(name).is_none()
-                && system::named(name, state).is_some()
+            name.starts_with("_ini[")
+                || name.starts_with('_')
+                    && state.memory.named(name).is_none()
+                    && system::named(name, state).is_some()
         }
     };
     if told { Err(read_only(&format!("#<{name}>"), span)) } else { Ok(()) }
