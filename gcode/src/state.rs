@@ -19,6 +19,8 @@ pub const G92_APPLIED: u32 = 5210;
 pub const G92_OFFSET: u32 = 5211;
 /// The coordinate system in force.
 pub const SYSTEM: u32 = 5220;
+/// Inch of LinuxCNC's stand-alone interpreter, mm.
+const STAND_ALONE_INCH: f64 = 1.0 / 0.03937007874016;
 /// What the last M66 read.
 pub const INPUT: u32 = 5399;
 
@@ -120,16 +122,17 @@ pub struct State {
     /// Value that the last M66 or probe left (#5399, #5061 to #5070) is in `memory`; depth of subroutine calls.
     pub call_level: u32,
     /// G73 and G83 go back by this much between pecks, machine units.
-    pub peck_clearance: f64,
+    pub peck_clearances: [f64; 2],
+    /// M19 turns to this angle if R is 0, degrees.
+    pub orient_offset: f64,
     /// The line that is being read.
     pub line: u32,
     /// It was warned of a feed per revolution while the spindle stands.
     pub standing_feed: bool,
     /// What M70 and M73 saved.
     pub contexts: Contexts,
-    /// G20 and G21 leave F and the offset of the tool as numbers, and a tool change forgets `unseen`, as LinuxCNC's
-    /// stand-alone interpreter does.
-    pub keeps_numbers: bool,
+    /// [`Options::stand_alone`].
+    pub stand_alone: bool,
     /// By how much offsets of tools have shifted the programmed point since the last move.
     pub unseen: Position,
     /// M2 or M30 was executed.
@@ -143,6 +146,9 @@ impl State {
         let mut memory = Memory::default();
         for (index, value) in &options.parameters {
             memory.set_numbered(*index, *value);
+        }
+        for (name, value) in &options.named {
+            memory.set_named(name, *value);
         }
         let system = memory.numbered(SYSTEM) as u8;
         let system = if (1..=9).contains(&system) { system } else { 1 };
@@ -178,11 +184,12 @@ impl State {
             recorder: Recorder::default(),
             memory,
             call_level: 0,
-            peck_clearance: options.peck_clearance,
+            peck_clearances: options.peck_clearances,
+            orient_offset: options.orient_offset,
             contexts: Contexts::default(),
             standing_feed: false,
             line: 0,
-            keeps_numbers: options.keep_numbers,
+            stand_alone: options.stand_alone,
             unseen: [0.0; 6],
             ended: false,
         };
@@ -196,7 +203,11 @@ impl State {
 
     /// Multiply machine units by this to get program units.
     pub fn per_machine_unit(&self) -> f64 {
-        self.machine_units.mm() / self.units.mm()
+        let machine = match self.machine_units {
+            Units::Inch if self.stand_alone => STAND_ALONE_INCH,
+            units => units.mm(),
+        };
+        machine / self.units.mm()
     }
 
     /// The axis words of a block; X words are diameters under G7.

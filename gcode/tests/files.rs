@@ -126,11 +126,23 @@ fn a_machine_description_gives_what_programs_depend_on() {
 }
 
 #[test]
+fn numbers_of_a_machine_description_have_names_for_programs() {
+    let text = "[VARS]\nDEPTH = 2.5\nNAME = lathe\nDEPTH = 3\n[RS274NGC]\nORIENT_OFFSET = -30\n";
+    let machine = MachineFile::parse("my.ini", text, Path::new("")).unwrap();
+    let named = [("_ini[vars]depth", 2.5), ("_ini[rs274ngc]orient_offset", -30.0)];
+    assert_eq!(machine.named, named.map(|(name, value)| (name.to_owned(), value)));
+    assert_eq!(machine.orient_offset, -30.0);
+    let hidden = MachineFile::parse("my.ini", &format!("{text}INI_VARS = 0\n"), Path::new("")).unwrap();
+    assert!(hidden.named.is_empty());
+}
+
+#[test]
 fn a_wrong_value_of_a_machine_description_is_named() {
     for (text, column) in [
         ("[TRAJ]\nLINEAR_UNITS = furlong", 16),
         ("[RS274NGC]\nG73_PECK_CLEARANCE = -1  ", 22),
         ("[RS274NGC]\nG83_PECK_CLEARANCE =", 21),
+        ("[RS274NGC]\nORIENT_OFFSET = north", 17),
     ] {
         let error = MachineFile::parse("my.ini", text, Path::new("")).unwrap_err();
         assert_eq!((error.line, error.column), (2, column), "{}", error.headline());

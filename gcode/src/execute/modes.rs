@@ -102,7 +102,7 @@ fn units(code: G, state: &mut State, out: &mut Output) -> Done {
     }
     compensation::scale(factor, state, out);
     state.cycle.scale(factor);
-    if !state.keeps_numbers {
+    if !state.stand_alone {
         state.tool_offset = scaled(&state.tool_offset, factor);
         if state.feed_mode != FeedMode::InverseTime {
             state.feed *= factor;

@@ -90,7 +90,8 @@ fn orient(block: &Block, state: &mut State, out: &mut Output) -> Done {
     state.spindle.turning = None;
     if block.has('R') || block.has('P') {
         let direction = block.get('P').unwrap_or(0.0).round();
-        out.call(Call::OrientSpindle(block.get('R').unwrap_or(0.0), direction as u8))?;
+        let angle = block.get('R').unwrap_or(0.0) + state.orient_offset;
+        out.call(Call::OrientSpindle(angle % 360.0, direction as u8))?;
     }
     match block.get('Q') {
         Some(seconds) => out.call(Call::WaitSpindleOrient(seconds)),

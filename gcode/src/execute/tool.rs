@@ -57,7 +57,7 @@ fn change_number(block: &Block, state: &mut State, out: &mut Output) -> Done {
 /// Behind a block with a tool change, LinuxCNC's stand-alone driver says where the tool stands. It does not follow
 /// offsets of tools.
 pub(super) fn after_change(state: &mut State) {
-    if state.keeps_numbers {
+    if state.stand_alone {
         for (value, unseen) in state.position.iter_mut().zip(state.unseen) {
             *value -= unseen;
         }
@@ -168,6 +168,9 @@ pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> D
         tool.orientation = orientation as u8;
     }
     out.call(Call::SetToolTableEntry(&tool))?;
+    if state.stand_alone && state.tool == 0 && tool.index == 1 {
+        out.call(Call::SetToolTableEntry(&Tool { index: 0, ..tool.clone() }))?;
+    }
     state.tools.set(tool);
     if state.tool == number {
         load(number, state);

@@ -3,7 +3,7 @@
 //! ```text
 //! [TRAJ]     LINEAR_UNITS = mm
 //! [RS274NGC] PARAMETER_FILE = lathe.var   SUBROUTINE_PATH = subs:../library   DISABLE_G92_PERSISTENCE = 0
-//!            G73_PECK_CLEARANCE = 0.254   G83_PECK_CLEARANCE = 0.254
+//!            G73_PECK_CLEARANCE = 0.254   G83_PECK_CLEARANCE = 0.254   ORIENT_OFFSET = 0   INI_VARS = 1
 //! [EMCIO]    TOOL_TABLE = tool.tbl
 //! [DISPLAY]  PROGRAM_PREFIX = programs
 //! ```
@@ -19,10 +19,9 @@ use crate::problem::{Blame, Diagnostic, Problem, Severity, Span};
 
 /// Entries that change what programs mean and that nothing here takes into account, with the value that is the same
 /// as no entry.
-const UNSUPPORTED: [(&str, &str, &str); 12] = [
+const UNSUPPORTED: [(&str, &str, &str); 11] = [
     ("RS274NGC", "REMAP", ""),
     ("RS274NGC", "USER_M_PATH", ""),
-    ("RS274NGC", "ORIENT_OFFSET", "0"),
     ("RS274NGC", "RETAIN_G43", "0"),
     ("RS274NGC", "OWORD_NARGS", "0"),
     ("RS274NGC", "NO_DOWNCASE_OWORD", "0"),
@@ -51,6 +50,12 @@ pub struct MachineFile {
     pub subroutine_folders: Vec<PathBuf>,
     /// G92 does not outlive a run: its parameters (#5210 to #5219) in the parameter file do not count.
     pub forgets_g92: bool,
+    /// M19 turns to this angle if R is 0, degrees.
+    pub orient_offset: f64,
+    /// All entries that are numbers, as the parameters that programs can read: `_ini[section]entry`, lower case.
+    pub named: Vec<(String, f64)>,
+    /// Programs cannot read entries.
+    pub hides_entries: bool,
     /// Entries that change what programs mean and are not supported.
     pub warnings: Vec<Diagnostic>,
 }
@@ -96,13 +101,26 @@ impl MachineFile {
             let Some((key, value)) = line.split_once('=') else { continue };
             let (key, value) = (key.trim(), value.trim());
             let entry = Entry { name: &name, line: n as u32 + 1, text, section, key, value };
+            machine.name(&entry);
             match (section, key) {
                 ("DISPLAY", "PROGRAM_PREFIX") => prefix = Some(folder.join(value)),
                 _ => machine.take(&entry, folder)?,
             }
         }
         machine.subroutine_folders.splice(0..0, prefix);
+        if machine.hides_entries {
+            machine.named.clear();
+        }
         Ok(machine)
+    }
+
+    /// `#<_ini[section]entry>`: of entries that stand twice the first one counts.
+    fn name(&mut self, entry: &Entry<'_>) {
+        let Some(value) = entry.value.parse::<f64>().ok().filter(|value| value.is_finite()) else { return };
+        let name = format!("_ini[{}]{}", entry.section, entry.key).to_ascii_lowercase();
+        if self.named.iter().all(|(other, _)| *other != name) {
+            self.named.push((name, value));
+        }
     }
 
     fn take(&mut self, entry: &Entry<'_>, folder: &Path) -> Result<(), Box<Diagnostic>> {
@@ -110,6 +128,8 @@ impl MachineFile {
             ("TRAJ", "LINEAR_UNITS") => self.units = Some(entry.units()?),
             ("RS274NGC", "G73_PECK_CLEARANCE") => self.g73_clearance = Some(entry.length()?),
             ("RS274NGC", "G83_PECK_CLEARANCE") => self.g83_clearance = Some(entry.length()?),
+            ("RS274NGC", "ORIENT_OFFSET") => self.orient_offset = entry.number("an angle in degrees")?,
+            ("RS274NGC", "INI_VARS") => self.hides_entries = entry.value == "0",
             ("RS274NGC", "PARAMETER_FILE") => self.parameter_file = Some(folder.join(entry.value)),
             ("RS274NGC", "DISABLE_G92_PERSISTENCE") => self.forgets_g92 = entry.value != "0",
             ("EMCIO", "TOOL_TABLE") => self.tool_table = Some(folder.join(entry.value)),
@@ -138,6 +158,13 @@ impl Entry<'_> {
             "mm" | "metric" => Ok(Units::Millimetre),
             "in" | "inch" | "imperial" => Ok(Units::Inch),
             _ => Err(self.wrong("is no unit of length", "write mm or inch")),
+        }
+    }
+
+    fn number(&self, what: &str) -> Result<f64, Box<Diagnostic>> {
+        match self.value.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(self.wrong("is no number", &format!("write {what}"))),
         }
     }
 

@@ -26,7 +26,7 @@ fn place_of(calls: &[String], start: &str) -> usize {
 #[test]
 fn what_is_called_behind_a_waiting_move_stays_behind_it() {
     let calls = calls("F100\nG41.1 D2\nG1 X10\nM3 S500 M8\n(comment)\nF200\nG4 P1\nY10\nG40 X0\nM2\n");
-    let corner = place_of(&calls, "StraightFeed([9.0, 1.0,");
+    let corner = place_of(&calls, "StraightFeed([9.0, 1.0");
     for (distance, start) in
         ["SetSpindleSpeed", "StartSpindle", "FloodOn", "Comment", "SetFeedRate(200", "Dwell"]
             .iter()
@@ -45,9 +45,11 @@ fn messages_do_not_wait() {
 #[test]
 fn moves_across_the_plane_follow_the_corner() {
     let calls = calls("F100\nG41.1 D2\nG1 X10\nG0 Z5\nZ-1\nG1 Y10\nG40 X0\nM2\n");
-    let corner = place_of(&calls, "StraightFeed([9.0, 1.0, 0.0");
-    assert!(calls[corner + 1].starts_with("StraightTraverse([9.0, 1.0, 5.0"), "{calls:#?}");
-    assert!(calls[corner + 2].starts_with("StraightTraverse([9.0, 1.0, -1.0"), "{calls:#?}");
+    let corner = place_of(&calls, "StraightFeed([9.0, 1.0");
+    for (call, height) in [(1, ", 5.0, 0.0"), (2, ", -1.0, 0.0")] {
+        let call = &calls[corner + call];
+        assert!(call.starts_with("StraightTraverse([9.0, 1.0") && call.contains(height), "{calls:#?}");
+    }
     assert!(calls[corner + 3].starts_with("StraightFeed([9.0, 10.0, -1.0"), "{calls:#?}");
 }
 

@@ -1,7 +1,8 @@
 //! G73, G74, G80 to G89.
 
 use crate::printed::{moves, printed, refused, warned};
-use crate::recorded::messages;
+use crate::recorded::{messages, run};
+use gcode::{Options, Program};
 
 /// The moves of a program that begins at Z10 with the spindle on.
 fn holes(text: &str) -> Vec<String> {
@@ -86,6 +87,16 @@ fn g91_repeats_in_steps_from_the_level() {
     refused("F1\nG91 G81 ^90 Z-1 R-8 L2", "bad-value", &["origin"]);
     for count in ["0", "1.5", "-2"] {
         refused(&format!("F1\nG81 X1 Z-1 R1 L{count}"), "bad-value", &[&format!("L{count}")]);
+    }
+}
+
+#[test]
+fn chips_are_broken_and_cleared_with_a_clearance_each() {
+    let options = Options { peck_clearances: [0.5, 1.0], ..Options::default() };
+    let text = "F1\nG73 X1 Z-2 R0 Q1\nG83 X2 Z-2 R0 Q1\nM2\n";
+    let calls = run(Program::from_text("t", text, &options)).record.calls;
+    for depth in ["1.0, 0.0, -0.5", "2.0, 0.0, 0.0"] {
+        assert!(calls.contains(&format!("StraightTraverse([{depth}, 0.0, 0.0, 0.0])")), "{calls:?}");
     }
 }
 

@@ -91,9 +91,9 @@ fn m6_stops_the_spindle() {
 #[test]
 fn the_stand_alone_driver_of_linuxcnc_does_not_follow_tool_offsets() {
     let text = "G0 Z50\nT1 M6 G43\nG0 X1\nG20\n(debug,#5083)\nM2\n";
-    let ends = |keep_numbers| {
+    let ends = |stand_alone| {
         let tools = ToolTable::parse("tool.tbl", TABLE).expect("a table");
-        let options = Options { tools, keep_numbers, ..Options::default() };
+        let options = Options { tools, stand_alone, ..Options::default() };
         let calls = run(Program::from_text("test.ngc", text, &options)).record.calls;
         let told =
             calls.into_iter().filter(|call| call.starts_with("StraightT") || call.starts_with("Message"));

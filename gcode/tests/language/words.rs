@@ -26,6 +26,29 @@ fn optional_lines_are_left_out_if_they_are_switched_off() {
 }
 
 #[test]
+fn entries_of_the_machine_description_are_parameters_that_nobody_sets() {
+    let named = vec![("_ini[vars]depth".to_owned(), 2.5)];
+    let options = Options { named, ..Options::default() };
+    let text = "G0 X#<_INI[Vars]depth>\n#<_ini[vars]depth>=1\nM2\n";
+    let outcome = run(Program::from_text("t", text, &options));
+    assert!(outcome.record.calls.contains(&"StraightTraverse([2.5, 0.0, 0.0, 0.0, 0.0, 0.0])".to_owned()));
+    let errors: Vec<_> = outcome.errors.iter().map(|error| (error.line, error.code)).collect();
+    assert_eq!(errors, [(2, "bad-parameter")]);
+    assert_eq!(errors_of_setting("#<_ini[vars]width>=1"), ["bad-parameter"], "also one that is not there");
+}
+
+fn errors_of_setting(line: &str) -> Vec<&'static str> {
+    errors(&format!("{line}\nM2\n")).into_iter().map(|(_, code)| code).collect()
+}
+
+#[test]
+fn m19_turns_from_the_offset_of_the_machine() {
+    let options = Options { orient_offset: 350.0, ..Options::default() };
+    let calls = run(Program::from_text("t", "M19 R45 P1\nM2\n", &options)).record.calls;
+    assert!(calls.contains(&"OrientSpindle(35.0, 1)".to_owned()), "{calls:?}");
+}
+
+#[test]
 fn comments_speak_with_the_values_of_parameters() {
     assert_eq!(messages("(MSG,load bar #1)"), ["load bar #1"]);
     assert_eq!(messages("( msg , load bar)"), [" load bar"]);

@@ -194,7 +194,7 @@ impl Pattern {
                 clear: if state.retract_to_start { level.max(r) } else { r },
                 dwell: words.dwell,
                 peck: words.peck,
-                back: state.peck_clearance * state.per_machine_unit(),
+                back: state.peck_clearances[usize::from(code == G(830))] * state.per_machine_unit(),
                 bar: Bar::new(words.offset, bottom, state),
                 turning: state.spindle.turning,
                 overrides: state.overrides,
