@@ -282,6 +282,9 @@ impl Program {
     fn report(&mut self, problem: Problem, refused: Option<Place>) -> Result<Step, Box<Diagnostic>> {
         self.flow.repeats = false;
         let diagnostic = self.diagnostic(problem, refused);
+        if self.state.stand_alone {
+            self.flow.end_calls(&mut self.state);
+        }
         if self.reported.insert((self.block.file, diagnostic.line)) {
             return Err(Box::new(diagnostic));
         }
@@ -331,6 +334,11 @@ impl Program {
     /// Name of a file, see [`Place::file`].
     pub fn file_name(&self, file: u16) -> Option<&Arc<str>> {
         self.flow.files.get(usize::from(file)).map(Source::name)
+    }
+
+    /// Whether the `%` that ends the program was met, if only on the search for a subroutine.
+    pub fn is_read_to_end(&self) -> bool {
+        self.flow.files.get(0).is_some_and(Source::is_closed)
     }
 
     /// The state after the last step.

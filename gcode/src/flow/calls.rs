@@ -113,7 +113,7 @@ impl Flow {
     ) -> Result<Definition, Box<Problem>> {
         let definition = match self.labels.definition(label) {
             Some(definition) => definition,
-            None => self.search_for(label, reader, state)?,
+            None => self.search_for(label, style, reader, state)?,
         };
         if definition.style == style {
             return Ok(definition);
@@ -130,9 +130,11 @@ impl Flow {
         Err(Problem::error("wrong-call", Blame::Block, message, help))
     }
 
+    /// As in LinuxCNC 2.10, `call` in a subroutine file does not reach what stands further down in it.
     fn search_for(
         &mut self,
         label: Label,
+        style: Style,
         reader: &mut Reader,
         state: &State,
     ) -> Result<Definition, Box<Problem>> {
@@ -141,10 +143,10 @@ impl Flow {
             let (caller, back) = (self.files.current(), self.files.mark());
             let beginning = self.files.get(file).map_or(Mark::default(), |source| source.beginning());
             self.files.go(file, beginning)?;
-            self.search_definitions(reader, state)?;
+            self.search_definitions(Some(label), reader, state)?;
             self.files.go(caller, back)?;
-        } else {
-            self.search_definitions(reader, state)?;
+        } else if style == Style::Program || self.files.current() == 0 {
+            self.search_definitions(None, reader, state)?;
         }
         self.labels.definition(label).ok_or_else(|| {
             let name = self.labels.text(label);
@@ -156,7 +158,10 @@ impl Flow {
                     format!("there is no subroutine {name}, neither in this file nor in {}", files.join(", "))
                 }
             };
-            let help = "define it, put its file into a folder for subroutines, or correct the label";
+            let help = match self.files.current() {
+                0 => "define it, put its file into a folder for subroutines, or correct the label",
+                _ => "put it into a file of its own, or before the subroutine that this file is named after",
+            };
             Problem::error("no-subroutine", Blame::Block, message, help)
         })
     }
@@ -267,6 +272,17 @@ impl Flow {
         state.call_level = state.call_level.saturating_sub(1);
         self.files.go(frame.file, frame.back)?;
         restored
+    }
+
+    /// Gives up all calls: the program goes on behind the outermost one. A place that cannot be gone to is reported
+    /// when the next line is taken.
+    pub(crate) fn end_calls(&mut self, state: &mut State) {
+        while let Some(frame) = self.frames.pop() {
+            self.opens.truncate(frame.opens);
+            state.memory.leave(frame.definition.style == Style::Sub);
+            state.call_level = state.call_level.saturating_sub(1);
+            let _ = self.files.go(frame.file, frame.back);
+        }
     }
 
     /// The end of a file.

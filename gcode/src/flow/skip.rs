@@ -127,12 +127,14 @@ impl Flow {
         Err(Problem::error("missing-end", Blame::Block, message, help))
     }
 
-    /// Notes the subroutines that are defined in the rest of the current file, so far as it was not searched before.
+    /// Notes the subroutines that are defined in the rest of the current file, so far as it was not searched before, or
+    /// those up to `last`.
     ///
     /// # Errors
     /// The file cannot be read.
     pub(super) fn search_definitions(
         &mut self,
+        last: Option<Label>,
         reader: &mut Reader,
         state: &State,
     ) -> Result<(), Box<Problem>> {
@@ -153,6 +155,9 @@ impl Flow {
             if let Some(Control { label, .. }) = control {
                 let body = self.files.mark();
                 self.labels.define(label, Definition { style, file, line: line.number(), body });
+                if last == Some(label) {
+                    break;
+                }
             }
         }
         let end = self.files.mark();

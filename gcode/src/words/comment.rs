@@ -69,8 +69,8 @@ pub(super) fn comment(text: &str, span: Span, state: &State) -> Result<Option<Co
         Verb::Log(verb @ "LOG") => logged(verb, &expanded(rest, span, state)?),
         Verb::Log(verb) => logged(verb, rest),
         Verb::Abort => {
-            let message = format!("the program ends itself: {}", expanded(rest, span, state)?.trim());
-            let help = "remove what leads to (ABORT,...)";
+            let message = expanded(rest, span, state)?;
+            let help = "the program ends itself by (ABORT,...): see what leads there";
             return Err(Problem::error("abort", Blame::Span(span), message, help));
         }
         Verb::Python => {

@@ -81,6 +81,14 @@ fn subroutine_files_are_found_in_the_folder_of_the_program_and_in_others() {
     assert_eq!(said, ["near", "helper", "far 2", "700", "helper"].map(|text| format!("Message({text:?})")));
     assert!(outcome.errors.is_empty());
 
+    write(&there, "far.ngc", "o<far> sub\no5 call\no<far> endsub\no5 sub\no5 endsub\n");
+    let outcome = run(Program::open(&main, &options).unwrap());
+    assert_eq!(
+        (outcome.errors[0].line, outcome.errors[0].code),
+        (2, "no-subroutine"),
+        "it stands further down"
+    );
+
     write(&there, "far.ngc", "o<far> sub\nG0 X[1/0]\no<far> endsub\n");
     let outcome = run(Program::open(&main, &options).unwrap());
     assert_eq!((outcome.errors[0].line, outcome.errors[0].code), (2, "arithmetic"));
