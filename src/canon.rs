@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
-use gcode::{Call, Dialect, Options, Place, Problem, Program, Severity, Sink, Step};
+use gcode::{Call, Diagnostic, Dialect, Options, Place, Problem, Program, Severity, Sink, Step};
 
 use crate::{cli, error::CliError};
 
@@ -22,7 +22,8 @@ pub(crate) const HELP: &str = "Examples:
 
 The switches of LinuxCNC's `rs274` (-g -t -v -i -b -n) mean the same here.
 
-Exit status: 0 the program is good, 2 it has errors or a file is wrong. Messages: FILE:LINE:COLUMN: on standard error.";
+Exit status: 0 the program is good, 2 it has errors or a file is wrong; with --format linuxcnc -n 0 it is 0 whenever the
+end of the program was reached, as that of `rs274`. Messages: FILE:LINE:COLUMN: on standard error.";
 
 /// What to print, and what the program is run with.
 #[derive(Clone, Debug, Args)]
@@ -123,6 +124,12 @@ fn print(
 ) -> Result<bool, io::Error> {
     let colour = cli::colour(&io::stderr());
     let mut good = true;
+    // As `rs274 -n 0`, which is content with having reached the end.
+    let goes_on = on_error == OnError::GoOn && matches!(printer, Printer::Linuxcnc(_));
+    let forgives = |code: &str| goes_on && code != "no-program-end";
+    if matches!(printer, Printer::Linuxcnc(_)) && !quiet {
+        eprintln!("executing"); // the first line that `rs274` writes there
+    }
     loop {
         let step = program.step(printer);
         for warning in program.take_warnings() {
@@ -135,9 +142,10 @@ fn print(
             Ok(Step::Ended) => break,
             Err(error) => {
                 // What was printed before comes first, and an output that is lost is no error of the program.
+                printer.gave_up(error.code, program.is_read_to_end());
                 printer.flush()?;
-                good &= error.severity != Severity::Error;
-                eprint!("{}", error.render(colour));
+                good &= error.severity != Severity::Error || forgives(error.code);
+                printer.show(&error, colour);
                 if on_error == OnError::Stop {
                     break;
                 }
@@ -159,8 +167,10 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
     let mut options = Options {
         dialect: args.dialect,
         block_delete: args.block_delete,
-        keep_numbers: args.format == Format::Linuxcnc,
+        stand_alone: args.format == Format::Linuxcnc,
         subroutine_folders: machine.subroutine_folders,
+        named: machine.named,
+        orient_offset: machine.orient_offset,
         ..Options::default()
     };
     options.machine_units = machine.units.unwrap_or(match args.format {
@@ -168,8 +178,10 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
         // Where nothing says otherwise, `rs274` takes the machine for one in inches; programs begin in mm anyway.
         Format::Linuxcnc => Units::Inch,
     });
-    if let Some(clearance) = machine.g83_clearance.or(machine.g73_clearance) {
-        options.peck_clearance = clearance;
+    for (clearance, given) in
+        options.peck_clearances.iter_mut().zip([machine.g73_clearance, machine.g83_clearance])
+    {
+        *clearance = given.unwrap_or(*clearance);
     }
     if let Some(path) = args.tools.as_ref().or(machine.tool_table.as_ref()) {
         options.tools = ToolTable::read(path).map_err(file_error)?;
@@ -218,6 +230,24 @@ impl Printer {
         match format {
             Format::Plain => Printer::Plain(PlainPrinter::new(file, options.machine_units)),
             Format::Linuxcnc => Printer::Linuxcnc(LinuxcncPrinter::new(file)),
+        }
+    }
+
+    /// Shows an error. What a program says with (ABORT,...) is shown as `rs274` does: the text, and the line.
+    fn show(&self, error: &Diagnostic, colour: bool) {
+        match self {
+            Printer::Linuxcnc(_) if error.code == "abort" => eprintln!("{}\n{}", error.message, error.text),
+            _ => eprint!("{}", error.render(colour)),
+        }
+    }
+
+    /// Before an error is shown: `rs274` has finished the program if it looked for a subroutine to the end.
+    fn gave_up(&mut self, code: &str, read_to_end: bool) {
+        if let Printer::Linuxcnc(printer) = self
+            && read_to_end
+            && code == "no-subroutine"
+        {
+            let _ = printer.call(Place::default(), Call::Finish);
         }
     }
 

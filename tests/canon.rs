@@ -70,6 +70,33 @@ fn canon_stops_at_the_first_error_or_goes_on() {
 }
 
 #[test]
+fn canon_takes_the_place_of_rs274() {
+    let place = Place::new();
+    let rs274 =
+        |arguments: &[&str]| place.ask(&[&["canon", "--format", "linuxcnc", "-g"][..], arguments].concat());
+    place.write("twice.ngc", "o1 sub\n(msg,in)\n#1=[1/0]\n(msg,not here)\no1 endsub\no1 call\no1 call\nM2\n");
+    let all = rs274(&["-n", "0", "twice.ngc"]);
+    assert_eq!((all.status, all.stdout.matches("MESSAGE(\"in\")").count()), (Some(0), 2), "{}", all.stdout);
+    assert!(
+        !all.stdout.contains("not here") && all.stderr.contains("twice.ngc:3:"),
+        "an error ends all calls"
+    );
+    assert_eq!(rs274(&["twice.ngc"]).status, Some(2));
+    place.write("open.ngc", "G0 X1\n");
+    assert_eq!(rs274(&["-n", "0", "open.ngc"]).status, Some(2), "its end was not reached");
+
+    place.write("end.ngc", "#1=2\n  (abort,turn the part, #1 mm)\nM2\n");
+    let answer = rs274(&["end.ngc"]);
+    assert_eq!(answer.status, Some(2));
+    assert_eq!(answer.stderr, "executing\nturn the part, 2.000000 mm\n  (abort,turn the part, #1 mm)\n");
+
+    place.write("none.ngc", "%\nN1 016 G0 X1\nM98 P7\n%\n");
+    let answer = rs274(&["none.ngc"]);
+    assert!(answer.stdout.contains(" 7 N1     STRAIGHT_TRAVERSE(1.0000"), "{}", answer.stdout);
+    assert!(answer.stdout.contains(" 8 N..... FINISH()\n"), "{}", answer.stdout);
+}
+
+#[test]
 fn canon_names_the_file_that_is_wrong() {
     let place = Place::new();
     place.write("good.ngc", "M2\n");
