@@ -6,7 +6,7 @@ use gcode::Program;
 use gcode::codes::{G, M, g_group, m_group};
 
 use super::examples::{calls, options};
-use super::pages::rows_below;
+use super::pages::{project, rows_below};
 
 /// No dialect has codes from here on, in tenths and in ones.
 const END_G: u16 = 2000;
@@ -55,4 +55,15 @@ fn every_code_of_the_dialect_fanuc_is_in_a_table() {
     let [known, refused] = of_fanuc('M', END_M, "unknown-m-code");
     assert_eq!(documented("gcode-fanuc.md", "## M codes", 'M'), known);
     assert!(refused.is_empty(), "{refused:?}");
+}
+
+#[test]
+fn every_limit_is_in_the_table() {
+    let source = std::fs::read_to_string(project().join("gcode/src/options.rs")).expect("a source");
+    let fields = source.split_once("pub struct Limits {").and_then(|(_, rest)| rest.split_once("\n}"));
+    let (fields, _) = fields.expect("the limits stand in one structure");
+    let names = fields.lines().filter_map(|line| line.trim().strip_prefix("pub ")?.split(':').next());
+    let rows = rows_below("gcode-parameters.md", "## O words").concat().concat();
+    let missing: Vec<&str> = names.filter(|name| !rows.contains(&format!("(`{name}`)"))).collect();
+    assert!(missing.is_empty(), "{missing:?}");
 }
