@@ -75,7 +75,7 @@ pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Don
     if let Some(comment) = block.comment.as_ref().filter(|comment| !comment.text.is_empty()) {
         say(comment, out)?;
     }
-    rates(block, state, out)?;
+    rates(block, motion, state, out)?;
     if block.m_codes().next().is_some() {
         m_codes(block, state, out)?;
     }
@@ -109,14 +109,14 @@ fn say(comment: &Comment, out: &mut Output) -> Done {
 }
 
 /// Spindle mode, feed mode, F, S, T.
-fn rates(block: &Block, state: &mut State, out: &mut Output) -> Done {
+fn rates(block: &Block, motion: Option<G>, state: &mut State, out: &mut Output) -> Done {
     if let Some(code) = block.g(group::SPINDLE_MODE) {
         spindle::mode(code, block, state, out)?;
     }
     if let Some(code) = block.g(group::FEED_MODE) {
         modes::feed_mode(code, state, out)?;
     }
-    modes::feed(block, state, out)?;
+    modes::feed(block, motion, state, out)?;
     spindle::speed(block, state, out)?;
     tool::select(block, state, out)
 }

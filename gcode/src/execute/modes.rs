@@ -25,10 +25,15 @@ pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
     Ok(())
 }
 
-/// F. Under G93 it belongs to the move of the block.
-pub(super) fn feed(block: &Block, state: &mut State, out: &mut Output) -> Done {
+/// F. Under G93 it belongs to the move of the block, which `motion` is if there is one.
+pub(super) fn feed(block: &Block, motion: Option<G>, state: &mut State, out: &mut Output) -> Done {
     let Some(feed) = block.get('F') else { return Ok(()) };
     if state.feed_mode == FeedMode::InverseTime {
+        if matches!(motion, None | Some(G(0 | 800))) {
+            let message = "F does nothing here: under G93 it is for the move of its block alone";
+            let help = "write it into the block of the move";
+            out.warn(Problem::warning("no-effect", Blame::Word('F'), message, help));
+        }
         return Ok(());
     }
     if feed < 0.0 {

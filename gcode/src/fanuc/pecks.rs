@@ -96,6 +96,14 @@ pub(super) fn cycle(
     };
     let along_z = code == G(740);
     let (cut, beside) = ways(code, line, state)?;
+    let (axes, step, help) = match along_z {
+        true => ("XU", 'P', "leave P out, or add X or U"),
+        false => ("ZW", 'Q', "leave Q out, or add Z or W"),
+    };
+    if line.has(step) && !line.has_any(axes) && beside.step > 0.0 {
+        let message = format!("{step} does nothing here: the block has one cut, and goes nowhere beside it");
+        out.warn(Problem::warning("no-effect", Blame::Word(step), message, help));
+    }
     let aside = if beside.to == beside.from {
         retract.unwrap_or(0.0)
     } else {
