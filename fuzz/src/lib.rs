@@ -13,6 +13,7 @@ use protocol::code_file::{CodeFile, VERSION};
 /// Small, so that every loop ends soon.
 const LIMITS: Limits = Limits {
     blocks_without_motion: 300,
+    moves_of_block: 100_000,
     call_depth: 10,
     expression_depth: 16,
     line_length: 512,

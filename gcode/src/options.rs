@@ -19,6 +19,8 @@ pub enum Dialect {
 pub struct Limits {
     /// Lines in a row without a move: a loop that does nothing else is taken for endless.
     pub blocks_without_motion: u64,
+    /// Moves of one block: holes of a canned cycle with their pecks, passes along a contour.
+    pub moves_of_block: u64,
     /// Subroutine calls inside each other.
     pub call_depth: u32,
     /// Brackets, signs and `#` inside each other.
@@ -33,6 +35,7 @@ impl Default for Limits {
     fn default() -> Limits {
         Limits {
             blocks_without_motion: 100_000_000,
+            moves_of_block: 1_000_000,
             call_depth: 100,
             expression_depth: 64,
             line_length: 4096,

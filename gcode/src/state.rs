@@ -125,6 +125,8 @@ pub struct State {
     pub peck_clearances: [f64; 2],
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
+    /// Moves that a block may make, see [`crate::Limits::moves_of_block`].
+    pub moves_of_block: u64,
     /// The line that is being read.
     pub line: u32,
     /// It was warned of a feed per revolution while the spindle stands.
@@ -186,6 +188,7 @@ impl State {
             call_level: 0,
             peck_clearances: options.peck_clearances,
             orient_offset: options.orient_offset,
+            moves_of_block: options.limits.moves_of_block,
             contexts: Contexts::default(),
             standing_feed: false,
             line: 0,

@@ -116,7 +116,7 @@ fn pecks_go_back_by_the_clearance_in_any_units() {
     );
     refused("F1\nG83 X1 Z-5 R3", "missing-word", &["Q"]);
     refused("F1\nG83 X1 Z-5 R3 Q0", "bad-value", &["Q0"]);
-    refused("F1\nG73 X1 Z-5 R3 Q.0000001", "bad-value", &["1000000"]);
+    refused("F1\nG73 X1 Z-5 R3 Q.0000001", "bad-value", &["1000000 moves", "moves_of_block"]);
 }
 
 #[test]

@@ -18,11 +18,10 @@
 
 use crate::canon::{Call, Plane, Position, Turn};
 use crate::codes::G;
-use crate::problem::{Blame, Problem, short};
+use crate::problem::{Blame, Problem};
 use crate::state::{Overrides, State};
 
 use super::super::{Done, Output};
-use super::MOST;
 
 /// G87: the boring bar passes the hole beside its axis.
 #[derive(Clone, Copy, Debug)]
@@ -140,13 +139,23 @@ impl Hole {
             }
             _ => {}
         }
-        let depth = self.r - self.bottom;
-        if matches!(code.0, 730 | 830) && depth / self.peck > MOST as f64 {
-            let message =
-                format!("Q{} would make more than {MOST} pecks of a hole {} deep", self.peck, short(depth));
-            return Err(Problem::error("bad-value", Blame::Word('Q'), message, "give a greater Q"));
-        }
         Ok(())
+    }
+
+    /// How many pecks it takes, where it takes pecks.
+    fn peck_count(&self) -> f64 {
+        ((self.r - self.bottom) / self.peck).ceil()
+    }
+
+    /// How many moves it makes at most, without those that lead to it.
+    pub(super) fn moves(&self) -> f64 {
+        match self.code.0 {
+            730 => 2.0 * self.peck_count() + 2.0,
+            830 => 3.0 * self.peck_count() + 2.0,
+            870 => 9.0,
+            850 => 3.0,
+            _ => 2.0,
+        }
     }
 
     /// Makes it.
@@ -176,10 +185,14 @@ impl Hole {
         }
     }
 
-    /// G73 and G83.
+    /// G73 and G83. The pecks are counted: far from 0 a small Q may not change the depth. There may be one more than the
+    /// depth asks for, which is what rounding left of it, as in LinuxCNC.
     fn pecks(&self, strokes: &mut Strokes) -> Done {
         let mut depth = self.r - self.peck;
-        while depth > self.bottom {
+        for _ in 0..self.peck_count() as u64 {
+            if depth <= self.bottom {
+                break;
+            }
             strokes.feed(depth)?;
             if self.code == G(830) {
                 strokes.rapid(self.r)?;

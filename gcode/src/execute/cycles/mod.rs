@@ -22,9 +22,6 @@ use crate::state::State;
 use super::{Done, Output, feed, integer, straight};
 use hole::{Bar, Hole, Strokes};
 
-/// Holes of one block, and pecks of one hole, at most.
-const MOST: i64 = 1_000_000;
-
 /// What canned cycles keep from block to block.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sticky {
@@ -88,6 +85,7 @@ pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output)
     let words = words(code, block, state, before)?;
     let repeats = repeats(block)?;
     let pattern = Pattern::new(code, block, state, &words)?;
+    pattern.bound(repeats, block, state)?;
     state.cycle = Sticky { code: Some((code, state.plane)), level: Some(pattern.level), ..words };
     pattern.drill(repeats, block, state, out)
 }
@@ -139,14 +137,9 @@ fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky
 /// L.
 fn repeats(block: &Block) -> Result<i64, Box<Problem>> {
     let Some(value) = block.get('L') else { return Ok(1) };
-    integer(block, 'L').filter(|count| (1..=MOST).contains(count)).ok_or_else(|| {
+    integer(block, 'L').filter(|count| *count >= 1).ok_or_else(|| {
         let message = format!("L{} is no number of holes", short(value));
-        Problem::error(
-            "bad-value",
-            Blame::Word('L'),
-            message,
-            format!("give a whole number from 1 to {MOST}"),
-        )
+        Problem::error("bad-value", Blame::Word('L'), message, "give a whole number from 1 on")
     })
 }
 
@@ -220,6 +213,21 @@ impl Pattern {
             pattern.at = [0, 1].map(|n| given[n].unwrap_or(here[n]));
         }
         Ok(pattern)
+    }
+
+    /// Refuses what would hardly ever end.
+    fn bound(&self, repeats: i64, block: &Block, state: &State) -> Done {
+        let (holes, most) = (repeats as f64, state.moves_of_block);
+        if holes * (2.0 + self.hole.moves()) <= most as f64 {
+            return Ok(());
+        }
+        let code = self.hole.code;
+        let message = format!("{code} would make more than {most} moves: the limit moves_of_block");
+        let (blame, help) = match (code.0, block.has('Q') || !block.has('L')) {
+            (730 | 830, true) => ('Q', "give a greater Q"),
+            _ => ('L', "give a smaller L"),
+        };
+        Err(Problem::error("bad-value", Blame::Word(blame), message, help))
     }
 
     /// Sends all the holes; the state is then above the last.
