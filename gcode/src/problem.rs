@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
+use crate::canon::Place;
 use crate::codes::{G, M};
 
 /// How bad it is.
@@ -53,6 +54,8 @@ pub enum Blame {
     Span(Span),
     /// All of another line of the same file: the block was read before.
     Line(u32),
+    /// All of a line that was read before, in whichever file.
+    At(Place),
 }
 
 /// What is wrong, before it is known where that stands in the text.

@@ -256,7 +256,10 @@ impl Program {
 
     fn end_of_file(&mut self, sink: &mut Watch) -> Done {
         let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
-        let ended = self.flow.end(&mut self.state, &mut out);
+        let mut ended = self.flow.end(&mut self.state, &mut out);
+        if self.state.recorder.is_on() {
+            ended = roughing::end(ended, &mut self.state, &mut out);
+        }
         if self.state.ended {
             self.stage = Stage::Ended;
         }
@@ -281,11 +284,11 @@ impl Program {
     /// Makes a diagnostic of an error, if there is none for its line yet.
     fn report(&mut self, problem: Problem, refused: Option<Place>) -> Result<Step, Box<Diagnostic>> {
         self.flow.repeats = false;
-        let diagnostic = self.diagnostic(problem, refused);
+        let (file, diagnostic) = self.diagnostic(problem, refused);
         if self.state.stand_alone {
             self.flow.end_calls(&mut self.state);
         }
-        if self.reported.insert((self.block.file, diagnostic.line)) {
+        if self.reported.insert((file, diagnostic.line)) {
             return Err(Box::new(diagnostic));
         }
         Ok(if self.stage == Stage::Ended { Step::Ended } else { Step::More })
@@ -295,20 +298,21 @@ impl Program {
         let mut problems = std::mem::take(&mut self.reader.warnings);
         problems.append(&mut self.problems);
         for problem in problems {
-            let diagnostic = self.diagnostic(problem, None);
-            if self.warned.insert((self.block.file, diagnostic.line, diagnostic.code)) {
+            let (file, diagnostic) = self.diagnostic(problem, None);
+            if self.warned.insert((file, diagnostic.line, diagnostic.code)) {
                 self.warnings.push(diagnostic);
             }
         }
     }
 
-    /// Puts a problem at its place. `refused`: the call that the sink refused, which may be of an earlier line.
-    fn diagnostic(&mut self, problem: Problem, refused: Option<Place>) -> Diagnostic {
+    /// Puts a problem at its place, and tells the number of the file. `refused`: the call that the sink refused, which
+    /// may be of an earlier line.
+    fn diagnostic(&mut self, problem: Problem, refused: Option<Place>) -> (u16, Diagnostic) {
         let block = self.block.place();
         let earlier = refused.filter(|place| (place.file, place.line) != (block.file, block.line));
         let (file, line) = match (problem.blame, earlier) {
-            (Blame::Line(line), _) => (block.file, line),
-            (_, Some(place)) => (place.file, place.line),
+            (Blame::Line(line), place) => (place.map_or(block.file, |place| place.file), line),
+            (_, Some(place)) | (Blame::At(place), _) => (place.file, place.line),
             _ => (block.file, block.line),
         };
         let source = self.flow.files.get_mut(usize::from(file));
@@ -318,12 +322,12 @@ impl Program {
         };
         let whole = Span { start: 0, end: text.len() as u32 };
         let span = if earlier.is_some() { None } else { self.block.span(problem.blame) };
-        Diagnostic::new(problem, &name, line, &text, span.unwrap_or(whole))
+        (file, Diagnostic::new(problem, &name, line, &text, span.unwrap_or(whole)))
     }
 
     /// Puts what the receiver of the calls finds wrong, later than at the call, at the place the call came from.
     pub fn diagnose(&mut self, place: Place, problem: Problem) -> Diagnostic {
-        self.diagnostic(problem, Some(place))
+        self.diagnostic(problem, Some(place)).1
     }
 
     /// The warnings since the last call; each line warns once.
@@ -334,6 +338,13 @@ impl Program {
     /// Name of a file, see [`Place::file`].
     pub fn file_name(&self, file: u16) -> Option<&Arc<str>> {
         self.flow.files.get(usize::from(file)).map(Source::name)
+    }
+
+    /// The value of a parameter, offsets in machine units. `None`: a common variable of FANUC, #100 to #199 or #500 to
+    /// #999, that is vacant.
+    pub fn parameter(&self, number: u32) -> Option<f64> {
+        let common = self.fanuc.as_ref().and_then(|fanuc| fanuc.common(number));
+        common.unwrap_or_else(|| Some(self.state.parameter(number)))
     }
 
     /// Whether the `%` that ends the program was met, if only on the search for a subroutine.

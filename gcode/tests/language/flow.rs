@@ -1,6 +1,6 @@
 //! O words, M98 and M99, subroutine files.
 
-use super::recorded::{blamed, errors, messages, outcome, run};
+use super::recorded::{Outcome, blamed, errors, messages, outcome, run};
 use gcode::{Limits, Options, Program};
 
 #[test]
@@ -97,6 +97,44 @@ fn subroutine_files_are_found_in_the_folder_of_the_program_and_in_others() {
     let limits = Limits { subroutine_bytes: 20, ..Limits::default() };
     let outcome = run(Program::open(&main, &Options { limits, ..options }).unwrap());
     assert!(outcome.errors[0].message.contains("subroutine_bytes"), "{}", outcome.errors[0].message);
+}
+
+/// What comes of a program with a contour in a file of its own.
+fn with_contour(main: &str, contour: &str) -> (Outcome, Vec<(String, u32, &'static str)>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("main.ngc");
+    std::fs::write(&path, main).unwrap();
+    std::fs::write(folder.path().join("7.ngc"), contour).unwrap();
+    let outcome = run(Program::open(&path, &Options::default()).unwrap());
+    let name = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+    let said = outcome.errors.iter().map(|error| (name(&error.file), error.line, error.code)).collect();
+    (outcome, said)
+}
+
+#[test]
+fn what_is_wrong_with_a_cycle_is_said_of_its_line_in_its_file() {
+    let main = "G18 F100\nG0 X20 Z2\n\nG71 Q7\n\nG71 Q7 I0.0000001\nM2\n";
+    let (outcome, said) = with_contour(main, "o7 sub\nG0 X4\no7 endsub\n");
+    let main = |line, code| ("main.ngc".to_owned(), line, code);
+    assert_eq!(said, [main(4, "bad-contour"), main(6, "bad-contour")]);
+    assert_eq!(outcome.errors[0].text, "G71 Q7");
+    let text = "G18 F100\nG0 X20 Z2\n\n(one)\n(two)\nG71 Q7 I0.000001\nM2\n";
+    let (outcome, said) = with_contour(text, "o7 sub\nG0 X4\nG1 Z-9\nX20\no7 endsub\n");
+    assert_eq!(said, [main(6, "bad-value")]);
+    assert!(outcome.errors[0].message.contains("moves_of_block"), "{}", outcome.errors[0].message);
+}
+
+#[test]
+fn a_contour_without_end_is_given_up_and_the_rest_is_checked() {
+    let main = "G18 F100\nG0 X20 Z2\nG71 Q7\nG1 X5\nG1 X[1/0]\nG0 Q5\nM2\n";
+    let (outcome, said) = with_contour(main, "o7 sub\nG0 X4\nG1 Z-9\nX20\n");
+    let codes: Vec<_> = said.iter().map(|(file, line, code)| (file.as_str(), *line, *code)).collect();
+    let main = |line, code| ("main.ngc", line, code);
+    assert_eq!(codes[1..], [main(5, "arithmetic"), main(6, "unused-word")], "{codes:?}");
+    assert_eq!((codes[0].0, codes[0].2), ("7.ngc", "missing-end"));
+    let moved = outcome.record.calls.iter().any(|call| call.starts_with("StraightFeed([5.0"));
+    assert!(moved, "what follows is executed: {:?}", outcome.record.calls);
+    assert!(outcome.program.state().ended);
 }
 
 #[test]

@@ -55,6 +55,7 @@ fn run(mut program: Program, most: u64) -> Ended {
 fn small(dialect: Dialect) -> Options {
     let limits = Limits {
         blocks_without_motion: 500,
+        moves_of_block: 100_000,
         call_depth: 7,
         expression_depth: 10,
         line_length: 300,
@@ -103,8 +104,8 @@ fn loops_of_moves_end_when_the_receiver_refuses() {
             Dialect::Linuxcnc,
             "F100\no1 sub\nG1 X1\nX2\no1 endsub\no2 repeat [1000000]\no1 call\no2 endrepeat\nM2\n",
         ),
-        (Dialect::Linuxcnc, "F100 G81 X1 Z-1 R1 L1000000\nM2\n"),
-        (Dialect::Linuxcnc, "F100 G83 X1 Z-1000 R1 Q0.01\nM2\n"),
+        (Dialect::Linuxcnc, "F100 G81 X1 Z-1 R1 L20000\nM2\n"),
+        (Dialect::Linuxcnc, "F100 G83 X1 Z-1000 R1 Q0.05\nM2\n"),
         (Dialect::Fanuc, "O1\nG98 F100\nN1 G01 X1.\nX2.\nGOTO 1\nM30\n"),
         (Dialect::Fanuc, "O1\nG98 F100\nG00 X50. Z5.\nG74 R.001\nG74 X48. Z-900. P1000 Q50 F100\nM30\n"),
     ];
@@ -112,6 +113,65 @@ fn loops_of_moves_end_when_the_receiver_refuses() {
         let ended = ended(dialect, text);
         assert!(ended.names("too-many", "enough"), "{text}: {:?}", ended.errors);
         assert!(ended.lines < 30_100, "{text}: {} lines", ended.lines);
+    }
+}
+
+/// One block alone is not without end either, and nothing of it is sent.
+#[test]
+fn blocks_of_too_many_moves_are_refused() {
+    let start = "G18 F100 G0 X20 Z1\n";
+    let contour = "\nM2\no1 sub\nG0 X4\nG1 Z-8\nX10\no1 endsub\n";
+    let blocks = [
+        ("F100 G91 G83 X0.001 Z-1 R0 Q0.000001 L1000000\nM2\n".to_owned(), 0),
+        ("F100 G91 G81 X0.001 Z-1 R0 L1000000\nM2\n".to_owned(), 0),
+        ("F100 G73 X1 Z-1 R1 Q0.00001\nM2\n".to_owned(), 0),
+        (format!("{start}G70 Q1 P900000000{contour}"), 1),
+        (format!("{start}G71 Q1 I0.000002{contour}"), 1),
+        (format!("{start}G72 Q1 I0.000002{contour}"), 1),
+    ];
+    for (text, before) in blocks {
+        let mut moves = 0;
+        let mut count = |call: Call<'_>| {
+            moves += u64::from(matches!(call, Call::StraightTraverse(_) | Call::StraightFeed(_)));
+        };
+        let errors = said(&text, &mut count);
+        assert_eq!(errors.len(), 1, "{text}: {errors:?}");
+        assert_eq!(errors[0].code, "bad-value", "{text}");
+        assert!(
+            errors[0].message.contains("100000 moves: the limit moves_of_block"),
+            "{}",
+            errors[0].message
+        );
+        // The move to where a cycle along a contour starts is made before the contour is read.
+        assert!(moves <= 2 * before, "{text}: {moves} moves");
+    }
+}
+
+/// Far from 0 a peck is lost in rounding: the depth stays, and still the pecks end.
+#[test]
+fn pecks_that_do_not_change_the_depth_end() {
+    let text = "F100 G83 X0 Y0 R100000000000000000 Z99999999999999936 Q1\nM2\n";
+    let ended = ended(Dialect::Linuxcnc, text);
+    assert!(ended.errors.is_empty(), "{:?}", ended.errors);
+}
+
+/// What is said of a program whose calls are counted.
+fn said(text: &str, count: &mut dyn FnMut(Call<'_>)) -> Vec<Diagnostic> {
+    struct Each<'a>(&'a mut dyn FnMut(Call<'_>));
+    impl Sink for Each<'_> {
+        fn call(&mut self, _: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+            (self.0)(call);
+            Ok(())
+        }
+    }
+    let mut program = Program::from_text("limits", text, &small(Dialect::Linuxcnc));
+    let (mut sink, mut errors) = (Each(count), Vec::new());
+    loop {
+        match program.step(&mut sink) {
+            Ok(Step::More) => {}
+            Ok(Step::Ended) => return errors,
+            Err(error) => errors.push(*error),
+        }
     }
 }
 

@@ -165,7 +165,10 @@ pub(crate) fn end(done: Done, state: &mut State, out: &mut Output) -> Done {
     }
     let Place { n, n_digits, .. } = out.place;
     out.place = Place { n, n_digits, ..cycle.place };
-    cycle.cut(state, out)
+    cycle.cut(state, out).map_err(|mut problem| {
+        problem.blame = Blame::At(cycle.place);
+        problem
+    })
 }
 
 impl Cycle {
@@ -174,19 +177,28 @@ impl Cycle {
         if contour.is_empty() {
             let message = format!("there is no line or arc behind the first move of o{}", self.subroutine);
             let help = "the first move of a contour leads to its beginning: add the contour behind it";
-            return Err(Problem::error("bad-contour", Blame::Line(self.place.line), message, help));
+            return Err(Problem::error("bad-contour", Blame::Block, message, help));
         }
         let (frame, contour) = self.framed(&contour)?;
         let mut start = frame.enter(self.start);
         if let Some(first) = contour.first() {
             start.z = start.z.max(first.start.z);
         }
-        let mut send = |next: Move| self.send(next, &frame, state, out);
+        let (most, mut count) = (state.moves_of_block, 0);
+        self.passes(start, &contour, &mut |_| {
+            count += 1;
+            if count > most { Err(self.endless(most)) } else { Ok(()) }
+        })?;
+        self.passes(start, &contour, &mut |next| self.send(next, &frame, state, out))
+    }
+
+    /// All the moves, along a contour in the frame of its cuts.
+    fn passes(&self, start: Point, contour: &[Segment], send: &mut dyn FnMut(Move) -> Done) -> Done {
         if self.code == G(700) {
             let step = (self.distance - self.ending_distance) / f64::from(self.passes);
             for pass in (0..self.passes).rev() {
-                let contour = self.raised(&contour, self.ending_distance + f64::from(pass) * step)?;
-                finish(start, &contour, &mut send)?;
+                let contour = self.raised(contour, self.ending_distance + f64::from(pass) * step)?;
+                finish(start, &contour, send)?;
             }
             return Ok(());
         }
@@ -196,7 +208,7 @@ impl Cycle {
             _ => Pockets::Only,
         };
         let how = Roughing { infeed: self.infeed, escape: self.escape, pockets };
-        rough(start, &self.raised(&walled(start, &contour), self.distance)?, &how, &mut send)
+        rough(start, &self.raised(&walled(start, contour), self.distance)?, &how, send)
     }
 
     /// The contour in the frame of its cuts. G70 takes the one that the contour is monotone in.
@@ -231,10 +243,16 @@ impl Cycle {
         })
     }
 
+    fn endless(&self, most: u64) -> Box<Problem> {
+        let message = format!("{} would make more than {most} moves: the limit moves_of_block", self.code);
+        let help = if self.code == G(700) { "give fewer passes (P)" } else { "give a greater infeed (I)" };
+        Problem::error("bad-value", Blame::Block, message, help)
+    }
+
     fn refuse(&self, what: &str, at: Point) -> Box<Problem> {
         let message = format!("{what}: o{}, at X{} Z{}", self.subroutine, short(at.x), short(at.z));
         let help = "correct the contour, or take the distance, fillets and chamfers smaller";
-        Problem::error("bad-contour", Blame::Line(self.place.line), message, help)
+        Problem::error("bad-contour", Blame::Block, message, help)
     }
 
     fn send(&self, next: Move, frame: &Frame, state: &mut State, out: &mut Output) -> Done {
