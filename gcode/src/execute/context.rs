@@ -214,7 +214,8 @@ fn restore(saved: &Saved, state: &mut State, out: &mut Output) -> Done {
     if block.is_empty() { Ok(()) } else { execute(&block, state, out) }
 }
 
-/// Fills the block that restores feed, speed and G codes. F, S and G64 are always in it.
+/// Fills the block that restores feed, speed and G codes. F and S are always in it, and G64 unless compensation is on,
+/// where only a path mode that has changed is restored, and refused.
 fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
     let nowhere = Span::default();
     let now = g_codes_of(state);
@@ -227,6 +228,10 @@ fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
     let mode = block.g(group::SPINDLE_MODE);
     if let (Some(G(960)), Some(highest)) = (mode, saved.spindle.constant_surface) {
         block.add('D', highest, nowhere)?;
+    }
+    let changed = saved.path != state.path || saved.naivecam != state.naivecam;
+    if !changed && state.compensation.is_on() {
+        return Ok(());
     }
     let path = match saved.path {
         PathMode::ExactPath => G(610),

@@ -189,3 +189,31 @@ fn the_position_that_names_tell_is_that_of_the_tool() {
     let said: Vec<_> = calls.iter().filter(|call| call.starts_with("Message")).collect();
     assert_eq!(said, ["Message(\"10.000000 1.000000\")", "Message(\"10.000000 0.000000\")"]);
 }
+
+/// The units go out at once, so the F that waits behind a move must be in the new ones.
+#[test]
+fn a_feed_that_waits_follows_the_units() {
+    let feeds = |stand_alone| {
+        let options = gcode::Options { stand_alone, ..gcode::Options::default() };
+        let text = "F100 G41.1 D4\nG1 X10\nX50 Y3\nF254\nG20\nX5 Y5\nG40\nM2\n";
+        let mut program = gcode::Program::from_text("units.ngc", text, &options);
+        let mut record = super::Record::default();
+        while program.step(&mut record).expect("a program without fault") == gcode::Step::More {}
+        let units = place_of(&record.calls, "UseLengthUnits(Inch)");
+        record.calls[units..].iter().find(|call| call.starts_with("SetFeedRate")).cloned()
+    };
+    assert_eq!(feeds(false).as_deref(), Some("SetFeedRate(10.0)"));
+    assert_eq!(feeds(true).as_deref(), Some("SetFeedRate(254.0)"));
+}
+
+#[test]
+fn a_return_restores_the_modes_within_a_contour() {
+    let sub = |inside: &str| {
+        format!("o1 sub\nM73\n{inside}\no1 endsub\nG64 P0.1\nF100 G41.1 D4\nG1 X5\no1 call\nX9 Y5\nG40\nM2\n")
+    };
+    let calls = calls(&sub("G91 F7"));
+    let modes: Vec<_> = calls.iter().filter(|call| call.starts_with("SetMotionControlMode")).collect();
+    assert_eq!(modes.len(), 1, "a path mode that is still in force is not sent again: {modes:?}");
+    assert!(calls.contains(&"Note(\"distance mode changed to absolute\")".to_owned()), "{calls:#?}");
+    assert_eq!(refused(&sub("G64 P0.2")).1, "compensation-on");
+}

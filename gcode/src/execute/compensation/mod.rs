@@ -196,7 +196,7 @@ pub(crate) fn scale(factor: f64, state: &mut State, out: &mut Output) {
     if let Some(cutter) = &mut state.compensation.tool {
         cutter.radius *= factor;
     }
-    out.waiting.scale(factor);
+    out.waiting.scale(factor, !state.stand_alone);
 }
 
 /// A straight move has been made: arcs may follow.

@@ -112,8 +112,8 @@ impl Waiting {
         self.calls.iter().map(|(place, held)| (*place, held.call()))
     }
 
-    /// G20, G21: lengths in other units.
-    pub(super) fn scale(&mut self, factor: f64) {
+    /// G20, G21: lengths in other units, which go out before all that waits; F only where `feeds`.
+    pub(super) fn scale(&mut self, factor: f64, feeds: bool) {
         if let Some(track) = &mut self.track {
             track.scale(factor);
         }
@@ -126,6 +126,7 @@ impl Waiting {
                     }
                     arc.along *= factor;
                 }
+                Held::Other(Call::SetFeedRate(feed)) if feeds => *feed *= factor,
                 _ => {}
             }
         }
