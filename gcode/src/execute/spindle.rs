@@ -85,10 +85,11 @@ pub(super) fn must_turn(code: G, state: &mut State, out: &mut Output) {
     state.standing_feed = standing;
 }
 
-/// M19 R (angle) P (direction) Q (time to wait).
+/// M19 R (angle, 0 if left out) P (direction) Q (time to wait). LinuxCNC's stand-alone interpreter sends nothing where
+/// both R and P are left out.
 fn orient(block: &Block, state: &mut State, out: &mut Output) -> Done {
     state.spindle.turning = None;
-    if block.has('R') || block.has('P') {
+    if !state.stand_alone || block.has('R') || block.has('P') {
         let direction = block.get('P').unwrap_or(0.0).round();
         let angle = block.get('R').unwrap_or(0.0) + state.orient_offset;
         out.call(Call::OrientSpindle(angle % 360.0, direction as u8))?;

@@ -107,6 +107,14 @@ fn the_end_puts_back_what_the_language_says() {
 }
 
 #[test]
+fn m19_without_words_orients_the_spindle() {
+    let oriented = |text: &str| calls(&format!("S100 M3\n{text}")).split_off(2);
+    assert_eq!(oriented("M19"), ["OrientSpindle(0.0, 0)"]);
+    assert_eq!(oriented("M19 Q3"), ["OrientSpindle(0.0, 0)", "WaitSpindleOrient(3.0)"]);
+    assert_eq!(oriented("M19 R90 P1"), ["OrientSpindle(90.0, 1)"]);
+}
+
+#[test]
 fn m72_restores_what_m70_saved() {
     let change = "G20 G91 G18 G55 G7 G90.1 G99 G61 G95 F0.2 S9 M4";
     let text = format!("G21 G98 G64 P0.1 Q0.2 F0.123 S12.5 M3\nM70\n{change}\nM72\nM2\n");
