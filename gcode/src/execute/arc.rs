@@ -10,7 +10,8 @@
 //!      chord for G3 R+ and G2 R-, else to the right; h may exceed |R| by 0.00005 inch
 //! (4)  length = hypot(r1 θ, way along the axis), θ counted over all turns
 //! ```
-//! The tolerances are those of LinuxCNC, so that a program that runs there runs here.
+//! The tolerances are those of LinuxCNC, so that an arc that passes there passes here. Whether a machine makes it is for the
+//! machine to say.
 
 use std::f64::consts::{SQRT_2, TAU};
 

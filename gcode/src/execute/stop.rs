@@ -20,7 +20,7 @@ pub(super) fn stop(code: M, state: &mut State, out: &mut Output) -> Done {
     }
 }
 
-/// M2 and M30: G54 G17 G90 G94 G40 G97 M5 M9 M48 G1, F and S forgotten.
+/// M2 and M30: G54 G17 G90 G94 G40 G97 M5 M9 M48 G1, and F is forgotten. S stays.
 fn end(code: M, state: &mut State, out: &mut Output) -> Done {
     state.set_parameter(SYSTEM, 1.0);
     coordinates::enter(1, state);
