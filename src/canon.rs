@@ -110,9 +110,19 @@ pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError>
         Err(error) => return Err(CliError::Input(format!("the output cannot be written: {error}"))),
     };
     if let Some(path) = &args.parameters {
-        parameters.updated(|number| program.state().parameter(number)).write(path).map_err(file_error)?;
+        outlasting(parameters, args.dialect, &program).write(path).map_err(file_error)?;
     }
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
+}
+
+/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 outlast a run, too,
+/// unless they are vacant.
+fn outlasting(mut file: ParameterFile, dialect: Dialect, program: &Program) -> ParameterFile {
+    file.values.retain(|(number, _)| program.parameter(*number).is_some());
+    if dialect == Dialect::Fanuc {
+        file.values.extend((500..=999).filter_map(|number| Some((number, program.parameter(number)?))));
+    }
+    file.updated(|number| program.parameter(number).unwrap_or(0.0))
 }
 
 /// Runs the program to its end. Whether it had no errors.
@@ -167,7 +177,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
     let mut options = Options {
         dialect: args.dialect,
         block_delete: args.block_delete,
-        stand_alone: args.format == Format::Linuxcnc,
+        stand_alone: args.format == Format::Linuxcnc && args.dialect == Dialect::Linuxcnc,
         subroutine_folders: machine.subroutine_folders,
         named: machine.named,
         orient_offset: machine.orient_offset,
@@ -210,9 +220,20 @@ fn open(args: &CanonArgs, options: &Options) -> Result<Program, CliError> {
 
 fn output(args: &CanonArgs) -> Result<Box<dyn Write>, CliError> {
     match &args.output {
+        Some(path) if is_program(path) => Err(CliError::Input(format!(
+            "{}: is a program, and canon reads one at a time; its second file is where it prints",
+            path.display()
+        ))),
         Some(path) => Ok(Box::new(File::create(path).map_err(|error| CliError::file(path, error))?)),
         None => Ok(Box::new(io::stdout().lock())),
     }
+}
+
+/// Whether a path is that of a part program which is there already.
+fn is_program(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let known = ["ngc", "nc", "tap", "gcode"].iter().any(|known| extension.eq_ignore_ascii_case(known));
+    known && path.exists()
 }
 
 fn file_error(error: FileError) -> CliError {

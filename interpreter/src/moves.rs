@@ -18,10 +18,27 @@ impl Translator {
         if let (false, Some((lead_mm, start_deg))) = (rapid, self.lead) {
             return self.thread_move(place, target, lead_mm, start_deg);
         }
+        if positions(target) == positions(self.rest) {
+            (self.point, self.after_thread) = (target, false);
+            return Ok(());
+        }
+        if !rapid {
+            self.at_programmed_point()?;
+        }
         let feed = if rapid { Feed::Rapid } else { self.feed_of_move()? };
         (self.point, self.after_thread) = (target, false);
         self.line_to(place.line, target, feed);
         Ok(())
+    }
+
+    /// Refuses to cut from where a thread ran beyond its end.
+    fn at_programmed_point(&self) -> Done {
+        if positions(self.point) == positions(self.rest) {
+            return Ok(());
+        }
+        let message = "the thread before ran out beyond its end (run_out = \"beyond\"), and this cut would begin there";
+        let help = "let a G0 follow the thread";
+        Err(Problem::error("cut-after-thread", Blame::Block, message, help))
     }
 
     /// A line, unless the axes rest there already.
@@ -47,6 +64,7 @@ impl Translator {
         let [a, b, c] = arc.rotary;
         let target = self.target(&[x, arc.along, z, a, b, c])?;
         let center = self.frame.point(arc.center[1], arc.center[0]);
+        self.at_programmed_point()?;
         let feed = self.feed_of_move()?;
         let from = positions(self.rest);
         let center = [Position::from_mm(center.x), Position::from_mm(center.z)];

@@ -270,6 +270,16 @@ impl Translator {
             Call::OrientSpindle(..) | Call::WaitSpindleOrient(_) => {
                 return Err(missing("spindle orientation (M19)", "leave it out: threads find their angle"));
             }
+            Call::EnableFeedOverride(false)
+            | Call::EnableSpeedOverride(false)
+            | Call::EnableFeedHold(false)
+            | Call::EnableAdaptiveFeed(true) => {
+                let help = "leave M49 to M53 out; the operator's overrides always count (of G74 and G84, too)";
+                return Err(missing("switching overrides and hold on and off", help));
+            }
+            Call::MoveByHand => {
+                return Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89"));
+            }
             Call::StraightProbe(..) => return Err(missing("probing (G38)", "measure by other means")),
             Call::RigidTap(..) => {
                 return Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76"));
@@ -312,10 +322,10 @@ impl Translator {
             | Call::SetMotionControlMode(_)
             | Call::SetNaivecamTolerance(_)
             | Call::SetToolTableEntry(_)
-            | Call::EnableFeedOverride(_)
-            | Call::EnableSpeedOverride(_)
-            | Call::EnableAdaptiveFeed(_)
-            | Call::EnableFeedHold(_)
+            | Call::EnableFeedOverride(true)
+            | Call::EnableSpeedOverride(true)
+            | Call::EnableAdaptiveFeed(false)
+            | Call::EnableFeedHold(true)
             | Call::PalletShuttle
             | Call::Finish
             | Call::ProgramEnd => Ok(()),

@@ -3,9 +3,9 @@
 //! In: the start. Out: the path (M56), or why there is none; the box that the machine has to have room for.
 //! Positions are absolute, X a radius, mm or counts of 1e-9 mm.
 //!
-//! Start and end need not have quite the same distance from the centre, because programs round. As in RS274/NGC the
-//! radii may differ by [`Arc::DIFFERENCE_MM`], or by [`Arc::DIFFERENCE_SHARE`] of the radius if that is more, at most
-//! by [`Arc::DIFFERENCE_MOST_MM`]. The path goes over from one to the other evenly.
+//! Start and end need not have quite the same distance from the centre, because programs round. What RS274/NGC lets
+//! pass, in inches, too, is made: the radii may differ by [`Arc::DIFFERENCE_MM`], or by [`Arc::DIFFERENCE_SHARE`] of the
+//! radius if that is more, at most by [`Arc::DIFFERENCE_MOST_MM`]. The path goes over from one to the other evenly.
 
 use motion::Path;
 use serde::{Deserialize, Serialize};
@@ -26,11 +26,11 @@ pub struct Arc {
 
 impl Arc {
     /// Difference of the radii at both ends that is always allowed, mm.
-    pub const DIFFERENCE_MM: f64 = 0.005;
+    pub const DIFFERENCE_MM: f64 = 0.08;
     /// Difference allowed as a share of the radius.
     pub const DIFFERENCE_SHARE: f64 = 0.001;
     /// Difference that is never exceeded, mm.
-    pub const DIFFERENCE_MOST_MM: f64 = 0.5;
+    pub const DIFFERENCE_MOST_MM: f64 = 7.5;
     /// Most turns, either way.
     pub const MOST_TURNS: u32 = 10_000;
     /// Smallest and largest radius, mm.

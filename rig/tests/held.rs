@@ -53,7 +53,7 @@ fn nothing_feeds_while_the_override_holds_the_spindle_at_zero() {
     assert!(seen.cycles > 80_000, "waited for the operator, without a fault");
 }
 
-const THREAD: &str = "M3 S20\nG0 X22 Z8\nG76 P2 Z0 I-1 J0.3 K0.3\nG0 X40\nM5\nM2\n";
+const THREAD: &str = "M3 S20\nG0 X22 Z8\nG76 P2 Z0 I-1 J0.299 K0.3\nG0 X40\nM5\nM2\n";
 
 #[test]
 fn a_spindle_that_stalls_in_a_pass_is_a_fault() {

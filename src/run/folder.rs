@@ -54,6 +54,15 @@ impl RunFolder {
         };
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
         let program = path.join(name);
+        // A run folder that is used again keeps nothing of the run before that this one does not write itself.
+        let used = path.join("summary.json").exists();
+        for name in [TOOLS, LANGUAGE, SCENARIO].into_iter().filter(|_| used) {
+            let old = path.join(name);
+            let input = [&args.language.tools, &args.scenario].into_iter().flatten();
+            if old.exists() && !input.into_iter().any(|input| same_file(input, &old)) {
+                std::fs::remove_file(&old).map_err(|error| CliError::file(&old, error))?;
+            }
+        }
         copy(&args.program, &program)?;
         for file in judged.subroutine_files() {
             copy(file, &path.join(file.file_name().unwrap_or_default()))?;

@@ -173,7 +173,7 @@ impl<W: Write> LinuxcncPrinter<W> {
 impl<W: Write> Sink for LinuxcncPrinter<W> {
     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
         match call {
-            Call::WaitInput { .. } => return Ok(()),
+            Call::WaitInput { .. } | Call::MoveByHand => return Ok(()),
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
             Call::Print(text) => {
                 self.lines.text(text);

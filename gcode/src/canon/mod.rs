@@ -238,6 +238,8 @@ pub enum Call<'a> {
     Log(&'a str, &'a str),
     /// M0.
     ProgramStop,
+    /// G88: the operator moves the tool out of the hole; the program goes on from its retract plane.
+    MoveByHand,
     /// M1.
     OptionalProgramStop,
     /// M60, M30.

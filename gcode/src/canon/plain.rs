@@ -88,7 +88,7 @@ impl<W: Write> PlainPrinter<W> {
             Call::SetXyRotation(angle) => change(&mut self.rotation, angle),
             Call::SelectPlane(plane) => change(&mut self.plane, plane),
             Call::SetFeedMode(mode) => change(&mut self.feed_mode, mode),
-            Call::SetFeedReference | Call::Note(_) | Call::OnReset => false,
+            Call::SetFeedReference | Call::Note(_) | Call::MoveByHand | Call::OnReset => false,
             _ => true,
         }
     }

@@ -235,6 +235,7 @@ impl Hole {
         strokes.stop()?;
         if self.code == G(880) {
             strokes.out.call(Call::ProgramStop)?;
+            strokes.out.call(Call::MoveByHand)?;
         } else {
             strokes.rapid(self.clear)?;
         }
