@@ -29,7 +29,7 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
         },
         _ if state.feed == 0.0 => {
             let message = "there is no feed for a move that cuts";
-            let help = "program F in this block or before; G94 and G95 forget the F of the other mode";
+            let help = "program F in this block or before; G94 and G95 forget the F before them";
             Err(Problem::error("no-feed", Blame::Block, message, help))
         }
         FeedMode::PerRevolution if state.spindle.speed == 0.0 => {

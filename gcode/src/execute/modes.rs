@@ -8,7 +8,8 @@ use crate::state::{State, scaled};
 
 use super::{Done, Output, check, compensation};
 
-/// G93, G94, G95. A change to G94 or G95 forgets F, which had another meaning.
+/// G93, G94, G95. G94 and G95 forget F, which may have had another meaning, even where they are in force already; behind
+/// G93 it is the block of each move that has an F.
 pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
     let (mode, note) = match code.0 {
         930 => (FeedMode::InverseTime, "feed mode set to inverse time"),
