@@ -195,7 +195,8 @@ impl Values<'_> {
     fn function(&mut self, cursor: &mut Cursor) -> Result<f64, Box<Problem>> {
         let start = cursor.mark();
         let Some(function) = cursor.take_name(&FUNCTIONS) else {
-            let help = "functions: SIN COS TAN ASIN ACOS ATAN SQRT ABS BIN BCD ROUND FIX FUP LN EXP POW";
+            let help = "functions: SIN COS TAN ASIN ACOS ATAN SQRT ABS BIN BCD ROUND FIX FUP LN EXP POW; there is no \
+                        printing (POPEN, DPRNT) and no SETVN";
             return Err(cursor.error_here("unknown-function", "there is no function of this name", help));
         };
         let value = match function {

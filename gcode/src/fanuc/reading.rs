@@ -18,7 +18,7 @@ use crate::canon::Units;
 use crate::codes::{G, M};
 use crate::problem::{Blame, Problem, Span};
 use crate::state::State;
-use crate::words::{Cursor, number, parentheses};
+use crate::words::{Cursor, number, parentheses, whole};
 
 /// Reads a line.
 pub(super) struct Reading<'a> {
@@ -136,8 +136,8 @@ impl Reading<'_> {
 
     fn goto(&mut self, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
         let start = cursor.mark();
-        match self.values().value(cursor)?.map(f64::round) {
-            Some(label) if (1.0..=99_999_999.0).contains(&label) => Ok(Statement::Goto(label as u32)),
+        match self.values().value(cursor)?.and_then(whole) {
+            Some(label @ 1..=99_999_999) => Ok(Statement::Goto(label as u32)),
             _ => {
                 let help = "give the N of a block, 1 to 99999999";
                 Err(cursor.error_from(start, "bad-value", "GOTO needs the number of a block", help))

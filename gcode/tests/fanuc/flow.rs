@@ -9,6 +9,7 @@ fn goto_looks_forward_then_from_the_top() {
     let text = "O1\nN10 #1=#1+1\nG04 U#1\nIF [#1 LT 3] GOTO 10";
     assert_eq!(moves(text), ["dwell 1", "dwell 2", "dwell 3"]);
     assert_eq!(errors("GOTO 30"), [(1, "unknown-label")]);
+    assert_eq!(errors("GOTO 9.5\nN10"), [(1, "bad-value")]);
 }
 
 #[test]
