@@ -1,4 +1,4 @@
-//! What one block does: tool, spindle, feed and modes first, then the move or cycle, then M05, M09 and stops.
+//! What one block does: units, then tool, spindle, feed and modes, then the move or cycle, then M05, M09 and stops.
 //!
 //! In: a [`Line`] and what it does ([`Deed`]). Out: calls. Most of it is executed as an equivalent block of RS274/NGC:
 //!
@@ -71,6 +71,24 @@ impl Default for Modal {
     }
 }
 
+impl Modal {
+    /// The units change: lengths times a factor. The surface speed is forgotten, it has other units than lengths.
+    fn convert(&mut self, factor: f64) {
+        self.lead = self.lead.map(|lead| lead * factor);
+        self.surface = None;
+        self.single.convert(factor);
+        let first = &mut self.first;
+        for rough in &mut first.rough {
+            *rough = rough.map(|(depth, retract)| (depth * factor, retract * factor));
+        }
+        first.pattern = first.pattern.map(|(x, z, passes)| (x * factor, z * factor, passes));
+        first.retract = first.retract.map(|retract| retract * factor);
+        if let Some(thread) = &mut first.thread {
+            thread.convert(factor);
+        }
+    }
+}
+
 /// Executes all but what concerns flow, contours, and the codes that come last ([`last`]).
 ///
 /// # Errors
@@ -84,6 +102,7 @@ pub(super) fn run(
     out: &mut Output,
 ) -> Done {
     if let Some(pending) = modal.pending.take() {
+        corner::undisturbed(line)?;
         let next = target(line, pending.end)?;
         corner::close(&pending, deed, next, equivalent, state, out)?;
         return rest(line, deed, Some(pending.end), modal, equivalent, state, out);
@@ -101,6 +120,7 @@ fn rest(
     state: &mut State,
     out: &mut Output,
 ) -> Done {
+    units(line, modal, equivalent, state, out)?;
     if !modal.shape_only {
         tool::call(line, state, out)?;
     }
@@ -115,20 +135,19 @@ fn rest(
         }
         modal.motion = code;
     }
-    let Deed::G(code) = deed else { return execute::execute(equivalent, state, out) };
+    // U and W count from the point as these modes show it.
+    execute::execute(equivalent, state, out)?;
+    begin(line, equivalent);
+    let Deed::G(code) = deed else { return Ok(()) };
     match code.0 {
         0 | 10 | 20 | 30 => {
             let end = target(line, corner.unwrap_or(state.position))?;
-            return travel(code, line, end, modal, equivalent, state, out);
+            travel(code, line, end, modal, equivalent, state, out)
         }
         40 | 100 | 280 | 300 | 500 | 520 | 530 => {
             once::once(code, line, modal, equivalent, state)?;
-            return execute::execute(equivalent, state, out);
+            execute::execute(equivalent, state, out)
         }
-        _ => {}
-    }
-    execute::execute(equivalent, state, out)?;
-    match code.0 {
         320 => threads::single_move(line, modal, state, out),
         760 => threads::cycle(line, modal, state, out),
         900 | 920 | 940 => single::cycle(code, line, modal, equivalent, state, out),
@@ -145,19 +164,14 @@ pub(super) fn last(
     state: &mut State,
     out: &mut Output,
 ) -> Done {
-    let stop = line.block.m(m_group::STOP);
-    if let (Some(code), Some(pending)) = (stop, &modal.pending) {
-        return Err(corner::alone(pending, &code.to_string()));
-    }
     begin(line, equivalent);
-    let off = [(m_group::SPINDLE, M(5)), (m_group::FLOOD, M(9))];
-    for (group, code) in off {
-        if line.block.m(group) == Some(code) {
-            equivalent.add_m(group, code, Span::default())?;
+    for group in [m_group::SPINDLE, m_group::FLOOD, m_group::STOP] {
+        let acts_last = |code: &M| group == m_group::STOP || matches!(code, M(5 | 9));
+        let Some(code) = line.block.m(group).filter(acts_last) else { continue };
+        if modal.pending.is_some() {
+            return Err(corner::not_at_its_end(code));
         }
-    }
-    if let Some(code) = stop {
-        equivalent.add_m(m_group::STOP, code, span_of(line, Blame::M(code)))?;
+        equivalent.add_m(group, code, span_of(line, Blame::M(code)))?;
     }
     if equivalent.is_empty() { Ok(()) } else { execute::execute(equivalent, state, out) }
 }
@@ -172,9 +186,28 @@ pub(super) fn span_of(line: &Line, blame: Blame) -> Span {
     line.block.span(blame).unwrap_or_default()
 }
 
+/// G20, G21: before all other words, which count in the new units.
+fn units(
+    line: &Line,
+    modal: &mut Modal,
+    equivalent: &mut Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
+    let Some(code) = line.block.g(group::UNITS) else { return Ok(()) };
+    begin(line, equivalent);
+    equivalent.add_g(group::UNITS, code, span_of(line, Blame::G(code)))?;
+    let before = state.units;
+    execute::execute(equivalent, state, out)?;
+    if state.units != before {
+        modal.convert(before.mm() / state.units.mm());
+    }
+    Ok(())
+}
+
 /// Codes that are the same in both languages.
 fn modes(line: &Line, modal: &Modal, equivalent: &mut Block, state: &State) -> Done {
-    for group in [group::PLANE, group::UNITS, group::COORDINATES, group::COMPENSATION] {
+    for group in [group::PLANE, group::COORDINATES, group::COMPENSATION] {
         let Some(code) = line.block.g(group) else { continue };
         let again = code != G(400) && code == state.compensation.code();
         if group != group::COMPENSATION || !again && !modal.shape_only {
@@ -237,7 +270,6 @@ fn travel(
     let from = state.position;
     let cut = if code == G(10) { corner::of(line, &from, &end)? } else { None };
     if let Some(cut) = cut {
-        execute::execute(equivalent, state, out)?;
         modal.pending = Some(Pending { end, cut, place: line.block.place() });
         return Ok(());
     }

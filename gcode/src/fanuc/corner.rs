@@ -19,7 +19,7 @@ use super::codes::Deed;
 use super::{block, line::Line};
 use crate::block::Block;
 use crate::canon::{Place, Position, X, Z};
-use crate::codes::G;
+use crate::codes::{G, M, group};
 use crate::execute::Output;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
@@ -101,6 +101,33 @@ pub(super) fn alone(pending: &Pending, what: &str) -> Box<Problem> {
         Blame::Line(pending.place.line),
         message,
         "write the next G01, or leave the corner sharp",
+    )
+}
+
+/// What ends a corner must see it as the move before did.
+///
+/// # Errors
+/// The line changes the tool, the units or the coordinate system.
+pub(super) fn undisturbed(line: &Line) -> Done {
+    let codes = [group::UNITS, group::COORDINATES].into_iter().find_map(|group| line.block.g(group));
+    let blame = match codes {
+        Some(code) => Blame::G(code),
+        None if line.has('T') => Blame::Word('T'),
+        None => return Ok(()),
+    };
+    let message =
+        "the corner of the move before ends in this block: tool, units and coordinates stay as they are";
+    Err(Problem::error("bad-corner", blame, message, "change them before the two moves, or behind them"))
+}
+
+/// M05, M09 or a stop at the end of a move that is cut off or rounded.
+pub(super) fn not_at_its_end(code: M) -> Box<Problem> {
+    let message = format!("{code} acts at the end of the move, which becomes a corner");
+    Problem::error(
+        "bad-corner",
+        Blame::M(code),
+        message,
+        "write it in the block of the next move, or behind it",
     )
 }
 

@@ -21,6 +21,15 @@ pub(super) struct Words {
     taper: f64,
 }
 
+impl Words {
+    /// The units change: lengths times a factor.
+    pub(super) fn convert(&mut self, factor: f64) {
+        self.x = self.x.map(|x| x * factor);
+        self.z = self.z.map(|z| z * factor);
+        self.taper *= factor;
+    }
+}
+
 /// G90, G92, G94.
 ///
 /// # Errors

@@ -41,6 +41,14 @@ pub(super) struct First {
     finish: f64,
 }
 
+impl First {
+    /// The units change: lengths times a factor.
+    pub(super) fn convert(&mut self, factor: f64) {
+        self.least *= factor;
+        self.finish *= factor;
+    }
+}
+
 /// What is the same for all cycles.
 struct Shape {
     /// G76 or G92.
