@@ -1,57 +1,109 @@
-//! How fast `pitchlock canon` reads: lines per second of short moves, turns per second of a loop with expressions,
-//! and the peak memory of ten million lines. The whole process is timed, printing to /dev/null included.
+//! How fast `pitchlock canon` reads: programs of several shapes, and the peak memory of ten million lines.
+//!
+//! What counts is the processor time (user and system) of the whole process, its start and printing to /dev/null
+//! included: what it takes on a quiet computer, whatever else this one does.
 //!
 //! ```text
 //! cargo bench --bench reading
 //! RS274=/path/to/rs274 cargo bench --bench reading      beside LinuxCNC's stand-alone interpreter
 //! ```
 //! An `rs274` on the PATH is found without the variable. It prints to a file of its own choice faster than to standard
-//! output, so it is given one (/dev/null).
+//! output, so it is given one (/dev/null). The two run in turns, so that both meet the same load.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use protocol::ipc::time::{Moment, sleep_until};
 
-/// Lines of the program of moves, turns of the loop, lines of the long program.
+/// Lines of a program of moves, turns of a loop, lines of the long program.
 const MOVES: usize = 200_000;
 const TURNS: usize = 83_200;
 const LONG: usize = 10_000_000;
 
-/// Runs of each program; the fastest counts, as it was disturbed least.
-const RUNS: usize = 5;
+/// Runs of each program, enough for a mean of times that the kernel counts in steps of 10 ms.
+const RUNS: usize = 10;
+const STEPS_PER_S: f64 = 100.0;
+
+const START: &str = "G21 G90 G17 G94 F1200\n";
+
+/// Writes a program of so many lines or turns.
+type Writer = fn(usize, &mut BufWriter<File>) -> io::Result<()>;
+
+/// A point of a spiral.
+fn point(n: usize) -> [f64; 3] {
+    let (s, c) = libm::sincos(n as f64 * 0.01);
+    let r = 40.0 + (n % 5000) as f64 * 0.001;
+    [r * c, r * s, -0.0001 * (n % 90_000) as f64]
+}
 
 /// A spiral in short moves.
-fn moves(lines: usize, file: &Path) {
-    let mut file = BufWriter::new(File::create(file).unwrap());
-    writeln!(file, "G21 G90 G17 G94 F1200").unwrap();
+fn moves(lines: usize, file: &mut BufWriter<File>) -> io::Result<()> {
+    file.write_all(START.as_bytes())?;
     for n in 0..lines {
-        let (s, c) = libm::sincos(n as f64 * 0.01);
-        let r = 40.0 + (n % 5000) as f64 * 0.001;
-        writeln!(file, "G1 X{:.4} Y{:.4} Z{:.4}", r * c, r * s, -0.0001 * (n % 90_000) as f64).unwrap();
+        let [x, y, z] = point(n);
+        writeln!(file, "G1 X{x:.4} Y{y:.4} Z{z:.4}")?;
     }
-    writeln!(file, "M2").unwrap();
+    writeln!(file, "M2")
+}
+
+/// The same in short arcs, with line numbers.
+fn arcs(lines: usize, file: &mut BufWriter<File>) -> io::Result<()> {
+    let [x, y, z] = point(0);
+    writeln!(file, "{START}G1 X{x:.4} Y{y:.4} Z{z:.4}")?;
+    for n in 0..lines {
+        let [x, y, z] = point(n + 1);
+        writeln!(file, "N{n} G3 X{x:.4} Y{y:.4} Z{z:.4} R50")?;
+    }
+    writeln!(file, "M2")
 }
 
 /// A loop whose turns compute a point and go there.
-fn turns(count: usize, file: &Path) {
-    let mut text = String::from("G21 G90 G17 G94 F1200\n#<turn> = 0\n");
-    writeln!(text, "o100 while [#<turn> lt {count}]").unwrap();
-    text.push_str("  #1 = [40 * cos[#<turn> * 0.5] + 2 * sin[#<turn> * 3]]\n");
-    text.push_str("  #2 = [40 * sin[#<turn> * 0.5] + #1 / 100]\n");
-    text.push_str("  #3 = [[#<turn> mod 7] * 0.01 - sqrt[abs[#1 * #2]] / 20]\n");
-    text.push_str("  G1 X#1 Y#2 Z[#3 - 1]\n  #<turn> = [#<turn> + 1]\no100 endwhile\nM2\n");
-    fs::write(file, text).unwrap();
+fn turns(count: usize, file: &mut BufWriter<File>) -> io::Result<()> {
+    writeln!(file, "{START}#<turn> = 0\no100 while [#<turn> lt {count}]")?;
+    file.write_all(
+        b"  #1 = [40 * cos[#<turn> * 0.5] + 2 * sin[#<turn> * 3]]
+  #2 = [40 * sin[#<turn> * 0.5] + #1 / 100]
+  #3 = [[#<turn> mod 7] * 0.01 - sqrt[abs[#1 * #2]] / 20]
+  G1 X#1 Y#2 Z[#3 - 1]
+  #<turn> = [#<turn> + 1]
+o100 endwhile
+M2
+",
+    )
+}
+
+/// A loop that takes one of three branches and calls a subroutine.
+fn calls(count: usize, file: &mut BufWriter<File>) -> io::Result<()> {
+    writeln!(file, "{START}#<turn> = 0\n#<_depth> = 3")?;
+    file.write_all(
+        b"o<cut> sub\n  #<across> = [#1 + #2]\n  G1 X#<across> Y#2\no<cut> endsub [#<across> / 2]\n",
+    )?;
+    writeln!(file, "o100 repeat [{count}]")?;
+    file.write_all(
+        b"  o110 if [[#<turn> mod 3] eq 0]
+    #<height> = [#<turn> * 0.001 + #<_depth>]
+  o110 elseif [[#<turn> mod 3] eq 1]
+    #<height> = [#<turn> * 0.002 - #<_depth>]
+  o110 else
+    #<height> = [#<height> / 2]
+  o110 endif
+  o<cut> call [#<turn> * 0.01] [#<height>]
+  #<turn> = [#<turn> + 1]
+o100 endrepeat
+M2
+",
+    )
 }
 
 fn pitchlock(program: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pitchlock"));
-    command.args(["canon", "--format", "linuxcnc"]).arg(program).stdout(File::create("/dev/null").unwrap());
+    command.args(["canon", "--format", "linuxcnc"]).arg(program).stdin(Stdio::null());
+    command.stdout(File::create("/dev/null").unwrap());
     command
 }
 
@@ -70,15 +122,31 @@ fn peer(program: &Path, rs274: &Path) -> Command {
     command
 }
 
-/// Seconds of the fastest run.
-fn fastest_s(mut command: impl FnMut() -> Command) -> f64 {
-    let once = |mut command: Command| {
-        let begun = Moment::now();
-        let status = command.status().unwrap();
-        assert!(status.success(), "{command:?}: {status}");
-        begun.elapsed().as_secs_f64()
-    };
-    (0..RUNS).map(|_| once(command())).fold(f64::INFINITY, f64::min)
+/// Processor time of all processes that were started here and have ended, s: `cutime` and `cstime` of proc(5).
+fn spent_s() -> f64 {
+    let stat = fs::read_to_string("/proc/self/stat").unwrap();
+    let behind_name = stat.rsplit_once(')').unwrap().1;
+    let steps = behind_name.split_whitespace().skip(13).take(2).map(|steps| steps.parse::<f64>().unwrap());
+    steps.sum::<f64>() / STEPS_PER_S
+}
+
+/// Processor time of one run, s.
+fn run_s(mut command: Command) -> f64 {
+    let before = spent_s();
+    let status = command.status().unwrap();
+    assert!(status.success(), "{command:?}: {status}");
+    spent_s() - before
+}
+
+/// Millions a second, of both if both are here.
+fn rates(count: usize, program: &Path, rs274: Option<&Path>) -> (f64, Option<f64>) {
+    let (mut ours, mut theirs) = (0.0, 0.0);
+    for _ in 0..RUNS {
+        ours += run_s(pitchlock(program));
+        theirs += rs274.map_or(0.0, |rs274| run_s(peer(program, rs274)));
+    }
+    let millions = (RUNS * count) as f64 / 1e6;
+    (millions / ours, rs274.map(|_| millions / theirs))
 }
 
 /// Peak of the resident memory of a process that is run to its end, MiB, read while it runs.
@@ -97,26 +165,34 @@ fn peak_mib(mut command: Command) -> f64 {
     peak_kib / 1024.0
 }
 
+/// Writes a program to a file.
+fn write(count: usize, of: Writer, file: &Path) {
+    let mut file = BufWriter::new(File::create(file).unwrap());
+    of(count, &mut file).and_then(|()| file.flush()).unwrap();
+}
+
 fn main() {
     // `cargo test --benches` asks whether a bench runs at all.
     let shortened = std::env::args().any(|argument| argument == "--test");
     let scale = if shortened { 1000 } else { 1 };
     let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("program.ngc");
     let rs274 = rs274();
-    println!("                        pitchlock canon         rs274");
-    for (name, unit, count, write) in [
-        ("short moves", "lines", MOVES / scale, moves as fn(usize, &Path)),
-        ("while loop", "turns", TURNS / scale, turns),
-    ] {
-        let program = folder.path().join("program.ngc");
-        write(count, &program);
-        let rate = |seconds: f64| count as f64 / seconds / 1e6;
-        let ours = rate(fastest_s(|| pitchlock(&program)));
-        let theirs = rs274.as_ref().map(|rs274| rate(fastest_s(|| peer(&program, rs274))));
-        let theirs = theirs.map_or("not here".into(), |rate| format!("{rate:.2} million {unit}/s"));
-        println!("{name:<20}{ours:>8.2} million {unit}/s  {theirs}");
-    }
-    let program = folder.path().join("long.ngc");
-    moves(LONG / scale, &program);
-    println!("{} lines{:>16.1} MiB at most", LONG / scale, peak_mib(pitchlock(&program)));
+    let measure = |name: &str, unit: &str, count: usize, of: Writer| {
+        let count = count / scale;
+        write(count, of, &program);
+        let (ours, theirs) = rates(count, &program, rs274.as_deref());
+        let mut line = format!("{name:<18}{ours:>6.2} million {unit:<7}");
+        if let Some(theirs) = theirs {
+            write!(line, "   rs274 {theirs:.3} million   {:.1} times as fast", ours / theirs).unwrap();
+        }
+        println!("{line}");
+    };
+    measure("short moves", "lines/s", MOVES, moves);
+    measure("arcs", "lines/s", MOVES, arcs);
+    measure("while loop", "turns/s", TURNS, turns);
+    measure("branches, calls", "turns/s", TURNS, calls);
+    let count = LONG / scale;
+    write(count, moves, &program);
+    println!("{:<18}{:>6.1} MiB at most", format!("{count} lines"), peak_mib(pitchlock(&program)));
 }
