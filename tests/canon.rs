@@ -57,6 +57,17 @@ fn parameters_outlive_a_run_of_canon() {
 }
 
 #[test]
+fn common_variables_of_fanuc_outlive_a_run_of_canon() {
+    let place = Place::new();
+    place.write("set.nc", "#500=#501+1.\n#501=#0\n#100=5.\nM30\n");
+    place.write("lathe.var", "501\t7.000000\n");
+    let answer = place.ask(&["canon", "--dialect", "fanuc", "set.nc", "-v", "lathe.var"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let text = fs::read_to_string(place.at("lathe.var")).unwrap();
+    assert!(text.starts_with("500\t8.000000\n5161\t"), "{text}");
+}
+
+#[test]
 fn canon_stops_at_the_first_error_or_goes_on() {
     let place = Place::new();
     place.write("bad.ngc", "G0 X1\nG1 X2\nG99999\nG0 X4\nM2\n");

@@ -133,6 +133,12 @@ impl Control {
         &mut self.line.block
     }
 
+    /// The value of a common variable, #100 to #199 and #500 to #999: `None` for other numbers, `Some(None)` if it is
+    /// vacant.
+    pub(crate) fn common(&self, number: u32) -> Option<Option<f64>> {
+        self.variables.common(number)
+    }
+
     /// Something was wrong: nothing is repeated any more.
     pub(crate) fn only_look(&mut self) {
         self.flow.repeats = false;
@@ -161,6 +167,9 @@ impl Control {
             Statement::End(number) => self.flow.end(machine.files, number),
             Statement::Alarm(number) => Err(self.alarm(number, machine.state)),
             Statement::Message => {
+                if let Some(pending) = self.modal.pending.take() {
+                    return Err(corner::alone(&pending, "#3006"));
+                }
                 let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
                 let mut out = self.output(machine);
                 out.call(Call::Message(&text))?;

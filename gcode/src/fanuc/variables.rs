@@ -59,6 +59,11 @@ impl Variables {
         }
     }
 
+    /// A common variable, vacant or not; `None`: it is none.
+    pub(super) fn common(&self, index: u32) -> Option<Option<f64>> {
+        is_shared(index).then(|| self.common.get(index as usize).copied().flatten())
+    }
+
     /// The value of a variable.
     ///
     /// # Errors
