@@ -6,6 +6,7 @@ mod errors;
 mod examples;
 mod flow;
 mod macros;
+mod order;
 mod recorded;
 mod threads;
 mod tools;
