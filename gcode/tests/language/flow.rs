@@ -101,11 +101,11 @@ fn subroutine_files_are_found_in_the_folder_of_the_program_and_in_others() {
 
 /// What comes of a program with a contour in a file of its own.
 fn with_contour(main: &str, contour: &str) -> (Outcome, Vec<(String, u32, &'static str)>) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("there is room");
     let path = folder.path().join("main.ngc");
-    std::fs::write(&path, main).unwrap();
-    std::fs::write(folder.path().join("7.ngc"), contour).unwrap();
-    let outcome = run(Program::open(&path, &Options::default()).unwrap());
+    std::fs::write(&path, main).expect("there is room");
+    std::fs::write(folder.path().join("7.ngc"), contour).expect("there is room");
+    let outcome = run(Program::open(&path, &Options::default()).expect("there is room"));
     let name = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
     let said = outcome.errors.iter().map(|error| (name(&error.file), error.line, error.code)).collect();
     (outcome, said)
