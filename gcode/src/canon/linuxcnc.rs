@@ -50,8 +50,11 @@ impl<W: Write> LinuxcncPrinter<W> {
         if digits == 0 {
             return self.lines.text(" N      ");
         }
-        let n = format!(" N{n:0digits$}");
-        self.lines.text(&format!("{n:<8}"));
+        let own = n.checked_ilog10().map_or(1, |power| power as usize + 1);
+        self.lines.text(" N");
+        (own..digits).for_each(|_| self.lines.text("0"));
+        self.lines.integer(n);
+        (own.max(digits)..6).for_each(|_| self.lines.text(" "));
     }
 
     fn position(&mut self, name: &str, position: &Position) {
