@@ -130,7 +130,7 @@ impl Flow {
         Err(Problem::error("wrong-call", Blame::Block, message, help))
     }
 
-    /// As in LinuxCNC 2.10, `call` in a subroutine file does not reach what stands further down in it.
+    /// `call` in a subroutine file does not reach what stands further down in it: newer tests of LinuxCNC ask for that.
     fn search_for(
         &mut self,
         label: Label,
