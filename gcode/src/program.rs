@@ -87,6 +87,9 @@ impl Program {
     /// # Errors
     /// It cannot be opened or read.
     pub fn open(path: &Path, options: &Options) -> io::Result<Program> {
+        if path.is_dir() {
+            return Err(io::Error::from(io::ErrorKind::IsADirectory));
+        }
         let source = Source::open(path, options.limits.line_length)?;
         Ok(Program::new(source, path.parent(), options))
     }
@@ -226,6 +229,7 @@ impl Program {
         execute::execute(&self.block, &mut self.state, &mut out)?;
         if self.state.ended {
             self.stage = Stage::Ended;
+            return self.flow.check_ends_exist(&mut self.reader, &self.state);
         }
         if let Some(number) = self.state.recorder.take_call() {
             let called = self.flow.call_number(number, &mut self.reader, &mut self.state);

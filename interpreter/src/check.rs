@@ -12,6 +12,8 @@ use crate::{Interpreter, options};
 
 /// After so many errors a program is not read further.
 const MOST_ERRORS: usize = 100;
+/// A program that takes longer on the machine than this, s, is taken for one without end: thirty days.
+const LONGEST_S: f64 = 30.0 * 86_400.0;
 
 /// What reading a whole program brought to light.
 #[derive(Clone, Debug, Default)]
@@ -68,6 +70,12 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
         if check.diagnostics.len() == MOST_ERRORS {
             break;
         }
+        if clock.seconds() > LONGEST_S {
+            break;
+        }
+    }
+    if clock.seconds() > LONGEST_S {
+        check.diagnostics.push(interpreter.endless());
     }
     check.diagnostics.extend_from_slice(interpreter.warnings());
     check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));

@@ -36,7 +36,8 @@ mod translate;
 
 use std::collections::{BTreeSet, VecDeque};
 
-use gcode::{Program, Step};
+use gcode::problem::Blame;
+use gcode::{Problem, Program, Step};
 use protocol::{Item, Machine};
 
 pub use check::{Check, check, check_program};
@@ -90,6 +91,14 @@ impl Interpreter {
     /// The program, for its parameters and tools at the end.
     pub fn program(&self) -> &Program {
         &self.program
+    }
+
+    /// What to say of a program that moves for ever, at the line it has come to.
+    pub(crate) fn endless(&mut self) -> Diagnostic {
+        let place = self.translator.place();
+        let message = "up to here the program takes more than thirty days: does a loop not end?";
+        let help = "let the loop count, or end it with a condition that comes true";
+        self.program.diagnose(place, *Problem::error("endless-program", Blame::Block, message, help))
     }
 
     /// One block of the program.

@@ -56,8 +56,8 @@ pub(crate) struct Translator {
     pub(crate) notes: Vec<PassNote>,
     items: VecDeque<Item>,
     problems: Vec<(Place, Problem)>,
-    /// Line of the last call.
-    line: u32,
+    /// Where the last call came from.
+    place: Place,
 }
 
 impl Translator {
@@ -87,7 +87,7 @@ impl Translator {
             notes: Vec::new(),
             items: VecDeque::new(),
             problems: Vec::new(),
-            line: 1,
+            place: Place { line: 1, ..Place::default() },
         }
     }
 
@@ -100,6 +100,11 @@ impl Translator {
         std::mem::take(&mut self.problems).into_iter()
     }
 
+    /// Where the last call came from.
+    pub(crate) fn place(&self) -> Place {
+        self.place
+    }
+
     pub(crate) fn notes(&self) -> &[PassNote] {
         &self.notes
     }
@@ -107,7 +112,7 @@ impl Translator {
     /// The program is over, however it ended.
     pub(crate) fn finish(&mut self) {
         self.release(None);
-        let line = self.line;
+        let line = self.place.line;
         if self.spindle != SpindleMode::Stop {
             self.spindle = SpindleMode::Stop;
             self.push(line, Code::Spindle { mode: SpindleMode::Stop, rpm: 0.0 });
@@ -304,7 +309,7 @@ impl Sink for Translator {
     /// Takes a call. What the machine cannot do is reported, and the program goes on: its own state is not disturbed,
     /// so that what else is wrong is found, and nothing that is not.
     fn call(&mut self, place: Place, call: Call<'_>) -> Done {
-        self.line = place.line;
+        self.place = place;
         if let Err(problem) = self.take(place, call) {
             self.report(place, *problem);
         }

@@ -13,12 +13,13 @@ use super::codes::{self, Deed};
 use super::line::{Line, Statement};
 use super::{Control, Done, Machine, block, corner, output};
 use crate::canon::{Arc, Call, Place, Sink, X, Z};
-use crate::codes::{G, m_group};
+use crate::codes::{G, group, m_group};
+use crate::execute;
 use crate::execute::compensation::Compensation;
 use crate::execute::roughing::contour::{Point, Segment};
 use crate::execute::roughing::frame::Frame;
 use crate::execute::roughing::passes::{Move, repeat, turn, walled};
-use crate::problem::{Blame, Problem, short};
+use crate::problem::{Blame, Problem, Span, short};
 use crate::source::Mark;
 use crate::state::State;
 
@@ -50,8 +51,9 @@ impl Control {
             G(700) => self.finish(&range, machine),
             _ => self.rough(code, &cycle, &range, machine),
         };
-        // Behind the contour, or where the cycle stands if that is farther on.
-        if machine.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
+        // Roughing goes on behind the contour, or where the cycle stands if that is farther on; G70 behind itself.
+        let finished = code == G(700);
+        if finished || machine.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
             machine.files.go(machine.files.current(), behind)?;
         }
         done?;
@@ -79,13 +81,18 @@ impl Control {
         let place = self.line.block.place();
         self.replay(range, machine)?;
         let mut out = output(machine.sink, place, machine.problems, machine.waiting);
-        if machine.state.compensation.is_on() {
-            let message = "the nose of the tool is still compensated at the end of the contour";
-            let help = "write G40 in the last block of the contour, or behind G70";
-            out.warn(Problem::warning("compensation-on", Blame::Block, message, help));
-        }
         let back = [start[Z], start[X]];
-        block::go(G(0), back, None, place, &mut self.equivalent, machine.state, &mut out)
+        if !machine.state.compensation.is_on() {
+            return block::go(G(0), back, None, place, &mut self.equivalent, machine.state, &mut out);
+        }
+        // The way back is no part of the contour: compensated, it would lead through the part.
+        let nowhere = Span::default();
+        self.equivalent.clear(place.file, place.line);
+        self.equivalent.add_g(group::COMPENSATION, G(400), nowhere)?;
+        self.equivalent.add_g(group::MOTION, G(0), nowhere)?;
+        self.equivalent.add('X', 2.0 * back[1], nowhere)?;
+        self.equivalent.add('Z', back[0], nowhere)?;
+        execute::execute(&self.equivalent, machine.state, &mut out)
     }
 
     /// Executes the blocks of a contour.

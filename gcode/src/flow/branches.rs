@@ -280,6 +280,21 @@ impl Flow {
         Problem::error("unmatched", Blame::Block, message, help)
     }
 
+    /// The program was ended (M2) within an if, a loop or a subroutine: its end must stand further on, or it was
+    /// forgotten.
+    ///
+    /// # Errors
+    /// It is nowhere.
+    pub(crate) fn check_ends_exist(&mut self, reader: &mut Reader, state: &State) -> Done {
+        let Some(open) = self.open().copied() else { return Ok(()) };
+        let from = self.files.mark();
+        let found = self.find(from, open.label, open.kind.goal(), reader, state);
+        found.map(|_| ()).map_err(|mut problem| {
+            problem.blame = Blame::Line(open.line.lines + 1);
+            problem
+        })
+    }
+
     /// An error for what the subroutine (or the program) has begun and not ended; it is given up.
     pub(super) fn check_closed(&mut self) -> Done {
         let base = self.frames.last().map_or(0, |frame| frame.opens);

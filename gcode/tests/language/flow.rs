@@ -273,3 +273,11 @@ proptest::proptest! {
         }
     }
 }
+
+#[test]
+fn an_end_that_was_forgotten_is_missed_though_the_program_ends_before() {
+    for (begin, line) in [("o1 repeat [3]", 1), ("o1 while [1]", 1), ("o1 if [1]", 1), ("o1 do", 1)] {
+        assert_eq!(errors(&format!("{begin}\nG0 X1\nM2\n")), [(line, "missing-end")], "{begin}");
+    }
+    assert!(errors("o1 if [1]\nM2\no1 endif\nG0 X1\nM2\n").is_empty(), "M2 may stand in a branch");
+}

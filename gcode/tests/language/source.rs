@@ -55,3 +55,8 @@ fn loops_go_back_over_any_distance() {
         assert_eq!(outcome.errors[0].text, "G0 X[1/0]", "the line is read again for the diagnostic");
     }
 }
+
+#[test]
+fn a_folder_is_no_program() {
+    assert!(Program::open(&std::env::temp_dir(), &Options::default()).is_err());
+}

@@ -13,6 +13,7 @@ const WITHOUT_EXAMPLE: [&str; 7] = [
     "bad-file",
     "cut-after-thread",
     "endless-loop",
+    "endless-program",
     "file-too-large",
     "line-too-long",
     "output",

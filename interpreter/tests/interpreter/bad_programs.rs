@@ -200,3 +200,8 @@ fn colour_is_only_colour() {
     let (plain, colour) = (check.diagnostics[0].render(false), check.diagnostics[0].render(true));
     assert!(!plain.contains('\u{1b}') && colour.contains('\u{1b}'), "{plain}{colour}");
 }
+
+#[test]
+fn a_program_that_moves_for_ever_is_not_read_for_ever() {
+    assert_first("o1 while [1]\nG0 X10\nG4 P80000\nX20\no1 endwhile\nM2\n", (3, 1, "endless-program"));
+}
