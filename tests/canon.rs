@@ -57,7 +57,7 @@ fn parameters_outlive_a_run_of_canon() {
 }
 
 #[test]
-fn common_variables_of_fanuc_outlive_a_run_of_canon() {
+fn shared_variables_of_fanuc_outlive_a_run_of_canon() {
     let place = Place::new();
     place.write("set.nc", "#500=#501+1.\n#501=#0\n#100=5.\nM30\n");
     place.write("lathe.var", "501\t7.000000\n");

@@ -347,7 +347,7 @@ impl Program {
     /// The value of a parameter, offsets in machine units. `None`: a common variable of FANUC, #100 to #199 or #500 to
     /// #999, that is vacant.
     pub fn parameter(&self, number: u32) -> Option<f64> {
-        let common = self.fanuc.as_ref().and_then(|fanuc| fanuc.common(number));
+        let common = self.fanuc.as_ref().and_then(|fanuc| fanuc.shared(number));
         common.unwrap_or_else(|| Some(self.state.parameter(number)))
     }
 

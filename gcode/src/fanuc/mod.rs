@@ -135,8 +135,8 @@ impl Control {
 
     /// The value of a common variable, #100 to #199 and #500 to #999: `None` for other numbers, `Some(None)` if it is
     /// vacant.
-    pub(crate) fn common(&self, number: u32) -> Option<Option<f64>> {
-        self.variables.common(number)
+    pub(crate) fn shared(&self, number: u32) -> Option<Option<f64>> {
+        self.variables.shared(number)
     }
 
     /// Something was wrong: nothing is repeated any more.

@@ -60,7 +60,7 @@ impl Variables {
     }
 
     /// A common variable, vacant or not; `None`: it is none.
-    pub(super) fn common(&self, index: u32) -> Option<Option<f64>> {
+    pub(super) fn shared(&self, index: u32) -> Option<Option<f64>> {
         is_shared(index).then(|| self.common.get(index as usize).copied().flatten())
     }
 

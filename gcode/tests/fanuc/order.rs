@@ -99,7 +99,7 @@ fn nothing_acts_at_the_end_of_a_move_that_becomes_a_corner() {
 }
 
 #[test]
-fn common_variables_come_from_the_options_and_are_there_afterwards() {
+fn shared_variables_come_from_the_options_and_are_there_afterwards() {
     let mut options = fanuc();
     options.parameters = vec![(500, 2.5), (501, 7.0), (5221, 3.0)];
     let mut program = Program::from_text("O1", "#502=#500+1.\n#501=#0\nM30\n", &options);
