@@ -241,10 +241,7 @@ impl Block {
 
     /// Whether it has no words, codes or comment.
     pub fn is_empty(&self) -> bool {
-        self.present == 0
-            && self.g_present == 0
-            && self.m_present == 0
-            && self.comment.is_none()
+        self.present == 0 && self.g_present == 0 && self.m_present == 0 && self.comment.is_none()
     }
 
     /// The bytes of the line that `blame` means.

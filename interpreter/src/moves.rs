@@ -36,7 +36,8 @@ impl Translator {
         if positions(self.point) == positions(self.rest) {
             return Ok(());
         }
-        let message = "the thread before ran out beyond its end (run_out = \"beyond\"), and this cut would begin there";
+        let message =
+            "the thread before ran out beyond its end (run_out = \"beyond\"), and this cut would begin there";
         let help = "let a G0 follow the thread";
         Err(Problem::error("cut-after-thread", Blame::Block, message, help))
     }

@@ -279,7 +279,8 @@ impl Translator {
             | Call::EnableSpeedOverride(false)
             | Call::EnableFeedHold(false)
             | Call::EnableAdaptiveFeed(true) => {
-                let help = "leave M49 to M53 out; the operator's overrides always count (of G74 and G84, too)";
+                let help =
+                    "leave M49 to M53 out; the operator's overrides always count (of G74 and G84, too)";
                 return Err(missing("switching overrides and hold on and off", help));
             }
             Call::MoveByHand => {
