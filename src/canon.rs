@@ -49,6 +49,9 @@ pub(crate) struct CanonArgs {
     /// Machine description of LinuxCNC (.ini): units, peck clearance, folders, tool table, parameters.
     #[arg(short, long, value_name = "FILE")]
     ini: Option<PathBuf>,
+    /// Folder with subroutine files, besides that of the program; may be given several times.
+    #[arg(long, value_name = "DIR")]
+    subroutines: Vec<PathBuf>,
     /// Leave out lines that begin with `/`.
     #[arg(short, long)]
     block_delete: bool,
@@ -167,6 +170,7 @@ fn print(
 
 /// What the program is run with, and the parameter file that it began with.
 fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), CliError> {
+    interpreter::check_folders(&args.subroutines).map_err(|error| CliError::Input(error.to_string()))?;
     let machine = match &args.ini {
         Some(path) => MachineFile::read(path).map_err(file_error)?,
         None => MachineFile::default(),
@@ -178,7 +182,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
         dialect: args.dialect,
         block_delete: args.block_delete,
         stand_alone: args.format == Format::Linuxcnc && args.dialect == Dialect::Linuxcnc,
-        subroutine_folders: machine.subroutine_folders,
+        subroutine_folders: args.subroutines.iter().cloned().chain(machine.subroutine_folders).collect(),
         named: machine.named,
         orient_offset: machine.orient_offset,
         ..Options::default()

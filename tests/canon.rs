@@ -148,3 +148,21 @@ fn check_gives_editors_every_diagnostic_as_json() {
     }
     assert!(diagnostics.iter().any(|one| one["line"] == 3));
 }
+
+#[test]
+fn folders_of_subroutines_are_given_or_missed() {
+    let place = Place::new();
+    fs::create_dir(place.at("subs")).unwrap();
+    place.write("subs/there.ngc", "o<there> sub\nG0 X4\no<there> endsub\nM2\n");
+    place.write("main.ngc", "G18 G21\no<there> call\nM2\n");
+    for command in ["canon", "check"] {
+        let found = place.ask(&[command, "main.ngc", "--subroutines", "subs"]);
+        assert_eq!(found.status, Some(0), "{}", found.stderr);
+        let missed = place.ask(&[command, "main.ngc", "--subroutines", "nowhere"]);
+        assert_eq!(missed.status, Some(2));
+        assert!(missed.stderr.contains("nowhere: there is no such folder"), "{}", missed.stderr);
+    }
+    let program = place.ask(&["canon", "main.ngc", "subs/there.ngc"]);
+    assert_eq!(program.status, Some(2), "a program is not printed over");
+    assert_eq!(place.ask(&["check", "."]).status, Some(2), "a folder is no program");
+}

@@ -42,7 +42,7 @@ use protocol::{Item, Machine};
 
 pub use check::{Check, check, check_program};
 pub use gcode::{Diagnostic, Severity};
-pub use options::{Language, OpenError, open};
+pub use options::{Language, OpenError, check_folders, open};
 pub use threading::PassNote;
 use translate::Translator;
 

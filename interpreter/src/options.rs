@@ -38,6 +38,9 @@ pub enum OpenError {
         /// Why.
         error: std::io::Error,
     },
+    /// A folder of subroutines is none.
+    #[error("{}: there is no such folder for subroutines", .0.display())]
+    Folder(PathBuf),
     /// The tool table; the text names file and line.
     #[error("{0}")]
     Tools(String),
@@ -48,6 +51,7 @@ pub enum OpenError {
 /// # Errors
 /// The program or the tool table cannot be read.
 pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Program, OpenError> {
+    check_folders(&language.subroutines)?;
     let mut options = options(machine);
     if let Some(dialect) = language.dialect {
         options.dialect = of_program(dialect);
@@ -58,6 +62,17 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
         options.tools = ToolTable::read(table).map_err(|error| OpenError::Tools(error.to_string()))?;
     }
     Program::open(path, &options).map_err(|error| OpenError::Program { path: path.to_owned(), error })
+}
+
+/// Refuses folders of subroutines that are not there.
+///
+/// # Errors
+/// Names the first.
+pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
+    match folders.iter().find(|folder| !folder.is_dir()) {
+        Some(folder) => Err(OpenError::Folder(folder.clone())),
+        None => Ok(()),
+    }
 }
 
 /// What the machine file says about programs: a lathe in mm, its axes at home.

@@ -160,6 +160,7 @@ fn what_cannot_be_cut_is_refused_where_it_stands() {
         ("G71 Q1.5 X10 Z2", "bad-value"),
         ("G71 Q1 X10 Z2 I0", "bad-value"),
         ("G71 Q1 X10 Z2 R-1", "bad-value"),
+        ("G71 Q1 X10 Z2 D-1", "bad-value"),
         ("G70 Q1 X10 Z2 P0", "bad-value"),
         ("G70 Q1 X10 Z2 P1.5", "bad-value"),
         ("G17 G71 Q1 X10 Z2", "bad-value"),
