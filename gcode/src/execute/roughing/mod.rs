@@ -126,7 +126,11 @@ pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output)
         return Err(bad(block, 'R', "R is how far the tool escapes behind a pass, 0 or greater"));
     }
     if code.0 >= 710 && block.get('D').is_some_and(|distance| distance < 0.0) {
-        return Err(bad(block, 'D', "D is what roughing leaves on the contour, 0 or greater: less would cut into it"));
+        return Err(bad(
+            block,
+            'D',
+            "D is what roughing leaves on the contour, 0 or greater: less would cut into it",
+        ));
     }
     let position = straight::target(block, state)?;
     straight::move_to(Kind::Traverse, position, block, state, out)?;
