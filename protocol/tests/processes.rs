@@ -121,11 +121,11 @@ fn interpreter(address: &str) {
     let mut member = Member::join(address, Process::Interpreter).unwrap();
     let mut code = member.sender(channel::MACHINE_CODE, Patience::Forever).unwrap();
     member.start(&[&code], Moment::in_s(10.0)).unwrap();
-    let error = loop {
-        if let Err(error) = code.send(&CodePacket::default()) {
-            break error;
-        }
-    };
+    for _ in 0..channel::CODE_DEPTH {
+        code.send(&CodePacket::default()).unwrap();
+    }
+    println!("\nfull");
+    let error = code.send(&CodePacket::default()).unwrap_err();
     assert!(matches!(error, Undelivered::Receivers { reached: 0, expected: 1, .. }), "{error}");
     assert_eq!(code.count().sent, channel::CODE_DEPTH);
     while !member.is_gone(Process::Interpolator) {
@@ -173,10 +173,13 @@ fn three_processes_in_lock_step_lose_nothing() {
 fn a_sender_that_waits_for_the_dead_is_set_free() {
     let mut space = NameSpace::create(&AXES).unwrap();
     let mut deaf = spawn("deaf-interpolator", &space.address());
-    let interpreter = spawn("interpreter", &space.address());
+    let mut interpreter = spawn("interpreter", &space.address());
     let all = [Process::Interpreter, Process::Interpolator];
     until("both are connected", || present(&space.missing(&[]).unwrap(), &all));
     space.start().unwrap();
+    // The sender has filled the queue before its receiver dies, however busy the computer is.
+    let mut said = BufReader::new(interpreter.stdout.take().unwrap()).lines();
+    assert!(said.by_ref().map_while(Result::ok).any(|line| line == "full"));
     deaf.kill().unwrap();
     deaf.wait().unwrap();
     space.bury(Process::Interpolator).unwrap();
