@@ -1,7 +1,7 @@
 //! Canned cycles along the axis across the plane: G73, G74, G81 to G89.
 //!
 //! In: a block and the state; the depth is the word of the axis across the plane (Z in G17, Y in G18, X in G19). Out: for
-//! every hole the moves to it, the strokes of the cycle ([`hole`]), all of them in exact path mode.
+//! every hole the moves to it, the strokes of the cycle (`hole.rs`), all of them in exact path mode.
 //!
 //! ```text
 //! level L0   where the axis across the plane stood before the first cycle in a row

@@ -3,7 +3,7 @@
 //! In: a start point and a monotone contour in the frame of the cuts ([`super::frame`]: passes run towards −Z, infeed
 //! is −X), with its allowance on it ([`super::offset`]). Out: moves in that frame. Lengths in the unit of the contour.
 //!
-//! The order is that of [`super::walk`]; here its steps become moves.
+//! The order is that of `walk.rs`; here its steps become moves.
 //!
 //! ```text
 //! escape    up and back by min(r, l/2) each,  r as programmed, l length of the pass      (7)
