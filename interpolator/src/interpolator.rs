@@ -373,6 +373,8 @@ impl Interpolator {
             spindle_override_pct: self.spindle.override_pct(),
             feed_override_pct: panel.feed_override_pct,
             depth_mm: self.depth_mm,
+            starved: 0, // until the look-ahead counts it
+            reserved: 0,
         };
         Out { frames, spindle, status }
     }

@@ -10,6 +10,7 @@ pub mod code_file;
 pub mod drive;
 pub mod frame;
 pub mod ipc;
+pub mod kinematics;
 pub mod machine;
 pub mod measurement;
 pub mod operator;

@@ -4,7 +4,15 @@
 //! Every key has a default (the built-in small lathe), unknown keys are refused, and [`Machine::check`] refuses
 //! impossible values with the path of the key. Units are in the names of the keys.
 
+mod axis;
+mod path;
+mod spindle;
+
 use serde::{Deserialize, Serialize};
+
+pub use axis::AxisConfig;
+pub use path::PathConfig;
+pub use spindle::{RunOut, SpindleConfig, Threading};
 
 use crate::{Arc, Axis, Cycle, PerAxis, Position, ThreadPass, units::AXES};
 
@@ -41,6 +49,9 @@ pub struct Machine {
     pub axis: std::collections::BTreeMap<Axis, AxisConfig>,
     /// `[spindle]`
     pub spindle: SpindleConfig,
+    /// `[path]`
+    #[serde(default)]
+    pub path: PathConfig,
     /// `[threading]`
     #[serde(default)]
     pub threading: Threading,
@@ -85,112 +96,11 @@ pub enum Dialect {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kinematics {
-    /// X across, Z along the spindle.
+    /// X across, Z along the spindle, and, where it exists, C about it.
     #[default]
     Lathe,
-}
-
-/// `[axis.*]`: limits, encoder scale, loops, and what the controller believes about the mechanics.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisConfig {
-    /// Lowest and highest position, mm (X: radius).
-    pub travel_mm: [f64; 2],
-    /// Position at the start of the machine, mm.
-    pub home_mm: f64,
-    /// Highest speed, mm/s.
-    pub velocity_mm_s: f64,
-    /// Highest acceleration, mm/s².
-    pub acceleration_mm_s2: f64,
-    /// Highest jerk, mm/s³.
-    pub jerk_mm_s3: f64,
-    /// Highest rate of jerk, mm/s⁴.
-    pub jerk_rate_mm_s4: f64,
-    /// Lead of the screw, mm per turn of the motor.
-    pub screw_lead_mm: f64,
-    /// Encoder counts per turn of the motor.
-    pub encoder_counts: u32,
-    /// Gain of the position loop in the regulator, 1/s.
-    pub position_gain_1_s: f64,
-    /// Bandwidth of the velocity loop in the drive, Hz: Kp = believed inertia × 2π × bandwidth.
-    pub velocity_bandwidth_hz: f64,
-    /// Integral time of the velocity loop in the drive, s.
-    pub velocity_integral_s: f64,
-    /// Torque limit of the drive, N·m.
-    pub torque_limit_nm: f64,
-    /// Moving mass as believed: everything that accelerates, referred to the slide, kg.
-    pub mass_kg: f64,
-    /// Coulomb friction as believed, N at the slide.
-    pub coulomb_n: f64,
-    /// Stiffness of friction before it slides, as believed, N/mm.
-    pub presliding_n_mm: f64,
-    /// Viscous friction as believed, N·s/mm.
-    pub viscous_n_s_mm: f64,
-    /// Lead of the velocity feedforward (M54), s.
-    pub velocity_lead_s: f64,
-    /// Lead of the acceleration feedforward (M54), s.
-    pub acceleration_lead_s: f64,
-    /// Largest servo error in timed motion, mm; beyond it the axis faults.
-    pub following_error_mm: f64,
-    /// Largest servo error on the helix, mm; beyond it the axis faults.
-    pub thread_error_mm: f64,
-    /// Servo error below which an axis at rest counts as in position, mm.
-    pub in_position_mm: f64,
-}
-
-/// `[spindle]`
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SpindleConfig {
-    /// Highest speed, 1/min.
-    pub max_rpm: f64,
-    /// Lines of the encoder (four counts each).
-    pub encoder_lines: u32,
-    /// Ramp of the drive, 1/min per s.
-    pub ramp_rpm_s: f64,
-    /// Bandwidth of the angle observer (M53), Hz.
-    pub observer_hz: f64,
-    /// Highest spindle override, per cent.
-    pub override_max_pct: f64,
-    /// Band around the commanded speed that counts as "at speed", per cent.
-    pub at_speed_pct: f64,
-}
-
-/// `[threading]`
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Threading {
-    /// Where the run-out ends.
-    pub run_out: RunOut,
-    /// Spindle override that run-ins are laid out for, per cent, ≥ 100.
-    pub design_override_pct: f64,
-    /// Share of the axis limits that a law may use at that override, per cent; the rest is for changes of the
-    /// spindle's speed (M8).
-    pub limit_share_pct: f64,
-    /// Half angle of the flank that a run-out must not touch, degrees: the smallest among the threads to cut.
-    pub flank_half_angle_deg: f64,
-}
-
-impl Default for Threading {
-    fn default() -> Self {
-        Threading {
-            run_out: RunOut::Within,
-            design_override_pct: 120.0,
-            limit_share_pct: 90.0,
-            flank_half_angle_deg: 14.5,
-        }
-    }
-}
-
-/// Where the run-out of a thread ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RunOut {
-    /// At the programmed end: nothing moves beyond it.
-    #[default]
-    Within,
-    /// Full depth to the programmed end, at rest after it.
-    Beyond,
+    /// X, Y, Z, and what exists of A, B, C about them.
+    Mill,
 }
 
 /// A tool.
@@ -220,6 +130,9 @@ impl Default for Machine {
 /// The built-in machine file, as `pitchlock machine` prints it.
 pub const SMALL_LATHE: &str = include_str!("../../examples/machines/small-lathe.toml");
 
+/// The built-in mill, as `pitchlock machine --kinematics mill` prints it.
+pub const SMALL_MILL: &str = include_str!("../../examples/machines/small-mill.toml");
+
 impl Machine {
     /// Reads and checks a machine file.
     ///
@@ -228,7 +141,7 @@ impl Machine {
     pub fn from_toml(text: &str) -> Result<Machine, MachineError> {
         let machine: Machine = toml::from_str(text).map_err(|error| MachineError::syntax(text, error))?;
         machine.check()?;
-        Ok(machine)
+        units(text).map(|()| machine)
     }
 
     /// The axes that exist, in the order of the wire.
@@ -249,16 +162,18 @@ impl Machine {
     /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its travel,
     /// to the end the law names. The pass has been checked.
     pub fn can_follow(&self, pass: &ThreadPass) -> bool {
-        self.axes().all(|(axis, config)| {
-            let law = pass.axis(axis);
-            let (start, way) = (law.start.mm(), law.law(pass.s_rpm));
-            let top = config.limits().top_ratio(&way.peak());
-            let end = start + way.at(law.done_deg()).s;
-            let travel = config.travel_mm[0]..=config.travel_mm[1];
-            top >= pass.max_ratio * (1.0 - 1e-9)
-                && (end - law.end.mm()).abs() < 1e-6
-                && [start, start + law.stroke_mm, end].iter().all(|mm| travel.contains(mm))
-        })
+        let lathe = self.machine.kinematics == Kinematics::Lathe; // only a lathe cuts threads
+        lathe
+            && self.axes().all(|(axis, config)| {
+                let law = pass.axis(axis);
+                let (start, way) = (law.start.mm(), law.law(pass.s_rpm));
+                let top = config.limits().top_ratio(&way.peak());
+                let end = start + way.at(law.done_deg()).s;
+                let travel = config.travel_mm[0]..=config.travel_mm[1];
+                top >= pass.max_ratio * (1.0 - 1e-9)
+                    && (end - law.end.mm()).abs() < 1e-6
+                    && [start, start + law.stroke_mm, end].iter().all(|mm| travel.contains(mm))
+            })
     }
 
     /// Whether a point lies within the travel of every axis.
@@ -301,14 +216,17 @@ impl Machine {
                 "must be a whole multiple of machine.cycle_s",
             ));
         }
-        if self.axis.len() > AXES || !self.axis.contains_key(&Axis::X) || !self.axis.contains_key(&Axis::Z) {
-            return Err(refuse("axis", self.axis.len(), "a lathe needs [axis.x] and [axis.z]"));
+        let (needed, allowed, reason) = general.kinematics.axis_set();
+        if needed.iter().any(|axis| !self.axis.contains_key(axis)) {
+            let names: Vec<_> = self.axis.keys().map(|axis| axis.name()).collect();
+            return Err(refuse("axis", names.join(", "), reason));
         }
-        if let Some(other) = self.axis.keys().find(|axis| !matches!(axis, Axis::X | Axis::Z)) {
-            return Err(refuse("axis", other.name(), "a lathe has the axes x and z only"));
+        if let Some(other) = self.axis.keys().find(|axis| !needed.contains(axis) && !allowed.contains(axis)) {
+            return Err(refuse("axis", other.name(), reason));
         }
         self.axes().try_for_each(|(axis, config)| config.check(axis))?;
         self.spindle.check()?;
+        self.path.check()?;
         self.threading.check()?;
         for number in self.tools.keys() {
             if number.parse::<u32>().is_err() {
@@ -319,66 +237,19 @@ impl Machine {
     }
 }
 
-impl AxisConfig {
-    /// The limits of the axis as laws of motion take them.
-    pub fn limits(&self) -> motion::Limits {
-        motion::Limits {
-            v: self.velocity_mm_s,
-            a: self.acceleration_mm_s2,
-            j: self.jerk_mm_s3,
-            dj: self.jerk_rate_mm_s4,
+/// Refuses keys that name a unit their axis does not have. The file has been read before.
+fn units(text: &str) -> Result<(), MachineError> {
+    let file: toml::Table = toml::from_str(text).map_err(|error| MachineError::syntax(text, error))?;
+    let axes = file.get("axis").and_then(toml::Value::as_table).into_iter().flatten();
+    for (name, keys) in axes {
+        let (Some(axis), Some(keys)) = (Axis::from_name(name), keys.as_table()) else { continue };
+        let (own, other) = if axis.is_rotary() { ("deg", "mm") } else { ("mm", "deg") };
+        if let Some((key, value)) = keys.iter().find(|(key, _)| key.split('_').any(|word| word == other)) {
+            let reason = format!("{axis} is measured in {own}: write {}", key.replace(other, own));
+            return Err(refuse(&format!("axis.{name}.{key}"), value, &reason));
         }
     }
-
-    fn check(&self, axis: Axis) -> Result<(), MachineError> {
-        let key = |name: &str| format!("axis.{}.{name}", axis.name());
-        let [low, high] = self.travel_mm;
-        range(&key("travel_mm[0]"), low, -1e5, 1e5)?;
-        range(&key("travel_mm[1]"), high, low + 1e-3, 1e5)?;
-        range(&key("home_mm"), self.home_mm, low, high)?;
-        for (name, value, high) in [
-            ("velocity_mm_s", self.velocity_mm_s, 1e4),
-            ("acceleration_mm_s2", self.acceleration_mm_s2, 1e6),
-            ("jerk_mm_s3", self.jerk_mm_s3, 1e9),
-            ("jerk_rate_mm_s4", self.jerk_rate_mm_s4, 1e13),
-            ("screw_lead_mm", self.screw_lead_mm, 1e3),
-            ("position_gain_1_s", self.position_gain_1_s, 1e3),
-            ("velocity_bandwidth_hz", self.velocity_bandwidth_hz, 1e3),
-            ("velocity_integral_s", self.velocity_integral_s, 10.0),
-            ("torque_limit_nm", self.torque_limit_nm, 1e4),
-            ("mass_kg", self.mass_kg, 1e6),
-            ("presliding_n_mm", self.presliding_n_mm, 1e9),
-            ("following_error_mm", self.following_error_mm, 100.0),
-            ("thread_error_mm", self.thread_error_mm, 10.0),
-            ("in_position_mm", self.in_position_mm, 10.0),
-        ] {
-            range(&key(name), value, 1e-6, high)?;
-        }
-        range(&key("encoder_counts"), f64::from(self.encoder_counts), 16.0, 4e9)?;
-        range(&key("coulomb_n"), self.coulomb_n, 0.0, 1e6)?;
-        range(&key("viscous_n_s_mm"), self.viscous_n_s_mm, 0.0, 1e6)?;
-        range(&key("velocity_lead_s"), self.velocity_lead_s, -0.01, 0.01)?;
-        range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)
-    }
-}
-
-impl SpindleConfig {
-    fn check(&self) -> Result<(), MachineError> {
-        range("spindle.max_rpm", self.max_rpm, 1.0, 1e5)?;
-        range("spindle.encoder_lines", f64::from(self.encoder_lines), 25.0, 250_000.0)?;
-        range("spindle.ramp_rpm_s", self.ramp_rpm_s, 1.0, 1e6)?;
-        range("spindle.observer_hz", self.observer_hz, 1.0, 500.0)?;
-        range("spindle.override_max_pct", self.override_max_pct, 100.0, 200.0)?;
-        range("spindle.at_speed_pct", self.at_speed_pct, 0.5, 100.0)
-    }
-}
-
-impl Threading {
-    fn check(&self) -> Result<(), MachineError> {
-        range("threading.design_override_pct", self.design_override_pct, 100.0, 200.0)?;
-        range("threading.limit_share_pct", self.limit_share_pct, 10.0, 100.0)?;
-        range("threading.flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0)
-    }
+    Ok(())
 }
 
 fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), MachineError> {

@@ -31,7 +31,7 @@ pub struct Panel {
     pub feed_override_pct: f64,
     /// Rapid override, per cent, 0 to 100.
     pub rapid_override_pct: f64,
-    /// Sum of [`Panel::FEED_HOLD`] and [`Panel::STOP`].
+    /// Sum of [`Panel::FEED_HOLD`], [`Panel::STOP`], [`Panel::SINGLE_BLOCK`] and [`Panel::ABORT`].
     pub buttons: u32,
     /// How often cycle start was pressed. A count, so that no press is lost between two looks at the panel.
     pub cycle_starts: u32,
@@ -42,6 +42,10 @@ impl Panel {
     pub const FEED_HOLD: u32 = 1;
     /// The program is to be ended at the next rest.
     pub const STOP: u32 = 2;
+    /// Single block is on: after each block the program waits for cycle start.
+    pub const SINGLE_BLOCK: u32 = 4;
+    /// The program is to be ended at once: motion stops on its path, spindle and coolant go off.
+    pub const ABORT: u32 = 8;
 
     /// Whether a button is pressed.
     pub fn pressed(&self, button: u32) -> bool {
@@ -64,7 +68,7 @@ impl Default for Panel {
 /// What was true at one control cycle.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/measurement/2")]
+#[type_name("pitchlock/measurement/3")]
 #[repr(C)]
 pub struct Measurement {
     /// When it was true.

@@ -21,12 +21,16 @@ pub enum Request {
     CycleStart,
     /// End the program at the next rest.
     Stop,
+    /// Wait for cycle start after each block, or no longer.
+    SingleBlock(bool),
+    /// End the program at once: stop on the path, spindle and coolant off.
+    Abort,
 }
 
 /// A [`Request`] on the wire.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/operator-request/1")]
+#[type_name("pitchlock/operator-request/2")]
 #[repr(C)]
 pub struct OperatorRequest {
     /// Running number, from 0.
@@ -35,7 +39,7 @@ pub struct OperatorRequest {
     pub kind: u32,
     /// Zero.
     pub reserved: u32,
-    /// Per cent.
+    /// Per cent; 1 or 0 of a switch; else 0.
     pub value: f64,
 }
 
@@ -49,6 +53,8 @@ impl OperatorRequest {
             Request::FeedHold => (4, 0.0),
             Request::CycleStart => (5, 0.0),
             Request::Stop => (6, 0.0),
+            Request::SingleBlock(on) => (7, f64::from(u8::from(on))),
+            Request::Abort => (8, 0.0),
         };
         OperatorRequest { sequence, kind, reserved: 0, value }
     }
@@ -69,6 +75,8 @@ impl OperatorRequest {
             4 => Request::FeedHold,
             5 => Request::CycleStart,
             6 => Request::Stop,
+            7 => Request::SingleBlock(self.value != 0.0),
+            8 => Request::Abort,
             other => return Err(Refused::UnknownCode("operator request", other)),
         })
     }
@@ -87,6 +95,9 @@ impl Panel {
                 self.cycle_starts = self.cycle_starts.wrapping_add(1);
             }
             Request::Stop => self.buttons |= Panel::STOP,
+            Request::SingleBlock(true) => self.buttons |= Panel::SINGLE_BLOCK,
+            Request::SingleBlock(false) => self.buttons &= !Panel::SINGLE_BLOCK,
+            Request::Abort => self.buttons |= Panel::ABORT,
         }
     }
 }

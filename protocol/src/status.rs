@@ -244,7 +244,7 @@ impl MachineState {
 /// The interpolator after one of its ticks.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/machine-status/2")]
+#[type_name("pitchlock/machine-status/3")]
 #[repr(C)]
 pub struct MachineStatus {
     /// The tick.
@@ -275,6 +275,11 @@ pub struct MachineStatus {
     pub feed_override_pct: f64,
     /// Depth of the pass in hand, mm.
     pub depth_mm: f64,
+    /// How often the look-ahead ran dry while machine code was still to come: the machine stopped on its path, and
+    /// went on when it was fed again.
+    pub starved: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 impl MachineStatus {

@@ -18,8 +18,8 @@ impl Cycle {
     }
 }
 
-/// A position of an axis: a signed count of 1e-9 mm. Integers cannot drift, and this quantum is what jerk at
-/// 2.5 kHz needs (M31–M35). X is a radius.
+/// A position of an axis: a signed count of 1e-9 mm, of 1e-9 degrees for a rotary axis. Integers cannot drift, and this
+/// quantum is what jerk at 2.5 kHz needs (M31–M35). X of a lathe is a radius.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
          ZeroCopySend, IntoBytes, FromBytes, Immutable)]
@@ -85,6 +85,16 @@ impl Axis {
     /// The lower-case letter, as machine files and channel names spell it.
     pub fn name(self) -> &'static str {
         ["x", "y", "z", "a", "b", "c", "u", "v"][self.index()]
+    }
+
+    /// Whether the axis turns: positions in degrees, not in mm.
+    pub fn is_rotary(self) -> bool {
+        matches!(self, Axis::A | Axis::B | Axis::C)
+    }
+
+    /// The unit of its positions.
+    pub fn unit(self) -> &'static str {
+        if self.is_rotary() { "deg" } else { "mm" }
     }
 
     /// The axis of a letter in either case.

@@ -45,7 +45,7 @@ layout!(axis_frame: AxisFrame, 200, Some("pitchlock/axis-frame/1"), {
 layout!(setpoint: Setpoint, 32, None, {
     cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
 });
-layout!(measurement: Measurement, 272, Some("pitchlock/measurement/2"), {
+layout!(measurement: Measurement, 272, Some("pitchlock/measurement/3"), {
     cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
     reserved: 44, axes: 48, panel: 240,
 });
@@ -65,20 +65,21 @@ layout!(axis_status: AxisStatus, 120, Some("pitchlock/axis-status/1"), {
     spindle_rpm: 80, control_word: 88, reserved: 92, target_velocity_mm_s: 96,
     velocity_offset_mm_s: 104, torque_offset_nm: 112,
 });
-layout!(machine_status: MachineStatus, 80, Some("pitchlock/machine-status/2"), {
+layout!(machine_status: MachineStatus, 88, Some("pitchlock/machine-status/3"), {
     cycle: 0, state: 8, fault: 12, line: 16, pass: 20, moves: 24, taken: 32, overrides_clamped: 40,
     stopped: 44, coolant: 46, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
+    starved: 80, reserved: 84,
 });
 layout!(spindle_command: SpindleCommand, 48, Some("pitchlock/spindle-command/2"), {
     cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,
     direction: 40,
 });
-layout!(truth: Truth, 560, Some("pitchlock/truth/2"), {
+layout!(truth: Truth, 560, Some("pitchlock/truth/3"), {
     cycle: 0, spindle_deg: 8, spindle_rpm: 16, late_answers: 24, axes: 32, measurement: 288,
 });
 layout!(axis_truth: AxisTruth, 32, None, {
     motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24,
 });
-layout!(operator_request: OperatorRequest, 24, Some("pitchlock/operator-request/1"), {
+layout!(operator_request: OperatorRequest, 24, Some("pitchlock/operator-request/2"), {
     sequence: 0, kind: 8, reserved: 12, value: 16,
 });

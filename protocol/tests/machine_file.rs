@@ -2,7 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;
-use protocol::{Axis, Cycle, Machine, machine::SMALL_LATHE};
+use protocol::{
+    Axis, Cycle, Machine,
+    machine::{Kinematics, PathConfig, SMALL_LATHE, SMALL_MILL},
+};
 use toml::{Table, Value};
 
 fn refusal(text: &str) -> String {
@@ -55,6 +58,44 @@ fn the_built_in_machine_is_good() {
     assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Z]);
     let again = Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap();
     assert_eq!(again, machine);
+}
+
+#[test]
+fn the_built_in_mill_is_good() {
+    let machine = Machine::from_toml(SMALL_MILL).unwrap();
+    assert_eq!(machine.machine.kinematics, Kinematics::Mill);
+    assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Y, Axis::Z]);
+    assert_eq!(machine.path, PathConfig::default());
+}
+
+#[test]
+fn each_kinematics_has_its_axes() {
+    let as_lathe = SMALL_MILL.replace("kinematics = \"mill\"", "kinematics = \"lathe\"");
+    assert!(refusal(&as_lathe).starts_with("axis = y: a lathe needs"));
+    let as_mill = with("kinematics = \"lathe\"", "kinematics = \"mill\"");
+    assert!(refusal(&as_mill).starts_with("axis = x, z: a mill needs"));
+    let with_u = SMALL_MILL.replace("[axis.y]", "[axis.u]");
+    assert!(refusal(&with_u).starts_with("axis = x, z, u: a mill needs"));
+}
+
+/// The built-in lathe with a copy of Z as C, in degrees.
+fn with_c() -> String {
+    let (_, z) = SMALL_LATHE.split_once("[axis.z]").unwrap();
+    let (z, _) = z.split_once("[spindle]").unwrap();
+    format!("{SMALL_LATHE}\n[axis.c]{}", z.replace("mm", "deg"))
+}
+
+#[test]
+fn a_rotary_axis_is_in_degrees() {
+    let machine = Machine::from_toml(&with_c()).unwrap();
+    assert_eq!(machine.axis[&Axis::C].travel_mm, machine.axis[&Axis::Z].travel_mm);
+
+    let message = refusal(&with_c().replace("home_deg", "home_mm"));
+    assert_eq!(message, "axis.c.home_mm = 100.0: C is measured in deg: write home_deg");
+    let message = refusal(&with("home_mm = 60.0", "home_deg = 60.0"));
+    assert_eq!(message, "axis.x.home_deg = 60.0: X is measured in mm: write home_mm");
+    let message = refusal(&with_c().replace("velocity_deg_s = 150.0", "velocity_deg_s = -1.0"));
+    assert!(message.starts_with("axis.c.velocity_deg_s = -1: must"), "{message}");
 }
 
 #[test]
@@ -112,7 +153,8 @@ fn values_that_contradict_each_other_are_refused() {
         ),
         ("travel_mm = [-5.0, 120.0]", "travel_mm = [120.0, -5.0]", "axis.x.travel_mm[1] = -5"),
         ("home_mm = 60.0", "home_mm = 121.0", "axis.x.home_mm = 121"),
-        ("[axis.z]", "[axis.y]", "axis = 2: a lathe needs [axis.x] and [axis.z]"),
+        ("[threading]", "[path]\nexact_mm = 0.02\n[threading]", "path.exact_mm = 0.02: must lie between"),
+        ("[axis.z]", "[axis.y]", "axis = x, y: a lathe needs [axis.x] and [axis.z]"),
     ] {
         let refused = refusal(&with(line, instead));
         assert!(refused.starts_with(message), "{instead}: {refused}");

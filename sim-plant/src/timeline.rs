@@ -101,6 +101,9 @@ impl Timeline {
                 self.cycle_starts = self.cycle_starts.wrapping_add(1);
             }
             Request::Stop => self.buttons |= Panel::STOP,
+            Request::SingleBlock(true) => self.buttons |= Panel::SINGLE_BLOCK,
+            Request::SingleBlock(false) => self.buttons &= !Panel::SINGLE_BLOCK,
+            Request::Abort => self.buttons |= Panel::ABORT,
         }
     }
 

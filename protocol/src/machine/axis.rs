@@ -1,0 +1,119 @@
+//! `[axis.*]` of the machine file: one axis as the controller believes it to be.
+//! In: mm, s, kg, N; degrees instead of mm for a rotary axis. Out: checked values, or the path of the key and the reason.
+
+use serde::{Deserialize, Serialize};
+
+use super::{MachineError, range};
+use crate::Axis;
+
+/// `[axis.*]`: limits, encoder scale, loops, and what the controller believes about the mechanics.
+///
+/// A rotary axis has degrees where the names say mm, and its keys are spelled so (`travel_deg`). Its masses and forces
+/// are referred to the radius of 57.3 mm, on which one degree is one millimetre.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisConfig {
+    /// Lowest and highest position, mm (X: radius).
+    #[serde(alias = "travel_deg")]
+    pub travel_mm: [f64; 2],
+    /// Position at the start of the machine, mm.
+    #[serde(alias = "home_deg")]
+    pub home_mm: f64,
+    /// Highest speed, mm/s.
+    #[serde(alias = "velocity_deg_s")]
+    pub velocity_mm_s: f64,
+    /// Highest acceleration, mm/s².
+    #[serde(alias = "acceleration_deg_s2")]
+    pub acceleration_mm_s2: f64,
+    /// Highest jerk, mm/s³.
+    #[serde(alias = "jerk_deg_s3")]
+    pub jerk_mm_s3: f64,
+    /// Highest rate of jerk, mm/s⁴.
+    #[serde(alias = "jerk_rate_deg_s4")]
+    pub jerk_rate_mm_s4: f64,
+    /// Lead of the screw, mm per turn of the motor.
+    #[serde(alias = "screw_lead_deg")]
+    pub screw_lead_mm: f64,
+    /// Encoder counts per turn of the motor.
+    pub encoder_counts: u32,
+    /// Gain of the position loop in the regulator, 1/s.
+    pub position_gain_1_s: f64,
+    /// Bandwidth of the velocity loop in the drive, Hz: Kp = believed inertia × 2π × bandwidth.
+    pub velocity_bandwidth_hz: f64,
+    /// Integral time of the velocity loop in the drive, s.
+    pub velocity_integral_s: f64,
+    /// Torque limit of the drive, N·m.
+    pub torque_limit_nm: f64,
+    /// Moving mass as believed: everything that accelerates, referred to the slide, kg.
+    pub mass_kg: f64,
+    /// Coulomb friction as believed, N at the slide.
+    pub coulomb_n: f64,
+    /// Stiffness of friction before it slides, as believed, N/mm.
+    #[serde(alias = "presliding_n_deg")]
+    pub presliding_n_mm: f64,
+    /// Viscous friction as believed, N·s/mm.
+    #[serde(alias = "viscous_n_s_deg")]
+    pub viscous_n_s_mm: f64,
+    /// Lead of the velocity feedforward (M54), s.
+    pub velocity_lead_s: f64,
+    /// Lead of the acceleration feedforward (M54), s.
+    pub acceleration_lead_s: f64,
+    /// Largest servo error in timed motion, mm; beyond it the axis faults.
+    #[serde(alias = "following_error_deg")]
+    pub following_error_mm: f64,
+    /// Largest servo error on the helix, mm; beyond it the axis faults.
+    #[serde(alias = "thread_error_deg")]
+    pub thread_error_mm: f64,
+    /// Servo error below which an axis at rest counts as in position, mm.
+    #[serde(alias = "in_position_deg")]
+    pub in_position_mm: f64,
+}
+
+impl AxisConfig {
+    /// The limits of the axis as laws of motion take them.
+    pub fn limits(&self) -> motion::Limits {
+        motion::Limits {
+            v: self.velocity_mm_s,
+            a: self.acceleration_mm_s2,
+            j: self.jerk_mm_s3,
+            dj: self.jerk_rate_mm_s4,
+        }
+    }
+
+    pub(super) fn check(&self, axis: Axis) -> Result<(), MachineError> {
+        let key = |name: &str| key(axis, name);
+        let [low, high] = self.travel_mm;
+        range(&key("travel_mm[0]"), low, -1e5, 1e5)?;
+        range(&key("travel_mm[1]"), high, low + 1e-3, 1e5)?;
+        range(&key("home_mm"), self.home_mm, low, high)?;
+        for (name, value, high) in [
+            ("velocity_mm_s", self.velocity_mm_s, 1e4),
+            ("acceleration_mm_s2", self.acceleration_mm_s2, 1e6),
+            ("jerk_mm_s3", self.jerk_mm_s3, 1e9),
+            ("jerk_rate_mm_s4", self.jerk_rate_mm_s4, 1e13),
+            ("screw_lead_mm", self.screw_lead_mm, 1e3),
+            ("position_gain_1_s", self.position_gain_1_s, 1e3),
+            ("velocity_bandwidth_hz", self.velocity_bandwidth_hz, 1e3),
+            ("velocity_integral_s", self.velocity_integral_s, 10.0),
+            ("torque_limit_nm", self.torque_limit_nm, 1e4),
+            ("mass_kg", self.mass_kg, 1e6),
+            ("presliding_n_mm", self.presliding_n_mm, 1e9),
+            ("following_error_mm", self.following_error_mm, 100.0),
+            ("thread_error_mm", self.thread_error_mm, 10.0),
+            ("in_position_mm", self.in_position_mm, 10.0),
+        ] {
+            range(&key(name), value, 1e-6, high)?;
+        }
+        range(&key("encoder_counts"), f64::from(self.encoder_counts), 16.0, 4e9)?;
+        range(&key("coulomb_n"), self.coulomb_n, 0.0, 1e6)?;
+        range(&key("viscous_n_s_mm"), self.viscous_n_s_mm, 0.0, 1e6)?;
+        range(&key("velocity_lead_s"), self.velocity_lead_s, -0.01, 0.01)?;
+        range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)
+    }
+}
+
+/// The path of a key, in the unit of the axis: `axis.x.travel_mm`, `axis.c.travel_deg`.
+pub(super) fn key(axis: Axis, name: &str) -> String {
+    let name = if axis.is_rotary() { name.replace("mm", "deg") } else { name.into() };
+    format!("axis.{}.{name}", axis.name())
+}

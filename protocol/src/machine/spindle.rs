@@ -1,0 +1,80 @@
+//! `[spindle]` and `[threading]` of the machine file: the spindle as the controller believes it to be, and how threads are
+//! laid out. Out: checked values, or the path of the key and the reason.
+
+use serde::{Deserialize, Serialize};
+
+use super::{MachineError, range};
+
+/// `[spindle]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleConfig {
+    /// Highest speed, 1/min.
+    pub max_rpm: f64,
+    /// Lines of the encoder (four counts each).
+    pub encoder_lines: u32,
+    /// Ramp of the drive, 1/min per s.
+    pub ramp_rpm_s: f64,
+    /// Bandwidth of the angle observer (M53), Hz.
+    pub observer_hz: f64,
+    /// Highest spindle override, per cent.
+    pub override_max_pct: f64,
+    /// Band around the commanded speed that counts as "at speed", per cent.
+    pub at_speed_pct: f64,
+}
+
+/// `[threading]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Threading {
+    /// Where the run-out ends.
+    pub run_out: RunOut,
+    /// Spindle override that run-ins are laid out for, per cent, ≥ 100.
+    pub design_override_pct: f64,
+    /// Share of the axis limits that a law may use at that override, per cent; the rest is for changes of the
+    /// spindle's speed (M8).
+    pub limit_share_pct: f64,
+    /// Half angle of the flank that a run-out must not touch, degrees: the smallest among the threads to cut.
+    pub flank_half_angle_deg: f64,
+}
+
+impl Default for Threading {
+    fn default() -> Self {
+        Threading {
+            run_out: RunOut::Within,
+            design_override_pct: 120.0,
+            limit_share_pct: 90.0,
+            flank_half_angle_deg: 14.5,
+        }
+    }
+}
+
+/// Where the run-out of a thread ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RunOut {
+    /// At the programmed end: nothing moves beyond it.
+    #[default]
+    Within,
+    /// Full depth to the programmed end, at rest after it.
+    Beyond,
+}
+
+impl SpindleConfig {
+    pub(super) fn check(&self) -> Result<(), MachineError> {
+        range("spindle.max_rpm", self.max_rpm, 1.0, 1e5)?;
+        range("spindle.encoder_lines", f64::from(self.encoder_lines), 25.0, 250_000.0)?;
+        range("spindle.ramp_rpm_s", self.ramp_rpm_s, 1.0, 1e6)?;
+        range("spindle.observer_hz", self.observer_hz, 1.0, 500.0)?;
+        range("spindle.override_max_pct", self.override_max_pct, 100.0, 200.0)?;
+        range("spindle.at_speed_pct", self.at_speed_pct, 0.5, 100.0)
+    }
+}
+
+impl Threading {
+    pub(super) fn check(&self) -> Result<(), MachineError> {
+        range("threading.design_override_pct", self.design_override_pct, 100.0, 200.0)?;
+        range("threading.limit_share_pct", self.limit_share_pct, 10.0, 100.0)?;
+        range("threading.flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0)
+    }
+}
