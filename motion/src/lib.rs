@@ -7,6 +7,7 @@
 //! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15 |
 //! | feed of one block, ramp – cruise – ramp | [`FeedBlock`] | M22–M27 |
 //! | line or arc as a function of its length, in the space of the axes | [`Path`] | M55–M58 |
+//! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
 //!
 //! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to `p`. For
@@ -17,6 +18,7 @@
 //! All types are plain `Copy` values. Nothing allocates, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
 
+mod blend;
 mod feed;
 mod limits;
 mod observer;
@@ -28,6 +30,7 @@ mod search;
 mod stroke;
 mod versine;
 
+pub use blend::Blend;
 pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
 pub use limits::Limits;
 pub use observer::{SpindleMotion, SpindleObserver};

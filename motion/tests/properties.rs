@@ -1,5 +1,7 @@
 //! Laws of motion under random parameters: limits kept, joints continuous, target reached, time reversible.
 
+#[path = "properties/blend.rs"]
+mod blend;
 #[path = "properties/draw.rs"]
 mod draw;
 #[path = "properties/feed.rs"]
