@@ -4,7 +4,7 @@ use std::{io::Write, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use interpreter::Language;
-use protocol::{Machine, shell::Clock};
+use protocol::{Machine, machine::Kinematics, shell::Clock};
 
 use crate::error::CliError;
 
@@ -63,11 +63,16 @@ pub(crate) enum Command {
     /// Print what a program means: canonical machining functions, one a line.
     #[command(after_help = crate::canon::HELP)]
     Canon(crate::canon::CanonArgs),
-    /// Print the built-in machine file: a start for your own.
+    /// Print a machine file: a start for your own.
     #[command(
-        after_help = "Example:\n  pitchlock machine > my-lathe.toml\n  pitchlock run part.ngc --machine my-lathe.toml"
+        after_help = "Examples:\n  pitchlock machine > my-lathe.toml\n  pitchlock run part.ngc --machine my-lathe.toml\n  \
+                      pitchlock machine --kinematics mill > my-mill.toml"
     )]
-    Machine,
+    Machine {
+        /// A lathe (the built-in machine), or a mill.
+        #[arg(long, value_enum, default_value_t)]
+        kinematics: Kinematics,
+    },
     /// Draw report.html of a run folder again.
     #[command(after_help = "Example:\n  pitchlock report runs/m20x2-1")]
     Report(ReportArgs),
@@ -152,6 +157,9 @@ pub(crate) struct RunArgs {
     /// What happens to the machine while it runs (TOML).
     #[arg(long, value_name = "FILE")]
     pub(crate) scenario: Option<PathBuf>,
+    /// Wait for cycle start after each block: the scenario presses it, or nobody for 1 s on the machine.
+    #[arg(long)]
+    pub(crate) single_block: bool,
     /// Seed of everything random about the plant [default: 1].
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,

@@ -32,8 +32,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Check(args) => check::check(args),
         Command::Compile(args) => check::compile(args),
         Command::Canon(args) => canon::canon(args, quiet),
-        Command::Machine => {
-            cli::print(protocol::machine::SMALL_LATHE);
+        Command::Machine { kinematics } => {
+            cli::print(kinematics.example());
             Ok(ExitCode::SUCCESS)
         }
         Command::Report(args) => {

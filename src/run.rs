@@ -70,12 +70,21 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     Ok(if summary.outcome == Outcome::Faulted { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
+/// What `--single-block` adds to the scenario.
+const SINGLE_BLOCK: &str = "[[event]]\nat = { cycle = 0 }\nsingle_block = true\n";
+
 fn read_scenario(args: &RunArgs) -> Result<(sim_plant::Scenario, Option<String>), CliError> {
-    let Some(path) = &args.scenario else { return Ok((sim_plant::Scenario::none(), None)) };
-    let text = std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?;
-    let scenario = sim_plant::Scenario::from_toml(&text)
-        .map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
-    Ok((scenario, Some(text)))
+    let given = args.scenario.as_ref();
+    let text = given.map(|path| std::fs::read_to_string(path).map_err(|error| CliError::file(path, error)));
+    let mut text = text.transpose()?;
+    if args.single_block {
+        text = Some(text.map_or_else(String::new, |text| text + "\n") + SINGLE_BLOCK);
+    }
+    let scenario = sim_plant::Scenario::from_toml(text.as_deref().unwrap_or_default()).map_err(|error| {
+        let name = given.map_or("scenario".into(), |path| path.display().to_string());
+        CliError::Input(format!("{name}: {error}"))
+    })?;
+    Ok((scenario, text))
 }
 
 /// What a person wants to know first.

@@ -93,7 +93,7 @@ pub enum Dialect {
 }
 
 /// Kinematics of the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Kinematics {
     /// X across, Z along the spindle, and, where it exists, C about it.
@@ -127,11 +127,21 @@ impl Default for Machine {
     }
 }
 
-/// The built-in machine file, as `pitchlock machine` prints it.
+/// The built-in machine file.
 pub const SMALL_LATHE: &str = include_str!("../../examples/machines/small-lathe.toml");
 
-/// The built-in mill, as `pitchlock machine --kinematics mill` prints it.
+/// A mill to begin with.
 pub const SMALL_MILL: &str = include_str!("../../examples/machines/small-mill.toml");
+
+impl Kinematics {
+    /// A machine file of this kinematics, as `pitchlock machine` prints it.
+    pub fn example(self) -> &'static str {
+        match self {
+            Kinematics::Lathe => SMALL_LATHE,
+            Kinematics::Mill => SMALL_MILL,
+        }
+    }
+}
 
 impl Machine {
     /// Reads and checks a machine file.

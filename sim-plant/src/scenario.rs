@@ -14,12 +14,14 @@
 //! |---|---|
 //! | `spindle_override_pct`, `feed_override_pct` | 0 to 200; with `ramp_s` the knob is turned evenly over that time |
 //! | `rapid_override_pct` | 0 to 100; the same |
-//! | `feed_hold`, `cycle_start`, `stop` | `true`; a button is pressed, `cycle_start` releases the hold and ends a pause |
+//! | `feed_hold`, `cycle_start`, `stop`, `abort` | `true`; a button is pressed, `cycle_start` releases the hold and ends a pause |
+//! | `single_block` | `true`, `false`; the switch is turned on or off |
 //! | `spindle_load` | `{ torque_nm, for_s }`: holds the spindle back; or `{ nm_per_rpm, for_s }`: so much for each 1/min at that moment |
 //! | `axial_force_n`, `radial_force_n` | N on the slide of Z, X, positive along the axis; or `{ force_n, for_s }` |
 //!
 //! A load or force without `for_s` stays. It comes on and goes within `plant.cutting.rise_s` of the machine file.
 
+use protocol::operator::Request;
 use serde::Deserialize;
 
 /// What a scenario that cannot be played has wrong.
@@ -70,9 +72,8 @@ pub(crate) enum Action {
         pct: f64,
         ramp_s: f64,
     },
-    FeedHold,
-    CycleStart,
-    Stop,
+    /// A button or a switch.
+    Press(Request),
     Burden {
         burden: Burden,
         amount: f64,
@@ -150,6 +151,8 @@ struct RawEvent {
     feed_hold: Option<bool>,
     cycle_start: Option<bool>,
     stop: Option<bool>,
+    abort: Option<bool>,
+    single_block: Option<bool>,
     spindle_load: Option<RawLoad>,
     axial_force_n: Option<RawForce>,
     radial_force_n: Option<RawForce>,
@@ -302,13 +305,14 @@ impl RawEvent {
                 actions.push(Action::Turn { knob, pct, ramp_s: 0.0 });
             }
         }
-        for (key, given, action) in [
-            ("feed_hold", self.feed_hold, Action::FeedHold),
-            ("cycle_start", self.cycle_start, Action::CycleStart),
-            ("stop", self.stop, Action::Stop),
+        for (key, given, request) in [
+            ("feed_hold", self.feed_hold, Request::FeedHold),
+            ("cycle_start", self.cycle_start, Request::CycleStart),
+            ("stop", self.stop, Request::Stop),
+            ("abort", self.abort, Request::Abort),
         ] {
             match given {
-                Some(true) => actions.push(action),
+                Some(true) => actions.push(Action::Press(request)),
                 Some(false) => {
                     return Err(format!(
                         "{key}: a button can only be pressed, write true; cycle_start releases a hold"
@@ -317,6 +321,7 @@ impl RawEvent {
                 None => {}
             }
         }
+        actions.extend(self.single_block.map(|on| Action::Press(Request::SingleBlock(on))));
         if let Some(load) = self.spindle_load {
             actions.push(load.check()?);
         }

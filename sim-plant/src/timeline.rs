@@ -145,7 +145,7 @@ impl Timeline {
     /// Whether the scenario still ends a pause by the clock; its other moments do not come while the program waits.
     fn somebody_will_come(&self) -> bool {
         let ends = |event: &Event| {
-            matches!(event.action, Action::CycleStart | Action::Stop)
+            matches!(event.action, Action::Press(Request::CycleStart | Request::Stop | Request::Abort))
                 && matches!(event.trigger, Trigger::Time { .. } | Trigger::Cycle { .. })
         };
         self.events.iter().zip(&self.due).any(|(event, due)| *due && ends(event))
@@ -186,9 +186,7 @@ impl Timeline {
     fn act(&mut self, action: Action, moment: &Moment) {
         match action {
             Action::Turn { knob, pct, ramp_s } => self.knobs[knob as usize].go(pct, ramp_s / self.cycle_s),
-            Action::FeedHold => self.operate(Request::FeedHold),
-            Action::CycleStart => self.operate(Request::CycleStart),
-            Action::Stop => self.operate(Request::Stop),
+            Action::Press(request) => self.operate(request),
             Action::Burden { burden, amount, for_s } => self.burden(burden, amount, for_s, moment.cycle),
             Action::LoadBySpeed { nm_per_rpm, for_s } => {
                 let amount = nm_per_rpm * moment.spindle_rpm.abs();

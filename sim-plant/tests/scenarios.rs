@@ -100,12 +100,16 @@ fn a_knob_is_turned_evenly() {
 fn buttons_press_and_release() {
     let mut stand = Stand::playing(
         "[[event]]\nat = { cycle = 10 }\nfeed_hold = true\n[[event]]\nat = { cycle = 20 }\ncycle_start = true\n\
-         [[event]]\nat = { cycle = 30 }\nstop = true",
+         [[event]]\nat = { cycle = 30 }\nstop = true\n[[event]]\nat = { cycle = 40 }\nsingle_block = true\n\
+         [[event]]\nat = { cycle = 50 }\nabort = true\n[[event]]\nat = { cycle = 60 }\nsingle_block = false",
     );
     let buttons = |stand: &mut Stand| stand.run(10).plant.measurement().panel.buttons;
     assert_eq!(buttons(&mut stand), Panel::FEED_HOLD);
     assert_eq!(buttons(&mut stand), 0);
     assert_eq!(buttons(&mut stand), Panel::STOP);
+    assert_eq!(buttons(&mut stand), Panel::STOP | Panel::SINGLE_BLOCK);
+    assert_eq!(buttons(&mut stand), Panel::STOP | Panel::SINGLE_BLOCK | Panel::ABORT);
+    assert_eq!(buttons(&mut stand), Panel::STOP | Panel::ABORT);
     let mut plant = Plant::new(&Default::default(), Scenario::none(), 1).unwrap();
     plant.tick(&Default::default(), &Default::default(), Some(Request::Stop));
     assert!(plant.measurement().panel.pressed(Panel::STOP));
