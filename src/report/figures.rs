@@ -8,23 +8,23 @@ use super::curves::{Curves, moving_deg, thread_deg};
 use super::envelope::Envelope;
 
 /// One picture and its words.
-pub(super) struct Figure {
-    pub(super) title: String,
+pub(crate) struct Figure {
+    pub(crate) title: String,
     /// What is drawn, what is good, what would be wrong.
-    pub(super) caption: String,
+    pub(crate) caption: String,
     /// For a reader who does not see it.
-    pub(super) alt: String,
+    pub(crate) alt: String,
     /// Traces and layout.
-    pub(super) plot: Value,
+    pub(crate) plot: Value,
     /// Height over width, on a wide page.
-    pub(super) aspect: f64,
+    pub(crate) aspect: f64,
 }
 
 /// Colours that differ for every kind of colour vision and in grey (Okabe and Ito).
-pub(super) const BLUE: &str = "#0072b2";
-pub(super) const ORANGE: &str = "#d55e00";
-pub(super) const GREEN: &str = "#009e73";
-pub(super) const GREY: &str = "#8a9099";
+pub(crate) const BLUE: &str = "#0072b2";
+pub(crate) const ORANGE: &str = "#d55e00";
+pub(crate) const GREEN: &str = "#009e73";
+pub(crate) const GREY: &str = "#8a9099";
 
 /// Passes beyond this number are told apart by pointing at them, not by a legend.
 const LEGEND_PASSES: usize = 8;
@@ -53,7 +53,7 @@ fn short(value: f64) -> f64 {
 }
 
 /// A line through points.
-pub(super) fn line(points: &[(f64, f64)], name: &str, color: &str, axes: (&str, &str)) -> Value {
+pub(crate) fn line(points: &[(f64, f64)], name: &str, color: &str, axes: (&str, &str)) -> Value {
     let x: Vec<f64> = points.iter().map(|point| short(point.0)).collect();
     let y: Vec<f64> = points.iter().map(|point| short(point.1)).collect();
     json!({ "type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "xaxis": axes.0, "yaxis": axes.1,
@@ -66,7 +66,7 @@ pub(super) fn curve(envelope: &Envelope, name: &str, color: &str, axes: (&str, &
 }
 
 /// An axis of a plot with its title.
-pub(super) fn axis(title: &str) -> Value {
+pub(crate) fn axis(title: &str) -> Value {
     json!({ "title": { "text": title } })
 }
 

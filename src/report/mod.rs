@@ -3,9 +3,9 @@
 
 mod curves;
 mod envelope;
-mod figures;
+pub(crate) mod figures;
 mod figures_pass;
-mod page;
+pub(crate) mod page;
 #[cfg(test)]
 mod tests;
 mod verdict;

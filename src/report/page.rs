@@ -16,26 +16,31 @@ const PROGRAM_LINES: usize = 400;
 /// The whole page.
 pub(super) fn html(run: &Run) -> String {
     let summary = &run.summary;
+    let content = html! {
+        (head(summary))
+        @if let Some(note) = &run.trace_note { p.note { (note) } }
+        @if !summary.passes.is_empty() { (passes(summary)) }
+        (pictures(&run.figures))
+        (details(summary))
+        @if let Some(program) = &run.program { (listing(program)) }
+    };
+    document(&summary.program, &content, !run.figures.is_empty())
+}
+
+/// A page with its style, and with the script that draws if there is something to draw.
+pub(crate) fn document(title: &str, content: &Markup, draws: bool) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "pitchlock: " (summary.program) }
+                title { "pitchlock: " (title) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                main {
-                    (head(summary))
-                    @if let Some(note) = &run.trace_note { p.note { (note) } }
-                    @if !summary.passes.is_empty() { (passes(summary)) }
-                    @if !run.figures.is_empty() { noscript { p.note { "The pictures need JavaScript." } } }
-                    @for (number, figure) in run.figures.iter().enumerate() { (picture(number + 1, figure)) }
-                    (details(summary))
-                    @if let Some(program) = &run.program { (listing(program)) }
-                }
-                @if !run.figures.is_empty() {
+                main { (content) }
+                @if draws {
                     (PreEscaped(plotting_script()))
                     script { (PreEscaped(SCRIPT)) }
                 }
@@ -136,6 +141,14 @@ fn passes(summary: &Summary) -> Markup {
                 "measured. A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
             }
         }
+    }
+}
+
+/// Every figure with its number and its words.
+pub(crate) fn pictures(figures: &[Figure]) -> Markup {
+    html! {
+        @if !figures.is_empty() { noscript { p.note { "The pictures need JavaScript." } } }
+        @for (number, figure) in figures.iter().enumerate() { (picture(number + 1, figure)) }
     }
 }
 
