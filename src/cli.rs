@@ -76,6 +76,9 @@ pub(crate) enum Command {
     /// Draw report.html of a run folder again.
     #[command(after_help = "Example:\n  pitchlock report runs/m20x2-1")]
     Report(ReportArgs),
+    /// Make a published experiment again: table, JSON, pictures.
+    #[command(after_help = crate::experiment::HELP)]
+    Experiment(crate::experiment::ExperimentArgs),
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(DoctorArgs),

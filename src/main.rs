@@ -6,6 +6,7 @@ mod cli;
 mod diagnostics;
 mod doctor;
 mod error;
+mod experiment;
 mod program;
 mod report;
 mod run;
@@ -41,6 +42,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             cli::print(&format!("{}\n", path.display()));
             Ok(ExitCode::SUCCESS)
         }
+        Command::Experiment(args) => experiment::experiment(args),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(interpreter::shell::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => Ok(interpolator::shell::run(args).map(|()| ExitCode::SUCCESS)?),

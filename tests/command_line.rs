@@ -127,7 +127,7 @@ fn the_help_of_every_command_teaches() {
     let place = Place::new();
     let general = accepts(&place, &["--help"]).stdout;
     assert!(general.contains("pitchlock run examples/m20x2.ngc"), "{general}");
-    for command in ["run", "check", "compile", "canon", "machine", "report", "doctor"] {
+    for command in ["run", "check", "compile", "canon", "machine", "report", "experiment", "doctor"] {
         let help = accepts(&place, &[command, "--help"]).stdout;
         let example = format!("  pitchlock {command}");
         assert!(help.lines().any(|line| line.starts_with(&example)), "{command} has no example: {help}");

@@ -1,0 +1,89 @@
+//! `pitchlock experiment`: one document, one page that needs nothing else, the table that its documentation shows, and
+//! refusals with a remedy.
+
+mod shop;
+
+use std::fs;
+
+use serde_json::Value;
+use shop::{Place, project};
+
+const NAMES: [&str; 1] = ["feed"];
+
+#[test]
+fn json_is_one_document_with_the_rows() {
+    let place = Place::new();
+    for name in NAMES {
+        let answer = place.ask(&["experiment", name, "--json", "--seed", "7", "--out", "made"]);
+        assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+        let document: Value = serde_json::from_str(&answer.stdout).expect("one document and nothing else");
+        assert_eq!(document["experiment"], name);
+        assert_eq!((&document["version"], &document["seed"]), (&1.into(), &7.into()));
+        assert!(document["rows"].as_array().is_some_and(|rows| !rows.is_empty()));
+        assert_eq!(fs::read_to_string(place.at("made/rows.json")).expect("it is written"), answer.stdout);
+        assert!(!place.at("experiments").exists(), "--out says where");
+    }
+}
+
+#[test]
+fn a_row_of_feed_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "feed", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    let keys = "f0 f f_end length_m a_max j_max dj_max j_p t1 t2 t_p peak_feed total_time_s";
+    for row in rows {
+        assert!(keys.split(' ').all(|key| row[key].is_f64()), "{row}");
+    }
+    let examples: Vec<_> = rows.iter().filter_map(|row| row["example"].as_u64()).collect();
+    assert_eq!(examples, [1, 2, 3]);
+}
+
+#[test]
+fn the_page_has_everything_in_it() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "feed"]);
+    assert!(answer.stdout.ends_with("report  experiments/feed/report.html\n"), "{}", answer.stdout);
+    let page = fs::read_to_string(place.at("experiments/feed/report.html")).expect("it is written");
+    assert_eq!(page.matches("<figure>").count(), 4);
+    for needed in
+        ["What was done", "What it means", "How to repeat it", "Plotly.react", "dj/dt (m/s⁴)", "aria-label"]
+    {
+        assert!(page.contains(needed), "{needed} is missing");
+    }
+    let before_the_library = page.split("</main>").next().unwrap_or_default();
+    for foreign in ["http://", "https://", "<link", " src="] {
+        assert!(!before_the_library.contains(foreign), "{foreign} in the page");
+    }
+}
+
+/// The block below the command in `docs/experiments.md` is what the command prints.
+#[test]
+fn the_documentation_shows_what_is_printed() {
+    let place = Place::new();
+    let page = fs::read_to_string(project().join("docs/experiments.md")).expect("it is there");
+    for name in NAMES {
+        let answer = place.ask(&["experiment", name]);
+        let shown = format!("```text\n$ pitchlock experiment {name}\n{}```\n", answer.stdout);
+        assert!(page.contains(&shown), "docs/experiments.md should have:\n{shown}");
+    }
+}
+
+#[test]
+fn what_cannot_be_done_is_refused() {
+    let place = Place::new();
+    place.write("file", "in the way");
+    let cases: [(&[&str], &[&str]); 5] = [
+        (&["experiment"], &["<NAME>", "--help"]),
+        (&["experiment", "frobnicate"], &["frobnicate", "feed"]),
+        (&["experiment", "feed", "--seed", "-1"], &["-1"]),
+        (&["experiment", "feed", "--seed", "many"], &["many", "--seed"]),
+        (&["experiment", "feed", "--out", "file/below"], &["file/below"]),
+    ];
+    for (arguments, words) in cases {
+        let answer = place.ask(arguments);
+        assert_eq!(answer.status, Some(2), "{arguments:?}: {}", answer.stderr);
+        assert!(words.iter().all(|word| answer.stderr.contains(word)), "{arguments:?}: {}", answer.stderr);
+        assert!(answer.stdout.is_empty() && !answer.stderr.contains("panicked"), "{arguments:?}");
+    }
+}
