@@ -5,7 +5,9 @@ mod shop;
 
 use std::path::PathBuf;
 
-use protocol::{Arc, Code, Feed, Item, Machine, PerAxis, Position, SpindleMode, code_file::CodeFile};
+use protocol::{
+    Arc, Code, Feed, Item, Machine, PerAxis, Plane, Position, SpindleMode, SpindleSpeed, code_file::CodeFile,
+};
 use rig::observe::Outcome;
 use shop::Place;
 
@@ -19,12 +21,13 @@ fn point(x: f64, z: f64) -> PerAxis<Position> {
 fn program(place: &Place) -> PathBuf {
     let feed = Feed::PerRevolution(0.2);
     let corner = Arc {
+        plane: Plane::Zx,
         target: point(20.0, -2.0),
-        center: [Position::from_mm(18.0), Position::from_mm(-2.0)],
+        center: [Position::from_mm(-2.0), Position::from_mm(18.0)],
         turns: 1,
     };
     let codes = [
-        Code::Spindle { mode: SpindleMode::Clockwise, rpm: 600.0 },
+        Code::Spindle { mode: SpindleMode::Clockwise, speed: SpindleSpeed::Rpm(600.0) },
         Code::Coolant { mist: false, flood: true },
         Code::Line { target: point(10.0, 0.0), feed: Feed::Rapid },
         Code::Line { target: point(18.0, 0.0), feed },

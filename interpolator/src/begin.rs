@@ -68,7 +68,8 @@ impl Interpolator {
                     self.next = None;
                     return resting;
                 }
-                Code::Spindle { mode, rpm } => self.spindle.program(mode, rpm),
+                Code::PathMode(_) => {} // until the look-ahead takes it: every move ends at rest
+                Code::Spindle { mode, speed } => self.spindle.program(mode, speed),
                 Code::Tool { .. } => {}
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
                 Code::Pause => {

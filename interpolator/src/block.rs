@@ -5,7 +5,7 @@
 //! cycle so that it ends on a setpoint.
 
 use motion::{FeedBlock, Limits, Path, Sample};
-use protocol::{Arc, Cycle, Machine, PerAxis, Position, Refused, Setpoint, units::AXES};
+use protocol::{Arc, Axis, Cycle, Machine, PerAxis, Position, Refused, Setpoint, units::AXES};
 
 use crate::pace::{PLAN_SHARE, Pace, Step};
 
@@ -41,7 +41,7 @@ impl Block {
         for (axis, _) in machine.axes() {
             displacement[axis.index()] = to[axis.index()].mm_from(from[axis.index()]);
         }
-        Path::line(displacement).map(|path| Block::plan(machine, from, to, path, feed, ratio))
+        Path::line(displacement, &Axis::METRIC).map(|path| Block::plan(machine, from, to, path, feed, ratio))
     }
 
     /// Plans a move along an arc; the rest as [`Block::line`].

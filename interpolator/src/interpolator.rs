@@ -3,7 +3,7 @@
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisState, AxisStatus, Code, CodePacket, Cycle, DriveState, Fault, Feed,
     Item, Machine, MachineStatus, Measurement, Panel, PerAxis, Position, Refused, Setpoint, SpindleCommand,
-    SpindleMode, StatusWord, ThreadPass, frame::SETPOINT_LEAD, units::AXES,
+    SpindleMode, SpindleSpeed, StatusWord, ThreadPass, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
@@ -139,6 +139,7 @@ impl Interpolator {
             self.enter_fault(fault);
         }
         let (setpoints, command) = self.work(input, cycle);
+        self.spindle.at_x(self.here[Axis::X.index()]);
         if self.task.public() != before {
             self.waited = 0;
         }
@@ -317,7 +318,7 @@ impl Interpolator {
 
     /// Spindle and coolant; nothing more begins.
     fn switch_off(&mut self) {
-        self.spindle.program(SpindleMode::Stop, 0.0);
+        self.spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
         self.coolant = 0;
         self.next = None;
     }

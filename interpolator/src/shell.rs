@@ -1,8 +1,7 @@
 //! The process of the interpolator: receive, tick, send.
 
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, Measurement, PerAxis,
-    code::Credit,
+    Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Measurement, PerAxis,
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
     shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
     units::AXES,

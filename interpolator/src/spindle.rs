@@ -1,9 +1,16 @@
 //! The spindle as the interpolator commands and watches it: programmed speed, override, ceiling, at speed.
+//! In: direction and speed, the commanded X of every tick, measurements. Out: speeds in 1/min, signed: positive clockwise
+//! (M3).
 //!
-//! Speeds in 1/min, signed: positive clockwise (M3).
+//! At constant surface speed (G96) the speed follows the commanded X. Meanwhile the measured one lags; the band that
+//! counts as "at speed" is wider by n′/2πf then, with f the bandwidth of the watch and n′ the rate of the commanded
+//! speed, no more of it than the drive's ramp. A speed that has run away from the ramp, as after a rapid towards the
+//! axis, is not at speed before it has come there.
+
+use std::f64::consts::TAU;
 
 use motion::SpindleObserver;
-use protocol::{Machine, Measurement, SpindleMode};
+use protocol::{Machine, Measurement, Position, SpindleMode, SpindleSpeed};
 
 /// Bandwidth of the observer that watches the speed, Hz: slow, because it only judges.
 const WATCH_HZ: f64 = 5.0;
@@ -16,8 +23,16 @@ const STANDSTILL_RPM: f64 = 1.0;
 pub struct Spindle {
     observer: SpindleObserver,
     rpm_per_count_s: f64,
+    tick_s: f64,
+    ramp_rpm_s: f64,
     mode: SpindleMode,
+    speed: SpindleSpeed,
+    /// Commanded X.
+    x: Position,
+    /// Programmed speed at X, 1/min, ≥ 0.
     programmed: f64,
+    /// How fast X changes it, 1/min per s.
+    rate: f64,
     override_pct: f64,
     override_max_pct: f64,
     at_speed_share: f64,
@@ -32,8 +47,13 @@ impl Spindle {
         Spindle {
             observer: SpindleObserver::new(WATCH_HZ, machine.machine.interpolator_cycle_s),
             rpm_per_count_s: 60.0 / machine.spindle_counts(),
+            tick_s: machine.machine.interpolator_cycle_s,
+            ramp_rpm_s: machine.spindle.ramp_rpm_s,
             mode: SpindleMode::Stop,
+            speed: SpindleSpeed::Rpm(0.0),
+            x: Position(0),
             programmed: 0.0,
+            rate: 0.0,
             override_pct: 100.0,
             override_max_pct: machine.spindle.override_max_pct,
             at_speed_share: machine.spindle.at_speed_pct / 100.0,
@@ -67,9 +87,16 @@ impl Spindle {
     }
 
     /// Programs direction and speed.
-    pub fn program(&mut self, mode: SpindleMode, rpm: f64) {
-        self.mode = mode;
-        self.programmed = rpm;
+    pub fn program(&mut self, mode: SpindleMode, speed: SpindleSpeed) {
+        (self.mode, self.speed) = (mode, speed);
+        (self.programmed, self.rate) = (speed.rpm(self.x), 0.0);
+    }
+
+    /// Takes the commanded X, once per tick: the speed follows it under G96.
+    pub fn at_x(&mut self, x: Position) {
+        let before = self.programmed;
+        (self.x, self.programmed) = (x, self.speed.rpm(x));
+        self.rate = (self.programmed - before) / self.tick_s;
     }
 
     /// Speed for the drive.
@@ -95,7 +122,8 @@ impl Spindle {
             return false;
         }
         let band = (self.at_speed_share * commanded.abs()).max(STANDSTILL_RPM);
-        (self.observed() - commanded).abs() <= band
+        let rate = (self.rate * self.override_pct / 100.0).abs().min(self.ramp_rpm_s);
+        (self.observed() - commanded).abs() <= band + rate / (TAU * WATCH_HZ)
     }
 
     /// Whether it shall turn, and the override holds it at 0.
@@ -121,5 +149,93 @@ impl Spindle {
     /// How often a request was clamped.
     pub fn clamped(&self) -> u32 {
         self.clamped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use protocol::{Panel, PerAxis};
+
+    use super::*;
+
+    /// 100 m/min about X 2 mm, at most 1200 1/min.
+    fn surface() -> SpindleSpeed {
+        let axis_mm = Position::from_mm(2.0);
+        SpindleSpeed::Surface { mm_s: 100_000.0 / 60.0, max_rpm: 1200.0, axis_mm }
+    }
+
+    fn spindle() -> Spindle {
+        Spindle::new(&Machine::default())
+    }
+
+    /// Lets the measured speed go from `from` to `to` (1/min) within some ticks; X goes with `x`, told the tick.
+    fn turn(spindle: &mut Spindle, count: &mut f64, ticks: u32, rpm: impl Fn(u32) -> f64) {
+        for tick in 0..ticks {
+            *count += rpm(tick) / spindle.rpm_per_count_s * spindle.tick_s;
+            let panel = Panel { spindle_override_pct: 100.0, ..Panel::default() };
+            let axes = PerAxis::default();
+            let spindle_count = *count as i64;
+            spindle.update(&Measurement { spindle_count, panel, axes, ..Measurement::default() });
+        }
+    }
+
+    fn x_for(rpm: f64) -> Position {
+        Position::from_mm(2.0 + 100_000.0 / (TAU * rpm))
+    }
+
+    #[test]
+    fn surface_speed_follows_x_up_to_the_highest() {
+        let mut spindle = spindle();
+        spindle.program(SpindleMode::Counterclockwise, surface());
+        for (x, rpm) in [(x_for(300.0), -300.0), (x_for(900.0), -900.0), (Position::from_mm(2.0), -1200.0)] {
+            spindle.at_x(x);
+            assert!((spindle.commanded() - rpm).abs() < 1e-6, "{}", spindle.commanded());
+        }
+        let beyond = 2.0 * 2.0 - x_for(300.0).mm();
+        spindle.at_x(Position::from_mm(beyond));
+        assert!((spindle.commanded() + 300.0).abs() < 1e-6, "behind the axis it is the same");
+        spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(500.0));
+        spindle.at_x(x_for(900.0));
+        assert_eq!(spindle.commanded(), 500.0);
+        let still = SpindleSpeed::Surface { mm_s: 0.0, max_rpm: 1200.0, axis_mm: Position(0) };
+        spindle.program(SpindleMode::Clockwise, still);
+        spindle.at_x(Position(0));
+        assert_eq!(spindle.commanded(), 0.0);
+    }
+
+    #[test]
+    fn at_speed_is_judged_against_the_speed_of_now() {
+        let (mut spindle, mut count) = (spindle(), 0.0);
+        spindle.program(SpindleMode::Clockwise, surface());
+        spindle.at_x(x_for(400.0));
+        assert!(!spindle.at_speed(), "it still stands");
+        turn(&mut spindle, &mut count, 1000, |_| 400.0);
+        assert!(spindle.at_speed());
+        // A step of X, as after a rapid: the next tick commands a speed that the spindle does not have.
+        for _ in 0..2 {
+            spindle.at_x(x_for(800.0));
+        }
+        assert!(!spindle.at_speed());
+        turn(&mut spindle, &mut count, 1000, |_| 800.0);
+        assert!(spindle.at_speed());
+    }
+
+    #[test]
+    fn what_lags_behind_a_facing_cut_is_at_speed() {
+        let (mut spindle, mut count) = (spindle(), 0.0);
+        let (rate, lag_s) = (300.0, 0.02); // 1/min per s; the measured speed comes 20 ms late
+        spindle.program(SpindleMode::Clockwise, surface());
+        spindle.at_x(x_for(400.0));
+        turn(&mut spindle, &mut count, 1000, |_| 400.0);
+        let mut without = 0;
+        for tick in 1..500 {
+            let at = |t: f64| 400.0 + rate * t.max(0.0);
+            let t = f64::from(tick) * spindle.tick_s;
+            spindle.at_x(x_for(at(t)));
+            turn(&mut spindle, &mut count, 1, |_| at(t - lag_s));
+            assert!(spindle.at_speed(), "{} at {}", spindle.observed(), spindle.commanded());
+            without += u32::from((spindle.observed() - spindle.commanded()).abs() > STANDSTILL_RPM);
+        }
+        assert!(without > 0, "it does lag");
     }
 }

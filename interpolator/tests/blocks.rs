@@ -3,7 +3,7 @@
 
 use interpolator::{block::Block, pace::Step};
 use proptest::prelude::*;
-use protocol::{Arc, Cycle, Machine, PerAxis, Position, Setpoint, units::AXES};
+use protocol::{Arc, Cycle, Machine, PerAxis, Plane, Position, Setpoint, units::AXES};
 
 fn point(x: f64, z: f64) -> PerAxis<Position> {
     let mut point = [Position(0); AXES];
@@ -48,8 +48,8 @@ fn arcs() -> impl Strategy<Value = (PerAxis<Position>, Arc, f64)> {
     let angle = || 0.0..std::f64::consts::TAU;
     (0.05..20.0_f64, angle(), angle(), turns).prop_map(|(r, start, end, turns)| {
         let at = |angle: f64| point(60.0 + r * libm::sin(angle), r * libm::cos(angle));
-        let center = [Position::from_mm(60.0), Position(0)];
-        (at(start), Arc { target: at(end), center, turns }, r)
+        let center = [Position(0), Position::from_mm(60.0)];
+        (at(start), Arc { plane: Plane::Zx, target: at(end), center, turns }, r)
     })
 }
 
@@ -118,12 +118,12 @@ proptest! {
 #[test]
 fn an_arc_that_is_none_has_no_block() {
     let machine = Machine::default();
-    let arc = Arc { target: point(10.0, 0.0), center: [Position(0); 2], turns: 1 };
+    let arc = Arc { plane: Plane::Zx, target: point(10.0, 0.0), center: [Position(0); 2], turns: 1 };
     assert!(Block::arc(&machine, &point(0.0, 10.0), &arc, 10.0, 1.0).is_ok());
     assert!(Block::arc(&machine, &point(0.0, 11.0), &arc, 10.0, 1.0).is_err());
     assert!(Block::arc(&machine, &point(0.0, 10.0), &Arc { turns: 0, ..arc }, 10.0, 1.0).is_err());
     // The smallest circle there is still has a plan.
-    let smallest = Arc { target: point(1e-6, 0.0), center: [Position(0); 2], turns: 1 };
+    let smallest = Arc { plane: Plane::Zx, target: point(1e-6, 0.0), center: [Position(0); 2], turns: 1 };
     assert!(!Block::arc(&machine, &point(1e-6, 0.0), &smallest, f64::INFINITY, 1.0).unwrap().done());
 }
 

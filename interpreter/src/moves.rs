@@ -68,8 +68,9 @@ impl Translator {
         self.at_programmed_point()?;
         let feed = self.feed_of_move()?;
         let from = positions(self.rest);
-        let center = [Position::from_mm(center.x), Position::from_mm(center.z)];
-        let arc = protocol::Arc { target: positions(target), center, turns: arc.turns };
+        let center = [Position::from_mm(center.z), Position::from_mm(center.x)];
+        let plane = protocol::Plane::Zx;
+        let arc = protocol::Arc { plane, target: positions(target), center, turns: arc.turns };
         let [lowest, highest] = arc.bounds(&from).map_err(|refused| {
             let help = "check the end point and the centre (I, K) or the radius (R)";
             Problem::error("bad-arc", Blame::Block, format!("the arc cannot be made: {refused}"), help)

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use protocol::{
-    CodePacket, Item, Machine,
-    code::Credit,
+    CodePacket, Credit, Item, Machine,
     code_file::CodeFile,
     ipc::{Process, channel, time::Moment},
     shell::{ProcessArgs, START_S, ShellError, deliver, wait},

@@ -5,7 +5,7 @@
 //! lasts is up to the operator; it counts as nothing.
 
 use motion::{FeedBlock, Path};
-use protocol::{Code, Feed, Machine, PerAxis, Position, units::AXES};
+use protocol::{Axis, Code, Feed, Machine, PerAxis, Position, units::AXES};
 
 /// Adds up time.
 pub(crate) struct Clock<'m> {
@@ -34,8 +34,8 @@ impl<'m> Clock<'m> {
             Code::Line { target, feed } => self.travel(self.line(target), target, *feed),
             Code::Arc { arc, feed } => self.travel(arc.path(&self.at).ok(), &arc.target, *feed),
             Code::Dwell { seconds } => *seconds,
-            Code::Spindle { mode, rpm } => {
-                let rpm = mode.sign() * rpm;
+            Code::Spindle { mode, speed } => {
+                let rpm = mode.sign() * speed.rpm(self.at[0]);
                 let ramp = (rpm - self.rpm).abs() / self.machine.spindle.ramp_rpm_s;
                 self.rpm = rpm;
                 ramp
@@ -46,7 +46,11 @@ impl<'m> Clock<'m> {
                 }
                 (pass.done_deg() + 180.0) / (6.0 * pass.s_rpm)
             }
-            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => 0.0,
+            Code::PathMode(_)
+            | Code::Tool { .. }
+            | Code::Coolant { .. }
+            | Code::Pause
+            | Code::End => 0.0,
         };
     }
 
@@ -68,6 +72,6 @@ impl<'m> Clock<'m> {
         for (axis, _) in self.machine.axes() {
             displacement[axis.index()] = target[axis.index()].mm_from(self.at[axis.index()]);
         }
-        Path::line(displacement)
+        Path::line(displacement, &Axis::METRIC)
     }
 }

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use gcode::canon::{FeedMode, Plane, Turn};
 use gcode::problem::{Blame, short};
 use gcode::{Call, Place, Problem, Sink};
-use protocol::{Axis, Code, Item, Machine, SpindleMode};
+use protocol::{Axis, Code, Item, Machine, SpindleMode, SpindleSpeed};
 
 use crate::frame::Frame;
 use crate::thread::{Point, Starts};
@@ -115,7 +115,7 @@ impl Translator {
         let line = self.place.line;
         if self.spindle != SpindleMode::Stop {
             self.spindle = SpindleMode::Stop;
-            self.push(line, Code::Spindle { mode: SpindleMode::Stop, rpm: 0.0 });
+            self.push(line, Code::Spindle { mode: SpindleMode::Stop, speed: SpindleSpeed::Rpm(0.0) });
         }
         self.coolant(line, false, false);
         self.push(line, Code::End);
@@ -140,7 +140,7 @@ impl Translator {
         let (before, after) = (commanded(self.spindle, self.rpm), commanded(mode, rpm));
         (self.spindle, self.rpm) = (mode, rpm);
         if before != after {
-            self.push(place.line, Code::Spindle { mode: after.0, rpm: after.1 });
+            self.push(place.line, Code::Spindle { mode: after.0, speed: SpindleSpeed::Rpm(after.1) });
         }
     }
 

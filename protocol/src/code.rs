@@ -1,16 +1,16 @@
 //! Machine code: what the interpreter makes of a part program and the interpolator executes.
 //!
-//! [`Item`] is the value inside a module and in a `.mc` file; [`CodePacket`] is the same in shared memory.
-//! Targets are absolute machine positions (X a radius); feeds in mm/min or mm/rev, dwell in s.
+//! [`Item`] is the value inside a module and in a `.mc` file; [`CodePacket`](crate::CodePacket) is the same in shared
+//! memory.
+//! Targets are absolute machine positions (X of a lathe a radius; degrees for rotary axes); feeds in mm/min or mm/rev
+//! (degrees where only rotary axes move), dwell in s.
 //!
 //! What an item needs of the machine (travel, radii, feasibility) is checked where it begins: only there its start is
 //! known.
 
-use iceoryx2::prelude::ZeroCopySend;
 use serde::{Deserialize, Serialize};
-use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Arc, MachineStatus, PerAxis, Position, Refused, ThreadPass, finite};
+use crate::{Arc, PerAxis, Position, Refused, ThreadPass, finite};
 
 /// One instruction and the line of the part program it comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,15 +33,6 @@ pub enum Feed {
 }
 
 impl Feed {
-    /// Kind and value on the wire.
-    fn pack(self) -> (u32, f64) {
-        match self {
-            Feed::Rapid => (0, 0.0),
-            Feed::PerMinute(feed) => (1, feed),
-            Feed::PerRevolution(feed) => (2, feed),
-        }
-    }
-
     /// Refuses a feed that is not positive.
     fn check(self) -> Result<(), Refused> {
         match self {
@@ -73,25 +64,101 @@ impl SpindleMode {
     }
 }
 
+/// Speed of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SpindleSpeed {
+    /// 1/min, ≥ 0 (G97).
+    Rpm(f64),
+    /// Constant surface speed (G96): 60 v / 2πr, with r the distance of the commanded X from the axis of the spindle.
+    Surface {
+        /// Speed of the surface v, mm/s, ≥ 0.
+        mm_s: f64,
+        /// Highest speed of the spindle, 1/min, > 0: what it turns at near the axis.
+        max_rpm: f64,
+        /// Machine X at which the tool stands on the axis of the spindle: programmed X0 under the offsets in force.
+        axis_mm: Position,
+    },
+}
+
+impl SpindleSpeed {
+    /// Programmed speed with the axis X commanded to `x`, 1/min, ≥ 0.
+    pub fn rpm(self, x: Position) -> f64 {
+        match self {
+            SpindleSpeed::Rpm(rpm) => rpm,
+            SpindleSpeed::Surface { mm_s, .. } if mm_s == 0.0 => 0.0,
+            SpindleSpeed::Surface { mm_s, max_rpm, axis_mm } => {
+                let radius = x.mm_from(axis_mm).abs();
+                (60.0 * mm_s / (std::f64::consts::TAU * radius)).min(max_rpm)
+            }
+        }
+    }
+
+    fn check(self) -> Result<(), Refused> {
+        match self {
+            SpindleSpeed::Rpm(rpm) => not_negative(rpm, "spindle speed"),
+            SpindleSpeed::Surface { mm_s, max_rpm, .. } => {
+                not_negative(mm_s, "surface speed")?;
+                positive(max_rpm, "highest spindle speed")
+            }
+        }
+    }
+}
+
+/// What the path may do between two moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PathMode {
+    /// Every move ends at rest (G61.1).
+    ExactStop,
+    /// The path is followed exactly, without a stop where it has no corner (G61).
+    ExactPath,
+    /// Corners are rounded (G64).
+    Blend {
+        /// Farthest that the path may leave what is programmed, mm, 0 to [`PathMode::MOST_MM`].
+        tolerance_mm: f64,
+        /// Lines whose ends lie this near to one line are made one, mm, 0 to [`PathMode::MOST_MM`]; 0 makes those one
+        /// that are exactly in line.
+        merge_mm: f64,
+    },
+}
+
+impl PathMode {
+    /// Largest tolerance, mm.
+    pub const MOST_MM: f64 = 10.0;
+
+    fn check(self) -> Result<(), Refused> {
+        let PathMode::Blend { tolerance_mm, merge_mm } = self else { return Ok(()) };
+        for (mm, name) in [(tolerance_mm, "tolerance of the path"), (merge_mm, "tolerance of merging")] {
+            not_negative(mm, name)?;
+            if mm > PathMode::MOST_MM {
+                return Err(Refused::OutOfRange(name));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// One instruction of the machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
 pub enum Code {
-    /// Straight line to a point at which every axis stops.
+    /// Straight line to a point.
     Line {
         /// Absolute end point of every axis.
         target: PerAxis<Position>,
         /// How fast.
         feed: Feed,
     },
-    /// Arc in the plane of Z and X to a point at which every axis stops.
+    /// Arc or helix to a point.
     Arc {
         /// Where.
         arc: Arc,
         /// How fast; not [`Feed::Rapid`].
         feed: Feed,
     },
-    /// Wait, seconds.
+    /// What the path may do between the moves that follow. A program begins with [`PathMode::Blend`] within
+    /// `path.tolerance_mm` of the machine file, `merge_mm` 0.
+    PathMode(PathMode),
+    /// Wait at rest, seconds.
     Dwell {
         /// Duration, s, ≥ 0.
         seconds: f64,
@@ -100,8 +167,8 @@ pub enum Code {
     Spindle {
         /// Direction.
         mode: SpindleMode,
-        /// Programmed speed, 1/min, ≥ 0.
-        rpm: f64,
+        /// Programmed speed.
+        speed: SpindleSpeed,
     },
     /// A tool was selected.
     Tool {
@@ -123,142 +190,6 @@ pub enum Code {
     End,
 }
 
-/// An [`Item`] in shared memory. Fields that its kind does not use are zero.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/code-packet/2")]
-#[repr(C)]
-pub struct CodePacket {
-    /// Running number of the item in the program, from 0: the receiver refuses a gap.
-    pub sequence: u64,
-    /// Line of the part program.
-    pub line: u32,
-    /// Kind of item, see [`CodePacket::unpack`].
-    pub kind: u32,
-    /// Tool number, spindle mode, kind of feed, or sum of [`MachineStatus::MIST`] and [`MachineStatus::FLOOD`].
-    pub number: u32,
-    /// Turns of an arc.
-    pub turns: i32,
-    /// Feed, dwell, or spindle speed.
-    pub value: f64,
-    /// End point of a line or an arc.
-    pub target: PerAxis<Position>,
-    /// Centre of an arc: X, Z.
-    pub center: [Position; 2],
-    /// The pass.
-    pub pass: ThreadPass,
-}
-
-/// What the interpolator has taken out of the queue: room for as many more.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/credit/1")]
-#[repr(C)]
-pub struct Credit {
-    /// Items taken since the start of the program.
-    pub taken: u64,
-}
-
-impl Credit {
-    /// Nothing more is wanted: the program was stopped, or the machine has a fault.
-    pub const ENOUGH: Credit = Credit { taken: u64::MAX };
-}
-
-const LINE: u32 = 1;
-const DWELL: u32 = 2;
-const SPINDLE: u32 = 3;
-const TOOL: u32 = 4;
-const PASS: u32 = 5;
-const END: u32 = 6;
-const ARC: u32 = 7;
-const COOLANT: u32 = 8;
-const PAUSE: u32 = 9;
-
-impl CodePacket {
-    /// Puts an item on the wire.
-    pub fn pack(sequence: u64, item: &Item) -> CodePacket {
-        let mut packet = CodePacket { sequence, line: item.line, ..CodePacket::default() };
-        match item.code {
-            Code::Line { target, feed } => {
-                (packet.kind, packet.target) = (LINE, target);
-                (packet.number, packet.value) = feed.pack();
-            }
-            Code::Arc { arc: Arc { target, center, turns }, feed } => {
-                (packet.kind, packet.target, packet.center, packet.turns) = (ARC, target, center, turns);
-                (packet.number, packet.value) = feed.pack();
-            }
-            Code::Dwell { seconds } => (packet.kind, packet.value) = (DWELL, seconds),
-            Code::Spindle { mode, rpm } => {
-                (packet.kind, packet.number, packet.value) = (SPINDLE, mode as u32, rpm);
-            }
-            Code::Tool { number } => (packet.kind, packet.number) = (TOOL, number),
-            Code::Coolant { mist, flood } => {
-                let bits = MachineStatus::coolant(mist, flood);
-                (packet.kind, packet.number) = (COOLANT, u32::from(bits));
-            }
-            Code::Pause => packet.kind = PAUSE,
-            Code::Pass(pass) => (packet.kind, packet.pass) = (PASS, pass),
-            Code::End => packet.kind = END,
-        }
-        packet
-    }
-
-    /// Takes an item off the wire.
-    ///
-    /// # Errors
-    /// A gap in the sequence, an unknown code, or a value that no interpreter sends.
-    pub fn unpack(&self, expected_sequence: u64) -> Result<Item, Refused> {
-        if self.sequence != expected_sequence {
-            return Err(Refused::OutOfOrder("machine code", expected_sequence, self.sequence));
-        }
-        let item = Item { line: self.line, code: self.code()? };
-        item.check()?;
-        Ok(item)
-    }
-
-    fn code(&self) -> Result<Code, Refused> {
-        Ok(match self.kind {
-            LINE => Code::Line { target: self.target, feed: self.feed()? },
-            ARC => {
-                let arc = Arc { target: self.target, center: self.center, turns: self.turns };
-                Code::Arc { arc, feed: self.feed()? }
-            }
-            DWELL => Code::Dwell { seconds: self.value },
-            SPINDLE => {
-                let mode = match self.number {
-                    0 => SpindleMode::Stop,
-                    1 => SpindleMode::Clockwise,
-                    2 => SpindleMode::Counterclockwise,
-                    other => return Err(Refused::UnknownCode("spindle", other)),
-                };
-                Code::Spindle { mode, rpm: self.value }
-            }
-            TOOL => Code::Tool { number: self.number },
-            COOLANT => {
-                let is_on = |bit: u16| self.number & u32::from(bit) != 0;
-                let (mist, flood) = (is_on(MachineStatus::MIST), is_on(MachineStatus::FLOOD));
-                if self.number != u32::from(MachineStatus::coolant(mist, flood)) {
-                    return Err(Refused::UnknownCode("coolant", self.number));
-                }
-                Code::Coolant { mist, flood }
-            }
-            PAUSE => Code::Pause,
-            PASS => Code::Pass(self.pass),
-            END => Code::End,
-            other => return Err(Refused::UnknownCode("machine code", other)),
-        })
-    }
-
-    fn feed(&self) -> Result<Feed, Refused> {
-        Ok(match self.number {
-            0 => Feed::Rapid,
-            1 => Feed::PerMinute(self.value),
-            2 => Feed::PerRevolution(self.value),
-            other => return Err(Refused::UnknownCode("feed", other)),
-        })
-    }
-}
-
 impl Item {
     /// Whether it moves the axes by time: a line or an arc.
     pub fn is_move(&self) -> bool {
@@ -275,7 +206,8 @@ impl Item {
             Code::Arc { feed: Feed::Rapid, .. } => Err(Refused::OutOfRange("feed of an arc")),
             Code::Arc { arc, feed } => arc.check().and_then(|()| feed.check()),
             Code::Dwell { seconds } => not_negative(*seconds, "dwell"),
-            Code::Spindle { rpm, .. } => not_negative(*rpm, "spindle speed"),
+            Code::PathMode(mode) => mode.check(),
+            Code::Spindle { speed, .. } => speed.check(),
             Code::Pass(pass) => pass.check(),
             Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
         }

@@ -7,6 +7,7 @@
 pub mod arc;
 pub mod code;
 pub mod code_file;
+pub mod code_packet;
 pub mod drive;
 pub mod frame;
 pub mod ipc;
@@ -20,8 +21,9 @@ pub mod status;
 pub mod truth;
 pub mod units;
 
-pub use arc::Arc;
-pub use code::{Code, CodePacket, Credit, Feed, Item, SpindleMode};
+pub use arc::{Arc, Plane};
+pub use code::{Code, Feed, Item, PathMode, SpindleMode, SpindleSpeed};
+pub use code_packet::{CodePacket, Credit};
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};
 pub use machine::Machine;

@@ -77,6 +77,14 @@ impl Axis {
     /// Every axis in the order of the wire.
     pub const ALL: PerAxis<Axis> = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V];
 
+    /// Which axes make the length of a path, and so its feed: the linear ones. Where only rotary axes move, they do.
+    ///
+    /// ```
+    /// use protocol::Axis;
+    /// assert_eq!(Axis::METRIC, Axis::ALL.map(|axis| !axis.is_rotary()));
+    /// ```
+    pub const METRIC: PerAxis<bool> = [true, true, true, false, false, false, true, true];
+
     /// Index into [`PerAxis`].
     pub fn index(self) -> usize {
         self as usize

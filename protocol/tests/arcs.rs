@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;
-use protocol::{Arc, Axis, Machine, PerAxis, Position, Refused};
+use protocol::{Arc, Axis, Machine, PerAxis, Plane, Position, Refused};
 
 fn point(x: f64, z: f64) -> PerAxis<Position> {
     let mut point = [Position(0); 8];
@@ -11,7 +11,8 @@ fn point(x: f64, z: f64) -> PerAxis<Position> {
 }
 
 fn arc(x: f64, z: f64, center: [f64; 2], turns: i32) -> Arc {
-    Arc { target: point(x, z), center: center.map(Position::from_mm), turns }
+    let [x_center, z_center] = center.map(Position::from_mm);
+    Arc { plane: Plane::Zx, target: point(x, z), center: [z_center, x_center], turns }
 }
 
 /// X and Z of a corner, mm.
@@ -60,12 +61,12 @@ proptest! {
     #[test]
     fn rounding_does_no_harm(r in 0.01..500.0_f64, angle in 0.0..6.0_f64, way in 1e-3..6.0_f64, turns in 1..4) {
         let at = |angle: f64| point(r * libm::sin(angle), r * libm::cos(angle));
-        let Arc { center, .. } = arc(0.0, 0.0, [0.0, 0.0], 1);
-        let [low, high] = Arc { target: at(angle + way), center, turns }.bounds(&at(angle)).unwrap();
+        let arc = |to, turns| Arc { target: at(to), turns, ..arc(0.0, 0.0, [0.0, 0.0], 1) };
+        let [low, high] = arc(angle + way, turns).bounds(&at(angle)).unwrap();
         for corner in [low, high] {
             prop_assert!(xz(&corner).iter().all(|mm| mm.abs() <= r + 2e-9), "{corner:?} of {r}");
         }
-        let circle = Arc { target: at(angle), center, turns }.path(&at(angle)).unwrap();
+        let circle = arc(angle, turns).path(&at(angle)).unwrap();
         prop_assert!((circle.length() / (std::f64::consts::TAU * r * f64::from(turns)) - 1.0).abs() < 1e-6);
     }
 }

@@ -3,7 +3,8 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Arc, AxisLaw, Code, Feed, Item, Machine, Position, Refused, SpindleMode, ThreadPass,
+    Arc, AxisLaw, Code, Feed, Item, Machine, PathMode, Plane, Position, Refused, SpindleMode, SpindleSpeed,
+    ThreadPass,
     code_file::{CodeFile, CodeFileError},
 };
 
@@ -42,13 +43,26 @@ fn pass() -> ThreadPass {
 fn any_arc() -> impl Strategy<Value = Arc> {
     let mm = || (-1e3..1e3).prop_map(Position::from_mm);
     let turns = prop_oneof![1..100, -100..0];
-    (prop::array::uniform8(mm()), prop::array::uniform2(mm()), turns).prop_filter_map(
+    let plane = prop::sample::select(&Plane::ALL);
+    (plane, prop::array::uniform8(mm()), prop::array::uniform2(mm()), turns).prop_filter_map(
         "no radius",
-        |(target, center, turns)| {
-            let arc = Arc { target, center, turns };
+        |(plane, target, center, turns)| {
+            let arc = Arc { plane, target, center, turns };
             arc.check().is_ok().then_some(arc)
         },
     )
+}
+
+fn any_speed() -> impl Strategy<Value = SpindleSpeed> {
+    let surface = (0.0..1e4, 1e-3..1e5, any::<i64>())
+        .prop_map(|(mm_s, max_rpm, axis)| SpindleSpeed::Surface { mm_s, max_rpm, axis_mm: Position(axis) });
+    prop_oneof![(0.0..1e5).prop_map(SpindleSpeed::Rpm), surface]
+}
+
+fn any_path_mode() -> impl Strategy<Value = PathMode> {
+    let blend = (0.0..=10.0, 0.0..=10.0)
+        .prop_map(|(tolerance_mm, merge_mm)| PathMode::Blend { tolerance_mm, merge_mm });
+    prop_oneof![Just(PathMode::ExactStop), Just(PathMode::ExactPath), blend]
 }
 
 fn any_item() -> impl Strategy<Value = Item> {
@@ -68,7 +82,8 @@ fn any_item() -> impl Strategy<Value = Item> {
     let code = prop_oneof![
         (target, feed).prop_map(|(target, feed)| Code::Line { target, feed }),
         (0.0..1e4).prop_map(|seconds| Code::Dwell { seconds }),
-        (mode, 0.0..1e5).prop_map(|(mode, rpm)| Code::Spindle { mode, rpm }),
+        (mode, any_speed()).prop_map(|(mode, speed)| Code::Spindle { mode, speed }),
+        any_path_mode().prop_map(Code::PathMode),
         (any_arc(), feed_of_arc).prop_map(|(arc, feed)| Code::Arc { arc, feed }),
         any::<u32>().prop_map(|number| Code::Tool { number }),
         any::<(bool, bool)>().prop_map(|(mist, flood)| Code::Coolant { mist, flood }),
@@ -118,7 +133,7 @@ proptest! {
 }
 
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x02\0".to_vec();
+    let mut bytes = b"PLMC\x03\0".to_vec();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -134,7 +149,7 @@ fn each_kind_of_wrong_file_has_its_message() {
     let mut later = bytes.clone();
     later[4] = 7;
     let error = read(&later).unwrap_err();
-    assert_eq!(error.to_string(), "machine code of version 7, this is 2: compile the program again");
+    assert_eq!(error.to_string(), "machine code of version 7, this is 3: compile the program again");
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
     assert!(matches!(error, CodeFileError::Truncated { missing: 3 }), "{error}");
@@ -152,7 +167,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x02\0".to_vec();
+    let mut bytes = b"PLMC\x03\0".to_vec();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

@@ -23,8 +23,9 @@ macro_rules! layout {
     };
 }
 
-layout!(code_packet: CodePacket, 1136, Some("pitchlock/code-packet/2"), {
-    sequence: 0, line: 8, kind: 12, number: 16, turns: 20, value: 24, target: 32, center: 96, pass: 112,
+layout!(code_packet: CodePacket, 1152, Some("pitchlock/code-packet/3"), {
+    sequence: 0, line: 8, kind: 12, number: 16, turns: 20, plane: 24, reserved: 28, value: 32, bound: 40,
+    target: 48, center: 112, pass: 128,
 });
 layout!(credit: Credit, 8, Some("pitchlock/credit/1"), {
     taken: 0,

@@ -35,7 +35,8 @@ fn pass() -> ThreadPass {
 fn arc() -> Arc {
     let mut target = [Position(0); 8];
     (target[0], target[2]) = (Position::from_mm(5.0), Position::from_mm(-10.0));
-    Arc { target, center: [Position::from_mm(5.0), Position::from_mm(-20.0)], turns: -1 }
+    let center = [Position::from_mm(-20.0), Position::from_mm(5.0)];
+    Arc { plane: Plane::Zx, target, center, turns: -1 }
 }
 
 fn arm(law: AxisLaw) -> AxisCommand {
@@ -55,14 +56,19 @@ fn every_code_travels() {
         codes.push(Code::Line { target, feed });
     }
     for (feed, turns) in [(Feed::PerMinute(100.0), 1), (Feed::PerRevolution(0.1), -3)] {
-        codes.push(Code::Arc { arc: Arc { turns, ..arc() }, feed });
+        for plane in Plane::ALL {
+            codes.push(Code::Arc { arc: Arc { plane, turns, ..arc() }, feed });
+        }
     }
+    let blend = PathMode::Blend { tolerance_mm: 0.02, merge_mm: 0.01 };
+    codes.extend([PathMode::ExactStop, PathMode::ExactPath, blend].map(Code::PathMode));
     for (mist, flood) in [(false, false), (true, false), (false, true), (true, true)] {
         codes.push(Code::Coolant { mist, flood });
     }
     codes.push(Code::Pause);
     for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
-        codes.push(Code::Spindle { mode, rpm: 600.0 });
+        let surface = SpindleSpeed::Surface { mm_s: 2500.0, max_rpm: 1800.0, axis_mm: Position(-7) };
+        codes.extend([SpindleSpeed::Rpm(600.0), surface].map(|speed| Code::Spindle { mode, speed }));
     }
     for (sequence, code) in codes.into_iter().enumerate() {
         let (item, sequence) = (Item { line: 5, code }, sequence as u64);
@@ -83,8 +89,17 @@ fn machine_code_that_no_interpreter_sends_is_refused() {
     assert_eq!(unpack(line(Feed::PerMinute(0.0))), Refused::OutOfRange("feed"));
     assert_eq!(unpack(line(Feed::PerRevolution(-1.0))), Refused::OutOfRange("feed"));
     assert_eq!(unpack(Code::Dwell { seconds: f64::INFINITY }), Refused::NotFinite("dwell"));
-    let negative = Code::Spindle { mode: SpindleMode::Clockwise, rpm: -1.0 };
-    assert_eq!(unpack(negative), Refused::OutOfRange("spindle speed"));
+    let spindle = |speed| Code::Spindle { mode: SpindleMode::Clockwise, speed };
+    let surface = |mm_s, max_rpm| SpindleSpeed::Surface { mm_s, max_rpm, axis_mm: Position(0) };
+    assert_eq!(unpack(spindle(SpindleSpeed::Rpm(-1.0))), Refused::OutOfRange("spindle speed"));
+    assert_eq!(unpack(spindle(surface(-1.0, 100.0))), Refused::OutOfRange("surface speed"));
+    assert_eq!(unpack(spindle(surface(1.0, 0.0))), Refused::OutOfRange("highest spindle speed"));
+    assert_eq!(unpack(spindle(surface(1.0, f64::INFINITY))), Refused::NotFinite("highest spindle speed"));
+    let blend = |tolerance_mm, merge_mm| Code::PathMode(PathMode::Blend { tolerance_mm, merge_mm });
+    assert_eq!(unpack(blend(-1e-9, 0.0)), Refused::OutOfRange("tolerance of the path"));
+    assert_eq!(unpack(blend(10.1, 0.0)), Refused::OutOfRange("tolerance of the path"));
+    assert_eq!(unpack(blend(f64::NAN, 0.0)), Refused::NotFinite("tolerance of the path"));
+    assert_eq!(unpack(blend(0.0, 10.1)), Refused::OutOfRange("tolerance of merging"));
     assert_eq!(unpack(Code::Pass(ThreadPass::default())), Refused::OutOfRange("S"));
 
     let code = |kind, number| CodePacket { kind, number, ..CodePacket::default() }.unpack(0).unwrap_err();
@@ -92,6 +107,10 @@ fn machine_code_that_no_interpreter_sends_is_refused() {
     assert_eq!(code(1, 3), Refused::UnknownCode("feed", 3));
     assert_eq!(code(3, 9), Refused::UnknownCode("spindle", 9));
     assert_eq!(code(8, 4), Refused::UnknownCode("coolant", 4));
+    assert_eq!(code(10, 3), Refused::UnknownCode("spindle", 3));
+    assert_eq!(code(11, 3), Refused::UnknownCode("path mode", 3));
+    let plane = CodePacket { kind: 7, number: 1, value: 1.0, plane: 3, ..CodePacket::default() };
+    assert_eq!(plane.unpack(0), Err(Refused::UnknownCode("plane", 3)));
 }
 
 #[test]
@@ -106,7 +125,7 @@ fn arcs_that_no_interpreter_sends_are_refused() {
     assert_eq!(unpack(|_| (), Feed::PerRevolution(f64::NAN)), Refused::NotFinite("feed"));
     assert_eq!(unpack(|arc| arc.turns = 0, feed), Refused::OutOfRange("turns of an arc"));
     assert_eq!(unpack(|arc| arc.turns = i32::MIN, feed), Refused::OutOfRange("turns of an arc"));
-    let at_center = |arc: &mut Arc| (arc.target[0], arc.target[2]) = (arc.center[0], arc.center[1]);
+    let at_center = |arc: &mut Arc| (arc.target[2], arc.target[0]) = (arc.center[0], arc.center[1]);
     assert_eq!(unpack(at_center, feed), Refused::OutOfRange("radius of an arc"));
     let far = |arc: &mut Arc| arc.center = [Position(i64::MAX); 2];
     assert_eq!(unpack(far, feed), Refused::OutOfRange("radius of an arc"));
@@ -260,10 +279,10 @@ proptest! {
     fn any_bytes_are_some_packet_and_never_a_panic(
         code in prop::collection::vec(any::<u8>(), size_of::<CodePacket>()),
         frame in prop::collection::vec(any::<u8>(), size_of::<AxisFrame>()),
-        kind in 0u32..11, number in 0u32..5,
+        kind in 0u32..13, number in 0u32..5, plane in 0u32..4,
     ) {
         let code = CodePacket::read_from_bytes(&code).unwrap();
-        let code = CodePacket { kind, number, ..code };
+        let code = CodePacket { kind, number, plane, ..code };
         if let Ok(item) = code.unpack(code.sequence) {
             prop_assert!(item.check().is_ok());
         }

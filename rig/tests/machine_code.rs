@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use protocol::{
-    Arc, Code, Feed, Item, Machine, MachineState, MachineStatus, PerAxis, Position, SpindleMode,
-    operator::Request,
+    Arc, Code, Feed, Item, Machine, MachineState, MachineStatus, PerAxis, Plane, Position, SpindleMode,
+    SpindleSpeed, operator::Request,
 };
 use rig::{
     Rig,
@@ -22,7 +22,11 @@ fn line(x: f64, z: f64, feed: Feed) -> Code {
 }
 
 fn arc(x: f64, z: f64, center: [f64; 2], turns: i32, feed: Feed) -> Code {
-    Code::Arc { arc: Arc { target: point(x, z), center: center.map(Position::from_mm), turns }, feed }
+    let [x_center, z_center] = center.map(Position::from_mm);
+    Code::Arc {
+        arc: Arc { plane: Plane::Zx, target: point(x, z), center: [z_center, x_center], turns },
+        feed,
+    }
 }
 
 /// Lines of the program count from 1.
@@ -133,7 +137,7 @@ fn overrides_and_holds_leave_the_circle_round() {
 fn arcs_by_the_revolution_follow_the_spindle() {
     let feed = Feed::PerRevolution(0.2);
     let codes = [
-        Code::Spindle { mode: SpindleMode::Clockwise, rpm: 600.0 },
+        Code::Spindle { mode: SpindleMode::Clockwise, speed: SpindleSpeed::Rpm(600.0) },
         line(10.0, 0.0, Feed::Rapid),
         line(18.0, 0.0, feed),
         arc(20.0, -2.0, [18.0, -2.0], 1, feed),

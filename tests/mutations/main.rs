@@ -13,7 +13,10 @@ mod targets;
 use std::{env, fs, path::Path};
 
 use mutate::mutation;
-use protocol::{Arc, Code, Feed, Item, Machine, PerAxis, Position, SpindleMode, code_file::CodeFile};
+use protocol::{
+    Arc, Code, Feed, Item, Machine, PathMode, PerAxis, Plane, Position, SpindleMode, SpindleSpeed,
+    code_file::CodeFile,
+};
 
 /// Mutations of each target in a run of the tests.
 const MUTATIONS: u64 = 10_000;
@@ -101,14 +104,17 @@ fn code_files() -> Vec<Vec<u8>> {
         point
     };
     let feed = Feed::PerRevolution(0.2);
-    let center = [Position::from_mm(18.0), Position::from_mm(-2.0)];
+    let center = [Position::from_mm(-2.0), Position::from_mm(18.0)];
+    let surface = SpindleSpeed::Surface { mm_s: 2000.0, max_rpm: 1500.0, axis_mm: Position(0) };
     let codes = [
-        Code::Spindle { mode: SpindleMode::Clockwise, rpm: 600.0 },
+        Code::Spindle { mode: SpindleMode::Clockwise, speed: SpindleSpeed::Rpm(600.0) },
+        Code::Spindle { mode: SpindleMode::Clockwise, speed: surface },
+        Code::PathMode(PathMode::Blend { tolerance_mm: 0.02, merge_mm: 0.0 }),
         Code::Coolant { mist: false, flood: true },
         Code::Line { target: point(10.0, 0.0), feed: Feed::Rapid },
         Code::Line { target: point(18.0, 0.0), feed },
         Code::Pause,
-        Code::Arc { arc: Arc { target: point(20.0, -2.0), center, turns: 1 }, feed },
+        Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
         Code::End,
     ];
     let file = |items: Vec<Item>| {

@@ -10,7 +10,7 @@ mod single;
 mod threads;
 
 use interpreter::{Check, check};
-use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, ThreadPass};
+use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, SpindleSpeed, ThreadPass};
 
 /// A program that must be right, on the built-in lathe.
 fn good(source: &str) -> Check {
@@ -44,7 +44,9 @@ fn text(code: &Code) -> String {
         }
         Code::Dwell { seconds } => format!("dwell {seconds}"),
         Code::Spindle { mode: SpindleMode::Stop, .. } => "spindle stop".to_owned(),
-        Code::Spindle { mode, rpm } => format!("spindle {}", mode.sign() * rpm),
+        Code::Spindle { mode, speed: SpindleSpeed::Rpm(rpm) } => format!("spindle {}", mode.sign() * rpm),
+        Code::Spindle { mode, speed } => format!("spindle {mode:?} {speed:?}"),
+        Code::PathMode(mode) => format!("path {mode:?}"),
         Code::Arc { arc, .. } => format!("arc {arc:?}"),
         Code::Tool { number } => format!("tool {number}"),
         Code::Coolant { mist, flood } => format!("coolant mist {mist} flood {flood}"),

@@ -9,7 +9,7 @@ use super::{
     port::{self, Message},
 };
 use crate::{
-    Axis, AxisFrame, AxisStatus, CodePacket, DriveCommand, Measurement, SpindleCommand, Truth, code::Credit,
+    Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, SpindleCommand, Truth,
     operator::OperatorRequest, status::MachineStatus,
 };
 
