@@ -50,8 +50,8 @@ const LEAST_HALF: f64 = 1e-12;
 /// ```
 /// use motion::{Blend, Path};
 /// // A right-angled corner at (1, 0), rounded over 0.1 mm before and behind it.
-/// let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(|way| Path::<2>::line(way).expect("it has a length"));
-/// let blend = Blend::new([[-1.0, 1.0], [0.0; 2], [0.0; 2]], 0.1);
+/// let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(|way| Path::line(way, &[true; 2]).expect("it has a length"));
+/// let blend = Blend::new(x.jumps(&y), 0.1);
 /// let (mut before, mut behind) = (x.at(x.length()), y.at(0.0));
 /// blend.add(-1e-12, &mut before);
 /// blend.add(0.0, &mut behind);

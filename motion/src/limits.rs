@@ -27,6 +27,17 @@ impl Limits {
     pub const NONE: Limits =
         Limits { v: f64::INFINITY, a: f64::INFINITY, j: f64::INFINITY, dj: f64::INFINITY };
 
+    /// The tighter of both bounds of each derivative.
+    #[must_use]
+    pub fn min(&self, other: &Limits) -> Limits {
+        Limits {
+            v: self.v.min(other.v),
+            a: self.a.min(other.a),
+            j: self.j.min(other.j),
+            dj: self.dj.min(other.dj),
+        }
+    }
+
     /// Peaks of the same law when its master runs at ratio `r`: v r, a r², j r³, dj r⁴ (M7).
     #[must_use]
     pub fn scaled(self, r: f64) -> Limits {

@@ -60,6 +60,23 @@ impl Sample {
         Sample { s, v, ..Sample::default() }
     }
 
+    /// The motion of N axes when this is that of s along a path: `p` holds the position and its derivatives 1 … 4 by s
+    /// at this s (M55).
+    #[must_use]
+    pub fn along<const N: usize>(&self, p: &[[f64; N]; 5]) -> [Sample; N] {
+        let ([p, p1, p2, p3, p4], Sample { v, a, j, dj, .. }) = (p, *self);
+        core::array::from_fn(|i| Sample {
+            s: p[i],
+            v: p1[i] * v,
+            a: p1[i] * a + p2[i] * v * v,
+            j: p1[i] * j + 3.0 * p2[i] * v * a + p3[i] * v * v * v,
+            dj: p1[i] * dj
+                + p2[i] * (4.0 * v * j + 3.0 * a * a)
+                + 6.0 * p3[i] * v * v * a
+                + p4[i] * v * v * v * v,
+        })
+    }
+
     /// A law run backwards, `s(p) → end − s(T − p)`, given the sample at `T − p`: odd derivatives keep their sign.
     pub(crate) fn reversed(self, end: f64) -> Sample {
         Sample { s: end - self.s, v: self.v, a: -self.a, j: self.j, dj: -self.dj }

@@ -48,9 +48,8 @@ fn joined(before: &Path<2>, behind: &Path<2>, blend: &Blend<2>, u: f64) -> [[f64
     p
 }
 
-fn jump(before: &Path<2>, behind: &Path<2>) -> Jumps {
-    let (end, start) = (before.at(before.length()), behind.at(0.0));
-    [1, 2, 3].map(|n| [start[n][0] - end[n][0], start[n][1] - end[n][1]])
+fn arc(start: [f64; 2], end: [f64; 2], turns: i32) -> Path<2> {
+    Path::arc([0, 1], start, end, turns, [0.0; 2], &[true; 2]).expect("it has a radius")
 }
 
 proptest! {
@@ -118,7 +117,9 @@ proptest! {
 
     /// Corners of one size at a spacing of r: the second derivative is the same everywhere between them.
     #[test]
-    fn m60_equal_corners_overlap_to_a_constant_curvature(corner in signed(1e-3, 1.0), half in magnitude(1e-3, 1e2)) {
+    fn m60_equal_corners_overlap_to_a_constant_curvature(
+        corner in signed(1e-3, 1.0), half in magnitude(1e-3, 1e2),
+    ) {
         let blend = Blend::new([[corner], [0.0], [0.0]], half);
         for u in times(half, 100).skip(1).take(99) {
             let mut p = [[0.0]; 5];
@@ -135,11 +136,11 @@ proptest! {
         r in prop::array::uniform2(magnitude(1.0, 1e2)), angle in -3.0..3.0_f64, turns in any::<bool>(),
     ) {
         let (sin, cos) = libm::sincos(angle);
-        let before = Path::<2>::arc([0, 1], [r[0], 0.0], [0.0, r[0]], 1).expect("it has a radius");
+        let before = arc([r[0], 0.0], [0.0, r[0]], 1);
         let start = [r[1] * cos, r[1] * sin];
         let end = [-start[0], -start[1]];
-        let behind = Path::<2>::arc([0, 1], start, end, if turns { 1 } else { -1 }).expect("it has a radius");
-        let jumps = jump(&before, &behind);
+        let behind = arc(start, end, if turns { 1 } else { -1 });
+        let jumps = before.jumps(&behind);
         let (tolerance, cap) = (0.01, 0.5 * before.length().min(behind.length()));
         let half = Blend::half_within(&jumps, tolerance, cap);
         let (blend, none) = (Blend::new(jumps, half), Blend::NONE);
@@ -180,9 +181,9 @@ fn m62_a_right_angle_uses_its_tolerance() {
 /// A line into a quarter of a circle that touches it: the curvature goes over, the direction hardly leaves the plane's.
 #[test]
 fn m59_a_line_goes_over_into_a_tangent_arc() {
-    let line = Path::<2>::line([10.0, 0.0]).expect("it has a length");
-    let arc = Path::<2>::arc([0, 1], [0.0, -5.0], [5.0, 0.0], 1).expect("it has a radius");
-    let jumps = jump(&line, &arc);
+    let line = Path::line([10.0, 0.0], &[true; 2]).expect("it has a length");
+    let arc = arc([0.0, -5.0], [5.0, 0.0], 1);
+    let jumps = line.jumps(&arc);
     assert_eq!(jumps, [[0.0, 0.0], [0.0, 0.2], [-0.04, 0.0]]);
     let half = Blend::half_within(&jumps, 1e-3, 4.0);
     let blend = Blend::new(jumps, half);
