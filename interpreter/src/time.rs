@@ -34,8 +34,8 @@ impl<'m> Clock<'m> {
             Code::Line { target, feed } => self.travel(self.line(target), target, *feed),
             Code::Arc { arc, feed } => self.travel(arc.path(&self.at).ok(), &arc.target, *feed),
             Code::Dwell { seconds } => *seconds,
-            Code::Spindle { mode, rpm } => {
-                let rpm = mode.sign() * rpm;
+            Code::Spindle { mode, speed } => {
+                let rpm = mode.sign() * speed.rpm(self.at[0]);
                 let ramp = (rpm - self.rpm).abs() / self.machine.spindle.ramp_rpm_s;
                 self.rpm = rpm;
                 ramp
@@ -46,7 +46,11 @@ impl<'m> Clock<'m> {
                 }
                 (pass.done_deg() + 180.0) / (6.0 * pass.s_rpm)
             }
-            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => 0.0,
+            Code::PathMode(_)
+            | Code::Tool { .. }
+            | Code::Coolant { .. }
+            | Code::Pause
+            | Code::End => 0.0,
         };
     }
 

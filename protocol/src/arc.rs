@@ -1,7 +1,7 @@
 //! An arc of machine code: where it ends and about what it turns. Its start is the end of the item before.
 //!
 //! In: the start. Out: the path (M56), or why there is none; the box that the machine has to have room for.
-//! Positions are absolute, X a radius, mm or counts of 1e-9 mm.
+//! Positions are absolute, X of a lathe a radius, mm or counts of 1e-9 mm (degrees for a rotary axis).
 //!
 //! Start and end need not have quite the same distance from the centre, because programs round. What RS274/NGC lets
 //! pass, in inches, too, is made: the radii may differ by [`Arc::DIFFERENCE_MM`], or by [`Arc::DIFFERENCE_SHARE`] of the
@@ -12,15 +12,42 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Axis, PerAxis, Position, Refused, finite, units::AXES};
 
-/// An arc in the plane of Z and X.
+/// The plane in which an arc turns, named by its first and its second axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Plane {
+    /// G17.
+    Xy,
+    /// G18.
+    Zx,
+    /// G19.
+    Yz,
+}
+
+impl Plane {
+    /// Every plane in the order of the wire.
+    pub const ALL: [Plane; 3] = [Plane::Xy, Plane::Zx, Plane::Yz];
+
+    /// First and second axis.
+    pub fn axes(self) -> [Axis; 2] {
+        match self {
+            Plane::Xy => [Axis::X, Axis::Y],
+            Plane::Zx => [Axis::Z, Axis::X],
+            Plane::Yz => [Axis::Y, Axis::Z],
+        }
+    }
+}
+
+/// An arc in a plane. Axes outside of the plane go evenly from their start to their target meanwhile (helix).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Arc {
-    /// Absolute end point of every axis; those other than X and Z do not move.
+    /// In which it turns.
+    pub plane: Plane,
+    /// Absolute end point of every axis.
     pub target: PerAxis<Position>,
-    /// Absolute centre: X, Z.
+    /// Absolute centre: first, second axis of the plane.
     pub center: [Position; 2],
-    /// Positive: from Z towards X, as G3 in the plane of G18; negative: the other way. ±1 is at most one whole turn,
-    /// each one more a whole turn more. Start and end at one place make a whole turn. Never 0.
+    /// Positive: from the first axis of the plane towards the second, as G3; negative: the other way. ±1 is at most
+    /// one whole turn, each one more a whole turn more. Start and end at one place make a whole turn. Never 0.
     pub turns: i32,
 }
 
@@ -59,8 +86,12 @@ impl Arc {
         if (r1 - r0).abs() > Arc::DIFFERENCE_MM.max(share) {
             return Err(Refused::OutOfRange("difference of the radii of an arc"));
         }
-        let plane = [Axis::Z.index(), Axis::X.index()];
-        Path::arc(plane, start, end, self.turns, [0.0; AXES], &Axis::METRIC)
+        let plane = self.plane.axes().map(Axis::index);
+        let drift = std::array::from_fn(|axis| match plane.contains(&axis) {
+            true => 0.0,
+            false => self.target[axis].mm_from(from[axis]),
+        });
+        Path::arc(plane, start, end, self.turns, drift, &Axis::METRIC)
             .ok_or(Refused::OutOfRange("radius of an arc"))
     }
 
@@ -73,16 +104,17 @@ impl Arc {
         Ok(bounds.map(|corner| std::array::from_fn(|i| from[i].moved(corner[i]))))
     }
 
-    /// A point as Z and X from the centre, mm.
+    /// A point of the plane from the centre: first, second axis, mm.
     fn seen_from_center(&self, point: &PerAxis<Position>) -> [f64; 2] {
-        let [x, z] = self.center;
-        [point[Axis::Z.index()].mm_from(z), point[Axis::X.index()].mm_from(x)]
+        let [first, second] = self.plane.axes();
+        let [first_center, second_center] = self.center;
+        [point[first.index()].mm_from(first_center), point[second.index()].mm_from(second_center)]
     }
 }
 
-fn radius([z, x]: [f64; 2]) -> Result<f64, Refused> {
+fn radius([first, second]: [f64; 2]) -> Result<f64, Refused> {
     let [least, most] = Arc::RADIUS_MM;
-    match finite((z * z + x * x).sqrt(), "radius of an arc")? {
+    match finite((first * first + second * second).sqrt(), "radius of an arc")? {
         radius if (least..=most).contains(&radius) => Ok(radius),
         _ => Err(Refused::OutOfRange("radius of an arc")),
     }
