@@ -39,8 +39,8 @@
 //!
 //! Axes that drift bound v, a, j, d by their constant share alone, and so do all of a line.
 //!
-//! Length is that of the *metric* axes, in mm: those that are linear. A rotary axis goes along, in degrees; if no metric
-//! axis moves, the length of a line is that of all, so a rotary axis alone has its way in degrees.
+//! Length is that of the *metric* axes, in mm: those that are linear. A rotary axis goes along, in degrees; if no
+//! metric axis moves, the length of a line is that of all, so a rotary axis alone has its way in degrees.
 //!
 //! Source: chain rule and Frenet's formulas of the plane.
 
@@ -88,8 +88,8 @@ struct Arc<const N: usize> {
 }
 
 impl<const N: usize> Path<N> {
-    /// A straight line; `None` if it has no length. `displacement` in mm, of rotary axes in degrees; `metric` says which
-    /// axes make the length. The share of one that is not metric may exceed 1.
+    /// A straight line; `None` if it has no length. `displacement` in mm, of rotary axes in degrees; `metric` says
+    /// which axes make the length. The share of one that is not metric may exceed 1.
     #[must_use]
     pub fn line(displacement: [f64; N], metric: &[bool; N]) -> Option<Path<N>> {
         let length = match norm(&displacement, metric) {
