@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
 use protocol::{Arc, Code, Item, Machine, PerAxis, Position, code_file::CodeFile};
+use rig::observe::Watch;
 
 use crate::{cli, error::CliError};
 
@@ -14,8 +15,8 @@ pub(crate) struct Program {
     /// How many items of machine code there are, and how many of them are moves.
     pub(crate) count: u64,
     pub(crate) moves: u64,
-    /// Those of them that are passes of threads.
-    pub(crate) passes: Vec<Item>,
+    /// Those of them that the observer watches for.
+    pub(crate) watched: Vec<Item>,
     /// What the interpreter found, of G-code.
     pub(crate) check: Option<Check>,
     /// The same as the user sees them.
@@ -46,21 +47,22 @@ impl Program {
                 return Err(CliError::file(path, text));
             }
             let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
-            let passes = file.items.iter().filter(|item| is_pass(item)).copied().collect();
+            let mut watch = Watch::default();
+            let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
             let (count, code) = (file.items.len() as u64, Some(file.items));
-            return Ok(Program { code, count, moves, passes, check: None, messages: String::new() });
+            return Ok(Program { code, count, moves, watched, check: None, messages: String::new() });
         }
-        let mut passes = Vec::new();
+        let (mut watch, mut watched) = (Watch::default(), Vec::new());
         let check = interpreter::check_program(open(path, language, machine)?, machine, |item| {
-            if is_pass(&item) {
-                passes.push(item);
+            if watch.wants(&item) {
+                watched.push(item);
             }
         });
         let colour = cli::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
         let (count, moves) = (check.count, check.moves);
-        Ok(Program { code: None, count, moves, passes, check: Some(check), messages })
+        Ok(Program { code: None, count, moves, watched, check: Some(check), messages })
     }
 
     /// The machine code of a program that was judged and is good, item by item.
@@ -78,6 +80,11 @@ impl Program {
         }
         let interpreter = Interpreter::new(open(path, language, machine)?, machine);
         Ok(Box::new(interpreter.map_while(Result::ok)))
+    }
+
+    /// How many passes of threads there are.
+    pub(crate) fn passes(&self) -> u32 {
+        self.watched.iter().filter(|item| matches!(item.code, Code::Pass(_))).count() as u32
     }
 
     /// Files that were read besides the program.
@@ -99,10 +106,6 @@ impl Program {
 
 fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Program, CliError> {
     interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))
-}
-
-fn is_pass(item: &Item) -> bool {
-    matches!(item.code, Code::Pass(_))
 }
 
 /// Why machine code does not suit the limits of a machine of the same name that has changed since.

@@ -26,7 +26,7 @@ impl Progress {
         let style =
             ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
-        let passes = setup.program.passes.len() as u32;
+        let passes = setup.program.passes();
         Progress { bar, passes, cycle_s: setup.machine.machine.cycle_s }
     }
 

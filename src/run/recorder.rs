@@ -26,7 +26,7 @@ impl Recorder {
             TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)
         };
         Ok(Recorder {
-            observer: Observer::new(&setup.machine, &setup.program.passes),
+            observer: Observer::new(&setup.machine, &setup.program.watched),
             trace: setup.folder.trace.map(create).transpose()?,
             progress: Progress::new(setup),
             cycle_s: setup.machine.machine.cycle_s,

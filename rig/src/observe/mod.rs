@@ -6,7 +6,10 @@
 //!
 //! A [`Summary`] is what `summary.json` holds.
 
+mod circle;
+mod contour;
 mod helix;
+mod limits;
 mod pass;
 mod summary;
 #[cfg(test)]
@@ -15,16 +18,20 @@ pub(crate) mod tests;
 use std::collections::BTreeMap;
 
 use protocol::{
-    Axis, AxisState, AxisStatus, Code, Fault, Item, Machine, MachineState, MachineStatus, PerAxis,
-    ThreadPass, Truth,
+    Axis, AxisStatus, Code, Fault, Item, Machine, MachineState, MachineStatus, PerAxis, ThreadPass, Truth,
 };
 use zerocopy::IntoBytes;
 
 pub use summary::{
-    AxisLimits, Channel, FaultReport, LimitsUsed, MovesReport, Outcome, PassReport, PauseReport, Process,
-    ServoError, Summary, SummaryError, ThreadReport, VERSION,
+    AxisLimits, Channel, CircleReport, FaultReport, LimitsUsed, MovesReport, Outcome, PassReport,
+    PauseReport, Process, ServoError, Summary, SummaryError, ThreadReport, VERSION,
 };
 
+pub use circle::Watch;
+
+use circle::Circles;
+use contour::Contour;
+use limits::Limits;
 use pass::{PassObserver, in_pass, state_in};
 
 /// Everything that is said of one control cycle.
@@ -37,9 +44,6 @@ pub struct Record<'a> {
     /// What the interpolator said at its latest tick.
     pub machine: &'a MachineStatus,
 }
-
-/// Rounding of a commanded speed, acceleration or jerk that is no violation of its limit.
-const LIMIT_TOLERANCE: f64 = 1.0 + 1e-6;
 
 /// Bytes that are hashed at once.
 const HASH_BATCH: usize = 16 * 1024;
@@ -57,6 +61,9 @@ pub struct Observer {
     /// Fault last seen of every axis, and of the interpolator.
     fault_codes: (PerAxis<u32>, u32),
     moving_cycles: u64,
+    limits: Limits,
+    contour: Contour,
+    circles: Circles,
     paused: bool,
     out: Observation,
 }
@@ -90,7 +97,7 @@ pub struct Observation {
 }
 
 impl Observer {
-    /// An observer of a machine and the whole of its program. A pass that no regulator would accept is not expected.
+    /// An observer of a machine and of its program, of which what [`Watch`] wants is enough. A pass that no regulator would accept is not expected.
     pub fn new(machine: &Machine, items: &[Item]) -> Observer {
         let pass = |item: &Item| match item.code {
             Code::Pass(pass) if pass.check().is_ok() => Some((pass.pass, (item.line, pass))),
@@ -106,10 +113,13 @@ impl Observer {
             batch: Vec::with_capacity(2 * HASH_BATCH),
             fault_codes: Default::default(),
             moving_cycles: 0,
+            limits: Limits::of(machine),
+            contour: Contour::default(),
+            circles: Circles::of(items),
             paused: false,
             out: Observation {
                 cycle_s: machine.machine.cycle_s,
-                limits: limits(machine),
+                limits: limits::reported(machine),
                 ..Observation::default()
             },
         }
@@ -146,6 +156,8 @@ impl Observer {
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
+        self.contour.report(self.out.cycle_s, &mut self.out.moves);
+        self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         self.out.thread.phase_spread_um = phase_spread(&self.out.passes);
         self.out
     }
@@ -193,14 +205,12 @@ impl Observer {
     fn take_moves(&mut self, record: &Record) {
         self.out.moves.count = record.machine.moves;
         self.moving_cycles += u64::from(record.machine.state == MachineState::Moving as u32);
-        let beyond = record.axes.iter().any(|(axis, status)| {
-            let Some(limit) = self.machine.axis.get(axis) else { return false };
-            status.state == AxisState::Streaming as u32
-                && (status.velocity_mm_s.abs() > limit.velocity_mm_s * LIMIT_TOLERANCE
-                    || status.acceleration_mm_s2.abs() > limit.acceleration_mm_s2 * LIMIT_TOLERANCE
-                    || status.jerk_mm_s3.abs() > limit.jerk_mm_s3 * LIMIT_TOLERANCE)
-        });
-        self.out.moves.limit_violations += u64::from(beyond);
+        self.out.moves.starved = record.machine.starved;
+        if self.limits.beyond(record) {
+            self.out.moves.limit_violations += 1;
+        }
+        self.contour.cycle(record);
+        self.circles.cycle(record);
     }
 
     fn take_pauses(&mut self, record: &Record) {
@@ -269,18 +279,6 @@ impl Observation {
             ..Summary::default()
         }
     }
-}
-
-fn limits(machine: &Machine) -> BTreeMap<Axis, AxisLimits> {
-    let of_axis = |(axis, config): (Axis, &protocol::machine::AxisConfig)| {
-        let limits = AxisLimits {
-            velocity_mm_s: config.velocity_mm_s,
-            acceleration_mm_s2: config.acceleration_mm_s2,
-            jerk_mm_s3: config.jerk_mm_s3,
-        };
-        (axis, limits)
-    };
-    machine.axes().map(of_axis).collect()
 }
 
 fn fault_report(cycle: u64, source: String, code: u32) -> FaultReport {

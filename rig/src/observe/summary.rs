@@ -188,15 +188,60 @@ pub struct ThreadReport {
     pub phase_spread_um: f64,
 }
 
-/// Timed motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Timed motion. Contour error: distance of the true position (linear axes, at the motors) from the commanded path,
+/// normal to it, while the axes move.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MovesReport {
     /// Moves completed.
     pub count: u64,
     /// Time in motion, s.
     pub time_s: f64,
-    /// Control cycles in which an axis was commanded beyond a limit of its speed, acceleration or jerk.
+    /// Interpolator cycles in which an axis was commanded beyond a limit of its speed, acceleration, jerk or jerk rate.
     pub limit_violations: u64,
+    /// How often the machine stopped on its path because machine code did not come in time.
+    pub starved: u32,
+    /// Largest contour error.
+    pub contour_max_um: f64,
+    /// Root of the mean square of the contour error.
+    pub contour_rms_um: f64,
+    /// Line of the part program in which it is largest.
+    pub contour_line: u32,
+    /// When it is largest, s.
+    pub contour_t_s: f64,
+    /// Arcs of at least half a turn, in the order of their coming; at most 200.
+    pub circles: Vec<CircleReport>,
+}
+
+/// A circle that was travelled. Deviation: distance of the true position (at the motors) from the centre, minus the
+/// radius.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CircleReport {
+    /// Line of the part program.
+    pub line: u32,
+    /// First and second axis of its plane.
+    pub plane: [Axis; 2],
+    /// Its centre in that plane.
+    pub center_mm: [f64; 2],
+    /// Its radius.
+    pub radius_mm: f64,
+    /// Mean of the commanded speed.
+    pub feed_mm_min: f64,
+    /// How far around it went, positive from the first axis to the second.
+    pub swept_deg: f64,
+    /// When it began, s.
+    pub t_s: f64,
+    /// First control cycle of it.
+    pub begin_cycle: u64,
+    /// Last control cycle of it.
+    pub end_cycle: u64,
+    /// Largest magnitude of the deviation.
+    pub round_max_um: f64,
+    /// Mean deviation.
+    pub mean_um: f64,
+    /// Quadrant glitches at 0, 90, 180 and 270 degrees from the first axis to the second: the deviation farthest from
+    /// the mean within 15 degrees of it, less the mean; 0 for a quadrant that was not travelled.
+    pub quadrants_um: [f64; 4],
 }
 
 /// A pause of the program.
