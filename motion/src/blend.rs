@@ -81,6 +81,16 @@ impl<const N: usize> Blend<N> {
         self.half
     }
 
+    /// Jump of p₁.
+    pub(crate) fn corner(&self) -> &[f64; N] {
+        &self.jumps[0]
+    }
+
+    /// Whether only p₁ jumps.
+    pub(crate) fn corner_only(&self) -> bool {
+        self.jumps[1..].iter().flatten().all(|jump| *jump == 0.0)
+    }
+
     /// Adds the bump at `u` mm from the junction to `p`, position and derivatives 1 … 4 by s as `Path::at` gives them
     /// (M59): of the element before the junction for u < 0, of the one behind it for u ≥ 0. Nothing for |u| ≥ half.
     ///

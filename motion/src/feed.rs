@@ -169,10 +169,37 @@ impl FeedBlock {
         }
     }
 
+    /// The first moment at or after `t` without jerk, s.
+    pub(crate) fn settled(&self, t: f64) -> f64 {
+        let braking = self.duration - self.decel.duration();
+        if t < self.accel.duration() {
+            self.accel.settled(t)
+        } else if t <= braking {
+            t
+        } else {
+            // The ramp at the exit runs backwards; its pulses are alike.
+            braking + self.decel.settled(t - braking)
+        }
+    }
+
+    /// Ends of the phases, s from the start.
+    pub(crate) fn ends(&self) -> [f64; 7] {
+        let (up, down) = (self.accel.duration(), self.decel.duration());
+        let (t1, t2) = (self.accel.jerk_interval(), self.decel.jerk_interval());
+        let braking = self.duration - down;
+        [t1, up - t1, up, braking, braking + t2, self.duration - t2, self.duration]
+    }
+
     /// Total time, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
+    }
+
+    /// Feed at the end, mm/s.
+    #[must_use]
+    pub fn end_feed(&self) -> f64 {
+        self.f_end
     }
 
     /// Length, mm.

@@ -7,6 +7,8 @@
 //! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15 |
 //! | feed of one block, ramp – cruise – ramp | [`FeedBlock`] | M22–M27 |
 //! | line or arc as a function of its length, in the space of the axes | [`Path`] | M55–M58 |
+//! | change of speed from any acceleration | [`SpeedChange`] | M63–M64 |
+//! | a chain of blocks: look-ahead, blends, overrides, hold | [`chain::Chain`] | M24–M26, M65–M66 |
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
 //!
@@ -15,22 +17,27 @@
 //! spindle angle; [`Sample::driven`] turns the derivatives into those with respect to real time (M8).
 //!
 //! Units are coherent: a length given in mm yields mm, mm/s, …, mm/s⁴; a length in m yields m, …, m/s⁴.
-//! All types are plain `Copy` values. Nothing allocates, and every evaluation has a bounded cost.
+//! All types but [`chain::Chain`] are plain `Copy` values. Nothing allocates after it was made, and every evaluation has a
+//! bounded cost.
 #![forbid(unsafe_code)]
 
 mod blend;
+pub mod chain;
+mod change;
 mod feed;
 mod limits;
 mod observer;
 mod pass;
 mod path;
 mod ramp;
+mod reach;
 mod sample;
 mod search;
 mod stroke;
 mod versine;
 
 pub use blend::Blend;
+pub use change::SpeedChange;
 pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
 pub use limits::Limits;
 pub use observer::{SpindleMotion, SpindleObserver};

@@ -211,6 +211,15 @@ impl Ramp {
         }
     }
 
+    /// The first moment at or after `p` without jerk, s.
+    pub(crate) fn settled(&self, p: f64) -> f64 {
+        match p {
+            p if p < self.t1 => self.t1,
+            p if p <= self.duration - self.t1 => p,
+            p => p.max(self.duration),
+        }
+    }
+
     /// Largest magnitudes (M11): |dv|, A, J, DJ.
     #[must_use]
     pub fn peak(&self) -> Limits {

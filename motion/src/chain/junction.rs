@@ -1,0 +1,62 @@
+//! Where two blocks meet: stop, or go on along a path that is smooth there.
+//! In: two blocks. Out: the blend of the junction, or none if the machine has to stop.
+//!
+//! A blend reaches equally far along both blocks. Between two lines it may reach to their other ends: the deviations of
+//! two neighbouring corners are convex along the line between them, so their sum is nowhere larger than at its ends,
+//! where only one is left. Beside an arc it reaches to the middle at most and has half the tolerance, because blends of
+//! a curvature that jumps lie on both sides of the path.
+
+use super::Block;
+use crate::blend::Blend;
+
+/// Corners that turn by more are stopped at: rounding would leave the tip uncut. Cosine of 120°.
+const SHARPEST: f64 = -0.5;
+/// A jump of direction below this is none: rounding of end points, 1e-9 mm over a micrometre.
+const TANGENT: f64 = 1e-3;
+/// Lines whose lengths differ by less, relative, are equally long.
+pub(super) const ALIKE: f64 = 1e-6;
+/// A blend that reaches less far than this, mm, is slower than a stop.
+const LEAST_HALF: f64 = 1e-6;
+
+/// What may become of the corner at the end of a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Corner {
+    /// The machine stops (G61.1).
+    Stop,
+    /// The machine goes on where the direction does not change, and stops at corners (G61). Jumps of curvature are
+    /// made smooth within so many mm.
+    Exact(f64),
+    /// The corner is rounded within so many mm (G64).
+    Blend(f64),
+}
+
+/// The blend of the junction of two blocks; `None` for a stop.
+pub(super) fn blend<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>) -> Option<Blend<N>> {
+    let jumps = last.path.jumps(&next.path);
+    let size = |jump: &[f64; N]| jump.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let turn = size(&jumps[0]);
+    let tolerance = match last.corner {
+        Corner::Stop => return None,
+        Corner::Exact(tolerance) if turn <= TANGENT => tolerance,
+        Corner::Exact(_) => return None,
+        Corner::Blend(tolerance) => tolerance,
+    };
+    // |Δ1|² = 2 − 2 cos of the turn.
+    if 1.0 - 0.5 * turn * turn < SHARPEST || !last.feed.same_kind(next.feed) {
+        return None;
+    }
+    let (lengths, lines) =
+        ([last.path.length(), next.path.length()], last.path.is_line() && next.path.is_line());
+    let (shorter, longer) = (lengths[0].min(lengths[1]), lengths[0].max(lengths[1]));
+    let (tolerance, cap) = if lines {
+        // What of the longer reach is cut off at the end of the shorter line is below a relative 1e-6 of p₃.
+        (tolerance, if longer - shorter <= ALIKE * shorter { longer } else { shorter })
+    } else {
+        ((0.5 * tolerance).min(last.room).min(next.room), 0.5 * shorter)
+    };
+    if jumps.iter().all(|jump| size(jump) == 0.0) {
+        return Some(Blend::NONE);
+    }
+    let half = Blend::half_within(&jumps, tolerance, cap);
+    (half >= LEAST_HALF.min(cap)).then(|| Blend::new(jumps, half))
+}

@@ -1,0 +1,347 @@
+//! Timed motion over a chain of blocks: corners are rounded, the feed is planned ahead, s(t) goes on cycle by cycle.
+//! In: lines and arcs with their feeds; once a cycle, what the operator asks for. Out: once a cycle, the motion of every
+//! axis, mm/sⁿ.
+//!
+//! | part | holds |
+//! |---|---|
+//! | `chain/junction.rs` | what becomes of the place where two blocks meet |
+//! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
+//! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
+//! | `chain/steer.rs` | the decision which law s(t) follows next (M23, M64) |
+//! | `chain/law.rs` | the law, and the check before it is released |
+//!
+//! ```text
+//! blocks → path p(s) with blends → sections with limits → exits (look-ahead) → law s(t) → axes p(s(t))
+//! ```
+//! Every law starts and ends without jerk, so a new one can follow at any such moment: an override or a hold replaces
+//! the law in hand as soon as its pulse of jerk is over. Whatever state a law leaves behind is one from which the
+//! machine can stop on what is known of the path: that is what the hard pass of the look-ahead guarantees.
+
+mod junction;
+mod law;
+mod section;
+mod steer;
+mod zone;
+
+use std::collections::VecDeque;
+
+use crate::blend::Blend;
+use crate::limits::Limits;
+use crate::path::Path;
+use crate::sample::Sample;
+
+pub use junction::Corner;
+use law::Law;
+use section::{SECTIONS, Section, Sections};
+use zone::Bend;
+
+/// How many blocks a chain looks ahead.
+pub const BLOCKS: usize = 1024;
+/// A block takes at least this share of a cycle: so one cycle passes a bounded number of blocks.
+const LEAST_CYCLES: f64 = 0.125;
+/// Highest multiple of a programmed feed that overrides can ask for.
+const MOST_RATIO: f64 = 2.0;
+/// Slowest feed, mm/s: a millimetre in a quarter of an hour.
+const LEAST_FEED: f64 = 1e-3;
+
+/// Feed of a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feed {
+    /// As fast as the axes may go.
+    Rapid,
+    /// mm/s.
+    PerSecond(f64),
+    /// mm per revolution of the spindle, and the highest mm/s that this may ever be.
+    PerRevolution(f64, f64),
+}
+
+/// What the operator and the spindle make of programmed feeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ratios {
+    /// Rapid override, 0 to 1.
+    pub rapid: f64,
+    /// Feed override, 0 to 2.
+    pub feed: f64,
+    /// Revolutions of the spindle per second, times the feed override.
+    pub turns: f64,
+}
+
+/// What a chain is laid out for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings<const N: usize> {
+    /// Limits of the axes; [`Limits::NONE`] for one that does not exist.
+    pub axes: [Limits; N],
+    /// Time between two calls of [`Chain::tick`], s.
+    pub cycle_s: f64,
+    /// Largest chord error of the setpoints, mm.
+    pub chord_mm: f64,
+}
+
+/// One block.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<const N: usize, T> {
+    /// Its path.
+    pub path: Path<N>,
+    /// Its feed.
+    pub feed: Feed,
+    /// What may become of the corner at its end.
+    pub corner: Corner,
+    /// How far the path may bulge out of its own box, mm: the travel that is left.
+    pub room: f64,
+    /// The caller's own.
+    pub tag: T,
+}
+
+/// A block with its blends.
+#[derive(Clone, Copy, Debug)]
+struct Piece<const N: usize, T> {
+    block: Block<N, T>,
+    start: Blend<N>,
+    end: Blend<N>,
+    /// Shares of the axes beyond the start.
+    before: [f64; N],
+}
+
+/// What is asked for in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ask {
+    /// Overrides.
+    pub ratios: Ratios,
+    /// Stand on the path.
+    pub hold: bool,
+    /// Stand at the end of every block.
+    pub single: bool,
+    /// More blocks are at hand or about to be: the chain need not stop at the end of what it knows yet.
+    pub more: bool,
+}
+
+/// What a chain did in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<const N: usize, T> {
+    /// The motion of the axes at the end of the cycle, from the start of the block of `tag`.
+    pub axes: [Sample; N],
+    /// The motion along the path, from the start of the block.
+    pub along: Sample,
+    /// The block in which the chain is.
+    pub tag: T,
+    /// Blocks completed in this cycle.
+    pub completed: u32,
+    /// It ran out of blocks and stops at the end of what it knows, although more were to come.
+    pub starved: bool,
+    /// No law could be released. The chain stands, or goes on with the one before to its stop.
+    pub rejected: bool,
+}
+
+/// A chain of blocks, and where the machine is on it. It allocates once, in `new`.
+#[derive(Clone, Debug)]
+pub struct Chain<const N: usize, T> {
+    settings: Settings<N>,
+    ratios: Ratios,
+    /// Blocks whose ends are settled; the machine is on the first.
+    pieces: VecDeque<Piece<N, T>>,
+    /// The last block: what follows it is not known.
+    tail: Option<Piece<N, T>>,
+    sections: Sections,
+    /// Way on the first piece at the start of the law, mm.
+    along: f64,
+    law: Law,
+    /// Time in the law, s.
+    t: f64,
+    /// Nothing can be appended any more.
+    closed: bool,
+    /// The plan in hand may not be the best any more.
+    stale: bool,
+    completed: u32,
+    starved: bool,
+    rejected: bool,
+}
+
+impl Feed {
+    /// Whether overrides act alike.
+    fn same_kind(self, other: Feed) -> bool {
+        core::mem::discriminant(&self) == core::mem::discriminant(&other)
+    }
+
+    /// The lower of two feeds of a kind.
+    fn lower(self, other: Feed) -> Feed {
+        match (self, other) {
+            (Feed::PerSecond(a), Feed::PerSecond(b)) => Feed::PerSecond(a.min(b)),
+            (Feed::PerRevolution(a, top), Feed::PerRevolution(b, other)) => {
+                Feed::PerRevolution(a.min(b), top.min(other))
+            }
+            _ => self,
+        }
+    }
+
+    /// The highest feed that can ever be asked for, mm/s.
+    fn highest(self) -> f64 {
+        match self {
+            Feed::Rapid => f64::INFINITY,
+            Feed::PerSecond(feed) => MOST_RATIO * feed,
+            Feed::PerRevolution(_, top) => top,
+        }
+        .max(LEAST_FEED)
+    }
+}
+
+impl Ratios {
+    /// Overrides at 100 per cent and a spindle that makes so many turns in a second.
+    #[must_use]
+    pub fn full(turns: f64) -> Ratios {
+        Ratios { rapid: 1.0, feed: 1.0, turns }
+    }
+}
+
+impl<const N: usize, T: Copy> Chain<N, T> {
+    /// An empty chain.
+    #[must_use]
+    pub fn new(settings: Settings<N>) -> Chain<N, T> {
+        Chain {
+            settings,
+            ratios: Ratios::full(0.0),
+            pieces: VecDeque::with_capacity(BLOCKS),
+            tail: None,
+            sections: Sections::new(),
+            along: 0.0,
+            law: Law::Rest,
+            t: 0.0,
+            closed: false,
+            stale: false,
+            completed: 0,
+            starved: false,
+            rejected: false,
+        }
+    }
+
+    /// Whether there is nothing to do.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty() && self.tail.is_none()
+    }
+
+    /// Whether a block can be appended now: there is room, and the chain has not been closed.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        !self.closed && self.pieces.len() + 1 < BLOCKS && self.sections.len() + 4 < SECTIONS
+    }
+
+    /// Appends a block where the one before ends. The caller has looked for room.
+    pub fn push(&mut self, block: Block<N, T>) {
+        let mut piece = Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] };
+        if let Some(mut tail) = self.tail.take() {
+            let blend = junction::blend(&tail.block, &piece.block);
+            if let Some(blend) = blend {
+                (tail.end, piece.start) = (blend, blend);
+            }
+            piece.before = tail.block.path.shares();
+            self.settle(tail, &piece.block.path.shares(), blend.is_none());
+        }
+        self.tail = Some(piece);
+    }
+
+    /// No block follows: the machine stops at the end of the last one.
+    pub fn close(&mut self) {
+        if let Some(tail) = self.tail.take() {
+            self.settle(tail, &[0.0; N], true);
+        }
+        self.sections.stop_at_end();
+        self.closed = true;
+    }
+
+    /// Turns a block whose end is known into sections of the look-ahead.
+    fn settle(&mut self, piece: Piece<N, T>, after: &[f64; N], stops: bool) {
+        let path = &piece.block.path;
+        let (length, r0, r1) = (path.length(), piece.start.half(), piece.end.half());
+        let own = Bend::of(path);
+        let mut zone = |length: f64, bend: Bend<N>, stops: bool| {
+            if length <= 0.0 && !stops {
+                return;
+            }
+            let chord_v2 = 8.0 * self.settings.chord_mm / (self.settings.cycle_s * self.settings.cycle_s);
+            let slowest = path.length() / (LEAST_CYCLES * self.settings.cycle_s);
+            let asked = piece.block.feed.highest().min(slowest.max(LEAST_FEED));
+            let limits = bend.limits(&self.settings.axes, asked, chord_v2);
+            let section =
+                Section { length, feed: piece.block.feed, limits, stops, exit_hard: 0.0, exit_soft: 0.0 };
+            self.sections.push(section, &self.ratios);
+        };
+        if r0 + r1 <= length {
+            zone(r0, own.with(&piece.start, &piece.before), false);
+            zone(length - r0 - r1, own, stops && r1 == 0.0);
+            if r1 > 0.0 {
+                zone(r1, own.with(&piece.end, after), stops);
+            }
+        } else {
+            let corners = piece.start.corner_only() && piece.end.corner_only();
+            let fills = |half: f64| (half - length).abs() <= junction::ALIKE * length;
+            let (start, end, others) = (&piece.start, &piece.end, [&piece.before, after]);
+            let bend = match corners {
+                true if fills(r0) && fills(r1) => Bend::filled(path, start, end, others),
+                true => Bend::shared(path, start, end, others),
+                false => own.with(start, &piece.before).with(end, after),
+            };
+            zone(length, bend, stops);
+        }
+        self.pieces.push_back(piece);
+        self.stale = true;
+    }
+
+    /// Goes on by one cycle. `None` if there is nothing to do.
+    pub fn tick(&mut self, ask: &Ask) -> Option<Step<N, T>> {
+        if self.is_empty() {
+            return None;
+        }
+        (self.completed, self.starved, self.rejected) = (0, false, false);
+        self.steer(ask);
+        let sample = self.law.at(self.t);
+        let mut s = self.along + sample.s;
+        while let Some(front) = self.pieces.front() {
+            let length = front.block.path.length();
+            if s < length || self.pieces.len() == 1 {
+                s = s.min(length);
+                break;
+            }
+            (s, self.along) = (s - length, self.along - length);
+            self.completed += 1;
+            self.pieces.pop_front();
+        }
+        let front = self.pieces.front().or(self.tail.as_ref())?;
+        let along = Sample { s, ..sample };
+        let step = Step {
+            axes: front.follow(&along),
+            along,
+            tag: front.block.tag,
+            completed: self.completed,
+            starved: self.starved,
+            rejected: self.rejected,
+        };
+        Some(self.finished(step))
+    }
+
+    /// At the very end of a closed chain: counts its last block, and forgets it.
+    fn finished(&mut self, mut step: Step<N, T>) -> Step<N, T> {
+        if self.closed && matches!(self.law, Law::Rest) && self.sections.front().is_none() {
+            step.completed += 1;
+            self.clear();
+        }
+        step
+    }
+
+    /// Forgets every block; the machine stands.
+    pub fn clear(&mut self) {
+        self.pieces.clear();
+        self.sections.clear();
+        (self.tail, self.law, self.t, self.along, self.closed) = (None, Law::Rest, 0.0, 0.0, false);
+    }
+}
+
+impl<const N: usize, T> Piece<N, T> {
+    /// The motion of the axes on the blended path (M55).
+    fn follow(&self, along: &Sample) -> [Sample; N] {
+        let path = &self.block.path;
+        let mut p = path.at(along.s);
+        self.start.add(along.s, &mut p);
+        self.end.add(along.s - path.length(), &mut p);
+        along.along(&p)
+    }
+}

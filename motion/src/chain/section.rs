@@ -1,0 +1,213 @@
+//! The look-ahead: stretches of path with their limits, and the feeds at their borders (M24, M26).
+//! In: stretches in the order of the path, the ratios that overrides ask for. Out: the highest feed at the end of each
+//! stretch from which everything ahead can still be kept.
+//!
+//! At a border there is no acceleration, so a ramp lies within one section. Stretches that are short against a ramp
+//! are therefore joined: the section has the lowest feed and the lowest limits of its parts, and loses next to nothing
+//! because no ramp would have fitted into the part that was faster.
+//!
+//! Two passes run side by side. The hard one keeps what the path allows and never changes with an override; it is what
+//! makes every state of the machine one from which it can stop. The soft one keeps the programmed feeds, too.
+
+use std::collections::VecDeque;
+
+use super::{Feed, Ratios};
+use crate::feed::junction_distance;
+use crate::limits::Limits;
+use crate::reach::reach;
+
+/// Most sections ahead.
+pub(super) const SECTIONS: usize = 4096;
+/// Caps that differ by less are one.
+const ALIKE: f64 = 1e-3;
+/// A faster stretch between slower ones is kept apart if at least this ratio of feeds is reached in it.
+const WORTH: f64 = 1.2;
+
+/// A stretch of path with one set of limits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Section {
+    /// What is left of it, mm.
+    pub(super) length: f64,
+    pub(super) feed: Feed,
+    /// Limits of s; `v` is the highest feed the path allows.
+    pub(super) limits: Limits,
+    /// The machine stops at its end.
+    pub(super) stops: bool,
+    /// Highest feed at the end: what the path allows, and what is programmed.
+    pub(super) exit_hard: f64,
+    pub(super) exit_soft: f64,
+}
+
+impl Section {
+    /// The feed asked for, within what the path allows.
+    pub(super) fn cap(&self, ratios: &Ratios) -> f64 {
+        match self.feed {
+            Feed::Rapid => ratios.rapid * self.limits.v,
+            Feed::PerSecond(feed) => ratios.feed * feed,
+            Feed::PerRevolution(feed, _) => ratios.turns * feed,
+        }
+        .min(self.limits.v)
+    }
+}
+
+/// The sections ahead; the front one is that in which the machine is.
+#[derive(Clone, Debug)]
+pub(super) struct Sections {
+    ring: VecDeque<Section>,
+    /// The machine has entered the front section: nothing is joined to it.
+    entered: bool,
+    /// Index of the first section whose exit may have changed.
+    changed: Option<usize>,
+    total: f64,
+}
+
+impl Sections {
+    pub(super) fn new() -> Sections {
+        Sections { ring: VecDeque::with_capacity(SECTIONS), entered: false, changed: None, total: 0.0 }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.ring.len()
+    }
+
+    pub(super) fn get(&self, k: usize) -> Option<&Section> {
+        self.ring.get(k)
+    }
+
+    pub(super) fn front(&self) -> Option<&Section> {
+        self.ring.front()
+    }
+
+    /// Appends a stretch; joins it to the last section if they are alike or one is too short to be of use.
+    pub(super) fn push(&mut self, zone: Section, ratios: &Ratios) {
+        let count = self.ring.len();
+        let open = !self.entered || count > 1;
+        // What was promised to the section before the last must still hold when the last one grows.
+        let promised = if count > 1 { self.ring[count - 2].exit_hard } else { 0.0 };
+        self.total += zone.length;
+        match self.ring.back_mut() {
+            Some(last) if open && !last.stops && joins(last, &zone, ratios, promised) => {
+                *last = joined(last, &zone);
+                self.touch(count.saturating_sub(2));
+            }
+            _ => {
+                self.ring.push_back(zone);
+                self.touch(count.saturating_sub(1));
+            }
+        }
+    }
+
+    fn touch(&mut self, k: usize) {
+        self.changed = Some(self.changed.map_or(k, |changed| changed.min(k)));
+    }
+
+    /// The ratios changed: every soft exit may be another.
+    pub(super) fn touch_all(&mut self) {
+        self.changed = Some(0);
+    }
+
+    /// The last section ends the path.
+    pub(super) fn stop_at_end(&mut self) {
+        if let Some(last) = self.ring.back_mut() {
+            last.stops = true;
+        }
+    }
+
+    /// Backward pass of the look-ahead; true if something changed. It ends where nothing changes any more.
+    pub(super) fn look_ahead(&mut self, ratios: &Ratios) -> bool {
+        let Some(changed) = self.changed.take() else { return false };
+        for k in (0..self.ring.len()).rev() {
+            let next = if k + 1 < self.ring.len() { Some(self.ring[k + 1]) } else { None };
+            let section = &mut self.ring[k];
+            let (hard, soft) = match next {
+                Some(next) if !section.stops => {
+                    let top = section.limits.v.min(next.limits.v);
+                    let cap = section.cap(ratios).min(next.cap(ratios));
+                    (
+                        hard_entry(next.exit_hard.min(top), top, next.length, &next.limits),
+                        reach(next.exit_soft.min(cap), cap, next.length, &next.limits),
+                    )
+                }
+                _ => (0.0, 0.0),
+            };
+            let same = section.exit_hard == hard && section.exit_soft == soft;
+            (section.exit_hard, section.exit_soft) = (hard, soft);
+            if same && k <= changed {
+                break;
+            }
+        }
+        true
+    }
+
+    /// Goes on by `way` mm, within the front section or across its end. What is left of a section below `same` mm is
+    /// nothing.
+    pub(super) fn go(&mut self, way: f64, same: f64) {
+        let mut left = way;
+        while let Some(front) = self.ring.front_mut() {
+            self.entered = true;
+            if left < front.length - same {
+                front.length -= left;
+                break;
+            }
+            left = (left - front.length).max(0.0);
+            self.ring.pop_front();
+            self.changed = self.changed.map(|changed| changed.saturating_sub(1));
+        }
+        self.total -= way;
+        if self.ring.is_empty() {
+            self.clear();
+        }
+    }
+
+    /// What is left of all sections, mm.
+    pub(super) fn total(&self) -> f64 {
+        self.total
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.ring.clear();
+        (self.entered, self.changed, self.total) = (false, None, 0.0);
+    }
+}
+
+/// Highest entry from which a section can be kept. A stop at its end may be nearer than an exit a little below the entry:
+/// (F − e/2) T(e) rises with e, then falls.
+fn hard_entry(exit: f64, top: f64, length: f64, limits: &Limits) -> f64 {
+    let entry = reach(exit, top, length, limits);
+    if entry < top { entry.max(reach(0.0, top, length, limits)) } else { entry }
+}
+
+/// Two neighbours as one section.
+fn joined(last: &Section, zone: &Section) -> Section {
+    Section {
+        length: last.length + zone.length,
+        feed: last.feed.lower(zone.feed),
+        limits: last.limits.min(&zone.limits),
+        stops: zone.stops,
+        ..*last
+    }
+}
+
+/// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
+fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool {
+    if !last.feed.same_kind(zone.feed) {
+        return false;
+    }
+    if promised > 0.0 {
+        let both = joined(last, zone);
+        if reach(0.0, both.limits.v, both.length, &both.limits) < promised {
+            return false;
+        }
+    }
+    let (a, b) = (last.cap(ratios), zone.cap(ratios));
+    let (low, high) = (a.min(b), a.max(b));
+    let limits = last.limits.min(&zone.limits);
+    if high <= low * (1.0 + ALIKE) {
+        // Alike in feed. A long stretch with room for ramps is not tied to tighter limits than its own.
+        let tied = if last.limits.a > zone.limits.a { last } else { zone };
+        let loses = tied.limits.a > 1.5 * limits.a || tied.limits.j > 1.5 * limits.j;
+        return !loses || tied.length <= 2.0 * junction_distance(0.0, low, &limits);
+    }
+    let faster = if a > b { last.length } else { zone.length };
+    faster <= 2.0 * junction_distance(low, high.min(WORTH * low), &limits)
+}

@@ -1,0 +1,248 @@
+//! Which law s(t) follows next. In: the state of the machine on its path, the sections ahead, what the operator asks
+//! for. Out: a law that has been checked (`law.rs`).
+//!
+//! | in hand | when | follows |
+//! |---|---|---|
+//! | rest | blocks are known and asked for | a block law to the end of the section (M23) |
+//! | block law | it is faster than what is asked for now; its pulse of jerk is over | a change of speed (M64) |
+//! | block law | the look-ahead sees further; it runs at constant speed | a block law to the end of the section |
+//! | any | it is over | a block law to the end of the section, or rest |
+//!
+//! A change of speed may cross sections. It keeps the tightest limits of all of them and the top feed at every border,
+//! and where it ends the rest of the path can still be kept; else the law in hand goes on, which can.
+
+use super::law::{Law, Promise};
+use super::section::Section;
+use super::{Ask, Chain};
+use crate::change::SpeedChange;
+use crate::feed::{FeedBlock, junction_distance};
+use crate::limits::Limits;
+use crate::reach::reach;
+use crate::search;
+
+/// Most laws in one cycle: blocks last at least an eighth of it, and have three sections at most.
+const MOST_LAWS: usize = 64;
+/// Most sections that a change of speed may cross.
+const MOST_CROSSED: usize = 256;
+/// Speeds and ways that differ by less are one, relative and in mm.
+const SAME: f64 = 1e-9;
+/// Relative excess over a hard exit that rounding may leave, when a law is replaced just where it was to brake.
+const ROUNDED: f64 = 1e-8;
+/// A chain at rest waits for more blocks until it knows so many stopping distances.
+const WAYS_KNOWN: f64 = 3.0;
+
+impl<const N: usize, T: Copy> Chain<N, T> {
+    /// Goes on by one cycle of time.
+    pub(super) fn steer(&mut self, ask: &Ask) {
+        if ask.ratios != self.ratios {
+            self.ratios = ask.ratios;
+            self.sections.touch_all();
+        }
+        let mut left = self.settings.cycle_s;
+        let mut refused = false;
+        for _ in 0..MOST_LAWS {
+            self.run_dry(ask, left);
+            self.stale |= self.sections.look_ahead(&self.ratios);
+            let cap = self.cap(ask);
+            let slow = !refused && self.law.goal(self.t) > cap * (1.0 + SAME);
+            let over = self.law.duration();
+            let takes_over = match self.law {
+                Law::Rest if cap > 0.0 && self.may_start(ask) => self.t,
+                Law::Rest => return,
+                _ if slow => self.law.settled(self.t),
+                _ if self.stale => self.law.level(self.t),
+                _ => over,
+            }
+            .min(over);
+            if takes_over - self.t > left {
+                self.t += left;
+                return;
+            }
+            left -= (takes_over - self.t).max(0.0);
+            self.t = self.t.max(takes_over);
+            refused = !self.decide(ask, cap, slow && self.t < over);
+        }
+    }
+
+    /// The feed asked for where the machine is.
+    fn cap(&self, ask: &Ask) -> f64 {
+        match self.sections.front() {
+            Some(front) if !ask.hold => front.cap(&self.ratios),
+            _ => 0.0,
+        }
+    }
+
+    /// Ends the chain if what is known of it is about to be used up.
+    fn run_dry(&mut self, ask: &Ask, left: f64) {
+        if self.closed {
+            return;
+        }
+        let now = self.law.at(self.t);
+        let dry = match (&self.law, self.sections.front()) {
+            (Law::Rest, _) => !ask.more,
+            (_, None) => true,
+            (law, Some(front)) => {
+                let known = self.sections.total() - now.s;
+                let stopping = junction_distance(0.0, law.goal(self.t).max(now.v), &front.limits);
+                let last = self.sections.len() == 1;
+                !ask.more && known <= WAYS_KNOWN * stopping
+                    || last && self.tail.is_some() && law.level(self.t) >= law.duration() - left
+            }
+        };
+        if dry {
+            self.starved = true;
+            self.close();
+        }
+    }
+
+    /// Whether enough is known to set off from rest.
+    fn may_start(&self, ask: &Ask) -> bool {
+        let Some(front) = self.sections.front() else { return false };
+        let way = || junction_distance(0.0, front.cap(&self.ratios), &front.limits);
+        self.closed || !ask.more || !self.has_room() || self.sections.total() > WAYS_KNOWN * way()
+    }
+
+    /// Replaces the law in hand at its time `t`; false if it has to go on.
+    fn decide(&mut self, ask: &Ask, cap: f64, slow: bool) -> bool {
+        let over = self.t >= self.law.duration();
+        let now = self.law.at(self.t);
+        let (v, a, gone) =
+            if over { (self.law.end_speed(), 0.0, self.law.way()) } else { (now.v, now.a, now.s) };
+        if slow {
+            let Some(change) = self.change(v, a, cap, gone) else { return false };
+            self.leave(gone);
+            (self.law, self.t) = (Law::Change(change), 0.0);
+            return true;
+        }
+        self.leave(gone);
+        self.stale = false;
+        (self.law, self.t) = (Law::Rest, 0.0);
+        let Some(front) = self.sections.front().copied() else { return true };
+        if v > cap * (1.0 + SAME)
+            && let Some(change) = self.change(v, a, cap, 0.0)
+        {
+            self.law = Law::Change(change);
+        } else if cap > 0.0 || v > 0.0 {
+            match self.block(&front, v, cap, ask.single) {
+                Some(block) => self.law = Law::Block(block),
+                None => self.rejected = true,
+            }
+        }
+        true
+    }
+
+    /// Leaves `gone` mm of the law behind.
+    fn leave(&mut self, gone: f64) {
+        self.along += gone;
+        self.sections.go(gone, SAME);
+    }
+
+    /// The law to the end of the front section from the speed `v`.
+    fn block(&self, front: &Section, v: f64, cap: f64, single: bool) -> Option<FeedBlock> {
+        let limits = Limits { v: front.limits.v.max(v), ..front.limits };
+        let (mut length, mut exit) = (front.length, front.exit_soft);
+        if single {
+            let way = self.block_end();
+            if way < length + SAME {
+                if junction_distance(v, 0.0, &limits) <= way {
+                    (length, exit) = (way.min(length), 0.0);
+                }
+            } else {
+                exit = exit.min(reach(0.0, exit, way - length, &limits));
+            }
+        }
+        if junction_distance(v, exit, &limits) > length * (1.0 + 1e-12) {
+            exit = nearest_exit(v, exit, front.exit_hard, length, &limits);
+        }
+        let block = FeedBlock::plan(length, v, cap.max(v).max(exit), exit, &limits).ok()?;
+        let promise = Promise { start: v, acceleration: 0.0, end: exit, way: length, limits };
+        Law::Block(block).keeps(&promise).then_some(block)
+    }
+
+    /// Way to the end of the block, mm; from its end, to that of the next.
+    fn block_end(&self) -> f64 {
+        let mut way = -self.along;
+        for piece in &self.pieces {
+            way += piece.block.path.length();
+            if way > SAME {
+                break;
+            }
+        }
+        way
+    }
+
+    /// A change to the speed `target` that begins `gone` mm behind the start of the front section; `None` if the path
+    /// ahead does not allow it.
+    fn change(&self, v: f64, a: f64, target: f64, gone: f64) -> Option<SpeedChange> {
+        let front = self.sections.front()?;
+        let mut limits = front.limits;
+        for _ in 0..MOST_CROSSED {
+            if a.abs() > limits.a * (1.0 + SAME) {
+                return None;
+            }
+            let change = SpeedChange::plan(v, a, target, &limits);
+            let tightest = self.crossed(&change, target, gone)?;
+            let tighter = limits.min(&tightest);
+            if tighter == limits {
+                let top = change.at(change.top());
+                if top.v > v.max(target) && (top.v > front.limits.v || gone + top.s > front.length) {
+                    return None;
+                }
+                let limits = Limits { v: top.v, ..limits };
+                let (end, way) = (target, change.distance());
+                let promise = Promise { start: v, acceleration: a, end, way, limits };
+                return Law::Change(change).keeps(&promise).then_some(change);
+            }
+            limits = tighter;
+        }
+        None
+    }
+
+    /// The tightest limits of the sections that a change crosses; `None` if it would break the top feed of one of
+    /// them, or leave a state from which the rest cannot be kept.
+    fn crossed(&self, change: &SpeedChange, target: f64, gone: f64) -> Option<Limits> {
+        let mut limits = Limits::NONE;
+        let mut left = gone + change.distance();
+        let mut border = -gone;
+        for k in 0..MOST_CROSSED {
+            let section = self.sections.get(k)?;
+            limits = limits.min(&section.limits);
+            limits.v = f64::INFINITY;
+            if left <= section.length {
+                let rest = section.length - left;
+                let fits = |exit: f64| junction_distance(target, exit, &section.limits) <= rest;
+                let keeps = target <= section.exit_hard || fits(section.exit_hard) || fits(0.0);
+                return keeps.then_some(limits);
+            }
+            left -= section.length;
+            border += section.length;
+            let next = self.sections.get(k + 1)?;
+            if section.stops || speed_at(change, border) > next.limits.v * (1.0 + SAME) {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+/// The exit nearest to `exit` that a way of `length` allows, at most `hard` when it brakes.
+///
+/// A ramp down to a little less takes a longer way than one down to much less: (F − e/2) T(e) rises with e, then falls.
+/// Where no exit between the speed and the hard one can be reached, one below it can.
+fn nearest_exit(v: f64, exit: f64, hard: f64, length: f64, limits: &Limits) -> f64 {
+    if exit > v {
+        return reach(v, exit, length, limits);
+    }
+    // The override fell too late for the feed of the next section: as slow as can be.
+    let above = v - search::largest(v - exit, length, |e| junction_distance(v - e, v, limits));
+    if above <= hard * (1.0 + ROUNDED) {
+        return above;
+    }
+    search::largest(hard.min(v), length, |exit| junction_distance(exit, v, limits))
+}
+
+/// Speed of a change after a way of `s` mm.
+fn speed_at(change: &SpeedChange, s: f64) -> f64 {
+    let time = search::largest(change.duration(), s, |t| change.at(t).s);
+    change.at(time).v
+}
