@@ -29,6 +29,17 @@ const fn slot(letter: char) -> usize {
     }
 }
 
+/// The bits of some letters.
+pub const fn letter_bits(letters: &str) -> u32 {
+    let letters = letters.as_bytes();
+    let (mut bits, mut i) = (0, 0);
+    while i < letters.len() {
+        bits |= letter_bit(letters[i] as char);
+        i += 1;
+    }
+    bits
+}
+
 /// The letters of some bits of [`Block::present`], in the order of the alphabet.
 pub fn letters_of(bits: u32) -> impl Iterator<Item = char> {
     ('A'..='Z').chain(SPECIAL).filter(move |letter| bits & letter_bit(*letter) != 0)

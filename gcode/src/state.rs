@@ -85,8 +85,10 @@ pub struct State {
     pub retract_to_start: bool,
     /// G61, G64.
     pub path: PathMode,
-    /// G64 Q.
+    /// G64 Q, or P where Q was left out.
     pub naivecam: f64,
+    /// Q was not left out.
+    pub naivecam_programmed: bool,
     /// M7.
     pub mist: bool,
     /// M8.
@@ -169,6 +171,7 @@ impl State {
             retract_to_start: false,
             path: PathMode::Continuous(0.0),
             naivecam: 0.0,
+            naivecam_programmed: false,
             mist: false,
             flood: false,
             overrides: Overrides { feed: true, speed: true, adaptive: false, hold: false },

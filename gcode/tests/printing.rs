@@ -101,7 +101,7 @@ fn every_call_has_the_arguments_of_rs274() {
             Call::SetMotionControlMode(PathMode::Continuous(0.02)),
             "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.020000)",
         ),
-        (Call::SetNaivecamTolerance(0.02), "SET_NAIVECAM_TOLERANCE(0.0200)"),
+        (Call::SetNaivecamTolerance { tolerance: 0.02, programmed: false }, "SET_NAIVECAM_TOLERANCE(0.0200)"),
         (Call::ChangeTool(3), "CHANGE_TOOL()"),
         (Call::ChangeToolNumber(3), "CHANGE_TOOL_NUMBER(3)"),
         (

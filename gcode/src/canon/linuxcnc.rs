@@ -227,7 +227,9 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
                 self.lines.text(")");
             }
             Call::SetMotionControlMode(mode) => self.path_mode(mode),
-            Call::SetNaivecamTolerance(tolerance) => self.one_number("SET_NAIVECAM_TOLERANCE(", tolerance),
+            Call::SetNaivecamTolerance { tolerance, .. } => {
+                self.one_number("SET_NAIVECAM_TOLERANCE(", tolerance)
+            }
             _ => self.others(&call),
         }
         self.lines.end()

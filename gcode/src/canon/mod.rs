@@ -204,8 +204,13 @@ pub enum Call<'a> {
     EnableFeedHold(bool),
     /// G61, G61.1, G64.
     SetMotionControlMode(PathMode),
-    /// G64 Q.
-    SetNaivecamTolerance(f64),
+    /// G64: lines whose ends lie this near to one line may become one.
+    SetNaivecamTolerance {
+        /// Q, or P where it was left out.
+        tolerance: f64,
+        /// Q was given.
+        programmed: bool,
+    },
     /// M62, M63: output, with the next motion.
     SetMotionOutputBit(u32, bool),
     /// M64, M65: output, at once.

@@ -202,7 +202,7 @@ impl<W: Write> PlainPrinter<W> {
             }
             Call::UseToolLengthOffset(offset) => self.position("USE_TOOL_LENGTH_OFFSET(", &offset),
             Call::SetMotionControlMode(mode) => self.path_mode(mode),
-            Call::SetNaivecamTolerance(tolerance) => {
+            Call::SetNaivecamTolerance { tolerance, .. } => {
                 self.numbers("SET_NAIVECAM_TOLERANCE", &[tolerance * self.mm]);
             }
             _ => {

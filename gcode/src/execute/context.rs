@@ -30,6 +30,7 @@ struct Saved {
     spindle: Spindle,
     path: PathMode,
     naivecam: f64,
+    naivecam_programmed: bool,
     mist: bool,
     flood: bool,
     overrides: Overrides,
@@ -43,6 +44,7 @@ impl Saved {
             spindle: state.spindle,
             path: state.path,
             naivecam: state.naivecam,
+            naivecam_programmed: state.naivecam_programmed,
             mist: state.mist,
             flood: state.flood,
             overrides: state.overrides,
@@ -238,7 +240,9 @@ fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
         PathMode::ExactStop => G(611),
         PathMode::Continuous(tolerance) => {
             block.add('P', tolerance, nowhere)?;
-            block.add('Q', saved.naivecam, nowhere)?;
+            if saved.naivecam_programmed {
+                block.add('Q', saved.naivecam, nowhere)?;
+            }
             G(640)
         }
     };

@@ -134,9 +134,15 @@ fn path(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     out.call(Call::SetMotionControlMode(mode))?;
     if let PathMode::Continuous(tolerance) = mode {
         state.naivecam = given('Q').unwrap_or(tolerance);
-        out.call(Call::SetNaivecamTolerance(state.naivecam))?;
+        state.naivecam_programmed = given('Q').is_some();
+        out.call(merge(state))?;
     }
     Ok(())
+}
+
+/// What is in force of G64 Q.
+pub(super) fn merge(state: &State) -> Call<'static> {
+    Call::SetNaivecamTolerance { tolerance: state.naivecam, programmed: state.naivecam_programmed }
 }
 
 fn retract(code: G, state: &mut State, out: &mut Output) -> Done {

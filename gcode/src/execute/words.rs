@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::block::letter_bit;
+use crate::block::{letter_bit, letter_bits as bits};
 use crate::codes::{G, M};
 use crate::problem::Blame;
 
@@ -47,16 +47,6 @@ impl Words {
             Code::M(code) => Blame::M(code),
         }
     }
-}
-
-const fn bits(letters: &str) -> u32 {
-    let letters = letters.as_bytes();
-    let (mut bits, mut i) = (0, 0);
-    while i < letters.len() {
-        bits |= letter_bit(letters[i] as char);
-        i += 1;
-    }
-    bits
 }
 
 /// Codes in tenths, the words they use, the words they need.

@@ -7,11 +7,12 @@
 //! | G98 G99 | G94 G95 | | G50 X Z | G92 X Z |
 //! | G96 S, G50 S | G96 S D | | U W | X Z, absolute |
 //! | G04 X U P | G4 P | | G10 L2, G28, G30, G52, G53 | the same |
+//! | G61, G64 | G61.1, G64 | | G09 | G61.1 for one block |
 
 use super::codes::Deed;
 use super::corner::{self, Pending};
 use super::line::Line;
-use super::{Done, once, pecks, rates, single, threads, tool};
+use super::{Done, once, pecks, rates, single, stops, threads, tool};
 use crate::block::Block;
 use crate::canon::{Place, Position, X, Z};
 use crate::codes::{G, M, group, m_group};
@@ -129,6 +130,7 @@ fn rest(
     rates::spindle(line, modal, equivalent, state, out)?;
     rates::feed(line, deed, modal, equivalent, state, out)?;
     modes(line, modal, equivalent, state)?;
+    stops::modal(line, state, out)?;
     if let Some(code) = line.block.g(group::MOTION) {
         if code != modal.motion {
             modal.single = single::Words::default();
@@ -138,11 +140,13 @@ fn rest(
     // U and W count from the point as these modes show it.
     execute::execute(equivalent, state, out)?;
     begin(line, equivalent);
+    stops::begin(line, deed, state, out)?;
     let Deed::G(code) = deed else { return Ok(()) };
     match code.0 {
         0 | 10 | 20 | 30 => {
             let end = target(line, corner.unwrap_or(state.position))?;
-            travel(code, line, end, modal, equivalent, state, out)
+            travel(code, line, end, modal, equivalent, state, out)?;
+            stops::end(line, modal, state, out)
         }
         40 | 100 | 280 | 300 | 500 | 520 | 530 => {
             once::once(code, line, modal, equivalent, state)?;

@@ -2,15 +2,17 @@
 //! name.
 
 use super::line::Line;
-use crate::block::{letter_bit, letters_of};
+use crate::block::{letter_bits as bits, letters_of};
 use crate::codes::{G, M, group, m_group as groups};
 use crate::problem::{Blame, Problem, Span, short};
 
 /// G65, G66: the group of macro calls.
 pub(super) const MACRO: usize = 4;
+/// G09: stop at the end of the block.
+pub(super) const EXACT_STOP: usize = 11;
 /// Groups of codes that end what never begins here: drilling cycles G80, modal macros G67, mirrored turrets G69, the
 /// driven C axis G13.1 (G113).
-const ENDS: &[(&[u16], usize)] = &[(&[800], 10), (&[670], 3), (&[690], 9), (&[131, 1130], 13)];
+const ENDS: &[(&[u16], usize)] = &[(&[800], 10), (&[670], 3), (&[690], 9), (&[131, 1130], 8)];
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
 
@@ -39,6 +41,8 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         0 | 10 | 20 | 30 | 320 | 900 | 920 | 940 => group::MOTION,
         180 => group::PLANE,
         650 => MACRO,
+        90 => EXACT_STOP,
+        610 | 640 => group::PATH,
         960 | 970 => group::SPINDLE_MODE,
         980 | 990 => group::FEED_MODE,
         200 | 210 => group::UNITS,
@@ -99,16 +103,6 @@ pub(super) fn argument(letter: u8) -> usize {
         b'h' => 11,
         _ => usize::from(letter.saturating_sub(b'a')) + 1,
     }
-}
-
-const fn bits(letters: &str) -> u32 {
-    let letters = letters.as_bytes();
-    let (mut bits, mut i) = (0, 0);
-    while i < letters.len() {
-        bits |= letter_bit(letters[i] as char);
-        i += 1;
-    }
-    bits
 }
 
 /// Words that name a point.

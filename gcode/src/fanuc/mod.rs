@@ -26,6 +26,7 @@ mod pecks;
 mod rates;
 mod reading;
 mod single;
+mod stops;
 mod threads;
 mod tool;
 mod variables;

@@ -171,3 +171,19 @@ fn corner_moves_keep_the_line_they_stand_in() {
     let record = sound("S500 M03\nG00 X20. Z0.\nG01 Z-20. ,C2. F0.1\nX40.");
     assert_eq!(record.lines, [2, 3, 3, 4]);
 }
+
+#[test]
+fn g61_stops_until_g64_and_g09_stops_once() {
+    let (exact, on) = ("ExactStop", "Continuous(0.0)");
+    assert_eq!(
+        moves("G00 X10. Z0.\nG09 X12.\nX14.\nG61\nG09 Z-5.\nG64 Z-6."),
+        ["G0 5 0", exact, "G0 6 0", on, "G0 7 0", exact, "G0 7 -5", on, "G0 7 -6"]
+    );
+}
+
+#[test]
+fn g09_without_a_move_is_refused() {
+    assert_eq!(errors("G09"), [(1, "no-effect")]);
+    assert_eq!(errors("G98 G01 X10. F100.\nG09 G01 X20. ,C1.\nZ-5."), [(2, "not-available")]);
+    assert_eq!(errors("G09 G28 U0."), [(1, "no-effect")]);
+}

@@ -6,7 +6,7 @@ use gcode::{Call, Diagnostic, Dialect, Options, Place, Problem, Program, Sink, S
 /// Everything that a program asks for.
 #[derive(Default)]
 pub(crate) struct Record {
-    /// Moves, threads, dwells and stops.
+    /// Moves, threads, dwells, stops and path modes.
     pub(crate) moves: Vec<String>,
     /// Everything else.
     pub(crate) others: Vec<String>,
@@ -35,6 +35,7 @@ impl Sink for Record {
             Call::ThreadCycle(cycle) => format!("{cycle:?}"),
             Call::Dwell(seconds) => format!("dwell {}", n(seconds)),
             Call::ProgramStop => "M0".into(),
+            Call::SetMotionControlMode(mode) => format!("{mode:?}"),
             other => {
                 self.others.push(format!("{other:?}"));
                 return Ok(());

@@ -54,3 +54,18 @@ fn inch_threads_are_the_same_in_both_dialects() {
     let there = linuxcnc("G20 G97 S400 M3\nG0 X1.2 Z0.3\nG76 P0.0769 Z-1 I-0.2001 J0.024 K0.101 R2 Q30 H1");
     assert_eq!(here[1], there[1]);
 }
+
+#[test]
+fn g09_stops_its_own_move_of_a_compensated_contour() {
+    let contour = |stop: &str| {
+        let text =
+            format!("T0101\nS500 M03\nG42 G00 X20. Z1.\nG01 Z-10. F0.1\n{stop}Z-20.\nX30.\nG40 X42.\nM30\n");
+        let outcome = run(Program::from_text("O1", text, &with_tools(fanuc())));
+        assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
+        outcome.record.moves
+    };
+    let mut expected = contour("");
+    expected.insert(4, "Continuous(0.0)".into());
+    expected.insert(3, "ExactStop".into());
+    assert_eq!(contour("G09 "), expected);
+}

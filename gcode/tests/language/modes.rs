@@ -131,7 +131,7 @@ fn m72_restores_what_m70_saved() {
         "StartSpindle(Clockwise)",
         "SelectPlane(Xy)",
         "SetMotionControlMode(Continuous(0.1))",
-        "SetNaivecamTolerance(0.2)",
+        "SetNaivecamTolerance { tolerance: 0.2, programmed: true }",
         "Note(\"distance mode changed to absolute\")",
         "Note(\"retract mode set to old_z\")",
     ] {

@@ -34,6 +34,7 @@ impl Held {
             Call::StopSpindle => Held::Other(Call::StopSpindle),
             Call::OrientSpindle(angle, direction) => Held::Other(Call::OrientSpindle(angle, direction)),
             Call::WaitSpindleOrient(time) => Held::Other(Call::WaitSpindleOrient(time)),
+            Call::SetMotionControlMode(mode) => Held::Other(Call::SetMotionControlMode(mode)),
             Call::MistOn => Held::Other(Call::MistOn),
             Call::MistOff => Held::Other(Call::MistOff),
             Call::FloodOn => Held::Other(Call::FloodOn),

@@ -19,7 +19,7 @@ use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
-use super::{Done, Output, feed, integer, straight};
+use super::{Done, Output, feed, integer, modes, straight};
 use hole::{Bar, Hole, Strokes};
 
 /// What canned cycles keep from block to block.
@@ -270,7 +270,7 @@ impl Pattern {
         state.position[along] = self.hole.clear;
         if !exact {
             out.call(Call::SetMotionControlMode(state.path))?;
-            out.call(Call::SetNaivecamTolerance(state.naivecam))?;
+            out.call(modes::merge(state))?;
         }
         Ok(())
     }
