@@ -1,16 +1,11 @@
 //! What begins at rest: the next item of the program.
 
 use protocol::{
-    Arc, AxisCommand, Code, Cycle, Fault, Feed, MachineStatus, Panel, PerAxis, Position, Setpoint,
-    ThreadPass, frame::SETPOINT_LEAD,
+    AxisCommand, Code, Cycle, Fault, MachineStatus, Panel, PerAxis, Setpoint, ThreadPass,
+    frame::SETPOINT_LEAD,
 };
 
-use crate::{
-    In, Interpolator,
-    block::Block,
-    pace::Step,
-    task::{Move, Task},
-};
+use crate::{In, Interpolator, interpolator::ends, task::Task};
 
 /// Items without motion that one tick may work off.
 const ITEMS_PER_TICK: usize = 8;
@@ -22,45 +17,36 @@ const ARMING_TICKS: u64 = 4;
 /// Farthest the axes may be from the start of a pass and still be led there by a move of its own, mm.
 const START_REACH_MM: f64 = 0.01;
 
-/// How a move starts.
-struct Start {
-    /// Feed of the plan, mm/s.
-    mm_s: f64,
-    /// Pace it starts with, 0 to 1.
-    ratio: f64,
-    /// The plan is for this multiple of the programmed feed.
-    planned_ratio: f64,
-    /// Speed of the spindle, 1/min.
-    rpm: f64,
-}
-
 impl Interpolator {
     /// At rest: works off items until one takes time.
     pub(crate) fn begin(&mut self, input: &In, cycle: Cycle, due: Cycle) -> (PerAxis<Setpoint>, AxisCommand) {
         let resting = (self.rest(due), AxisCommand::Stream);
         let panel = &input.measurement.panel;
-        if panel.pressed(Panel::STOP) {
+        if ends(panel) {
             self.stopped = true;
             self.end();
+            return resting;
+        }
+        if self.travel.waits(panel) {
+            self.waited = 0;
             return resting;
         }
         for _ in 0..ITEMS_PER_TICK {
             self.next = self.next.or_else(|| self.queue.pop());
             let Some(item) = self.next else { return resting };
-            let moves = matches!(item.code, Code::Line { .. } | Code::Arc { .. } | Code::Pass(_));
+            let moves = item.is_move() || matches!(item.code, Code::Pass(_));
             if moves && panel.pressed(Panel::FEED_HOLD) {
                 self.waited = 0;
                 return resting;
             }
             self.line = item.line;
             match item.code {
-                Code::Line { target, feed } if !self.begin_line(&target, feed, panel) => return resting,
-                Code::Arc { arc, feed } if !self.begin_arc(&arc, feed, panel) => return resting,
-                Code::Line { .. } | Code::Arc { .. } => {
-                    if let Task::Moving(motion) = &self.task {
-                        let first = Step { tau: 0.0, ratio: 0.0, ratio_rate: 0.0 };
-                        return (motion.block.setpoints(due, &first), AxisCommand::Stream);
+                Code::Line { feed, .. } | Code::Arc { feed, .. } => {
+                    if !self.may_feed(feed) {
+                        return resting;
                     }
+                    self.task = Task::Moving;
+                    return (self.go_on(panel, due), AxisCommand::Stream);
                 }
                 Code::Dwell { seconds } => {
                     let left = (seconds / self.machine.machine.interpolator_cycle_s).ceil() as u64;
@@ -68,7 +54,7 @@ impl Interpolator {
                     self.next = None;
                     return resting;
                 }
-                Code::PathMode(_) => {} // until the look-ahead takes it: every move ends at rest
+                Code::PathMode(mode) => self.travel.route.set_mode(mode),
                 Code::Spindle { mode, speed } => self.spindle.program(mode, speed),
                 Code::Tool { .. } => {}
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
@@ -91,61 +77,6 @@ impl Interpolator {
         resting
     }
 
-    /// Plans a line; false if it has to wait for the spindle, or cannot be.
-    fn begin_line(&mut self, target: &PerAxis<Position>, feed: Feed, panel: &Panel) -> bool {
-        if !self.machine.can_reach(target) {
-            self.enter_fault(Fault::TravelLimit);
-            return false;
-        }
-        let Some(start) = self.start(feed, panel) else { return false };
-        match Block::line(&self.machine, &self.here, target, start.mm_s, start.ratio) {
-            Some(block) => self.set_off(block, feed, &start),
-            None => self.here = *target,
-        }
-        true
-    }
-
-    /// Plans an arc; false if it has to wait for the spindle, or cannot be.
-    fn begin_arc(&mut self, arc: &Arc, feed: Feed, panel: &Panel) -> bool {
-        let Ok(corners) = arc.bounds(&self.here) else {
-            self.enter_fault(Fault::BadMachineCode);
-            return false;
-        };
-        if !corners.iter().all(|corner| self.machine.can_reach(corner)) {
-            self.enter_fault(Fault::TravelLimit);
-            return false;
-        }
-        let Some(start) = self.start(feed, panel) else { return false };
-        match Block::arc(&self.machine, &self.here, arc, start.mm_s, start.ratio) {
-            Ok(block) => self.set_off(block, feed, &start),
-            Err(_) => self.enter_fault(Fault::BadMachineCode),
-        }
-        true
-    }
-
-    /// The feed a move can start with; `None` while it has to wait for the spindle.
-    fn start(&self, feed: Feed, panel: &Panel) -> Option<Start> {
-        let rpm = self.spindle.observed().abs();
-        if feed != Feed::Rapid && !self.spindle.at_speed()
-            || matches!(feed, Feed::PerRevolution(_)) && rpm < 1.0
-        {
-            return None;
-        }
-        let planned_ratio = asked(feed, panel).max(1.0);
-        let mm_s = match feed {
-            Feed::Rapid => f64::INFINITY,
-            Feed::PerMinute(feed) => feed / 60.0 * planned_ratio,
-            Feed::PerRevolution(feed) => feed * rpm / 60.0 * planned_ratio,
-        };
-        Some(Start { mm_s, ratio: asked(feed, panel) / planned_ratio, planned_ratio, rpm })
-    }
-
-    fn set_off(&mut self, block: Block, feed: Feed, start: &Start) {
-        let Start { planned_ratio, rpm, .. } = *start;
-        self.task = Task::Moving(Move { block, feed, planned_ratio, planned_rpm: rpm, clamped: false });
-        self.next = None;
-    }
-
     /// A pass is next: leads the axes to its start, waits for speed and rest, then arms every axis.
     fn begin_pass(&mut self, input: &In, cycle: Cycle, pass: &ThreadPass) -> AxisCommand {
         let mut start = self.here;
@@ -159,9 +90,7 @@ impl Interpolator {
             return AxisCommand::Hold;
         }
         if start != self.here {
-            let pending = self.next;
-            self.begin_line(&start, Feed::Rapid, &input.measurement.panel);
-            self.next = pending;
+            self.lead_to(&start);
             return AxisCommand::Stream;
         }
         if !self.machine.can_follow(pass) {
@@ -193,13 +122,4 @@ impl Interpolator {
             law: protocol::AxisLaw::default(),
         }
     }
-}
-
-/// The multiple of the programmed feed that the panel asks for. A value that is no number asks for a stop.
-pub(crate) fn asked(feed: Feed, panel: &Panel) -> f64 {
-    let (pct, top) = match feed {
-        Feed::Rapid => (panel.rapid_override_pct, 100.0),
-        Feed::PerMinute(_) | Feed::PerRevolution(_) => (panel.feed_override_pct, 200.0),
-    };
-    if pct.is_finite() { pct.clamp(0.0, top) / 100.0 } else { 0.0 }
 }

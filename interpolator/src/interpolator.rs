@@ -1,17 +1,12 @@
 //! The upper level: one tick each interpolator cycle.
 
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisState, AxisStatus, Code, CodePacket, Cycle, DriveState, Fault, Feed,
-    Item, Machine, MachineStatus, Measurement, Panel, PerAxis, Position, Refused, Setpoint, SpindleCommand,
-    SpindleMode, SpindleSpeed, StatusWord, ThreadPass, frame::SETPOINT_LEAD, units::AXES,
+    Axis, AxisCommand, AxisFrame, AxisState, AxisStatus, Code, CodePacket, Cycle, DriveState, Fault, Item,
+    Machine, MachineState, MachineStatus, Measurement, Panel, PerAxis, Position, Refused, Setpoint,
+    SpindleCommand, SpindleMode, SpindleSpeed, StatusWord, ThreadPass, frame::SETPOINT_LEAD, units::AXES,
 };
 
-use crate::{
-    begin::asked,
-    queue::Queue,
-    spindle::Spindle,
-    task::{Move, Task},
-};
+use crate::{queue::Queue, spindle::Spindle, task::Task, travel::Travel};
 
 /// Longest wait for drives, spindle, rest or index before it is a fault, s; three turns of the spindle are added.
 const PATIENCE_S: f64 = 30.0;
@@ -52,8 +47,7 @@ pub struct Interpolator {
     /// Bits of [`MachineStatus::coolant`].
     pub(crate) coolant: u16,
     pub(crate) index_not_before: Cycle,
-    moves: u64,
-    clamped: u32,
+    pub(crate) travel: Travel,
     pub(crate) waited: u64,
     /// Ticks for which the spindle has hardly turned although it shall.
     stalled: u64,
@@ -82,8 +76,7 @@ impl Interpolator {
             depth_mm: 0.0,
             coolant: 0,
             index_not_before: Cycle(0),
-            moves: 0,
-            clamped: 0,
+            travel: Travel::new(machine),
             waited: 0,
             stalled: 0,
             stopped: false,
@@ -135,10 +128,16 @@ impl Interpolator {
         self.waited = if self.spindle.held() { 0 } else { self.waited + 1 };
         self.stalled = if self.spindle.stalls() { self.stalled + 1 } else { 0 };
         let before = self.task.public();
-        if let Some(fault) = self.fault(input) {
-            self.enter_fault(fault);
+        match self.fault(input) {
+            // What does not stop the axes by itself stops them on their path.
+            Some(fault) if matches!(self.task, Task::Moving) && fault != Fault::AxisFault => {
+                self.travel.fault.get_or_insert(fault);
+            }
+            Some(fault) => self.enter_fault(fault),
+            None => {}
         }
         let (setpoints, command) = self.work(input, cycle);
+        self.spindle.at_x(self.here[Axis::X.index()]);
         self.spindle.at_x(self.here[Axis::X.index()]);
         if self.task.public() != before {
             self.waited = 0;
@@ -213,14 +212,14 @@ impl Interpolator {
                 (self.rest(due), AxisCommand::Stream)
             }
             Task::Ready => self.begin(input, cycle, due),
-            Task::Moving(motion) => (self.go_on(motion, panel, due), AxisCommand::Stream),
+            Task::Moving => (self.go_on(panel, due), AxisCommand::Stream),
             Task::Dwelling { left } => {
-                let over = left <= 1 || panel.pressed(Panel::STOP);
+                let over = left <= 1 || ends(panel);
                 self.task = if over { Task::Ready } else { Task::Dwelling { left: left - 1 } };
                 (self.rest(due), AxisCommand::Stream)
             }
             Task::Paused { cycle_starts } => {
-                if panel.cycle_starts != cycle_starts || panel.pressed(Panel::STOP) {
+                if panel.cycle_starts != cycle_starts || ends(panel) {
                     self.task = Task::Ready;
                 }
                 (self.rest(due), AxisCommand::Stream)
@@ -247,30 +246,6 @@ impl Interpolator {
         }
     }
 
-    fn go_on(&mut self, mut motion: Move, panel: &Panel, due: Cycle) -> PerAxis<Setpoint> {
-        let held = panel.pressed(Panel::FEED_HOLD) || panel.pressed(Panel::STOP);
-        let mut ratio = if held { 0.0 } else { asked(motion.feed, panel) / motion.planned_ratio };
-        if let Feed::PerRevolution(_) = motion.feed {
-            let rpm = self.spindle.observed().abs();
-            // The feed follows the spindle in steps of 2 %, each of them smooth.
-            ratio *= (rpm / motion.planned_rpm * 50.0).round() / 50.0;
-        }
-        let (step, clamped) = motion.block.advance(self.machine.machine.interpolator_cycle_s, ratio);
-        self.clamped += u32::from(clamped && !motion.clamped);
-        motion.clamped = clamped;
-        let setpoints = motion.block.setpoints(due, &step);
-        self.here = motion.block.here();
-        self.task = Task::Moving(motion);
-        if motion.block.done() {
-            self.moves += 1;
-            self.task = Task::Ready;
-        } else if panel.pressed(Panel::STOP) && motion.block.holds() {
-            self.stopped = true;
-            self.end();
-        }
-        setpoints
-    }
-
     /// Two ticks after arming every axis must have said so; else the pass is called off everywhere, in time.
     fn watch_arming(&mut self, input: &In, cycle: Cycle, pass: ThreadPass, sent: Cycle) -> AxisCommand {
         if cycle < sent.after(2 * self.machine.cycles_per_tick()) {
@@ -290,7 +265,7 @@ impl Interpolator {
     /// axis moves ten control cycles after that index, and the frame that calls the pass off acts before.
     fn watch_pass(&mut self, input: &In, pass: &ThreadPass) -> AxisCommand {
         let panel = &input.measurement.panel;
-        if !self.begun(input) && (panel.pressed(Panel::FEED_HOLD) || panel.pressed(Panel::STOP)) {
+        if !self.begun(input) && (panel.pressed(Panel::FEED_HOLD) || ends(panel)) {
             self.next = Some(Item { line: self.line, code: Code::Pass(*pass) });
             self.task = Task::Ready;
             return AxisCommand::CallOff;
@@ -311,6 +286,14 @@ impl Interpolator {
             .any(|status| status.state > AxisState::Armed as u32 && status.state < AxisState::Fault as u32)
     }
 
+    /// The state as others see it.
+    fn state(&self) -> MachineState {
+        match self.task.public() {
+            MachineState::Moving | MachineState::Ready if self.travel.waits.is_some() => MachineState::Paused,
+            state => state,
+        }
+    }
+
     pub(crate) fn end(&mut self) {
         self.switch_off();
         self.task = Task::Ending;
@@ -318,9 +301,14 @@ impl Interpolator {
 
     /// Spindle and coolant; nothing more begins.
     fn switch_off(&mut self) {
+        self.spindle_and_coolant_off();
+        self.travel.clear();
+        self.next = None;
+    }
+
+    pub(crate) fn spindle_and_coolant_off(&mut self) {
         self.spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
         self.coolant = 0;
-        self.next = None;
     }
 
     pub(crate) fn statuses<'a>(&self, input: &In<'a>) -> impl Iterator<Item = &'a AxisStatus> + use<'a> {
@@ -355,28 +343,33 @@ impl Interpolator {
             finished: u32::from(self.finished()),
             line: self.line,
             pass: pass.map_or(0, |pass| pass.pass),
-            paused: u32::from(matches!(self.task, Task::Paused { .. })),
+            paused: u32::from(self.state() == MachineState::Paused),
             index_not_before: self.index_not_before,
             direction: pass.map_or(0.0, |pass| pass.direction),
         };
         let status = MachineStatus {
             cycle,
-            state: self.task.public() as u32,
+            state: self.state() as u32,
             fault,
             line: self.line,
             pass: self.pass,
-            moves: self.moves,
-            taken: self.queue.taken(),
-            overrides_clamped: self.clamped + self.spindle.clamped(),
+            moves: self.travel.moves,
+            taken: self.queue.taken().saturating_sub(self.travel.pending()),
+            overrides_clamped: self.spindle.clamped(),
             stopped: u16::from(self.stopped),
             coolant: self.coolant,
             spindle_rpm: self.spindle.commanded(),
             spindle_override_pct: self.spindle.override_pct(),
             feed_override_pct: panel.feed_override_pct,
             depth_mm: self.depth_mm,
-            starved: 0, // until the look-ahead counts it
+            starved: self.travel.starved,
             reserved: 0,
         };
         Out { frames, spindle, status }
     }
+}
+
+/// Whether the operator ends the program.
+pub(crate) fn ends(panel: &Panel) -> bool {
+    panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT)
 }

@@ -1,14 +1,13 @@
 //! Machine code in, setpoints and passes out.
 //!
 //! Every interpolator cycle an [`Interpolator`] takes the measurement and the status of the axes, and answers with one
-//! frame per axis, a spindle command and its own status. Timed moves are planned block by block, at rest in between;
+//! frame per axis, a spindle command and its own status. Timed moves are planned ahead over chains of up to a thousand;
 //! a pass of a thread is armed on every axis, watched, and needs nothing more from here once it has begun.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`queue`] | items waiting, with credit |
-//! | [`block`] | one straight move on the sin²-jerk feed profile, within every axis' limits |
-//! | [`pace`] | live overrides and feed hold: how fast path time runs |
+//! | `travel` | timed motion: the chain of moves, overrides, hold, single block |
 //! | [`spindle`] | programmed speed, override and its ceiling, at speed |
 //! | `task` | what the interpolator is doing, as one enum |
 //! | `begin` | the next item of the program |
@@ -16,12 +15,11 @@
 #![forbid(unsafe_code)]
 
 mod begin;
-pub mod block;
 mod interpolator;
-pub mod pace;
 pub mod queue;
 pub mod shell;
 pub mod spindle;
 mod task;
+mod travel;
 
 pub use interpolator::{In, Interpolator, Out};

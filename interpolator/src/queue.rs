@@ -52,6 +52,11 @@ impl Queue {
         self.received
     }
 
+    /// Whether the end of the program has come in.
+    pub fn ended(&self) -> bool {
+        self.ended
+    }
+
     /// Whether nothing waits.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()

@@ -8,8 +8,9 @@
 //! | Ready | a pause is next | Paused |
 //! | Ready | a pass is next, spindle at speed, axes at its start and in position | Arming |
 //! | Ready | the program ends, or the operator stops it | Ending |
-//! | Moving | the end of the block | Ready |
-//! | Moving | stop, and the pace has come to zero | Ending |
+//! | Moving | the end of the chain of moves | Ready |
+//! | Moving | stop or abort, and the axes stand on their path | Ending |
+//! | Moving | a move that cannot be made, and the axes stand before it | Fault |
 //! | Dwelling | time over | Ready |
 //! | Paused | cycle start, or stop | Ready |
 //! | Arming | every axis armed two ticks later | Threading |
@@ -18,9 +19,7 @@
 //! | Ending | the spindle stands | Ended |
 //! | any | an axis faults, bad machine code, a wait without end | Fault |
 
-use protocol::{Cycle, Fault, Feed, MachineState, ThreadPass};
-
-use crate::block::Block;
+use protocol::{Cycle, Fault, MachineState, ThreadPass};
 
 /// What the interpolator is doing.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +29,8 @@ pub(crate) enum Task {
     Starting,
     /// At rest, the next item may begin.
     Ready,
-    /// A block is under way.
-    Moving(Move),
+    /// A chain of moves is under way.
+    Moving,
     /// Waits so many ticks.
     Dwelling {
         /// Ticks left.
@@ -67,28 +66,13 @@ pub(crate) enum Task {
     },
 }
 
-/// A block under way.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Move {
-    /// The plan.
-    pub(crate) block: Block,
-    /// Its feed.
-    pub(crate) feed: Feed,
-    /// The plan is for this multiple of the programmed feed.
-    pub(crate) planned_ratio: f64,
-    /// The plan is for this spindle speed, 1/min (feed per revolution).
-    pub(crate) planned_rpm: f64,
-    /// The ratio asked for last was clamped.
-    pub(crate) clamped: bool,
-}
-
 impl Task {
     /// The state as others see it.
     pub(crate) fn public(&self) -> MachineState {
         match self {
             Task::Starting => MachineState::Starting,
             Task::Ready => MachineState::Ready,
-            Task::Moving(_) => MachineState::Moving,
+            Task::Moving => MachineState::Moving,
             Task::Dwelling { .. } => MachineState::Waiting,
             Task::Paused { .. } => MachineState::Paused,
             Task::Arming { .. } | Task::Threading { .. } => MachineState::Threading,

@@ -60,7 +60,7 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
     for item in &mut interpreter {
         match item {
             Ok(item) => {
-                clock.add(&item.code);
+                clock.add(item.line, &item.code);
                 check.count += 1;
                 check.moves += u64::from(item.is_move());
                 each(item);
@@ -74,6 +74,7 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
             break;
         }
     }
+    clock.finish();
     if clock.seconds() > LONGEST_S {
         check.diagnostics.push(interpreter.endless());
     }

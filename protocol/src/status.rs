@@ -76,11 +76,12 @@ pub enum Fault {
     TravelLimit = 13,
     MeasurementGap = 14,
     EncoderPlausibility = 15,
+    PlanRejected = 16,
 }
 
 impl Fault {
     /// Every fault in the order of its code, which starts at 1.
-    pub const ALL: [Fault; 15] = [
+    pub const ALL: [Fault; 16] = [
         Fault::FollowingError,
         Fault::ThreadError,
         Fault::StreamStarved,
@@ -96,6 +97,7 @@ impl Fault {
         Fault::TravelLimit,
         Fault::MeasurementGap,
         Fault::EncoderPlausibility,
+        Fault::PlanRejected,
     ];
 
     /// The fault of a code; `None` for 0 and for what this version does not know.
@@ -121,6 +123,7 @@ impl Fault {
             Fault::TravelLimit => "travel-limit",
             Fault::MeasurementGap => "measurement-gap",
             Fault::EncoderPlausibility => "encoder-plausibility",
+            Fault::PlanRejected => "plan-rejected",
         }
     }
 
@@ -147,6 +150,9 @@ impl Fault {
             Fault::MeasurementGap => "a measurement is missing or out of order",
             Fault::EncoderPlausibility => {
                 "counts between two indexes do not match the spindle encoder's lines"
+            }
+            Fault::PlanRejected => {
+                "a planned motion did not keep its limits or its target when it was checked; the machine stopped"
             }
         }
     }

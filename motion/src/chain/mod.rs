@@ -40,7 +40,9 @@ pub const BLOCKS: usize = 1024;
 /// A block takes at least this share of a cycle: so one cycle passes a bounded number of blocks.
 const LEAST_CYCLES: f64 = 0.125;
 /// Highest multiple of a programmed feed that overrides can ask for.
-const MOST_RATIO: f64 = 2.0;
+pub const MOST_RATIO: f64 = 2.0;
+/// Ways that differ by less are one, mm.
+const SAME: f64 = 1e-9;
 /// Slowest feed, mm/s: a millimetre in a quarter of an hour.
 const LEAST_FEED: f64 = 1e-3;
 
@@ -219,6 +221,12 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.pieces.is_empty() && self.tail.is_none()
     }
 
+    /// Blocks that are not completed.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pieces.len() + usize::from(self.tail.is_some())
+    }
+
     /// Whether a block can be appended now: there is room, and the chain has not been closed.
     #[must_use]
     pub fn has_room(&self) -> bool {
@@ -294,17 +302,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         (self.completed, self.starved, self.rejected) = (0, false, false);
         self.steer(ask);
         let sample = self.law.at(self.t);
-        let mut s = self.along + sample.s;
-        while let Some(front) = self.pieces.front() {
-            let length = front.block.path.length();
-            if s < length || self.pieces.len() == 1 {
-                s = s.min(length);
-                break;
-            }
-            (s, self.along) = (s - length, self.along - length);
-            self.completed += 1;
-            self.pieces.pop_front();
-        }
+        let s = self.place(sample.s);
         let front = self.pieces.front().or(self.tail.as_ref())?;
         let along = Sample { s, ..sample };
         let step = Step {
@@ -318,13 +316,61 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         Some(self.finished(step))
     }
 
+    /// Goes on to the end of the law in hand, for the sake of the time that takes, s. `None` if there is nothing to do.
+    /// The caller has closed the chain or filled it, so that it does not wait.
+    pub fn skip(&mut self, ask: &Ask) -> Option<f64> {
+        if self.is_empty() {
+            return None;
+        }
+        let time = self.leap(ask);
+        self.place(self.law.at(self.t).s);
+        if self.is_over() {
+            self.clear();
+        }
+        Some(time)
+    }
+
+    /// The block in which the machine is.
+    #[must_use]
+    pub fn here(&self) -> Option<&T> {
+        self.pieces.front().or(self.tail.as_ref()).map(|piece| &piece.block.tag)
+    }
+
+    /// Where on the front block the machine is when it has gone `way` mm in the law; leaves the blocks behind that are
+    /// completed.
+    fn place(&mut self, way: f64) -> f64 {
+        // At rest the end of a block is passed where it is reached but for rounding.
+        let slack = if self.rests() { SAME } else { 0.0 };
+        let mut s = self.along + way;
+        while let Some(front) = self.pieces.front() {
+            let length = front.block.path.length();
+            if s < length - slack || self.pieces.len() == 1 {
+                return s.min(length);
+            }
+            (s, self.along) = (s - length, self.along - length);
+            self.completed += 1;
+            self.pieces.pop_front();
+        }
+        s
+    }
+
+    fn is_over(&self) -> bool {
+        self.closed && self.rests() && self.sections.front().is_none()
+    }
+
     /// At the very end of a closed chain: counts its last block, and forgets it.
     fn finished(&mut self, mut step: Step<N, T>) -> Step<N, T> {
-        if self.closed && matches!(self.law, Law::Rest) && self.sections.front().is_none() {
+        if self.is_over() {
             step.completed += 1;
             self.clear();
         }
         step
+    }
+
+    /// Whether it stands, wherever it is on its path.
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        matches!(self.law, Law::Rest)
     }
 
     /// Forgets every block; the machine stands.

@@ -13,7 +13,7 @@
 
 use super::law::{Law, Promise};
 use super::section::Section;
-use super::{Ask, Chain};
+use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
 use crate::feed::{FeedBlock, junction_distance};
 use crate::limits::Limits;
@@ -24,8 +24,6 @@ use crate::search;
 const MOST_LAWS: usize = 64;
 /// Most sections that a change of speed may cross.
 const MOST_CROSSED: usize = 256;
-/// Speeds and ways that differ by less are one, relative and in mm.
-const SAME: f64 = 1e-9;
 /// Relative excess over a hard exit that rounding may leave, when a law is replaced just where it was to brake.
 const ROUNDED: f64 = 1e-8;
 /// A chain at rest waits for more blocks until it knows so many stopping distances.
@@ -34,10 +32,7 @@ const WAYS_KNOWN: f64 = 3.0;
 impl<const N: usize, T: Copy> Chain<N, T> {
     /// Goes on by one cycle of time.
     pub(super) fn steer(&mut self, ask: &Ask) {
-        if ask.ratios != self.ratios {
-            self.ratios = ask.ratios;
-            self.sections.touch_all();
-        }
+        self.take(ask);
         let mut left = self.settings.cycle_s;
         let mut refused = false;
         for _ in 0..MOST_LAWS {
@@ -61,6 +56,24 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             left -= (takes_over - self.t).max(0.0);
             self.t = self.t.max(takes_over);
             refused = !self.decide(ask, cap, slow && self.t < over);
+        }
+    }
+
+    /// Goes on to the end of the law in hand; the time it took.
+    pub(super) fn leap(&mut self, ask: &Ask) -> f64 {
+        self.take(ask);
+        self.run_dry(ask, 0.0);
+        self.sections.look_ahead(&self.ratios);
+        let left = if self.rests() { 0.0 } else { (self.law.duration() - self.t).max(0.0) };
+        self.t += left;
+        self.decide(ask, self.cap(ask), false);
+        left
+    }
+
+    fn take(&mut self, ask: &Ask) {
+        if ask.ratios != self.ratios {
+            self.ratios = ask.ratios;
+            self.sections.touch_all();
         }
     }
 
@@ -104,7 +117,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 
     /// Replaces the law in hand at its time `t`; false if it has to go on.
     fn decide(&mut self, ask: &Ask, cap: f64, slow: bool) -> bool {
-        let over = self.t >= self.law.duration();
+        let over = !self.rests() && self.t >= self.law.duration();
         let now = self.law.at(self.t);
         let (v, a, gone) =
             if over { (self.law.end_speed(), 0.0, self.law.way()) } else { (now.v, now.a, now.s) };
@@ -125,7 +138,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         } else if cap > 0.0 || v > 0.0 {
             match self.block(&front, v, cap, ask.single) {
                 Some(block) => self.law = Law::Block(block),
-                None => self.rejected = true,
+                None => {
+                    self.rejected = true;
+                    self.law = self.change(v, a, 0.0, 0.0).map_or(Law::Rest, Law::Change);
+                }
             }
         }
         true

@@ -1,0 +1,219 @@
+//! Timed motion: moves go from the queue into the chain that looks ahead, setpoints come out once a tick.
+//!
+//! A chain holds moves on which the same override acts. It ends before whatever else the program has: a dwell, the
+//! spindle, a pass, a move of the other kind. It ends, too, when no more machine code comes; the machine then stops on
+//! its path, the status counts it, and the next item begins a new chain.
+
+use motion::chain::{Ask, Chain, MOST_RATIO, Ratios};
+use protocol::{
+    Code, Cycle, Fault, Feed, Leg, Machine, Panel, PerAxis, Position, Route, Routed, Setpoint, units::AXES,
+};
+
+use crate::{Interpolator, interpolator::ends, task::Task};
+
+/// Most moves that one tick takes into the chain: more than the chain can leave behind in a tick.
+const MOVES_PER_TICK: usize = 32;
+
+/// Share by which the spindle's speed must change before the feed per revolution follows: its ripple and the noise of
+/// its encoder stay out of the axes.
+const SPINDLE_STEP: f64 = 0.01;
+
+/// The chain of moves, and what the operator and the spindle make of its feeds.
+#[derive(Clone, Debug)]
+pub(crate) struct Travel {
+    chain: Chain<AXES, Leg>,
+    pub(crate) route: Route,
+    /// The last move in the chain.
+    last: Option<Leg>,
+    /// Speed of the spindle that feeds per revolution follow, 1/s.
+    turns: f64,
+    /// How often it was short of machine code.
+    pub(crate) starved: u32,
+    /// Moves completed.
+    pub(crate) moves: u64,
+    /// Cycle starts pressed when a single block ended: the next one goes on.
+    pub(crate) waits: Option<u32>,
+    /// What ends the program once the machine stands.
+    pub(crate) fault: Option<Fault>,
+}
+
+impl Travel {
+    pub(crate) fn new(machine: &Machine) -> Travel {
+        Travel {
+            chain: Chain::new(Route::settings(machine)),
+            route: Route::new(machine),
+            last: None,
+            turns: 0.0,
+            starved: 0,
+            moves: 0,
+            waits: None,
+            fault: None,
+        }
+    }
+
+    /// Whether the machine stands, on its path or between chains.
+    pub(crate) fn rests(&self) -> bool {
+        self.chain.is_empty() || self.chain.rests()
+    }
+
+    /// Moves in the chain.
+    pub(crate) fn pending(&self) -> u64 {
+        self.chain.len() as u64
+    }
+
+    /// Forgets what is left of the chain. The machine stands.
+    pub(crate) fn clear(&mut self) {
+        self.chain.clear();
+        self.last = None;
+    }
+
+    /// The overrides of a panel. A value that is no number asks for a stop.
+    fn ratios(&mut self, panel: &Panel, rpm: f64) -> Ratios {
+        let share = |pct: f64, top: f64| if pct.is_finite() { (pct / 100.0).clamp(0.0, top) } else { 0.0 };
+        let turns = rpm.abs() / 60.0;
+        if (turns - self.turns).abs() > SPINDLE_STEP * self.turns {
+            self.turns = turns;
+        }
+        let feed = share(panel.feed_override_pct, MOST_RATIO);
+        Ratios { rapid: share(panel.rapid_override_pct, 1.0), feed, turns: self.turns * feed }
+    }
+
+    /// Whether single block waits for cycle start.
+    pub(crate) fn waits(&mut self, panel: &Panel) -> bool {
+        let waits = self.waits == Some(panel.cycle_starts);
+        if !waits {
+            self.waits = None;
+        }
+        waits
+    }
+}
+
+impl Interpolator {
+    /// Appends a move that begins where the last one ends; false if it has to wait, or cannot be made.
+    pub(crate) fn append(&mut self, line: u32, code: &Code) -> bool {
+        let from = self.travel.last.map_or(self.here, |last| last.to);
+        match self.travel.route.block(line, code, &from) {
+            Ok(Routed::Block(block)) => {
+                if self.travel.last.is_some_and(|last| !last.joins(&block.tag)) {
+                    return false;
+                }
+                self.travel.last = Some(block.tag);
+                self.travel.chain.push(block);
+                true
+            }
+            Ok(Routed::Nowhere) => {
+                if self.travel.last.is_none()
+                    && let Code::Line { target, .. } = code
+                {
+                    self.here = *target;
+                }
+                true
+            }
+            Ok(Routed::BeyondTravel) => {
+                self.travel.fault.get_or_insert(Fault::TravelLimit);
+                false
+            }
+            Err(_) => {
+                self.travel.fault.get_or_insert(Fault::BadMachineCode);
+                false
+            }
+        }
+    }
+
+    /// Takes moves out of the queue for as long as they belong to the chain.
+    fn take_moves(&mut self) {
+        for _ in 0..MOVES_PER_TICK {
+            if !self.travel.chain.has_room() {
+                return;
+            }
+            self.next = self.next.or_else(|| self.queue.pop());
+            let Some(item) = self.next else { return };
+            let taken = match item.code {
+                Code::Line { .. } | Code::Arc { .. } => self.append(item.line, &item.code),
+                Code::PathMode(mode) => {
+                    self.travel.route.set_mode(mode);
+                    true
+                }
+                _ => false,
+            };
+            if !taken {
+                return self.travel.chain.close();
+            }
+            self.next = None;
+        }
+    }
+
+    /// One tick of timed motion.
+    pub(crate) fn go_on(&mut self, panel: &Panel, due: Cycle) -> PerAxis<Setpoint> {
+        if self.travel.fault.is_none() {
+            self.take_moves();
+        }
+        let last = ends(panel) || self.travel.fault.is_some();
+        if panel.pressed(Panel::ABORT) {
+            self.spindle_and_coolant_off();
+        }
+        let ask = Ask {
+            ratios: self.travel.ratios(panel, self.spindle.observed()),
+            hold: last || panel.pressed(Panel::FEED_HOLD) || self.travel.waits(panel),
+            single: panel.pressed(Panel::SINGLE_BLOCK),
+            more: self.next.is_some() || !self.queue.is_empty(),
+        };
+        let Some(step) = self.travel.chain.tick(&ask) else {
+            self.arrive(panel);
+            return self.rest(due);
+        };
+        self.travel.moves += u64::from(step.completed);
+        self.travel.starved += u32::from(step.starved && !self.queue.ended());
+        if step.rejected {
+            self.travel.fault = Some(Fault::PlanRejected);
+        }
+        let leg = step.tag;
+        self.line = leg.line;
+        let over = self.travel.chain.is_empty();
+        let axis = |i: usize| {
+            let sample = &step.axes[i];
+            let position = if over { leg.to[i] } else { leg.from[i].moved(sample.s) };
+            let (velocity_mm_s, acceleration_mm_s2) = if over { (0.0, 0.0) } else { (sample.v, sample.a) };
+            Setpoint { cycle: due, position, velocity_mm_s, acceleration_mm_s2 }
+        };
+        let setpoints: PerAxis<Setpoint> = std::array::from_fn(axis);
+        self.here = setpoints.map(|setpoint| setpoint.position);
+        if ask.single && step.completed > 0 && self.travel.rests() {
+            self.travel.waits = Some(panel.cycle_starts);
+        }
+        if over || last && self.travel.rests() {
+            self.arrive(panel);
+        }
+        setpoints
+    }
+
+    /// The machine stands at the end of its chain, or on its path because the operator or a fault ends the program.
+    fn arrive(&mut self, panel: &Panel) {
+        self.travel.clear();
+        if let Some(fault) = self.travel.fault.take() {
+            self.enter_fault(fault);
+        } else if ends(panel) {
+            self.stopped = true;
+            self.end();
+        } else {
+            self.task = Task::Ready;
+        }
+    }
+
+    /// Whether a move may begin: a feed waits for the spindle.
+    pub(crate) fn may_feed(&self, feed: Feed) -> bool {
+        let turns = !matches!(feed, Feed::PerRevolution(_)) || self.spindle.observed().abs() >= 1.0;
+        feed == Feed::Rapid || self.spindle.at_speed() && turns
+    }
+
+    /// Where the machine would be led from here in a straight rapid, as the first move of a chain.
+    pub(crate) fn lead_to(&mut self, target: &PerAxis<Position>) {
+        let code = Code::Line { target: *target, feed: Feed::Rapid };
+        if self.append(self.line, &code) {
+            self.travel.chain.close();
+            self.task = Task::Moving;
+        } else {
+            self.enter_fault(Fault::TravelLimit);
+        }
+    }
+}
