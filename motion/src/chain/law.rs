@@ -12,6 +12,10 @@ use crate::sample::Sample;
 /// Relative error that a released law may have.
 pub(super) const ACCURACY: f64 = 1e-6;
 
+/// Accelerations below this, mm/s², are nothing: after hours at a creep the last bits of the time are as long as a pulse
+/// that changes the feed by its own last bits.
+const LEAST_ACCELERATION: f64 = 1e-3;
+
 /// Nodes and weights of the Gauss–Legendre quadrature with five points on [0, 1].
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_5),
@@ -155,7 +159,7 @@ impl Law {
             && forwards
             && near(s, *way, way.abs() + peak.v * 1e-3)
             && near(v, *end, peak.v + start.abs())
-            && near(a, 0.0, peak.a + acceleration.abs() + ACCURACY)
+            && near(a, 0.0, peak.a + acceleration.abs() + LEAST_ACCELERATION)
             && s.is_finite()
     }
 }
