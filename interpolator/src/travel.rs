@@ -109,15 +109,17 @@ impl Interpolator {
                 }
                 true
             }
-            Ok(Routed::BeyondTravel) => {
-                self.travel.fault.get_or_insert(Fault::TravelLimit);
-                false
-            }
-            Err(_) => {
-                self.travel.fault.get_or_insert(Fault::BadMachineCode);
-                false
-            }
+            Ok(Routed::BeyondTravel) => self.refuse(Fault::TravelLimit),
+            Err(_) => self.refuse(Fault::BadMachineCode),
         }
+    }
+
+    /// A move cannot be made: a fault once everything before it is done.
+    fn refuse(&mut self, fault: Fault) -> bool {
+        if self.travel.last.is_none() {
+            self.travel.fault = Some(fault);
+        }
+        false
     }
 
     /// Takes moves out of the queue for as long as they belong to the chain.

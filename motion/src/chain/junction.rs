@@ -13,8 +13,9 @@ use crate::blend::Blend;
 const SHARPEST: f64 = -0.5;
 /// A jump of direction below this is none: rounding of end points, 1e-9 mm over a micrometre.
 const TANGENT: f64 = 1e-3;
-/// Lines whose lengths differ by less, relative, are equally long.
-pub(super) const ALIKE: f64 = 1e-6;
+/// Lines whose lengths differ by less, relative, are equally long: their blends fill them, and a curve that was finely
+/// divided keeps its own curvature.
+pub(super) const ALIKE: f64 = 1e-3;
 /// A blend that reaches less far than this, mm, is slower than a stop.
 const LEAST_HALF: f64 = 1e-6;
 
@@ -49,7 +50,8 @@ pub(super) fn blend<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>) -
         ([last.path.length(), next.path.length()], last.path.is_line() && next.path.is_line());
     let (shorter, longer) = (lengths[0].min(lengths[1]), lengths[0].max(lengths[1]));
     let (tolerance, cap) = if lines {
-        // What of the longer reach is cut off at the end of the shorter line is below a relative 1e-6 of p₃.
+        // What of the longer reach is cut off at the end of the shorter line is π ALIKE of the blend's p₃ at most: as a
+        // step of jerk, less in a cycle than the rate of a smooth change.
         (tolerance, if longer - shorter <= ALIKE * shorter { longer } else { shorter })
     } else {
         ((0.5 * tolerance).min(last.room).min(next.room), 0.5 * shorter)

@@ -41,6 +41,8 @@ pub const BLOCKS: usize = 1024;
 const LEAST_CYCLES: f64 = 0.125;
 /// Highest multiple of a programmed feed that overrides can ask for.
 pub const MOST_RATIO: f64 = 2.0;
+/// Lengths that differ by less, relative, are equal.
+const EQUAL: f64 = 1e-9;
 /// Ways that differ by less are one, mm.
 const SAME: f64 = 1e-9;
 /// Slowest feed, mm/s: a millimetre in a quarter of an hour.
@@ -281,7 +283,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             }
         } else {
             let corners = piece.start.corner_only() && piece.end.corner_only();
-            let fills = |half: f64| (half - length).abs() <= junction::ALIKE * length;
+            let fills = |half: f64| (half - length).abs() <= EQUAL * length;
             let (start, end, others) = (&piece.start, &piece.end, [&piece.before, after]);
             let bend = match corners {
                 true if fills(r0) && fills(r1) => Bend::filled(path, start, end, others),

@@ -55,7 +55,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             }
             left -= (takes_over - self.t).max(0.0);
             self.t = self.t.max(takes_over);
-            refused = !self.decide(ask, cap, slow && self.t < over);
+            refused = !self.decide(ask, slow && self.t < over);
+            if ask.single && self.rests() {
+                return;
+            }
         }
     }
 
@@ -66,7 +69,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.sections.look_ahead(&self.ratios);
         let left = if self.rests() { 0.0 } else { (self.law.duration() - self.t).max(0.0) };
         self.t += left;
-        self.decide(ask, self.cap(ask), false);
+        self.decide(ask, false);
         left
     }
 
@@ -116,13 +119,13 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     }
 
     /// Replaces the law in hand at its time `t`; false if it has to go on.
-    fn decide(&mut self, ask: &Ask, cap: f64, slow: bool) -> bool {
+    fn decide(&mut self, ask: &Ask, slow: bool) -> bool {
         let over = !self.rests() && self.t >= self.law.duration();
         let now = self.law.at(self.t);
         let (v, a, gone) =
             if over { (self.law.end_speed(), 0.0, self.law.way()) } else { (now.v, now.a, now.s) };
         if slow {
-            let Some(change) = self.change(v, a, cap, gone) else { return false };
+            let Some(change) = self.change(v, a, self.cap(ask), gone) else { return false };
             self.leave(gone);
             (self.law, self.t) = (Law::Change(change), 0.0);
             return true;
@@ -130,7 +133,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.leave(gone);
         self.stale = false;
         (self.law, self.t) = (Law::Rest, 0.0);
-        let Some(front) = self.sections.front().copied() else { return true };
+        let (Some(front), cap) = (self.sections.front().copied(), self.cap(ask)) else { return true };
+        if ask.single && over && v == 0.0 && self.at_block_end() {
+            return true;
+        }
         if v > cap * (1.0 + SAME)
             && let Some(change) = self.change(v, a, cap, 0.0)
         {
@@ -164,7 +170,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                     (length, exit) = (way.min(length), 0.0);
                 }
             } else {
-                exit = exit.min(reach(0.0, exit, way - length, &limits));
+                exit = exit.min(reach(0.0, exit, way - length, &self.tightest(way)));
             }
         }
         if junction_distance(v, exit, &limits) > length * (1.0 + 1e-12) {
@@ -173,6 +179,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let block = FeedBlock::plan(length, v, cap.max(v).max(exit), exit, &limits).ok()?;
         let promise = Promise { start: v, acceleration: 0.0, end: exit, way: length, limits };
         Law::Block(block).keeps(&promise).then_some(block)
+    }
+
+    /// Whether the machine is where a block ends.
+    fn at_block_end(&self) -> bool {
+        self.pieces.front().is_some_and(|piece| (piece.block.path.length() - self.along).abs() <= SAME)
     }
 
     /// Way to the end of the block, mm; from its end, to that of the next.
@@ -185,6 +196,19 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             }
         }
         way
+    }
+
+    /// The tightest limits on the next `way` mm.
+    fn tightest(&self, way: f64) -> Limits {
+        let (mut limits, mut gone) = (Limits::NONE, 0.0);
+        for section in (0..MOST_CROSSED).map_while(|k| self.sections.get(k)) {
+            limits = limits.min(&section.limits);
+            gone += section.length;
+            if gone >= way {
+                break;
+            }
+        }
+        limits
     }
 
     /// A change to the speed `target` that begins `gone` mm behind the start of the front section; `None` if the path

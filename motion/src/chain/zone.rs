@@ -99,7 +99,7 @@ impl<const N: usize> Bend<N> {
                 }
             }
         }
-        for blend in [start, end] {
+        for blend in [start, end].into_iter().filter(|blend| blend.half() > 0.0) {
             let rate = core::f64::consts::PI / blend.half();
             let step = length / f64::from(SAMPLES);
             let ends_within = blend.half() < length * (1.0 - 1e-9);
