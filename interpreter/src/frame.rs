@@ -1,13 +1,12 @@
-//! Where a programmed point lies on the machine. In: units and offsets, as they are called. Out: mm, machine
-//! coordinates, X a radius.
+//! Where a programmed point lies on the machine. In: units, offsets and rotation, as they are called. Out: mm and
+//! degrees, machine coordinates, X of a lathe a radius.
 //!
 //! ```text
-//! machine = u p + (coordinate system) + (G52, G92) + (tool)       u: mm in one unit of the program
+//! machine = R(u p + (G52, G92)) + (coordinate system) + (tool)       u: mm in one unit of the program
 //! ```
+//! R turns X and Y by the angle of the coordinate system.
 
-use gcode::canon::{Position, Units, X, Y, Z};
-
-use crate::thread::Point;
+use gcode::canon::{Position, Units, X, Y};
 
 /// Units and offsets in force; offsets in mm and degrees.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +15,8 @@ pub(crate) struct Frame {
     pub(crate) unit: f64,
     /// Offset of the coordinate system.
     pub(crate) system: Position,
+    /// Its rotation about Z, degrees.
+    pub(crate) rotation_deg: f64,
     /// G52 and G92.
     pub(crate) shift: Position,
     /// Offset of the tool.
@@ -24,7 +25,8 @@ pub(crate) struct Frame {
 
 impl Frame {
     pub(crate) fn new() -> Frame {
-        Frame { unit: Units::Millimetre.mm(), system: [0.0; 6], shift: [0.0; 6], tool: [0.0; 6] }
+        let zero = [0.0; 6];
+        Frame { unit: Units::Millimetre.mm(), system: zero, rotation_deg: 0.0, shift: zero, tool: zero }
     }
 
     /// A vector of the program in mm and degrees.
@@ -35,24 +37,15 @@ impl Frame {
 
     /// A programmed position on the machine.
     pub(crate) fn machine(&self, position: &Position) -> Position {
-        let mut at = self.scaled(position);
-        for offset in [&self.system, &self.shift, &self.tool] {
-            at.iter_mut().zip(offset).for_each(|(at, offset)| *at += offset);
+        let mut at = sum(self.scaled(position), &self.shift);
+        if self.rotation_deg != 0.0 {
+            let (sin, cos) = libm::sincos(self.rotation_deg.to_radians());
+            (at[X], at[Y]) = (at[X] * cos - at[Y] * sin, at[X] * sin + at[Y] * cos);
         }
-        at
+        sum(sum(at, &self.system), &self.tool)
     }
+}
 
-    /// The point of the lathe's plane that a programmed X and Z mean.
-    pub(crate) fn point(&self, x: f64, z: f64) -> Point {
-        let at = self.machine(&[x, 0.0, z, 0.0, 0.0, 0.0]);
-        Point { x: at[X], z: at[Z] }
-    }
-
-    /// The first axis that a lathe of X and Z does not have and that lies off its zero: name and position.
-    pub(crate) fn foreign(position: &Position) -> Option<(char, f64)> {
-        ['Y', 'A', 'B', 'C']
-            .into_iter()
-            .zip([position[Y], position[3], position[4], position[5]])
-            .find(|(_, at)| at.abs() > 1e-9)
-    }
+fn sum(one: Position, other: &Position) -> Position {
+    std::array::from_fn(|axis| one[axis] + other[axis])
 }

@@ -1,7 +1,7 @@
 //! Canonical machining functions to machine code: the interpreter of pitchlock.
 //!
 //! In: a part program, read by [`gcode`], and a machine file. Out: [`protocol::Item`]s, pulled one at a time, in mm
-//! with X a radius; and [`Diagnostic`]s, several for one program, each with its place and a remedy. What the machine
+//! with X of a lathe a radius; and [`Diagnostic`]s, several for one program, each with its place and a remedy. What the machine
 //! cannot do is refused by name; nothing is ignored in silence.
 //!
 //! ```
@@ -19,7 +19,7 @@
 //! |---|---|---|
 //! | [`gcode`] | the text of a program | calls of canonical functions |
 //! | `frame` | units and offsets | positions of the machine |
-//! | `translate`, `moves`, `threading` | calls | items |
+//! | `translate`, `moves`, `spindle`, `threading` | calls | items |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
@@ -29,6 +29,7 @@ mod frame;
 mod moves;
 mod options;
 pub mod shell;
+mod spindle;
 pub mod thread;
 mod threading;
 mod time;
@@ -108,6 +109,7 @@ impl Interpreter {
             self.translator.finish();
             self.ended = true;
         }
+        self.translator.end_of_block();
         self.queue.extend(self.translator.items().map(Ok));
         for (place, problem) in self.translator.problems() {
             // A line that is run again and again is blamed once.

@@ -1,11 +1,12 @@
-//! Straight moves and arcs. In: calls. Out: lines and arcs to absolute points within the travel.
+//! Straight moves, arcs, and what the path may do between them. In: calls. Out: lines and arcs to absolute points within
+//! the travel; path modes.
 
-use gcode::canon::{self, A, B, C, FeedMode, Plane, X, Y, Z};
+use gcode::canon::{self, FeedMode, Plane};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
-use protocol::{Axis, Code, Feed, Machine, PerAxis, Position};
+use protocol::machine::Kinematics;
+use protocol::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position};
 
-use crate::thread::Point;
 use crate::translate::{Done, Translator, missing, no_axis};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
@@ -16,24 +17,24 @@ impl Translator {
     pub(crate) fn straight(&mut self, place: Place, to: &gcode::Position, rapid: bool) -> Done {
         let target = self.target(to)?;
         if let (false, Some((lead_mm, start_deg))) = (rapid, self.lead) {
-            return self.thread_move(place, target, lead_mm, start_deg);
+            return self.thread_move(place, &target, lead_mm, start_deg);
         }
-        if positions(target) == positions(self.rest) {
+        if self.positions(&target) == self.positions(&self.rest) {
             (self.point, self.after_thread) = (target, false);
             return Ok(());
         }
         if !rapid {
             self.at_programmed_point()?;
         }
-        let feed = if rapid { Feed::Rapid } else { self.feed_of_move()? };
+        let feed = if rapid { Feed::Rapid } else { self.feed_of_line(&target)? };
         (self.point, self.after_thread) = (target, false);
-        self.line_to(place.line, target, feed);
+        self.line_to(place.line, &target, feed);
         Ok(())
     }
 
     /// Refuses to cut from where a thread ran beyond its end.
     fn at_programmed_point(&self) -> Done {
-        if positions(self.point) == positions(self.rest) {
+        if self.positions(&self.point) == self.positions(&self.rest) {
             return Ok(());
         }
         let message =
@@ -43,40 +44,48 @@ impl Translator {
     }
 
     /// A line, unless the axes rest there already.
-    pub(crate) fn line_to(&mut self, line: u32, target: Point, feed: Feed) {
-        if positions(target) != positions(self.rest) {
-            self.push(line, Code::Line { target: positions(target), feed });
-            self.rest = target;
+    pub(crate) fn line_to(&mut self, line: u32, target: &gcode::Position, feed: Feed) {
+        let to = self.positions(target);
+        if to != self.positions(&self.rest) {
+            self.push(line, Code::Line { target: to, feed });
+            self.rest = *target;
         }
     }
 
-    /// G2, G3 in the plane of the lathe.
+    /// G2, G3, helices.
     pub(crate) fn arc(&mut self, place: Place, arc: &canon::Arc) -> Done {
-        if self.plane != Plane::Xz {
-            return Err(missing(
-                "an arc outside the plane of X and Z",
-                "choose the plane of the lathe with G18",
-            ));
-        }
+        self.plane_of_arc()?;
         if self.lead.is_some() {
             return Err(missing("a thread along an arc", "cut it along lines"));
         }
-        let [z, x] = arc.end;
+        let (first, second, across) = self.plane.axes();
         let [a, b, c] = arc.rotary;
-        let target = self.target(&[x, arc.along, z, a, b, c])?;
-        let center = self.frame.point(arc.center[1], arc.center[0]);
+        let point = |[one, other]: [f64; 2]| {
+            let mut point = [0.0, 0.0, 0.0, a, b, c];
+            (point[first], point[second], point[across]) = (one, other, arc.along);
+            point
+        };
+        let target = self.target(&point(arc.end))?;
+        let center = self.frame.machine(&point(arc.center));
         self.at_programmed_point()?;
-        let feed = self.feed_of_move()?;
-        let from = positions(self.rest);
-        let center = [Position::from_mm(center.z), Position::from_mm(center.x)];
-        let plane = protocol::Plane::Zx;
-        let arc = protocol::Arc { plane, target: positions(target), center, turns: arc.turns };
+        let feed = self.feed_of_move(self.feed)?;
+        let from = self.positions(&self.rest);
+        let arc = protocol::Arc {
+            plane: match self.plane {
+                Plane::Xy => protocol::Plane::Xy,
+                Plane::Xz => protocol::Plane::Zx,
+                Plane::Yz => protocol::Plane::Yz,
+            },
+            target: self.positions(&target),
+            center: [center[first], center[second]].map(Position::from_mm),
+            turns: arc.turns,
+        };
         let [lowest, highest] = arc.bounds(&from).map_err(|refused| {
-            let help = "check the end point and the centre (I, K) or the radius (R)";
+            let help = "check the end point and the centre (I, J, K) or the radius (R)";
             Problem::error("bad-arc", Blame::Block, format!("the arc cannot be made: {refused}"), help)
         })?;
         for corner in [lowest, highest] {
-            for axis in [Axis::X, Axis::Z] {
+            for (axis, _) in self.machine.axes() {
                 within_travel(&self.machine, axis, corner[axis.index()].mm(), Blame::Block)?;
             }
         }
@@ -85,66 +94,130 @@ impl Translator {
         Ok(())
     }
 
-    /// The point of the machine that a programmed position means, refused if it lies outside the travel. What has
-    /// been refused before is not refused again before it changes.
-    fn target(&mut self, to: &gcode::Position) -> Result<Point, Box<Problem>> {
-        let asked = self.frame.machine(to);
-        let before = std::mem::replace(&mut self.asked, asked);
-        let new = |axis: usize| asked[axis] != before[axis];
-        if let Some((axis, name)) = [(Y, 'Y'), (A, 'A'), (B, 'B'), (C, 'C')]
-            .into_iter()
-            .find(|(axis, _)| new(*axis) && asked[*axis].abs() > SAME)
-        {
-            return Err(no_axis(name, asked[axis]));
+    /// Refuses arcs in a plane that the machine does not have, or that is turned out of its axes.
+    fn plane_of_arc(&self) -> Done {
+        let (first, second, _) = self.plane.axes();
+        let lacks = |coordinate: usize| {
+            let axis = protocol::kinematics::COORDINATES.get(coordinate);
+            axis.is_some_and(|axis| !self.machine.axis.contains_key(axis))
+        };
+        if lacks(first) || lacks(second) {
+            let help = "choose the plane of the lathe with G18";
+            return Err(missing("an arc outside the plane of X and Z", help));
         }
-        let target = Point { x: asked[X], z: asked[Z] };
-        for (index, axis, at) in [(X, Axis::X, target.x), (Z, Axis::Z, target.z)] {
-            if new(index) {
-                within_travel(&self.machine, axis, at, Blame::Word(if index == X { 'X' } else { 'Z' }))?;
-            }
+        if self.frame.rotation_deg != 0.0 && self.plane != Plane::Xy {
+            let what = "an arc across the plane of X and Y in a coordinate system turned about Z";
+            return Err(missing(what, "turn it back with G10 L2 R0, or cut the arc in G17"));
         }
-        Ok(target)
+        Ok(())
     }
 
-    fn feed_of_move(&self) -> Result<Feed, Box<Problem>> {
-        if self.feed <= 0.0 {
+    /// The point of the machine that a programmed position means, refused if it lies outside the travel. What has
+    /// been refused before is not refused again before it changes.
+    fn target(&mut self, to: &gcode::Position) -> Result<gcode::Position, Box<Problem>> {
+        let asked = self.frame.machine(to);
+        let before = std::mem::replace(&mut self.asked, asked);
+        let kinematics = self.machine.machine.kinematics;
+        let (before, axes) = (kinematics.axes(&before), kinematics.axes(&asked));
+        // First the axes that there are not: travel matters less.
+        let exists = |axis: &Axis| self.machine.axis.contains_key(axis);
+        let [missing, present] =
+            [false, true].map(|there| Axis::ALL.into_iter().filter(move |axis| exists(axis) == there));
+        for axis in missing.chain(present).filter(|axis| axes[axis.index()] != before[axis.index()]) {
+            within_travel(&self.machine, axis, axes[axis.index()], Blame::Word(letter(axis)))?;
+        }
+        Ok(asked)
+    }
+
+    /// F of a line to a point. Where only rotary axes move it counts degrees, whatever the unit of length.
+    fn feed_of_line(&self, to: &gcode::Position) -> Result<Feed, Box<Problem>> {
+        let (from, to) = (self.positions(&self.rest), self.positions(to));
+        let is_linear = |axis: &Axis| Axis::METRIC[axis.index()] && from[axis.index()] != to[axis.index()];
+        let feed = if Axis::ALL.iter().any(is_linear) { self.feed } else { self.feed / self.frame.unit };
+        self.feed_of_move(feed)
+    }
+
+    /// A feed in mm or degrees.
+    fn feed_of_move(&self, feed: f64) -> Result<Feed, Box<Problem>> {
+        if feed <= 0.0 {
             let help = "add an F word to this block or one before; G94 and G95 each need their own";
             return Err(Problem::error("no-feed", Blame::Block, "the move has no feed", help));
         }
         match self.feed_mode {
-            FeedMode::PerRevolution if self.turning().is_none() => {
+            FeedMode::PerRevolution if !self.spindle.turns() => {
                 let message = "feed per revolution (G95) with a spindle that does not turn";
                 let help = "start it before, as in S600 M3, or use G94";
                 Err(Problem::error("spindle-not-turning", Blame::Block, message, help))
             }
-            FeedMode::PerRevolution => Ok(Feed::PerRevolution(self.feed)),
-            FeedMode::PerMinute | FeedMode::InverseTime => Ok(Feed::PerMinute(self.feed)),
+            FeedMode::PerRevolution => Ok(Feed::PerRevolution(feed)),
+            FeedMode::PerMinute | FeedMode::InverseTime => Ok(Feed::PerMinute(feed)),
         }
+    }
+
+    /// G61, G61.1, G64 P. Without P, or with P0, the tolerance is that of the machine.
+    pub(crate) fn mode_of_path(&self, mode: canon::PathMode) -> Result<PathMode, Box<Problem>> {
+        Ok(match mode {
+            canon::PathMode::ExactPath => PathMode::ExactPath,
+            canon::PathMode::ExactStop => PathMode::ExactStop,
+            canon::PathMode::Continuous(0.0) => {
+                PathMode::Blend { tolerance_mm: self.machine.path.tolerance_mm, merge_mm: 0.0 }
+            }
+            canon::PathMode::Continuous(tolerance) => {
+                PathMode::Blend { tolerance_mm: self.tolerance('P', tolerance)?, merge_mm: 0.0 }
+            }
+        })
+    }
+
+    /// G64 Q.
+    pub(crate) fn merge_within(&mut self, tolerance: f64) -> Done {
+        let merge = self.tolerance('Q', tolerance)?;
+        if let PathMode::Blend { merge_mm, .. } = &mut self.path_mode {
+            *merge_mm = merge;
+        }
+        Ok(())
+    }
+
+    fn tolerance(&self, letter: char, tolerance: f64) -> Result<f64, Box<Problem>> {
+        let mm = tolerance * self.frame.unit;
+        if (0.0..=PathMode::MOST_MM).contains(&mm) {
+            return Ok(mm);
+        }
+        let message = format!("{} mm is no tolerance of a path", short(mm));
+        let help = format!("give at most {} mm", short(PathMode::MOST_MM));
+        Err(Problem::error("bad-value", Blame::Word(letter), message, help))
+    }
+
+    /// Where the axes stand for a point of the machine, as the wire carries it.
+    pub(crate) fn positions(&self, point: &gcode::Position) -> PerAxis<Position> {
+        self.machine.machine.kinematics.axes(point).map(Position::from_mm)
     }
 }
 
-/// Refuses a position outside the travel of its axis.
-pub(crate) fn within_travel(machine: &Machine, axis: Axis, mm: f64, blame: Blame) -> Done {
-    let [low, high] = machine.axis.get(&axis).map_or([0.0, 0.0], |config| config.travel_mm);
-    if (low..=high).contains(&mm) {
+/// The letter of the words that move an axis.
+pub(crate) fn letter(axis: Axis) -> char {
+    axis.name().chars().next().unwrap_or(' ').to_ascii_uppercase()
+}
+
+/// Refuses a position outside the travel of its axis, and one of an axis that there is not; `at` in mm or degrees.
+pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame) -> Done {
+    let Some(config) = machine.axis.get(&axis) else {
+        let is_origin = Position::from_mm(at) == Position(0);
+        return if is_origin { Ok(()) } else { Err(no_axis(machine, axis, at)) };
+    };
+    let [low, high] = config.travel_mm;
+    if (low..=high).contains(&at) {
         return Ok(());
     }
-    let note = if axis == Axis::X { " (radius)" } else { "" };
+    let is_radius = axis == Axis::X && machine.machine.kinematics == Kinematics::Lathe;
     let message = format!(
-        "{axis} at {} mm{note} is outside axis.{}.travel_mm = [{}, {}]",
-        short(mm),
-        axis.name(),
+        "{axis} at {} {unit}{note} is outside axis.{name}.travel_{unit} = [{}, {}]",
+        short(at),
         short(low),
-        short(high)
+        short(high),
+        note = if is_radius { " (radius)" } else { "" },
+        name = axis.name(),
+        unit = axis.unit(),
     );
     let help = "keep the target within the travel; check units (G20, G21), G7, G91 and offsets";
     Err(Problem::error("travel-limit", blame, message, help))
-}
-
-/// A point as the wire carries it.
-pub(crate) fn positions(point: Point) -> PerAxis<Position> {
-    let mut positions = PerAxis::<Position>::default();
-    positions[Axis::X.index()] = Position::from_mm(point.x);
-    positions[Axis::Z.index()] = Position::from_mm(point.z);
-    positions
 }

@@ -2,11 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use gcode::canon::{Plane, X, Z};
 use gcode::files::ToolTable;
 use gcode::{Dialect, Options, Program};
-use protocol::{Axis, Machine, machine};
+use protocol::{Machine, machine, units::AXES};
 use serde::{Deserialize, Serialize};
+
+use crate::translate::plane_of;
+
+/// Parameters of G28 and G30: the first coordinate of each point.
+const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
 
 /// How a program is to be read.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, clap::Args)]
@@ -41,6 +45,11 @@ pub enum OpenError {
     /// A folder of subroutines is none.
     #[error("{}: there is no such folder for subroutines", .0.display())]
     Folder(PathBuf),
+    /// Programs of lathes on a mill.
+    #[error(
+        "dialect fanuc is that of lathes: let the mill read programs with --dialect linuxcnc, and write machine.dialect = \"linuxcnc\""
+    )]
+    Dialect,
     /// The tool table; the text names file and line.
     #[error("{0}")]
     Tools(String),
@@ -49,12 +58,15 @@ pub enum OpenError {
 /// Opens a program for a machine.
 ///
 /// # Errors
-/// The program or the tool table cannot be read.
+/// The program or the tool table cannot be read, or the dialect is none of this machine.
 pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Program, OpenError> {
     check_folders(&language.subroutines)?;
     let mut options = options(machine);
     if let Some(dialect) = language.dialect {
         options.dialect = of_program(dialect);
+    }
+    if options.dialect == Dialect::Fanuc && machine.machine.kinematics == machine::Kinematics::Mill {
+        return Err(OpenError::Dialect);
     }
     options.block_delete = language.block_delete;
     options.subroutine_folders.clone_from(&language.subroutines);
@@ -75,19 +87,20 @@ pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
     }
 }
 
-/// What the machine file says about programs: a lathe in mm, its axes at home.
+/// What the machine file says about programs: mm, its plane, its axes at home.
 pub(crate) fn options(machine: &Machine) -> Options {
-    let home = |axis| machine.axis.get(&axis).map_or(0.0, |config| config.home_mm);
-    let mut options = Options { plane: Plane::Xz, ..Options::default() };
+    let position = home(machine);
+    let mut options = Options { plane: plane_of(machine), position, ..Options::default() };
     options.dialect = of_program(machine.machine.dialect);
-    options.position[X] = home(Axis::X);
-    options.position[Z] = home(Axis::Z);
-    // G28 and G30 go home.
-    options.parameters = [5161, 5181]
-        .into_iter()
-        .flat_map(|first| [(first, home(Axis::X)), (first + 2, home(Axis::Z))])
-        .collect();
+    options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
+}
+
+/// The point at which the axes are at home.
+pub(crate) fn home(machine: &Machine) -> gcode::Position {
+    let mut axes = [0.0; AXES];
+    machine.axes().for_each(|(axis, config)| axes[axis.index()] = config.home_mm);
+    machine.machine.kinematics.point(&axes)
 }
 
 fn of_program(dialect: machine::Dialect) -> Dialect {

@@ -6,11 +6,12 @@
 use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Call, Place, Problem};
-use protocol::{Axis, Code, Feed, ThreadPass};
+use protocol::machine::Kinematics;
+use protocol::{Axis, AxisLaw, Code, Feed, ThreadPass};
 
 use crate::moves::{SAME, within_travel};
 use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Single, plan};
-use crate::translate::{Done, Translator};
+use crate::translate::{Done, Translator, missing};
 
 /// Leads a thread may have, mm.
 const LEADS: [f64; 2] = [0.001, 1000.0];
@@ -51,11 +52,20 @@ pub(crate) struct Held {
 
 impl Translator {
     /// G33: one pass along the path to the target; it is planned when the next move is known.
-    pub(crate) fn thread_move(&mut self, place: Place, target: Point, lead_mm: f64, start_deg: f64) -> Done {
+    pub(crate) fn thread_move(
+        &mut self,
+        place: Place,
+        target: &gcode::Position,
+        lead_mm: f64,
+        start_deg: f64,
+    ) -> Done {
         let (s_rpm, direction) = self.spindle_of_thread()?;
         check_lead(lead_mm, 'K')?;
-        let from = self.point;
-        if (target.z - from.z).abs() < SAME {
+        let (from, to) = (in_plane(&self.point), in_plane(target));
+        if in_plane_of(target, from) != self.point {
+            return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
+        }
+        if (to.z - from.z).abs() < SAME {
             let message = "G33 without a move along Z";
             let help = "threads along X alone (scrolls) are not available yet: add a Z word";
             return Err(Problem::error("not-available", Blame::Block, message, help));
@@ -65,9 +75,8 @@ impl Translator {
             let help = "put a G0 between the G33 blocks";
             return Err(Problem::error("not-available", Blame::Block, message, help));
         }
-        let single =
-            Single { s_rpm, direction, from, to: target, k_mm: lead_mm, start_deg, retract_to: None };
-        (self.point, self.after_thread) = (target, true);
+        let single = Single { s_rpm, direction, from, to, k_mm: lead_mm, start_deg, retract_to: None };
+        (self.point, self.after_thread) = (*target, true);
         self.held = Some(Held { place, single });
         Ok(())
     }
@@ -75,12 +84,12 @@ impl Translator {
     /// Whether a call is the retract of the G33 that waits; if so, the pass has it now.
     pub(crate) fn retracts(&mut self, call: &Call<'_>) -> bool {
         let Call::StraightTraverse(to) = call else { return false };
-        let (from, to) = (self.point, self.frame.point(to[X], to[Z]));
-        let only_x = (to.z - from.z).abs() < SAME
-            && (to.x - from.x).abs() > SAME
-            && within_travel(&self.machine, Axis::X, to.x, Blame::Block).is_ok();
+        let (from, to) = (self.point, self.frame.machine(to));
+        let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
+        let only_x = (0..to.len()).all(|coordinate| stays(coordinate) != (coordinate == X))
+            && within_travel(&self.machine, Axis::X, to[X], Blame::Block).is_ok();
         if only_x {
-            self.release(Some(to.x));
+            self.release(Some(to[X]));
         }
         only_x
     }
@@ -127,12 +136,12 @@ impl Translator {
         }
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut));
         for (cut, planned) in cuts.iter().zip(plans) {
-            self.line_to(place.line, cut.from, Feed::Rapid);
+            self.line_to(place.line, &in_plane_of(&self.rest, cut.from), Feed::Rapid);
             self.add_pass(place.line, planned, start);
         }
-        let end = Point { x: cycle.from.x, z: cycle.to_z };
-        if (self.rest.z - end.z).abs().max((self.rest.x - end.x).abs()) > ROUNDING {
-            self.line_to(place.line, end, Feed::Rapid);
+        let end = in_plane_of(&self.rest, Point { x: cycle.from.x, z: cycle.to_z });
+        if (self.rest[Z] - end[Z]).abs().max((self.rest[X] - end[X]).abs()) > ROUNDING {
+            self.line_to(place.line, &end, Feed::Rapid);
         }
         (self.point, self.after_thread) = (end, false);
         Ok(())
@@ -142,8 +151,8 @@ impl Translator {
     fn cycle_on_machine(&self, cycle: &ThreadCycle) -> Result<Cycle, Box<Problem>> {
         let (s_rpm, direction) = self.spindle_of_thread()?;
         let unit = self.frame.unit;
-        let from = self.frame.point(cycle.from[X], cycle.from[Z]);
-        let to_z = self.frame.point(0.0, cycle.end_z).z;
+        let from = in_plane(&self.frame.machine(&cycle.from));
+        let to_z = self.frame.machine(&in_plane_of(&cycle.from, Point { x: 0.0, z: cycle.end_z }))[Z];
         if (to_z - from.z).abs() < SAME {
             let help = "let Z differ from where the tool stands";
             return Err(Problem::error("bad-value", Blame::Word('Z'), "the thread has no length", help));
@@ -168,9 +177,19 @@ impl Translator {
         Ok(Cycle { s_rpm, direction, from, to_z, unit, lead_mm, words: *cycle })
     }
 
-    /// Speed and direction of a spindle that turns.
+    /// Speed and direction of a spindle that turns at a constant speed, as threads need it, on a lathe.
     fn spindle_of_thread(&self) -> Result<(f64, f64), Box<Problem>> {
-        self.turning().ok_or_else(|| {
+        if self.machine.machine.kinematics != Kinematics::Lathe {
+            return Err(missing(
+                "a thread (G33, G76) on a mill",
+                "mill it with G2 or G3 and Z, or use a lathe",
+            ));
+        }
+        if self.spindle.is_surface() {
+            let what = "a thread under constant surface speed (G96), whose lead would depend on X";
+            return Err(missing(what, "give the speed in 1/min with G97 S before the thread"));
+        }
+        self.spindle.turning().ok_or_else(|| {
             let message = "a thread needs a turning spindle";
             let help = "start it in a block before or in this one, as in S400 M3";
             Problem::error("spindle-not-turning", Blame::Block, message, help)
@@ -179,9 +198,14 @@ impl Translator {
 
     fn add_pass(&mut self, line: u32, planned: Plan, start: u32) {
         self.passes += 1;
-        let pass = ThreadPass { pass: self.passes, start, ..planned.pass };
+        let mut pass = ThreadPass { pass: self.passes, start, ..planned.pass };
+        let here = self.positions(&self.rest);
+        for (axis, _) in self.machine.axes().filter(|(axis, _)| !matches!(axis, Axis::X | Axis::Z)) {
+            let at = here[axis.index()];
+            pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
+        }
         let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
-        self.rest = Point { x: x.end.mm(), z: z.end.mm() };
+        self.rest = in_plane_of(&self.rest, Point { x: x.end.mm(), z: z.end.mm() });
         self.notes.push(PassNote {
             pass: pass.pass,
             line,
@@ -194,6 +218,18 @@ impl Translator {
         });
         self.push(line, Code::Pass(pass));
     }
+}
+
+/// X and Z of a point.
+fn in_plane(point: &gcode::Position) -> Point {
+    Point { x: point[X], z: point[Z] }
+}
+
+/// A point with other X and Z.
+fn in_plane_of(point: &gcode::Position, Point { x, z }: Point) -> gcode::Position {
+    let mut moved = *point;
+    (moved[X], moved[Z]) = (x, z);
+    moved
 }
 
 fn check_lead(mm: f64, letter: char) -> Done {

@@ -1,24 +1,24 @@
 //! Calls become items. In: canonical functions in the order of the program. Out: machine code, and what this machine
 //! cannot do, by name.
-//!
-//! Every move stops exactly at its end, so that every path mode and every tolerance is kept.
 
 use std::collections::VecDeque;
 
 use gcode::canon::{FeedMode, Plane, Turn};
 use gcode::problem::{Blame, short};
 use gcode::{Call, Place, Problem, Sink};
-use protocol::{Axis, Code, Item, Machine, SpindleMode, SpindleSpeed};
+use protocol::machine::Kinematics;
+use protocol::{Axis, Code, Item, Machine, PathMode, Position, SpindleMode};
 
 use crate::frame::Frame;
-use crate::thread::{Point, Starts};
+use crate::moves::letter;
+use crate::options::home;
+use crate::spindle::Spindle;
+use crate::thread::Starts;
 use crate::threading::{Held, PassNote};
 
 /// What a receiver of calls returns.
 pub(crate) type Done = Result<(), Box<Problem>>;
 
-/// Slowest spindle speed, 1/min.
-const SLOWEST_RPM: f64 = 0.01;
 /// Longest dwell, s.
 const LONGEST_DWELL: f64 = 86_400.0;
 /// Highest feed, mm/min or mm/rev.
@@ -32,19 +32,20 @@ pub(crate) struct Translator {
     pub(crate) feed_mode: FeedMode,
     /// F in mm/min or mm/rev, 0 for none.
     pub(crate) feed: f64,
-    spindle: SpindleMode,
-    rpm: f64,
+    pub(crate) spindle: Spindle,
+    /// G61, G61.1, G64.
+    pub(crate) path_mode: PathMode,
+    /// What was sent of it last.
+    path_mode_sent: PathMode,
     tool: Option<u32>,
-    /// G96.
-    surface_speed: bool,
     mist: bool,
     flood: bool,
     /// Where the last move was to go, whether or not it can.
     pub(crate) asked: gcode::Position,
-    /// The programmed point.
-    pub(crate) point: Point,
+    /// The programmed point, in coordinates of the machine.
+    pub(crate) point: gcode::Position,
     /// Where the axes rest; differs from the programmed point after a pass that ran beyond it.
-    pub(crate) rest: Point,
+    pub(crate) rest: gcode::Position,
     /// Lead of the synchronised motion that has begun, mm/rev along the path, and its start angle, degrees.
     pub(crate) lead: Option<(f64, f64)>,
     /// A pass whose retract may follow.
@@ -62,21 +63,21 @@ pub(crate) struct Translator {
 
 impl Translator {
     pub(crate) fn new(machine: &Machine) -> Translator {
-        let home = |axis| machine.axis.get(&axis).map_or(0.0, |config| config.home_mm);
-        let point = Point { x: home(Axis::X), z: home(Axis::Z) };
+        let point = home(machine);
+        let path_mode = PathMode::Blend { tolerance_mm: machine.path.tolerance_mm, merge_mm: 0.0 };
         Translator {
             machine: machine.clone(),
             frame: Frame::new(),
-            plane: Plane::Xz,
+            plane: plane_of(machine),
             feed_mode: FeedMode::PerMinute,
             feed: 0.0,
-            spindle: SpindleMode::Stop,
-            rpm: 0.0,
+            spindle: Spindle::new(),
+            path_mode,
+            path_mode_sent: path_mode,
             tool: None,
-            surface_speed: false,
             mist: false,
             flood: false,
-            asked: [point.x, 0.0, point.z, 0.0, 0.0, 0.0],
+            asked: point,
             point,
             rest: point,
             lead: None,
@@ -113,53 +114,36 @@ impl Translator {
     pub(crate) fn finish(&mut self) {
         self.release(None);
         let line = self.place.line;
-        if self.spindle != SpindleMode::Stop {
-            self.spindle = SpindleMode::Stop;
-            self.push(line, Code::Spindle { mode: SpindleMode::Stop, speed: SpindleSpeed::Rpm(0.0) });
-        }
+        self.spindle.mode = SpindleMode::Stop;
+        self.end_of_block();
         self.coolant(line, false, false);
         self.push(line, Code::End);
     }
 
+    /// A block is over: what its words ask of the spindle is known.
+    pub(crate) fn end_of_block(&mut self) {
+        if self.held.is_none() {
+            self.settle_spindle(self.place);
+        }
+    }
+
+    /// An item, behind what has to be said before it.
     pub(crate) fn push(&mut self, line: u32, code: Code) {
+        self.settle_spindle(self.place);
+        if matches!(code, Code::Line { .. } | Code::Arc { .. }) && self.path_mode != self.path_mode_sent {
+            self.path_mode_sent = self.path_mode;
+            self.push_alone(line, Code::PathMode(self.path_mode));
+        }
+        self.push_alone(line, code);
+    }
+
+    pub(crate) fn push_alone(&mut self, line: u32, code: Code) {
         self.items.push_back(Item { line, code });
     }
 
     /// Reports a problem of an earlier call, or a warning.
     pub(crate) fn report(&mut self, place: Place, problem: Problem) {
         self.problems.push((place, problem));
-    }
-
-    /// Speed and direction of a spindle that turns.
-    pub(crate) fn turning(&self) -> Option<(f64, f64)> {
-        (self.spindle != SpindleMode::Stop && self.rpm > 0.0).then(|| (self.rpm, self.spindle.sign()))
-    }
-
-    fn set_spindle(&mut self, place: Place, mode: SpindleMode, rpm: f64) {
-        let commanded = |mode, rpm| if mode == SpindleMode::Stop { (mode, 0.0) } else { (mode, rpm) };
-        let (before, after) = (commanded(self.spindle, self.rpm), commanded(mode, rpm));
-        (self.spindle, self.rpm) = (mode, rpm);
-        if before != after {
-            self.push(place.line, Code::Spindle { mode: after.0, speed: SpindleSpeed::Rpm(after.1) });
-        }
-    }
-
-    fn speed(&self, rpm: f64) -> Result<f64, Box<Problem>> {
-        let highest = self.machine.spindle.max_rpm;
-        if rpm == 0.0 || (SLOWEST_RPM..=highest).contains(&rpm) {
-            return Ok(rpm);
-        }
-        let message = format!(
-            "S{} is outside what the spindle can do: {SLOWEST_RPM} to {} 1/min (spindle.max_rpm)",
-            short(rpm),
-            short(highest)
-        );
-        let help = if rpm > highest {
-            format!("give at most S{}", short(highest))
-        } else {
-            "stop it with M5".to_owned()
-        };
-        Err(Problem::error("speed-limit", Blame::Word('S'), message, help))
     }
 
     fn select_tool(&mut self, place: Place, number: i32) -> Done {
@@ -214,34 +198,36 @@ impl Translator {
         self.report(place, *problem);
     }
 
-    fn modal(&mut self, place: Place, call: &Call<'_>) -> Done {
+    fn modal(&mut self, call: &Call<'_>) -> Done {
         match *call {
             Call::UseLengthUnits(units) => self.frame.unit = units.mm(),
             Call::SelectPlane(plane) => self.plane = plane,
-            Call::SetG5xOffset(_, offset) => self.frame.system = self.lathe_offset(&offset)?,
-            Call::SetG92Offset(offset) => self.frame.shift = self.lathe_offset(&offset)?,
-            Call::UseToolLengthOffset(offset) => self.frame.tool = self.lathe_offset(&offset)?,
-            Call::SetXyRotation(degrees) if degrees != 0.0 => {
+            Call::SetG5xOffset(_, offset) => self.frame.system = self.offset(&offset)?,
+            Call::SetG92Offset(offset) => self.frame.shift = self.offset(&offset)?,
+            Call::UseToolLengthOffset(offset) => self.frame.tool = self.offset(&offset)?,
+            Call::SetXyRotation(degrees) if degrees != 0.0 && !self.machine.axis.contains_key(&Axis::Y) => {
                 let help = "leave R out, or set it to 0";
-                self.report(place, *missing("a coordinate system turned about Z", help));
+                return Err(missing("a coordinate system turned about Z", help));
             }
+            Call::SetXyRotation(degrees) => self.frame.rotation_deg = degrees,
             Call::SetFeedMode(mode) => self.feed_mode = mode,
             Call::SetFeedRate(feed) => self.set_feed(feed)?,
-            Call::SetSpindleMode(highest) if highest > 0.0 => {
-                self.surface_speed = true;
-                let help = "give the speed in 1/min with G97 S";
-                self.report(place, *missing("constant surface speed (G96)", help));
-            }
-            Call::SetSpindleMode(_) => self.surface_speed = false,
+            Call::SetMotionControlMode(mode) => self.path_mode = self.mode_of_path(mode)?,
+            Call::SetNaivecamTolerance { tolerance, programmed: true } => self.merge_within(tolerance)?,
             _ => {}
         }
         Ok(())
     }
 
-    fn lathe_offset(&self, offset: &gcode::Position) -> Result<gcode::Position, Box<Problem>> {
-        match Frame::foreign(offset) {
-            Some((axis, by)) => Err(no_axis(axis, by)),
-            None => Ok(self.frame.scaled(offset)),
+    /// An offset in mm and degrees; refused if it shifts an axis that the machine does not have.
+    fn offset(&self, offset: &gcode::Position) -> Result<gcode::Position, Box<Problem>> {
+        let scaled = self.frame.scaled(offset);
+        let shifts = self.positions(&scaled);
+        let lacks =
+            |axis: &Axis| !self.machine.axis.contains_key(axis) && shifts[axis.index()] != Position(0);
+        match Axis::ALL.into_iter().find(lacks) {
+            Some(axis) => Err(no_axis(&self.machine, axis, shifts[axis.index()].mm())),
+            None => Ok(scaled),
         }
     }
 
@@ -253,17 +239,11 @@ impl Translator {
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(place, seconds)?,
-            // S of G96 is m/min, and G96 has been refused: any speed will do to find other errors.
-            Call::SetSpindleSpeed(_) if self.surface_speed => self.rpm = 1.0,
-            Call::SetSpindleSpeed(rpm) => {
-                let rpm = self.speed(rpm)?;
-                self.set_spindle(place, self.spindle, rpm);
-            }
-            Call::StartSpindle(Turn::Clockwise) => self.set_spindle(place, SpindleMode::Clockwise, self.rpm),
-            Call::StartSpindle(Turn::Counterclockwise) => {
-                self.set_spindle(place, SpindleMode::Counterclockwise, self.rpm);
-            }
-            Call::StopSpindle => self.set_spindle(place, SpindleMode::Stop, self.rpm),
+            Call::SetSpindleMode(highest) => self.spindle_mode(highest),
+            Call::SetSpindleSpeed(speed) => self.spindle_speed(speed)?,
+            Call::StartSpindle(Turn::Clockwise) => self.spindle.mode = SpindleMode::Clockwise,
+            Call::StartSpindle(Turn::Counterclockwise) => self.spindle.mode = SpindleMode::Counterclockwise,
+            Call::StopSpindle => self.spindle.mode = SpindleMode::Stop,
             Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
                 self.select_tool(place, number)?;
             }
@@ -325,8 +305,6 @@ impl Translator {
             | Call::Note(_)
             | Call::OnReset
             | Call::SetFeedReference
-            | Call::SetMotionControlMode(_)
-            | Call::SetNaivecamTolerance(_)
             | Call::SetToolTableEntry(_)
             | Call::EnableFeedOverride(true)
             | Call::EnableSpeedOverride(true)
@@ -343,7 +321,8 @@ impl Translator {
             | Call::SetXyRotation(_)
             | Call::SetFeedMode(_)
             | Call::SetFeedRate(_)
-            | Call::SetSpindleMode(_) => self.modal(place, &call),
+            | Call::SetMotionControlMode(_)
+            | Call::SetNaivecamTolerance { .. } => self.modal(&call),
             Call::Message(text) | Call::Print(text) | Call::Log(_, text) => {
                 self.unheard(place, text);
                 Ok(())
@@ -373,8 +352,22 @@ pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
     Problem::error("not-available", Blame::Block, message, help)
 }
 
-/// A lathe of X and Z is asked for another axis.
-pub(crate) fn no_axis(axis: char, at: f64) -> Box<Problem> {
-    let message = format!("this lathe has no axis {axis} (it would be at {})", short(at));
-    Problem::error("no-such-axis", Blame::Word(axis), message, "its axes are X and Z: leave the word out")
+/// The machine is asked for an axis that it does not have; `at` in mm or degrees.
+pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
+    let kind = match machine.machine.kinematics {
+        Kinematics::Lathe => "lathe",
+        Kinematics::Mill => "mill",
+    };
+    let axes: Vec<String> = machine.axes().map(|(axis, _)| axis.to_string()).collect();
+    let message = format!("this {kind} has no axis {axis} (it would be at {})", short(at));
+    let help = format!("its axes are {}: leave the word out", axes.join(", "));
+    Problem::error("no-such-axis", Blame::Word(letter(axis)), message, help)
+}
+
+/// The plane at the start.
+pub(crate) fn plane_of(machine: &Machine) -> Plane {
+    match machine.machine.kinematics {
+        Kinematics::Lathe => Plane::Xz,
+        Kinematics::Mill => Plane::Xy,
+    }
 }

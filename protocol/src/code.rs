@@ -85,7 +85,7 @@ impl SpindleSpeed {
     pub fn rpm(self, x: Position) -> f64 {
         match self {
             SpindleSpeed::Rpm(rpm) => rpm,
-            SpindleSpeed::Surface { mm_s, .. } if mm_s == 0.0 => 0.0,
+            SpindleSpeed::Surface { mm_s: 0.0, .. } => 0.0,
             SpindleSpeed::Surface { mm_s, max_rpm, axis_mm } => {
                 let radius = x.mm_from(axis_mm).abs();
                 (60.0 * mm_s / (std::f64::consts::TAU * radius)).min(max_rpm)

@@ -1,7 +1,7 @@
 //! G76: which passes a cycle has, and where. The numbers are those LinuxCNC's interpreter gives for the same words
 //! (four decimals): Z of the start, X at depth, Z of the end of every pass.
 
-use protocol::{Axis, Code, SpindleSpeed, ThreadPass};
+use protocol::{Axis, Code, Item, SpindleSpeed, ThreadPass};
 
 use crate::{good, listing, passes};
 
@@ -147,5 +147,6 @@ fn a_left_hand_thread_needs_nothing_special() {
     let check = good(&source);
     let pass = passes(&check.items)[0];
     assert_eq!((pass.direction, pass.lead_mm), (-1.0, 2.0));
-    assert!(check.items.iter().any(|item| matches!(item.code, Code::Spindle { speed: SpindleSpeed::Rpm(300.0), .. })));
+    let at_300 = |item: &Item| matches!(item.code, Code::Spindle { speed: SpindleSpeed::Rpm(300.0), .. });
+    assert!(check.items.iter().any(at_300));
 }

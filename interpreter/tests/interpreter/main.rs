@@ -5,12 +5,19 @@ mod blocks;
 mod cycle;
 mod dialects;
 mod feasible;
+mod mill;
 mod properties;
 mod single;
+mod surface;
 mod threads;
 
 use interpreter::{Check, check};
 use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, SpindleSpeed, ThreadPass};
+
+/// The folder of the project.
+fn project() -> &'static std::path::Path {
+    std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
 
 /// A program that must be right, on the built-in lathe.
 fn good(source: &str) -> Check {

@@ -1,0 +1,82 @@
+//! Constant surface speed: G96 with D, its axis under offsets, G97, feeds per revolution, threads.
+
+use interpreter::check;
+use protocol::{Code, Machine, SpindleMode, SpindleSpeed};
+
+use crate::{good, listing};
+
+/// Lines and speeds of the spindle's items.
+fn speeds(source: &str) -> Vec<(u32, SpindleMode, SpindleSpeed)> {
+    let spindle = |item: &protocol::Item| match item.code {
+        Code::Spindle { mode, speed } => Some((item.line, mode, speed)),
+        _ => None,
+    };
+    good(source).items.iter().filter_map(spindle).collect()
+}
+
+/// mm/s, highest 1/min, X of the axis in mm.
+fn surface(speed: SpindleSpeed) -> [f64; 3] {
+    let SpindleSpeed::Surface { mm_s, max_rpm, axis_mm } = speed else { panic!("{speed:?}") };
+    [mm_s, max_rpm, axis_mm.mm()]
+}
+
+#[test]
+fn metres_and_feet_a_minute() {
+    let highest = Machine::default().spindle.max_rpm;
+    let metric = speeds("G96 D1500 S180 M3\nM2\n");
+    assert_eq!(
+        (metric[0].0, metric[0].1, surface(metric[0].2)),
+        (1, SpindleMode::Clockwise, [3000.0, 1500.0, 0.0])
+    );
+    let inch = speeds("G20\nG96 S100 M4\nM2\n");
+    assert_eq!(
+        surface(inch[0].2),
+        [100.0 * 304.8 / 60.0, highest, 0.0],
+        "D left out: what the spindle can do"
+    );
+    assert_eq!(inch[0].1, SpindleMode::Counterclockwise);
+    let fast = speeds("G96 D90000 S180 M3\nM2\n");
+    assert_eq!(surface(fast[0].2)[1], highest);
+}
+
+#[test]
+fn the_axis_of_the_spindle_lies_where_x0_is_programmed() {
+    let items = speeds("G10 L2 P2 X3\nG96 D1500 S60 M3\nG0 X20 Z5\nG55\nG0 X21\nG0 X22\nM2\n");
+    let axes: Vec<(u32, f64)> =
+        items[..2].iter().map(|(line, _, speed)| (*line, surface(*speed)[2])).collect();
+    assert_eq!(axes, [(2, 0.0), (4, 3.0)]);
+    assert_eq!(items[2].1, SpindleMode::Stop);
+    assert_eq!(items.len(), 3, "nothing is sent twice");
+}
+
+#[test]
+fn g97_returns_to_a_constant_speed() {
+    let items = speeds("G96 D1500 S60 M3\nG0 X20 Z5\nG97 S400\nG0 X30\nM2\n");
+    assert_eq!(items[1], (3, SpindleMode::Clockwise, SpindleSpeed::Rpm(400.0)));
+    let kept = speeds("G96 D1500 S60 M3\nG97\nM2\n");
+    assert_eq!(kept[1].2, SpindleSpeed::Rpm(60.0), "S is read as 1/min, as LinuxCNC does");
+    let check = check("test.ngc", "G96 D1500 S9000 M3\nG97\nM2\n", &Machine::default());
+    let errors: Vec<_> = check.diagnostics.iter().map(|one| (one.line, one.code)).collect();
+    assert_eq!(errors, [(2, "speed-limit")]);
+}
+
+#[test]
+fn words_of_one_block_make_one_item() {
+    let check = good("G97 S500 M3\nG96 D1500 S60\nM5\nM3\nG97 S300\nM2\n");
+    let lines: Vec<u32> = check.items.iter().map(|item| item.line).collect();
+    assert_eq!(lines, [1, 2, 3, 4, 5, 6, 6], "{}", listing(&check.items));
+}
+
+#[test]
+fn feed_per_revolution_goes_with_it_and_threads_do_not() {
+    good("G96 D1500 S60 M3\nG0 X20 Z5\nG95 G1 X10 F0.2\nM2\n");
+    let threads = ["G33 Z-10 K1", "G76 P1 Z-10 I-1 J0.1 K0.5"];
+    for thread in threads {
+        let source = format!("G18 G96 D1500 S60 M3\nG0 X20 Z5\n{thread}\nM2\n");
+        let check = check("test.ngc", &source, &Machine::default());
+        let error = check.diagnostics.iter().find(|one| one.code == "not-available").expect("refused");
+        assert_eq!(error.line, 3);
+        assert!(error.message.contains("G96") && error.help.contains("G97"), "{}", error.render(false));
+    }
+    good("G18 G96 D1500 S60 M3\nG0 X20 Z5\nG97 S400\nG33 Z-10 K1\nG0 X25\nM2\n");
+}
