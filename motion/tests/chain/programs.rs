@@ -1,92 +1,123 @@
-//! Random programs: lines short and long, corners sharp and flat, arcs, feeds of every kind, every path mode.
+//! Random programs: lines short and long, corners sharp and flat, arcs and helices, feeds of every kind, every path
+//! mode, little room beside the path.
 
+use crate::seed::Seed;
 use motion::Path;
 use motion::chain::{Block, Corner, Feed};
 
 pub(crate) const N: usize = 3;
 
-/// A small generator of numbers that are the same everywhere (splitmix64).
-pub(crate) struct Seed(u64);
+/// Where a block is in its program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) number: usize,
+    /// Its start point, mm.
+    pub(crate) start: [f64; N],
+}
 
-impl Seed {
-    pub(crate) fn new(seed: u64) -> Seed {
-        Seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
+pub(crate) type Line = Block<N, Place>;
+
+/// What the blocks of a program are drawn from.
+struct Kind {
+    shortest: f64,
+    longest: f64,
+    bent: f64,
+    arcs: f64,
+    tolerance: f64,
+    /// A curve in steps that are alike but for this share.
+    alike: Option<f64>,
+}
+
+/// A random program.
+pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
+    let count = 1 + (random.next() % 60) as usize;
+    let kind = Kind {
+        shortest: random.scale(1e-3, 1.0),
+        longest: random.scale(1.0, 50.0),
+        bent: random.scale(0.01, 3.0),
+        arcs: if random.chance(0.3) { 0.0 } else { random.between(0.0, 0.6) },
+        tolerance: random.scale(1e-3, 0.5),
+        alike: random.chance(0.2).then(|| random.scale(1e-10, 1e-2)),
+    };
+    let (mut corner, mut feed) = (corner(random, &kind), feed(random, None));
+    let mut at = [0.0; N];
+    let mut heading = random.between(0.0, 6.28);
+    let mut blocks: Vec<Line> = Vec::new();
+    while blocks.len() < count {
+        if random.chance(0.03) {
+            (corner, feed) = (self::corner(random, &kind), self::feed(random, None));
+        } else if random.chance(0.2) {
+            feed = self::feed(random, Some(feed));
+        }
+        heading += random.between(-kind.bent, kind.bent);
+        let path = if random.chance(kind.arcs) {
+            arc(random, &mut heading)
+        } else {
+            let length = match kind.alike {
+                Some(share) => kind.shortest * (1.0 + random.between(-share, share)),
+                None => random.scale(kind.shortest, kind.longest),
+            };
+            let (sin, cos) = libm::sincos(heading);
+            Path::line([length * cos, length * sin, random.between(-0.1, 0.1) * length], &[true; N])
+        };
+        let room = if random.chance(0.8) { 1.0 } else { random.scale(1e-5, 1e-2) };
+        if let Some(path) = path {
+            let place = Place { number: blocks.len(), start: at };
+            blocks.push(Block { path, feed, corner, room, tag: place });
+            let end = end_of(&path);
+            at = std::array::from_fn(|i| at[i] + end[i]);
+        }
     }
+    blocks
+}
 
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+/// End of a path from its start.
+pub(crate) fn end_of(path: &Path<N>) -> [f64; N] {
+    path.at(path.length())[0]
+}
+
+/// A program of lines through points, one feed and path mode.
+pub(crate) fn through(points: &[[f64; N]], feed: Feed, corner: Corner) -> Vec<Line> {
+    let mut blocks = Vec::new();
+    for (number, pair) in points.windows(2).enumerate() {
+        let way = std::array::from_fn(|i| pair[1][i] - pair[0][i]);
+        let path = Path::line(way, &[true; N]).expect("two points");
+        blocks.push(Block { path, feed, corner, room: 1.0, tag: Place { number, start: pair[0] } });
     }
+    blocks
+}
 
-    /// 0 ≤ … < 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// From low to high, evenly in the logarithm.
-    pub(crate) fn scale(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.unit())
-    }
-
-    pub(crate) fn chance(&mut self, p: f64) -> bool {
-        self.unit() < p
+fn corner(random: &mut Seed, kind: &Kind) -> Corner {
+    match random.next() % 6 {
+        0 => Corner::Stop,
+        1 => Corner::Exact(random.scale(1e-5, 1e-2)),
+        _ => Corner::Blend(kind.tolerance),
     }
 }
 
-/// A program of one kind of feed, with the start point of every block in its tag.
-pub(crate) fn program(random: &mut Seed) -> Vec<Block<N, [f64; N]>> {
-    let count = 1 + (random.next() % 60) as usize;
-    let corner = match random.next() % 4 {
-        0 => Corner::Stop,
-        1 => Corner::Exact(5e-4),
-        _ => Corner::Blend(random.scale(1e-3, 0.5)),
-    };
-    let kind = random.next() % 3;
-    let (short, long) = (random.scale(1e-3, 1.0), random.scale(0.1, 50.0));
-    let bent = random.scale(0.01, 3.0);
-    let mut at = [0.0; N];
-    let mut heading = random.between(0.0, 6.28);
-    let mut blocks = Vec::new();
-    while blocks.len() < count {
-        let feed = random.scale(1.0, 500.0);
-        let feed = match kind {
-            0 => Feed::Rapid,
-            1 => Feed::PerSecond(feed),
-            _ => Feed::PerRevolution(feed / 60.0, 2.0 * feed),
-        };
-        let feed = blocks
-            .last()
-            .map_or(feed, |last: &Block<N, _>| if random.chance(0.8) { last.feed } else { feed });
-        heading += random.between(-bent, bent);
-        let length = random.scale(short.min(long), long.max(short));
-        let line = [length * heading.cos(), length * heading.sin(), random.between(-0.1, 0.1) * length];
-        let path = if random.chance(0.7) {
-            Path::line(line, &[true; N])
-        } else {
-            // An arc that leaves along the heading.
-            let (radius, sweep) = (random.scale(0.05, 50.0), random.between(0.05, 6.0));
-            let side: f64 = if random.chance(0.5) { 1.0 } else { -1.0 };
-            let start = [radius * side * heading.sin(), -radius * side * heading.cos()];
-            let angle = side * sweep;
-            let end = [
-                start[0] * angle.cos() - start[1] * angle.sin(),
-                start[0] * angle.sin() + start[1] * angle.cos(),
-            ];
-            heading += angle;
-            let drift = if random.chance(0.3) { random.between(-5.0, 5.0) } else { 0.0 };
-            Path::arc([0, 1], start, end, side as i32, [0.0, 0.0, drift], &[true; N])
-        };
-        let Some(path) = path else { continue };
-        let end = path.at(path.length())[0];
-        blocks.push(Block { path, feed, corner, room: 1.0, tag: at });
-        at = std::array::from_fn(|i| at[i] + end[i]);
+/// Another feed, of the kind of `last` if there is one.
+fn feed(random: &mut Seed, last: Option<Feed>) -> Feed {
+    let feed = random.scale(5.0, 500.0);
+    let kinds = [Feed::Rapid, Feed::PerSecond(feed), Feed::PerRevolution(feed / 60.0, 2.0 * feed)];
+    match last {
+        None => kinds[(random.next() % 3) as usize],
+        Some(Feed::Rapid) => kinds[0],
+        Some(Feed::PerSecond(_)) => kinds[1],
+        Some(Feed::PerRevolution(..)) => kinds[2],
     }
-    blocks
+}
+
+/// An arc that leaves along the heading, or a helix.
+fn arc(random: &mut Seed, heading: &mut f64) -> Option<Path<N>> {
+    let (radius, sweep) = (random.scale(0.05, 50.0), random.between(0.05, 6.0));
+    let side: f64 = if random.chance(0.5) { 1.0 } else { -1.0 };
+    let (sin, cos) = libm::sincos(*heading);
+    let start = [radius * side * sin, -radius * side * cos];
+    let (sin, cos) = libm::sincos(side * sweep);
+    // Ends that were rounded have not quite one radius.
+    let rounded = 1.0 + if random.chance(0.5) { random.between(-1e-4, 1e-4) } else { 0.0 };
+    let end = [rounded * (start[0] * cos - start[1] * sin), rounded * (start[0] * sin + start[1] * cos)];
+    *heading += side * sweep;
+    let drift = if random.chance(0.3) { random.between(-5.0, 5.0) } else { 0.0 };
+    Path::arc([0, 1], start, end, side as i32, [0.0, 0.0, drift], &[true; N])
 }

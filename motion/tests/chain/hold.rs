@@ -1,0 +1,95 @@
+//! Feed hold: it stops the machine on its path, within the way that the limits allow, and what follows is the same part.
+
+use crate::programs::{N, program, through};
+use crate::rounded::{Rounded, distance};
+use crate::seed::Seed;
+use crate::stand::{AXES, CYCLE_S, Stand, ask};
+use motion::chain::{Ask, Corner, Feed};
+use motion::{Limits, Path, junction_distance};
+
+/// A stop takes no longer than this, in cycles: 1 s.
+const MOST_STOP: u64 = 500;
+
+/// A run that stays on its path.
+fn run(stand: &mut Stand, path: &Rounded, ask: &Ask, mut goes_on: impl FnMut(&Stand) -> bool) -> bool {
+    while goes_on(stand) {
+        if !stand.tick(ask) {
+            return false;
+        }
+        if let Some(seen) = &stand.last {
+            path.holds(seen);
+        }
+    }
+    true
+}
+
+#[test]
+fn a_hundred_holds_leave_the_machine_on_its_path() {
+    for number in 0..100 {
+        let mut random = Seed::new(1000 + number / 10);
+        let blocks = program(&mut random);
+        let path = Rounded::new(&blocks);
+        let mut free = Stand::new(&blocks);
+        run(&mut free, &path, &ask(), |_| true);
+        let mut moments = Seed::new(2000 + number);
+        let moment = moments.next() % free.ticks();
+
+        let mut held = Stand::new(&blocks);
+        run(&mut held, &path, &ask(), |stand| stand.ticks() < moment);
+        let hold = Ask { hold: true, ..ask() };
+        // Every third hold is taken back while the machine still brakes.
+        let patience = if number % 3 == 0 { moments.next() % 60 } else { MOST_STOP };
+        run(&mut held, &path, &hold, |stand| {
+            stand.ticks() < moment + patience && (stand.speed() > 0.0 || stand.ticks() < moment + 10)
+        });
+        if patience == MOST_STOP {
+            assert_eq!(held.speed(), 0.0, "hold {number} does not stop");
+            let (before, still) = (held.last, held.ticks() + 20);
+            run(&mut held, &path, &hold, |stand| stand.ticks() < still);
+            let [from, to] = [before, held.last].map(|seen| seen.expect("a tick").axes.map(|axis| axis.s));
+            assert!(distance(&from, &to) <= 1e-12, "hold {number} does not stand");
+        }
+        run(&mut held, &path, &ask(), |_| true);
+        free.ends();
+        held.ends();
+        assert!(held.ticks() + 1 >= free.ticks(), "hold {number} made the program faster");
+    }
+}
+
+/// Way from the moment at which a hold is asked for at cruise to rest, and the speed it began with.
+fn stop(points: &[[f64; N]], corner: Corner, after: u64) -> (f64, f64) {
+    let blocks = through(points, Feed::Rapid, corner);
+    let mut stand = Stand::new(&blocks);
+    while stand.ticks() < after {
+        assert!(stand.tick(&ask()), "the program is over");
+    }
+    let seen = stand.last.expect("a tick");
+    assert_eq!((seen.step.along.a, seen.step.along.j), (0.0, 0.0), "not at cruise");
+    let hold = Ask { hold: true, ..ask() };
+    let mut cycles = 0;
+    while stand.speed() > 0.0 {
+        assert!(stand.tick(&hold));
+        cycles += 1;
+        assert!(cycles < MOST_STOP, "does not stop");
+    }
+    let [from, to] = [seen, stand.last.expect("a tick")].map(|seen| seen.axes.map(|axis| axis.s));
+    (distance(&from, &to), seen.step.along.v)
+}
+
+#[test]
+fn a_hold_from_full_rapid_stops_as_soon_as_the_limits_allow() {
+    let ways = [[900.0, 0.0, 0.0], [0.0, 900.0, 0.0], [500.0, -300.0, 100.0]];
+    for way in ways {
+        let limits: Limits = Path::line(way, &[true; N]).expect("a way").limits(&AXES);
+        // One long block, and many short ones in a row.
+        for (parts, corner) in [(1, Corner::Stop), (1800, Corner::Blend(0.01)), (1800, Corner::Exact(1e-3))] {
+            let points: Vec<[f64; N]> =
+                (0..=parts).map(|k| way.map(|w| w * f64::from(k) / f64::from(parts))).collect();
+            let (made, v) = stop(&points, corner, 800);
+            assert!((v - limits.v).abs() <= 1e-9 * v, "{v} is not full rapid");
+            let least = junction_distance(0.0, v, &limits);
+            assert!(made <= least + v * CYCLE_S, "{made} mm instead of {least}, {parts} parts of {way:?}");
+            assert!(made >= least * (1.0 - 1e-6), "{made} mm cannot be: {least}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Random programs under everything that an operator, a spindle and a slow sender do: every axis within its limits at
+//! every cycle, every block completed, the end reached exactly. `PITCHLOCK_PROGRAMS` says how many, and
+//! `PITCHLOCK_PROGRAM` runs the one of this number alone.
+
+use crate::programs::program;
+use crate::seed::{Seed, count};
+use crate::stand::{Stand, ask};
+use motion::chain::{Ask, Ratios};
+
+/// What happens during a program.
+struct Events {
+    /// Chance of each, per cycle.
+    hold: f64,
+    single: f64,
+    change: f64,
+    starve: f64,
+    /// Share by which the observed speed of the spindle swings from cycle to cycle.
+    noise: f64,
+}
+
+impl Events {
+    fn draw(random: &mut Seed) -> Events {
+        let mut rare = |often: f64| if random.chance(0.5) { 0.0 } else { random.scale(0.002, often) };
+        let (hold, single, change, starve) = (rare(0.2), rare(0.1), rare(0.5), rare(0.1));
+        let noise = if random.chance(0.3) { random.scale(1e-6, 0.02) } else { 0.0 };
+        Events { hold, single, change, starve, noise }
+    }
+
+    fn act(&self, random: &mut Seed, ask: &mut Ask) {
+        ask.hold ^= random.chance(self.hold);
+        ask.single ^= random.chance(self.single);
+        ask.more ^= random.chance(self.starve);
+        if random.chance(self.change) {
+            let mut share = || if random.chance(0.1) { 0.0 } else { random.scale(0.02, 1.0) };
+            ask.ratios = Ratios { rapid: share(), feed: 2.0 * share(), turns: 20.0 * share() };
+        } else if self.noise > 0.0 {
+            ask.ratios.turns *= 1.0 + random.between(-self.noise, self.noise);
+        }
+    }
+}
+
+fn run(number: u64) {
+    let mut random = Seed::new(number);
+    let blocks = program(&mut random);
+    let mut stand = Stand::new(&blocks);
+    let events = Events::draw(&mut random);
+    stand.pace = 1 + (random.next() % 4) as usize;
+    let mut asked = ask();
+    while stand.tick(&asked) {
+        events.act(&mut random, &mut asked);
+        if stand.ticks() % 200 == 199 {
+            asked = ask();
+        }
+    }
+    stand.ends();
+}
+
+#[test]
+fn random_programs_keep_every_limit_and_reach_their_end() {
+    let mut failures = Vec::new();
+    let (all, one) = (count("PITCHLOCK_PROGRAMS", 300), count("PITCHLOCK_PROGRAM", u64::MAX));
+    for number in (0..all).filter(|number| one == u64::MAX || *number == one) {
+        if std::panic::catch_unwind(|| run(number)).is_err() {
+            failures.push(number);
+        }
+    }
+    assert!(failures.is_empty(), "programs {failures:?}");
+}
+
+/// Nothing but a slow sender: as long as more is announced and comes at this pace, the chain waits for no one.
+#[test]
+fn a_sender_of_one_block_a_cycle_is_fast_enough_for_blocks_of_a_cycle() {
+    for number in 0..count("PITCHLOCK_PROGRAMS", 300) / 10 {
+        let blocks = program(&mut Seed::new(number));
+        let mut stand = Stand::new(&blocks);
+        stand.pace = 1;
+        stand.run(&ask());
+        stand.ends();
+        assert_eq!(stand.starved(), 0, "program {number}");
+    }
+}
