@@ -128,6 +128,24 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
             worst(|pass| pass.x.thread_max_abs_um),
         );
     }
+    if summary.moves.contour_max_um > 0.0 {
+        let moves = &summary.moves;
+        let _ = writeln!(
+            text,
+            "contour   at most {:.2} µm from the path (line {} at {:.3} s), rms {:.2} µm",
+            moves.contour_max_um, moves.contour_line, moves.contour_t_s, moves.contour_rms_um
+        );
+        for circle in moves.circles.iter().take(5) {
+            let _ = writeln!(
+                text,
+                "circle    line {}: radius {:.3} mm at {:.0} mm/min round within {:.2} µm",
+                circle.line, circle.radius_mm, circle.feed_mm_min, circle.round_max_um
+            );
+        }
+    }
+    if summary.moves.starved > 0 {
+        let _ = writeln!(text, "starved   stopped {} times to wait for machine code", summary.moves.starved);
+    }
     for pause in &summary.pauses {
         let _ = writeln!(text, "pause     line {}: cycle start after {:.1} s", pause.line, pause.waited_s);
     }

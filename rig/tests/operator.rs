@@ -76,7 +76,8 @@ fn half_the_feed_takes_twice_the_time() {
     assert_good(&half, [30.0, 10.0]);
     let rapid = run("G0 X20 Z50\nG0 X30\nM2\n", "", &[]).observation.moves.time_s;
     let (whole, half) = (whole.observation.moves.time_s - rapid, half.observation.moves.time_s - rapid);
-    assert!((half / whole - 2.0).abs() < 0.03, "{half} / {whole}");
+    // Ramps to half the feed take less than twice the time.
+    assert!((half / whole - 2.0).abs() < 0.05, "{half} / {whole}");
 }
 
 #[test]
@@ -102,7 +103,8 @@ fn overrides_turned_at_any_moment_keep_the_limits() {
             .collect();
         let run = run(program, "", &requests);
         assert_good(&run, [60.0, 60.0]);
-        assert!(run.peak_z_mm_s <= machine.axis[&Axis::Z].velocity_mm_s);
+        let highest = machine.axis[&Axis::Z].velocity_mm_s * (1.0 + 1e-6);
+        assert!(run.peak_z_mm_s <= highest, "{} mm/s", run.peak_z_mm_s);
     }
 }
 

@@ -5,6 +5,7 @@ use protocol::{Axis, AxisState};
 use rig::observe::{PassReport, Summary};
 use rig::trace::Row;
 
+use super::curves_moves::MovesCurves;
 use super::envelope::Envelope;
 
 /// Points kept of all passes together; a single curve has at least [`LEAST_SLOTS`] and at most [`MOST_SLOTS`] intervals.
@@ -39,7 +40,9 @@ pub(super) struct ShownCurves {
 
 /// Everything that is drawn.
 pub(super) struct Curves {
-    /// True tool path as (Z, X) in mm; `None` lifts the pen. Timed motion, and passes.
+    /// The plane of the tool path, to the right and upwards: Z and X of a lathe, X and Y of a mill.
+    pub(super) plane: [Axis; 2],
+    /// True tool path in that plane, mm; `None` lifts the pen. Timed motion, and passes.
     pub(super) path: [Vec<Option<(f64, f64)>>; 2],
     path_at: (usize, f64, f64),
     path_step_mm: f64,
@@ -50,9 +53,14 @@ pub(super) struct Curves {
     /// True spindle speed over time, 1/min, and the override, per cent.
     pub(super) rpm: Envelope,
     pub(super) override_pct: Envelope,
+    /// Timed motion.
+    pub(super) moves: MovesCurves,
 }
 
+/// The axes of a pass.
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
+const LATHE_PLANE: [Axis; 2] = [Axis::Z, Axis::X];
+pub(super) const MILL_PLANE: [Axis; 2] = [Axis::X, Axis::Y];
 
 /// The pass that is shown in full: the deepest of those that were cut to their end, else the first.
 fn shown_index(passes: &[PassReport]) -> usize {
@@ -86,7 +94,9 @@ impl Curves {
             }
         };
         let over_time = Envelope::new(0.0, summary.simulated_s, 2 * MOST_SLOTS);
+        let mill = summary.limits.contains_key(&Axis::Y);
         Curves {
+            plane: if mill { MILL_PLANE } else { LATHE_PLANE },
             path: Default::default(),
             path_at: (usize::MAX, 0.0, 0.0),
             path_step_mm: PATH_STEP_MM,
@@ -95,6 +105,7 @@ impl Curves {
             shown: None,
             rpm: over_time.clone(),
             override_pct: over_time,
+            moves: MovesCurves::new(summary),
         }
     }
 
@@ -103,6 +114,7 @@ impl Curves {
         self.rpm.add(row.t_s, row.spindle_rpm);
         self.override_pct.add(row.t_s, row.override_pct);
         self.add_path(row);
+        self.moves.add(summary, row);
         let index = summary.passes.partition_point(|pass| pass.end_cycle < row.cycle);
         let Some(pass) = summary.passes.get(index).filter(|pass| pass.armed_cycle <= row.cycle) else {
             return;
@@ -116,12 +128,12 @@ impl Curves {
     }
 
     fn add_path(&mut self, row: &Row) {
-        let (Some(x), Some(z)) = (row.axis(Axis::X), row.axis(Axis::Z)) else { return };
-        let cutting = (AxisState::RunIn..=AxisState::RunOut).contains(&x.state)
-            || (AxisState::RunIn..=AxisState::RunOut).contains(&z.state);
-        let (kind, place) = (usize::from(cutting), (z.true_mm, x.true_mm));
-        let (before, z_before, x_before) = self.path_at;
-        let moved = libm::hypot(place.0 - z_before, place.1 - x_before);
+        let [Some(right), Some(up)] = self.plane.map(|axis| row.axis(axis)) else { return };
+        let in_pass = |state| (AxisState::RunIn..=AxisState::RunOut).contains(&state);
+        let cutting = in_pass(right.state) || in_pass(up.state);
+        let (kind, place) = (usize::from(cutting), (right.true_mm, up.true_mm));
+        let (before, right_before, up_before) = self.path_at;
+        let moved = libm::hypot(place.0 - right_before, place.1 - up_before);
         if before != kind {
             // Joins what follows to where the other kind of motion ended.
             if before != usize::MAX {

@@ -4,7 +4,7 @@
 use rig::observe::{PassReport, Summary};
 use serde_json::{Value, json};
 
-use super::curves::{Curves, moving_deg, thread_deg};
+use super::curves::{Curves, MILL_PLANE, moving_deg, thread_deg};
 use super::envelope::Envelope;
 
 /// One picture and its words.
@@ -43,12 +43,20 @@ pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
     if let Some((pass, shown)) = shown {
         figures.push(super::figures_pass::limits(pass, shown));
     }
+    if let Some(lap) = &curves.moves.lap
+        && let Some(circle) = summary.moves.circles.get(lap.index)
+    {
+        figures.push(super::figures_moves::circle(circle, lap));
+    }
+    if summary.moves.contour_max_um > 0.0 {
+        figures.push(super::figures_moves::contour(summary, &curves.moves));
+    }
     figures.push(spindle(summary, curves));
     figures
 }
 
 /// A number short enough for a page: six significant digits of what is drawn.
-fn short(value: f64) -> f64 {
+pub(super) fn short(value: f64) -> f64 {
     (value * 1e5).round() / 1e5
 }
 
@@ -87,7 +95,9 @@ fn path(curves: &Curves) -> Figure {
                 "line": { "color": color, "width": width, "simplify": false } })
     };
     let [timed, passes] = &curves.path;
-    let (mut z, mut x) = (axis("Z (mm)"), axis("X, radius (mm)"));
+    let mill = curves.plane == MILL_PLANE;
+    let (mut z, mut x) =
+        if mill { (axis("X (mm)"), axis("Y (mm)")) } else { (axis("Z (mm)"), axis("X, radius (mm)")) };
     x["scaleanchor"] = json!("x");
     if let Some([z_range, x_range]) = around(passes) {
         (z["range"], x["range"]) = (json!(z_range), json!(x_range));
@@ -100,10 +110,18 @@ fn path(curves: &Curves) -> Figure {
     };
     Figure {
         title: "Tool path".into(),
-        caption: format!(
-            "Where the tool really went, both axes at the same scale; the spindle's axis lies along X = 0. {good}"
-        ),
-        alt: "Tool path in the plane of Z and X: timed motion in grey, passes of the thread in blue.".into(),
+        caption: if mill {
+            "Where the tool really went, seen along the spindle, both axes at the same scale.".into()
+        } else {
+            format!(
+                "Where the tool really went, both axes at the same scale; the spindle's axis lies along X = 0. {good}"
+            )
+        },
+        alt: if mill {
+            "Tool path in the plane of X and Y.".into()
+        } else {
+            "Tool path in the plane of Z and X: timed motion in grey, passes of the thread in blue.".into()
+        },
         plot: json!({
             "data": [drawn(timed, "timed motion", GREY, 1.0), drawn(passes, "thread passes", BLUE, 2.0)],
             "layout": { "xaxis": z, "yaxis": x },

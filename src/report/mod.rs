@@ -2,8 +2,10 @@
 //! In: a run folder (`summary.json`, the trace, the program). Out: `report.html` in the same folder.
 
 mod curves;
+mod curves_moves;
 mod envelope;
 pub(crate) mod figures;
+mod figures_moves;
 mod figures_pass;
 pub(crate) mod page;
 #[cfg(test)]

@@ -20,6 +20,7 @@ pub(super) fn html(run: &Run) -> String {
         (head(summary))
         @if let Some(note) = &run.trace_note { p.note { (note) } }
         @if !summary.passes.is_empty() { (passes(summary)) }
+        @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&run.figures))
         (details(summary))
         @if let Some(program) = &run.program { (listing(program)) }
@@ -74,6 +75,9 @@ fn head(summary: &Summary) -> Markup {
             dl.key {
                 div { dt { "Time on the machine" } dd { (format!("{:.2} s", summary.simulated_s)) } }
                 div { dt { "Timed moves" } dd { (summary.moves.count) } }
+                @if summary.moves.contour_max_um > 0.0 {
+                    div { dt { "Farthest from the path" } dd { (um(summary.moves.contour_max_um)) } }
+                }
                 @if !summary.passes.is_empty() {
                     div { dt { "Thread passes" } dd { (summary.passes.len()) } }
                     div { dt { "Farthest from the helix" } dd { (um(worst(|pass| pass.helix_max_abs_um))) } }
@@ -139,6 +143,38 @@ fn passes(summary: &Summary) -> Markup {
                 "Helix: true Z at the motor minus the programmed helix at the true spindle angle. Phase is its mean: "
                 "passes of one start must agree in it, or they cut different grooves. Servo error: commanded minus "
                 "measured. A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
+            }
+        }
+    }
+}
+
+fn circles(summary: &Summary) -> Markup {
+    html! {
+        section {
+            h2 { "Circles" }
+            div.scroll tabindex="0" role="region" aria-label="Table of circles" {
+                table {
+                    thead { tr {
+                        th scope="col" { "Line" }
+                        th scope="col" { "Radius" small { "mm" } }
+                        th scope="col" { "Feed" small { "mm/min" } }
+                        th scope="col" { "Around" small { "degrees" } }
+                        th scope="col" { "Deviation" small { "largest; mean, µm" } }
+                        th scope="col" { "Quadrants" small { "glitch at 0, 90, 180, 270°, µm" } }
+                    } }
+                    tbody { @for circle in &summary.moves.circles { tr {
+                        td { (circle.line) }
+                        td { (format!("{:.3}", circle.radius_mm)) }
+                        td { (format!("{:.0}", circle.feed_mm_min)) }
+                        td { (format!("{:.0}", circle.swept_deg)) }
+                        td { (format!("{:.2}; {:+.2}", circle.round_max_um, circle.mean_um)) }
+                        td { (circle.quadrants_um.map(|glitch| format!("{glitch:+.2}")).join(", ")) }
+                    } } }
+                }
+            }
+            p.caption {
+                "Deviation: distance of the true position (at the motors) from the centre, minus the radius. A glitch is \
+                 the deviation farthest from the mean near the quadrant, less the mean."
             }
         }
     }

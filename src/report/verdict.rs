@@ -62,6 +62,13 @@ pub(super) fn of(summary: &Summary) -> Verdict {
     }
     threads(summary, &mut verdict);
     limits(summary, &mut verdict);
+    match summary.moves.starved {
+        0 => {}
+        n => verdict.say(
+            Grade::Look,
+            format!("Timed motion stopped {n} times on its path to wait for machine code."),
+        ),
+    }
     if summary.deadline_misses > 0 {
         verdict.say(Grade::Look, format!("{} answers came late.", summary.deadline_misses));
     }

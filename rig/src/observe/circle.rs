@@ -132,28 +132,31 @@ impl Circles {
     /// Takes one control cycle.
     pub(super) fn cycle(&mut self, record: &Record) {
         let (now, line) = (record.truth.cycle.0, record.machine.line);
+        let begun = self.program.get(&line).map_or(&[][..], Vec::as_slice);
         if let Some(lap) = &mut self.lap {
-            match lap.circle.place(record) {
-                Some(place) => return lap.cycle(now, &place),
-                None => self.close(),
+            let again = begun.iter().any(|circle| circle.follows(&lap.circle));
+            if let Some(place) = lap.circle.place(record).filter(|_| !again) {
+                return lap.cycle(now, &place);
             }
+            keep(&mut self.reports, lap.report());
         }
-        let begun = self.program.get(&line).into_iter().flatten();
-        self.lap = begun.copied().find_map(|circle| Some(Lap::new(circle, now, &circle.place(record)?)));
+        self.lap =
+            begun.iter().copied().find_map(|circle| Some(Lap::new(circle, now, &circle.place(record)?)));
     }
 
     /// Ends the observation.
     pub(super) fn finish(mut self, cycle_s: f64) -> Vec<CircleReport> {
-        self.close();
+        keep(&mut self.reports, self.lap.and_then(|lap| lap.report()));
         for report in &mut self.reports {
             report.t_s = report.begin_cycle as f64 * cycle_s;
         }
         self.reports
     }
+}
 
-    fn close(&mut self) {
-        let report = self.lap.take().and_then(|lap| lap.report());
-        self.reports.extend(report.filter(|_| self.reports.len() < MOST));
+fn keep(reports: &mut Vec<CircleReport>, report: Option<CircleReport>) {
+    if reports.len() < MOST {
+        reports.extend(report);
     }
 }
 
@@ -163,6 +166,11 @@ impl Circle {
         let center = arc.center.map(Position::mm);
         let [x, y] = [0, 1].map(|i| arc.target[plane[i].index()].mm_from(arc.center[i]));
         Circle { line, plane, center, radius: libm::hypot(x, y) }
+    }
+
+    /// Whether this is another time around the same circle, by another line.
+    fn follows(&self, before: &Circle) -> bool {
+        self.line != before.line && *self == Circle { line: self.line, ..*before }
     }
 
     /// Where the machine is, seen from the centre, if it is on the circle and moves along it in timed motion.

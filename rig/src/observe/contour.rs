@@ -11,32 +11,21 @@
 //! ```
 //! What is along the path is a matter of time, not of shape, and is left out. Rotary axes have no place in a distance.
 
-use protocol::{Axis, AxisState};
+use protocol::AxisState;
 
 use super::{MovesReport, Record};
 
 /// Slower than this is standing, mm/s: there is no direction to be normal to.
 const STANDS_MM_S: f64 = 1e-3;
 
-/// The part of the error that is normal to the motion, as a vector over `axes` in mm; `None` if the axes do not move,
-/// or not in timed motion.
-pub(super) fn normal_error(record: &Record) -> Option<impl Iterator<Item = (Axis, f64)>> {
-    if record.axes.iter().any(|(_, status)| status.state != AxisState::Streaming as u32) {
-        return None;
+/// The contour error of linear axes, each as true minus commanded position and commanded speed, mm and mm/s; `None` if
+/// they stand.
+pub(crate) fn contour_error_mm(axes: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let (mut error, mut along, mut speed) = (0.0, 0.0, 0.0);
+    for (e, v) in axes {
+        (error, along, speed) = (error + e * e, along + e * v, speed + v * v);
     }
-    let linear = || record.axes.iter().filter(|(axis, _)| !axis.is_rotary());
-    let error = |axis: Axis, commanded: f64| record.truth.axes[axis.index()].motor_mm - commanded;
-    let (mut along, mut square) = (0.0, 0.0);
-    for (axis, status) in linear() {
-        along += error(*axis, status.commanded_mm) * status.velocity_mm_s;
-        square += status.velocity_mm_s * status.velocity_mm_s;
-    }
-    let share = along / square;
-    (square > STANDS_MM_S * STANDS_MM_S).then(|| {
-        linear().map(move |(axis, status)| {
-            (*axis, error(*axis, status.commanded_mm) - share * status.velocity_mm_s)
-        })
-    })
+    (speed > STANDS_MM_S * STANDS_MM_S).then(|| (error - along * along / speed).max(0.0).sqrt())
 }
 
 /// The contour error of a run so far.
@@ -50,14 +39,20 @@ pub(super) struct Contour {
 }
 
 impl Contour {
-    /// Takes one control cycle; what it adds, mm.
+    /// Takes one control cycle.
     pub(super) fn cycle(&mut self, record: &Record) {
-        let Some(error) = normal_error(record) else { return };
-        let square: f64 = error.map(|(_, mm)| mm * mm).sum();
-        self.sum_of_squares += square;
+        if record.axes.iter().any(|(_, status)| status.state != AxisState::Streaming as u32) {
+            return;
+        }
+        let linear = record.axes.iter().filter(|(axis, _)| !axis.is_rotary());
+        let error = contour_error_mm(linear.map(|(axis, status)| {
+            (record.truth.axes[axis.index()].motor_mm - status.commanded_mm, status.velocity_mm_s)
+        }));
+        let Some(error) = error else { return };
+        self.sum_of_squares += error * error;
         self.cycles += 1;
-        if square > self.max_mm * self.max_mm {
-            self.max_mm = square.sqrt();
+        if error > self.max_mm {
+            self.max_mm = error;
             let line = record.axes.first().map_or(record.machine.line, |(_, status)| status.line);
             self.worst = (line, record.truth.cycle.0);
         }

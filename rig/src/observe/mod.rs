@@ -28,6 +28,7 @@ pub use summary::{
 };
 
 pub use circle::Watch;
+pub(crate) use contour::contour_error_mm;
 
 use circle::Circles;
 use contour::Contour;

@@ -1,9 +1,10 @@
 //! One control cycle as a row of columns. In: a record of the run. Out: cells of eight bytes, in one order for every
-//! file. Positions in mm, angles in degrees, speeds of the spindle in 1/min, of axes in mm/sⁿ, torques in N·m.
+//! file. Positions in mm, angles in degrees, speeds of the spindle in 1/min, of axes in mm/sⁿ, torques in N·m; degrees for
+//! mm where an axis is rotary.
 
 use protocol::{Axis, AxisState};
 
-use crate::observe::{Observer, Record};
+use crate::observe::{Observer, Record, contour_error_mm};
 
 /// One axis in one control cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +96,15 @@ impl Row {
     /// One axis of the row.
     pub fn axis(&self, axis: Axis) -> Option<&AxisRow> {
         self.axes.iter().find(|(other, _)| *other == axis).map(|(_, row)| row)
+    }
+
+    /// Distance of the true position (linear axes, at the motors) from the commanded path, mm; `None` if the axes stand
+    /// or are not in timed motion.
+    pub fn contour_error_mm(&self) -> Option<f64> {
+        let linear = self.axes.iter().filter(|(axis, _)| !axis.is_rotary());
+        let streaming = self.axes.iter().all(|(_, row)| row.state == AxisState::Streaming);
+        let error = contour_error_mm(linear.map(|(_, row)| (row.true_mm - row.commanded, row.velocity)));
+        error.filter(|_| streaming)
     }
 
     /// The cells in the order of [`columns`].
@@ -197,13 +207,29 @@ pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
         column("override_pct", "per cent", true),
     ];
     for axis in axes {
-        let of_axis = |(name, unit)| (format!("{}_{name}", axis.name()), unit, name != "state");
+        let of_axis =
+            |(name, unit)| (format!("{}_{name}", axis.name()), in_unit_of(*axis, unit), name != "state");
         all.extend(AXIS_COLUMNS.map(of_axis));
     }
     all.push(column("pass", "0 in timed motion", false));
     all.push(column("line", "of the part program", false));
-    all.extend(axes.iter().map(|axis| (format!("{}_slide", axis.name()), "mm, true", true)));
+    all.extend(
+        axes.iter().map(|axis| (format!("{}_slide", axis.name()), in_unit_of(*axis, "mm, true"), true)),
+    );
     all
+}
+
+/// The unit of a column of an axis: a rotary axis has degrees for mm.
+fn in_unit_of(axis: Axis, unit: &'static str) -> &'static str {
+    match (axis.is_rotary(), unit) {
+        (false, unit) => unit,
+        (true, "mm") => "deg",
+        (true, "mm/s") => "deg/s",
+        (true, "mm/s^2") => "deg/s^2",
+        (true, "mm/s^3") => "deg/s^3",
+        (true, "mm, true") => "deg, true",
+        (true, other) => other,
+    }
 }
 
 /// The columns of a trace in their order. Those of an axis begin with its letter, as in `x_commanded`.

@@ -57,10 +57,10 @@ fn around(off: impl Fn(f64) -> [f64; 2]) -> MovesReport {
 #[test]
 fn only_what_is_normal_to_the_motion_is_contour_error() {
     let moves = around(|_| [0.0, 0.4]);
-    assert!(moves.contour_max_um < 1e-9, "{moves:?}");
+    assert!(moves.contour_max_um < 1e-4, "{moves:?}");
     let moves = around(|_| [-0.003, 0.4]);
     assert!(
-        (moves.contour_max_um - 3.0).abs() < 1e-9 && (moves.contour_rms_um - 3.0).abs() < 1e-9,
+        (moves.contour_max_um - 3.0).abs() < 1e-6 && (moves.contour_rms_um - 3.0).abs() < 1e-6,
         "{moves:?}"
     );
     let moves = around(|psi| [if (100.0..101.0).contains(&psi) { 0.017 - psi * 1e-4 } else { 0.001 }, 0.0]);
