@@ -30,7 +30,7 @@ pub(super) fn begin(line: &Line, deed: Deed, state: &State, out: &mut Output) ->
     }
     let message = format!("{code} stops at the end of a move, and this block has none");
     let help = "write it into the block of a G00, G01, G02 or G03, or use G61";
-    Err(Problem::error("no-effect", Blame::G(code), message, help))
+    Err(Problem::error("missing-word", Blame::G(code), message, help))
 }
 
 /// G09, behind the move.

@@ -183,7 +183,7 @@ fn g61_stops_until_g64_and_g09_stops_once() {
 
 #[test]
 fn g09_without_a_move_is_refused() {
-    assert_eq!(errors("G09"), [(1, "no-effect")]);
+    assert_eq!(errors("G09"), [(1, "missing-word")]);
     assert_eq!(errors("G98 G01 X10. F100.\nG09 G01 X20. ,C1.\nZ-5."), [(2, "not-available")]);
-    assert_eq!(errors("G09 G28 U0."), [(1, "no-effect")]);
+    assert_eq!(errors("G09 G28 U0."), [(1, "missing-word")]);
 }

@@ -7,7 +7,7 @@ use gcode::canon::{Place, Sink};
 use gcode::files::ToolTable;
 use gcode::{Call, Dialect, Options, Problem, Program, Step};
 use interpreter::{Interpreter, Language, open};
-use protocol::{Machine, machine};
+use protocol::{Machine, machine, machine::Kinematics};
 
 use super::pages::{Example, PAGES, examples, project};
 
@@ -63,12 +63,12 @@ pub(crate) fn calls(mut program: Program) -> Said {
 }
 
 /// As `pitchlock check --tools tool.tbl` runs it.
-fn lathe(path: &Path, fanuc: bool) -> Said {
+fn checked(path: &Path, fanuc: bool, kinematics: Kinematics) -> Said {
     let dialect = if fanuc { machine::Dialect::Fanuc } else { machine::Dialect::Linuxcnc };
     let language = Language { dialect: Some(dialect), tools: Some(tools()), ..Language::default() };
-    let lathe = Machine::default();
-    let program = open(path, &language, &lathe).expect("the example was written");
-    let mut interpreter = Interpreter::new(program, &lathe);
+    let machine = Machine::from_toml(kinematics.example()).expect("a built-in machine");
+    let program = open(path, &language, &machine).expect("the example was written");
+    let mut interpreter = Interpreter::new(program, &machine);
     let mut found: Vec<_> = interpreter.by_ref().filter_map(Result::err).collect();
     found.extend_from_slice(interpreter.warnings());
     said(&found)
@@ -81,8 +81,8 @@ fn finding(example: &Example, path: &Path) -> Option<String> {
         return None;
     }
     let (codes, text) = match example.machine {
-        true => lathe(path, example.fanuc),
-        false => calls(Program::open(path, &options(example.fanuc)).expect("the example was written")),
+        Some(kinematics) => checked(path, example.fanuc, kinematics),
+        None => calls(Program::open(path, &options(example.fanuc)).expect("the example was written")),
     };
     let Example { place, program, .. } = example;
     (codes != example.codes).then(|| format!("{place}: {codes:?}, not {:?}\n{program}{text}", example.codes))

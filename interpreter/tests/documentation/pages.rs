@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use protocol::machine::Kinematics;
+
 /// The pages that describe the language.
 pub(crate) const PAGES: [&str; 6] = [
     "gcode.md",
@@ -19,8 +21,8 @@ pub(crate) struct Example {
     pub(crate) place: String,
     /// FANUC, not RS274/NGC.
     pub(crate) fanuc: bool,
-    /// Run for the built-in lathe.
-    pub(crate) machine: bool,
+    /// Run for the built-in machine of this kind.
+    pub(crate) machine: Option<Kinematics>,
     /// Codes of its diagnostics, sorted.
     pub(crate) codes: Vec<String>,
     /// The name of the file that it is, for other examples.
@@ -39,7 +41,8 @@ impl Example {
         };
         for word in words {
             match word.split_once('=') {
-                None if word == "machine" => example.machine = true,
+                None if word == "machine" => example.machine = Some(Kinematics::Lathe),
+                None if word == "mill" => example.machine = Some(Kinematics::Mill),
                 Some(("error", codes)) => example.codes = codes.split(',').map(str::to_owned).collect(),
                 Some(("file", name)) => example.file = Some(name.to_owned()),
                 _ => panic!("{}: what does {word} mean?", example.place),
