@@ -22,9 +22,11 @@ const TOLERANCE_MM: f64 = 0.01;
 const ROUNDS: usize = 5;
 
 type Contour = Vec<Block<3, ()>>;
+/// Angle, in radians, by which a line is turned against the one before, from its number.
+type Turn = fn(usize) -> f64;
 
 /// A line after the other, each turned by an angle that depends on its number.
-fn contour(corner: Corner, turn: fn(usize) -> f64) -> Contour {
+fn contour(corner: Corner, turn: Turn) -> Contour {
     let mut heading: f64 = 0.0;
     let line = |number| {
         heading += turn(number);
@@ -104,7 +106,8 @@ fn rate(name: &str, contour: &Contour) {
     };
     let run_s = median((0..ROUNDS).map(&mut run_s).collect());
     println!(
-        "{name:<10} {:>9.0} blocks per second of computing, {:.0} ns a block with the {:.1} ticks it lasts (median of {ROUNDS} runs)",
+        "{name:<10} {:>9.0} blocks per second of computing, {:.0} ns a block with the {:.1} ticks it lasts \
+         (median of {ROUNDS} runs)",
         contour.len() as f64 / run_s,
         1e9 * run_s / contour.len() as f64,
         ticks_made as f64 / contour.len() as f64
@@ -112,13 +115,13 @@ fn rate(name: &str, contour: &Contour) {
 }
 
 /// Time of motion of the contour, rounded, and with a stop after each block.
-fn factor(name: &str, turn: fn(usize) -> f64) {
+fn factor(name: &str, turn: Turn) {
     let stop = FeedBlock::plan(SEGMENT_MM, 0.0, FEED_MM_S, 0.0, &AXIS).unwrap().duration();
     let [stopped, rounded] = [Corner::Stop, Corner::Blend(TOLERANCE_MM)]
         .map(|corner| ticks(&contour(corner, turn)) as f64 * CYCLE_S);
     println!(
-        "{name:<10} {rounded:>7.2} s rounded within {TOLERANCE_MM} mm, {stopped:>7.2} s with stops: factor {:.1} (one block from rest \
-         to rest along an axis takes {:.2} ms, all at their feed {:.2} s)",
+        "{name:<10} {rounded:>7.2} s rounded within {TOLERANCE_MM} mm, {stopped:>7.2} s with stops: factor {:.1} \
+         (one block from rest to rest along an axis takes {:.2} ms, all at their feed {:.2} s)",
         stopped / rounded,
         stop * 1e3,
         SEGMENTS as f64 * SEGMENT_MM / FEED_MM_S
@@ -126,7 +129,7 @@ fn factor(name: &str, turn: fn(usize) -> f64) {
 }
 
 fn main() {
-    let contours: [(&str, fn(usize) -> f64); 2] = [("smooth", smooth), ("cornered", cornered)];
+    let contours: [(&str, Turn); 2] = [("smooth", smooth), ("cornered", cornered)];
     println!("{SEGMENTS} lines of {SEGMENT_MM} mm at {FEED_MM_S} mm/s, a tick every {CYCLE_S} s");
     contours.iter().for_each(|&(name, turn)| factor(name, turn));
     let rounded = contours.map(|(name, turn)| (name, contour(Corner::Blend(TOLERANCE_MM), turn)));

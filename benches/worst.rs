@@ -1,0 +1,146 @@
+//! The worst of a million ticks of the interpolator. `cargo bench --bench worst` prints what a tick costs: median, 99.9 %
+//! and worst.
+//!
+//! The machine (`interpolator`, regulators and plant, in one process) follows short lines of 0.2 mm round and round, on a
+//! smooth curve and on one with sharp corners, while the operator turns the feed override and holds now and then: both
+//! make the interpolator plan again. Timed is what the process does in a tick: it takes the machine code it has asked for,
+//! and ticks. Every run makes the same ticks, so the least cost of a tick over the runs is what it costs by itself; one
+//! run alone has also what the system does meanwhile.
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
+
+use std::{f64::consts::TAU, hint::black_box, time::Instant};
+
+use interpolator::{In, Interpolator};
+use protocol::{
+    Axis, AxisFrame, AxisStatus, Code, CodePacket, DriveCommand, Feed, Item, Machine, Panel, PerAxis,
+    Position, SpindleCommand,
+};
+use regulator::Regulator;
+use sim_plant::{Plant, Scenario};
+
+const TICKS: usize = 1_000_000;
+const ROUNDS: usize = 3;
+/// Lines of one turn, which is 0.2 mm times as long.
+const LINES: usize = 640;
+const FEED_MM_MIN: f64 = 6000.0;
+
+/// Radius at an angle: of a smooth closed curve, and of a star.
+type Curve = fn(f64) -> f64;
+
+fn smooth(angle: f64) -> f64 {
+    20.0 + libm::sin(5.0 * angle)
+}
+
+fn star(angle: f64) -> f64 {
+    let wave = 8.0 * angle / TAU;
+    20.0 + 4.0 * (2.0 * (wave - wave.floor()) - 1.0).abs()
+}
+
+/// One turn of machine code in the plane of X and Z.
+fn turn(curve: Curve) -> Vec<Item> {
+    let line = |number: usize| {
+        let angle = TAU * number as f64 / LINES as f64;
+        let (s, c) = libm::sincos(angle);
+        let mut target = PerAxis::<Position>::default();
+        target[Axis::X.index()] = Position::from_mm(50.0 + curve(angle) * s);
+        target[Axis::Z.index()] = Position::from_mm(-100.0 + curve(angle) * c);
+        Item { line: number as u32 + 1, code: Code::Line { target, feed: Feed::PerMinute(FEED_MM_MIN) } }
+    };
+    (0..LINES).map(line).collect()
+}
+
+/// The panel at a tick: a new feed override every half second, and a hold now and then.
+fn operator(tick: usize) -> Panel {
+    let turn = tick / 250;
+    let buttons = if turn % 13 == 12 { Panel::FEED_HOLD } else { 0 };
+    Panel { feed_override_pct: 40.0 + 40.0 * (turn * 7 % 5) as f64, buttons, ..Panel::default() }
+}
+
+/// The machine, and the machine code still to come.
+struct Run<'a> {
+    machine: Machine,
+    plant: Plant,
+    upper: Interpolator,
+    lower: [(Axis, Regulator); 2],
+    code: std::iter::Zip<std::ops::RangeFrom<u64>, std::iter::Cycle<std::slice::Iter<'a, Item>>>,
+    statuses: PerAxis<AxisStatus>,
+    made: Option<(PerAxis<AxisFrame>, SpindleCommand)>,
+    spindle: SpindleCommand,
+}
+
+impl<'a> Run<'a> {
+    fn new(code: &'a [Item]) -> Run<'a> {
+        let machine = Machine::default();
+        Run {
+            plant: Plant::new(&machine, Scenario::none(), 1).unwrap(),
+            upper: Interpolator::new(&machine),
+            lower: [Axis::X, Axis::Z].map(|axis| (axis, Regulator::new(&machine, axis))),
+            code: (0..).zip(code.iter().cycle()),
+            statuses: PerAxis::default(),
+            made: None,
+            spindle: SpindleCommand::default(),
+            machine,
+        }
+    }
+
+    /// The cycles up to and with the next tick; the cost of the tick in ns.
+    fn tick(&mut self, number: usize) -> f64 {
+        loop {
+            let mut measurement = self.plant.truth().measurement;
+            measurement.panel = operator(number);
+            let is_tick = self.machine.is_tick(measurement.cycle);
+            let (mut frames, mut cost) = (None, None);
+            if is_tick {
+                if let Some((sent, spindle)) = self.made {
+                    (frames, self.spindle) = (Some(sent), spindle);
+                }
+                let begun = Instant::now();
+                while self.upper.wants() {
+                    let (sequence, item) = self.code.next().unwrap();
+                    self.upper.push(&CodePacket::pack(sequence, item)).unwrap();
+                }
+                let out = black_box(self.upper.tick(&In { measurement: &measurement, axes: &self.statuses }));
+                cost = Some(begun.elapsed().as_secs_f64() * 1e9);
+                self.made = Some((out.frames, out.spindle));
+            }
+            let mut drives = PerAxis::<DriveCommand>::default();
+            for (axis, regulator) in &mut self.lower {
+                let frame = frames.as_ref().map(|frames| &frames[axis.index()]);
+                let out = regulator.tick(&regulator::In { measurement: &measurement, frame });
+                (drives[axis.index()], self.statuses[axis.index()]) = (out.drive, out.status);
+            }
+            self.plant.tick(&drives, &self.spindle, None);
+            if let Some(cost) = cost {
+                return cost;
+            }
+        }
+    }
+}
+
+/// Cost of every tick, ns: of one run, and the least of all runs; and the lines that one run takes.
+fn costs(code: &[Item]) -> ([Vec<f64>; 2], u64) {
+    let mut least = vec![f64::INFINITY; TICKS];
+    let (mut one, mut lines) = (Vec::new(), 0);
+    for _ in 0..ROUNDS {
+        let mut run = Run::new(code);
+        one = (0..TICKS).map(|tick| run.tick(tick)).collect();
+        least.iter_mut().zip(&one).for_each(|(least, ns)| *least = least.min(*ns));
+        lines = run.upper.received();
+    }
+    ([one, least], lines)
+}
+
+fn main() {
+    let curves: [(&str, Curve); 2] = [("smooth", smooth), ("star", star)];
+    for (name, curve) in curves {
+        let (costs, lines) = costs(&turn(curve));
+        assert!(lines > TICKS as u64 / 100, "the machine stands: {lines} lines");
+        println!("{name}: {TICKS} ticks, {lines} lines");
+        for (mut costs, what) in costs.into_iter().zip(["one run", "least of runs"]) {
+            costs.sort_by(f64::total_cmp);
+            let [median, most, worst] =
+                [0.5, 0.999, 1.0].map(|share| costs[(share * (TICKS - 1) as f64) as usize]);
+            println!("  {what:<14} median {median:>6.0} ns, 99.9 % {most:>7.0} ns, worst {worst:>9.0} ns");
+        }
+    }
+}
