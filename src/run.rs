@@ -87,6 +87,9 @@ fn read_scenario(args: &RunArgs) -> Result<(sim_plant::Scenario, Option<String>)
     Ok((scenario, text))
 }
 
+/// Pauses and circles that are named.
+const SHOWN: usize = 10;
+
 /// What a person wants to know first.
 fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
     use std::fmt::Write as _;
@@ -135,7 +138,7 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
             "contour   at most {:.2} µm from the path (line {} at {:.3} s), rms {:.2} µm",
             moves.contour_max_um, moves.contour_line, moves.contour_t_s, moves.contour_rms_um
         );
-        for circle in moves.circles.iter().take(5) {
+        for circle in moves.circles.iter().take(SHOWN) {
             let _ = writeln!(
                 text,
                 "circle    line {}: radius {:.3} mm at {:.0} mm/min round within {:.2} µm",
@@ -146,8 +149,11 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
     if summary.moves.starved > 0 {
         let _ = writeln!(text, "starved   stopped {} times to wait for machine code", summary.moves.starved);
     }
-    for pause in &summary.pauses {
+    for pause in summary.pauses.iter().take(SHOWN) {
         let _ = writeln!(text, "pause     line {}: cycle start after {:.1} s", pause.line, pause.waited_s);
+    }
+    if summary.pauses.len() > SHOWN {
+        let _ = writeln!(text, "          and {} more pauses", summary.pauses.len() - SHOWN);
     }
     if summary.overrides_clamped > 0 {
         let _ = writeln!(

@@ -145,6 +145,9 @@ fn the_built_in_machine_file_is_a_start_for_ones_own() {
     let printed = accepts(&place, &["machine"]).stdout;
     let shipped = project().join("examples/machines/small-lathe.toml");
     assert_eq!(printed, fs::read_to_string(shipped).expect("it is shipped"));
+    let mill = accepts(&place, &["machine", "--kinematics", "mill"]).stdout;
+    let shipped = project().join("examples/machines/small-mill.toml");
+    assert_eq!(mill, fs::read_to_string(shipped).expect("it is shipped"));
     place.write("own.toml", printed);
     let own = place.run(&example("m20x2"), "own", &["--in-process", "--machine", "own.toml"]);
     let built_in = place.run(&example("m20x2"), "built-in", &["--in-process"]);

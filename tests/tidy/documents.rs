@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use protocol::Machine;
+use protocol::{Machine, machine::Kinematics};
 use sim_plant::Scenario;
 
 use super::{files, none, project, read};
@@ -135,8 +135,11 @@ fn every_example_can_be_read() {
     for path in of_folder("examples/scenarios", ".toml") {
         Scenario::from_toml(&read(&path)).unwrap_or_else(|error| panic!("{path:?}: {error}"));
     }
-    for path in of_folder("examples", ".ngc") {
-        let check = interpreter::check(&path.display().to_string(), &read(&path), &Machine::default());
-        assert!(check.diagnostics.is_empty(), "{path:?}: {:?}", check.diagnostics);
+    for (folder, kinematics) in [("examples", Kinematics::Lathe), ("examples/mill", Kinematics::Mill)] {
+        let machine = Machine::from_toml(kinematics.example()).expect("the shipped machines are tested");
+        for path in of_folder(folder, ".ngc") {
+            let check = interpreter::check(&path.display().to_string(), &read(&path), &machine);
+            assert!(check.diagnostics.is_empty(), "{path:?}: {:?}", check.diagnostics);
+        }
     }
 }

@@ -18,8 +18,9 @@ use protocol::{Arc, Axis, AxisState, Code, Item, PerAxis, Position};
 
 use super::{CircleReport, Record};
 
-/// A commanded point that is nearer to the circle than this lies on it, mm: setpoints have a chord error.
-const ON_MM: f64 = 0.002;
+/// A commanded point that is nearer to the circle than this lies on it, mm. Where a rounded corner leads to the circle or
+/// away from it, the path leaves it on purpose.
+const ON_MM: f64 = 0.000_5;
 /// Largest part of the commanded speed that may lead away from the circle.
 const AWAY: f64 = 0.02;
 /// What counts as a quadrant, degrees to either side.
