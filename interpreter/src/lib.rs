@@ -20,12 +20,14 @@
 //! | [`gcode`] | the text of a program | calls of canonical functions |
 //! | `frame` | units and offsets | positions of the machine |
 //! | `translate`, `moves`, `spindle`, `threading` | calls | items |
+//! | `merge` | lines | fewer lines, where G64 Q lets them |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
 
 mod check;
 mod frame;
+mod merge;
 mod moves;
 mod options;
 pub mod shell;

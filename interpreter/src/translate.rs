@@ -10,6 +10,7 @@ use protocol::machine::Kinematics;
 use protocol::{Axis, Code, Item, Machine, PathMode, Position, SpindleMode};
 
 use crate::frame::Frame;
+use crate::merge::Merged;
 use crate::moves::letter;
 use crate::options::home;
 use crate::spindle::Spindle;
@@ -55,6 +56,8 @@ pub(crate) struct Translator {
     pub(crate) passes: u32,
     pub(crate) starts: Starts,
     pub(crate) notes: Vec<PassNote>,
+    /// A line that others may yet lengthen.
+    merged: Option<Merged>,
     items: VecDeque<Item>,
     problems: Vec<(Place, Problem)>,
     /// Where the last call came from.
@@ -86,6 +89,7 @@ impl Translator {
             passes: 0,
             starts: Starts::default(),
             notes: Vec::new(),
+            merged: None,
             items: VecDeque::new(),
             problems: Vec::new(),
             place: Place { line: 1, ..Place::default() },
@@ -137,8 +141,22 @@ impl Translator {
         self.push_alone(line, code);
     }
 
+    /// An item, unless it becomes part of a line that waits for others (G64 Q). Until it has been pushed the axes rest at
+    /// its start.
     pub(crate) fn push_alone(&mut self, line: u32, code: Code) {
-        self.items.push_back(Item { line, code });
+        let item = Item { line, code };
+        let merge_mm = match self.path_mode_sent {
+            PathMode::Blend { merge_mm, .. } => merge_mm,
+            PathMode::ExactStop | PathMode::ExactPath => 0.0,
+        };
+        if self.merged.as_mut().is_some_and(|merged| merged.take(&item, merge_mm)) {
+            return;
+        }
+        self.items.extend(self.merged.take().map(|merged| merged.item()));
+        self.merged = Merged::new(self.positions(&self.rest), &item).filter(|_| merge_mm > 0.0);
+        if self.merged.is_none() {
+            self.items.push_back(item);
+        }
     }
 
     /// Reports a problem of an earlier call, or a warning.

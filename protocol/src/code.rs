@@ -115,8 +115,7 @@ pub enum PathMode {
     Blend {
         /// Farthest that the path may leave what is programmed, mm, 0 to [`PathMode::MOST_MM`].
         tolerance_mm: f64,
-        /// Lines whose ends lie this near to one line are made one, mm, 0 to [`PathMode::MOST_MM`]; 0 makes those one
-        /// that are exactly in line.
+        /// Lines whose ends lay this near to one line have been made one, mm, 0 to [`PathMode::MOST_MM`].
         merge_mm: f64,
     },
 }

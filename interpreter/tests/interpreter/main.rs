@@ -5,6 +5,7 @@ mod blocks;
 mod cycle;
 mod dialects;
 mod feasible;
+mod merge;
 mod mill;
 mod properties;
 mod single;

@@ -1,0 +1,65 @@
+//! G64 Q: lines become one where their ends lie within Q of it. In: items. Out: items, lines fewer.
+//!
+//! Lines from S over P1, P2, … to E are one line from S to E if every P lies within Q of it and further along it than the
+//! one before, the feed is the same, and no rotary axis moves. Nothing else may lie between them. Rapids are left alone.
+
+use protocol::{Axis, Code, Feed, Item, PerAxis, Position, units::AXES};
+
+/// Most lines that become one.
+const MOST: usize = 100;
+
+/// Lines that are one so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Merged {
+    from: PerAxis<Position>,
+    /// Ends of all lines but the last.
+    over: Vec<PerAxis<Position>>,
+    to: PerAxis<Position>,
+    feed: Feed,
+    line: u32,
+}
+
+impl Merged {
+    /// A first line, if it is one that others may follow.
+    pub(crate) fn new(from: PerAxis<Position>, item: &Item) -> Option<Merged> {
+        let Code::Line { target, feed } = item.code else { return None };
+        let turns = |axis: Axis| axis.is_rotary() && from[axis.index()] != target[axis.index()];
+        let mergeable = feed != Feed::Rapid && !Axis::ALL.into_iter().any(turns);
+        mergeable.then_some(Merged { from, over: Vec::new(), to: target, feed, line: item.line })
+    }
+
+    /// Takes a line in, if all of them stay within `within_mm` of one; false if it stays out.
+    pub(crate) fn take(&mut self, item: &Item, within_mm: f64) -> bool {
+        let Some(next) = Merged::new(self.to, item) else { return false };
+        if next.feed != self.feed || self.over.len() + 2 > MOST || !self.leads_to(&next.to, within_mm) {
+            return false;
+        }
+        self.over.push(self.to);
+        (self.to, self.line) = (next.to, next.line);
+        true
+    }
+
+    /// The one line.
+    pub(crate) fn item(&self) -> Item {
+        Item { line: self.line, code: Code::Line { target: self.to, feed: self.feed } }
+    }
+
+    /// Whether every end so far lies near the line to `end`, each further along than the one before.
+    fn leads_to(&self, end: &PerAxis<Position>, within_mm: f64) -> bool {
+        let seen = |point: &PerAxis<Position>| -> [f64; AXES] {
+            std::array::from_fn(|axis| point[axis].mm_from(self.from[axis]))
+        };
+        let dot = |a: &[f64; AXES], b: &[f64; AXES]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let way = seen(end);
+        let length = dot(&way, &way).sqrt();
+        let mut before = 0.0;
+        self.over.iter().chain([&self.to]).all(|point| {
+            let point = seen(point);
+            let along = dot(&point, &way) / length;
+            let aside: [f64; AXES] = std::array::from_fn(|axis| point[axis] - way[axis] * along / length);
+            let onwards = along > before && along < length;
+            before = along;
+            onwards && dot(&aside, &aside).sqrt() <= within_mm
+        })
+    }
+}
