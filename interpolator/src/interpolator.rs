@@ -138,7 +138,6 @@ impl Interpolator {
         }
         let (setpoints, command) = self.work(input, cycle);
         self.spindle.at_x(self.here[Axis::X.index()]);
-        self.spindle.at_x(self.here[Axis::X.index()]);
         if self.task.public() != before {
             self.waited = 0;
         }
