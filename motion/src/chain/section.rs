@@ -36,6 +36,8 @@ pub(super) struct Section {
     /// Highest feed at the end: what the path allows, and what is programmed.
     pub(super) exit_hard: f64,
     pub(super) exit_soft: f64,
+    /// The highest feed of the stretches that were joined; 0 for one alone.
+    pub(super) most: f64,
 }
 
 impl Section {
@@ -47,6 +49,21 @@ impl Section {
             Feed::PerRevolution(feed, _) => ratios.turns * feed,
         }
         .min(self.limits.v)
+    }
+
+    /// The feed without overrides: what is joined must not depend on one that happens to be 0. The spindle counts as long
+    /// as it turns.
+    fn nominal(&self, ratios: &Ratios) -> f64 {
+        match self.feed {
+            Feed::PerSecond(feed) => feed.min(self.limits.v),
+            Feed::PerRevolution(feed, _) if ratios.turns > 0.0 => (ratios.turns * feed).min(self.limits.v),
+            _ => self.limits.v,
+        }
+    }
+
+    /// The nominal feed of its fastest stretch.
+    fn fastest(&self, ratios: &Ratios) -> f64 {
+        self.most.max(self.nominal(ratios))
     }
 }
 
@@ -78,23 +95,29 @@ impl Sections {
         self.ring.front()
     }
 
-    /// Appends a stretch; joins it to the last section if they are alike or one is too short to be of use.
+    /// Appends a stretch; joins it to the last section if they are better one, and both to the one before.
     pub(super) fn push(&mut self, zone: Section, ratios: &Ratios) {
-        let count = self.ring.len();
-        let open = !self.entered || count > 1;
-        // What was promised to the section before the last must still hold when the last one grows.
-        let promised = if count > 1 { self.ring[count - 2].exit_hard } else { 0.0 };
         self.total += zone.length;
-        match self.ring.back_mut() {
-            Some(last) if open && !last.stops && joins(last, &zone, ratios, promised) => {
-                *last = joined(last, &zone);
-                self.touch(count.saturating_sub(2));
-            }
-            _ => {
-                self.ring.push_back(zone);
-                self.touch(count.saturating_sub(1));
-            }
+        self.ring.push_back(zone);
+        while self.join_last(ratios) {}
+        self.touch(self.ring.len().saturating_sub(2));
+    }
+
+    /// Joins the last two sections if they are better one.
+    fn join_last(&mut self, ratios: &Ratios) -> bool {
+        let count = self.ring.len();
+        if count < 2 || self.entered && count == 2 {
+            return false;
         }
+        let (last, zone) = (&self.ring[count - 2], &self.ring[count - 1]);
+        // What was promised to the section before must still hold when this one grows.
+        let promised = if count > 2 { self.ring[count - 3].exit_hard } else { 0.0 };
+        if last.stops || !joins(last, zone, ratios, promised) {
+            return false;
+        }
+        self.ring[count - 2] = joined(last, zone, ratios);
+        self.ring.pop_back();
+        true
     }
 
     fn touch(&mut self, k: usize) {
@@ -178,29 +201,36 @@ fn hard_entry(exit: f64, top: f64, length: f64, limits: &Limits) -> f64 {
 }
 
 /// Two neighbours as one section.
-fn joined(last: &Section, zone: &Section) -> Section {
+fn joined(last: &Section, zone: &Section, ratios: &Ratios) -> Section {
     Section {
         length: last.length + zone.length,
         feed: last.feed.lower(zone.feed),
         limits: last.limits.min(&zone.limits),
         stops: zone.stops,
+        most: last.fastest(ratios).max(zone.fastest(ratios)),
         ..*last
     }
 }
 
 /// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
+///
+/// A stretch that is faster than the section before it waits for what follows: more of its kind makes it long enough,
+/// or a slower one takes it in.
 fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool {
-    if !last.feed.same_kind(zone.feed) {
+    // Feeds per revolution cannot be told from each other's limits while nothing turns.
+    let blind = matches!(last.feed, Feed::PerRevolution(..)) && ratios.turns <= 0.0;
+    if !last.feed.same_kind(zone.feed) || blind && last.feed != zone.feed {
         return false;
     }
     if promised > 0.0 {
-        let both = joined(last, zone);
+        let both = joined(last, zone, ratios);
         if reach(0.0, both.limits.v, both.length, &both.limits) < promised {
             return false;
         }
     }
-    let (a, b) = (last.cap(ratios), zone.cap(ratios));
-    let (low, high) = (a.min(b), a.max(b));
+    let low = last.nominal(ratios).min(zone.nominal(ratios));
+    let (a, b) = (last.fastest(ratios), zone.fastest(ratios));
+    let high = a.max(b);
     let limits = last.limits.min(&zone.limits);
     if high <= low * (1.0 + ALIKE) {
         // Alike in feed. A long stretch with room for ramps is not tied to tighter limits than its own.
@@ -208,6 +238,5 @@ fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool
         let loses = tied.limits.a > 1.5 * limits.a || tied.limits.j > 1.5 * limits.j;
         return !loses || tied.length <= 2.0 * junction_distance(0.0, low, &limits);
     }
-    let faster = if a > b { last.length } else { zone.length };
-    faster <= 2.0 * junction_distance(low, high.min(WORTH * low), &limits)
+    a >= b && last.length <= 2.0 * junction_distance(low, high.min(WORTH * low), &limits)
 }
