@@ -1,5 +1,6 @@
 //! Chains of blocks: every axis within its limits at every moment, every target reached, on the path, in time.
 
+mod blocks;
 mod hold;
 mod limits;
 mod programs;
@@ -7,4 +8,5 @@ mod replan;
 mod rounded;
 mod seed;
 mod stand;
+mod times;
 mod tolerance;

@@ -41,7 +41,7 @@ pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
     };
     let (mut corner, mut feed) = (corner(random, &kind), feed(random, None));
     let mut at = [0.0; N];
-    let mut heading = random.between(0.0, 6.28);
+    let mut heading = random.between(0.0, std::f64::consts::TAU);
     let mut blocks: Vec<Line> = Vec::new();
     while blocks.len() < count {
         if random.chance(0.03) {

@@ -79,9 +79,13 @@ impl<'a> Stand<'a> {
                 }
             }
         }
+        let step = self.chain.tick(ask);
+        if step.is_none() && self.pushed == self.blocks.len() {
+            return false;
+        }
         self.ticks += 1;
         assert!(self.ticks < MOST_TICKS, "does not end: {:?}", self.last);
-        let Some(step) = self.chain.tick(ask) else { return self.pushed < self.blocks.len() };
+        let Some(step) = step else { return true };
         self.completed += step.completed;
         self.starved += u32::from(step.starved);
         assert!(!step.rejected, "no law for {step:?} at {}", self.ticks);

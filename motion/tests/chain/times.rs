@@ -1,0 +1,163 @@
+//! Time of motion: single moves against the fastest ones with rectangular jerk, a finely divided contour against its
+//! feed and against stops.
+//!
+//! A sin² pulse has the mean of half its peak, so a move from rest to rest takes the time of the fastest one with
+//! rectangular jerk at half the jerk (M27). That one has a closed form, by way L and limits V, A, J:
+//!
+//! ```text
+//! peak feed F:  L = 2 F sqrt(F/J) below F = A²/J, L = F²/A + F A/J above it, at most V
+//! ramp:         t = 2 sqrt(F/J) or F/A + A/J;  T = t + L/F
+//! ```
+
+use crate::programs::{N, through};
+use crate::seed::Seed;
+use crate::stand::{AXES, CYCLE_S, Stand, ask};
+use motion::chain::{Ask, Corner, Feed, Ratios};
+use motion::{Binding, FeedBlock, Limits, Path, Ramp};
+
+/// Duration of the fastest move over `way` mm with rectangular jerk, s.
+fn rectangular(way: f64, limits: &Limits) -> f64 {
+    let Limits { v, a, j, .. } = *limits;
+    let by_jerk = libm::cbrt(way * way * j / 4.0);
+    let rise = a * a / j;
+    let peak = if by_jerk <= rise { by_jerk } else { 0.5 * ((rise * rise + 4.0 * a * way).sqrt() - rise) };
+    let peak = peak.min(v);
+    let ramp = if peak <= rise { 2.0 * (peak / j).sqrt() } else { peak / a + a / j };
+    ramp + way / peak
+}
+
+#[test]
+fn m27_moves_take_the_time_of_the_fastest_at_half_the_jerk() {
+    let mut random = Seed::new(27);
+    let mut compared = [0; 3];
+    for _ in 0..200_000 {
+        let limits = Limits {
+            v: random.scale(1.0, 1e3),
+            a: random.scale(10.0, 1e4),
+            j: random.scale(1e3, 1e6),
+            dj: random.scale(1e6, 1e10),
+        };
+        let way = random.scale(1e-3, 1e3);
+        let block = FeedBlock::plan(way, 0.0, limits.v, 0.0, &limits).expect("a way from rest to rest");
+        let (_, binding) = Ramp::peak_jerk(block.peak_feed(), &limits);
+        if binding == Binding::Jerk {
+            let fastest = rectangular(way, &Limits { j: 0.5 * limits.j, ..limits });
+            let apart = (block.duration() / fastest - 1.0).abs();
+            assert!(apart <= 1e-6, "{} s, not {fastest}: {way} mm {limits:?}", block.duration());
+            // Each kind of move: without constant acceleration, without cruise, with both.
+            let kind = if block.reaches_feed() { 2 } else { usize::from(block.accel().lambda() < 0.5) };
+            compared[kind] += 1;
+        }
+    }
+    assert!(compared.iter().all(|kind| *kind > 1000), "{compared:?}");
+}
+
+#[test]
+fn m27_a_chain_of_one_move_takes_it_too() {
+    for way in [[0.01, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 40.0, 0.0], [200.0, -100.0, 50.0]] {
+        let blocks = through(&[[0.0; N], way], Feed::Rapid, Corner::Stop);
+        let limits = blocks[0].path.limits(&AXES);
+        let length = blocks[0].path.length();
+        let mut stand = Stand::new(&blocks);
+        stand.run(&ask());
+        let block = FeedBlock::plan(length, 0.0, limits.v, 0.0, &limits).expect("from rest to rest");
+        let made = stand.ticks() as f64 * CYCLE_S;
+        assert!((made - block.duration() - 0.5 * CYCLE_S).abs() <= CYCLE_S, "{made} s for {way:?}");
+    }
+}
+
+/// A closed smooth curve in so many steps of nearly `step` mm, radius 60 to 100 mm.
+fn curve(parts: u32, step: f64) -> Vec<[f64; N]> {
+    let (mut at, mut heading) = ([0.0; N], 0.0_f64);
+    let mut points = vec![at];
+    for k in 0..parts {
+        let along = step * f64::from(k);
+        heading += step / (80.0 + 20.0 * libm::sin(along / 50.0));
+        let (sin, cos) = libm::sincos(heading);
+        at = [at[0] + step * cos, at[1] + step * sin, 0.0];
+        points.push(at);
+    }
+    points
+}
+
+/// Time of motion by the cycles of a chain, and by blocks that stop at their ends, s.
+fn times(points: &[[f64; N]], feed: f64, corner: Corner) -> (f64, f64) {
+    let blocks = through(points, Feed::PerSecond(feed), corner);
+    let mut stand = Stand::new(&blocks);
+    stand.run(&ask());
+    stand.ends();
+    assert_eq!(stand.starved(), 0);
+    let stopping = blocks.iter().map(|block| {
+        let path: &Path<N> = &block.path;
+        let limits = path.limits(&AXES);
+        let plan = FeedBlock::plan(path.length(), 0.0, feed.min(limits.v), 0.0, &limits);
+        plan.expect("from rest to rest").duration()
+    });
+    (stand.ticks() as f64 * CYCLE_S, stopping.sum())
+}
+
+#[test]
+fn a_contour_of_twenty_thousand_lines_runs_at_its_feed() {
+    const FEED: f64 = 50.0;
+    const STEP: f64 = 0.2;
+    let points = curve(20_000, STEP);
+    let length = 20_000.0 * STEP;
+    let (blended, stopping) = times(&points, FEED, Corner::Blend(0.01));
+    assert!(blended <= 1.02 * length / FEED, "{blended} s for {length} mm");
+    assert!(blended >= length / FEED, "{blended} s is faster than the feed");
+    let factor = stopping * FEED / length;
+    assert!((stopping / blended / factor - 1.0).abs() <= 0.02, "{} of {factor}", stopping / blended);
+    assert!(factor > 5.0, "stops cost only a factor of {factor}");
+}
+
+#[test]
+fn exact_stops_cost_what_the_blocks_cost_one_by_one() {
+    let (made, stopping) = times(&curve(1000, 0.2), 50.0, Corner::Stop);
+    assert!((made - stopping).abs() <= CYCLE_S, "{made} s, not {stopping}");
+}
+
+/// What is joined must depend neither on an override that is 0 nor on a spindle that does not turn yet.
+#[test]
+fn a_feed_per_revolution_is_as_fast_as_the_same_per_second() {
+    // Long edges between tight turns.
+    let mut points = vec![[0.0; N]];
+    for edge in 0..8 {
+        let (sin, cos) = libm::sincos(f64::from(edge) * 1.0);
+        for length in [0.05, 30.0, 0.05] {
+            let at = points[points.len() - 1];
+            points.push([at[0] + length * cos, at[1] + length * sin, 0.0]);
+        }
+    }
+    let cycles = |feed: Feed, wait: u64| {
+        let blocks = through(&points, feed, Corner::Blend(0.02));
+        let mut stand = Stand::new(&blocks);
+        let standing = Ask { ratios: Ratios { rapid: 0.0, feed: 0.0, turns: 0.0 }, ..ask() };
+        while stand.ticks() < wait {
+            stand.tick(&standing);
+        }
+        stand.run(&ask());
+        stand.ends();
+        stand.ticks() - wait
+    };
+    let by_second = cycles(Feed::PerSecond(100.0), 0);
+    assert_eq!(cycles(Feed::PerSecond(100.0), 5), by_second);
+    assert_eq!(cycles(Feed::PerRevolution(10.0, 200.0), 0), by_second);
+    assert_eq!(cycles(Feed::PerRevolution(10.0, 200.0), 5), by_second);
+    assert_eq!(cycles(Feed::Rapid, 5), cycles(Feed::Rapid, 0));
+}
+
+/// A curve that gets tighter block by block must not be as slow as its tightest part all along.
+#[test]
+fn a_spiral_takes_as_long_inwards_as_outwards() {
+    let mut inwards = Vec::new();
+    let mut angle = 0.0;
+    for k in 0..4000 {
+        let radius = 60.0 * libm::pow(0.05, f64::from(k) / 4000.0);
+        inwards.push([radius * libm::cos(angle), radius * libm::sin(angle), 0.0]);
+        angle += 0.2 / radius;
+    }
+    let mut outwards = inwards.clone();
+    outwards.reverse();
+    let [inn, out] = [&inwards, &outwards].map(|points| times(points, 150.0, Corner::Blend(0.01)).0);
+    assert!((inn / out - 1.0).abs() < 0.05, "{inn} s inwards, {out} s outwards");
+}
