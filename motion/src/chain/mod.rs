@@ -271,15 +271,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let slowest = path.length() / (LEAST_CYCLES * self.settings.cycle_s);
             let asked = piece.block.feed.highest().min(slowest.max(LEAST_FEED));
             let limits = bend.limits(&self.settings.axes, asked, chord_v2);
-            let section = Section {
-                length,
-                feed: piece.block.feed,
-                limits,
-                stops,
-                exit_hard: 0.0,
-                exit_soft: 0.0,
-                most: 0.0,
-            };
+            let section = Section::new(length, piece.block.feed, limits, stops);
             self.sections.push(section, &self.ratios);
         };
         if r0 + r1 <= length {

@@ -41,6 +41,11 @@ pub(super) struct Section {
 }
 
 impl Section {
+    /// A stretch alone, before the look-ahead has seen it.
+    pub(super) fn new(length: f64, feed: Feed, limits: Limits, stops: bool) -> Section {
+        Section { length, feed, limits, stops, exit_hard: 0.0, exit_soft: 0.0, most: 0.0 }
+    }
+
     /// The feed asked for, within what the path allows.
     pub(super) fn cap(&self, ratios: &Ratios) -> f64 {
         match self.feed {
