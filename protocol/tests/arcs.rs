@@ -56,6 +56,46 @@ fn quadrants_count_for_the_travel() {
     assert!(!machine.can_turn(&point(110.0, 12.0), &to_the_last_count), "no arc at all");
 }
 
+/// Positions of all axes, mm and degrees.
+fn at(mm: [f64; 8]) -> PerAxis<Position> {
+    mm.map(Position::from_mm)
+}
+
+#[test]
+fn g3_turns_from_the_first_axis_towards_the_second_in_every_plane() {
+    for plane in Plane::ALL {
+        let [first, second] = plane.axes().map(Axis::index);
+        let (mut from, mut target, mut high) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+        (from[first], target[second]) = (10.0, 10.0);
+        (high[first], high[second]) = (10.0, 10.0);
+        let arc = Arc { plane, target: at(target), center: [Position(0); 2], turns: 1 };
+        let quarter = arc.path(&at(from)).unwrap().length();
+        assert!((quarter - 5.0 * std::f64::consts::PI).abs() < 1e-9, "{plane:?}: {quarter}");
+        assert_eq!(arc.bounds(&at(from)).unwrap(), [at([0.0; 8]), at(high)], "{plane:?}");
+    }
+}
+
+#[test]
+fn a_helix_takes_the_other_axes_along() {
+    // Two turns of 10 mm in XY, 30 mm up, 90 degrees of C, V down by 1.
+    let from = at([10.0, 0.0, -5.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    let target = at([10.0, 0.0, 25.0, 0.0, 0.0, 90.0, 0.0, 0.0]);
+    let arc = Arc { plane: Plane::Xy, target, center: [Position(0); 2], turns: 2 };
+    let [low, high] = arc.bounds(&from).unwrap();
+    let expected =
+        [[-10.0, -10.0, -5.0, 0.0, 0.0, 0.0, 0.0, 0.0], [10.0, 10.0, 25.0, 0.0, 0.0, 90.0, 0.0, 1.0]];
+    for (corner, expected) in [low, high].iter().zip(expected) {
+        for (axis, mm) in corner.iter().zip(expected) {
+            assert!((axis.mm() - mm).abs() < 2e-9, "{low:?} {high:?}");
+        }
+    }
+    let path = arc.path(&from).unwrap();
+    let length = libm::hypot(40.0 * std::f64::consts::PI, libm::hypot(30.0, 1.0));
+    assert!((path.length() - length).abs() < 1e-9, "C does not count: {}", path.length());
+    let [middle, ..] = path.at(0.5 * path.length());
+    assert!((middle[2] - 15.0).abs() < 1e-9 && (middle[5] - 45.0).abs() < 1e-9);
+}
+
 proptest! {
     /// Ends that were rounded to counts do not make a quadrant leave the travel, nor a whole turn vanish.
     #[test]

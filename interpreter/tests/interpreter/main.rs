@@ -11,6 +11,7 @@ mod properties;
 mod single;
 mod surface;
 mod threads;
+mod with_c;
 
 use interpreter::{Check, check};
 use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, SpindleSpeed, ThreadPass};

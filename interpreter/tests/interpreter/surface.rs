@@ -80,3 +80,23 @@ fn feed_per_revolution_goes_with_it_and_threads_do_not() {
     }
     good("G18 G96 D1500 S60 M3\nG0 X20 Z5\nG97 S400\nG33 Z-10 K1\nG0 X25\nM2\n");
 }
+
+#[test]
+fn fanuc_programs_say_it_with_g50() {
+    let mut machine = Machine::default();
+    machine.machine.dialect = protocol::machine::Dialect::Fanuc;
+    let source =
+        "G50 S1200\nG96 S150 M03\nG00 X40. Z2.\nG50 S900\nG01 Z0. F0.2\nG97 S500\nG61 G01 Z-1.\nM30\n";
+    let check = check("O1", source, &machine);
+    assert!(check.diagnostics.is_empty(), "{:?}", check.diagnostics);
+    let spindle = |item: &protocol::Item| match item.code {
+        Code::Spindle { speed, .. } => Some((item.line, speed)),
+        _ => None,
+    };
+    let speeds: Vec<_> = check.items.iter().filter_map(spindle).collect();
+    assert_eq!((speeds[0].0, surface(speeds[0].1)), (2, [2500.0, 1200.0, 0.0]));
+    assert_eq!((speeds[1].0, surface(speeds[1].1)), (4, [2500.0, 900.0, 0.0]));
+    assert_eq!(speeds[2], (6, SpindleSpeed::Rpm(500.0)));
+    let stop = Code::PathMode(protocol::PathMode::ExactStop);
+    assert!(check.items.iter().any(|item| item.line == 7 && item.code == stop));
+}
