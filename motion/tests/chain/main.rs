@@ -3,6 +3,7 @@
 mod blocks;
 mod hold;
 mod limits;
+mod merge;
 mod programs;
 mod replan;
 mod rounded;
