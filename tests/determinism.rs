@@ -2,7 +2,7 @@
 
 mod shop;
 
-use shop::{Place, SCENARIOS, example, scenario};
+use shop::{Place, SCENARIOS, example, project, scenario};
 
 /// Runs an example over processes and in one process, quietly and with every scenario.
 fn both_agree(name: &str) {
@@ -42,6 +42,25 @@ fn worm_left_is_the_same_over_processes_and_in_one() {
 #[test]
 fn internal_m30_is_the_same_over_processes_and_in_one() {
     both_agree("internal-m30");
+}
+
+#[test]
+fn a_mill_is_the_same_over_processes_and_in_one() {
+    let place = Place::new();
+    let machine = project().join("examples/machines/small-mill.toml").display().to_string();
+    let program = example("mill/circle");
+    let common = ["--machine", &machine, "--trace", "none"];
+    let run = |out: &str, more: &[&str]| place.run(&program, out, &[&common[..], more].concat());
+    let (over_processes, inside) = (run("processes", &[]), run("inside", &["--in-process"]));
+    assert_eq!(over_processes.trace_hash, inside.trace_hash);
+    assert_eq!(over_processes.moves, inside.moves);
+    assert_eq!((inside.moves.circles.len(), inside.moves.limit_violations), (1, 0));
+    assert!(inside.moves.contour_max_um < 3.0, "{} µm", inside.moves.contour_max_um);
+
+    let blocks = run("blocks", &["--single-block"]);
+    assert!(blocks.pauses.len() > 5 && blocks.moves.count == inside.moves.count, "{:?}", blocks.pauses);
+    let again = place.run(&place.at("blocks"), "again", &["--in-process", "--trace", "none"]);
+    assert_eq!(again.trace_hash, blocks.trace_hash, "the switch is part of the run folder");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A run folder becomes a page that has everything in it.
 
 use protocol::{Axis, AxisState};
-use rig::observe::{AxisLimits, Outcome, PassReport, Summary};
+use rig::observe::{AxisLimits, CircleReport, MovesReport, Outcome, PassReport, Summary};
 use rig::trace::{AxisRow, Format, Row, TraceWriter};
 
 use super::render;
@@ -111,4 +111,62 @@ fn what_is_no_run_folder_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let refused = render(folder.path()).expect_err("empty folder").to_string();
     assert!(refused.contains("summary.json") && refused.contains("pitchlock run"), "{refused}");
+}
+
+/// A circle of 5 mm about X 10, Y 20 in line 7, 2 µm too large.
+#[test]
+fn a_mill_shows_its_circles_and_how_far_it_is_from_the_path() {
+    let at_rest =
+        AxisRow { state: AxisState::Streaming, servo_error: 0.0, velocity: 0.0, ..row(0).axes[0].1 };
+    let circle = CircleReport {
+        line: 7,
+        plane: [Axis::X, Axis::Y],
+        center_mm: [10.0, 20.0],
+        radius_mm: 5.0,
+        feed_mm_min: 2000.0,
+        swept_deg: 360.0,
+        t_s: 0.0,
+        begin_cycle: 0,
+        end_cycle: CYCLES,
+        round_max_um: 2.0,
+        mean_um: 2.0,
+        quadrants_um: [0.11, 0.22, 0.33, -0.44],
+    };
+    let limits = *summary().limits.get(&Axis::X).expect("limits of X");
+    let axes = [Axis::X, Axis::Y, Axis::Z];
+    let moves =
+        MovesReport { contour_max_um: 2.0, starved: 3, circles: vec![circle], ..MovesReport::default() };
+    let summary =
+        Summary { passes: Vec::new(), moves, limits: axes.map(|axis| (axis, limits)).into(), ..summary() };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    summary.write(&folder.path().join("summary.json")).expect("summary");
+    let path = folder.path().join(Format::Csv.file_name());
+    let mut trace = TraceWriter::create(&path, Format::Csv, &axes).expect("trace");
+    for cycle in 0..CYCLES {
+        let (sin, cos) = libm::sincos(core::f64::consts::TAU * cycle as f64 / CYCLES as f64);
+        let along = |center: f64, radial: f64, velocity: f64| AxisRow {
+            commanded: center + 5.0 * radial,
+            true_mm: center + 5.002 * radial,
+            velocity,
+            ..at_rest
+        };
+        let axes =
+            vec![(Axis::X, along(10.0, cos, -sin)), (Axis::Y, along(20.0, sin, cos)), (Axis::Z, at_rest)];
+        trace.row(&Row { axes, pass: 0, line: 7, ..row(cycle) }).expect("row");
+    }
+    trace.finish().expect("finished");
+    let page = std::fs::read_to_string(render(folder.path()).expect("drawn")).expect("read");
+    for needed in [
+        "Circle in line 7",
+        "scatterpolar",
+        "+0.11, +0.22, +0.33, -0.44",
+        "Contour error over time",
+        "Y (mm)",
+        "stopped 3 times",
+        "2.00 µm",
+    ] {
+        assert!(page.contains(needed), "{needed} is missing");
+    }
+    let drawn = page.split("true path").next().unwrap_or_default();
+    assert!(!drawn.contains("radius (mm)"), "a mill has no radius");
 }

@@ -1,10 +1,14 @@
 //! What a run comes to, in plain words. In: the summary. Out: a grade, a headline, and sentences.
 
+use protocol::Axis;
 use rig::observe::{Outcome, Summary};
 
 /// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is several
 /// times what a sound machine shows.
 const LOOK_UM: f64 = 5.0;
+
+/// Timed motion further than this from its path deserves a look, µm; a sound machine keeps within a few.
+const LOOK_CONTOUR_UM: f64 = 10.0;
 
 /// How good a run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,13 +66,7 @@ pub(super) fn of(summary: &Summary) -> Verdict {
     }
     threads(summary, &mut verdict);
     limits(summary, &mut verdict);
-    match summary.moves.starved {
-        0 => {}
-        n => verdict.say(
-            Grade::Look,
-            format!("Timed motion stopped {n} times on its path to wait for machine code."),
-        ),
-    }
+    moves(summary, &mut verdict);
     if summary.deadline_misses > 0 {
         verdict.say(Grade::Look, format!("{} answers came late.", summary.deadline_misses));
     }
@@ -78,7 +76,11 @@ pub(super) fn of(summary: &Summary) -> Verdict {
 fn threads(summary: &Summary, verdict: &mut Verdict) {
     let passes = &summary.passes;
     if passes.is_empty() {
-        return verdict.say(Grade::Good, "No thread was cut.");
+        let lathe = !summary.limits.contains_key(&Axis::Y);
+        if lathe {
+            verdict.say(Grade::Good, "No thread was cut.");
+        }
+        return;
     }
     let broken: Vec<String> = passes.iter().filter(|p| !p.complete).map(|p| p.pass.to_string()).collect();
     if !broken.is_empty() {
@@ -106,6 +108,19 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     };
     let keeps = if cut.len() == 1 { "keeps" } else { "keep" };
     verdict.say(grade, format!("{count} {keeps} within {} of the programmed helix{same}.", um(helix)));
+}
+
+fn moves(summary: &Summary, verdict: &mut Verdict) {
+    let moves = &summary.moves;
+    if moves.contour_max_um > 0.0 {
+        let grade = if moves.contour_max_um > LOOK_CONTOUR_UM { Grade::Look } else { Grade::Good };
+        let words = format!("Timed motion kept within {} of its path.", um(moves.contour_max_um));
+        verdict.say(grade, words);
+    }
+    if moves.starved > 0 {
+        let words = format!("It stopped {} times on its path to wait for machine code.", moves.starved);
+        verdict.say(Grade::Look, words);
+    }
 }
 
 fn limits(summary: &Summary, verdict: &mut Verdict) {
@@ -179,6 +194,10 @@ mod tests {
         assert!(grade == Grade::Bad && words.contains("different indexes"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].limits_used_pct.z_a = 101.0);
         assert!(grade == Grade::Look && words.contains("more than its limits"), "{words}");
+        let (grade, words) = defect(|summary| summary.moves.contour_max_um = 25.0);
+        assert!(grade == Grade::Look && words.contains("within 25.00 µm of its path"), "{words}");
+        let (grade, words) = defect(|summary| summary.moves.starved = 2);
+        assert!(grade == Grade::Look && words.contains("stopped 2 times"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.limit_violations = 3);
         assert!(grade == Grade::Look && words.contains("in 3 cycles"), "{words}");
         let (grade, words) = defect(|summary| {
