@@ -1,0 +1,46 @@
+//! A lathe with a C axis: it turns with the others, in degrees, and holds its angle while a thread is cut.
+#![allow(clippy::unwrap_used)]
+
+use protocol::{Axis, Machine, machine::SMALL_LATHE};
+use rig::{
+    Rig,
+    observe::{Observer, Outcome},
+};
+use sim_plant::Scenario;
+
+/// The small lathe with an axis C: another Z, in degrees.
+fn lathe_with_c() -> Machine {
+    let (_, z) = SMALL_LATHE.split_once("[axis.z]").unwrap();
+    let (z, _) = z.split_once("[spindle]").unwrap();
+    let c = z.replace("mm", "deg").replace("home_deg = 100.0", "home_deg = 0.0");
+    Machine::from_toml(&format!("{SMALL_LATHE}\n[axis.c]{c}")).unwrap()
+}
+
+#[test]
+fn c_goes_along_and_holds_still_in_a_thread() {
+    let program = "G18 G21 G90 G8 G94 G97\nG0 X22 Z8 C90\nG1 C100 F600\nM3 S600\nG76 P2 Z0 I-1 J0.299 K0.3\n\
+                   G0 X40 C0\nM5\nM2\n";
+    let machine = lathe_with_c();
+    let check = interpreter::check("test.ngc", program, &machine);
+    assert!(check.is_good(), "{:#?}", check.diagnostics);
+    let mut rig = Rig::new(&machine, check.items.iter().copied(), Scenario::none(), 3).unwrap();
+    let mut observer = Observer::new(&machine, &check.items);
+    let (mut before, mut at, mut strayed) = (0.0, 0.0, 0.0_f64);
+    while rig.cycle(None, |record| {
+        observer.cycle(record);
+        at = record.truth.axes[Axis::C.index()].motor_mm;
+        match record.machine.line {
+            4 => before = at,
+            5 => strayed = strayed.max((at - 100.0).abs()),
+            _ => {}
+        }
+    }) {}
+    let seen = observer.finish();
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert_eq!((seen.passes.len(), seen.moves.limit_violations), (2, 0));
+    assert!(
+        (before - 100.0).abs() < 0.001 && strayed < 0.001 && at.abs() < 0.001,
+        "{before}, {strayed}, {at}"
+    );
+    assert!(seen.passes.iter().all(|pass| pass.helix_max_abs_um < 5.0 && pass.complete));
+}
