@@ -1,8 +1,8 @@
 //! Planning of a chain of blocks: blocks per second on one core, and how much faster a contour is than with a stop after
 //! every block. `cargo bench --bench plan` prints them.
 //!
-//! The contours are 4 m in 20,000 lines of 0.2 mm: a smooth one, whose corners are flat, and one with a sharp corner at every
-//! twentieth line. Blocks arrive as the interpolator takes them, some in every tick. The time is that of the whole: blends,
+//! The contours are 4 m in 20,000 lines of 0.2 mm: a smooth one, whose corners are flat, the same in lines of different
+//! lengths, and one with a sharp corner at every twentieth line. Blocks arrive as the interpolator takes them, some in every tick. The time is that of the whole: blends,
 //! limits, look-ahead, laws with their check, and the setpoints of every tick.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
 
@@ -22,30 +22,39 @@ const TOLERANCE_MM: f64 = 0.01;
 const ROUNDS: usize = 5;
 
 type Contour = Vec<Block<3, ()>>;
-/// Angle, in radians, by which a line is turned against the one before, from its number.
-type Turn = fn(usize) -> f64;
+/// From the number of a line: its length in mm, and the angle in radians by which it is turned against the one before.
+type Line = fn(usize) -> (f64, f64);
 
-/// A line after the other, each turned by an angle that depends on its number.
-fn contour(corner: Corner, turn: Turn) -> Contour {
+/// Lines one after the other.
+fn contour(corner: Corner, line: Line) -> Contour {
     let mut heading: f64 = 0.0;
-    let line = |number| {
-        heading += turn(number);
+    let block = |number| {
+        let (length, turn) = line(number);
+        heading += turn;
         let (s, c) = libm::sincos(heading);
-        let path = Path::line([SEGMENT_MM * c, SEGMENT_MM * s, 0.0], &[true; 3]).unwrap();
+        let path = Path::line([length * c, length * s, 0.0], &[true; 3]).unwrap();
         Block { path, feed: Feed::PerSecond(FEED_MM_S), corner, room: 1.0, tag: () }
     };
-    (0..SEGMENTS).map(line).collect()
+    (0..SEGMENTS).map(block).collect()
 }
 
 /// Radii from 9 to 60 mm, to the left and to the right.
-fn smooth(number: usize) -> f64 {
-    SEGMENT_MM * (0.045 + 0.065 * libm::sin(number as f64 / 80.0))
+fn smooth(number: usize) -> (f64, f64) {
+    (SEGMENT_MM, SEGMENT_MM * (0.045 + 0.065 * libm::sin(number as f64 / 80.0)))
+}
+
+/// The same curve in lines that are not equally long, as a chord tolerance makes them.
+fn uneven(number: usize) -> (f64, f64) {
+    let length = |number: usize| SEGMENT_MM * (0.8 + 0.4 * (number * 7 % 11) as f64 / 10.0);
+    let between = 0.5 * (length(number) + length(number + 10)) / SEGMENT_MM;
+    (length(number), between * smooth(number).1)
 }
 
 /// The same with a corner of 20 to 120 degrees at every twentieth line.
-fn cornered(number: usize) -> f64 {
+fn cornered(number: usize) -> (f64, f64) {
     let sharp = if number % 20 == 19 { PI / 9.0 * (1 + number % 6) as f64 } else { 0.0 };
-    smooth(number) + if number % 40 == 19 { sharp } else { -sharp }
+    let (length, turn) = smooth(number);
+    (length, turn + if number % 40 == 19 { sharp } else { -sharp })
 }
 
 /// A chain, and the contour that it gets over and over again.
@@ -115,10 +124,10 @@ fn rate(name: &str, contour: &Contour) {
 }
 
 /// Time of motion of the contour, rounded, and with a stop after each block.
-fn factor(name: &str, turn: Turn) {
+fn factor(name: &str, line: Line) {
     let stop = FeedBlock::plan(SEGMENT_MM, 0.0, FEED_MM_S, 0.0, &AXIS).unwrap().duration();
     let [stopped, rounded] = [Corner::Stop, Corner::Blend(TOLERANCE_MM)]
-        .map(|corner| ticks(&contour(corner, turn)) as f64 * CYCLE_S);
+        .map(|corner| ticks(&contour(corner, line)) as f64 * CYCLE_S);
     println!(
         "{name:<10} {rounded:>7.2} s rounded within {TOLERANCE_MM} mm, {stopped:>7.2} s with stops: factor {:.1} \
          (one block from rest to rest along an axis takes {:.2} ms, all at their feed {:.2} s)",
@@ -129,9 +138,9 @@ fn factor(name: &str, turn: Turn) {
 }
 
 fn main() {
-    let contours: [(&str, Turn); 2] = [("smooth", smooth), ("cornered", cornered)];
+    let contours: [(&str, Line); 3] = [("smooth", smooth), ("uneven", uneven), ("cornered", cornered)];
     println!("{SEGMENTS} lines of {SEGMENT_MM} mm at {FEED_MM_S} mm/s, a tick every {CYCLE_S} s");
-    contours.iter().for_each(|&(name, turn)| factor(name, turn));
-    let rounded = contours.map(|(name, turn)| (name, contour(Corner::Blend(TOLERANCE_MM), turn)));
+    contours.iter().for_each(|&(name, line)| factor(name, line));
+    let rounded = contours.map(|(name, line)| (name, contour(Corner::Blend(TOLERANCE_MM), line)));
     rounded.iter().for_each(|(name, contour)| rate(name, contour));
 }
