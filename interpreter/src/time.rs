@@ -2,16 +2,23 @@
 //!
 //! Moves are planned by the same chain that the interpolator runs (M16–M26, M66), so look-ahead, blends and path modes
 //! count as they do on the machine; a chain ends on an interpolator cycle. The spindle follows its ramp while rapids
-//! move; a feed waits until it is at speed. A pass takes its angle at the programmed speed and, in the mean, half a
-//! turn of waiting for the index. How long a pause lasts is up to the operator; it counts as nothing.
+//! move; a feed waits until it is at speed. A pass begins at an index: the first one half a turn after it was armed, in
+//! the mean, the others a whole number of turns after the one before. A program is over when the spindle stands. How long
+//! a pause lasts is up to the operator; it counts as nothing.
 
 use motion::chain::{Ask, Chain, Ratios};
 use protocol::{
     Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed, units::AXES,
 };
 
-/// Interpolator cycles from the decision to arm a pass to the first index that counts, and back to timed motion.
-const PASS_CYCLES: f64 = 8.0;
+/// Interpolator cycles until the drives are on, and setpoints act.
+const START_CYCLES: f64 = 7.0;
+/// Interpolator cycles from rest to the first index that counts: in position, armed, looked at, called off in time.
+const ARMING_CYCLES: f64 = 9.0;
+/// Bandwidth of the filter through which the interpolator watches the spindle, rad/s, and the speed, 1/min, below which it
+/// stands.
+const WATCH: f64 = 5.0 * core::f64::consts::TAU;
+const STANDSTILL_RPM: f64 = 1.0;
 
 /// Adds up time.
 pub(crate) struct Clock<'m> {
@@ -19,11 +26,15 @@ pub(crate) struct Clock<'m> {
     route: Route,
     chain: Chain<AXES, Leg>,
     last: Option<Leg>,
+    /// X within the chain, where the spindle follows it.
+    x: Option<Position>,
     at: PerAxis<Position>,
     mode: SpindleMode,
     speed: SpindleSpeed,
     /// Signed speed that the spindle has, 1/min.
     rpm: f64,
+    /// When the last pass began at its index, s, while the spindle goes on at that speed.
+    index: Option<f64>,
     /// Time of the chain in hand, s.
     moved: f64,
     seconds: f64,
@@ -40,12 +51,14 @@ impl<'m> Clock<'m> {
             route: Route::new(machine),
             chain: Chain::new(Route::settings(machine)),
             last: None,
+            x: None,
             at,
             mode: SpindleMode::Stop,
             speed: SpindleSpeed::Rpm(0.0),
             rpm: 0.0,
+            index: None,
             moved: 0.0,
-            seconds: 0.0,
+            seconds: START_CYCLES * machine.machine.interpolator_cycle_s,
         }
     }
 
@@ -61,16 +74,30 @@ impl<'m> Clock<'m> {
         }
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
-            Code::Spindle { mode, speed } => (self.mode, self.speed) = (*mode, *speed),
+            Code::Spindle { mode, speed } => (self.mode, self.speed, self.index) = (*mode, *speed, None),
             Code::Pass(pass) => {
                 self.wait_for_spindle();
                 for (axis, _) in self.machine.axes() {
                     self.at[axis.index()] = pass.axis(axis).end;
                 }
-                let arming = PASS_CYCLES * self.machine.machine.interpolator_cycle_s;
-                self.pass_time((pass.done_deg() + 180.0) / (6.0 * pass.s_rpm) + arming);
+                let turn = 60.0 / pass.s_rpm;
+                let armed = self.seconds + ARMING_CYCLES * self.machine.machine.interpolator_cycle_s;
+                let index = match self.index {
+                    Some(before) => before + ((armed - before) / turn).ceil() * turn,
+                    None => armed + 0.5 * turn,
+                };
+                self.index = Some(index);
+                self.pass_time(index - self.seconds + pass.done_deg() / (6.0 * pass.s_rpm));
             }
-            Code::End => self.mode = SpindleMode::Stop,
+            Code::End => {
+                self.mode = SpindleMode::Stop;
+                let ramp = self.machine.spindle.ramp_rpm_s;
+                if self.rpm != 0.0 {
+                    // What the filter still sees when the ramp is over dies away.
+                    let tail = libm::log((ramp / WATCH / STANDSTILL_RPM).max(1.0)) / WATCH;
+                    self.pass_time(self.rpm.abs() / ramp + tail);
+                }
+            }
             _ => {}
         }
     }
@@ -96,29 +123,51 @@ impl<'m> Clock<'m> {
         while self.leap() {}
         let cycle = self.machine.machine.interpolator_cycle_s;
         let moved = (self.moved / cycle).ceil() * cycle;
+        let turned = self.x.take().is_some();
         self.moved = 0.0;
         self.chain.clear();
         if let Some(last) = self.last.take() {
             self.at = last.to;
         }
-        self.pass_time(moved);
+        self.seconds += moved;
+        if !turned {
+            self.turn_towards(self.wanted().abs(), moved);
+        }
     }
 
-    /// One law of the chain; false at its end.
+    /// One law of the chain, or one cycle where the feed follows a spindle that follows X; false at its end.
     fn leap(&mut self) -> bool {
-        let x = self.chain.here().map_or(self.at, |leg| leg.from)[Axis::X.index()];
-        let ratios = Ratios::full(self.speed.rpm(x) / 60.0);
-        let ask = Ask { ratios, hold: false, single: false, more: true };
-        let time = self.chain.skip(&ask);
-        self.moved += time.unwrap_or(0.0);
-        time.is_some()
+        let Some(leg) = self.chain.here().copied() else { return false };
+        let follows =
+            matches!((leg.feed, self.speed), (Feed::PerRevolution(_), SpindleSpeed::Surface { .. }));
+        let i = Axis::X.index();
+        let x = self.x.unwrap_or(leg.from[i]);
+        if follows {
+            self.turn_towards(self.speed.rpm(x), self.machine.machine.interpolator_cycle_s);
+        }
+        let rpm = if follows { self.rpm.abs() } else { self.speed.rpm(x) };
+        let ask = Ask { ratios: Ratios::full(rpm / 60.0), hold: false, single: false, more: true };
+        if !follows {
+            let time = self.chain.skip(&ask);
+            self.moved += time.unwrap_or(0.0);
+            return time.is_some();
+        }
+        let Some(step) = self.chain.tick(&ask) else { return false };
+        self.x = Some(step.tag.from[i].moved(step.axes[i].s));
+        self.moved += self.machine.machine.interpolator_cycle_s;
+        true
     }
 
     /// Time passes; the spindle comes nearer to its speed.
     fn pass_time(&mut self, seconds: f64) {
         self.seconds += seconds;
-        let (wanted, way) = (self.wanted(), self.machine.spindle.ramp_rpm_s * seconds);
-        self.rpm += (wanted - self.rpm).clamp(-way, way);
+        self.turn_towards(self.wanted().abs(), seconds);
+    }
+
+    /// The spindle's ramp towards a speed in its programmed direction.
+    fn turn_towards(&mut self, rpm: f64, seconds: f64) {
+        let way = self.machine.spindle.ramp_rpm_s * seconds;
+        self.rpm += (self.mode.sign() * rpm - self.rpm).clamp(-way, way);
     }
 
     /// Signed speed of the spindle that the program asks for where the axes are, 1/min.
