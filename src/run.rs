@@ -8,7 +8,7 @@ mod processes;
 mod progress;
 mod recorder;
 
-use std::process::ExitCode;
+use std::{fmt::Write as _, process::ExitCode};
 
 use protocol::{Machine, shell::Clock};
 use rig::observe::{Outcome, Summary};
@@ -92,7 +92,6 @@ const SHOWN: usize = 10;
 
 /// What a person wants to know first.
 fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
-    use std::fmt::Write as _;
     let mut text = String::new();
     for fault in &summary.faults {
         let _ = writeln!(
@@ -114,41 +113,8 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
         summary.simulated_s,
         summary.wall_s
     );
-    let worst = |of: fn(&rig::observe::PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
-    if !summary.passes.is_empty() {
-        let _ = writeln!(
-            text,
-            "thread    helix error at most {:.2} µm, phase spread from pass to pass {:.2} µm, lead error at most {:.3} µm/rev",
-            worst(|pass| pass.helix_max_abs_um),
-            summary.thread.phase_spread_um,
-            worst(|pass| pass.lead_error_um_per_rev.abs()),
-        );
-        let _ = writeln!(
-            text,
-            "depth (X) servo error in the approach at most {:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
-            worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
-            worst(|pass| pass.x.end_um.abs()),
-            worst(|pass| pass.x.thread_max_abs_um),
-        );
-    }
-    if summary.moves.contour_max_um > 0.0 {
-        let moves = &summary.moves;
-        let _ = writeln!(
-            text,
-            "contour   at most {:.2} µm from the path (line {} at {:.3} s), rms {:.2} µm",
-            moves.contour_max_um, moves.contour_line, moves.contour_t_s, moves.contour_rms_um
-        );
-        for circle in moves.circles.iter().take(SHOWN) {
-            let _ = writeln!(
-                text,
-                "circle    line {}: radius {:.3} mm at {:.0} mm/min round within {:.2} µm",
-                circle.line, circle.radius_mm, circle.feed_mm_min, circle.round_max_um
-            );
-        }
-    }
-    if summary.moves.starved > 0 {
-        let _ = writeln!(text, "starved   stopped {} times to wait for machine code", summary.moves.starved);
-    }
+    threads(&mut text, summary);
+    moves(&mut text, summary);
     for pause in summary.pauses.iter().take(SHOWN) {
         let _ = writeln!(text, "pause     line {}: cycle start after {:.1} s", pause.line, pause.waited_s);
     }
@@ -168,4 +134,45 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
     let _ = writeln!(text, "trace     {}", summary.trace_hash);
     let _ = writeln!(text, "report    {}", report.display());
     text
+}
+
+fn threads(text: &mut String, summary: &Summary) {
+    let worst = |of: fn(&rig::observe::PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    if !summary.passes.is_empty() {
+        let _ = writeln!(
+            text,
+            "thread    helix error at most {:.2} µm, phase spread from pass to pass {:.2} µm, lead error at most {:.3} µm/rev",
+            worst(|pass| pass.helix_max_abs_um),
+            summary.thread.phase_spread_um,
+            worst(|pass| pass.lead_error_um_per_rev.abs()),
+        );
+        let _ = writeln!(
+            text,
+            "depth (X) servo error in the approach at most {:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
+            worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
+            worst(|pass| pass.x.end_um.abs()),
+            worst(|pass| pass.x.thread_max_abs_um),
+        );
+    }
+}
+
+fn moves(text: &mut String, summary: &Summary) {
+    if summary.moves.contour_max_um > 0.0 {
+        let moves = &summary.moves;
+        let _ = writeln!(
+            text,
+            "contour   at most {:.2} µm from the path (line {} at {:.3} s), rms {:.2} µm",
+            moves.contour_max_um, moves.contour_line, moves.contour_t_s, moves.contour_rms_um
+        );
+        for circle in moves.circles.iter().take(SHOWN) {
+            let _ = writeln!(
+                text,
+                "circle    line {}: radius {:.3} mm at {:.0} mm/min round within {:.2} µm",
+                circle.line, circle.radius_mm, circle.feed_mm_min, circle.round_max_um
+            );
+        }
+    }
+    if summary.moves.starved > 0 {
+        let _ = writeln!(text, "starved   stopped {} times to wait for machine code", summary.moves.starved);
+    }
 }
