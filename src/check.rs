@@ -18,7 +18,9 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let program = Program::judge(&args.input.program, &args.input.language, &machine)?;
     if args.json {
         let name = args.input.program.display().to_string();
-        let document = Document::new(&name, program.diagnostics());
+        let good = program.found(Severity::Error) == 0;
+        let time_s = program.check.as_ref().filter(|_| good).map(|check| check.time_s);
+        let document = Document::new(&name, program.diagnostics(), program.moves, time_s);
         let text = serde_json::to_string_pretty(&document);
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
         cli::print(&format!("{text}\n"));

@@ -1,11 +1,11 @@
 //! Diagnostics as one JSON document, for editors: `pitchlock check --json`.
 //!
 //! ```json
-//! { "version": 1, "program": "part.ngc", "errors": 1, "warnings": 0, "diagnostics": [
+//! { "version": 1, "program": "part.ngc", "errors": 1, "warnings": 0, "moves": 12, "time_s": null, "diagnostics": [
 //!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error", "code": "unused-word",
 //!     "message": "no code of this block uses Q", "help": "leave it out" } ] }
 //! ```
-//! Lines and columns count from 1, columns in characters; `end_column` is that of the character behind the last.
+//! `time_s` is the time the program takes at 100 % override; null where an error keeps it from running. Lines and columns count from 1, columns in characters; `end_column` is that of the character behind the last.
 
 use gcode::{Diagnostic, Severity};
 use serde::Serialize;
@@ -17,6 +17,8 @@ pub(crate) struct Document<'a> {
     program: &'a str,
     errors: usize,
     warnings: usize,
+    moves: u64,
+    time_s: Option<f64>,
     diagnostics: Vec<Entry<'a>>,
 }
 
@@ -34,13 +36,20 @@ struct Entry<'a> {
 
 impl<'a> Document<'a> {
     /// The document of everything that was found in a program.
-    pub(crate) fn new(program: &'a str, diagnostics: &'a [Diagnostic]) -> Document<'a> {
+    pub(crate) fn new(
+        program: &'a str,
+        diagnostics: &'a [Diagnostic],
+        moves: u64,
+        time_s: Option<f64>,
+    ) -> Document<'a> {
         let count = |severity| diagnostics.iter().filter(|one| one.severity == severity).count();
         Document {
             version: 1,
             program,
             errors: count(Severity::Error),
             warnings: count(Severity::Warning),
+            moves,
+            time_s,
             diagnostics: diagnostics.iter().map(Entry::from).collect(),
         }
     }
