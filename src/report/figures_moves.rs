@@ -68,6 +68,7 @@ pub(super) fn circle(circle: &CircleReport, lap: &LapCurve) -> Figure {
         plot: json!({
             "data": [program, polar(around, deviations, "true path", BLUE), marks],
             "layout": { "polar": {
+                "domain": { "x": [0.06, 0.94], "y": [0.04, 0.96] },
                 "radialaxis": { "range": [-3.0 * reach, 1.3 * reach], "angle": 45, "tickangle": 0, "nticks": 7,
                                 "gridcolor": "#e3e7ec", "linecolor": "#9aa3ad" },
                 "angularaxis": { "gridcolor": "#e3e7ec", "linecolor": "#9aa3ad", "dtick": 30, "ticksuffix": "°" },
