@@ -219,8 +219,8 @@ fn joined(last: &Section, zone: &Section, ratios: &Ratios) -> Section {
 
 /// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
 ///
-/// A stretch that is faster than the section before it waits for what follows: more of its kind makes it long enough,
-/// or a slower one takes it in.
+/// They are if ramps between both feeds take as long a way as both. A faster stretch behind a longer section waits for
+/// what follows: more of its kind makes it long enough, or a slower one takes it in.
 fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool {
     // Feeds per revolution cannot be told from each other's limits while nothing turns.
     let blind = matches!(last.feed, Feed::PerRevolution(..)) && ratios.turns <= 0.0;
@@ -243,5 +243,8 @@ fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool
         let loses = tied.limits.a > 1.5 * limits.a || tied.limits.j > 1.5 * limits.j;
         return !loses || tied.length <= 2.0 * junction_distance(0.0, low, &limits);
     }
-    a >= b && last.length <= 2.0 * junction_distance(low, high.min(WORTH * low), &limits)
+    // They would lie in the faster one, within its own limits.
+    let faster = if a >= b { last } else { zone };
+    let ramps = 2.0 * junction_distance(low, high.min(WORTH * low), &faster.limits);
+    last.length + zone.length <= ramps || a >= b && last.length <= ramps
 }

@@ -140,6 +140,8 @@ fn a_feed_per_revolution_is_as_fast_as_the_same_per_second() {
         stand.ticks() - wait
     };
     let by_second = cycles(Feed::PerSecond(100.0), 0);
+    // 2.4 s at the feed; the tight turns must not slow down the edges between them.
+    assert!(by_second < 1900, "{by_second} cycles");
     assert_eq!(cycles(Feed::PerSecond(100.0), 5), by_second);
     assert_eq!(cycles(Feed::PerRevolution(10.0, 200.0), 0), by_second);
     assert_eq!(cycles(Feed::PerRevolution(10.0, 200.0), 5), by_second);
