@@ -137,7 +137,13 @@ impl FeedBlock {
         }
         let way = |e: f64| joining(high, e, limits) + joining(low, step + e, limits);
         // Below 1e-240 the way underflows: a block without length would seem to fit a change of feed.
-        let e = if length > 0.0 { search::largest(f - high, length, way) } else { 0.0 };
+        let with_slope = |e: f64| {
+            let (up, up_slope) = Ramp::shortest_and_slope(e, limits);
+            let (down, down_slope) = Ramp::shortest_and_slope(step + e, limits);
+            let (first, second) = (high + 0.5 * e, low + 0.5 * (step + e));
+            (first * up + second * down, 0.5 * (up + down) + first * up_slope + second * down_slope)
+        };
+        let e = if length > 0.0 { search::root(f - high, length, with_slope) } else { 0.0 };
         let reaches_feed = e == f - high;
         let peak_feed = if reaches_feed { f } else { high + e };
         let ramp_from = |feed: f64| Ramp::fastest(if feed == high { e } else { step + e }, limits);

@@ -147,6 +147,21 @@ impl Ramp {
         Ramp::fastest_times(dv.abs(), limits).1
     }
 
+    /// T(dv) and its derivative by dv ≥ 0, s and s²/mm (M21): T grows with the cube root, the square root, or evenly.
+    pub(crate) fn shortest_and_slope(dv: f64, limits: &Limits) -> (f64, f64) {
+        let (t1, duration) = Ramp::fastest_times(dv, limits);
+        let slope = if dv <= 0.0 {
+            f64::INFINITY
+        } else if t1 < 0.5 * duration {
+            1.0 / limits.a
+        } else if Ramp::peak_jerk(dv, limits).1 == Binding::JerkRate {
+            duration / (3.0 * dv)
+        } else {
+            duration / (2.0 * dv)
+        };
+        (duration, slope)
+    }
+
     /// Peak jerk in mm/s³ of the fastest ramp by `dv`, and the bound that fixes it (M19).
     ///
     /// # Panics
