@@ -4,7 +4,6 @@
 //!
 //! | part | holds |
 //! |---|---|
-//! | `chain/merge.rs` | lines in a row as one, before they get here |
 //! | `chain/junction.rs` | what becomes of the place where two blocks meet |
 //! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
 //! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
@@ -20,7 +19,6 @@
 
 mod junction;
 mod law;
-mod merge;
 mod section;
 mod steer;
 mod zone;
@@ -34,7 +32,6 @@ use crate::sample::Sample;
 
 pub use junction::Corner;
 use law::Law;
-pub use merge::{Merge, Merged};
 use section::{SECTIONS, Section, Sections};
 use zone::Bend;
 

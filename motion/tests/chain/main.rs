@@ -3,7 +3,6 @@
 mod blocks;
 mod hold;
 mod limits;
-mod merge;
 mod programs;
 mod replan;
 mod rounded;
