@@ -2,10 +2,11 @@
 //! every cycle, every block completed, the end reached exactly. `PITCHLOCK_PROGRAMS` says how many, and
 //! `PITCHLOCK_PROGRAM` runs the one of this number alone.
 
-use crate::programs::program;
+use crate::programs::{Line, N, Place, end_of, program};
 use crate::seed::{Seed, count};
 use crate::stand::{Stand, ask};
-use motion::chain::{Ask, Ratios};
+use motion::Path;
+use motion::chain::{Ask, Block, Ratios};
 
 /// What happens during a program.
 struct Events {
@@ -77,5 +78,28 @@ fn a_sender_of_one_block_a_cycle_is_fast_enough_for_blocks_of_a_cycle() {
         stand.run(&ask());
         stand.ends();
         assert_eq!(stand.starved(), 0, "program {number}");
+    }
+}
+
+/// The third axis is a rotary one: it goes along, by more than the way that its block is long.
+#[test]
+fn a_rotary_axis_keeps_its_limits_too() {
+    for number in 0..count("PITCHLOCK_PROGRAMS", 300) / 10 {
+        let mut random = Seed::new(30_000 + number);
+        let mut at = [0.0; N];
+        let blocks: Vec<Line> = program(&mut random)
+            .into_iter()
+            .map(|block| {
+                let [x, y, turn] = end_of(&block.path);
+                let line = Path::line([x, y, turn + random.between(-20.0, 20.0)], &[true, true, false]);
+                let path = line.filter(|_| block.path.is_line()).unwrap_or(block.path);
+                let start = at;
+                at = std::array::from_fn(|i| at[i] + end_of(&path)[i]);
+                Block { path, tag: Place { start, ..block.tag }, ..block }
+            })
+            .collect();
+        let mut stand = Stand::new(&blocks);
+        stand.run(&ask());
+        stand.ends();
     }
 }
