@@ -139,3 +139,28 @@ fn a_summary_survives_its_file() {
     let refused = Summary::read(&path).expect_err("another version").to_string();
     assert!(refused.contains("summary.json") && refused.contains("version 2"), "{refused}");
 }
+
+/// Violations of Z with these accelerations from tick to tick of 2 ms.
+fn violations(accelerations: &[f64]) -> u64 {
+    let mut observer = Observer::new(&protocol::Machine::default(), &[]);
+    for (tick, acceleration_mm_s2) in (0..).zip(accelerations) {
+        let truth = Truth { cycle: Cycle(4 * tick), ..Truth::default() };
+        let machine = MachineStatus { cycle: truth.cycle, ..MachineStatus::default() };
+        let z = AxisStatus {
+            state: AxisState::Streaming as u32,
+            acceleration_mm_s2: *acceleration_mm_s2,
+            ..AxisStatus::default()
+        };
+        observer.cycle(&Record { truth: &truth, axes: &[(Axis::Z, z)], machine: &machine });
+    }
+    observer.finish().moves.limit_violations
+}
+
+#[test]
+fn jerk_and_its_rate_are_held_against_the_limits_from_tick_to_tick() {
+    // J 80000 mm/s³ and D 8e6 mm/s⁴: 160 mm/s² a tick, which may change by 32 mm/s² a tick.
+    let at_the_limit = [0.0, 32.0, 96.0, 192.0, 320.0, 480.0, 640.0, 800.0];
+    assert_eq!(violations(&at_the_limit), 0);
+    assert_eq!(violations(&[0.0, 32.0, 96.0, 192.0, 320.0, 480.0, 640.1]), 1, "jerk");
+    assert_eq!(violations(&[0.0, 32.0, 96.0, 192.1]), 1, "rate of jerk");
+}
