@@ -38,7 +38,7 @@ pub(crate) fn root(cap: f64, target: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 
     }
     let base = f(0.0).0;
     let rise = target - base;
-    if !(rise > 0.0) {
+    if rise.is_nan() || rise <= 0.0 {
         return 0.0;
     }
     let (mut low, mut high, mut x) = (0.0, cap, cap);
