@@ -62,12 +62,21 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
     }
 
-    /// Goes on to the end of the law in hand; the time it took.
+    /// Goes on to the end of the law in hand, or only so far that it does not come near the end of what is known while more
+    /// may follow; the time it took.
     pub(super) fn leap(&mut self, ask: &Ask) -> f64 {
         self.take(ask);
         self.run_dry(ask, 0.0);
         self.sections.look_ahead(&self.ratios);
-        let left = if self.rests() { 0.0 } else { (self.law.duration() - self.t).max(0.0) };
+        let until = if self.rests() { self.t } else { self.law.duration() };
+        let level = self.law.level(self.t);
+        let until = if self.closed || level >= until {
+            until
+        } else {
+            let speed = self.law.at(level).v.max(f64::MIN_POSITIVE);
+            until.min(level + 0.5 * (self.sections.total() - self.law.at(level).s) / speed)
+        };
+        let left = (until - self.t).max(0.0);
         self.t += left;
         self.decide(ask, false);
         left
