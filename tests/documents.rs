@@ -51,3 +51,18 @@ fn the_sample_of_a_summary_is_that_of_a_run() {
         format!("completed: {} passes, {} moves", summary.passes.len(), summary.moves.count);
     assert!(readme.contains(&passes_and_moves), "{passes_and_moves}");
 }
+
+#[test]
+fn the_sample_of_a_circle_is_that_of_a_run() {
+    let place = Place::new();
+    let file = |name: &str| project().join("examples").join(name).display().to_string();
+    let (circle, mill) = (file("mill/circle.ngc"), file("machines/small-mill.toml"));
+    let answer = place.ask(&["run", &circle, "--machine", &mill, "--in-process"]);
+    let shown: Vec<&str> = answer
+        .stdout
+        .lines()
+        .filter(|line| line.starts_with("contour") || line.starts_with("circle"))
+        .collect();
+    assert_eq!(shown.len(), 2, "{}", answer.stdout);
+    assert!(readme().contains(&shown.join("\n")), "{shown:?}");
+}
