@@ -85,7 +85,7 @@ impl Stand {
     pub(crate) fn speed(&self) -> f64 {
         let out = self.out.expect("a tick");
         let [x, z] = [0, 2].map(|i| out.frames[i].setpoint.velocity_mm_s);
-        x.hypot(z)
+        libm::hypot(x, z)
     }
 
     pub(crate) fn state(&self) -> MachineState {
