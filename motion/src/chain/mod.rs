@@ -155,6 +155,8 @@ pub struct Chain<const N: usize, T> {
     closed: bool,
     /// The plan in hand may not be the best any more.
     stale: bool,
+    /// Cycles at rest since blocks were last at hand.
+    quiet: u32,
     completed: u32,
     starved: bool,
     rejected: bool,
@@ -211,6 +213,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             t: 0.0,
             closed: false,
             stale: false,
+            quiet: 0,
             completed: 0,
             starved: false,
             rejected: false,
@@ -301,6 +304,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             return None;
         }
         (self.completed, self.starved, self.rejected) = (0, false, false);
+        self.quiet = if ask.more { 0 } else { self.quiet.saturating_add(1) };
         self.steer(ask);
         let sample = self.law.at(self.t);
         let s = self.place(sample.s);

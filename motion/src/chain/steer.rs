@@ -26,6 +26,8 @@ const MOST_LAWS: usize = 64;
 const MOST_CROSSED: usize = 256;
 /// Relative excess over a hard exit that rounding may leave, when a law is replaced just where it was to brake.
 const ROUNDED: f64 = 1e-8;
+/// Cycles for which a chain at rest waits for more blocks before it sets off with what it has.
+const PATIENCE: u32 = 8;
 /// A chain at rest waits for more blocks until it knows so many stopping distances.
 const WAYS_KNOWN: f64 = 3.0;
 
@@ -42,7 +44,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let slow = !refused && self.law.goal(self.t) > cap * (1.0 + SAME);
             let over = self.law.duration();
             let takes_over = match self.law {
-                Law::Rest if cap > 0.0 && self.may_start(ask) => self.t,
+                Law::Rest if cap > 0.0 && self.may_start() => self.t,
                 Law::Rest => return,
                 _ if slow => self.law.settled(self.t),
                 _ if self.stale => self.law.level(self.t),
@@ -104,7 +106,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
         let now = self.law.at(self.t);
         let dry = match (&self.law, self.sections.front()) {
-            (Law::Rest, _) => !ask.more,
+            (Law::Rest, _) => self.quiet > PATIENCE,
             (_, None) => true,
             (law, Some(front)) => {
                 let known = self.sections.total() - now.s;
@@ -121,10 +123,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     }
 
     /// Whether enough is known to set off from rest.
-    fn may_start(&self, ask: &Ask) -> bool {
+    fn may_start(&self) -> bool {
         let Some(front) = self.sections.front() else { return false };
         let way = || junction_distance(0.0, front.cap(&self.ratios), &front.limits);
-        self.closed || !ask.more || !self.has_room() || self.sections.total() > WAYS_KNOWN * way()
+        self.closed || !self.has_room() || self.sections.total() > WAYS_KNOWN * way()
     }
 
     /// Replaces the law in hand at its time `t`; false if it has to go on.
