@@ -39,8 +39,8 @@ pub(crate) struct Timeline {
     cycle_s: f64,
     rise_cycles: f64,
     knobs: [Ramped; 3],
-    buttons: u32,
-    cycle_starts: u32,
+    /// Buttons; its overrides mean nothing.
+    pressed: Panel,
     /// Cycles for which the program has waited for cycle start with nobody to press it.
     unattended: u64,
     burdens: [Ramped; 3],
@@ -57,8 +57,7 @@ impl Timeline {
             cycle_s,
             rise_cycles: rise_s / cycle_s,
             knobs: [Ramped::at(100.0); 3],
-            buttons: 0,
-            cycle_starts: 0,
+            pressed: Panel::default(),
             unattended: 0,
             burdens: [Ramped::at(0.0); 3],
             burden_until: [None; 3],
@@ -79,8 +78,7 @@ impl Timeline {
             spindle_override_pct: spindle.value(),
             feed_override_pct: feed.value(),
             rapid_override_pct: rapid.value(),
-            buttons: self.buttons,
-            cycle_starts: self.cycle_starts,
+            ..self.pressed
         }
     }
 
@@ -95,15 +93,7 @@ impl Timeline {
             Request::SpindleOverride(pct) => self.knobs[Knob::Spindle as usize].go(pct, 0.0),
             Request::FeedOverride(pct) => self.knobs[Knob::Feed as usize].go(pct, 0.0),
             Request::RapidOverride(pct) => self.knobs[Knob::Rapid as usize].go(pct, 0.0),
-            Request::FeedHold => self.buttons |= Panel::FEED_HOLD,
-            Request::CycleStart => {
-                self.buttons &= !Panel::FEED_HOLD;
-                self.cycle_starts = self.cycle_starts.wrapping_add(1);
-            }
-            Request::Stop => self.buttons |= Panel::STOP,
-            Request::SingleBlock(true) => self.buttons |= Panel::SINGLE_BLOCK,
-            Request::SingleBlock(false) => self.buttons &= !Panel::SINGLE_BLOCK,
-            Request::Abort => self.buttons |= Panel::ABORT,
+            button => self.pressed.apply(button),
         }
     }
 
