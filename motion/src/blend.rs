@@ -110,7 +110,7 @@ impl<const N: usize> Blend<N> {
     /// Bounds of the derivatives 1 … 4 of the bump itself on every axis, mm⁰ … 1/mm³: what the path may have more of
     /// each because of it. A corner has no p₂ of its own, so all of the rounded corner's is in here.
     ///
-    /// The bump turns p₁ from that before the junction to that behind it; a corner's lies between both.
+    /// The bump turns p₁ from that before the junction to that behind it; that of a corner alone lies between both.
     #[must_use]
     pub fn peaks(&self) -> [[f64; N]; 4] {
         let [d1, d2, d3] = &self.jumps;

@@ -34,6 +34,68 @@ pub(super) enum Law {
     Block(FeedBlock),
     /// To another speed, wherever that is.
     Change(SpeedChange),
+    /// The same out of the beginning of a pulse of jerk.
+    Fold(Fold),
+}
+
+/// A block law whose first pulse of jerk is left before its middle, at `at`, by its mirror image: with u = t − at
+///
+/// ```text
+/// j(at + u) = j(at − u),  a = 2 a(at) − a(at − u),  v = v(at − u) + 2 a(at) u,  s = 2 s(at) − s(at − u) + a(at) u²
+/// ```
+/// until u = at, where the jerk is 0 again; from there a change of speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fold {
+    block: FeedBlock,
+    at: f64,
+    change: SpeedChange,
+}
+
+impl Fold {
+    /// A block law folded at a time in the first half of its first pulse, before the change is known; then the state from
+    /// which that begins.
+    pub(super) fn at_end(block: &FeedBlock, at: f64) -> Sample {
+        Fold::mirrored(block, at, at)
+    }
+
+    pub(super) fn new(block: FeedBlock, at: f64, change: SpeedChange) -> Fold {
+        Fold { block, at, change }
+    }
+
+    fn mirrored(block: &FeedBlock, at: f64, u: f64) -> Sample {
+        let (turn, back) = (block.at(at), block.at(at - u));
+        Sample {
+            s: 2.0 * turn.s - back.s + turn.a * u * u,
+            v: back.v + 2.0 * turn.a * u,
+            a: 2.0 * turn.a - back.a,
+            j: back.j,
+            dj: -back.dj,
+        }
+    }
+
+    /// When the change begins.
+    fn turns(&self) -> f64 {
+        2.0 * self.at
+    }
+
+    fn at(&self, t: f64) -> Sample {
+        if t < self.at {
+            return self.block.at(t);
+        }
+        if t < self.turns() {
+            return Fold::mirrored(&self.block, self.at, t - self.at);
+        }
+        let behind = self.change.at(t - self.turns());
+        Sample { s: Fold::at_end(&self.block, self.at).s + behind.s, ..behind }
+    }
+
+    fn settled(&self, t: f64) -> f64 {
+        if t < self.turns() { self.turns() } else { self.turns() + self.change.settled(t - self.turns()) }
+    }
+
+    fn duration(&self) -> f64 {
+        self.turns() + self.change.duration()
+    }
 }
 
 /// What a law has to keep.
@@ -52,6 +114,7 @@ impl Law {
             Law::Rest => Sample::default(),
             Law::Block(block) => block.at(t),
             Law::Change(change) => change.at(t),
+            Law::Fold(fold) => fold.at(t),
         }
     }
 
@@ -60,6 +123,7 @@ impl Law {
             Law::Rest => f64::INFINITY,
             Law::Block(block) => block.duration(),
             Law::Change(change) => change.duration(),
+            Law::Fold(fold) => fold.duration(),
         }
     }
 
@@ -68,6 +132,7 @@ impl Law {
             Law::Rest => 0.0,
             Law::Block(block) => block.end_feed(),
             Law::Change(change) => change.end_speed(),
+            Law::Fold(fold) => fold.change.end_speed(),
         }
     }
 
@@ -76,6 +141,7 @@ impl Law {
             Law::Rest => 0.0,
             Law::Block(block) => block.length(),
             Law::Change(change) => change.distance(),
+            Law::Fold(fold) => fold.at(fold.duration()).s,
         }
     }
 
@@ -85,6 +151,15 @@ impl Law {
             Law::Rest => t,
             Law::Block(block) => block.settled(t),
             Law::Change(change) => change.settled(t),
+            Law::Fold(fold) => fold.settled(t),
+        }
+    }
+
+    /// The block law, if at `t` it is in the first half of the pulse that begins to speed it up: there it can be folded.
+    pub(super) fn folds(&self, t: f64) -> Option<&FeedBlock> {
+        match self {
+            Law::Block(block) if block.accel().dv() > 0.0 && t < 0.5 * block.ends()[0] => Some(block),
+            _ => None,
         }
     }
 
@@ -97,6 +172,7 @@ impl Law {
                 if t <= braking { t.max(up) } else { end }
             }
             Law::Change(change) => t.max(change.duration()),
+            Law::Fold(fold) => t.max(fold.duration()),
         }
     }
 
@@ -110,7 +186,7 @@ impl Law {
 
     fn ends(&self) -> [f64; 7] {
         match self {
-            Law::Rest => [0.0; 7],
+            Law::Rest | Law::Fold(_) => [0.0; 7],
             Law::Block(block) => block.ends(),
             Law::Change(change) => {
                 let [a, b, c] = change.ends();
@@ -121,7 +197,7 @@ impl Law {
 
     fn peak(&self) -> Limits {
         match self {
-            Law::Rest => Limits { v: 0.0, a: 0.0, j: 0.0, dj: 0.0 },
+            Law::Rest | Law::Fold(_) => Limits { v: 0.0, a: 0.0, j: 0.0, dj: 0.0 },
             Law::Block(block) => block.peak(),
             Law::Change(change) => change.peak(),
         }

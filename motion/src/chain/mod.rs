@@ -4,6 +4,7 @@
 //!
 //! | part | holds |
 //! |---|---|
+//! | `chain/asked.rs` | feeds and overrides |
 //! | `chain/junction.rs` | what becomes of the place where two blocks meet |
 //! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
 //! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
@@ -17,6 +18,7 @@
 //! the law in hand as soon as its pulse of jerk is over. Whatever state a law leaves behind is one from which the
 //! machine can stop on what is known of the path: that is what the hard pass of the look-ahead guarantees.
 
+mod asked;
 mod junction;
 mod law;
 mod section;
@@ -30,6 +32,7 @@ use crate::limits::Limits;
 use crate::path::Path;
 use crate::sample::Sample;
 
+pub use asked::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 pub use junction::Corner;
 use law::Law;
 use section::{SECTIONS, Section, Sections};
@@ -38,37 +41,11 @@ use zone::Bend;
 /// How many blocks a chain looks ahead.
 pub const BLOCKS: usize = 1024;
 /// A block takes at least this share of a cycle: so one cycle passes a bounded number of blocks.
-const LEAST_CYCLES: f64 = 0.125;
-/// Highest multiple of a programmed feed that overrides can ask for.
-pub const MOST_RATIO: f64 = 2.0;
+const LEAST_CYCLES: f64 = 0.0625;
 /// Lengths that differ by less, relative, are equal.
 const EQUAL: f64 = 1e-9;
 /// Ways that differ by less are one, mm.
 const SAME: f64 = 1e-9;
-/// Slowest feed, mm/s: a millimetre in a quarter of an hour.
-const LEAST_FEED: f64 = 1e-3;
-
-/// Feed of a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Feed {
-    /// As fast as the axes may go.
-    Rapid,
-    /// mm/s.
-    PerSecond(f64),
-    /// mm per revolution of the spindle, and the highest mm/s that this may ever be.
-    PerRevolution(f64, f64),
-}
-
-/// What the operator and the spindle make of programmed feeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ratios {
-    /// Rapid override, 0 to 1.
-    pub rapid: f64,
-    /// Feed override, 0 to 2.
-    pub feed: f64,
-    /// Revolutions of the spindle per second, times the feed override.
-    pub turns: f64,
-}
 
 /// What a chain is laid out for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,47 +132,13 @@ pub struct Chain<const N: usize, T> {
     closed: bool,
     /// The plan in hand may not be the best any more.
     stale: bool,
+    /// Single block was asked for last.
+    single: bool,
     /// Cycles at rest since blocks were last at hand.
     quiet: u32,
     completed: u32,
     starved: bool,
     rejected: bool,
-}
-
-impl Feed {
-    /// Whether overrides act alike.
-    fn same_kind(self, other: Feed) -> bool {
-        core::mem::discriminant(&self) == core::mem::discriminant(&other)
-    }
-
-    /// The lower of two feeds of a kind.
-    fn lower(self, other: Feed) -> Feed {
-        match (self, other) {
-            (Feed::PerSecond(a), Feed::PerSecond(b)) => Feed::PerSecond(a.min(b)),
-            (Feed::PerRevolution(a, top), Feed::PerRevolution(b, other)) => {
-                Feed::PerRevolution(a.min(b), top.min(other))
-            }
-            _ => self,
-        }
-    }
-
-    /// The highest feed that can ever be asked for, mm/s.
-    fn highest(self) -> f64 {
-        match self {
-            Feed::Rapid => f64::INFINITY,
-            Feed::PerSecond(feed) => MOST_RATIO * feed,
-            Feed::PerRevolution(_, top) => top,
-        }
-        .max(LEAST_FEED)
-    }
-}
-
-impl Ratios {
-    /// Overrides at 100 per cent and a spindle that makes so many turns in a second.
-    #[must_use]
-    pub fn full(turns: f64) -> Ratios {
-        Ratios { rapid: 1.0, feed: 1.0, turns }
-    }
 }
 
 impl<const N: usize, T: Copy> Chain<N, T> {
@@ -213,6 +156,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             t: 0.0,
             closed: false,
             stale: false,
+            single: false,
             quiet: 0,
             completed: 0,
             starved: false,
@@ -250,6 +194,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             self.settle(tail, &piece.block.path.shares(), blend.is_none());
         }
         self.tail = Some(piece);
+        self.quiet = 0;
     }
 
     /// No block follows: the machine stops at the end of the last one.
@@ -275,24 +220,27 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let asked = piece.block.feed.highest().min(slowest.max(LEAST_FEED));
             let limits = bend.limits(&self.settings.axes, asked, chord_v2);
             let section = Section::new(length, piece.block.feed, limits, stops);
-            self.sections.push(section, &self.ratios);
+            // A change of speed in hand relies on the limits of the sections that it crosses.
+            let joins = !matches!(self.law, Law::Change(_) | Law::Fold(_));
+            self.sections.push(section, &self.ratios, joins);
         };
-        if r0 + r1 <= length {
-            zone(r0, own.with(&piece.start, &piece.before), false);
-            zone(length - r0 - r1, own, stops && r1 == 0.0);
-            if r1 > 0.0 {
-                zone(r1, own.with(&piece.end, after), stops);
-            }
+        let (start, end, others) = (&piece.start, &piece.end, [&piece.before, after]);
+        let fills = |half: f64| (half - length).abs() <= EQUAL * length;
+        let corners = start.corner_only() && end.corner_only();
+        if corners && fills(r0) && fills(r1) {
+            zone(length, Bend::filled(path, start, end, others), stops);
+        } else if corners && r0 + r1 > length && r0.min(r1) > 0.5 * length {
+            zone(length, Bend::shared(path, start, end, others), stops);
         } else {
-            let corners = piece.start.corner_only() && piece.end.corner_only();
-            let fills = |half: f64| (half - length).abs() <= EQUAL * length;
-            let (start, end, others) = (&piece.start, &piece.end, [&piece.before, after]);
-            let bend = match corners {
-                true if fills(r0) && fills(r1) => Bend::filled(path, start, end, others),
-                true => Bend::shared(path, start, end, others),
-                false => own.with(start, &piece.before).with(end, after),
-            };
-            zone(length, bend, stops);
+            // Up to where the blend of the end begins, where that of the start ends, or where both are.
+            let (first, second) = (r0.min((length - r1).max(0.0)), r0.max(length - r1).min(length));
+            let between =
+                if r0 + r1 > length { own.with(start, others[0]).with(end, others[1]) } else { own };
+            zone(first, own.with(start, others[0]), false);
+            zone(second - first, between, stops && second >= length);
+            if second < length {
+                zone(length - second, own.with(end, others[1]), stops);
+            }
         }
         self.pieces.push_back(piece);
         self.stale = true;
@@ -304,7 +252,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             return None;
         }
         (self.completed, self.starved, self.rejected) = (0, false, false);
-        self.quiet = if ask.more { 0 } else { self.quiet.saturating_add(1) };
+        let waits = self.rests() && !ask.more && !ask.hold;
+        self.quiet = if waits { self.quiet.saturating_add(1) } else { 0 };
         self.steer(ask);
         let sample = self.law.at(self.t);
         let s = self.place(sample.s);
@@ -349,7 +298,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let mut s = self.along + way;
         while let Some(front) = self.pieces.front() {
             let length = front.block.path.length();
-            if s < length - slack || self.pieces.len() == 1 {
+            if s < length - slack || self.pieces.len() == 1 && self.tail.is_none() {
                 return s.min(length);
             }
             (s, self.along) = (s - length, self.along - length);
@@ -383,6 +332,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.pieces.clear();
         self.sections.clear();
         (self.tail, self.law, self.t, self.along, self.closed) = (None, Law::Rest, 0.0, 0.0, false);
+        self.quiet = 0;
     }
 }
 

@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Feed, Ratios};
+use super::{Feed, LEAST_FEED, Ratios};
 use crate::feed::junction_distance;
 use crate::limits::Limits;
 use crate::reach::reach;
@@ -46,14 +46,14 @@ impl Section {
         Section { length, feed, limits, stops, exit_hard: 0.0, exit_soft: 0.0, most: 0.0 }
     }
 
-    /// The feed asked for, within what the path allows.
+    /// The feed asked for, within what the path allows; 0 for one that is too slow to be one.
     pub(super) fn cap(&self, ratios: &Ratios) -> f64 {
-        match self.feed {
+        let asked = match self.feed {
             Feed::Rapid => ratios.rapid * self.limits.v,
             Feed::PerSecond(feed) => ratios.feed * feed,
             Feed::PerRevolution(feed, _) => ratios.turns * feed,
-        }
-        .min(self.limits.v)
+        };
+        if asked < LEAST_FEED { 0.0 } else { asked.min(self.limits.v) }
     }
 
     /// The feed without overrides: what is joined must not depend on one that happens to be 0. The spindle counts as long
@@ -100,11 +100,11 @@ impl Sections {
         self.ring.front()
     }
 
-    /// Appends a stretch; joins it to the last section if they are better one, and both to the one before.
-    pub(super) fn push(&mut self, zone: Section, ratios: &Ratios) {
+    /// Appends a stretch; if it may, joins it to the last section where they are better one, and both to the one before.
+    pub(super) fn push(&mut self, zone: Section, ratios: &Ratios, joins: bool) {
         self.total += zone.length;
         self.ring.push_back(zone);
-        while self.join_last(ratios) {}
+        while joins && self.join_last(ratios) {}
         self.touch(self.ring.len().saturating_sub(2));
     }
 

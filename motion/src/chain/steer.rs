@@ -4,20 +4,21 @@
 //! | in hand | when | follows |
 //! |---|---|---|
 //! | rest | blocks are known and asked for | a block law to the end of the section (M23) |
-//! | block law | it is faster than what is asked for now; its pulse of jerk is over | a change of speed (M64) |
+//! | block law | it is faster than what is asked for now; its pulse of jerk is over, or has just begun and is folded | a change of speed (M64) |
 //! | block law | the look-ahead sees further; it runs at constant speed | a block law to the end of the section |
 //! | any | it is over | a block law to the end of the section, or rest |
 //!
 //! A change of speed may cross sections. It keeps the tightest limits of all of them and the top feed at every border,
 //! and where it ends the rest of the path can still be kept; else the law in hand goes on, which can.
 
-use super::law::{Law, Promise};
+use super::law::{Fold, Law, Promise};
 use super::section::Section;
 use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
 use crate::feed::{FeedBlock, junction_distance};
 use crate::limits::Limits;
 use crate::reach::reach;
+use crate::sample::Sample;
 use crate::search;
 
 /// Most laws in one cycle: blocks last at least an eighth of it, and have three sections at most.
@@ -46,6 +47,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let takes_over = match self.law {
                 Law::Rest if cap > 0.0 && self.may_start() => self.t,
                 Law::Rest => return,
+                law if slow && law.folds(self.t).is_some() => self.t,
                 _ if slow => self.law.settled(self.t),
                 _ if self.stale => self.law.level(self.t),
                 _ => over,
@@ -89,6 +91,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             self.ratios = ask.ratios;
             self.sections.touch_all();
         }
+        self.stale |= ask.single != self.single;
+        self.single = ask.single;
     }
 
     /// The feed asked for where the machine is.
@@ -131,36 +135,57 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 
     /// Replaces the law in hand at its time `t`; false if it has to go on.
     fn decide(&mut self, ask: &Ask, slow: bool) -> bool {
+        if slow {
+            return self.slow_down(self.cap(ask));
+        }
         let over = !self.rests() && self.t >= self.law.duration();
         let now = self.law.at(self.t);
-        let (v, a, gone) =
-            if over { (self.law.end_speed(), 0.0, self.law.way()) } else { (now.v, now.a, now.s) };
-        if slow {
-            let Some(change) = self.change(v, a, self.cap(ask), gone) else { return false };
-            self.leave(gone);
-            (self.law, self.t) = (Law::Change(change), 0.0);
+        let (v, gone) = if over { (self.law.end_speed(), self.law.way()) } else { (now.v, now.s) };
+        self.stale = false;
+        if !over && !self.rests() {
+            // A law that is good stays unless a better one can be released.
+            let Some(front) = self.sections.front().copied() else { return true };
+            let front = Section { length: front.length - gone, ..front };
+            if let Some(block) = self.block(&front, v, self.cap(ask), ask.single, gone) {
+                self.leave(gone);
+                (self.law, self.t) = (Law::Block(block), 0.0);
+            }
             return true;
         }
         self.leave(gone);
-        self.stale = false;
         (self.law, self.t) = (Law::Rest, 0.0);
         let (Some(front), cap) = (self.sections.front().copied(), self.cap(ask)) else { return true };
         if ask.single && over && v == 0.0 && self.at_block_end() {
             return true;
         }
         if v > cap * (1.0 + SAME)
-            && let Some(change) = self.change(v, a, cap, 0.0)
+            && let Some(change) = self.change(v, 0.0, cap, 0.0)
         {
             self.law = Law::Change(change);
         } else if cap > 0.0 || v > 0.0 {
-            match self.block(&front, v, cap, ask.single) {
+            match self.block(&front, v, cap, ask.single, 0.0) {
                 Some(block) => self.law = Law::Block(block),
                 None => {
                     self.rejected = true;
-                    self.law = self.change(v, a, 0.0, 0.0).map_or(Law::Rest, Law::Change);
+                    self.law = self.change(v, 0.0, 0.0, 0.0).map_or(Law::Rest, Law::Change);
                 }
             }
         }
+        true
+    }
+
+    /// Replaces the law in hand by a change to the speed `cap`; false if the path ahead does not allow it.
+    fn slow_down(&mut self, cap: f64) -> bool {
+        if let Some(block) = self.law.folds(self.t).copied() {
+            let Sample { s, v, a, .. } = Fold::at_end(&block, self.t);
+            let Some(change) = self.change(v, a, cap, s) else { return false };
+            self.law = Law::Fold(Fold::new(block, self.t, change));
+            return true;
+        }
+        let Sample { s, v, a, .. } = self.law.at(self.t);
+        let Some(change) = self.change(v, a, cap, s) else { return false };
+        self.leave(s);
+        (self.law, self.t) = (Law::Change(change), 0.0);
         true
     }
 
@@ -170,18 +195,19 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.sections.go(gone, SAME);
     }
 
-    /// The law to the end of the front section from the speed `v`.
-    fn block(&self, front: &Section, v: f64, cap: f64, single: bool) -> Option<FeedBlock> {
+    /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in hand.
+    fn block(&self, front: &Section, v: f64, cap: f64, single: bool, gone: f64) -> Option<FeedBlock> {
         let limits = Limits { v: front.limits.v.max(v), ..front.limits };
         let (mut length, mut exit) = (front.length, front.exit_soft);
         if single {
-            let way = self.block_end();
+            let stopping = junction_distance(v, 0.0, &limits);
+            let way = self.block_end(gone, stopping);
             if way < length + SAME {
-                if junction_distance(v, 0.0, &limits) <= way {
+                if stopping <= way {
                     (length, exit) = (way.min(length), 0.0);
                 }
             } else {
-                exit = exit.min(reach(0.0, exit, way - length, &self.tightest(way)));
+                exit = exit.min(reach(0.0, exit, way - length, &self.tightest(gone + way)));
             }
         }
         if junction_distance(v, exit, &limits) > length * (1.0 + 1e-12) {
@@ -197,12 +223,12 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.pieces.front().is_some_and(|piece| (piece.block.path.length() - self.along).abs() <= SAME)
     }
 
-    /// Way to the end of the block, mm; from its end, to that of the next.
-    fn block_end(&self) -> f64 {
-        let mut way = -self.along;
+    /// Way to the first end of a block that is at least `least` mm ahead, `gone` mm behind the start of the law in hand, mm.
+    fn block_end(&self, gone: f64, least: f64) -> f64 {
+        let mut way = -self.along - gone;
         for piece in &self.pieces {
             way += piece.block.path.length();
-            if way > SAME {
+            if way > SAME && way >= least {
                 break;
             }
         }
@@ -263,7 +289,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                 let rest = section.length - left;
                 let fits = |exit: f64| junction_distance(target, exit, &section.limits) <= rest;
                 let keeps = target <= section.exit_hard || fits(section.exit_hard) || fits(0.0);
-                return keeps.then_some(limits);
+                return (keeps && target <= section.limits.v * (1.0 + SAME)).then_some(limits);
             }
             left -= section.length;
             border += section.length;

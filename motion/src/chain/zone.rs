@@ -40,9 +40,13 @@ impl<const N: usize> Bend<N> {
         if blend.half() <= 0.0 {
             return self;
         }
-        let [_, peaks @ ..] = blend.peaks();
+        let [turn, peaks @ ..] = blend.peaks();
         let [shares, own @ ..] = &mut self.0;
-        shares.iter_mut().zip(other).for_each(|(share, other)| *share = share.max(*other));
+        for i in 0..N {
+            // A corner alone turns p₁ between both directions; jumps of curvature add to it.
+            let beyond = (turn[i] - 0.5 * blend.corner()[i].abs()).max(0.0);
+            shares[i] = shares[i].max(other[i]) + beyond;
+        }
         for (own, peaks) in own.iter_mut().zip(&peaks) {
             own.iter_mut().zip(peaks).for_each(|(own, peak)| *own += peak);
         }

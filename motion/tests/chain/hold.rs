@@ -93,3 +93,55 @@ fn a_hold_from_full_rapid_stops_as_soon_as_the_limits_allow() {
         }
     }
 }
+
+/// A hold at the very beginning of a rapid does not let its first pulse of jerk run out.
+#[test]
+fn a_hold_in_the_first_pulse_turns_it_back() {
+    let blocks = through(&[[0.0; N], [400.0, 0.0, 0.0]], Feed::Rapid, Corner::Stop);
+    // The first half of the pulse: at 25 ms the jerk is highest.
+    for moment in 1..=12 {
+        let mut stand = Stand::new(&blocks);
+        while stand.ticks() < moment {
+            stand.tick(&ask());
+        }
+        let pressed = stand.last.expect("a tick").step.along;
+        let mut fastest = 0.0_f64;
+        while stand.ticks() < moment + MOST_STOP && (stand.speed() > 0.0 || stand.ticks() < moment + 10) {
+            stand.tick(&Ask { hold: true, ..ask() });
+            fastest = fastest.max(stand.speed());
+        }
+        // The mirror image of the pulse doubles what it has gained; leading that back takes a²/J of speed more.
+        let (t, a) = (moment as f64 * CYCLE_S, 2.0 * pressed.a);
+        let most = a * t + a * a / AXES[0].j;
+        assert!(fastest <= 1.3 * most + 1.0, "{fastest} mm/s, {most} expected, after a hold at {pressed:?}");
+        assert_eq!(stand.speed(), 0.0);
+        stand.run(&ask());
+        stand.ends();
+    }
+}
+
+/// Single block, pressed in full motion: the machine stops at the next end of a block that it can reach.
+#[test]
+fn single_block_stops_at_the_next_end_within_reach() {
+    let points: Vec<[f64; N]> = (0..500).map(|i| [f64::from(i), 0.3 * f64::from(i % 2), 0.0]).collect();
+    let blocks = through(&points, Feed::PerSecond(50.0), Corner::Blend(0.2));
+    let single = Ask { single: true, ..ask() };
+    for moment in [20, 300, 777, 1500] {
+        let mut stand = Stand::new(&blocks);
+        while stand.ticks() < moment {
+            stand.tick(&ask());
+        }
+        let pressed = stand.last.expect("a tick").step.tag.number;
+        while stand.ticks() < moment + 1000 && (stand.speed() > 0.0 || stand.ticks() < moment + 2) {
+            stand.tick(&single);
+        }
+        let seen = stand.last.expect("a tick");
+        let stopped = seen.step.tag.number;
+        assert!(stand.speed() == 0.0 && stopped <= pressed + 12, "pressed in {pressed}, stops in {stopped}");
+        let way = seen.step.along.s;
+        let length = blocks[stopped].path.length();
+        assert!(way < 1e-6 || (way - length).abs() < 1e-6, "stops {way} mm into a block of {length}");
+        stand.run(&ask());
+        stand.ends();
+    }
+}

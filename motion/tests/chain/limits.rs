@@ -4,9 +4,9 @@
 
 use crate::programs::{Line, N, Place, end_of, program};
 use crate::seed::{Seed, count};
-use crate::stand::{Stand, ask};
-use motion::Path;
+use crate::stand::{AXES, CYCLE_S, Stand, ask};
 use motion::chain::{Ask, Block, Ratios};
+use motion::{Limits, Path};
 
 /// What happens during a program.
 struct Events {
@@ -40,12 +40,26 @@ impl Events {
     }
 }
 
+/// Limits and a cycle of another machine.
+fn machine(random: &mut Seed) -> ([Limits; N], f64) {
+    let cycle_s = random.scale(5e-4, 8e-3);
+    let mut axis = || Limits {
+        v: random.scale(20.0, 500.0),
+        a: random.scale(200.0, 10_000.0),
+        j: random.scale(1e4, 1e6),
+        dj: random.scale(1e6, 1e8),
+    };
+    ([axis(), axis(), axis()], cycle_s)
+}
+
 fn run(number: u64) {
     let mut random = Seed::new(number);
     let blocks = program(&mut random);
-    let mut stand = Stand::new(&blocks);
+    let (axes, cycle_s) = if random.chance(0.5) { (AXES, CYCLE_S) } else { machine(&mut random) };
+    let mut stand = Stand::of(&blocks, axes, cycle_s);
     let events = Events::draw(&mut random);
     stand.pace = 1 + (random.next() % 4) as usize;
+    stand.every = if random.chance(0.5) { 1 } else { 1 + random.next() % 60 };
     let mut asked = ask();
     while stand.tick(&asked) {
         events.act(&mut random, &mut asked);

@@ -42,16 +42,36 @@ pub(crate) struct Stand<'a> {
     completed: u32,
     ticks: u64,
     starved: u32,
-    /// Blocks that arrive in a cycle.
+    axes: [Limits; N],
+    cycle_s: f64,
+    /// Blocks that arrive at a time,
     pub(crate) pace: usize,
+    /// and cycles from one time to the next.
+    pub(crate) every: u64,
     pub(crate) last: Option<Seen>,
 }
 
 impl<'a> Stand<'a> {
     pub(crate) fn new(blocks: &'a [Line]) -> Stand<'a> {
-        let settings = Settings { axes: AXES, cycle_s: CYCLE_S, chord_mm: 1e-3 };
-        let chain = Chain::new(settings);
-        Stand { chain, blocks, pushed: 0, completed: 0, ticks: 0, starved: 0, pace: 2000, last: None }
+        Stand::of(blocks, AXES, CYCLE_S)
+    }
+
+    /// A machine with other limits and another cycle.
+    pub(crate) fn of(blocks: &'a [Line], axes: [Limits; N], cycle_s: f64) -> Stand<'a> {
+        let chain = Chain::new(Settings { axes, cycle_s, chord_mm: 1e-3 });
+        Stand {
+            chain,
+            blocks,
+            pushed: 0,
+            completed: 0,
+            ticks: 0,
+            starved: 0,
+            axes,
+            cycle_s,
+            pace: 2000,
+            every: 1,
+            last: None,
+        }
     }
 
     pub(crate) fn ticks(&self) -> u64 {
@@ -70,7 +90,8 @@ impl<'a> Stand<'a> {
 
     /// One cycle; false at the end.
     pub(crate) fn tick(&mut self, ask: &Ask) -> bool {
-        for _ in 0..self.pace {
+        let arrive = if self.ticks.is_multiple_of(self.every) { self.pace } else { 0 };
+        for _ in 0..arrive {
             if self.pushed < self.blocks.len() && self.chain.has_room() {
                 self.chain.push(self.blocks[self.pushed]);
                 self.pushed += 1;
@@ -106,7 +127,7 @@ impl<'a> Stand<'a> {
     }
 
     fn limits(&self, seen: &Seen) {
-        for (axis, limits) in seen.axes.iter().zip(&AXES) {
+        for (axis, limits) in seen.axes.iter().zip(&self.axes) {
             for (got, most) in
                 [(axis.v, limits.v), (axis.a, limits.a), (axis.j, limits.j), (axis.dj, limits.dj)]
             {
@@ -118,9 +139,9 @@ impl<'a> Stand<'a> {
     }
 
     fn continues(&self, last: &Seen, seen: &Seen) {
-        let h = CYCLE_S;
+        let h = self.cycle_s;
         for (i, (p, q)) in last.axes.iter().zip(&seen.axes).enumerate() {
-            let rate = AXES[i].dj;
+            let rate = self.axes[i].dj;
             let [ds, dv, da, dj] = [q.s - p.s, q.v - p.v, q.a - p.a, q.j - p.j];
             let errors = [
                 (ds - 0.5 * h * (p.v + q.v) + h * h / 12.0 * da, rate * h * h * h * h / 192.0),

@@ -163,3 +163,23 @@ fn a_spiral_takes_as_long_inwards_as_outwards() {
     let [inn, out] = [&inwards, &outwards].map(|points| times(points, 150.0, Corner::Blend(0.01)).0);
     assert!((inn / out - 1.0).abs() < 0.05, "{inn} s inwards, {out} s outwards");
 }
+
+/// A line that hardly has a length, between long ones: what it costs stays with it.
+#[test]
+fn a_stub_does_not_slow_its_neighbours() {
+    let curve = |stub: f64| {
+        let (mut points, mut heading) = (vec![[0.0; N]], 0.0_f64);
+        for i in 0..40 {
+            let length = if i == 20 && stub > 0.0 { stub } else { 1.0 };
+            heading += 0.05;
+            let last = points[points.len() - 1];
+            points.push([last[0] + length * libm::cos(heading), last[1] + length * libm::sin(heading), 0.0]);
+        }
+        times(&points, 50.0, Corner::Blend(0.01)).0
+    };
+    let free = curve(0.0);
+    for stub in [0.1, 1e-2, 1e-3, 1e-4, 1e-5] {
+        let time = curve(stub);
+        assert!(time < 1.25 * free, "{time} s with a stub of {stub} mm, {free} s without");
+    }
+}
