@@ -31,6 +31,8 @@ pub(crate) struct Travel {
     pub(crate) starved: u32,
     /// Moves completed.
     pub(crate) moves: u64,
+    /// Feed hold is on.
+    pub(crate) held: bool,
     /// Cycle starts pressed when a single block ended: the next one goes on.
     pub(crate) waits: Option<u32>,
     /// What ends the program once the machine stands.
@@ -46,6 +48,7 @@ impl Travel {
             turns: 0.0,
             starved: 0,
             moves: 0,
+            held: false,
             waits: None,
             fault: None,
         }
@@ -76,6 +79,11 @@ impl Travel {
         }
         let feed = share(panel.feed_override_pct, MOST_RATIO);
         Ratios { rapid: share(panel.rapid_override_pct, 1.0), feed, turns: self.turns * feed }
+    }
+
+    /// Whether it stands until cycle start is pressed: held, or single block.
+    pub(crate) fn stands_held(&self) -> bool {
+        self.rests() && (self.held || self.waits.is_some())
     }
 
     /// Whether single block waits for cycle start.
@@ -156,7 +164,10 @@ impl Interpolator {
         }
         let ask = Ask {
             ratios: self.travel.ratios(panel, self.spindle.observed()),
-            hold: last || panel.pressed(Panel::FEED_HOLD) || self.travel.waits(panel),
+            hold: last
+                || panel.pressed(Panel::FEED_HOLD)
+                || self.travel.waits(panel)
+                || self.travel.last.is_some_and(|leg| leg.feed != Feed::Rapid) && self.spindle.held(),
             single: panel.pressed(Panel::SINGLE_BLOCK),
             more: self.next.is_some() || !self.queue.is_empty(),
         };
@@ -204,7 +215,8 @@ impl Interpolator {
 
     /// Whether a move may begin: a feed waits for the spindle.
     pub(crate) fn may_feed(&self, feed: Feed) -> bool {
-        let turns = !matches!(feed, Feed::PerRevolution(_)) || self.spindle.observed().abs() >= 1.0;
+        let least = (0.5 * self.spindle.commanded().abs()).min(1.0);
+        let turns = !matches!(feed, Feed::PerRevolution(_)) || self.spindle.observed().abs() >= least;
         feed == Feed::Rapid || self.spindle.at_speed() && turns
     }
 

@@ -1,10 +1,15 @@
-//! G64 Q: lines become one where their ends lie within Q of it. In: items. Out: items, lines fewer.
+//! Lines become one where their ends lie near it (G64 Q). In: items. Out: items, lines fewer.
+//!
+//! Without Q the same is done with short lines, as a CAM system puts them out: rounded to a thousandth they have angles and
+//! lengths that no curve has, and that would be felt in the axes.
 //!
 //! Lines from S over P1, P2, … to E are one line from S to E if every P lies within Q of it and further along it than the
 //! one before, the feed is the same, and no rotary axis moves. Nothing else may lie between them. Rapids are left alone.
 
 use protocol::{Axis, Code, Feed, Item, PerAxis, Position, units::AXES};
 
+/// Lines shorter than this are merged without Q, mm.
+pub(crate) const SHORT_MM: f64 = 1.0;
 /// Most lines that become one.
 const MOST: usize = 100;
 
@@ -17,20 +22,23 @@ pub(crate) struct Merged {
     to: PerAxis<Position>,
     feed: Feed,
     line: u32,
+    /// Longest line that is merged, mm.
+    longest: f64,
 }
 
 impl Merged {
     /// A first line, if it is one that others may follow.
-    pub(crate) fn new(from: PerAxis<Position>, item: &Item) -> Option<Merged> {
+    pub(crate) fn new(from: PerAxis<Position>, item: &Item, longest: f64) -> Option<Merged> {
         let Code::Line { target, feed } = item.code else { return None };
         let turns = |axis: Axis| axis.is_rotary() && from[axis.index()] != target[axis.index()];
-        let mergeable = feed != Feed::Rapid && !Axis::ALL.into_iter().any(turns);
-        mergeable.then_some(Merged { from, over: Vec::new(), to: target, feed, line: item.line })
+        let square = (0..AXES).map(|axis| target[axis].mm_from(from[axis])).map(|way| way * way).sum::<f64>();
+        let mergeable = feed != Feed::Rapid && !Axis::ALL.into_iter().any(turns) && square.sqrt() <= longest;
+        mergeable.then_some(Merged { from, over: Vec::new(), to: target, feed, line: item.line, longest })
     }
 
     /// Takes a line in, if all of them stay within `within_mm` of one; false if it stays out.
     pub(crate) fn take(&mut self, item: &Item, within_mm: f64) -> bool {
-        let Some(next) = Merged::new(self.to, item) else { return false };
+        let Some(next) = Merged::new(self.to, item, self.longest) else { return false };
         if next.feed != self.feed || self.over.len() + 2 > MOST || !self.leads_to(&next.to, within_mm) {
             return false;
         }

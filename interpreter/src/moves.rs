@@ -12,6 +12,9 @@ use crate::translate::{Done, Translator, missing, no_axis};
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 pub(crate) const SAME: f64 = 1e-9;
 
+/// Slowest feed, mm/min: what a chain of moves takes for one.
+const LEAST_FEED: f64 = 60.0 * motion::chain::LEAST_FEED;
+
 impl Translator {
     /// G0, G1, and the moves of canned cycles.
     pub(crate) fn straight(&mut self, place: Place, to: &gcode::Position, rapid: bool) -> Done {
@@ -130,7 +133,7 @@ impl Translator {
     }
 
     /// F of a line to a point. Where only rotary axes move it counts degrees, whatever the unit of length.
-    fn feed_of_line(&self, to: &gcode::Position) -> Result<Feed, Box<Problem>> {
+    fn feed_of_line(&mut self, to: &gcode::Position) -> Result<Feed, Box<Problem>> {
         let (from, to) = (self.positions(&self.rest), self.positions(to));
         let is_linear = |axis: &Axis| Axis::METRIC[axis.index()] && from[axis.index()] != to[axis.index()];
         let feed = if Axis::ALL.iter().any(is_linear) { self.feed } else { self.feed / self.frame.unit };
@@ -138,7 +141,8 @@ impl Translator {
     }
 
     /// A feed in mm or degrees.
-    fn feed_of_move(&self, feed: f64) -> Result<Feed, Box<Problem>> {
+    fn feed_of_move(&mut self, feed: f64) -> Result<Feed, Box<Problem>> {
+        self.settle_spindle(self.place());
         if feed <= 0.0 {
             let help = "add an F word to this block or one before; G94 and G95 each need their own";
             return Err(Problem::error("no-feed", Blame::Block, "the move has no feed", help));
@@ -148,6 +152,11 @@ impl Translator {
                 let message = "feed per revolution (G95) with a spindle that does not turn";
                 let help = "start it before, as in S600 M3, or use G94";
                 Err(Problem::error("spindle-not-turning", Blame::Block, message, help))
+            }
+            _ if feed * self.spindle.turns_in_feed(self.feed_mode) < LEAST_FEED => {
+                let message = format!("a feed of {} is too slow to be one", short(feed));
+                let help = format!("give at least {LEAST_FEED} mm/min");
+                Err(Problem::error("no-feed", Blame::Block, message, help))
             }
             FeedMode::PerRevolution => Ok(Feed::PerRevolution(feed)),
             FeedMode::PerMinute | FeedMode::InverseTime => Ok(Feed::PerMinute(feed)),
@@ -159,20 +168,19 @@ impl Translator {
         Ok(match mode {
             canon::PathMode::ExactPath => PathMode::ExactPath,
             canon::PathMode::ExactStop => PathMode::ExactStop,
-            canon::PathMode::Continuous(0.0) => {
-                PathMode::Blend { tolerance_mm: self.machine.path.tolerance_mm, merge_mm: 0.0 }
-            }
-            canon::PathMode::Continuous(tolerance) => {
-                PathMode::Blend { tolerance_mm: self.tolerance('P', tolerance)?, merge_mm: 0.0 }
-            }
+            canon::PathMode::Continuous(0.0) => PathMode::within(self.machine.path.tolerance_mm),
+            canon::PathMode::Continuous(tolerance) => PathMode::within(self.tolerance('P', tolerance)?),
         })
     }
 
-    /// G64 Q.
+    /// G64 Q: P is for blends alone.
     pub(crate) fn merge_within(&mut self, tolerance: f64) -> Done {
         let merge = self.tolerance('Q', tolerance)?;
-        if let PathMode::Blend { merge_mm, .. } = &mut self.path_mode {
-            *merge_mm = merge;
+        if let PathMode::Blend { tolerance_mm, merge_mm } = &mut self.path_mode {
+            if !self.merges_all {
+                *tolerance_mm += *merge_mm;
+            }
+            (*merge_mm, self.merges_all) = (merge, true);
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use protocol::{Code, Position, SpindleMode, SpindleSpeed};
 
-use gcode::canon::X;
+use gcode::canon::{FeedMode, X};
 
 use crate::translate::{Done, Translator};
 
@@ -41,6 +41,14 @@ impl Spindle {
     /// Whether it turns.
     pub(crate) fn turns(&self) -> bool {
         self.mode != SpindleMode::Stop && self.s > 0.0
+    }
+
+    /// What makes mm/min of a feed: revolutions per minute under G95, infinite where they are not constant, else 1.
+    pub(crate) fn turns_in_feed(&self, mode: FeedMode) -> f64 {
+        match mode {
+            FeedMode::PerRevolution => self.turning().map_or(f64::INFINITY, |(rpm, _)| rpm),
+            FeedMode::PerMinute | FeedMode::InverseTime => 1.0,
+        }
     }
 
     /// Whether its surface speed is constant (G96).

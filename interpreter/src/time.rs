@@ -112,7 +112,11 @@ impl<'m> Clock<'m> {
         if self.last.is_none() && block.tag.feed != Feed::Rapid {
             self.wait_for_spindle();
         }
-        while !self.chain.has_room() && self.leap() {}
+        while !self.chain.has_room() {
+            if !self.leap() {
+                self.finish();
+            }
+        }
         self.last = Some(block.tag);
         self.chain.push(block);
     }
@@ -148,11 +152,16 @@ impl<'m> Clock<'m> {
         let rpm = if follows { self.rpm.abs() } else { self.speed.rpm(x) };
         let ask = Ask { ratios: Ratios::full(rpm / 60.0), hold: false, single: false, more: true };
         if !follows {
-            let time = self.chain.skip(&ask);
-            self.moved += time.unwrap_or(0.0);
-            return time.is_some();
+            let rested = self.chain.rests();
+            let Some(time) = self.chain.skip(&ask) else { return false };
+            self.moved += time;
+            // A chain that stays at rest has a feed that is none: it takes no time here, and for ever on the machine.
+            return !(rested && time == 0.0 && self.chain.rests());
         }
         let Some(step) = self.chain.tick(&ask) else { return false };
+        if step.along.v == 0.0 && rpm == 0.0 {
+            return false;
+        }
         self.x = Some(step.tag.from[i].moved(step.axes[i].s));
         self.moved += self.machine.machine.interpolator_cycle_s;
         true

@@ -10,7 +10,7 @@ use protocol::machine::Kinematics;
 use protocol::{Axis, Code, Item, Machine, PathMode, Position, SpindleMode};
 
 use crate::frame::Frame;
-use crate::merge::Merged;
+use crate::merge::{self, Merged};
 use crate::moves::letter;
 use crate::options::home;
 use crate::spindle::Spindle;
@@ -36,6 +36,8 @@ pub(crate) struct Translator {
     pub(crate) spindle: Spindle,
     /// G61, G61.1, G64.
     pub(crate) path_mode: PathMode,
+    /// Q of G64 says how far lines are merged, whatever their length.
+    pub(crate) merges_all: bool,
     /// What was sent of it last.
     path_mode_sent: PathMode,
     tool: Option<u32>,
@@ -67,7 +69,7 @@ pub(crate) struct Translator {
 impl Translator {
     pub(crate) fn new(machine: &Machine) -> Translator {
         let point = home(machine);
-        let path_mode = PathMode::Blend { tolerance_mm: machine.path.tolerance_mm, merge_mm: 0.0 };
+        let path_mode = PathMode::within(machine.path.tolerance_mm);
         Translator {
             machine: machine.clone(),
             frame: Frame::new(),
@@ -76,6 +78,7 @@ impl Translator {
             feed: 0.0,
             spindle: Spindle::new(),
             path_mode,
+            merges_all: false,
             path_mode_sent: path_mode,
             tool: None,
             mist: false,
@@ -153,7 +156,8 @@ impl Translator {
             return;
         }
         self.items.extend(self.merged.take().map(|merged| merged.item()));
-        self.merged = Merged::new(self.positions(&self.rest), &item).filter(|_| merge_mm > 0.0);
+        let longest = if self.merges_all { f64::INFINITY } else { merge::SHORT_MM };
+        self.merged = Merged::new(self.positions(&self.rest), &item, longest).filter(|_| merge_mm > 0.0);
         if self.merged.is_none() {
             self.items.push_back(item);
         }
@@ -230,7 +234,9 @@ impl Translator {
             Call::SetXyRotation(degrees) => self.frame.rotation_deg = degrees,
             Call::SetFeedMode(mode) => self.feed_mode = mode,
             Call::SetFeedRate(feed) => self.set_feed(feed)?,
-            Call::SetMotionControlMode(mode) => self.path_mode = self.mode_of_path(mode)?,
+            Call::SetMotionControlMode(mode) => {
+                (self.path_mode, self.merges_all) = (self.mode_of_path(mode)?, false);
+            }
             Call::SetNaivecamTolerance { tolerance, programmed: true } => self.merge_within(tolerance)?,
             _ => {}
         }

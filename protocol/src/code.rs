@@ -123,6 +123,14 @@ pub enum PathMode {
 impl PathMode {
     /// Largest tolerance, mm.
     pub const MOST_MM: f64 = 10.0;
+    /// Share of a tolerance that merging gets where nothing is said of it; the rest is for blends.
+    const MERGE_SHARE: f64 = 0.25;
+
+    /// Blends of G64 with a tolerance and without Q: merging and blends stay within it together.
+    pub fn within(tolerance_mm: f64) -> PathMode {
+        let merge_mm = PathMode::MERGE_SHARE * tolerance_mm;
+        PathMode::Blend { tolerance_mm: tolerance_mm - merge_mm, merge_mm }
+    }
 
     fn check(self) -> Result<(), Refused> {
         let PathMode::Blend { tolerance_mm, merge_mm } = self else { return Ok(()) };

@@ -44,8 +44,7 @@ pub struct Route {
 impl Route {
     /// At the start of a program.
     pub fn new(machine: &Machine) -> Route {
-        let tolerance_mm = machine.path.tolerance_mm;
-        Route { machine: machine.clone(), mode: PathMode::Blend { tolerance_mm, merge_mm: 0.0 } }
+        Route { machine: machine.clone(), mode: PathMode::within(machine.path.tolerance_mm) }
     }
 
     /// What a chain for this machine is laid out for.
@@ -112,7 +111,7 @@ impl Route {
     fn feed(&self, feed: Feed) -> chain::Feed {
         match feed {
             Feed::Rapid => chain::Feed::Rapid,
-            Feed::PerMinute(feed) => chain::Feed::PerSecond(feed / 60.0),
+            Feed::PerMinute(feed) => chain::Feed::PerSecond((feed / 60.0).max(chain::LEAST_FEED)),
             Feed::PerRevolution(feed) => {
                 let spindle = &self.machine.spindle;
                 let turns = spindle.max_rpm / 60.0 * spindle.override_max_pct / 100.0;

@@ -222,8 +222,12 @@ fn path_modes_are_sent_before_the_move_they_are_for() {
         .filter_map(|item| if let Code::PathMode(mode) = item.code { Some((item.line, mode)) } else { None })
         .collect();
     let blend = |tolerance_mm, merge_mm| PathMode::Blend { tolerance_mm, merge_mm };
-    let expected =
-        [(6, blend(0.05, 0.01)), (8, PathMode::ExactStop), (11, blend(0.01, 0.0)), (13, blend(0.025_4, 0.0))];
+    let expected = [
+        (6, blend(0.05, 0.01)),
+        (8, PathMode::ExactStop),
+        (11, PathMode::within(0.01)),
+        (13, PathMode::within(0.025_4)),
+    ];
     assert_eq!(modes, expected);
     assert_eq!(errors(&mill(), "G64 P11\nM2\n"), [(1, "bad-value")]);
     assert_eq!(errors(&mill(), "G64 P0.1 Q11\nM2\n"), [(1, "bad-value")]);
