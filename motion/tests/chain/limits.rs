@@ -8,6 +8,9 @@ use crate::stand::{AXES, CYCLE_S, Stand, ask};
 use motion::chain::{Ask, Block, Ratios};
 use motion::{Limits, Path};
 
+/// Cycles for which things happen.
+const PLAYFUL: u64 = 100_000;
+
 /// What happens during a program.
 struct Events {
     /// Chance of each, per cycle.
@@ -62,7 +65,10 @@ fn run(number: u64) {
     stand.every = if random.chance(0.5) { 1 } else { 1 + random.next() % 60 };
     let mut asked = ask();
     while stand.tick(&asked) {
-        events.act(&mut random, &mut asked);
+        // Who holds and lets go all the time does not come to an end: at last the operator lets the machine go.
+        if stand.ticks() < PLAYFUL {
+            events.act(&mut random, &mut asked);
+        }
         if stand.ticks() % 200 == 199 {
             asked = ask();
         }
