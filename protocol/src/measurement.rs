@@ -40,7 +40,7 @@ pub struct Panel {
 impl Panel {
     /// Feed hold is on: timed motion comes to rest, a thread goes on to its end.
     pub const FEED_HOLD: u32 = 1;
-    /// The program is to be ended at the next rest.
+    /// Motion stops on its path, then the program ends; a thread is cut to its end first.
     pub const STOP: u32 = 2;
     /// Single block is on: after each block the program waits for cycle start.
     pub const SINGLE_BLOCK: u32 = 4;
