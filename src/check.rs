@@ -19,7 +19,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     if args.json {
         let name = args.input.program.display().to_string();
         let good = program.found(Severity::Error) == 0;
-        let time_s = program.check.as_ref().filter(|_| good).map(|check| check.time_s);
+        let time_s = good.then_some(program.time_s);
         let document = Document::new(&name, program.diagnostics(), program.moves, time_s);
         let text = serde_json::to_string_pretty(&document);
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
@@ -37,12 +37,12 @@ fn findings(program: &Program) -> String {
     let moves = program.moves;
     let (errors, warnings) = (program.found(Severity::Error), program.found(Severity::Warning));
     let _ = writeln!(text, "{errors} errors, {warnings} warnings, {moves} moves");
-    let Some(check) = &program.check else { return text };
-    if !check.passes.is_empty() {
+    let passes = program.check.as_ref().map_or(&[][..], |check| &check.passes);
+    if !passes.is_empty() {
         let _ =
             writeln!(text, "pass  line  depth mm    start Z  full depth from Z     to Z  highest override");
     }
-    for pass in &check.passes {
+    for pass in passes {
         let [from, to] = pass.full_depth_z_mm;
         let _ = writeln!(
             text,
@@ -51,7 +51,7 @@ fn findings(program: &Program) -> String {
         );
     }
     if errors == 0 {
-        let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", check.time_s);
+        let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", program.time_s);
     }
     text
 }

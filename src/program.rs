@@ -21,6 +21,8 @@ pub(crate) struct Program {
     pub(crate) check: Option<Check>,
     /// The same as the user sees them.
     pub(crate) messages: String,
+    /// How long it takes at 100 % override, s.
+    pub(crate) time_s: f64,
 }
 
 impl Program {
@@ -49,8 +51,9 @@ impl Program {
             let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
             let mut watch = Watch::default();
             let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
-            let (count, code) = (file.items.len() as u64, Some(file.items));
-            return Ok(Program { code, count, moves, watched, check: None, messages: String::new() });
+            let time_s = interpreter::time_s(&file.items, machine);
+            let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
+            return Ok(Program { code, count, moves, watched, check: None, messages, time_s });
         }
         let (mut watch, mut watched) = (Watch::default(), Vec::new());
         let check = interpreter::check_program(open(path, language, machine)?, machine, |item| {
@@ -61,8 +64,8 @@ impl Program {
         let colour = cli::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
-        let (count, moves) = (check.count, check.moves);
-        Ok(Program { code: None, count, moves, watched, check: Some(check), messages })
+        let (count, moves, time_s) = (check.count, check.moves, check.time_s);
+        Ok(Program { code: None, count, moves, watched, check: Some(check), messages, time_s })
     }
 
     /// The machine code of a program that was judged and is good, item by item.

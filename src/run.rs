@@ -172,6 +172,13 @@ fn moves(text: &mut String, summary: &Summary) {
             );
         }
     }
+    if summary.moves.limit_violations > 0 {
+        let _ = writeln!(
+            text,
+            "limits    {} cycles beyond the limit of an axis: docs/run-folder.md says how that is judged",
+            summary.moves.limit_violations
+        );
+    }
     if summary.moves.starved > 0 {
         let _ = writeln!(text, "starved   stopped {} times to wait for machine code", summary.moves.starved);
     }

@@ -43,7 +43,7 @@ use gcode::problem::Blame;
 use gcode::{Problem, Program, Step};
 use protocol::{Item, Machine};
 
-pub use check::{Check, check, check_program};
+pub use check::{Check, check, check_program, time_s};
 pub use gcode::{Diagnostic, Severity};
 pub use options::{Language, OpenError, check_folders, open};
 pub use threading::PassNote;
