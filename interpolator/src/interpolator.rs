@@ -136,7 +136,6 @@ impl Interpolator {
             Some(fault) => self.enter_fault(fault),
             None => {}
         }
-        self.travel.held = input.measurement.panel.pressed(Panel::FEED_HOLD);
         let (setpoints, command) = self.work(input, cycle);
         self.spindle.at_x(self.here[Axis::X.index()]);
         if self.task.public() != before {
@@ -289,7 +288,7 @@ impl Interpolator {
     /// The state as others see it.
     fn state(&self) -> MachineState {
         match self.task.public() {
-            MachineState::Moving | MachineState::Ready if self.travel.stands_held() => MachineState::Paused,
+            MachineState::Moving | MachineState::Ready if self.travel.waits.is_some() => MachineState::Paused,
             state => state,
         }
     }

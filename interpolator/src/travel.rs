@@ -31,8 +31,6 @@ pub(crate) struct Travel {
     pub(crate) starved: u32,
     /// Moves completed.
     pub(crate) moves: u64,
-    /// Feed hold is on.
-    pub(crate) held: bool,
     /// Cycle starts pressed when a single block ended: the next one goes on.
     pub(crate) waits: Option<u32>,
     /// What ends the program once the machine stands.
@@ -48,7 +46,6 @@ impl Travel {
             turns: 0.0,
             starved: 0,
             moves: 0,
-            held: false,
             waits: None,
             fault: None,
         }
@@ -79,11 +76,6 @@ impl Travel {
         }
         let feed = share(panel.feed_override_pct, MOST_RATIO);
         Ratios { rapid: share(panel.rapid_override_pct, 1.0), feed, turns: self.turns * feed }
-    }
-
-    /// Whether it stands until cycle start is pressed: held, or single block.
-    pub(crate) fn stands_held(&self) -> bool {
-        self.rests() && (self.held || self.waits.is_some())
     }
 
     /// Whether single block waits for cycle start.

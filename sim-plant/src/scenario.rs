@@ -128,7 +128,19 @@ impl Scenario {
                 .and_then(RawEvent::check)
                 .map_err(|reason| ScenarioError::Event { number: index + 1, reason })
         });
-        Ok(Scenario { events: events.collect::<Result<_, _>>()? })
+        let events: Vec<Event> = events.collect::<Result<_, _>>()?;
+        let pressed =
+            |request: Request| events.iter().position(|event| event.action == Action::Press(request));
+        let released = [Request::CycleStart, Request::Stop, Request::Abort].map(pressed);
+        match pressed(Request::FeedHold) {
+            Some(index) if released.iter().all(Option::is_none) => Err(ScenarioError::Event {
+                number: index + 1,
+                reason: "feed_hold: the machine would stand for ever; add an event with cycle_start = true, stop = \
+                         true or abort = true"
+                    .to_owned(),
+            }),
+            _ => Ok(Scenario { events }),
+        }
     }
 }
 

@@ -123,7 +123,8 @@ fn triggers_of_a_pass_wait_for_that_pass() {
         "[[event]]\nat = { pass = 2, angle_deg = 720 }\nspindle_override_pct = 60\n\
          [[event]]\nat = { pass = 2, z_mm = 99.5 }\nfeed_override_pct = 70\n\
          [[event]]\nat = { after_pass = 2 }\nrapid_override_pct = 80\n\
-         [[event]]\nat = { line = 12 }\nfeed_hold = true",
+         [[event]]\nat = { line = 12 }\nfeed_hold = true\n\
+         [[event]]\nat = { line = 99 }\ncycle_start = true",
     );
     stand.spindle.rpm = -600.0;
     (stand.spindle.pass, stand.spindle.direction, stand.velocity) = (1, -1.0, [0.0, -20.0]);
@@ -185,4 +186,15 @@ fn a_cycle_allocates_nothing() {
     });
     assert_eq!(allocated.count_total, 0);
     assert_eq!(stand.plant.pending_events().collect::<Vec<_>>(), [2]);
+}
+
+#[test]
+fn a_hold_that_nobody_releases_is_refused() {
+    let hold = "[[event]]\nat = { time_s = 1 }\nfeed_hold = true\n";
+    let refused = Scenario::from_toml(hold).unwrap_err().to_string();
+    assert!(refused.starts_with("event 1: feed_hold") && refused.contains("cycle_start"), "{refused}");
+    for release in ["cycle_start", "stop", "abort"] {
+        let event = format!("{hold}[[event]]\nat = {{ time_s = 2 }}\n{release} = true\n");
+        assert!(Scenario::from_toml(&event).is_ok(), "{release}");
+    }
 }
