@@ -148,7 +148,7 @@ fn triggers_of_a_pass_wait_for_that_pass() {
     while stand.tick().measurement.panel.spindle_override_pct == 100.0 {}
     let turned = index_deg - stand.truth().spindle_deg;
     assert!((720.0..722.0).contains(&turned), "{turned}°");
-    assert_eq!(stand.plant.pending_events().collect::<Vec<_>>(), [3, 4]);
+    assert_eq!(stand.plant.pending_events().collect::<Vec<_>>(), [3, 4, 5]);
     stand.spindle.pass = 3;
     assert_eq!(stand.tick().measurement.panel.rapid_override_pct, 80.0);
     stand.spindle.line = 12;
