@@ -173,7 +173,10 @@ impl Interpolator {
             self.travel.fault = Some(Fault::PlanRejected);
         }
         let leg = step.tag;
-        self.line = leg.line;
+        let stops_single = ask.single && step.completed > 0 && self.travel.rests();
+        if !stops_single {
+            self.line = leg.line;
+        }
         let over = self.travel.chain.is_empty();
         let axis = |i: usize| {
             let sample = &step.axes[i];
@@ -183,7 +186,7 @@ impl Interpolator {
         };
         let setpoints: PerAxis<Setpoint> = std::array::from_fn(axis);
         self.here = setpoints.map(|setpoint| setpoint.position);
-        if ask.single && step.completed > 0 && self.travel.rests() {
+        if stops_single {
             self.travel.waits = Some(panel.cycle_starts);
         }
         if over || last && self.travel.rests() {

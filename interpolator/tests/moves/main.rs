@@ -168,3 +168,20 @@ fn feed_per_revolution_follows_the_spindle_without_its_noise() {
     assert!((low - 5.0).abs() < 0.1 && high - low < 1e-9, "{low} … {high}, {} points", speeds.len());
     assert_eq!(point(1.0, 0.0)[0].mm(), 1.0);
 }
+
+#[test]
+fn a_feed_holds_while_the_operator_holds_the_spindle() {
+    for feed in [Feed::PerMinute(600.0), Feed::PerRevolution(0.5)] {
+        let clockwise = Code::Spindle { mode: SpindleMode::Clockwise, speed: SpindleSpeed::Rpm(600.0) };
+        let items = [code(1, clockwise), line(2, 60.0, 40.0, feed), code(3, Code::End)];
+        let mut stand = Stand::new(items);
+        let mut stood = 0;
+        let points = stand.run(|stand, n| {
+            let held = (1000..1800).contains(&n);
+            stand.panel.spindle_override_pct = if held { 0.0 } else { 100.0 };
+            stood += u32::from(held && n > 1300 && stand.speed() == 0.0);
+        });
+        assert!(stood > 400, "{feed:?}: stood for {stood} ticks");
+        assert_eq!((points.last(), stand.out.unwrap().status.fault), (Some(&[60.0, 40.0]), 0), "{feed:?}");
+    }
+}

@@ -205,3 +205,21 @@ fn colour_is_only_colour() {
 fn a_program_that_moves_for_ever_is_not_read_for_ever() {
     assert_first("o1 while [1]\nG0 X10\nG4 P80000\nX20\no1 endwhile\nM2\n", (3, 1, "endless-program"));
 }
+
+#[test]
+fn feeds_that_are_none_are_refused_and_not_waited_for() {
+    let errors = |text: &str| -> Vec<(u32, &'static str)> {
+        let diagnostics = interpreter::check("part.ngc", text, &Machine::default()).diagnostics;
+        diagnostics
+            .iter()
+            .filter(|one| one.severity == Severity::Error)
+            .map(|one| (one.line, one.code))
+            .collect()
+    };
+    assert_eq!(errors("G1 Z0 F0.0000001\nM2\n"), [(1, "no-feed")]);
+    assert_eq!(errors("S1 M3\nG95 F0.01\nG1 Z0\nM2\n"), [(3, "no-feed")]);
+    // S of G96 is too much for G97: the spindle stands, and a feed per revolution with it.
+    let text = "G96 S6000 D1000 M3\nG97\nG95 F0.1\nG1 Z0\nM2\n";
+    assert!(errors(text).contains(&(4, "spindle-not-turning")), "{:?}", errors(text));
+    assert_eq!(errors("G96 S100 D1000 M3\nG95 F0.05\nG1 Z0\nM2\n"), []);
+}
