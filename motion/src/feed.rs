@@ -139,7 +139,8 @@ impl FeedBlock {
         // Below 1e-240 the way underflows: a block without length would seem to fit a change of feed.
         let with_slope = |e: f64| {
             let (up, up_slope) = Ramp::shortest_and_slope(e, limits);
-            let (down, down_slope) = Ramp::shortest_and_slope(step + e, limits);
+            let (down, down_slope) =
+                if step == 0.0 { (up, up_slope) } else { Ramp::shortest_and_slope(step + e, limits) };
             let (first, second) = (high + 0.5 * e, low + 0.5 * (step + e));
             (first * up + second * down, 0.5 * (up + down) + first * up_slope + second * down_slope)
         };

@@ -149,17 +149,17 @@ impl Ramp {
 
     /// T(dv) and its derivative by dv ≥ 0, s and s²/mm (M21): T grows with the cube root, the square root, or evenly.
     pub(crate) fn shortest_and_slope(dv: f64, limits: &Limits) -> (f64, f64) {
-        let (t1, duration) = Ramp::fastest_times(dv, limits);
-        let slope = if dv <= 0.0 {
-            f64::INFINITY
-        } else if t1 < 0.5 * duration {
-            1.0 / limits.a
-        } else if Ramp::peak_jerk(dv, limits).1 == Binding::JerkRate {
-            duration / (3.0 * dv)
-        } else {
-            duration / (2.0 * dv)
-        };
-        (duration, slope)
+        if dv <= 0.0 {
+            return (0.0, f64::INFINITY);
+        }
+        let (j_p, binding) = Ramp::peak_jerk(dv, limits);
+        let (t1_a, t1_f) = (2.0 * limits.a / j_p, (2.0 * dv / j_p).sqrt());
+        if t1_f > t1_a {
+            return ((t1_a + dv / limits.a) * ROUNDING, 1.0 / limits.a);
+        }
+        let duration = 2.0 * (t1_f * ROUNDING);
+        let power = if binding == Binding::JerkRate { 3.0 } else { 2.0 };
+        (duration, duration / (power * dv))
     }
 
     /// Peak jerk in mm/s³ of the fastest ramp by `dv`, and the bound that fixes it (M19).
