@@ -37,3 +37,37 @@ fn a_whole_program_allocates_nothing() {
         }
     }
 }
+
+/// Look-ahead, blends, overrides and holds: a contour of short lines under an operator who does not leave it alone.
+#[test]
+fn a_contour_under_overrides_allocates_nothing() {
+    let mill = fs::read_to_string(shop::project().join("examples/machines/small-mill.toml"));
+    let machine = Machine::from_toml(&mill.expect("examples are shipped")).expect("it is right");
+    let mut text = "G21 G64 P0.01 Q0 F3000\nG0 X0 Y0\n".to_owned();
+    for i in 1..4000 {
+        let (s, c) = libm::sincos(f64::from(i) / 150.0);
+        text += &format!("G1 X{:.6} Y{:.6}\n", 30.0 * s, 30.0 - 30.0 * c);
+    }
+    let check = interpreter::check("contour", &(text + "M2\n"), &machine);
+    let mut scenario = String::new();
+    for i in 0..20 {
+        let (at, pct) = (2.0 + 0.4 * f64::from(i), 20 + 37 * i % 170);
+        scenario += &format!("[[event]]\nat = {{ time_s = {at} }}\nfeed_override_pct = {pct}\n");
+        let (hold, on) = (at + 0.1, at + 0.25);
+        scenario += &format!("[[event]]\nat = {{ time_s = {hold} }}\nfeed_hold = true\n");
+        scenario += &format!("[[event]]\nat = {{ time_s = {on} }}\ncycle_start = true\n");
+    }
+    let scenario = Scenario::from_toml(&scenario).expect("a scenario");
+    let mut rig = Rig::new(&machine, check.items.into_iter(), scenario, 1).expect("it can be built");
+    for _ in 0..WARM_UP {
+        assert!(rig.cycle(None, |_| {}), "the contour is longer than the warm-up");
+    }
+    let mut cycles = 0_u64;
+    let counted = measure(|| {
+        while rig.cycle(None, |_| {}) {
+            cycles += 1;
+        }
+    });
+    assert!(cycles > 20_000, "it ended after {cycles} cycles");
+    assert_eq!(counted.count_total, 0, "{counted:?} in {cycles} cycles");
+}
