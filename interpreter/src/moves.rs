@@ -68,6 +68,8 @@ impl Translator {
             (point[first], point[second], point[across]) = (one, other, arc.along);
             point
         };
+        // A move before that could not be made was reported: this arc would begin where it did not end.
+        let astray = self.positions(&self.asked) != self.positions(&self.rest);
         let target = self.target(&point(arc.end))?;
         let center = self.frame.machine(&point(arc.center));
         self.at_programmed_point()?;
@@ -83,10 +85,15 @@ impl Translator {
             center: [center[first], center[second]].map(Position::from_mm),
             turns: arc.turns,
         };
-        let [lowest, highest] = arc.bounds(&from).map_err(|refused| {
-            let help = "check the end point and the centre (I, J, K) or the radius (R)";
-            Problem::error("bad-arc", Blame::Block, format!("the arc cannot be made: {refused}"), help)
-        })?;
+        let [lowest, highest] = match arc.bounds(&from) {
+            Ok(corners) => corners,
+            Err(_) if astray => return Ok(()),
+            Err(refused) => {
+                let help = "check the end point and the centre (I, J, K) or the radius (R)";
+                let message = format!("the arc cannot be made: {refused}");
+                return Err(Problem::error("bad-arc", Blame::Block, message, help));
+            }
+        };
         for corner in [lowest, highest] {
             for (axis, _) in self.machine.axes() {
                 within_travel(&self.machine, axis, corner[axis.index()].mm(), Blame::Block)?;

@@ -197,6 +197,7 @@ impl Translator {
     fn set_feed(&mut self, feed: f64) -> Done {
         let feed = feed * self.frame.unit;
         if !(0.0..=HIGHEST_FEED).contains(&feed) {
+            self.feed = HIGHEST_FEED; // one mistake, one message: moves do not lack a feed, too
             let message = format!("F of {} mm is no feed", short(feed));
             let help = format!("give a feed above 0 and up to {} mm", short(HIGHEST_FEED));
             return Err(Problem::error("bad-value", Blame::Word('F'), message, help));

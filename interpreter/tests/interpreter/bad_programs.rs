@@ -223,3 +223,16 @@ fn feeds_that_are_none_are_refused_and_not_waited_for() {
     assert!(errors(text).contains(&(4, "spindle-not-turning")), "{:?}", errors(text));
     assert_eq!(errors("G96 S100 D1000 M3\nG95 F0.05\nG1 Z0\nM2\n"), []);
 }
+
+#[test]
+fn a_mistake_gives_one_message() {
+    let codes = |text: &str| -> Vec<&'static str> {
+        check("part.ngc", text, &Machine::default()).diagnostics.iter().map(|one| one.code).collect()
+    };
+    assert_eq!(codes("G1 X10 Z0 F1000000000000\nX20\nZ-5\nM2\n"), ["bad-value"]);
+    // The second arc would begin where the line beyond the travel did not end.
+    assert_eq!(
+        codes("F100\nG1 X10 Z0\nX500\nG2 X490 Z-10 I-10\nG1 X20 Z-20\nM2\n"),
+        ["travel-limit", "travel-limit"]
+    );
+}
