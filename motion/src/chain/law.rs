@@ -96,6 +96,23 @@ impl Fold {
     fn duration(&self) -> f64 {
         self.turns() + self.change.duration()
     }
+
+    fn ends(&self) -> [f64; 7] {
+        let [a, b, c] = self.change.ends().map(|end| self.turns() + end);
+        [self.at, self.turns(), a, b, c, c, c]
+    }
+
+    /// Of the pulse the whole, although only its beginning is gone through; of its mirror image the acceleration at the end.
+    fn peak(&self) -> Limits {
+        let (block, change) = (self.block.peak(), self.change.peak());
+        let turn = Fold::at_end(&self.block, self.at);
+        Limits {
+            v: turn.v.max(change.v),
+            a: turn.a.max(change.a),
+            j: block.j.max(change.j),
+            dj: block.dj.max(change.dj),
+        }
+    }
 }
 
 /// What a law has to keep.
@@ -186,7 +203,8 @@ impl Law {
 
     fn ends(&self) -> [f64; 7] {
         match self {
-            Law::Rest | Law::Fold(_) => [0.0; 7],
+            Law::Rest => [0.0; 7],
+            Law::Fold(fold) => fold.ends(),
             Law::Block(block) => block.ends(),
             Law::Change(change) => {
                 let [a, b, c] = change.ends();
@@ -197,7 +215,8 @@ impl Law {
 
     fn peak(&self) -> Limits {
         match self {
-            Law::Rest | Law::Fold(_) => Limits { v: 0.0, a: 0.0, j: 0.0, dj: 0.0 },
+            Law::Rest => Limits { v: 0.0, a: 0.0, j: 0.0, dj: 0.0 },
+            Law::Fold(fold) => fold.peak(),
             Law::Block(block) => block.peak(),
             Law::Change(change) => change.peak(),
         }

@@ -109,7 +109,7 @@ pub struct Step<const N: usize, T> {
     pub completed: u32,
     /// It ran out of blocks and stops at the end of what it knows, although more were to come.
     pub starved: bool,
-    /// No law could be released. The chain stands, or goes on with the one before to its stop.
+    /// No law could be released at the end of the one before. The chain stands, or brakes on its path.
     pub rejected: bool,
 }
 

@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Feed, LEAST_FEED, Ratios};
+use super::{Feed, LEAST_FEED, Ratios, SAME};
 use crate::feed::junction_distance;
 use crate::limits::Limits;
 use crate::reach::reach;
@@ -167,13 +167,12 @@ impl Sections {
         true
     }
 
-    /// Goes on by `way` mm, within the front section or across its end. What is left of a section below `same` mm is
-    /// nothing.
-    pub(super) fn go(&mut self, way: f64, same: f64) {
+    /// Goes on by `way` mm, within the front section or across its end. What is left of a section below [`SAME`] is nothing.
+    pub(super) fn go(&mut self, way: f64) {
         let mut left = way;
         while let Some(front) = self.ring.front_mut() {
             self.entered = true;
-            if left < front.length - same {
+            if left < front.length - SAME {
                 front.length -= left;
                 break;
             }

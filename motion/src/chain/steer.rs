@@ -21,7 +21,7 @@ use crate::reach::reach;
 use crate::sample::Sample;
 use crate::search;
 
-/// Most laws in one cycle: blocks last at least an eighth of it, and have three sections at most.
+/// Most laws in one cycle: blocks last at least a sixteenth of it, and have three sections at most.
 const MOST_LAWS: usize = 64;
 /// Most sections that a change of speed may cross.
 const MOST_CROSSED: usize = 256;
@@ -179,8 +179,15 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         if let Some(block) = self.law.folds(self.t).copied() {
             let Sample { s, v, a, .. } = Fold::at_end(&block, self.t);
             let Some(change) = self.change(v, a, cap, s) else { return false };
-            self.law = Law::Fold(Fold::new(block, self.t, change));
-            return true;
+            let fold = Law::Fold(Fold::new(block, self.t, change));
+            let kept = self.sections.front().is_some_and(|front| {
+                let (start, way) = (block.at(0.0).v, fold.way());
+                fold.keeps(&Promise { start, acceleration: 0.0, end: cap, way, limits: front.limits })
+            });
+            if kept {
+                self.law = fold;
+            }
+            return kept;
         }
         let Sample { s, v, a, .. } = self.law.at(self.t);
         let Some(change) = self.change(v, a, cap, s) else { return false };
@@ -192,7 +199,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// Leaves `gone` mm of the law behind.
     fn leave(&mut self, gone: f64) {
         self.along += gone;
-        self.sections.go(gone, SAME);
+        self.sections.go(gone);
     }
 
     /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in hand.
