@@ -53,8 +53,7 @@ pub(crate) fn reach(from: f64, cap: f64, length: f64, limits: &Limits) -> f64 {
         y * y
     } else {
         // e²/2 + (F + A t/2) e + F A t − L A = 0 with t = 2 A/Jm.
-        let rise = 2.0 * limits.a * limits.a / jm;
-        let (b, c) = (from + 0.5 * rise, from * rise - length * limits.a);
+        let (b, c) = (from + 0.5 * by_jerk, from * by_jerk - length * limits.a);
         -2.0 * c / (b + (b * b - 2.0 * c).max(0.0).sqrt())
     };
     // Where a way is tiny against its feed the rounding of the feed itself counts.
