@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
-use protocol::{Arc, Code, Item, Machine, PerAxis, Position, code_file::CodeFile};
+use protocol::{Arc, Code, Item, Machine, code_file::CodeFile};
 use rig::observe::Watch;
 
 use crate::{cli, error::CliError};
@@ -113,10 +113,7 @@ fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Pr
 
 /// Why machine code does not suit the limits of a machine of the same name that has changed since.
 fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
-    let mut at = PerAxis::<Position>::default();
-    for (axis, config) in machine.axes() {
-        at[axis.index()] = Position::from_mm(config.home_mm);
-    }
+    let mut at = machine.home();
     items.iter().find_map(|item| {
         let what = match item.code {
             Code::Pass(pass) if !machine.can_follow(&pass) => "a pass its axes cannot follow",

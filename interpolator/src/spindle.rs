@@ -10,13 +10,10 @@
 use std::f64::consts::TAU;
 
 use motion::SpindleObserver;
-use protocol::{Machine, Measurement, Position, SpindleMode, SpindleSpeed};
+use protocol::{Machine, Measurement, Position, SpindleMode, SpindleSpeed, machine::SpindleConfig};
 
-/// Bandwidth of the observer that watches the speed, Hz: slow, because it only judges.
-const WATCH_HZ: f64 = 5.0;
-
-/// Speed below which the spindle counts as standing, 1/min.
-const STANDSTILL_RPM: f64 = 1.0;
+const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
+const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
 
 /// The spindle.
 #[derive(Clone, Debug)]

@@ -8,17 +8,16 @@
 
 use motion::chain::{Ask, Chain, Ratios};
 use protocol::{
-    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed, units::AXES,
+    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed,
+    machine::SpindleConfig, units::AXES,
 };
 
 /// Interpolator cycles until the drives are on, and setpoints act.
 const START_CYCLES: f64 = 7.0;
 /// Interpolator cycles from rest to the first index that counts: in position, armed, looked at, called off in time.
 const ARMING_CYCLES: f64 = 9.0;
-/// Bandwidth of the filter through which the interpolator watches the spindle, rad/s, and the speed, 1/min, below which it
-/// stands.
-const WATCH: f64 = 5.0 * core::f64::consts::TAU;
-const STANDSTILL_RPM: f64 = 1.0;
+/// Bandwidth of the filter through which the interpolator watches the spindle, rad/s.
+const WATCH: f64 = SpindleConfig::WATCH_HZ * core::f64::consts::TAU;
 
 /// Adds up time.
 pub(crate) struct Clock<'m> {
@@ -42,17 +41,13 @@ pub(crate) struct Clock<'m> {
 
 impl<'m> Clock<'m> {
     pub(crate) fn new(machine: &'m Machine) -> Clock<'m> {
-        let mut at = PerAxis::<Position>::default();
-        for (axis, config) in machine.axes() {
-            at[axis.index()] = Position::from_mm(config.home_mm);
-        }
         Clock {
             machine,
             route: Route::new(machine),
             chain: Chain::new(Route::settings(machine)),
             last: None,
             x: None,
-            at,
+            at: machine.home(),
             mode: SpindleMode::Stop,
             speed: SpindleSpeed::Rpm(0.0),
             rpm: 0.0,
@@ -94,7 +89,7 @@ impl<'m> Clock<'m> {
                 let ramp = self.machine.spindle.ramp_rpm_s;
                 if self.rpm != 0.0 {
                     // What the filter still sees when the ramp is over dies away.
-                    let tail = libm::log((ramp / WATCH / STANDSTILL_RPM).max(1.0)) / WATCH;
+                    let tail = libm::log((ramp / WATCH / SpindleConfig::STANDSTILL_RPM).max(1.0)) / WATCH;
                     self.pass_time(self.rpm.abs() / ramp + tail);
                 }
             }
@@ -146,24 +141,23 @@ impl<'m> Clock<'m> {
             matches!((leg.feed, self.speed), (Feed::PerRevolution(_), SpindleSpeed::Surface { .. }));
         let i = Axis::X.index();
         let x = self.x.unwrap_or(leg.from[i]);
-        if follows {
-            self.turn_towards(self.speed.rpm(x), self.machine.machine.interpolator_cycle_s);
-        }
-        let rpm = if follows { self.rpm.abs() } else { self.speed.rpm(x) };
-        let ask = Ask { ratios: Ratios::full(rpm / 60.0), hold: false, single: false, more: true };
+        let at = |rpm: f64| Ask { ratios: Ratios::full(rpm / 60.0), hold: false, single: false, more: true };
         if !follows {
             let rested = self.chain.rests();
-            let Some(time) = self.chain.skip(&ask) else { return false };
+            let Some(time) = self.chain.skip(&at(self.speed.rpm(x))) else { return false };
             self.moved += time;
             // A chain that stays at rest has a feed that is none: it takes no time here, and for ever on the machine.
             return !(rested && time == 0.0 && self.chain.rests());
         }
-        let Some(step) = self.chain.tick(&ask) else { return false };
+        let cycle = self.machine.machine.interpolator_cycle_s;
+        self.turn_towards(self.speed.rpm(x), cycle);
+        let rpm = self.rpm.abs();
+        let Some(step) = self.chain.tick(&at(rpm)) else { return false };
         if step.along.v == 0.0 && rpm == 0.0 {
             return false;
         }
         self.x = Some(step.tag.from[i].moved(step.axes[i].s));
-        self.moved += self.machine.machine.interpolator_cycle_s;
+        self.moved += cycle;
         true
     }
 

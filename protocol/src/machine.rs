@@ -159,6 +159,13 @@ impl Machine {
         self.axis.iter().map(|(axis, config)| (*axis, config))
     }
 
+    /// Where the axes stand at the start of the machine; 0 for those that do not exist.
+    pub fn home(&self) -> PerAxis<Position> {
+        let mut home = PerAxis::<Position>::default();
+        self.axes().for_each(|(axis, config)| home[axis.index()] = Position::from_mm(config.home_mm));
+        home
+    }
+
     /// Control cycles in one interpolator cycle.
     pub fn cycles_per_tick(&self) -> u64 {
         (self.machine.interpolator_cycle_s / self.machine.cycle_s).round() as u64

@@ -61,6 +61,11 @@ pub enum RunOut {
 }
 
 impl SpindleConfig {
+    /// Bandwidth of the filter through which the interpolator watches the speed, Hz: slow, because it only judges.
+    pub const WATCH_HZ: f64 = 5.0;
+    /// Speed below which the spindle counts as standing, 1/min.
+    pub const STANDSTILL_RPM: f64 = 1.0;
+
     pub(super) fn check(&self) -> Result<(), MachineError> {
         range("spindle.max_rpm", self.max_rpm, 1.0, 1e5)?;
         range("spindle.encoder_lines", f64::from(self.encoder_lines), 25.0, 250_000.0)?;
