@@ -6,12 +6,27 @@ mod shop;
 use std::fs;
 
 use allocation_counter::measure;
-use protocol::Machine;
+use protocol::{Item, Machine};
 use rig::Rig;
 use sim_plant::Scenario;
 
 /// Cycles in which whatever is made once may be made.
 const WARM_UP: u64 = 2000;
+
+/// Runs a machine to its end; how many cycles came after the warm-up, of which none allocates.
+fn cycles_without_allocation(rig: &mut Rig<impl Iterator<Item = Item>>, name: &str) -> u64 {
+    for _ in 0..WARM_UP {
+        assert!(rig.cycle(None, |_| {}), "{name} is longer than the warm-up");
+    }
+    let mut cycles = 0_u64;
+    let counted = measure(|| {
+        while rig.cycle(None, |_| {}) {
+            cycles += 1;
+        }
+    });
+    assert_eq!(counted.count_total, 0, "{name}: {counted:?} in {cycles} cycles");
+    cycles
+}
 
 #[test]
 fn a_whole_program_allocates_nothing() {
@@ -23,17 +38,8 @@ fn a_whole_program_allocates_nothing() {
             let items = check.items.into_iter();
             let scenario = Scenario::from_toml(&text(shop::scenario(scenario))).expect("examples are right");
             let mut rig = Rig::new(&machine, items, scenario, 1).expect("the built-in machine can be built");
-            for _ in 0..WARM_UP {
-                assert!(rig.cycle(None, |_| {}), "a program is longer than the warm-up");
-            }
-            let mut cycles = 0_u64;
-            let counted = measure(|| {
-                while rig.cycle(None, |_| {}) {
-                    cycles += 1;
-                }
-            });
+            let cycles = cycles_without_allocation(&mut rig, example);
             assert!(cycles > 10_000, "{example} ended after {cycles} cycles");
-            assert_eq!(counted.count_total, 0, "{example}: {counted:?} in {cycles} cycles");
         }
     }
 }
@@ -59,15 +65,6 @@ fn a_contour_under_overrides_allocates_nothing() {
     }
     let scenario = Scenario::from_toml(&scenario).expect("a scenario");
     let mut rig = Rig::new(&machine, check.items.into_iter(), scenario, 1).expect("it can be built");
-    for _ in 0..WARM_UP {
-        assert!(rig.cycle(None, |_| {}), "the contour is longer than the warm-up");
-    }
-    let mut cycles = 0_u64;
-    let counted = measure(|| {
-        while rig.cycle(None, |_| {}) {
-            cycles += 1;
-        }
-    });
+    let cycles = cycles_without_allocation(&mut rig, "the contour");
     assert!(cycles > 20_000, "it ended after {cycles} cycles");
-    assert_eq!(counted.count_total, 0, "{counted:?} in {cycles} cycles");
 }

@@ -20,11 +20,12 @@ fn machine_file(place: &Place, mill: bool) -> PathBuf {
     place.write(&format!("{name}.toml"), text.lines().map(line).collect::<String>())
 }
 
+/// The tools of the jobs.
+const TOOLS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/conformance/tool.tbl");
+
 /// Time that `check` foretells, s.
 fn foretold(place: &Place, program: &str, machine: &str) -> f64 {
-    let tools = project().join("tests/conformance/tool.tbl");
-    let tools = tools.to_str().expect("a path in UTF-8");
-    let answer = place.ask(&["check", program, "--machine", machine, "--tools", tools, "--json"]);
+    let answer = place.ask(&["check", program, "--machine", machine, "--tools", TOOLS, "--json"]);
     assert_eq!(answer.status, Some(0), "{program}: {}", answer.stdout);
     let document: serde_json::Value = serde_json::from_str(&answer.stdout).expect("a document");
     document["time_s"].as_f64().expect("a time")
@@ -32,9 +33,7 @@ fn foretold(place: &Place, program: &str, machine: &str) -> f64 {
 
 /// Time on the machine, s.
 fn taken(place: &Place, program: &str, machine: &str) -> f64 {
-    let tools = project().join("tests/conformance/tool.tbl");
-    let tools = tools.to_str().expect("a path in UTF-8");
-    let options = ["--machine", machine, "--tools", tools, "--in-process", "--trace", "none"];
+    let options = ["--machine", machine, "--tools", TOOLS, "--in-process", "--trace", "none"];
     place.run(Path::new(program), "out", &options).simulated_s
 }
 
@@ -100,4 +99,46 @@ fn check_foretells_the_time_of_jobs_and_examples() {
         let off = foretold / taken - 1.0;
         assert!(off.abs() < 0.01, "{file}: {foretold} s foretold, {taken} s taken, {:.2} %", 100.0 * off);
     }
+}
+
+/// What docs/motion.md says of the jobs: their moves are long, and planning ahead is worth nothing there.
+#[test]
+fn jobs_of_long_moves_gain_nothing_by_planning_ahead() {
+    let place = Place::new();
+    let machines = [machine_file(&place, false), machine_file(&place, true)];
+    for (name, mill) in [
+        ("job_turn_shaft", 0),
+        ("job_groove_part_off", 0),
+        ("job_thread_m20", 0),
+        ("job_mill_pocket_helix", 1),
+    ] {
+        let machine = machines[mill].to_str().expect("a path in UTF-8");
+        let job = project().join("tests/conformance/programs").join(name).with_extension("ngc");
+        let text = std::fs::read_to_string(&job).expect("it is there");
+        let stops = text.replacen('\n', "\nG61.1\n", 1).replace("G64 P", "G61.1 (P)").replace("G64", "G61.1");
+        place.write("stops.ngc", stops);
+        let ahead = foretold(&place, job.to_str().expect("a path in UTF-8"), machine);
+        let factor = foretold(&place, "stops.ngc", machine) / ahead;
+        assert!((factor - 1.0).abs() < 0.005, "{name}: {factor}");
+    }
+}
+
+/// What ARCHITECTURE.md says of merging: a circle in short chords, rounded to a thousandth, with and without it.
+#[test]
+fn short_lines_that_were_rounded_are_merged() {
+    let place = Place::new();
+    let mill = machine_file(&place, true);
+    let [alone, merged] = ["Q0", ""].map(|q| {
+        let mut text = format!("G21 G17 G64 P0.01 {q} F3000\nG0 X20 Y0\n");
+        for i in 1..=1000 {
+            let (s, c) = libm::sincos(f64::from(i) * std::f64::consts::TAU / 1000.0);
+            text += &format!("G1 X{:.3} Y{:.3}\n", 20.0 * c, 20.0 * s);
+        }
+        place.write("circle.ngc", text + "M2\n");
+        foretold(&place, "circle.ngc", mill.to_str().expect("a path in UTF-8"))
+    });
+    let page = std::fs::read_to_string(project().join("ARCHITECTURE.md")).expect("it is there");
+    let sentence = format!("{alone:.1} s without, {merged:.1} s with");
+    assert!(page.contains(&sentence), "{sentence}");
+    assert!(merged < 0.6 * alone, "{sentence}");
 }
