@@ -22,9 +22,10 @@ pub struct Item {
 }
 
 /// Feed of a move.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Feed {
     /// As fast as the axes may go.
+    #[default]
     Rapid,
     /// mm/min along the path.
     PerMinute(f64),

@@ -10,7 +10,7 @@ use motion::chain::{self, Block, Corner, Settings};
 use crate::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
 
 /// Where a block lies on the machine, and whence in the program.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Leg {
     /// Line of the part program.
     pub line: u32,

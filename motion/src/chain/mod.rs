@@ -141,14 +141,21 @@ pub struct Chain<const N: usize, T> {
     rejected: bool,
 }
 
-impl<const N: usize, T: Copy> Chain<N, T> {
-    /// An empty chain.
+impl<const N: usize, T: Copy + Default> Chain<N, T> {
+    /// An empty chain. Its memory is written to once, so that no cycle has to wait for a page of it.
     #[must_use]
     pub fn new(settings: Settings<N>) -> Chain<N, T> {
+        let mut pieces = VecDeque::with_capacity(BLOCKS);
+        if let Some(path) = Path::line([1.0; N], &[true; N]) {
+            let (feed, corner, tag) = (Feed::Rapid, Corner::Stop, T::default());
+            let block = Block { path, feed, corner, room: 0.0, tag };
+            pieces.resize(BLOCKS, Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] });
+            pieces.clear();
+        }
         Chain {
             settings,
             ratios: Ratios::full(0.0),
-            pieces: VecDeque::with_capacity(BLOCKS),
+            pieces,
             tail: None,
             sections: Sections::new(),
             along: 0.0,
@@ -163,7 +170,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             rejected: false,
         }
     }
+}
 
+impl<const N: usize, T: Copy> Chain<N, T> {
     /// Whether there is nothing to do.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -85,7 +85,10 @@ pub(super) struct Sections {
 
 impl Sections {
     pub(super) fn new() -> Sections {
-        Sections { ring: VecDeque::with_capacity(SECTIONS), entered: false, changed: None, total: 0.0 }
+        let mut ring = VecDeque::with_capacity(SECTIONS);
+        ring.resize(SECTIONS, Section::new(0.0, Feed::Rapid, Limits::NONE, true));
+        ring.clear();
+        Sections { ring, entered: false, changed: None, total: 0.0 }
     }
 
     pub(super) fn len(&self) -> usize {

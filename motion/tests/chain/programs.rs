@@ -8,7 +8,7 @@ use motion::chain::{Block, Corner, Feed};
 pub(crate) const N: usize = 3;
 
 /// Where a block is in its program.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Default, Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
     pub(crate) number: usize,
     /// Its start point, mm.
