@@ -10,7 +10,7 @@ mod spindle;
 
 use serde::{Deserialize, Serialize};
 
-pub use axis::AxisConfig;
+pub use axis::{AxisConfig, Difference, Feedforward};
 pub use path::PathConfig;
 pub use spindle::{RunOut, SpindleConfig, Threading};
 

@@ -12,6 +12,8 @@ use crate::{Cycle, PerAxis, Position};
 pub struct AxisMeasurement {
     /// Measured position: encoder counts, scaled by the drive (middle of the count).
     pub position: Position,
+    /// Position by the linear scale at the slide (middle of its step); the same as `position` on an axis without one.
+    pub scale: Position,
     /// Actual torque of the motor, N·m.
     pub torque_nm: f64,
     /// CiA 402 status word (object 0x6041).
@@ -68,7 +70,7 @@ impl Default for Panel {
 /// What was true at one control cycle.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/measurement/3")]
+#[type_name("pitchlock/measurement/4")]
 #[repr(C)]
 pub struct Measurement {
     /// When it was true.

@@ -23,7 +23,7 @@ pub struct AxisTruth {
 /// The plant at one control cycle, with the measurement it gave out.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/truth/3")]
+#[type_name("pitchlock/truth/4")]
 #[repr(C)]
 pub struct Truth {
     /// When it is true.

@@ -46,12 +46,12 @@ layout!(axis_frame: AxisFrame, 200, Some("pitchlock/axis-frame/1"), {
 layout!(setpoint: Setpoint, 32, None, {
     cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
 });
-layout!(measurement: Measurement, 272, Some("pitchlock/measurement/3"), {
+layout!(measurement: Measurement, 336, Some("pitchlock/measurement/4"), {
     cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
-    reserved: 44, axes: 48, panel: 240,
+    reserved: 44, axes: 48, panel: 304,
 });
-layout!(axis_measurement: AxisMeasurement, 24, None, {
-    position: 0, torque_nm: 8, status_word: 16, reserved: 20,
+layout!(axis_measurement: AxisMeasurement, 32, None, {
+    position: 0, scale: 8, torque_nm: 16, status_word: 24, reserved: 28,
 });
 layout!(panel: Panel, 32, None, {
     spindle_override_pct: 0, feed_override_pct: 8, rapid_override_pct: 16, buttons: 24, cycle_starts: 28,
@@ -75,7 +75,7 @@ layout!(spindle_command: SpindleCommand, 48, Some("pitchlock/spindle-command/2")
     cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,
     direction: 40,
 });
-layout!(truth: Truth, 560, Some("pitchlock/truth/3"), {
+layout!(truth: Truth, 624, Some("pitchlock/truth/4"), {
     cycle: 0, spindle_deg: 8, spindle_rpm: 16, late_answers: 24, axes: 32, measurement: 288,
 });
 layout!(axis_truth: AxisTruth, 32, None, {

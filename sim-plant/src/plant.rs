@@ -149,6 +149,7 @@ impl Plant {
             let motion = axis.train.motion();
             let measured = &mut self.truth.measurement.axes[index];
             measured.position = axis.position();
+            measured.scale = measured.position;
             measured.torque_nm = motion.torque_nm;
             let StatusWord(word) = axis.drive.status_word();
             measured.status_word = u32::from(word);

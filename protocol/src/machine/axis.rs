@@ -67,6 +67,60 @@ pub struct AxisConfig {
     /// Servo error below which an axis at rest counts as in position, mm.
     #[serde(alias = "in_position_deg")]
     pub in_position_mm: f64,
+    /// What is fed forward (M54).
+    #[serde(default)]
+    pub feedforward: Feedforward,
+    /// How the structures that difference positions do it.
+    #[serde(default)]
+    pub difference: Difference,
+    /// Step of the linear scale at the slide, mm. With it the position loop closes over the scale; without, over the
+    /// encoder of the motor.
+    #[serde(default, alias = "scale_step_deg")]
+    pub scale_step_mm: Option<f64>,
+    /// Backlash between motor and slide as believed, mm: what the motor turns for nothing when it reverses.
+    #[serde(default, alias = "backlash_deg")]
+    pub backlash_mm: f64,
+    /// Error of the screw as believed: pairs of position in mm, rising, and where the slide stands too far, µm. Empty for
+    /// none.
+    #[serde(default)]
+    pub screw_error: Vec<[f64; 2]>,
+}
+
+/// What a regulator feeds forward. All but [`Feedforward::Full`] exist to be compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Feedforward {
+    /// Nothing: the position loop alone.
+    None,
+    /// Speed, by differences of rounded positions.
+    DifferenceV,
+    /// Speed and acceleration, by differences of rounded positions.
+    DifferenceVa,
+    /// Speed of the law.
+    AnalyticV,
+    /// Speed and acceleration of the law, both at the sample instant.
+    AnalyticVaNoLead,
+    /// Speed and acceleration of the law, each at its own lead, and friction (M54).
+    #[default]
+    Full,
+}
+
+/// How [`Feedforward::DifferenceV`] and [`Feedforward::DifferenceVa`] see the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Difference {
+    /// Positions are rounded to this, mm.
+    pub quantum_mm: f64,
+    /// Control cycles between two positions; the reference is held as long.
+    pub cycles: u32,
+    /// Differences about the lead of each feedforward instead of backward ones, and friction.
+    pub centred: bool,
+}
+
+impl Default for Difference {
+    fn default() -> Self {
+        Difference { quantum_mm: 1e-3, cycles: 2, centred: false }
+    }
 }
 
 impl AxisConfig {
@@ -108,7 +162,11 @@ impl AxisConfig {
         range(&key("coulomb_n"), self.coulomb_n, 0.0, 1e6)?;
         range(&key("viscous_n_s_mm"), self.viscous_n_s_mm, 0.0, 1e6)?;
         range(&key("velocity_lead_s"), self.velocity_lead_s, -0.01, 0.01)?;
-        range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)
+        range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)?;
+        range(&key("difference.quantum_mm"), self.difference.quantum_mm, 1e-12, 1.0)?;
+        range(&key("difference.cycles"), f64::from(self.difference.cycles), 1.0, 16.0)?;
+        range(&key("scale_step_mm"), self.scale_step_mm.unwrap_or(1e-4), 1e-7, 1.0)?;
+        range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)
     }
 }
 
