@@ -1,8 +1,10 @@
 //! The whole machine in one process, and what is measured of a run: [`observe`] sees the true state of the plant and
-//! measures every pass, [`trace`] writes and reads what happened in every control cycle.
+//! measures every pass, [`trace`] writes and reads what happened in every control cycle, [`trial`] makes passes to be
+//! measured.
 
 pub mod observe;
 mod rig;
 pub mod trace;
+pub mod trial;
 
 pub use rig::Rig;

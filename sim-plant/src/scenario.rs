@@ -111,6 +111,12 @@ impl Scenario {
         Scenario::default()
     }
 
+    /// The knob of the spindle override stands at `pct` per cent, 0 to 200, from the start.
+    pub fn spindle_override(pct: f64) -> Scenario {
+        let turn = Action::Turn { knob: Knob::Spindle, pct: pct.clamp(0.0, 200.0), ramp_s: 0.0 };
+        Scenario { events: vec![Event { trigger: Trigger::Cycle { cycle: 0 }, action: turn }] }
+    }
+
     /// Whether nothing happens.
     pub fn is_empty(&self) -> bool {
         self.events.is_empty()
