@@ -345,6 +345,7 @@ impl Interpolator {
             paused: u32::from(self.state() == MachineState::Paused),
             index_not_before: self.index_not_before,
             direction: pass.map_or(0.0, |pass| pass.direction),
+            groove: pass.map(ThreadPass::groove).unwrap_or_default(),
         };
         let status = MachineStatus {
             cycle,

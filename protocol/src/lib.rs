@@ -10,6 +10,7 @@ pub mod code_file;
 pub mod code_packet;
 pub mod drive;
 pub mod frame;
+pub mod groove;
 pub mod ipc;
 pub mod kinematics;
 pub mod machine;
@@ -27,13 +28,14 @@ pub use code::{Code, Feed, Item, PathMode, SpindleMode, SpindleSpeed};
 pub use code_packet::{CodePacket, Credit};
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};
+pub use groove::Groove;
 pub use machine::Machine;
 pub use measurement::{AxisMeasurement, Measurement, Panel};
 pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass};
 pub use route::{Leg, Route, Routed};
 pub use status::{AxisState, AxisStatus, Fault, MachineState, MachineStatus, SpindleCommand};
-pub use truth::{AxisTruth, Truth};
+pub use truth::{AxisTruth, CutTruth, Truth};
 pub use units::{Axis, Cycle, PerAxis, Position};
 
 /// Why a packet was refused. The receiver counts it, says so, and changes nothing.

@@ -3,7 +3,7 @@
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Cycle, Refused};
+use crate::{Cycle, Groove, Refused};
 
 /// State of a regulator, as others see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -304,7 +304,7 @@ impl MachineStatus {
 /// interpolator cycle later.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/spindle-command/2")]
+#[type_name("pitchlock/spindle-command/3")]
 #[repr(C)]
 pub struct SpindleCommand {
     /// The tick that made it.
@@ -323,14 +323,17 @@ pub struct SpindleCommand {
     pub index_not_before: Cycle,
     /// Direction in which C grows in the pass in hand, ±1, else 0.
     pub direction: f64,
+    /// The groove that the pass in hand cuts.
+    pub groove: Groove,
 }
 
 impl SpindleCommand {
-    /// Refuses a speed that is not finite.
+    /// Refuses a speed that is not finite, and a groove that is none.
     ///
     /// # Errors
-    /// [`Refused::NotFinite`].
+    /// [`Refused::NotFinite`], and what [`Groove::check`] refuses.
     pub fn check(&self) -> Result<(), Refused> {
-        crate::finite(self.rpm, "spindle speed").map(|_| ())
+        crate::finite(self.rpm, "spindle speed")?;
+        self.groove.check()
     }
 }

@@ -18,12 +18,31 @@ pub struct AxisTruth {
     pub velocity_mm_s: f64,
     /// True torque of the motor, N·m.
     pub torque_nm: f64,
+    /// Force on the slide until the next cycle, from the cut and from a scenario, N, in the direction of the axis.
+    pub force_n: f64,
+}
+
+/// What a threading tool takes off, and what that costs, until the next cycle; all zero if nothing is cut.
+#[rustfmt::skip]
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct CutTruth {
+    /// Chip area in the plane of the spindle axis (M74), mm².
+    pub area_mm2: f64,
+    /// Tangential force (M75), N.
+    pub force_n: f64,
+    /// Force that pushes X out of the cut, N.
+    pub radial_n: f64,
+    /// Force on Z against the motion along the thread, N.
+    pub axial_n: f64,
+    /// Torque that holds the spindle back (M76), N·m.
+    pub torque_nm: f64,
 }
 
 /// The plant at one control cycle, with the measurement it gave out.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/truth/4")]
+#[type_name("pitchlock/truth/5")]
 #[repr(C)]
 pub struct Truth {
     /// When it is true.
@@ -32,8 +51,12 @@ pub struct Truth {
     pub spindle_deg: f64,
     /// True spindle speed, 1/min, signed.
     pub spindle_rpm: f64,
+    /// True torque of the spindle motor at the spindle, N·m, signed.
+    pub spindle_torque_nm: f64,
     /// Answers of regulators that came after their cycle, so far (real time).
     pub late_answers: u64,
+    /// What is cut.
+    pub cut: CutTruth,
     /// The axes.
     pub axes: PerAxis<AxisTruth>,
     /// What was measured.

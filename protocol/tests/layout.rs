@@ -71,15 +71,22 @@ layout!(machine_status: MachineStatus, 88, Some("pitchlock/machine-status/3"), {
     stopped: 44, coolant: 46, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
     starved: 80, reserved: 84,
 });
-layout!(spindle_command: SpindleCommand, 48, Some("pitchlock/spindle-command/2"), {
+layout!(spindle_command: SpindleCommand, 88, Some("pitchlock/spindle-command/3"), {
     cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,
-    direction: 40,
+    direction: 40, groove: 48,
 });
-layout!(truth: Truth, 624, Some("pitchlock/truth/4"), {
-    cycle: 0, spindle_deg: 8, spindle_rpm: 16, late_answers: 24, axes: 32, measurement: 288,
+layout!(groove: Groove, 40, None, {
+    start: 0, reserved: 4, lead_mm: 8, crest_mm: 16, slope: 24, into: 32,
 });
-layout!(axis_truth: AxisTruth, 32, None, {
-    motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24,
+layout!(truth: Truth, 736, Some("pitchlock/truth/5"), {
+    cycle: 0, spindle_deg: 8, spindle_rpm: 16, spindle_torque_nm: 24, late_answers: 32, cut: 40, axes: 80,
+    measurement: 400,
+});
+layout!(axis_truth: AxisTruth, 40, None, {
+    motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24, force_n: 32,
+});
+layout!(cut_truth: CutTruth, 40, None, {
+    area_mm2: 0, force_n: 8, radial_n: 16, axial_n: 24, torque_nm: 32,
 });
 layout!(operator_request: OperatorRequest, 24, Some("pitchlock/operator-request/2"), {
     sequence: 0, kind: 8, reserved: 12, value: 16,
