@@ -5,6 +5,8 @@
 mod compare;
 #[path = "reference/feed.rs"]
 mod feed;
+#[path = "reference/resolution.rs"]
+mod resolution;
 #[path = "reference/stroke.rs"]
 mod stroke;
 #[path = "reference/z_axis.rs"]
