@@ -10,11 +10,11 @@ use crate::{Cycle, Measurement, PerAxis};
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisTruth {
-    /// True position at the motor (what its encoder would show if it were perfect), mm.
+    /// True position of the nut, mm: what the encoder of the motor would show if it and the screw were perfect.
     pub motor_mm: f64,
-    /// True position of the slide behind the elastic mode, mm.
+    /// True position of the slide behind backlash and elasticity, mm.
     pub slide_mm: f64,
-    /// True speed at the motor, mm/s.
+    /// True speed of the nut, mm/s.
     pub velocity_mm_s: f64,
     /// True torque of the motor, N·m.
     pub torque_nm: f64,

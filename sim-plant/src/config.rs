@@ -41,7 +41,7 @@ pub(crate) struct PlantConfig {
 }
 
 /// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct AxisTrain {
     /// Everything that turns: rotor, coupling, screw, kg m².
@@ -51,6 +51,12 @@ pub(crate) struct AxisTrain {
     /// Mode of the slide against the standing motor, Hz, and its damping ratio.
     pub(crate) mode_hz: f64,
     pub(crate) mode_damping: f64,
+    /// Way of the nut from flank to flank that does not move the slide, mm.
+    pub(crate) backlash_mm: f64,
+    /// Error of the screw: pairs of motor position in mm, rising, and how much too far the nut stands, µm.
+    pub(crate) screw_error: Vec<[f64; 2]>,
+    /// Size of the error that comes back with every turn of the screw, µm.
+    pub(crate) screw_wobble_um: f64,
     /// Friction of the screw, referred to the slide.
     pub(crate) screw_coulomb_n: f64,
     pub(crate) screw_presliding_n_mm: f64,
@@ -76,6 +82,9 @@ impl Default for AxisTrain {
             slide_mass_kg: 110.0,
             mode_hz: 100.0,
             mode_damping: 0.03,
+            backlash_mm: 0.0,
+            screw_error: Vec::new(),
+            screw_wobble_um: 0.0,
             screw_coulomb_n: 150.0,
             screw_presliding_n_mm: 30_000.0,
             screw_viscous_n_s_mm: 2.0,
@@ -166,6 +175,7 @@ impl AxisTrain {
             ("slide_mass_kg", self.slide_mass_kg, 0.1, 1e5),
             ("mode_hz", self.mode_hz, 5.0, 1000.0),
             ("mode_damping", self.mode_damping, 0.0, 1.0),
+            ("backlash_mm", self.backlash_mm, 0.0, 10.0),
             ("screw_coulomb_n", self.screw_coulomb_n, 0.0, 1e5),
             ("screw_presliding_n_mm", self.screw_presliding_n_mm, 1.0, 1e6),
             ("screw_viscous_n_s_mm", self.screw_viscous_n_s_mm, 0.0, 1e3),

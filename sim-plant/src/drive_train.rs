@@ -1,4 +1,4 @@
-//! Mechanics of one axis: motor with screw, an elastic mode, the slide, friction at both.
+//! Mechanics of one axis: motor with screw, backlash of the nut, an elastic mode, the slide, friction at both.
 //! In: torque command in N·m, force on the slide in N. Out: positions in m from where it stood at the start, speeds in
 //! m/s, torque in N·m. Source: see `config`.
 //!
@@ -8,19 +8,31 @@
 //! | k, c | N/m, N s/m | elastic mode: k = m (2π f)², c = 2 ζ m 2π f |
 //! | b_M, b_m | N s/m | viscous friction of screw and guide |
 //! | tau, T_c | N·m, s | torque of the motor and lag of its current loop |
+//! | x, v; y, w | m, m/s | motor (turns times lead) and slide |
+//! | n, n' | m, 1 | nut by the true screw, and dn/dx (`screw`; without error x and 1) |
+//! | B | m | backlash: at home the slide stands in its middle |
+//! | f | N | force between nut and slide |
 //!
 //! ```text
-//! M dv/dt = 2π/lead tau − k (x − y) − c (v − w) − b_M v − bristles(v)
-//! m dw/dt = k (x − y) + c (v − w) − b_m w − bristles(w) + F
+//! M dv/dt = 2π/lead tau − n' f − b_M v − bristles(v)
+//! m dw/dt = f − b_m w − bristles(w) + F
+//! f = k g + c (n' v − w),   g = n − y                                           without backlash
+//! f = max(0, k (g − B/2) + c (n' v − w)) beyond one flank, min(0, …) beyond the other, 0 between      (M73)
 //! tau = command + (tau − command) exp(−t/T_c)        exact, its mean over the step drives the motor
 //! ```
+//! A flank pushes and does not pull: that is the max. The error of the screw acts like a lever, so its force on the
+//! motor is n' f: what the motor gives in power, the slide takes.
 //! Semi-implicit Euler at 25 µs or less: speeds first, positions with the new speeds, so the mode neither grows nor
 //! decays by the method.
 
 use core::f64::consts::TAU;
 
+use protocol::Axis;
+use protocol::machine::AxisConfig;
+
 use crate::config::{AxisTrain, PlantError};
 use crate::friction::Bristles;
+use crate::screw::ScrewError;
 
 /// Longest step of the mechanics, s.
 const LONGEST_STEP_S: f64 = 25e-6;
@@ -37,6 +49,8 @@ pub(crate) struct DriveTrain {
     slide_step: f64,
     stiffness: f64,
     damping: f64,
+    half_backlash: f64,
+    screw_error: Option<ScrewError>,
     screw_viscous: f64,
     slide_viscous: f64,
     lag_left: f64,
@@ -57,16 +71,18 @@ pub(crate) struct Motion {
 }
 
 impl DriveTrain {
-    /// At rest. `section` names the axis in errors.
+    /// At rest at home.
     ///
     /// # Errors
-    /// A stiffness that the step cannot follow, by key.
+    /// A stiffness that the step cannot follow, and a table that no screw has, by key.
     pub(crate) fn new(
         train: &AxisTrain,
-        screw_lead_mm: f64,
+        axis: Axis,
+        belief: &AxisConfig,
         cycle_s: f64,
-        section: &str,
     ) -> Result<DriveTrain, PlantError> {
+        let section = format!("plant.axis.{}", axis.name());
+        let screw_lead_mm = belief.screw_lead_mm;
         let steps = (cycle_s / LONGEST_STEP_S - 1e-9).ceil() as u32;
         let step_s = cycle_s / f64::from(steps);
         let force_per_torque = TAU / (screw_lead_mm * 1e-3);
@@ -104,6 +120,8 @@ impl DriveTrain {
             slide_step: step_s / slide_kg,
             stiffness,
             damping,
+            half_backlash: 0.5e-3 * train.backlash_mm,
+            screw_error: ScrewError::new(train, screw_lead_mm, belief.home_mm, &section)?,
             screw_viscous,
             slide_viscous,
             lag_left,
@@ -124,6 +142,13 @@ impl DriveTrain {
         &self.motion
     }
 
+    /// Position and speed of the nut, m and m/s.
+    pub(crate) fn nut(&self) -> (f64, f64) {
+        let Motion { motor_m, motor_m_s, .. } = self.motion;
+        let (nut_m, slope) = nut(&self.screw_error, motor_m);
+        (nut_m, slope * motor_m_s)
+    }
+
     /// One control cycle: towards a torque command in N·m, or held by the brake without one; with a force on the
     /// slide in N.
     pub(crate) fn advance(&mut self, command_nm: Option<f64>, force_n: f64) {
@@ -139,9 +164,11 @@ impl DriveTrain {
         for _ in 0..self.steps {
             let mean = command + (tau - command) * self.lag_mean;
             tau = command + (tau - command) * self.lag_left;
-            let spring = self.stiffness * (x - y) + self.damping * (v - w);
-            let on_motor = self.force_per_torque * mean - spring - self.screw_viscous * v - screw.force(v);
-            let on_slide = spring - self.slide_viscous * w - guide.force(w) + force_n;
+            let (nut_m, slope) = nut(&self.screw_error, x);
+            let push = self.push(nut_m - y, slope * v - w);
+            let on_motor =
+                self.force_per_torque * mean - slope * push - self.screw_viscous * v - screw.force(v);
+            let on_slide = push - self.slide_viscous * w - guide.force(w) + force_n;
             v += motor_step * on_motor;
             w += self.slide_step * on_slide;
             x += v * self.step_s;
@@ -150,6 +177,27 @@ impl DriveTrain {
         (self.screw, self.guide) = (screw, guide);
         self.motion = Motion { motor_m: x, motor_m_s: v, slide_m: y, slide_m_s: w, torque_nm: tau };
     }
+
+    /// Force of the nut on the slide (M73): the nut ahead by a gap, and gaining on the slide.
+    #[inline]
+    fn push(&self, gap_m: f64, gaining_m_s: f64) -> f64 {
+        let force = |beyond_m: f64| self.stiffness * beyond_m + self.damping * gaining_m_s;
+        if self.half_backlash == 0.0 {
+            force(gap_m)
+        } else if gap_m > self.half_backlash {
+            force(gap_m - self.half_backlash).max(0.0)
+        } else if gap_m < -self.half_backlash {
+            force(gap_m + self.half_backlash).min(0.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Position of the nut for that of the motor, and its slope.
+#[inline]
+fn nut(screw: &Option<ScrewError>, x: f64) -> (f64, f64) {
+    screw.as_ref().map_or((x, 1.0), |screw| screw.nut(x))
 }
 
 #[cfg(test)]
@@ -169,8 +217,13 @@ mod tests {
         }
     }
 
+    fn of_x(train: &AxisTrain) -> Result<DriveTrain, PlantError> {
+        let x = protocol::Machine::default().axis[&Axis::X].clone();
+        DriveTrain::new(train, Axis::X, &x, CYCLE_S)
+    }
+
     fn built(train: &AxisTrain) -> DriveTrain {
-        DriveTrain::new(train, 5.0, CYCLE_S, "plant.axis.x").unwrap()
+        of_x(train).unwrap()
     }
 
     fn torque(force_n: f64) -> Option<f64> {
@@ -256,9 +309,65 @@ mod tests {
     }
 
     #[test]
+    fn the_nut_goes_through_its_backlash_before_it_takes_the_slide_along() {
+        let mut train = built(&AxisTrain { backlash_mm: 0.02, ..AxisTrain::default() });
+        // Pushes until the motor is there, then lets the brake hold it.
+        let push = |train: &mut DriveTrain, force_n: f64, way_um: f64| {
+            while 1e6 * train.motion().motor_m * force_n.signum() < way_um * force_n.signum() {
+                train.advance(torque(force_n), 0.0);
+            }
+            (0..2000).for_each(|_| train.advance(None, 0.0));
+            1e6 * train.motion().slide_m
+        };
+        // Half of it lies on either side of home.
+        assert_eq!(push(&mut train, 170.0, 9.0), 0.0);
+        let there_um = push(&mut train, 320.0, 110.0);
+        // The slide may coast a little when the motor stops.
+        let behind_um = 1e6 * train.motion().motor_m - there_um;
+        assert!((7.0..10.5).contains(&behind_um), "{behind_um}");
+        // Back through almost all of it, and then with the slide.
+        let back_um = 1e6 * train.motion().motor_m - 16.0;
+        assert!((push(&mut train, -170.0, back_um) - there_um).abs() < 0.1);
+        let home_um = push(&mut train, -320.0, 0.0);
+        let behind_um = 1e6 * train.motion().motor_m - home_um;
+        assert!((-10.5..-7.0).contains(&behind_um), "{behind_um}");
+    }
+
+    #[test]
+    fn a_flank_pushes_and_does_not_pull() {
+        let train = built(&AxisTrain { backlash_mm: 0.02, ..AxisTrain::default() });
+        assert_eq!(train.push(9e-6, 1.0), 0.0);
+        assert_eq!(train.push(11e-6, -1.0), 0.0);
+        assert_eq!(train.push(-11e-6, 1.0), 0.0);
+        assert!(
+            (train.push(20e-6, 0.0) - 434.2).abs() < 0.1 && (train.push(-20e-6, 0.0) + 434.2).abs() < 0.1
+        );
+        assert!(train.push(11e-6, 0.1) > 400.0);
+    }
+
+    #[test]
+    fn the_error_of_the_screw_is_a_lever() {
+        let screw_error = vec![[0.0, 0.0], [60.0, 0.0], [61.0, 40.0], [70.0, 40.0]];
+        let mut train = built(&AxisTrain { screw_error, ..frictionless() });
+        train.advance(torque(100.0), 0.0);
+        let mut work = 0.0;
+        for _ in 0..200 {
+            let before = train.motion().motor_m;
+            train.advance(torque(100.0), 0.0);
+            work += 100.0 * (train.motion().motor_m - before);
+        }
+        let Motion { motor_m_s: v, slide_m_s: w, .. } = *train.motion();
+        let motor_kg = 12e-4 * (TAU / 5e-3).powi(2);
+        let moving = 0.5 * (motor_kg * v * v + 110.0 * w * w);
+        assert!((moving / work - 1.0).abs() < 0.01, "{moving} J of {work} J");
+        let (nut_m, nut_m_s) = train.nut();
+        assert!(nut_m > train.motion().motor_m && nut_m_s != v, "{nut_m} {nut_m_s}");
+    }
+
+    #[test]
     fn refuses_what_the_step_cannot_follow() {
         let stiff = AxisTrain { slide_mass_kg: 0.1, ..AxisTrain::default() };
-        let refusal = DriveTrain::new(&stiff, 5.0, CYCLE_S, "plant.axis.x").unwrap_err().to_string();
+        let refusal = of_x(&stiff).unwrap_err().to_string();
         assert!(refusal.starts_with("plant.axis.x.slide_presliding_n_mm = 15000: with mode_hz"), "{refusal}");
     }
 }

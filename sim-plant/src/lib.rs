@@ -8,7 +8,8 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `config` | `[plant.*]` of the machine file: the truth, with its defaults and ranges |
-//! | `friction`, `drive_train` | motor, screw, slide: the mechanics of one axis |
+//! | `friction`, `screw`, `drive_train` | motor, screw, slide: the mechanics of one axis |
+//! | `scale` | the linear scale at a slide |
 //! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
 //! | `spindle` | motor, speed loop, ripple, encoder, index |
 //! | `scenario`, `timeline` | what happens, and when |
@@ -24,7 +25,9 @@ mod drive_train;
 mod friction;
 mod plant;
 mod ramped;
+mod scale;
 mod scenario;
+mod screw;
 mod seed;
 pub mod shell;
 mod spindle;

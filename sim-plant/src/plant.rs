@@ -10,12 +10,13 @@ use protocol::{
 use crate::config::{PlantConfig, PlantError};
 use crate::drive::Drive;
 use crate::drive_train::DriveTrain;
+use crate::scale::Scale;
 use crate::scenario::Scenario;
 use crate::seed::Seed;
 use crate::spindle::Spindle;
 use crate::timeline::{Moment, Timeline};
 
-/// One axis: drive, mechanics, encoder.
+/// One axis: drive, mechanics, encoder at the motor, perhaps a scale at the slide.
 #[derive(Clone, Debug)]
 struct AxisPlant {
     axis: Axis,
@@ -30,6 +31,7 @@ struct AxisPlant {
     encoder_phase: f64,
     count: f64,
     count_before: f64,
+    scale: Option<Scale>,
 }
 
 /// The simulated machine.
@@ -66,20 +68,25 @@ impl Plant {
         let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed);
         let mut axes = Vec::new();
         for (axis, belief) in machine.axes() {
-            let train = config.axis.get(&axis).copied().unwrap_or_default();
-            let section = format!("plant.axis.{}", axis.name());
+            let train = config.axis.get(&axis).cloned().unwrap_or_default();
             axes.push(AxisPlant {
                 axis,
                 home_mm: belief.home_mm,
                 drive: Drive::new(belief, &train, cycle_s),
-                train: DriveTrain::new(&train, belief.screw_lead_mm, cycle_s, &section)?,
+                train: DriveTrain::new(&train, axis, belief, cycle_s)?,
                 torque_nm: None,
                 quantum_mm: belief.screw_lead_mm / f64::from(belief.encoder_counts),
                 inverse_cycle: 1.0 / cycle_s,
                 encoder_phase: seed.fraction(),
                 count: 0.0,
                 count_before: 0.0,
+                scale: None,
             });
+        }
+        // Drawn last: with a scale or without, the encoders lie where they lie.
+        for axis in &mut axes {
+            let step_mm = machine.axis.get(&axis.axis).and_then(|belief| belief.scale_step_mm);
+            axis.scale = step_mm.map(|step_mm| Scale::new(step_mm, seed.fraction()));
         }
         let z_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| z.home_mm);
         let timeline = Timeline::new(scenario, cycle_s, config.cutting.rise_s, z_mm);
@@ -147,16 +154,18 @@ impl Plant {
         for axis in &self.axes {
             let index = axis.axis.index();
             let motion = axis.train.motion();
+            let (nut_m, nut_m_s) = axis.train.nut();
+            let slide_mm = axis.home_mm + 1e3 * motion.slide_m;
             let measured = &mut self.truth.measurement.axes[index];
             measured.position = axis.position();
-            measured.scale = measured.position;
+            measured.scale = axis.scale.map_or(measured.position, |scale| scale.position(slide_mm));
             measured.torque_nm = motion.torque_nm;
             let StatusWord(word) = axis.drive.status_word();
             measured.status_word = u32::from(word);
             let truth = &mut self.truth.axes[index];
-            truth.motor_mm = axis.home_mm + 1e3 * motion.motor_m;
-            truth.slide_mm = axis.home_mm + 1e3 * motion.slide_m;
-            truth.velocity_mm_s = 1e3 * motion.motor_m_s;
+            truth.motor_mm = axis.home_mm + 1e3 * nut_m;
+            truth.slide_mm = slide_mm;
+            truth.velocity_mm_s = 1e3 * nut_m_s;
             truth.torque_nm = motion.torque_nm;
         }
         let index = (self.truth.measurement.index_number > 0)
