@@ -42,7 +42,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             cli::print(&format!("{}\n", path.display()));
             Ok(ExitCode::SUCCESS)
         }
-        Command::Experiment(args) => experiment::experiment(args),
+        Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(interpreter::shell::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => Ok(interpolator::shell::run(args).map(|()| ExitCode::SUCCESS)?),

@@ -1,11 +1,13 @@
 //! `pitchlock experiment NAME`: a published experiment, made again with the code that moves the machine. In: its name.
-//! Out: its rows as a table or as one JSON document, and a folder with `report.html` and `rows.json`.
+//! Out: its findings on the screen or its rows as one JSON document, and a folder with `report.html` and `rows.json`.
 //!
-//! An experiment is a function that gives [`Findings`]: rows of its own type, and what is to be said and drawn of them.
-//! What is done with findings is the same for all, and stands in this file.
+//! An experiment is a function that gives [`Findings`]: rows of its own type, and what is to be said, tabled and drawn
+//! of them. What is done with findings is the same for all, and stands in this file. Experiments that move a machine
+//! do so on a [`Stand`].
 
 mod feed;
 mod page;
+mod stand;
 mod table;
 
 use std::{
@@ -16,15 +18,21 @@ use std::{
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use crate::{cli, error::CliError, report::figures::Figure};
-use table::Column;
+use crate::{
+    cli::{self, MachineArgs},
+    error::CliError,
+    report::figures::Figure,
+};
+use stand::Stand;
+use table::{Place, Table};
 
 pub(crate) const HELP: &str = "Examples:
-  pitchlock experiment feed                  table, and pictures in experiments/feed/report.html
+  pitchlock experiment feed                  tables, and pictures in experiments/feed/report.html
   pitchlock experiment feed --json           the rows as one JSON document
   pitchlock experiment feed --out smooth     the folder for report.html and rows.json
 
-Exit status: 0 done, 2 an argument is wrong or the folder cannot be written.";
+Exit status: 0 done, 1 the machine did not do what the experiment needs, 2 an argument is wrong or the folder cannot be
+written.";
 
 /// Version of the JSON document.
 const VERSION: u32 = 1;
@@ -40,6 +48,13 @@ impl Name {
     fn text(self) -> &'static str {
         match self {
             Name::Feed => "feed",
+        }
+    }
+
+    /// Whether it moves a machine, so that `--machine` says which.
+    fn moves_a_machine(self) -> bool {
+        match self {
+            Name::Feed => false,
         }
     }
 }
@@ -58,19 +73,27 @@ pub(crate) struct ExperimentArgs {
     /// Seed of everything random; nothing is in `feed`.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    machine: MachineArgs,
 }
 
 /// What an experiment found: rows of type `R`, one a case.
-struct Findings<R: 'static> {
+struct Findings<R> {
     /// Heading of the page.
     title: &'static str,
+    /// The result in a few sentences.
+    short: Vec<String>,
+    /// What was done, in paragraphs.
+    done: Vec<String>,
+    /// The content of the JSON document.
     rows: Vec<R>,
-    columns: &'static [Column<R>],
-    /// Remarks on single rows, printed below the table.
+    /// What is shown of them on the screen and on the page.
+    tables: Vec<Table>,
+    /// Remarks on single rows, below the tables.
     notes: Vec<String>,
-    /// What was done, and what the figures mean: headings with their paragraphs.
-    text: Vec<(&'static str, Vec<String>)>,
     figures: Vec<Figure>,
+    /// What it means, after the pictures: headings with their paragraphs.
+    text: Vec<(&'static str, Vec<String>)>,
 }
 
 /// The JSON document.
@@ -83,10 +106,22 @@ struct Document<'a, R> {
 }
 
 /// Makes the experiment, writes its folder and prints what it found.
-pub(crate) fn experiment(args: &ExperimentArgs) -> Result<ExitCode, CliError> {
+pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    if args.machine.machine.is_some() && !args.name.moves_a_machine() {
+        let name = args.name.text();
+        return Err(CliError::Input(format!("experiment {name} moves no machine: leave out --machine")));
+    }
+    let stand = Stand { machine: args.machine.read()?.0, seed: args.seed, progress: !quiet && !args.json };
     match args.name {
         Name::Feed => publish(args, &feed::findings()?),
     }
+}
+
+/// The command that makes the same findings again.
+fn again(args: &ExperimentArgs) -> String {
+    let machine = args.machine.machine.as_ref();
+    let machine = machine.map_or(String::new(), |path| format!(" --machine {}", path.display()));
+    format!("pitchlock experiment {} --seed {}{machine}", args.name.text(), args.seed)
 }
 
 fn publish<R: Serialize>(args: &ExperimentArgs, found: &Findings<R>) -> Result<ExitCode, CliError> {
@@ -98,16 +133,26 @@ fn publish<R: Serialize>(args: &ExperimentArgs, found: &Findings<R>) -> Result<E
     let page = folder.join("report.html");
     std::fs::create_dir_all(&folder).map_err(|error| CliError::file(&folder, error))?;
     for (path, content) in
-        [(&page, page::html(name, found)), (&folder.join("rows.json"), format!("{json}\n"))]
+        [(&page, page::html(name, &again(args), found)), (&folder.join("rows.json"), format!("{json}\n"))]
     {
         std::fs::write(path, content).map_err(|error| CliError::file(path, error))?;
     }
     if args.json {
         cli::print(&format!("{json}\n"));
     } else {
-        cli::print(&table::text(found.columns, &found.rows));
-        let notes: String = found.notes.iter().map(|note| format!("{note}\n")).collect();
-        cli::print(&format!("\n{notes}\nreport  {}\n", page.display()));
+        cli::print(&screen(found));
+        cli::print(&format!("report  {}\n", page.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What a terminal shows: the tables that are for it, the notes, the result.
+fn screen<R>(found: &Findings<R>) -> String {
+    let shown = found.tables.iter().filter(|table| table.place == Place::Everywhere);
+    let tables = shown.map(|table| format!("{}\n\n{}\n", table.title, table.text()));
+    let paragraph = |lines: &[String]| {
+        let lines: String = lines.iter().map(|line| format!("{line}\n")).collect();
+        if lines.is_empty() { lines } else { lines + "\n" }
+    };
+    tables.collect::<String>() + &paragraph(&found.notes) + &paragraph(&found.short)
 }

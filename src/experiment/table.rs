@@ -1,4 +1,4 @@
-//! Rows as a table. In: rows of an experiment and its columns. Out: text with columns under each other, or HTML.
+//! Tables of an experiment. In: rows and columns. Out: text with columns under each other, or HTML.
 
 use maud::{Markup, html};
 
@@ -9,35 +9,76 @@ pub(super) struct Column<R> {
     pub(super) cell: fn(&R) -> String,
 }
 
-/// Name, unit and cells of a column, one below the other.
-fn lines<R>(column: &Column<R>, rows: &[R]) -> Vec<String> {
-    let head = [column.name, column.unit].map(str::to_owned);
-    head.into_iter().chain(rows.iter().map(column.cell)).collect()
+/// Where a table is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// On the screen and on the page.
+    Everywhere,
+    /// On the page.
+    Page,
+    /// On the page, folded up until it is asked for: tables of many rows.
+    Details,
 }
 
-/// The table for a terminal, every line with its end; columns are flush right.
-pub(super) fn text<R>(columns: &[Column<R>], rows: &[R]) -> String {
-    let mut table = vec![String::new(); rows.len() + 2];
-    for column in columns {
-        let lines = lines(column, rows);
-        let width = lines.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
-        for (line, cell) in table.iter_mut().zip(lines) {
-            let gap = if line.is_empty() { "" } else { "  " };
-            *line += &format!("{gap}{cell:>width$}");
+/// A table as it is shown.
+pub(super) struct Table {
+    pub(super) title: String,
+    /// How to read it; on the page alone.
+    pub(super) caption: String,
+    /// Name and unit of each column.
+    pub(super) head: Vec<[String; 2]>,
+    /// As many cells in each row.
+    pub(super) rows: Vec<Vec<String>>,
+    pub(super) place: Place,
+}
+
+impl Table {
+    /// A table everywhere, of rows seen through columns.
+    pub(super) fn of<R>(title: &str, columns: &[Column<R>], rows: &[R]) -> Table {
+        Table {
+            title: title.into(),
+            caption: String::new(),
+            head: columns.iter().map(|column| [column.name, column.unit].map(str::to_owned)).collect(),
+            rows: rows.iter().map(|row| columns.iter().map(|column| (column.cell)(row)).collect()).collect(),
+            place: Place::Everywhere,
         }
     }
-    table.iter().map(|line| format!("{line}\n")).collect()
-}
 
-/// The table for a page.
-pub(super) fn markup<R>(columns: &[Column<R>], rows: &[R]) -> Markup {
-    html! {
-        div.scroll tabindex="0" role="region" aria-label="Table of rows" {
-            table {
-                thead { tr { @for column in columns {
-                    th scope="col" { (column.name) small { (column.unit) } }
-                } } }
-                tbody { @for row in rows { tr { @for column in columns { td { ((column.cell)(row)) } } } } }
+    /// The table with a caption.
+    pub(super) fn with_caption(self, caption: impl Into<String>) -> Table {
+        Table { caption: caption.into(), ..self }
+    }
+
+    /// The table in another place.
+    pub(super) fn at(self, place: Place) -> Table {
+        Table { place, ..self }
+    }
+
+    /// The table for a terminal, every line with its end; columns are flush right.
+    pub(super) fn text(&self) -> String {
+        let head = [0, 1].map(|line| self.head.iter().map(|column| column[line].clone()).collect());
+        let lines: Vec<Vec<String>> = head.into_iter().chain(self.rows.iter().cloned()).collect();
+        let width = |column: usize| {
+            let cells = lines.iter().filter_map(|line| line.get(column));
+            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..self.head.len()).map(width).collect();
+        let line = |cells: &Vec<String>| {
+            let cells: Vec<_> =
+                cells.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+            format!("{}\n", cells.join("  ").trim_end())
+        };
+        lines.iter().map(line).collect()
+    }
+
+    /// The table for a page.
+    pub(super) fn markup(&self) -> Markup {
+        html! {
+            div.scroll tabindex="0" role="region" aria-label=(self.title) {
+                table {
+                    thead { tr { @for [name, unit] in &self.head { th scope="col" { (name) small { (unit) } } } } }
+                    tbody { @for row in &self.rows { tr { @for cell in row { td { (cell) } } } } }
+                }
             }
         }
     }
@@ -50,7 +91,7 @@ pub(super) fn six(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Column, six, text};
+    use super::{Column, Table, six};
 
     #[test]
     fn numbers_have_six_digits_at_most() {
@@ -64,6 +105,7 @@ mod tests {
             Column { name: "way", unit: "m", cell: |row| six(*row) },
             Column { name: "a", unit: "m/s²", cell: |row| six(row * 2.0) },
         ];
-        assert_eq!(text(&columns, &[0.25, 1000.0]), " way     a\n   m  m/s²\n0.25   0.5\n1000  2000\n");
+        let table = Table::of("ways", &columns, &[0.25, 1000.0]);
+        assert_eq!(table.text(), " way     a\n   m  m/s²\n0.25   0.5\n1000  2000\n");
     }
 }

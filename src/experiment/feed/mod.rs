@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use super::{
     Findings,
-    table::{Column, six},
+    table::{Column, Table, six},
 };
 use crate::error::CliError;
 use corrections::Correction;
@@ -170,42 +170,45 @@ pub(super) fn findings() -> Result<Findings<Row>, CliError> {
     });
     Ok(Findings {
         title: "Feed with a smooth jerk",
+        short: vec![
+            "Every ramp keeps each of its limits and reaches one of them. The figures of the published examples are \
+             reproduced; what is misprinted there is put right in the notes, and changes no result."
+                .into(),
+        ],
+        done: done(),
         notes: notes.collect(),
-        columns: &COLUMNS,
-        text: text(),
+        tables: vec![Table::of("Ramps and blocks", &COLUMNS, &rows)],
+        text: meaning(),
         figures: figures::all(&rows),
         rows,
     })
 }
 
-fn text() -> Vec<(&'static str, Vec<String>)> {
+fn done() -> Vec<String> {
     vec![
-        (
-            "What was done",
-            vec![
-                "The feed goes from one value to another while the jerk follows sin²: one pulse up, a time of \
-                 constant acceleration if the limit of acceleration is reached, one pulse down. Examples 1 to 3 are \
-                 single ramps of the published method, with its limits. A block has a length, a feed at its start, a \
-                 programmed feed and a feed at its end; it is a ramp, a stretch at constant feed and a ramp. One too \
-                 short for its programmed feed gets the highest feed it can reach."
-                    .into(),
-                "All figures come from the planner that moves the machine, not from a table. j_p, t1, t2 and t_p \
-                 are those of the ramp at the start."
-                    .into(),
-            ],
-        ),
-        (
-            "What it means",
-            vec![
-                "Speed, acceleration, jerk and the rate of the jerk are continuous, and each stays within its \
-                 limit. One limit is reached in every ramp: the jerk itself, the acceleration together with the \
-                 jerk rate, or, for a small change of feed, the jerk rate alone. So a ramp is the fastest of its \
-                 family."
-                    .into(),
-                "A sin² pulse has half the mean of a rectangular one. Where the jerk rate does not bind, a ramp \
-                 takes exactly the time of the fastest one with rectangular jerk at half the limit."
-                    .into(),
-            ],
-        ),
+        "The feed goes from one value to another while the jerk follows sin²: one pulse up, a time of constant \
+         acceleration if the limit of acceleration is reached, one pulse down. Examples 1 to 3 are single ramps of the \
+         published method, with its limits. A block has a length, a feed at its start, a programmed feed and a feed at \
+         its end; it is a ramp, a stretch at constant feed and a ramp. One too short for its programmed feed gets the \
+         highest feed it can reach."
+            .into(),
+        "All figures come from the planner that moves the machine, not from a table. j_p, t1, t2 and t_p are those of \
+         the ramp at the start."
+            .into(),
     ]
+}
+
+fn meaning() -> Vec<(&'static str, Vec<String>)> {
+    vec![(
+        "What it means",
+        vec![
+            "Speed, acceleration, jerk and the rate of the jerk are continuous, and each stays within its limit. One \
+             limit is reached in every ramp: the jerk itself, the acceleration together with the jerk rate, or, for a \
+             small change of feed, the jerk rate alone. So a ramp is the fastest of its family."
+                .into(),
+            "A sin² pulse has half the mean of a rectangular one. Where the jerk rate does not bind, a ramp takes \
+             exactly the time of the fastest one with rectangular jerk at half the limit."
+                .into(),
+        ],
+    )]
 }

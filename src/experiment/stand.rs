@@ -1,0 +1,96 @@
+//! What experiments that move a machine share: the machine, the seed, all processors, and progress on a terminal.
+//!
+//! Cases are independent of each other and each is the same every time, so the findings do not depend on how many are
+//! computed at once.
+
+use std::{
+    num::NonZero,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use protocol::Machine;
+use rig::{
+    observe::{Observation, Outcome, Record},
+    trial::{self, Trial},
+};
+use sim_plant::Scenario;
+
+use crate::error::CliError;
+
+/// Where experiments are made.
+pub(super) struct Stand {
+    /// As its file describes it.
+    pub(super) machine: Machine,
+    /// Seed of everything random.
+    pub(super) seed: u64,
+    /// Whether progress is shown.
+    pub(super) progress: bool,
+}
+
+impl Stand {
+    /// Computes every case, as many at once as there are processors; the results are in the order of the cases.
+    ///
+    /// # Errors
+    /// That of the first case that has one.
+    pub(super) fn each<C: Sync, R: Send>(
+        &self,
+        cases: &[C],
+        compute: impl Fn(&C) -> Result<R, CliError> + Sync,
+    ) -> Result<Vec<R>, CliError> {
+        let bar = self.bar(cases.len());
+        let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(cases.len())));
+        let work = || {
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(case) = cases.get(index) else { return };
+                let result = compute(case);
+                done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+                bar.inc(1);
+            }
+        };
+        let processors = thread::available_parallelism().map_or(1, NonZero::get);
+        thread::scope(|scope| (0..processors.min(cases.len())).for_each(|_| drop(scope.spawn(work))));
+        bar.finish_and_clear();
+        let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        done.sort_by_key(|(index, _)| *index);
+        done.into_iter().map(|(_, result)| result).collect()
+    }
+
+    /// Runs trial passes on a machine, the knob of the spindle override at `override_pct` from the start; `see` is shown
+    /// every control cycle.
+    ///
+    /// # Errors
+    /// The machine cannot follow a trial, or does not come to the end of the program.
+    pub(super) fn run(
+        machine: &Machine,
+        trials: &[Trial],
+        override_pct: f64,
+        seed: u64,
+        see: &mut impl FnMut(&Record),
+    ) -> Result<Observation, CliError> {
+        let failed = |reason: String| CliError::Machine(format!("the trial could not be made: {reason}"));
+        let items = trial::program(machine, trials).map_err(|error| failed(error.to_string()))?;
+        let scenario = Scenario::spindle_override(override_pct);
+        let seen =
+            trial::run(machine, &items, &scenario, seed, see).map_err(|error| failed(error.to_string()))?;
+        if seen.outcome == Outcome::Completed && seen.passes.len() == trials.len() {
+            return Ok(seen);
+        }
+        let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
+        Err(failed(fault.unwrap_or_else(|| "the program was not run to its end".into())))
+    }
+
+    fn bar(&self, cases: usize) -> ProgressBar {
+        let bar = ProgressBar::new(cases as u64);
+        if !self.progress {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        let style = ProgressStyle::with_template("{bar:24} {pos}/{len} runs");
+        bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    }
+}
