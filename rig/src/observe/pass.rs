@@ -5,7 +5,7 @@
 //! |---|---|
 //! | approach of an axis | its state is `run-in` |
 //! | end of the approach | its first `locked` sample after `run-in`; the last of `run-in` if it never locks |
-//! | thread of an axis (servo error) | its state is `locked` |
+//! | thread of an axis (servo error, slide error) | its state is `locked` |
 //! | settled thread of an axis | the same, from one turn after its law reached the helix |
 //! | thread of the pass (helix) | every axis is `locked`: Z on its lead, X at depth, before the first run-out |
 //! | the pass (speed, override, limits, setpoints) | an axis is in `run-in`, `locked` or `run-out` |
@@ -38,6 +38,48 @@ impl Span {
     }
 }
 
+/// One error of an axis over its pass, mm.
+#[derive(Clone, Copy, Debug, Default)]
+struct ErrorTrack {
+    approach: Span,
+    end_mm: f64,
+    thread_max_abs_mm: f64,
+    settled_max_abs_mm: f64,
+}
+
+impl ErrorTrack {
+    /// Takes the error of a cycle in a state, that of the cycle before, and whether the run-in has died away.
+    fn add(&mut self, before: AxisState, state: AxisState, settled: bool, error_mm: f64) {
+        match state {
+            AxisState::RunIn => {
+                self.approach.add(error_mm);
+                self.end_mm = error_mm;
+            }
+            AxisState::Locked => {
+                if before == AxisState::RunIn {
+                    self.end_mm = error_mm;
+                }
+                self.thread_max_abs_mm = self.thread_max_abs_mm.max(error_mm.abs());
+                if settled {
+                    self.settled_max_abs_mm = self.settled_max_abs_mm.max(error_mm.abs());
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn report(&self) -> ServoError {
+        let (low, high) = self.approach.ends();
+        ServoError {
+            approach_min_um: 1e3 * low,
+            approach_max_um: 1e3 * high,
+            end_um: 1e3 * self.end_mm,
+            thread_max_abs_um: 1e3 * self.thread_max_abs_mm,
+            settled_max_abs_um: 1e3 * self.settled_max_abs_mm,
+        }
+    }
+}
+
 /// One axis of the pass.
 struct AxisTrack {
     axis: Axis,
@@ -48,12 +90,11 @@ struct AxisTrack {
     state: AxisState,
     /// True angle of the index this axis started from, degrees.
     index_deg: Option<f64>,
-    approach: Span,
-    end_mm: f64,
-    thread_max_abs_mm: f64,
+    /// Commanded minus measured, and commanded minus true slide.
+    servo: ErrorTrack,
+    slide: ErrorTrack,
     /// Angle from which the run-in counts as died away, degrees.
     settled_deg: f64,
-    settled_max_abs_mm: f64,
     /// Largest share of each limit.
     used: [f64; 3],
     /// It came to rest at the end of its law.
@@ -61,51 +102,26 @@ struct AxisTrack {
 }
 
 impl AxisTrack {
-    /// Takes the status of a cycle; whether the law moves the axis in it.
-    fn cycle(&mut self, pass: u32, status: &AxisStatus, index_deg: f64) -> bool {
+    /// Takes the status of a cycle and where the slide truly stands; whether the law moves the axis in it.
+    fn cycle(&mut self, pass: u32, status: &AxisStatus, slide_mm: f64, index_deg: f64) -> bool {
         let state = state_in(pass, status);
         let before = std::mem::replace(&mut self.state, state);
         if self.index_deg.is_none() && (AxisState::WaitingForC0..=AxisState::RunOut).contains(&state) {
             self.index_deg = Some(index_deg);
         }
-        let error = status.servo_error_mm;
-        match state {
-            AxisState::RunIn => {
-                self.approach.add(error);
-                self.end_mm = error;
-            }
-            AxisState::Locked => {
-                if before == AxisState::RunIn {
-                    self.end_mm = error;
-                }
-                self.thread_max_abs_mm = self.thread_max_abs_mm.max(error.abs());
-                if status.angle_deg >= self.settled_deg {
-                    self.settled_max_abs_mm = self.settled_max_abs_mm.max(error.abs());
-                }
-            }
-            AxisState::RunOut => {}
-            _ => {
-                let was_under_law = matches!(before, AxisState::Locked | AxisState::RunOut);
-                self.done |= was_under_law && state == AxisState::Streaming;
-                return false;
-            }
+        if !(AxisState::RunIn..=AxisState::RunOut).contains(&state) {
+            let was_under_law = matches!(before, AxisState::Locked | AxisState::RunOut);
+            self.done |= was_under_law && state == AxisState::Streaming;
+            return false;
         }
+        let settled = status.angle_deg >= self.settled_deg;
+        self.servo.add(before, state, settled, status.servo_error_mm);
+        self.slide.add(before, state, settled, status.commanded_mm - slide_mm);
         let moves = [status.velocity_mm_s, status.acceleration_mm_s2, status.jerk_mm_s3];
         for ((used, value), limit) in self.used.iter_mut().zip(moves).zip(self.limits) {
             *used = used.max(value.abs() / limit);
         }
         true
-    }
-
-    fn servo_error(&self) -> ServoError {
-        let (low, high) = self.approach.ends();
-        ServoError {
-            approach_min_um: 1e3 * low,
-            approach_max_um: 1e3 * high,
-            end_um: 1e3 * self.end_mm,
-            thread_max_abs_um: 1e3 * self.thread_max_abs_mm,
-            settled_max_abs_um: 1e3 * self.settled_max_abs_mm,
-        }
     }
 }
 
@@ -152,11 +168,9 @@ impl PassObserver {
             limits: [config.velocity_mm_s, config.acceleration_mm_s2, config.jerk_mm_s3],
             state: AxisState::Armed,
             index_deg: None,
-            approach: Span::default(),
-            end_mm: 0.0,
-            thread_max_abs_mm: 0.0,
+            servo: ErrorTrack::default(),
+            slide: ErrorTrack::default(),
             settled_deg: pass.axis(axis).locked_deg() + 360.0,
-            settled_max_abs_mm: 0.0,
             used: [0.0; 3],
             done: false,
         };
@@ -186,7 +200,8 @@ impl PassObserver {
         let (mut moving, mut waiting) = (false, false);
         for (axis, status) in record.axes {
             if let Some(track) = self.axes.iter_mut().find(|track| track.axis == *axis) {
-                moving |= track.cycle(self.pass.pass, status, index_deg);
+                let slide_mm = record.truth.axes[axis.index()].slide_mm;
+                moving |= track.cycle(self.pass.pass, status, slide_mm, index_deg);
                 waiting |= in_pass(track.state);
             }
         }
@@ -252,8 +267,10 @@ impl PassObserver {
             thread_end_deg,
             packet_bytes: (PASS_BYTES * axes) as u64,
             setpoints_saved: self.ticks * axes as u64,
-            x: self.servo_error(Axis::X),
-            z: self.servo_error(Axis::Z),
+            x: self.error(Axis::X, |track| &track.servo),
+            z: self.error(Axis::Z, |track| &track.servo),
+            x_slide: self.error(Axis::X, |track| &track.slide),
+            z_slide: self.error(Axis::Z, |track| &track.slide),
             helix_max_abs_um: self.motor.max_abs(),
             phase_um: self.motor.mean(),
             lead_error_um_per_rev: self.motor.slope(),
@@ -279,8 +296,8 @@ impl PassObserver {
         self.axes.iter().find(|track| track.axis == axis)
     }
 
-    fn servo_error(&self, axis: Axis) -> ServoError {
-        self.track(axis).map(AxisTrack::servo_error).unwrap_or_default()
+    fn error(&self, axis: Axis, of: fn(&AxisTrack) -> &ErrorTrack) -> ServoError {
+        self.track(axis).map(|track| of(track).report()).unwrap_or_default()
     }
 
     fn limits_used(&self) -> LimitsUsed {

@@ -64,7 +64,8 @@ pub struct FaultReport {
     pub text: String,
 }
 
-/// Servo error of one axis in a pass: commanded minus measured at the sample instant, µm.
+/// Servo error of one axis in a pass: commanded minus measured at the sample instant, µm; or the error of its slide:
+/// commanded minus true.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoError {
     /// Smallest while the axis runs in; 0 for an axis that does not.
@@ -132,6 +133,13 @@ pub struct PassReport {
     pub x: ServoError,
     /// Servo error of Z.
     pub z: ServoError,
+    /// Error of the slide of X: commanded minus true slide, at the same instants. It holds what the servo error cannot
+    /// see: backlash, error of the screw, elasticity.
+    #[serde(default)]
+    pub x_slide: ServoError,
+    /// Error of the slide of Z.
+    #[serde(default)]
+    pub z_slide: ServoError,
     /// Largest magnitude of true Z (at the motor) minus true helix (true spindle angle) over the thread.
     pub helix_max_abs_um: f64,
     /// Mean of the same over the angle of the thread: where this pass lies against the programmed helix.

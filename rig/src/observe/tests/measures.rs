@@ -58,9 +58,16 @@ fn servo_errors_are_taken_in_their_windows() {
             _ => 99.0,
         }
     }
-    let injected = Injected { servo_um: Some(servo), ..Injected::default() };
+    let injected = Injected { servo_um: Some(servo), slide_um: 3.0, ..Injected::default() };
     let observed = Ideal::new().run(&[(pass(1), injected)], |_, _| {});
     let report = &observed.passes[0];
+    for slide in [report.x_slide, report.z_slide] {
+        close(slide.approach_min_um, -3.0, 1e-6);
+        close(slide.approach_max_um, -3.0, 1e-6);
+        close(slide.end_um, -3.0, 1e-6);
+        close(slide.thread_max_abs_um, 3.0, 1e-6);
+        close(slide.settled_max_abs_um, 3.0, 1e-6);
+    }
     close(report.x.approach_min_um, -2.0, 1e-9);
     close(report.x.approach_max_um, 1.5, 1e-9);
     close(report.x.end_um, 0.4, 1e-9);
