@@ -30,9 +30,15 @@ pub struct Groove {
 }
 
 impl Groove {
+    /// How far a tool reaches in the direction into the material, with the cone taken off, mm: the same along a thread
+    /// of one depth.
+    pub fn reach_mm(&self, x_mm: f64, z_mm: f64) -> f64 {
+        self.into * (x_mm - self.slope * z_mm)
+    }
+
     /// Depth of a tool below the crest, mm; negative outside the material.
     pub fn depth_mm(&self, x_mm: f64, z_mm: f64) -> f64 {
-        self.into * (x_mm - self.crest_mm - self.slope * z_mm)
+        self.reach_mm(x_mm, z_mm) - self.into * self.crest_mm
     }
 
     /// Refuses a groove with numbers that are none.

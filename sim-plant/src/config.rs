@@ -144,11 +144,32 @@ impl Default for SpindleTrain {
 pub(crate) struct Cutting {
     /// Time in which a force or load of a scenario comes on, and goes, s.
     pub(crate) rise_s: f64,
+    /// Specific cutting force (M75), N/mm²; 0 cuts air.
+    pub(crate) specific_force_n_mm2: f64,
+    /// How much more a V chip takes than a straight one.
+    pub(crate) form_factor: f64,
+    /// Forces on X and on Z as shares of the tangential force.
+    pub(crate) radial_share: f64,
+    pub(crate) axial_share: f64,
+    /// Half angle of the threading tool, degrees.
+    pub(crate) flank_half_angle_deg: f64,
+    /// Where the stock begins and where it ends along Z, mm.
+    pub(crate) face_mm: f64,
+    pub(crate) back_mm: f64,
 }
 
 impl Default for Cutting {
     fn default() -> Self {
-        Cutting { rise_s: 0.01 }
+        Cutting {
+            rise_s: 0.01,
+            specific_force_n_mm2: 0.0,
+            form_factor: 1.5,
+            radial_share: 0.5,
+            axial_share: 0.2,
+            flank_half_angle_deg: 30.0,
+            face_mm: 0.0,
+            back_mm: -1e4,
+        }
     }
 }
 
@@ -163,7 +184,7 @@ impl PlantConfig {
             train.check(&format!("plant.axis.{}", axis.name()))?;
         }
         config.spindle.check()?;
-        range("plant.cutting.rise_s", config.cutting.rise_s, 0.0, 10.0)?;
+        config.cutting.check()?;
         Ok(config)
     }
 }
@@ -214,6 +235,24 @@ impl SpindleTrain {
     }
 }
 
+impl Cutting {
+    fn check(&self) -> Result<(), PlantError> {
+        for (name, value, low, high) in [
+            ("rise_s", self.rise_s, 0.0, 10.0),
+            ("specific_force_n_mm2", self.specific_force_n_mm2, 0.0, 20_000.0),
+            ("form_factor", self.form_factor, 0.1, 10.0),
+            ("radial_share", self.radial_share, 0.0, 5.0),
+            ("axial_share", self.axial_share, 0.0, 5.0),
+            ("flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0),
+            ("face_mm", self.face_mm, -1e5, 1e5),
+            ("back_mm", self.back_mm, -1e5, self.face_mm),
+        ] {
+            range(&format!("plant.cutting.{name}"), value, low, high)?;
+        }
+        Ok(())
+    }
+}
+
 pub(crate) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), PlantError> {
     if (low..=high).contains(&value) {
         return Ok(());
@@ -245,6 +284,14 @@ mod tests {
             ("[axis.z]\nslide_static_n = 100", "plant.axis.z.slide_static_n = 100: must lie between 120"),
             ("[spindle]\nripple_pct = -1", "plant.spindle.ripple_pct = -1: must lie between 0 and 10"),
             ("[cutting]\nrise_s = nan", "plant.cutting.rise_s = NaN: must lie between"),
+            (
+                "[cutting]\nspecific_force_n_mm2 = -1",
+                "plant.cutting.specific_force_n_mm2 = -1: must lie between 0 and",
+            ),
+            (
+                "[cutting]\nface_mm = -5\nback_mm = 0",
+                "plant.cutting.back_mm = 0: must lie between -100000 and -5",
+            ),
             ("[axis.y]\nmode_hz = 80", "[plant.axis.y]: the machine has no [axis.y]"),
             ("[axis.x]\nmode = 80", "unknown field `mode`"),
             ("[spindle]\nripple_per_rev = 1.5", "ripple_per_rev"),

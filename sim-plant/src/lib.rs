@@ -12,6 +12,7 @@
 //! | `scale` | the linear scale at a slide |
 //! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
 //! | `spindle` | motor, speed loop, ripple, encoder, index |
+//! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
 //! | `scenario`, `timeline` | what happens, and when |
 //! | `plant` | one control cycle of all of it |
 //!
@@ -19,10 +20,12 @@
 #![forbid(unsafe_code)]
 
 mod config;
+mod cutting;
 mod drive;
 mod drive_state;
 mod drive_train;
 mod friction;
+mod grooves;
 mod plant;
 mod ramped;
 mod scale;

@@ -8,6 +8,7 @@ use protocol::{
 };
 
 use crate::config::{PlantConfig, PlantError};
+use crate::cutting::Cutter;
 use crate::drive::Drive;
 use crate::drive_train::DriveTrain;
 use crate::scale::Scale;
@@ -53,6 +54,7 @@ pub struct Plant {
     axes: Vec<AxisPlant>,
     spindle: Spindle,
     timeline: Timeline,
+    cutter: Cutter,
     truth: Truth,
 }
 
@@ -90,7 +92,8 @@ impl Plant {
         }
         let z_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| z.home_mm);
         let timeline = Timeline::new(scenario, cycle_s, config.cutting.rise_s, z_mm);
-        let mut plant = Plant { axes, spindle, timeline, truth: Truth::default() };
+        let cutter = Cutter::new(config.cutting, machine);
+        let mut plant = Plant { axes, spindle, timeline, cutter, truth: Truth::default() };
         let turns = plant.spindle.turns();
         plant.sample(Cycle(0), turns, &SpindleCommand::default());
         Ok(plant)
@@ -125,17 +128,13 @@ impl Plant {
         request: Option<Request>,
     ) {
         let now = self.truth.cycle;
-        let [load_nm, axial_n, radial_n] = self.timeline.burdens();
         for axis in &mut self.axes {
-            let force_n = match axis.axis {
-                Axis::Z => axial_n,
-                Axis::X => radial_n,
-                _ => 0.0,
-            };
-            axis.advance(now, &drives[axis.axis.index()], force_n);
+            let index = axis.axis.index();
+            axis.advance(now, &drives[index], self.truth.axes[index].force_n);
         }
         let turns_before = self.spindle.turns();
-        self.spindle.advance(spindle.rpm, load_nm);
+        let [load_nm, ..] = self.timeline.burdens();
+        self.spindle.advance(spindle.rpm, load_nm + self.truth.cut.torque_nm);
         if let Some(request) = request {
             self.timeline.operate(request);
         }
@@ -147,6 +146,7 @@ impl Plant {
         self.truth.cycle = now;
         self.truth.spindle_deg = 360.0 * self.spindle.turns();
         self.truth.spindle_rpm = self.spindle.rpm();
+        self.truth.spindle_torque_nm = self.spindle.torque_nm();
         let measurement = &mut self.truth.measurement;
         measurement.cycle = now;
         measurement.last = u32::from(command.finished != 0);
@@ -179,6 +179,18 @@ impl Plant {
         };
         self.timeline.advance(&moment, command);
         self.truth.measurement.panel = self.timeline.panel();
+        self.cut(command);
+    }
+
+    /// What the cut and the scenario do to the slides until the next cycle.
+    fn cut(&mut self, command: &SpindleCommand) {
+        let place =
+            |axis| self.axes.iter().find(|own| own.axis == axis).map_or(0.0, AxisPlant::slide_ahead_mm);
+        self.truth.cut = self.cutter.cut(command, place(Axis::X), place(Axis::Z));
+        let [_, axial_n, radial_n] = self.timeline.burdens();
+        let [out, against] = self.cutter.directions();
+        self.truth.axes[Axis::X.index()].force_n = radial_n + out * self.truth.cut.radial_n;
+        self.truth.axes[Axis::Z.index()].force_n = axial_n + against * self.truth.cut.axial_n;
     }
 }
 
@@ -193,6 +205,12 @@ impl AxisPlant {
         self.count_before = self.count;
         let motor_mm = 1e3 * self.train.motion().motor_m;
         self.count = (motor_mm / self.quantum_mm + self.encoder_phase).floor();
+    }
+
+    /// Where the slide will be in the middle of the cycle that begins, mm.
+    fn slide_ahead_mm(&self) -> f64 {
+        let motion = self.train.motion();
+        self.home_mm + 1e3 * (motion.slide_m + 0.5 * motion.slide_m_s / self.inverse_cycle)
     }
 
     /// Middle of the count.

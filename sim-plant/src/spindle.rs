@@ -97,6 +97,11 @@ impl Spindle {
         self.rpm
     }
 
+    /// True torque of the motor at the spindle, N·m.
+    pub(crate) fn torque_nm(&self) -> f64 {
+        self.torque_nm
+    }
+
     /// True angle of the last index seen, turns.
     pub(crate) fn index_turn(&self) -> f64 {
         self.index_turn

@@ -1,0 +1,179 @@
+//! What earlier passes left in the part: the deepest groove of each start, over Z.
+//! In: how far the tool reaches into the material, mm, while it passes. Out: how far an earlier pass reached there.
+//!
+//! *Reach* is the way of X into the material with the cone taken off: into (x − slope z). It is kept at nodes at most
+//! 0.25 mm apart over the travel of Z, and taken as a straight line between them. What the pass in hand leaves counts
+//! only when it is over: a tool does not find its own groove. Everything is allocated at the start.
+
+use protocol::{Axis, Groove, Machine};
+
+/// Grooves that are kept; one more is cut as if it were the first pass of each.
+pub(crate) const GROOVES: usize = 16;
+/// Widest distance of the nodes, mm, and most of them; a longer travel has them further apart.
+const WIDEST_MM: f64 = 0.25;
+const MOST_NODES: f64 = 20_000.0;
+/// Leads and slopes closer than this are the same.
+const SAME: f64 = 1e-9;
+/// Where nothing was cut.
+const UNCUT: f64 = f64::NEG_INFINITY;
+
+/// The memory of the part.
+#[derive(Clone, Debug)]
+pub(crate) struct Grooves {
+    low_mm: f64,
+    step_mm: f64,
+    nodes: usize,
+    /// Whose reaches are kept, in the order of their first pass.
+    known: [Option<Groove>; GROOVES],
+    /// Reach of each groove in turn at its nodes.
+    left: Vec<f64>,
+    /// Which groove is being cut, if it is one that is kept.
+    in_hand: Option<usize>,
+    /// What the pass in hand reaches at each node.
+    cut: Vec<f64>,
+    /// Where the tool was in the cycle before: z and reach, mm.
+    before: Option<(f64, f64)>,
+}
+
+impl Grooves {
+    /// The part before its first pass, as long as Z travels.
+    pub(crate) fn new(machine: &Machine) -> Grooves {
+        let [low_mm, high_mm] = machine.axis.get(&Axis::Z).map_or([0.0, 1.0], |z| z.travel_mm);
+        let intervals = ((high_mm - low_mm) / WIDEST_MM).ceil().clamp(1.0, MOST_NODES);
+        let nodes = intervals as usize + 1;
+        Grooves {
+            low_mm,
+            step_mm: (high_mm - low_mm) / intervals,
+            nodes,
+            known: [None; GROOVES],
+            left: vec![UNCUT; nodes * GROOVES],
+            in_hand: None,
+            cut: vec![UNCUT; nodes],
+            before: None,
+        }
+    }
+
+    /// A pass begins; what it leaves is that of `groove`.
+    pub(crate) fn begin(&mut self, groove: &Groove) {
+        self.end();
+        let same = |known: &Groove| {
+            (known.start, known.into) == (groove.start, groove.into)
+                && (known.lead_mm - groove.lead_mm).abs() < SAME
+                && (known.slope - groove.slope).abs() < SAME
+        };
+        self.in_hand = self.known.iter().position(|known| known.as_ref().is_none_or(same));
+        if let Some(known) = self.in_hand.and_then(|index| self.known.get_mut(index)) {
+            known.get_or_insert(*groove);
+        }
+    }
+
+    /// The pass in hand is over: its groove is there from now on.
+    pub(crate) fn end(&mut self) {
+        let index = self.in_hand.take();
+        if let Some(left) = index.and_then(|index| self.left.chunks_exact_mut(self.nodes).nth(index)) {
+            left.iter_mut().zip(&self.cut).for_each(|(left, cut)| *left = left.max(*cut));
+        }
+        self.cut.fill(UNCUT);
+        self.before = None;
+    }
+
+    /// How far earlier passes reached at a place, mm; minus infinity if none was there.
+    pub(crate) fn earlier_mm(&self, z_mm: f64) -> f64 {
+        let left = self.in_hand.and_then(|index| self.left.chunks_exact(self.nodes).nth(index));
+        let Some(left) = left else { return UNCUT };
+        let place = ((z_mm - self.low_mm) / self.step_mm).clamp(0.0, (self.nodes - 1) as f64);
+        let node = (place as usize).min(self.nodes - 2);
+        let (Some(low), Some(high)) = (left.get(node), left.get(node + 1)) else { return UNCUT };
+        // Between a node that was cut and one that was not there is nothing to interpolate.
+        let on_the_way = low + (high - low) * (place - node as f64);
+        if on_the_way.is_finite() { on_the_way } else { UNCUT }
+    }
+
+    /// The tool passes by with this reach, both in mm.
+    pub(crate) fn pass_by(&mut self, z_mm: f64, reach_mm: f64) {
+        let (z_before, reach_before) = self.before.replace((z_mm, reach_mm)).unwrap_or((z_mm, reach_mm));
+        let (low, high) = (z_before.min(z_mm), z_before.max(z_mm));
+        let node_of = |mm: f64| ((mm - self.low_mm) / self.step_mm).ceil().max(0.0) as usize;
+        // The nodes in [low, high).
+        for node in node_of(low)..node_of(high).min(self.nodes) {
+            let z = self.low_mm + node as f64 * self.step_mm;
+            let share = ((z - z_before) / (z_mm - z_before)).clamp(0.0, 1.0);
+            if let Some(cut) = self.cut.get_mut(node) {
+                *cut = cut.max(reach_before + (reach_mm - reach_before) * share);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GROOVE: Groove =
+        Groove { start: 0, reserved: 0, lead_mm: -2.0, crest_mm: 10.0, slope: 0.0, into: -1.0 };
+
+    /// Goes from z to z in steps of 0.01 mm with a reach that depends on z.
+    fn go(grooves: &mut Grooves, groove: &Groove, from: f64, to: f64, reach: impl Fn(f64) -> f64) {
+        grooves.begin(groove);
+        let steps = ((to - from).abs() / 0.01).round() as i32;
+        for step in 0..=steps {
+            let z = from + (to - from) * f64::from(step) / f64::from(steps);
+            grooves.pass_by(z, reach(z));
+        }
+        grooves.end();
+    }
+
+    #[test]
+    fn the_deepest_of_all_passes_is_left_and_lines_come_back_exactly() {
+        let mut grooves = Grooves::new(&Machine::default());
+        go(&mut grooves, &GROOVE, 5.0, -20.0, |z| -9.0 + 0.1 * z);
+        go(&mut grooves, &GROOVE, 5.0, -20.0, |_| -10.0);
+        grooves.begin(&GROOVE);
+        for (z, reach) in [(0.0, -9.0), (-3.123, -9.3123), (-15.0, -10.0), (-4.9, -9.49)] {
+            assert!((grooves.earlier_mm(z) - reach).abs() < 1e-9, "{} at {z}", grooves.earlier_mm(z));
+        }
+        assert_eq!([grooves.earlier_mm(6.0), grooves.earlier_mm(-21.0)], [UNCUT; 2]);
+    }
+
+    #[test]
+    fn a_tool_does_not_find_its_own_groove() {
+        let mut grooves = Grooves::new(&Machine::default());
+        grooves.begin(&GROOVE);
+        grooves.pass_by(1.0, -9.0);
+        grooves.pass_by(-1.0, -9.0);
+        assert_eq!(grooves.earlier_mm(0.0), UNCUT);
+        grooves.end();
+        grooves.begin(&GROOVE);
+        assert_eq!(grooves.earlier_mm(0.0), -9.0);
+    }
+
+    #[test]
+    fn each_start_has_its_groove_until_there_are_too_many() {
+        let mut grooves = Grooves::new(&Machine::default());
+        for start in 0..20 {
+            let groove = Groove { start, ..GROOVE };
+            go(&mut grooves, &groove, 2.0, -2.0, |_| -9.0 + 0.01 * f64::from(start));
+        }
+        for start in 0..20 {
+            grooves.begin(&Groove { start, crest_mm: 11.0, ..GROOVE });
+            let expected = if start < 16 { -9.0 + 0.01 * f64::from(start) } else { UNCUT };
+            assert_eq!(grooves.earlier_mm(0.0), expected, "start {start}");
+        }
+        for other in [Groove { lead_mm: 2.0, ..GROOVE }, Groove { into: 1.0, ..GROOVE }] {
+            grooves.begin(&other);
+            assert_eq!(grooves.earlier_mm(0.0), UNCUT, "another thread, but no room for it");
+        }
+    }
+
+    #[test]
+    fn places_off_the_travel_and_numbers_that_are_none_do_no_harm() {
+        let mut grooves = Grooves::new(&Machine::default());
+        for z in [1e9, -1e9, f64::NAN, f64::INFINITY, 0.0] {
+            go(&mut grooves, &GROOVE, 0.0, -1.0, |_| f64::NAN);
+            grooves.begin(&GROOVE);
+            grooves.pass_by(z, -9.0);
+            grooves.pass_by(0.0, -9.0);
+            assert!(!grooves.earlier_mm(z).is_nan());
+        }
+    }
+}
