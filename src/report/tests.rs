@@ -2,7 +2,7 @@
 
 use protocol::{Axis, AxisState};
 use rig::observe::{AxisLimits, CircleReport, MovesReport, Outcome, PassReport, Summary};
-use rig::trace::{AxisRow, Format, Row, TraceWriter};
+use rig::trace::{AxisRow, CutRow, Format, Row, TraceWriter};
 
 use super::render;
 
@@ -54,6 +54,7 @@ fn row(cycle: u64) -> Row {
         torque: 0.0,
         state: AxisState::Locked,
         slide: 0.0,
+        force: 0.0,
     };
     Row {
         cycle,
@@ -65,6 +66,7 @@ fn row(cycle: u64) -> Row {
         axes: vec![(Axis::X, axis), (Axis::Z, axis)],
         pass: 1,
         line: 3,
+        cut: CutRow { area: 0.2, force: 612.5, torque: 6.125, motor_torque: 7.5 },
     }
 }
 

@@ -8,6 +8,7 @@
 
 mod circle;
 mod contour;
+mod cutting;
 mod helix;
 mod limits;
 mod pass;
@@ -29,6 +30,7 @@ pub use summary::{
 
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
+pub use cutting::{CuttingReport, power_kw};
 
 use circle::Circles;
 use contour::Contour;

@@ -16,6 +16,7 @@ use motion::PassLaw;
 use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, Machine, ThreadPass};
 
 use super::Record;
+use super::cutting::CuttingReport;
 use super::helix::{Helix, LineFit};
 use super::summary::{LimitsUsed, PassReport, ServoError};
 
@@ -149,6 +150,7 @@ pub(super) struct PassObserver {
     helix: Helix,
     motor: LineFit,
     slide: LineFit,
+    cutting: Option<CuttingReport>,
     rpm: Span,
     override_pct: Span,
     ticks: u64,
@@ -183,6 +185,7 @@ impl PassObserver {
             helix: Helix::of(pass, pass.axis(along)),
             motor: LineFit::default(),
             slide: LineFit::default(),
+            cutting: None,
             rpm: Span::default(),
             override_pct: Span::default(),
             ticks: 0,
@@ -206,6 +209,7 @@ impl PassObserver {
             }
         }
         let truth = record.truth;
+        CuttingReport::take(&mut self.cutting, truth);
         if !had_index && self.index_deg().is_some() {
             self.begin_cycle = truth.cycle.0;
         }
@@ -277,6 +281,7 @@ impl PassObserver {
             limits_used_pct: self.limits_used(),
             slide_helix_max_abs_um: self.slide.max_abs(),
             slide_phase_um: self.slide.mean(),
+            cutting: self.cutting,
             direction,
             index_deg,
             same_index: self.axes.iter().all(|track| track.index_deg == Some(index_deg)),

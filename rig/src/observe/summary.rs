@@ -9,6 +9,8 @@ use std::path::Path;
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
+use super::cutting::CuttingReport;
+
 /// Version of the layout; fields may be added without a new one.
 pub const VERSION: u32 = 1;
 
@@ -152,6 +154,9 @@ pub struct PassReport {
     pub slide_helix_max_abs_um: f64,
     /// As `phase_um`, for the slide.
     pub slide_phase_um: f64,
+    /// What cutting took; absent if nothing was cut.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cutting: Option<CuttingReport>,
     /// +1 for M3, -1 for M4: the direction in which angles of this pass grow.
     pub direction: f64,
     /// True angle of the index that the pass started from, unwrapped degrees.

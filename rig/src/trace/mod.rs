@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use protocol::Axis;
 
-pub use row::{AxisRow, Row, columns};
+pub use row::{AxisRow, CutRow, Row, columns};
 
 /// How a trace is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

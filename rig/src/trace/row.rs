@@ -31,6 +31,21 @@ pub struct AxisRow {
     pub state: AxisState,
     /// True position of the slide behind the elastic mode.
     pub slide: f64,
+    /// Force on the slide, in the direction of the axis, N.
+    pub force: f64,
+}
+
+/// What is cut in one control cycle (M74–M76), and what drives the spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutRow {
+    /// Chip area, mm².
+    pub area: f64,
+    /// Tangential force, N.
+    pub force: f64,
+    /// Torque that holds the spindle back, N·m.
+    pub torque: f64,
+    /// True torque of the spindle motor, N·m, signed.
+    pub motor_torque: f64,
 }
 
 /// One control cycle.
@@ -54,6 +69,8 @@ pub struct Row {
     pub pass: u32,
     /// Line of the part program.
     pub line: u32,
+    /// What is cut.
+    pub cut: CutRow,
 }
 
 impl Row {
@@ -74,6 +91,7 @@ impl Row {
                 torque: place.torque_nm,
                 state: AxisState::from_code(status.state).unwrap_or(AxisState::Fault),
                 slide: place.slide_mm,
+                force: place.force_n,
             };
             (*axis, row)
         };
@@ -90,6 +108,12 @@ impl Row {
             axes: record.axes.iter().map(axis_row).collect(),
             pass: record.axes.iter().find(in_pass).map_or(0, |(_, status)| status.pass),
             line: record.machine.line,
+            cut: CutRow {
+                area: truth.cut.area_mm2,
+                force: truth.cut.force_n,
+                torque: truth.cut.torque_nm,
+                motor_torque: truth.spindle_torque_nm,
+            },
         }
     }
 
@@ -126,6 +150,9 @@ impl Row {
         put(Cell::Count(i64::from(self.pass)));
         put(Cell::Count(i64::from(self.line)));
         self.axes.iter().for_each(|(_, axis)| put(Cell::Real(axis.slide)));
+        self.axes.iter().for_each(|(_, axis)| put(Cell::Real(axis.force)));
+        let CutRow { area, force, torque, motor_torque } = self.cut;
+        [area, force, torque, motor_torque].into_iter().for_each(|value| put(Cell::Real(value)));
     }
 
     /// The row of cells in the order of [`columns`].
@@ -140,6 +167,7 @@ impl Row {
             axes: Vec::with_capacity(axes.len()),
             pass: 0,
             line: 0,
+            cut: CutRow::default(),
         };
         for axis in axes {
             let axis_row = AxisRow {
@@ -154,12 +182,20 @@ impl Row {
                 torque: cells.real()?,
                 state: cells.state()?,
                 slide: 0.0,
+                force: 0.0,
             };
             row.axes.push((*axis, axis_row));
         }
         (row.pass, row.line) = (cells.count()? as u32, cells.count()? as u32);
         for (_, axis) in &mut row.axes {
             axis.slide = cells.real()?;
+        }
+        for (_, axis) in &mut row.axes {
+            axis.force = cells.real()?;
+        }
+        let CutRow { area, force, torque, motor_torque } = &mut row.cut;
+        for value in [area, force, torque, motor_torque] {
+            *value = cells.real()?;
         }
         Ok(row)
     }
@@ -195,6 +231,14 @@ const AXIS_COLUMNS: [(&str, &str); 10] = [
     ("state", "code of the state"),
 ];
 
+/// A name and a unit of what is recorded of the cut.
+const CUT_COLUMNS: [(&str, &str); 4] = [
+    ("chip_area", "mm^2"),
+    ("cutting_force", "N, tangential"),
+    ("cutting_torque", "N m"),
+    ("spindle_torque", "N m, of the motor"),
+];
+
 /// Name, unit and whether it is a real number, of every column of a trace.
 pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
     let column = |name: &str, unit, real| (name.to_string(), unit, real);
@@ -216,6 +260,8 @@ pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
     all.extend(
         axes.iter().map(|axis| (format!("{}_slide", axis.name()), in_unit_of(*axis, "mm, true"), true)),
     );
+    all.extend(axes.iter().map(|axis| (format!("{}_force", axis.name()), "N, on the slide", true)));
+    all.extend(CUT_COLUMNS.map(|(name, unit)| column(name, unit, true)));
     all
 }
 

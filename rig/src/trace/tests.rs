@@ -56,7 +56,13 @@ fn columns_come_in_the_documented_order() {
         "cycle, t_s, spindle_true_deg, spindle_counts, spindle_rpm, override_pct, x_programmed, x_commanded, \
          x_measured, x_true, x_velocity, x_acceleration, x_jerk, x_servo_error, x_torque, x_state, z_programmed"
     ));
-    assert!(names.ends_with("z_state, pass, line, x_slide, z_slide"), "{names}");
+    assert!(
+        names.ends_with(
+            "z_state, pass, line, x_slide, z_slide, x_force, z_force, chip_area, cutting_force, cutting_torque, \
+             spindle_torque"
+        ),
+        "{names}"
+    );
 }
 
 #[test]
@@ -66,8 +72,8 @@ fn a_damaged_trace_is_refused_by_place() {
     let text = std::fs::read_to_string(&path).expect("text");
     for (from, to, told) in [
         ("armed", "asleep", "column x_state: cannot read \"asleep\""),
-        ("x_torque", "x_force", "column 15 is x_force, expected x_torque"),
-        (",z_slide", "", "column z_slide is missing"),
+        ("x_torque", "x_twist", "column 15 is x_twist, expected x_torque"),
+        (",spindle_torque", "", "column spindle_torque is missing"),
     ] {
         std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
         let refused = read(&path, |_| {}).expect_err(to).to_string();
