@@ -1,0 +1,112 @@
+//! What cutting took: its table, its curves, its picture. In: reports of passes, rows of the trace. Out: N, N·m, kW, mm²
+//! a pass; force and torque over seconds since the index of the pass.
+
+use maud::{Markup, html};
+use rig::observe::{CuttingReport, PassReport, Summary};
+use rig::trace::Row;
+use serde_json::json;
+
+use super::curves::Curves;
+use super::envelope::Envelope;
+use super::figures::{Figure, by_pass, stacked};
+
+/// Tangential force and torque of the spindle motor over the time of each pass; empty if nothing was cut.
+pub(super) struct CutCurves(Vec<[Envelope; 2]>);
+
+impl CutCurves {
+    /// Empty curves for a run, with as many intervals each.
+    pub(super) fn new(summary: &Summary, slots: usize) -> CutCurves {
+        let of_pass = |pass: &PassReport| {
+            let curve = Envelope::new(0.0, since_index_s(summary, pass, pass.end_cycle), slots);
+            [curve.clone(), curve]
+        };
+        CutCurves(if cuts(summary) { summary.passes.iter().map(of_pass).collect() } else { Vec::new() })
+    }
+
+    /// Takes the next row, of the pass with this index.
+    pub(super) fn add(&mut self, summary: &Summary, index: usize, row: &Row) {
+        let Some((pass, [force, torque])) = summary.passes.get(index).zip(self.0.get_mut(index)) else {
+            return;
+        };
+        let t_s = since_index_s(summary, pass, row.cycle);
+        force.add(t_s, row.cut.force);
+        torque.add(t_s, row.cut.motor_torque * pass.direction);
+    }
+}
+
+fn since_index_s(summary: &Summary, pass: &PassReport, cycle: u64) -> f64 {
+    (cycle as f64 - pass.begin_cycle as f64) * summary.cycle_s
+}
+
+/// Whether anything was cut.
+pub(super) fn cuts(summary: &Summary) -> bool {
+    summary.passes.iter().any(|pass| pass.cutting.is_some())
+}
+
+/// Force and torque over the time of each pass.
+pub(super) fn figure(summary: &Summary, curves: &Curves) -> Figure {
+    let CutCurves(passes) = &curves.cutting;
+    let force = by_pass(curves, ("x", "y"), true, |index| &passes[index][0]);
+    let torque = by_pass(curves, ("x", "y2"), false, |index| &passes[index][1]);
+    let layout = stacked("time since the index of the pass (s)", "cutting force (N)", "spindle motor (N·m)");
+    let worst = |of: fn(&CuttingReport) -> f64| {
+        summary.passes.iter().filter_map(|pass| pass.cutting.as_ref()).map(of).fold(0.0, f64::max)
+    };
+    let (force_n, torque_nm) = (worst(|cut| cut.force_max_n), worst(|cut| cut.torque_max_nm));
+    Figure {
+        title: "Cutting force and spindle torque of every pass".into(),
+        caption: "Above the tangential force at the tool, below what the motor of the spindle gives: its friction, the \
+                  cut, and the change of speed. The force comes on while the tool enters at the face. Good: passes of \
+                  equal chip area lie on each other, the torque stays well below the limit of the motor, and a spring \
+                  pass takes next to nothing."
+            .into(),
+        alt: format!(
+            "Cutting force and torque of the spindle motor over time, one curve a pass. The cut takes at most \
+             {force_n:.0} N and {torque_nm:.1} N·m."
+        ),
+        plot: json!({ "data": force.chain(torque).collect::<Vec<_>>(), "layout": layout }),
+        aspect: 0.6,
+    }
+}
+
+/// One column of the table: heading, its explanation, and the cell.
+type Column = (&'static str, &'static str, fn(&CuttingReport) -> String);
+
+const COLUMNS: [Column; 4] = [
+    ("Chip area", "mm²", |cut| format!("{:.4}", cut.chip_area_max_mm2)),
+    ("Force", "tangential; radial, axial, N", |cut| {
+        format!("{:.1}; {:.1}, {:.1}", cut.force_max_n, cut.radial_max_n, cut.axial_max_n)
+    }),
+    ("Torque", "at the spindle, N·m", |cut| format!("{:.2}", cut.torque_max_nm)),
+    ("Power", "of the cut, kW", |cut| format!("{:.3}", cut.power_max_kw)),
+];
+
+/// The table of what cutting took.
+pub(super) fn table(summary: &Summary) -> Markup {
+    html! {
+        section {
+            h2 { "Cutting" }
+            div.scroll tabindex="0" role="region" aria-label="Table of cutting forces" {
+                table {
+                    thead { tr {
+                        th scope="col" { "Pass" small { "(line)" } }
+                        th scope="col" { "Depth" small { "mm" } }
+                        th scope="col" { "Spindle" small { "programmed: true, 1/min" } }
+                        @for (name, unit, _) in COLUMNS { th scope="col" { (name) small { (unit) } } }
+                    } }
+                    tbody { @for pass in &summary.passes { tr {
+                        td { (pass.pass) " (" (pass.line) ")" }
+                        td { (format!("{:.4}", pass.depth_mm)) }
+                        td { (format!("{:.0}: {:.1}…{:.1}", pass.programmed_rpm, pass.rpm_min, pass.rpm_max)) }
+                        @for (_, _, cell) in COLUMNS { td { (pass.cutting.as_ref().map_or("–".into(), cell)) } }
+                    } } }
+                }
+            }
+            p.caption {
+                "Largest of each in the pass, by the model of [plant.cutting]: specific cutting force times chip area \
+                 times the factor of a V chip. Radial: what pushes X out of the cut. Axial: what pushes Z against the \
+                 motion along the thread. A pass without figures cut nothing."
+            }
+        }
+    }
+}
