@@ -8,6 +8,7 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `config` | `[plant.*]` of the machine file: the truth, with its defaults and ranges |
+//! | `belief` | what a controller would believe if it knew the truth |
 //! | `friction`, `screw`, `drive_train` | motor, screw, slide: the mechanics of one axis |
 //! | `scale` | the linear scale at a slide |
 //! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
@@ -19,6 +20,7 @@
 //! The same machine, scenario, seed and commands give the same numbers on every computer.
 #![forbid(unsafe_code)]
 
+mod belief;
 mod config;
 mod cutting;
 mod drive;
@@ -36,6 +38,7 @@ pub mod shell;
 mod spindle;
 mod timeline;
 
+pub use belief::Belief;
 pub use config::PlantError;
 pub use plant::Plant;
 pub use scenario::{Scenario, ScenarioError};

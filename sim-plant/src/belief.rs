@@ -1,0 +1,65 @@
+//! What a controller would believe about an axis if it knew the truth, and how to believe something else. In: a machine
+//! file. Out: mass in kg and friction in N, N/mm, N·s/mm at the slide, as `[axis.*]` has them. For experiments that
+//! ask what a wrong belief costs; no controller sees it.
+//!
+//! ```text
+//! mass = J (2π/lead)² + slide      Coulomb, presliding, viscous: screw + guide
+//! ```
+
+use core::f64::consts::TAU;
+
+use protocol::machine::AxisConfig;
+use protocol::{Axis, Machine};
+
+use crate::config::{PlantConfig, PlantError};
+
+/// Mass and friction of an axis as `[axis.*]` states them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief {
+    /// Everything that moves, referred to the slide, kg.
+    pub mass_kg: f64,
+    /// Coulomb friction, N.
+    pub coulomb_n: f64,
+    /// Stiffness of friction before it slides, N/mm.
+    pub presliding_n_mm: f64,
+    /// Viscous friction, N·s/mm.
+    pub viscous_n_s_mm: f64,
+}
+
+impl Belief {
+    /// What is true of an axis.
+    ///
+    /// # Errors
+    /// [`PlantError`] if the truth cannot be, or the machine has no such axis.
+    pub fn of_truth(machine: &Machine, axis: Axis) -> Result<Belief, PlantError> {
+        let train = PlantConfig::of(machine)?.axis.get(&axis).cloned().unwrap_or_default();
+        let config = machine.axis.get(&axis).ok_or(PlantError::NoSuchAxis(axis.name()))?;
+        let turns = TAU / (config.screw_lead_mm / 1000.0);
+        Ok(Belief {
+            mass_kg: train.inertia_kg_m2 * turns * turns + train.slide_mass_kg,
+            coulomb_n: train.screw_coulomb_n + train.slide_coulomb_n,
+            presliding_n_mm: train.screw_presliding_n_mm + train.slide_presliding_n_mm,
+            viscous_n_s_mm: train.screw_viscous_n_s_mm + train.slide_viscous_n_s_mm,
+        })
+    }
+
+    /// The same with the mass off by a share of it, and all friction off by another: −0.15 is 15 % too low.
+    #[must_use]
+    pub fn off_by(self, mass: f64, friction: f64) -> Belief {
+        let (mass, friction) = (1.0 + mass, 1.0 + friction);
+        Belief {
+            mass_kg: mass * self.mass_kg,
+            coulomb_n: friction * self.coulomb_n,
+            presliding_n_mm: friction * self.presliding_n_mm,
+            viscous_n_s_mm: friction * self.viscous_n_s_mm,
+        }
+    }
+
+    /// Makes a controller believe it.
+    pub fn put_into(self, config: &mut AxisConfig) {
+        config.mass_kg = self.mass_kg;
+        config.coulomb_n = self.coulomb_n;
+        config.presliding_n_mm = self.presliding_n_mm;
+        config.viscous_n_s_mm = self.viscous_n_s_mm;
+    }
+}
