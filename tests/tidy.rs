@@ -13,7 +13,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 8] = [
+const CRATES: [(&str, &[&str]); 9] = [
     ("motion", &[]),
     ("protocol", &["motion"]),
     ("gcode", &[]),
@@ -21,6 +21,7 @@ const CRATES: [(&str, &[&str]); 8] = [
     ("interpolator", &["protocol", "motion"]),
     ("regulator", &["protocol", "motion"]),
     ("sim-plant", &["protocol", "motion"]),
+    ("tune", &["protocol", "motion"]),
     ("rig", &["protocol", "motion", "interpreter", "interpolator", "regulator", "sim-plant"]),
 ];
 

@@ -8,7 +8,7 @@ use sim_plant::Scenario;
 use super::{files, none, project, read};
 
 /// Files and folders whose names begin a path of this project.
-const ROOTS: [&str; 12] = [
+const ROOTS: [&str; 13] = [
     "src/",
     "tests/",
     "docs/",
@@ -21,6 +21,7 @@ const ROOTS: [&str; 12] = [
     "regulator/",
     "sim-plant/",
     "rig/",
+    "tune/",
 ];
 
 fn documents() -> Vec<PathBuf> {

@@ -1,0 +1,44 @@
+//! Why an axis could not be tuned, and what to do about it.
+
+use protocol::{Axis, DriveState};
+
+/// What a commissioning run refuses.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The machine file has no such axis.
+    #[error("the machine has no axis {0}: add [axis.{name}] to the machine file", name = .0.name())]
+    NoAxis(Axis),
+    /// The axis stands too near to the end of its travel.
+    #[error("{0} has {1:.1} {unit} of travel to one side and needs {2:.1}: move it towards the middle of its travel", unit = .0.unit())]
+    Travel(Axis, f64, f64),
+    /// The drive does not come into operation, or left it.
+    #[error(
+        "the drive of {0} is in state {1:?} at {2:.3} s of the test: clear its fault and see to its supply"
+    )]
+    Drive(Axis, Option<DriveState>, f64),
+    /// Torque was commanded and nothing moved.
+    #[error("{0} did not move: it should have gone {1:.3} {unit} and went {2:.3}; see to brake, coupling and encoder", unit = .0.unit())]
+    DidNotMove(Axis, f64, f64),
+    /// The axis was too far from where it should have been.
+    #[error(
+        "{0} was {1:.3} {unit} from its reference in a test move: with its present gains it does not follow, or swings; \
+         lower velocity_bandwidth_hz and position_gain_1_s, or correct mass_kg",
+        unit = .0.unit()
+    )]
+    Lost(Axis, f64),
+    /// The drive could give no more torque.
+    #[error(
+        "the torque of {0} was at its limit of {1} N·m in a test move: it is too heavy for acceleration_{unit}_s2, or \
+         swings with its present gains; lower velocity_bandwidth_hz or the acceleration",
+        unit = .0.unit()
+    )]
+    TorqueLimited(Axis, f64),
+    /// A value came out that no axis has, or is known too badly to be used.
+    #[error("{0}: {1} came out as {2:.4} ± {3:.2}, which cannot be used: {4}")]
+    Implausible(Axis, &'static str, f64, f64, &'static str),
+    /// No gains reach the wanted margins.
+    #[error(
+        "{0}: no gain of the {1} loop reaches a phase margin of {2:.0}° and a gain margin of {3:.1}: ask for less"
+    )]
+    NoGain(Axis, &'static str, f64, f64),
+}

@@ -1,0 +1,193 @@
+//! Drives one axis through test moves. In: a law of motion and a torque offset over time. Out: what was measured and
+//! commanded in each control cycle of the move; or a refusal, if the axis does not do what it should.
+//!
+//! The axis runs on its drive's velocity loop and a position loop as configured, with the speed of the law fed forward.
+//! Mass and friction are not, so what is believed of them does not colour what is measured.
+
+use motion::Sample;
+use protocol::{
+    Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis, StatusWord, machine::AxisConfig,
+};
+
+use crate::{drive_loop::DriveLoop, refusal::Refusal};
+
+/// Longest time in which a drive comes into operation, or an axis to rest, s.
+const PATIENCE_S: f64 = 2.0;
+/// Share of the torque limit that counts as being at it.
+const AT_LIMIT: f64 = 0.98;
+/// Part of the way that an axis must make to count as moving.
+const MOVING: f64 = 0.2;
+
+/// A machine of which one axis is free to move: its measurements, and its drives.
+pub trait Bench {
+    /// What is measured in the present control cycle.
+    fn measurement(&self) -> &Measurement;
+    /// Gives the drives the answer to the present measurement, and goes on to the next control cycle.
+    fn tick(&mut self, drives: &PerAxis<DriveCommand>);
+}
+
+/// One control cycle of a test move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    /// Position by the encoder of the motor and by the scale, mm from the start of the test.
+    pub(crate) motor_mm: f64,
+    pub(crate) scale_mm: f64,
+    /// Measured torque, N·m.
+    pub(crate) torque_nm: f64,
+    /// Torque that the drive commands in this cycle, N·m.
+    pub(crate) command_nm: f64,
+}
+
+/// An axis under test. Its zero is where it stood at the start.
+pub(crate) struct Stand<'a, B: Bench> {
+    bench: &'a mut B,
+    axis: Axis,
+    config: &'a AxisConfig,
+    cycle_s: f64,
+    drive: DriveLoop,
+    start: Start,
+    motor_before_mm: f64,
+    elapsed: u64,
+}
+
+#[derive(Clone, Copy)]
+struct Start {
+    motor: protocol::Position,
+    scale: protocol::Position,
+}
+
+impl<'a, B: Bench> Stand<'a, B> {
+    /// Enables the drive of an axis that stands still.
+    pub(crate) fn enable(
+        bench: &'a mut B,
+        axis: Axis,
+        config: &'a AxisConfig,
+        cycle_s: f64,
+    ) -> Result<Stand<'a, B>, Refusal> {
+        let seen = bench.measurement().axes[axis.index()];
+        let start = Start { motor: seen.position, scale: seen.scale };
+        let drive = DriveLoop::new(config, cycle_s);
+        let mut stand =
+            Stand { bench, axis, config, cycle_s, drive, start, motor_before_mm: 0.0, elapsed: 0 };
+        while stand.state() != Some(DriveState::OperationEnabled) {
+            let word = StatusWord(stand.seen().status_word as u16).towards_operation();
+            let (Some(word), true) = (word, stand.time_s() < PATIENCE_S) else {
+                return Err(stand.drive_refusal());
+            };
+            stand.command(word, 0.0, 0.0, 0.0);
+        }
+        Ok(stand)
+    }
+
+    /// Follows a law from the present reference for a time, with a torque offset in N·m by cycle. Samples of the law
+    /// are mm from the start of the test.
+    pub(crate) fn follow(
+        &mut self,
+        duration_s: f64,
+        law: impl Fn(f64) -> Sample,
+        offset_nm: impl Fn(usize) -> f64,
+    ) -> Result<Vec<Row>, Refusal> {
+        let cycles = (duration_s / self.cycle_s).ceil() as usize;
+        let mut rows = Vec::with_capacity(cycles);
+        let from = law(0.0).s;
+        for cycle in 0..cycles {
+            let t = cycle as f64 * self.cycle_s;
+            let (now, ahead) = (law(t), law(t + self.config.velocity_lead_s));
+            let seen = self.seen();
+            let motor_mm = seen.position.mm_from(self.start.motor);
+            self.supervise(now.s - from, now.s - motor_mm, seen.torque_nm)?;
+            let target = self.config.position_gain_1_s * (now.s - motor_mm);
+            let command_nm = self.command(ControlWord::Enable, target, ahead.v, offset_nm(cycle));
+            rows.push(Row {
+                motor_mm,
+                scale_mm: seen.scale.mm_from(self.start.scale),
+                torque_nm: seen.torque_nm,
+                command_nm,
+            });
+        }
+        Ok(rows)
+    }
+
+    /// Stays at a place, mm from the start of the test.
+    pub(crate) fn rest(&mut self, at_mm: f64, duration_s: f64) -> Result<Vec<Row>, Refusal> {
+        self.follow(duration_s, |_| Sample { s: at_mm, ..Sample::default() }, |_| 0.0)
+    }
+
+    /// Brings the axis to rest, whatever it does, and takes the power off.
+    pub(crate) fn release(mut self) {
+        let since = self.time_s();
+        let mut still = 0;
+        while still < 20 && self.time_s() < since + PATIENCE_S {
+            let before = self.motor_before_mm;
+            self.command(ControlWord::QuickStop, 0.0, 0.0, 0.0);
+            let slow = (self.motor_before_mm - before).abs() < 0.1 * self.cycle_s;
+            still = if slow { still + 1 } else { 0 };
+        }
+        self.command(ControlWord::DisableVoltage, 0.0, 0.0, 0.0);
+    }
+
+    /// Sends a command, and gives the torque that the drive makes of it.
+    fn command(&mut self, word: ControlWord, target: f64, velocity_offset: f64, offset_nm: f64) -> f64 {
+        let motor_mm = self.seen().position.mm_from(self.start.motor);
+        let v = (motor_mm - self.motor_before_mm) / self.cycle_s;
+        self.motor_before_mm = motor_mm;
+        let runs = matches!(
+            self.state(),
+            Some(DriveState::SwitchedOn | DriveState::OperationEnabled | DriveState::QuickStopActive)
+        );
+        let torque_nm = if runs && word == ControlWord::Enable {
+            self.drive.torque(target + velocity_offset - v, offset_nm)
+        } else {
+            0.0
+        };
+        let mut drives = PerAxis::<DriveCommand>::default();
+        drives[self.axis.index()] = DriveCommand {
+            cycle: self.bench.measurement().cycle,
+            control_word: word as u32,
+            target_velocity_mm_s: target,
+            velocity_offset_mm_s: velocity_offset,
+            torque_offset_nm: offset_nm,
+            ..DriveCommand::default()
+        };
+        self.bench.tick(&drives);
+        self.elapsed += 1;
+        torque_nm
+    }
+
+    /// Ends a test that does harm or says nothing.
+    fn supervise(&self, gone_mm: f64, error_mm: f64, torque_nm: f64) -> Result<(), Refusal> {
+        if self.state() != Some(DriveState::OperationEnabled) {
+            return Err(self.drive_refusal());
+        }
+        let limit = self.config.torque_limit_nm;
+        let lost = error_mm.is_nan() || error_mm.abs() > self.config.following_error_mm;
+        if lost && (gone_mm - error_mm).abs() < MOVING * gone_mm.abs() {
+            return Err(Refusal::DidNotMove(self.axis, gone_mm, gone_mm - error_mm));
+        }
+        if torque_nm.is_nan() || torque_nm.abs() >= AT_LIMIT * limit {
+            return Err(Refusal::TorqueLimited(self.axis, limit));
+        }
+        if lost { Err(Refusal::Lost(self.axis, error_mm.abs())) } else { Ok(()) }
+    }
+
+    fn seen(&self) -> protocol::AxisMeasurement {
+        self.bench.measurement().axes[self.axis.index()]
+    }
+
+    fn state(&self) -> Option<DriveState> {
+        StatusWord(self.seen().status_word as u16).state()
+    }
+
+    fn time_s(&self) -> f64 {
+        self.elapsed as f64 * self.cycle_s
+    }
+
+    fn drive_refusal(&self) -> Refusal {
+        Refusal::Drive(self.axis, self.state(), self.time_s())
+    }
+
+    /// Control cycle, s.
+    pub(crate) fn cycle_s(&self) -> f64 {
+        self.cycle_s
+    }
+}

@@ -1,0 +1,179 @@
+//! The commissioning of one axis, from the first test move to the proposal.
+
+use protocol::{Axis, Machine, machine::AxisConfig};
+
+use crate::{
+    estimate::Estimate,
+    margins::{self, Margins},
+    mode::{self, Mode},
+    presliding,
+    proposal::{self, Goals},
+    refusal::Refusal,
+    response::{self, Line},
+    rigid,
+    stand::{Bench, Stand},
+    torque_path,
+};
+
+/// Most and least travel that the test moves take, and what they leave to the end of it, mm.
+const MOST_MM: f64 = 50.0;
+const LEAST_MM: f64 = 5.0;
+const RESERVE_MM: f64 = 1.0;
+
+/// An axis that has been measured.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// Which axis.
+    pub axis: Axis,
+    /// Travel that the test moves took, mm; negative towards lower positions.
+    pub reach_mm: f64,
+    /// Everything that accelerates, kg.
+    pub mass_kg: Estimate,
+    /// Coulomb friction, N.
+    pub coulomb_n: Estimate,
+    /// Viscous friction, N s/mm.
+    pub viscous_n_s_mm: Estimate,
+    /// Force that acts at rest too, N: weight, balance. No key of the machine file holds it.
+    pub constant_n: Estimate,
+    /// Stiffness of friction before it slides, N/mm.
+    pub presliding_n_mm: Estimate,
+    /// Friction from which the axis breaks away, N.
+    pub breakaway_n: f64,
+    /// From the measurement to the torque that answers it, s.
+    pub delay_s: Estimate,
+    /// Lag of the current loop, s.
+    pub lag_s: Estimate,
+    /// The mode of the slide, if one is seen.
+    pub mode: Option<Mode>,
+    /// Shortest approach whose stroke leaves no more than the wanted residual in that mode, s (M8a).
+    pub approach_s: Option<f64>,
+    /// Frequency response in motion.
+    pub lines: Vec<Line>,
+    /// Friction against speed: mm/s and N.
+    pub friction_curve: Vec<[f64; 2]>,
+    /// Friction against position in small reversals: mm and N.
+    pub reversals: Vec<[f64; 2]>,
+    /// Margins with the axis as it was configured.
+    pub before: Margins,
+    /// Margins with the proposal.
+    pub after: Margins,
+    /// `[axis.*]` with the identified values and the gains that follow.
+    pub proposal: AxisConfig,
+}
+
+/// Measures an axis that stands still somewhere in its travel, and proposes its `[axis.*]`. The drive is off afterwards.
+///
+/// # Errors
+/// A [`Refusal`] that says what was wrong and what to do. The axis has been stopped then.
+pub fn tune(bench: &mut impl Bench, axis: Axis, machine: &Machine) -> Result<Tuned, Refusal> {
+    tune_towards(bench, axis, machine, &Goals::default())
+}
+
+/// [`tune`] with margins of one's own.
+///
+/// # Errors
+/// As [`tune`]; [`Refusal::NoGain`] if no gains reach the margins.
+pub fn tune_towards(
+    bench: &mut impl Bench,
+    axis: Axis,
+    machine: &Machine,
+    goals: &Goals,
+) -> Result<Tuned, Refusal> {
+    let config = machine.axis.get(&axis).ok_or(Refusal::NoAxis(axis))?;
+    let here = bench.measurement().axes[axis.index()].position.mm();
+    let reach = reach(axis, config, here)?;
+    let mut stand = Stand::enable(bench, axis, config, machine.machine.cycle_s)?;
+    let found = measure(&mut stand, axis, config, reach, goals);
+    stand.release();
+    found
+}
+
+/// Where the test moves go: to the side with more room, mm.
+fn reach(axis: Axis, config: &AxisConfig, here: f64) -> Result<f64, Refusal> {
+    let [low, high] = config.travel_mm;
+    let (up, down) = (high - here - RESERVE_MM, here - low - RESERVE_MM);
+    let room = up.max(down);
+    if !(LEAST_MM..).contains(&room) {
+        return Err(Refusal::Travel(axis, room + RESERVE_MM, LEAST_MM + RESERVE_MM));
+    }
+    Ok(room.min(MOST_MM).copysign(up - down))
+}
+
+fn measure<B: Bench>(
+    stand: &mut Stand<B>,
+    axis: Axis,
+    config: &AxisConfig,
+    reach_mm: f64,
+    goals: &Goals,
+) -> Result<Tuned, Refusal> {
+    let cycle_s = stand.cycle_s();
+    stand.rest(0.0, 0.1)?;
+    let none = |what, remedy| Refusal::Implausible(axis, what, f64::NAN, f64::NAN, remedy);
+    let rigid = rigid::measure(stand, config, reach_mm)?
+        .ok_or(none("mass and friction", "the runs were too short; give the axis more travel"))?;
+    let sliding = presliding::measure(stand, config, &rigid, &rigid::limits(config))?
+        .ok_or(none("presliding stiffness", "the reversals did not move the axis"))?;
+    let lines = response::measure(stand, config, reach_mm)?;
+    let path = torque_path::identify(&lines, cycle_s)
+        .ok_or(none("delay of the torque", "the measured torque does not follow the commanded one"))?;
+    let mode = mode::identify(&lines, config, &path, cycle_s);
+    let mut proposal = AxisConfig {
+        mass_kg: rigid.mass_kg.value,
+        coulomb_n: rigid.coulomb_n.value.max(0.0),
+        viscous_n_s_mm: rigid.viscous_n_s_mm.value.max(0.0),
+        presliding_n_mm: sliding.stiffness_n_mm.value,
+        velocity_lead_s: -0.5 * cycle_s,
+        acceleration_lead_s: path.delay_s.value + 0.5 * cycle_s + path.lag_s.value,
+        ..config.clone()
+    };
+    plausible(axis, &rigid, &path, &sliding)?;
+    proposal::gains(axis, &mut proposal, &lines, cycle_s, goals)?;
+    Ok(Tuned {
+        axis,
+        reach_mm,
+        mass_kg: rigid.mass_kg,
+        coulomb_n: rigid.coulomb_n,
+        viscous_n_s_mm: rigid.viscous_n_s_mm,
+        constant_n: rigid.constant_n,
+        presliding_n_mm: sliding.stiffness_n_mm,
+        breakaway_n: sliding.breakaway_n,
+        delay_s: path.delay_s,
+        lag_s: path.lag_s,
+        approach_s: mode.map(|mode| proposal::shortest_approach(&mode, goals)),
+        mode,
+        before: margins::of(&lines, config, cycle_s),
+        after: margins::of(&lines, &proposal, cycle_s),
+        lines,
+        friction_curve: rigid.curve,
+        reversals: sliding.loops,
+        proposal,
+    })
+}
+
+/// Refuses values that no axis has, or that are known too badly to write them down.
+fn plausible(
+    axis: Axis,
+    rigid: &rigid::Rigid,
+    path: &torque_path::TorquePath,
+    sliding: &presliding::Presliding,
+) -> Result<(), Refusal> {
+    let weighing = "see whether the axis is free and its torque is measured in N·m at the motor";
+    let timing = "see whether torque is measured in every control cycle, and mass_kg and the loops are those of the drive";
+    let slow = "see whether something else moves or holds the axis";
+    let mass = rigid.mass_kg;
+    for (what, estimate, low, high, most, remedy) in [
+        ("mass_kg", mass, 1e-3, 1e6, 0.05 * mass.value, weighing),
+        ("coulomb_n", rigid.coulomb_n, -0.1, 1e6, (0.2 * rigid.coulomb_n.value).max(1.0), weighing),
+        ("viscous_n_s_mm", rigid.viscous_n_s_mm, -0.1, 1e6, f64::INFINITY, weighing),
+        ("presliding_n_mm", sliding.stiffness_n_mm, 1e-6, 1e9, 0.5 * sliding.stiffness_n_mm.value, slow),
+        ("gain of the torque", path.gain, 0.8, 1.25, 0.05, timing),
+        ("delay of the torque", path.delay_s, -1e-6, 0.01, 1e-3, timing),
+        ("lag of the current", path.lag_s, 0.0, 0.01, 1e-3, timing),
+    ] {
+        let Estimate { value, deviation } = estimate;
+        if !((low..=high).contains(&value) && deviation <= most) {
+            return Err(Refusal::Implausible(axis, what, value, deviation, remedy));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! An axis of the simulated machine, tuned by what it measures: identified values against the truth, and refusals.
+
+use protocol::{Axis, DriveCommand, Machine, Measurement, PerAxis, SpindleCommand};
+use sim_plant::{Plant, Scenario};
+use tune::{Bench, Refusal, Tuned, tune};
+
+/// A whole machine, of which only one axis is free.
+struct OnPlant(Plant);
+
+impl Bench for OnPlant {
+    fn measurement(&self) -> &Measurement {
+        self.0.measurement()
+    }
+
+    fn tick(&mut self, drives: &PerAxis<DriveCommand>) {
+        self.0.tick(drives, &SpindleCommand::default(), None);
+    }
+}
+
+/// The truth about X.
+#[derive(Clone, Copy)]
+struct Truth {
+    inertia_kg_m2: f64,
+    slide_mass_kg: f64,
+    mode_hz: f64,
+    /// Friction, of that of the small lathe.
+    friction: f64,
+    current_lag_s: f64,
+}
+
+const LATHE: Truth =
+    Truth { inertia_kg_m2: 12e-4, slide_mass_kg: 110.0, mode_hz: 100.0, friction: 1.0, current_lag_s: 5e-4 };
+
+impl Truth {
+    fn machine(&self) -> Machine {
+        let mut machine = Machine::default();
+        let x = machine.plant["axis"]["x"].as_table_mut().unwrap();
+        for (key, value) in [
+            ("inertia_kg_m2", self.inertia_kg_m2),
+            ("slide_mass_kg", self.slide_mass_kg),
+            ("mode_hz", self.mode_hz),
+            ("current_lag_s", self.current_lag_s),
+            ("screw_coulomb_n", 150.0 * self.friction),
+            ("slide_coulomb_n", 120.0 * self.friction),
+            ("slide_static_n", 160.0 * self.friction),
+        ] {
+            assert!(x.insert(key.into(), toml::Value::Float(value)).is_some());
+        }
+        machine
+    }
+
+    fn mass_kg(&self) -> f64 {
+        let per_metre = core::f64::consts::TAU / 5e-3;
+        self.inertia_kg_m2 * per_metre * per_metre + self.slide_mass_kg
+    }
+
+    /// At the motor: the screw, and the guide behind the mode.
+    fn presliding_n_mm(&self) -> f64 {
+        let rad_s = core::f64::consts::TAU * self.mode_hz;
+        let mode = 1e-3 * self.slide_mass_kg * rad_s * rad_s;
+        30_000.0 + 1.0 / (1.0 / 15_000.0 + 1.0 / mode)
+    }
+}
+
+fn tuned(machine: &Machine) -> Result<Tuned, Refusal> {
+    let mut bench = OnPlant(Plant::new(machine, Scenario::none(), 1).unwrap());
+    let found = tune(&mut bench, Axis::X, machine);
+    let still = bench.0.truth().axes[0];
+    assert!(still.velocity_mm_s.abs() < 0.1, "it is left at rest: {} mm/s", still.velocity_mm_s);
+    found
+}
+
+fn within(what: &str, found: f64, truth: f64, per_cent: f64) {
+    let error = 100.0 * (found / truth - 1.0);
+    assert!(error.abs() <= per_cent, "{what}: {found} is {error:.2} % from {truth}");
+}
+
+const TRUTHS: [Truth; 7] = [
+    LATHE,
+    Truth { inertia_kg_m2: 25.4e-4, ..LATHE },
+    Truth { friction: 3.0, ..LATHE },
+    Truth { mode_hz: 60.0, ..LATHE },
+    Truth { current_lag_s: 1e-3, ..LATHE },
+    Truth { slide_mass_kg: 400.0, ..LATHE },
+    Truth { inertia_kg_m2: 20e-4, slide_mass_kg: 400.0, mode_hz: 60.0, friction: 3.0, current_lag_s: 1e-3 },
+];
+
+#[test]
+fn identified_values_are_those_of_the_plant() {
+    for truth in TRUTHS {
+        let found = tuned(&truth.machine()).unwrap();
+        within("mass", found.mass_kg.value, truth.mass_kg(), 0.5);
+        within("Coulomb friction", found.coulomb_n.value, 270.0 * truth.friction, 1.0);
+        within("viscous friction", found.viscous_n_s_mm.value, 2.6, 2.0);
+        // Two frictions that break away one after the other are not one spring, but the one nearest to both lies below.
+        within("presliding", found.presliding_n_mm.value, truth.presliding_n_mm(), 25.0);
+        within("delay", found.delay_s.value, 5e-4, 1.0);
+        within("lag", found.lag_s.value, truth.current_lag_s, 1.0);
+        assert!(found.constant_n.value.abs() < 1.0, "{:?}", found.constant_n);
+        let mode = found.mode.unwrap();
+        within("mode", mode.hz.value, truth.mode_hz, 1.0);
+        within("slide", mode.slide_kg.value, truth.slide_mass_kg, 5.0);
+        // The guide damps the slide, too: 600 N s/m against 2 m w, less what its friction falls with speed.
+        let guide = 600.0 / (2.0 * truth.slide_mass_kg * core::f64::consts::TAU * truth.mode_hz);
+        within("damping", mode.damping.value, 0.03 + guide, 10.0);
+    }
+}
+
+#[test]
+fn deviations_are_of_the_size_of_the_errors() {
+    for truth in TRUTHS {
+        let found = tuned(&truth.machine()).unwrap();
+        for (estimate, is) in [
+            (found.mass_kg, truth.mass_kg()),
+            (found.coulomb_n, 270.0 * truth.friction),
+            (found.viscous_n_s_mm, 2.6),
+        ] {
+            let error = (estimate.value - is).abs();
+            assert!(
+                error < 4.0 * estimate.deviation && estimate.deviation < 0.02 * is,
+                "{estimate:?} for {is}"
+            );
+        }
+    }
+}
