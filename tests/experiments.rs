@@ -8,7 +8,7 @@ use std::fs;
 use serde_json::Value;
 use shop::{Place, project};
 
-const NAMES: [&str; 1] = ["feed"];
+const NAMES: [&str; 2] = ["feed", "profiles"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {
@@ -37,6 +37,25 @@ fn a_row_of_feed_has_its_inputs_and_figures() {
     }
     let examples: Vec<_> = rows.iter().filter_map(|row| row["example"].as_u64()).collect();
     assert_eq!(examples, [1, 2, 3]);
+}
+
+#[test]
+fn a_row_of_profiles_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "profiles", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 6 * 4 * 61);
+    for row in rows {
+        let keys = ["approach_s", "mode_hz", "stroke_mm", "residual_um"];
+        assert!(keys.iter().all(|key| row[key].is_f64()) && row["profile"].is_string(), "{row}");
+        let (residual, bound) = (row["residual_um"].as_f64().expect("a number"), &row["bound_um"]);
+        if row["profile"] == "sin2-acceleration" {
+            assert!(residual <= bound.as_f64().expect("a number"), "{row}");
+        } else {
+            assert!(bound.is_null(), "{row}");
+        }
+    }
 }
 
 #[test]

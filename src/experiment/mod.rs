@@ -7,6 +7,7 @@
 
 mod feed;
 mod page;
+mod profiles;
 mod stand;
 mod table;
 
@@ -42,19 +43,22 @@ const VERSION: u32 = 1;
 pub(crate) enum Name {
     /// Feed with a smooth jerk: the examples of the published method with their figures put right, and whole blocks.
     Feed,
+    /// What an approach leaves in a lightly damped mode, for six laws of motion.
+    Profiles,
 }
 
 impl Name {
     fn text(self) -> &'static str {
         match self {
             Name::Feed => "feed",
+            Name::Profiles => "profiles",
         }
     }
 
     /// Whether it moves a machine, so that `--machine` says which.
     fn moves_a_machine(self) -> bool {
         match self {
-            Name::Feed => false,
+            Name::Feed | Name::Profiles => false,
         }
     }
 }
@@ -114,6 +118,7 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
     let stand = Stand { machine: args.machine.read()?.0, seed: args.seed, progress: !quiet && !args.json };
     match args.name {
         Name::Feed => publish(args, &feed::findings()?),
+        Name::Profiles => publish(args, &profiles::findings()),
     }
 }
 
