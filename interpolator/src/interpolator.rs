@@ -184,7 +184,8 @@ impl Interpolator {
             if StatusWord(measured.status_word as u16).state() != Some(DriveState::OperationEnabled) {
                 return false;
             }
-            self.here[axis.index()] = measured.position;
+            let config = self.machine.axis.get(&axis);
+            self.here[axis.index()] = config.map_or(measured.position, |config| config.position(measured));
         }
         true
     }

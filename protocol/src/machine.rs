@@ -241,7 +241,7 @@ impl Machine {
         if let Some(other) = self.axis.keys().find(|axis| !needed.contains(axis) && !allowed.contains(axis)) {
             return Err(refuse("axis", other.name(), reason));
         }
-        self.axes().try_for_each(|(axis, config)| config.check(axis))?;
+        self.axes().try_for_each(|(axis, config)| config.check(axis, general))?;
         self.spindle.check()?;
         self.path.check()?;
         self.threading.check()?;

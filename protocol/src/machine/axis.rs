@@ -3,8 +3,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MachineError, range};
-use crate::Axis;
+use super::{General, MachineError, range, refuse};
+use crate::{Axis, AxisMeasurement, Position};
+
+/// Rows of a table of errors are at least so far apart, mm.
+const CLOSEST_MM: f64 = 0.1;
+/// A table of errors changes by no more than this, µm for each mm.
+const STEEPEST_UM_MM: f64 = 5.0;
+/// Most rows of a table of errors.
+const MOST_ROWS: usize = 256;
 
 /// `[axis.*]`: limits, encoder scale, loops, and what the controller believes about the mechanics.
 ///
@@ -77,11 +84,11 @@ pub struct AxisConfig {
     /// encoder of the motor.
     #[serde(default, alias = "scale_step_deg")]
     pub scale_step_mm: Option<f64>,
-    /// Backlash between motor and slide as believed, mm: what the motor turns for nothing when it reverses.
+    /// Backlash between motor and slide as believed, mm: what the motor turns for nothing when it reverses (M69).
     #[serde(default, alias = "backlash_deg")]
     pub backlash_mm: f64,
-    /// Error of the screw as believed: pairs of position in mm, rising, and where the slide stands too far, µm. Empty for
-    /// none.
+    /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide stands, in
+    /// thousandths of that unit (µm). Only its change since home counts. Empty for none.
     #[serde(default)]
     pub screw_error: Vec<[f64; 2]>,
 }
@@ -110,6 +117,7 @@ pub enum Feedforward {
 #[serde(deny_unknown_fields, default)]
 pub struct Difference {
     /// Positions are rounded to this, mm.
+    #[serde(alias = "quantum_deg")]
     pub quantum_mm: f64,
     /// Control cycles between two positions; the reference is held as long.
     pub cycles: u32,
@@ -134,7 +142,12 @@ impl AxisConfig {
         }
     }
 
-    pub(super) fn check(&self, axis: Axis) -> Result<(), MachineError> {
+    /// The position that the loop of the axis closes over: that of the scale, or that of the motor.
+    pub fn position(&self, measured: &AxisMeasurement) -> Position {
+        if self.scale_step_mm.is_some() { measured.scale } else { measured.position }
+    }
+
+    pub(super) fn check(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
         let key = |name: &str| key(axis, name);
         let [low, high] = self.travel_mm;
         range(&key("travel_mm[0]"), low, -1e5, 1e5)?;
@@ -163,10 +176,54 @@ impl AxisConfig {
         range(&key("viscous_n_s_mm"), self.viscous_n_s_mm, 0.0, 1e6)?;
         range(&key("velocity_lead_s"), self.velocity_lead_s, -0.01, 0.01)?;
         range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)?;
-        range(&key("difference.quantum_mm"), self.difference.quantum_mm, 1e-12, 1.0)?;
-        range(&key("difference.cycles"), f64::from(self.difference.cycles), 1.0, 16.0)?;
         range(&key("scale_step_mm"), self.scale_step_mm.unwrap_or(1e-4), 1e-7, 1.0)?;
-        range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)
+        range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)?;
+        self.check_difference(axis, general)?;
+        self.check_screw_error(&key("screw_error"))
+    }
+
+    /// Centred differences look ahead; they get no farther than the setpoints of a stream reach.
+    fn check_difference(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
+        let Difference { quantum_mm, cycles, centred } = self.difference;
+        let key = |name: &str| key(axis, &format!("difference.{name}"));
+        range(&key("quantum_mm"), quantum_mm, 1e-12, 1.0)?;
+        range(&key("cycles"), f64::from(cycles), 1.0, 16.0)?;
+        let lead_s = self.acceleration_lead_s.max(self.velocity_lead_s);
+        let ahead_s = lead_s + f64::from(cycles) * general.cycle_s;
+        let reach_s = general.interpolator_cycle_s + general.cycle_s;
+        if centred && ahead_s > reach_s * (1.0 + 1e-9) {
+            let reason = format!(
+                "centred differences look {ahead_s} s ahead, and setpoints reach {reach_s} s: take fewer cycles"
+            );
+            return Err(refuse(&key("cycles"), cycles, &reason));
+        }
+        Ok(())
+    }
+
+    fn check_screw_error(&self, key: &str) -> Result<(), MachineError> {
+        let rows = &self.screw_error;
+        if rows.len() == 1 || rows.len() > MOST_ROWS {
+            let reason = format!("must have between 2 and {MOST_ROWS} rows, or none");
+            return Err(refuse(key, format!("{} rows", rows.len()), &reason));
+        }
+        for (row, [mm, um]) in rows.iter().enumerate() {
+            range(&format!("{key}[{row}][0]"), *mm, -1e5, 1e5)?;
+            range(&format!("{key}[{row}][1]"), *um, -1000.0, 1000.0)?;
+        }
+        for (row, (before, here)) in rows.iter().zip(rows.iter().skip(1)).enumerate() {
+            let ([from_mm, from_um], [mm, um]) = (before, here);
+            let (way, rise) = (mm - from_mm, um - from_um);
+            if way < CLOSEST_MM {
+                let reason = format!("must rise by at least {CLOSEST_MM} from {from_mm}, the row before");
+                return Err(refuse(&format!("{key}[{}][0]", row + 1), mm, &reason));
+            }
+            if rise.abs() > STEEPEST_UM_MM * way {
+                let reason =
+                    format!("must lie within {STEEPEST_UM_MM} for each mm from {from_um}, the row before");
+                return Err(refuse(&format!("{key}[{}][1]", row + 1), um, &reason));
+            }
+        }
+        Ok(())
     }
 }
 
