@@ -9,12 +9,17 @@
 //! | [`state`] | the states of an axis as one enum, one transition function |
 //! | [`spindle`] | spindle angle, speed and acceleration from counts (M53), index |
 //! | [`stream`] | timed motion between setpoints |
-//! | [`reference`](mod@reference) | where the axis shall be at three instants: now, and at the leads of the feedforwards (M8, M54) |
+//! | [`reference`](mod@reference) | where the axis shall be: now, and about it, at the leads of the feedforwards (M8, M54) |
+//! | [`compensation`], [`screw`] | what the motor does besides, for backlash and the error of the screw (M68, M69) |
+//! | [`feedforward`] | structures of feedforward: which of them feeds what (M54, M67) |
 //! | [`loops`] | position loop, feedforward of mass and friction (M54) |
 #![forbid(unsafe_code)]
 
+pub mod compensation;
+pub mod feedforward;
 pub mod loops;
 pub mod reference;
+pub mod screw;
 mod regulator;
 pub mod shell;
 pub mod spindle;

@@ -9,12 +9,18 @@
 //! | z | mm | deflection of that stiffness: dz = v − s0\|v\|z/Fc |
 //! | b | N·s/mm | viscous friction as believed |
 //!
-//! Enters: the reference in mm and s, the measured position in mm. Leaves: velocities in mm/s for the drive, torque in
-//! N·m at the motor.
+//! Enters: the reference in mm and s, the measured position of the axis in mm. Leaves: velocities in mm/s for the drive,
+//! torque in N·m at the motor.
+//!
+//! Friction has no sign that switches, it has a deflection. At a stop v is 0, z stays, and with it the force: a stopped
+//! slide leans on its friction, and taking the torque off would let it spring back by up to Fc/s0 (6 µm on the small
+//! lathe). On the way back z runs through zero to the other side within about two such lengths, as the friction itself
+//! does: no step of the torque, and a slide that dithers by less than that never gets the full force. Only the way
+//! commanded moves z, neither time nor noise of a measurement. |z| ≤ Fc/s0 at any speed, because the step is implicit.
 
 use protocol::machine::AxisConfig;
 
-use crate::reference::Reference;
+use crate::{feedforward::Feedforward, reference::Reference};
 
 /// Output of the loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,17 +36,24 @@ pub struct Command {
 /// The loops of one axis.
 #[derive(Clone, Debug)]
 pub struct Loops {
+    feedforward: Feedforward,
+    /// What was commanded last, while there is a command.
+    held: Option<Command>,
     position_gain: f64,
     mass: f64,
     friction: Friction,
     metres_per_radian: f64,
-    cycle_s: f64,
+    step_s: f64,
 }
 
 impl Loops {
     /// The loops as an axis of the machine file sets them.
     pub fn new(config: &AxisConfig, cycle_s: f64) -> Loops {
+        let feedforward = Feedforward::new(config, cycle_s);
         Loops {
+            step_s: cycle_s * feedforward.cycles() as f64,
+            feedforward,
+            held: None,
             position_gain: config.position_gain_1_s,
             mass: config.mass_kg,
             friction: Friction {
@@ -50,19 +63,38 @@ impl Loops {
                 z: 0.0,
             },
             metres_per_radian: config.screw_lead_mm / 1000.0 / std::f64::consts::TAU,
-            cycle_s,
         }
     }
 
-    /// One control cycle (M54). The velocity PI that follows lives in the drive.
+    /// Farthest look of feedforward back and ahead of the sample instant, s, both ≥ 0.
+    pub fn reach_s(&self) -> [f64; 2] {
+        self.feedforward.reach_s()
+    }
+
+    /// The axis has no command; the next one begins at rest.
+    pub fn rest(&mut self) -> Command {
+        self.held = None;
+        self.feedforward.rest();
+        Command::default()
+    }
+
+    /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity PI that
+    /// follows lives in the drive.
     pub fn tick(&mut self, reference: &Reference, measured_mm: f64) -> Command {
-        let ahead = &reference.at_acceleration_lead;
-        let force = self.mass * ahead.a / 1000.0 + self.friction.force(ahead.v, self.cycle_s);
-        Command {
-            target_velocity_mm_s: self.position_gain * (reference.now.s - measured_mm),
-            velocity_offset_mm_s: reference.at_velocity_lead.v,
-            torque_offset_nm: force * self.metres_per_radian,
+        let due = reference.cycle.0.is_multiple_of(self.feedforward.cycles());
+        if let (false, Some(held)) = (due, self.held) {
+            return held;
         }
+        let feed = self.feedforward.feed(reference);
+        let friction = feed.friction_v.map_or(0.0, |v| self.friction.force(v, self.step_s));
+        let force = self.mass * feed.a / 1000.0 + friction;
+        let command = Command {
+            target_velocity_mm_s: self.position_gain * (feed.position_mm - measured_mm),
+            velocity_offset_mm_s: feed.v,
+            torque_offset_nm: force * self.metres_per_radian,
+        };
+        self.held = Some(command);
+        command
     }
 }
 
@@ -76,13 +108,13 @@ struct Friction {
 }
 
 impl Friction {
-    /// Force at speed `v` after one more cycle; the deflection is stepped implicitly, so any speed is stable.
-    fn force(&mut self, v: f64, cycle_s: f64) -> f64 {
+    /// Force at speed `v` after one more step; the deflection is stepped implicitly, so any speed is stable.
+    fn force(&mut self, v: f64, step_s: f64) -> f64 {
         if self.coulomb == 0.0 {
             return self.viscous * v;
         }
-        let relax = self.stiffness * v.abs() / self.coulomb * cycle_s;
-        self.z = (self.z + v * cycle_s) / (1.0 + relax);
+        let relax = self.stiffness * v.abs() / self.coulomb * step_s;
+        self.z = (self.z + v * step_s) / (1.0 + relax);
         self.stiffness * self.z + self.viscous * v
     }
 }

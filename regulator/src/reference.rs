@@ -1,92 +1,65 @@
-//! Where the axis shall be: at the sample instant, and at the leads of the two feedforwards (M54).
+//! Where the axis shall be, at the sample instant and about it: feedforwards look ahead and back (M54).
 //!
-//! Whatever the master is (time in a stream, the spindle angle in a pass), the result is the same three samples in
-//! mm and s; position is absolute.
+//! Whatever the master is (time in a stream, the spindle angle in a pass), a lead in s becomes a sample in mm and s;
+//! position is absolute. [`Reference::axis`] is the motion of the axis, [`Reference::motor`] that of the motor behind
+//! it, which turns a little more or less where screw and backlash are compensated (M68, M69).
 
 use motion::Sample;
-use protocol::{Axis, Cycle, Machine};
+use protocol::Cycle;
 
-use crate::{spindle::Spindle, state::State, stream::Stream};
+use crate::{compensation::Compensation, spindle::Spindle, state::State, stream::Stream};
 
-/// The commanded motion at three instants.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reference {
-    /// At the sample instant of the measurement.
-    pub now: Sample,
-    /// At the lead of the velocity feedforward.
-    pub at_velocity_lead: Sample,
-    /// At the lead of the acceleration feedforward.
-    pub at_acceleration_lead: Sample,
-    /// C at the sample instant, degrees; 0 outside a pass.
-    pub angle_deg: f64,
-}
-
-/// The leads of an axis, s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leads {
-    velocity_s: f64,
-    acceleration_s: f64,
-    cycle_s: f64,
-}
-
-impl Leads {
-    /// The leads of an axis of a machine file. The axis must exist.
-    pub fn of(machine: &Machine, axis: Axis) -> Leads {
-        let config = &machine.axis[&axis];
-        Leads {
-            velocity_s: config.velocity_lead_s,
-            acceleration_s: config.acceleration_lead_s,
-            cycle_s: machine.machine.cycle_s,
-        }
-    }
-
+/// The commanded motion about one cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference<'a> {
+    /// The state that says what is followed.
+    pub state: &'a State,
+    /// Setpoints of timed motion.
+    pub stream: &'a Stream,
+    /// The spindle, master of a pass.
+    pub spindle: &'a Spindle,
+    /// What the motor does besides, if anything.
+    pub compensation: Option<&'a Compensation>,
+    /// The cycle of the sample instant.
+    pub cycle: Cycle,
     /// The control cycle, s.
-    pub fn cycle_s(&self) -> f64 {
-        self.cycle_s
-    }
+    pub cycle_s: f64,
+    /// Where an axis without command stays, mm.
+    pub measured_mm: f64,
 }
 
-/// The reference in a state. `measured_mm` is where an axis without command stays.
-pub fn reference(
-    state: &State,
-    stream: &Stream,
-    spindle: &Spindle,
-    cycle: Cycle,
-    leads: &Leads,
-    measured_mm: f64,
-) -> Reference {
-    let still = |mm: f64| {
-        let rest = Sample { s: mm, ..Sample::default() };
-        Reference { now: rest, at_velocity_lead: rest, at_acceleration_lead: rest, angle_deg: 0.0 }
-    };
-    match state {
-        State::Idle | State::Fault(_) => still(measured_mm),
-        State::Streaming => {
-            let at = |lead_s: f64| stream.at(cycle, lead_s / leads.cycle_s);
-            Reference {
-                now: at(0.0),
-                at_velocity_lead: at(leads.velocity_s),
-                at_acceleration_lead: at(leads.acceleration_s),
-                angle_deg: 0.0,
-            }
-        }
-        State::Armed(pass) => still(pass.law.start.mm()),
-        State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
-            let at = |lead_s: f64| {
-                let c = spindle.since(pass.index_count, pass.direction, lead_s);
+impl Reference<'_> {
+    /// The motion of the axis `lead_s` after the sample instant.
+    pub fn axis(&self, lead_s: f64) -> Sample {
+        let still = |mm: f64| Sample { s: mm, ..Sample::default() };
+        match self.state {
+            State::Idle | State::Fault(_) => still(self.measured_mm),
+            State::Streaming => self.stream.at(self.cycle, lead_s / self.cycle_s),
+            State::Armed(pass) => still(pass.law.start.mm()),
+            State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
+                let c = self.spindle.since(pass.index_count, pass.direction, lead_s);
                 let ratio = c.speed / pass.programmed_deg_s;
                 let ratio_rate = c.acceleration / pass.programmed_deg_s;
                 let mut sample = pass.motion.at(c.angle).driven(ratio, ratio_rate);
                 sample.s += pass.law.start.mm();
-                (sample, c.angle)
-            };
-            let (now, angle_deg) = at(0.0);
-            Reference {
-                now,
-                at_velocity_lead: at(leads.velocity_s).0,
-                at_acceleration_lead: at(leads.acceleration_s).0,
-                angle_deg,
+                sample
             }
+        }
+    }
+
+    /// The motion of the motor `lead_s` after the sample instant: position, speed, acceleration.
+    pub fn motor(&self, lead_s: f64) -> Sample {
+        let axis = self.axis(lead_s);
+        self.compensation.map_or(axis, |compensation| compensation.motor(&axis, lead_s))
+    }
+
+    /// C at the sample instant, degrees; 0 outside a pass.
+    pub fn angle_deg(&self) -> f64 {
+        match self.state {
+            State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
+                self.spindle.since(pass.index_count, pass.direction, 0.0).angle
+            }
+            State::Idle | State::Fault(_) | State::Streaming | State::Armed(_) => 0.0,
         }
     }
 }

@@ -7,8 +7,9 @@ use protocol::{
 };
 
 use crate::{
+    compensation::Compensation,
     loops::{Command, Loops},
-    reference::{Leads, Reference, reference},
+    reference::Reference,
     spindle::Spindle,
     state::{Event, State},
     stream::Stream,
@@ -40,14 +41,17 @@ pub struct Regulator {
     stream: Stream,
     spindle: Spindle,
     loops: Loops,
-    leads: Leads,
+    compensation: Option<Compensation>,
+    /// The position loop closes over the linear scale.
+    scale: bool,
+    cycle_s: f64,
     limits: Supervision,
     expected: Option<Cycle>,
     frame_due: Option<Cycle>,
     tick: u64,
     line: u32,
     refused: u32,
-    last: Reference,
+    last: Sample,
 }
 
 /// Errors beyond which an axis faults, mm.
@@ -66,13 +70,16 @@ impl Regulator {
     pub fn new(machine: &Machine, axis: Axis) -> Regulator {
         let config = &machine.axis[&axis];
         let cycle_s = machine.machine.cycle_s;
+        let loops = Loops::new(config, cycle_s);
         Regulator {
             axis: axis.index(),
             state: State::Idle,
             stream: Stream::new(cycle_s),
             spindle: Spindle::new(machine),
-            loops: Loops::new(config, cycle_s),
-            leads: Leads::of(machine, axis),
+            compensation: Compensation::of(config, loops.reach_s(), cycle_s),
+            loops,
+            scale: config.scale_step_mm.is_some(),
+            cycle_s,
             limits: Supervision {
                 following: config.following_error_mm,
                 thread: config.thread_error_mm,
@@ -83,27 +90,52 @@ impl Regulator {
             tick: machine.cycles_per_tick(),
             line: 0,
             refused: 0,
-            last: Reference::default(),
+            last: Sample::default(),
         }
     }
 
     /// One control cycle.
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
-        let measured_mm = measurement.axes[self.axis].position.mm();
+        let measured_mm = self.measured_mm(measurement);
         let gap = self.expected.is_some_and(|cycle| cycle != measurement.cycle);
         self.expected = Some(measurement.cycle.after(1));
         self.spindle.update(measurement);
         let command = self.take(input.frame, measurement.cycle);
         self.advance(measurement, command, gap, measured_mm);
-        let reference =
-            reference(&self.state, &self.stream, &self.spindle, measurement.cycle, &self.leads, measured_mm);
-        let command = match self.state {
-            State::Idle | State::Fault(_) => Command::default(),
-            _ => self.loops.tick(&reference, measured_mm),
+        let idle = matches!(self.state, State::Idle | State::Fault(_));
+        let mut reference = Reference {
+            state: &self.state,
+            stream: &self.stream,
+            spindle: &self.spindle,
+            compensation: None,
+            cycle: measurement.cycle,
+            cycle_s: self.cycle_s,
+            measured_mm,
         };
-        self.last = reference;
-        self.answer(measurement, &reference, &command, measured_mm)
+        match &mut self.compensation {
+            Some(compensation) if idle => compensation.rest(),
+            Some(compensation) => compensation.watch(|lead_s| reference.axis(lead_s)),
+            None => {}
+        }
+        reference.compensation = self.compensation.as_ref();
+        let (now, angle_deg) = (reference.axis(0.0), reference.angle_deg());
+        let command = if idle { self.loops.rest() } else { self.loops.tick(&reference, measured_mm) };
+        self.last = now;
+        self.answer(measurement, angle_deg, &command, measured_mm)
+    }
+
+    /// Where the axis is: by its scale, or by its motor, whose compensation a cycle later is taken off.
+    fn measured_mm(&mut self, measurement: &Measurement) -> f64 {
+        if let Some(compensation) = &mut self.compensation {
+            compensation.step();
+        }
+        let measured = &measurement.axes[self.axis];
+        if self.scale {
+            return measured.scale.mm();
+        }
+        let motor_mm = measured.position.mm();
+        self.compensation.as_ref().map_or(motor_mm, |compensation| compensation.axis_mm(motor_mm))
     }
 
     /// Checks a frame and takes its setpoint; what cannot be used is counted and changes nothing.
@@ -155,7 +187,7 @@ impl Regulator {
             fault: self.fault(cycle, drive, gap, measured_mm),
             stream_begun: self.stream.begun()
                 && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.limits.in_position,
-            rests_at_start: rests_at(&self.last.now, command.as_ref()),
+            rests_at_start: rests_at(&self.last, command.as_ref()),
             command,
             index: self.spindle.index(),
             angle_deg: self
@@ -191,8 +223,8 @@ impl Regulator {
             return Some(Fault::StreamStarved);
         }
         // One cycle of motion lies between the last reference and this measurement.
-        let slip = self.last.now.v * self.leads.cycle_s();
-        let error = (self.last.now.s + slip - measured_mm).abs();
+        let slip = self.last.v * self.cycle_s;
+        let error = (self.last.s + slip - measured_mm).abs();
         // An error that is no number is no good one.
         let within = |limit: f64| error.is_finite() && error <= limit;
         match self.state {
@@ -202,14 +234,8 @@ impl Regulator {
         }
     }
 
-    fn answer(
-        &self,
-        measurement: &Measurement,
-        reference: &Reference,
-        command: &Command,
-        measured_mm: f64,
-    ) -> Out {
-        let cycle = measurement.cycle;
+    fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {
+        let (cycle, now) = (measurement.cycle, &self.last);
         let control_word = self.control_word(measurement);
         let drive = DriveCommand {
             cycle,
@@ -219,8 +245,9 @@ impl Regulator {
             velocity_offset_mm_s: command.velocity_offset_mm_s,
             torque_offset_nm: command.torque_offset_nm,
         };
-        let error = reference.now.s - measured_mm;
-        let still = reference.now.v == 0.0 && reference.now.a == 0.0;
+        let error = now.s - measured_mm;
+        let turning = self.compensation.as_ref().is_some_and(Compensation::is_turning);
+        let still = now.v == 0.0 && now.a == 0.0 && !turning;
         let streaming = matches!(self.state, State::Streaming);
         let status = AxisStatus {
             cycle,
@@ -230,12 +257,12 @@ impl Regulator {
             line: self.line,
             in_position: u32::from(streaming && still && error.abs() <= self.limits.in_position),
             refused: self.refused,
-            commanded_mm: reference.now.s,
-            velocity_mm_s: reference.now.v,
-            acceleration_mm_s2: reference.now.a,
-            jerk_mm_s3: reference.now.j,
+            commanded_mm: now.s,
+            velocity_mm_s: now.v,
+            acceleration_mm_s2: now.a,
+            jerk_mm_s3: now.j,
             servo_error_mm: error,
-            angle_deg: reference.angle_deg,
+            angle_deg,
             spindle_rpm: self.spindle.rpm(),
             control_word: drive.control_word,
             reserved: 0,
