@@ -64,9 +64,9 @@ impl Cutter {
         let groove = in_hand(pass, grooves, tags, x_mm, z_mm);
         let Some(groove) = groove else { return CutTruth::default() };
         let (reach, crest) = (groove.reach_mm(x_mm, z_mm), groove.into * groove.crest_mm);
-        let earlier = grooves.earlier_mm(z_mm);
+        let earlier = grooves.earlier_mm(z_mm, crest);
         grooves.pass_by(z_mm, reach);
-        if !(reach > crest && reach > earlier) {
+        if !(reach > earlier) {
             return CutTruth::default();
         }
         let stock = [config.back_mm - z_mm, config.face_mm - z_mm];

@@ -2,8 +2,10 @@
 //! In: how far the tool reaches into the material, mm, while it passes. Out: how far an earlier pass reached there.
 //!
 //! *Reach* is the way of X into the material with the cone taken off: into (x − slope z). It is kept at nodes at most
-//! 0.25 mm apart over the travel of Z, and taken as a straight line between them. What the pass in hand leaves counts
-//! only when it is over: a tool does not find its own groove. Everything is allocated at the start.
+//! 0.25 mm apart over the travel of Z, and taken as a straight line between them. Where a pass ends between two nodes,
+//! the one that it did not get to keeps the farthest reach beside it; from there the groove fades to the crest. What the
+//! pass in hand leaves counts only when it is over: a tool does not find its own groove. Everything is allocated at the
+//! start.
 
 use protocol::{Axis, Groove, Machine};
 
@@ -29,8 +31,9 @@ pub(crate) struct Grooves {
     left: Vec<f64>,
     /// Which groove is being cut, if it is one that is kept.
     in_hand: Option<usize>,
-    /// What the pass in hand reaches at each node.
+    /// What the pass in hand reaches at each node, and at most in the intervals beside it.
     cut: Vec<f64>,
+    beside: Vec<f64>,
     /// Where the tool was in the cycle before: z and reach, mm.
     before: Option<(f64, f64)>,
 }
@@ -49,6 +52,7 @@ impl Grooves {
             left: vec![UNCUT; nodes * GROOVES],
             in_hand: None,
             cut: vec![UNCUT; nodes],
+            beside: vec![UNCUT; nodes],
             before: None,
         }
     }
@@ -71,28 +75,37 @@ impl Grooves {
     pub(crate) fn end(&mut self) {
         let index = self.in_hand.take();
         if let Some(left) = index.and_then(|index| self.left.chunks_exact_mut(self.nodes).nth(index)) {
-            left.iter_mut().zip(&self.cut).for_each(|(left, cut)| *left = left.max(*cut));
+            for ((left, cut), beside) in left.iter_mut().zip(&self.cut).zip(&self.beside) {
+                *left = left.max(if *cut > UNCUT { *cut } else { *beside });
+            }
         }
         self.cut.fill(UNCUT);
+        self.beside.fill(UNCUT);
         self.before = None;
     }
 
-    /// How far earlier passes reached at a place, mm; minus infinity if none was there.
-    pub(crate) fn earlier_mm(&self, z_mm: f64) -> f64 {
+    /// How far earlier passes reached at a place, at least to the crest; both as reaches, mm.
+    pub(crate) fn earlier_mm(&self, z_mm: f64, crest_mm: f64) -> f64 {
         let left = self.in_hand.and_then(|index| self.left.chunks_exact(self.nodes).nth(index));
-        let Some(left) = left else { return UNCUT };
+        let Some(left) = left else { return crest_mm };
+        let (node, share) = self.interval(z_mm);
+        let at = |node: usize| left.get(node).map_or(crest_mm, |reach| reach.max(crest_mm));
+        at(node) + (at(node + 1) - at(node)) * share
+    }
+
+    /// The node below a place, and how much of the way to the next one it lies above it.
+    fn interval(&self, z_mm: f64) -> (usize, f64) {
         let place = ((z_mm - self.low_mm) / self.step_mm).clamp(0.0, (self.nodes - 1) as f64);
         let node = (place as usize).min(self.nodes - 2);
-        let (Some(low), Some(high)) = (left.get(node), left.get(node + 1)) else { return UNCUT };
-        // Between a node that was cut and one that was not there is nothing to interpolate.
-        let on_the_way = low + (high - low) * (place - node as f64);
-        if on_the_way.is_finite() { on_the_way } else { UNCUT }
+        (node, place - node as f64)
     }
 
     /// The tool passes by with this reach, both in mm.
     pub(crate) fn pass_by(&mut self, z_mm: f64, reach_mm: f64) {
         let (z_before, reach_before) = self.before.replace((z_mm, reach_mm)).unwrap_or((z_mm, reach_mm));
         let (low, high) = (z_before.min(z_mm), z_before.max(z_mm));
+        let (below, _) = self.interval(z_mm);
+        self.beside.iter_mut().skip(below).take(2).for_each(|beside| *beside = beside.max(reach_mm));
         let node_of = |mm: f64| ((mm - self.low_mm) / self.step_mm).ceil().max(0.0) as usize;
         // The nodes in [low, high).
         for node in node_of(low)..node_of(high).min(self.nodes) {
@@ -130,9 +143,11 @@ mod tests {
         go(&mut grooves, &GROOVE, 5.0, -20.0, |_| -10.0);
         grooves.begin(&GROOVE);
         for (z, reach) in [(0.0, -9.0), (-3.123, -9.3123), (-15.0, -10.0), (-4.9, -9.49)] {
-            assert!((grooves.earlier_mm(z) - reach).abs() < 1e-9, "{} at {z}", grooves.earlier_mm(z));
+            let earlier = grooves.earlier_mm(z, -99.0);
+            assert!((earlier - reach).abs() < 1e-9, "{earlier} at {z}");
         }
-        assert_eq!([grooves.earlier_mm(6.0), grooves.earlier_mm(-21.0)], [UNCUT; 2]);
+        assert_eq!([grooves.earlier_mm(6.0, -99.0), grooves.earlier_mm(-21.0, -99.0)], [-99.0; 2]);
+        assert_eq!(grooves.earlier_mm(-3.0, -9.1), -9.1, "above the crest there is nothing to cut");
     }
 
     #[test]
@@ -141,10 +156,23 @@ mod tests {
         grooves.begin(&GROOVE);
         grooves.pass_by(1.0, -9.0);
         grooves.pass_by(-1.0, -9.0);
-        assert_eq!(grooves.earlier_mm(0.0), UNCUT);
+        assert_eq!(grooves.earlier_mm(0.0, -10.0), -10.0);
         grooves.end();
         grooves.begin(&GROOVE);
-        assert_eq!(grooves.earlier_mm(0.0), -9.0);
+        assert_eq!(grooves.earlier_mm(0.0, -10.0), -9.0);
+    }
+
+    #[test]
+    fn a_groove_that_ends_between_two_nodes_is_known_to_its_end() {
+        let mut grooves = Grooves::new(&Machine::default());
+        // To -10.1, there the tool goes out.
+        go(&mut grooves, &GROOVE, 0.0, -10.1, |_| -9.0);
+        grooves.begin(&GROOVE);
+        grooves.pass_by(-10.1, -9.0);
+        grooves.pass_by(-10.1, -10.5);
+        for (z, reach) in [(-10.0, -9.0), (-10.1, -9.0), (-10.2, -9.0), (-10.375, -9.5), (-10.6, -10.0)] {
+            assert_eq!(grooves.earlier_mm(z, -10.0), reach, "at {z}");
+        }
     }
 
     #[test]
@@ -156,12 +184,12 @@ mod tests {
         }
         for start in 0..20 {
             grooves.begin(&Groove { start, crest_mm: 11.0, ..GROOVE });
-            let expected = if start < 16 { -9.0 + 0.01 * f64::from(start) } else { UNCUT };
-            assert_eq!(grooves.earlier_mm(0.0), expected, "start {start}");
+            let expected = if start < 16 { -9.0 + 0.01 * f64::from(start) } else { -11.0 };
+            assert_eq!(grooves.earlier_mm(0.0, -11.0), expected, "start {start}");
         }
         for other in [Groove { lead_mm: 2.0, ..GROOVE }, Groove { into: 1.0, ..GROOVE }] {
             grooves.begin(&other);
-            assert_eq!(grooves.earlier_mm(0.0), UNCUT, "another thread, but no room for it");
+            assert_eq!(grooves.earlier_mm(0.0, -11.0), -11.0, "another thread, but no room for it");
         }
     }
 
@@ -173,7 +201,7 @@ mod tests {
             grooves.begin(&GROOVE);
             grooves.pass_by(z, -9.0);
             grooves.pass_by(0.0, -9.0);
-            assert!(!grooves.earlier_mm(z).is_nan());
+            assert!(!grooves.earlier_mm(0.0, -10.0).is_nan());
         }
     }
 }
