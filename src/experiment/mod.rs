@@ -5,11 +5,13 @@
 //! of them. What is done with findings is the same for all, and stands in this file. Experiments that move a machine
 //! do so on a [`Stand`].
 
+mod approach;
 mod feed;
 mod page;
 mod profiles;
 mod stand;
-mod table;
+mod sweep;
+pub(crate) mod table;
 
 use std::{
     path::{Path, PathBuf},
@@ -41,16 +43,22 @@ const VERSION: u32 = 1;
 /// The experiments.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Name {
+    /// X moves to depth in step with the spindle: servo errors of six structures of feedforward.
+    Approach,
     /// Feed with a smooth jerk: the examples of the published method with their figures put right, and whole blocks.
     Feed,
     /// What an approach leaves in a lightly damped mode, for six laws of motion.
     Profiles,
+    /// Servo error of X over passes, overrides and wrong beliefs.
+    Sweep,
 }
 
 impl Name {
     fn text(self) -> &'static str {
         match self {
+            Name::Approach => "approach",
             Name::Feed => "feed",
+            Name::Sweep => "sweep",
             Name::Profiles => "profiles",
         }
     }
@@ -58,6 +66,7 @@ impl Name {
     /// Whether it moves a machine, so that `--machine` says which.
     fn moves_a_machine(self) -> bool {
         match self {
+            Name::Approach | Name::Sweep => true,
             Name::Feed | Name::Profiles => false,
         }
     }
@@ -117,7 +126,9 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
     }
     let stand = Stand { machine: args.machine.read()?.0, seed: args.seed, progress: !quiet && !args.json };
     match args.name {
+        Name::Approach => publish(args, &approach::findings(&stand)?),
         Name::Feed => publish(args, &feed::findings()?),
+        Name::Sweep => publish(args, &sweep::findings(&stand)?),
         Name::Profiles => publish(args, &profiles::findings()),
     }
 }

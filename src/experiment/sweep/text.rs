@@ -1,0 +1,67 @@
+//! The words of the page. In: rows where a sentence says a figure. Out: paragraphs.
+
+use super::{
+    MEDIAN_UM, Row, WORST_UM,
+    tables::{Over, from_worst},
+};
+
+/// The result in a few sentences.
+pub(super) fn short(rows: &[Row]) -> Vec<String> {
+    let all = Over::all(rows);
+    let held = if all.median <= MEDIAN_UM && all.worst <= WORST_UM { "held" } else { "not held" };
+    let mut sentences = vec![format!(
+        "Over {} cases the largest servo error of X in the approach is {:.2} µm in the median and {:.2} µm in the worst \
+         case; asked for are {MEDIAN_UM:.1} and {WORST_UM:.1} µm: {held}.",
+        rows.len(),
+        all.median,
+        all.worst
+    )];
+    sentences.extend(from_worst(rows).first().map(|row| {
+        format!(
+            "Worst case: S {:.0} 1/min, ΔX {:.0} mm in ΔC {:.0}°, override {:.0} %, mass {:+.0} %, friction {:+.0} %, \
+             seed {}.",
+            row.s_rpm,
+            row.delta_x_mm,
+            row.delta_c_deg,
+            row.override_pct,
+            row.mass_error_pct,
+            row.friction_error_pct,
+            row.seed
+        )
+    }));
+    sentences
+}
+
+/// What was done.
+pub(super) fn done(cases: usize) -> Vec<String> {
+    vec![
+        format!(
+            "{cases} passes were cut on the whole machine: ten approaches (spindle 200 to 600 1/min, stroke 2 to 10 mm, \
+             made while the spindle turns by 180 to 900°), at four positions of the override knob, with what the \
+             controller believes of X off by −15, 0 or +15 % in mass and by −40, 0 or +40 % in friction, each with two \
+             seeds. Errors of belief are relative to the truth about the plant; friction is wrong in all its parts, \
+             Coulomb, presliding and viscous. The gain of the velocity loop goes with the mass that is believed, as it \
+             does in a drive."
+        ),
+        "The strokes are spread over what the axis can do: the shortest are near its limits of acceleration and jerk at \
+         120 %. The ten passes of a condition are one program, so an approach begins with the friction that the one \
+         before has left."
+            .into(),
+    ]
+}
+
+/// What it means.
+pub(super) fn meaning() -> Vec<(&'static str, Vec<String>)> {
+    vec![(
+        "What it means",
+        vec![
+            "With a right mass the error hardly depends on the pass: it is what the count of the spindle encoder makes \
+             of the reference, and what friction does when the axis breaks away and turns. A wrong mass adds an error \
+             in the shape of the acceleration, which grows with its peak."
+                .into(),
+            "A wrong friction changes the beginning of a stroke and hardly the end: the integral of the velocity loop \
+             has found the friction by then."
+                .into(),
+        ],
+    )]
+}
