@@ -77,11 +77,15 @@ pub enum Fault {
     MeasurementGap = 14,
     EncoderPlausibility = 15,
     PlanRejected = 16,
+    EncoderPulsesLost = 17,
+    EncoderPulsesGained = 18,
+    EncoderGlitch = 19,
+    EncoderIndexMissing = 20,
 }
 
 impl Fault {
     /// Every fault in the order of its code, which starts at 1.
-    pub const ALL: [Fault; 16] = [
+    pub const ALL: [Fault; 20] = [
         Fault::FollowingError,
         Fault::ThreadError,
         Fault::StreamStarved,
@@ -98,6 +102,10 @@ impl Fault {
         Fault::MeasurementGap,
         Fault::EncoderPlausibility,
         Fault::PlanRejected,
+        Fault::EncoderPulsesLost,
+        Fault::EncoderPulsesGained,
+        Fault::EncoderGlitch,
+        Fault::EncoderIndexMissing,
     ];
 
     /// The fault of a code; `None` for 0 and for what this version does not know.
@@ -124,6 +132,10 @@ impl Fault {
             Fault::MeasurementGap => "measurement-gap",
             Fault::EncoderPlausibility => "encoder-plausibility",
             Fault::PlanRejected => "plan-rejected",
+            Fault::EncoderPulsesLost => "encoder-pulses-lost",
+            Fault::EncoderPulsesGained => "encoder-pulses-gained",
+            Fault::EncoderGlitch => "encoder-glitch",
+            Fault::EncoderIndexMissing => "encoder-index-missing",
         }
     }
 
@@ -136,7 +148,7 @@ impl Fault {
             Fault::DriveFault => "the drive reports a fault",
             Fault::Stopped => "a stop was commanded",
             Fault::SpindleNotAtSpeed => {
-                "the spindle did not reach its speed; check load, ramp_rpm_s and override"
+                "the spindle did not reach its speed; check load, encoder, ramp_rpm_s and override"
             }
             Fault::AxisNotInPosition => "an axis did not settle within in_position_mm",
             Fault::AxisFault => "a regulator reports a fault",
@@ -149,10 +161,22 @@ impl Fault {
             Fault::TravelLimit => "a target lies outside the travel of its axis",
             Fault::MeasurementGap => "a measurement is missing or out of order",
             Fault::EncoderPlausibility => {
-                "counts between two indexes do not match the spindle encoder's lines"
+                "the spindle turned back and did not meet its index where it was; check the encoder and its cable"
             }
             Fault::PlanRejected => {
                 "a planned motion did not keep its limits or its target when it was checked; the machine stopped"
+            }
+            Fault::EncoderPulsesLost => {
+                "fewer counts between two indexes of the spindle than 4 encoder_lines; check that key, the encoder, its cable"
+            }
+            Fault::EncoderPulsesGained => {
+                "more counts between two indexes of the spindle than 4 encoder_lines; check that key, the cable and its shield"
+            }
+            Fault::EncoderGlitch => {
+                "the spindle encoder's count jumped by more than a spindle can turn; check the encoder, its cable and shield"
+            }
+            Fault::EncoderIndexMissing => {
+                "the spindle turned more than once without an index; check encoder_lines, the encoder's index and its cable"
             }
         }
     }
@@ -161,7 +185,7 @@ impl Fault {
 /// One regulator in one control cycle.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/axis-status/1")]
+#[type_name("pitchlock/axis-status/2")]
 #[repr(C)]
 pub struct AxisStatus {
     /// The measurement this belongs to.
@@ -194,8 +218,8 @@ pub struct AxisStatus {
     pub spindle_rpm: f64,
     /// 0x6040 as sent.
     pub control_word: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// With a fault of the spindle encoder: counts too many, or too few (negative), where they are known; else 0.
+    pub encoder_counts: i32,
     /// 0x60FF as sent, mm/s.
     pub target_velocity_mm_s: f64,
     /// 0x60B1 as sent, mm/s.

@@ -60,10 +60,10 @@ layout!(drive_command: DriveCommand, 40, Some("pitchlock/drive-command/1"), {
     cycle: 0, control_word: 8, reserved: 12, target_velocity_mm_s: 16, velocity_offset_mm_s: 24,
     torque_offset_nm: 32,
 });
-layout!(axis_status: AxisStatus, 120, Some("pitchlock/axis-status/1"), {
+layout!(axis_status: AxisStatus, 120, Some("pitchlock/axis-status/2"), {
     cycle: 0, state: 8, fault: 12, pass: 16, line: 20, in_position: 24, refused: 28, commanded_mm: 32,
     velocity_mm_s: 40, acceleration_mm_s2: 48, jerk_mm_s3: 56, servo_error_mm: 64, angle_deg: 72,
-    spindle_rpm: 80, control_word: 88, reserved: 92, target_velocity_mm_s: 96,
+    spindle_rpm: 80, control_word: 88, encoder_counts: 92, target_velocity_mm_s: 96,
     velocity_offset_mm_s: 104, torque_offset_nm: 112,
 });
 layout!(machine_status: MachineStatus, 88, Some("pitchlock/machine-status/3"), {

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`state`] | the states of an axis as one enum, one transition function |
 //! | [`spindle`] | spindle angle, speed and acceleration from counts (M53), index |
+//! | [`encoder`] | whether the counts can be true, and every index comes (M70, M71) |
 //! | [`stream`] | timed motion between setpoints |
 //! | [`reference`](mod@reference) | where the axis shall be: now, and about it, at the leads of the feedforwards (M8, M54) |
 //! | [`compensation`], [`screw`] | what the motor does besides, for backlash and the error of the screw (M68, M69) |
@@ -15,6 +16,7 @@
 //! | [`loops`] | position loop, feedforward of mass and friction (M54) |
 #![forbid(unsafe_code)]
 
+pub mod encoder;
 pub mod compensation;
 pub mod feedforward;
 pub mod loops;

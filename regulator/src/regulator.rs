@@ -211,6 +211,9 @@ impl Regulator {
         if gap {
             return Some(Fault::MeasurementGap);
         }
+        if let Some(found) = self.spindle.fault() {
+            return Some(found.fault);
+        }
         if moving && drive != Some(DriveState::OperationEnabled)
             || matches!(drive, None | Some(DriveState::Fault | DriveState::FaultReaction))
         {
@@ -265,12 +268,22 @@ impl Regulator {
             angle_deg,
             spindle_rpm: self.spindle.rpm(),
             control_word: drive.control_word,
-            reserved: 0,
+            encoder_counts: self.encoder_counts(),
             target_velocity_mm_s: drive.target_velocity_mm_s,
             velocity_offset_mm_s: drive.velocity_offset_mm_s,
             torque_offset_nm: drive.torque_offset_nm,
         };
         Out { drive, status }
+    }
+
+    /// The counts of the encoder's fault that is latched.
+    fn encoder_counts(&self) -> i32 {
+        match (self.state, self.spindle.fault()) {
+            (State::Fault(fault), Some(found)) if found.fault == fault => {
+                found.counts.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+            }
+            _ => 0,
+        }
     }
 
     fn control_word(&self, measurement: &Measurement) -> ControlWord {

@@ -1,10 +1,13 @@
 //! The spindle as a regulator sees it: counts in, angle, speed and acceleration out (M53).
 //!
 //! Counts are taken at the middle of their quantum. The observer runs from the first measurement on and is never
-//! reset at the index; the index only gives the origin of C.
+//! reset at the index; the index only gives the origin of C. A spindle may turn already when it is first seen: then its
+//! speed is taken from two counts 1/f_o apart. No pass is armed before 10/f_o (`interpolator/src/begin.rs`).
 
 use motion::{SpindleMotion, SpindleObserver};
 use protocol::{Cycle, Machine, Measurement};
+
+use crate::encoder::{Encoder, EncoderFault};
 
 /// An index of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,16 +16,18 @@ pub struct Index {
     pub count: i64,
     /// First cycle that shows it.
     pub cycle: Cycle,
-    /// Whether as many counts lie between it and the one before as the encoder has.
-    pub plausible: bool,
 }
 
 /// Tracks the spindle encoder. Angles in degrees, speeds in deg/s.
 #[derive(Clone, Debug)]
 pub struct Spindle {
     observer: SpindleObserver,
+    first_count: Option<i64>,
+    opening_s: f64,
+    /// Cycles until the observer gets its speed from the first count and the present one.
+    opening: u64,
+    encoder: Encoder,
     degrees_per_count: f64,
-    counts_per_turn: i64,
     index: Option<Index>,
     index_number: u64,
 }
@@ -30,11 +35,15 @@ pub struct Spindle {
 impl Spindle {
     /// A spindle with the encoder and the observer of a machine file.
     pub fn new(machine: &Machine) -> Spindle {
-        let counts = machine.spindle_counts();
+        let (observer_hz, cycle_s) = (machine.spindle.observer_hz, machine.machine.cycle_s);
+        let opening = (1.0 / (observer_hz * cycle_s)).ceil().max(1.0);
         Spindle {
-            observer: SpindleObserver::new(machine.spindle.observer_hz, machine.machine.cycle_s),
-            degrees_per_count: 360.0 / counts,
-            counts_per_turn: counts as i64,
+            observer: SpindleObserver::new(observer_hz, cycle_s),
+            first_count: None,
+            opening_s: opening * cycle_s,
+            opening: opening as u64,
+            encoder: Encoder::new(machine),
+            degrees_per_count: 360.0 / machine.spindle_counts(),
             index: None,
             index_number: 0,
         }
@@ -43,20 +52,30 @@ impl Spindle {
     /// Takes the measurement of one control cycle.
     pub fn update(&mut self, measurement: &Measurement) {
         self.observer.update(measurement.spindle_count as f64 + 0.5);
+        self.open(measurement.spindle_count);
+        self.encoder.update(measurement);
         if measurement.index_number != self.index_number {
-            self.index = Some(Index {
-                count: measurement.index_count,
-                cycle: measurement.index_cycle,
-                plausible: self.plausible(measurement),
-            });
+            self.index = Some(Index { count: measurement.index_count, cycle: measurement.index_cycle });
             self.index_number = measurement.index_number;
         }
     }
 
-    fn plausible(&self, measurement: &Measurement) -> bool {
-        let Some(last) = self.index else { return true };
-        let turned = (measurement.index_count - last.count).abs();
-        turned <= 1 || (turned - self.counts_per_turn).abs() <= 1
+    /// Gives the observer its speed at the end of the opening.
+    fn open(&mut self, count: i64) {
+        let Some(first) = self.first_count else {
+            self.first_count = Some(count);
+            return;
+        };
+        if self.opening == 1 {
+            let speed = count.saturating_sub(first) as f64 / self.opening_s;
+            self.observer.start(count as f64 + 0.5, speed);
+        }
+        self.opening = self.opening.saturating_sub(1);
+    }
+
+    /// What is wrong with the encoder, if anything.
+    pub fn fault(&self) -> Option<EncoderFault> {
+        self.encoder.fault()
     }
 
     /// The last index, if there was one.

@@ -11,7 +11,7 @@
 //! | RunIn | C at the end of approach and run-in | Locked |
 //! | Locked | C where braking or retract begins | RunOut |
 //! | RunOut | C where the law ends | Streaming, at rest at the end of the law |
-//! | any but Fault | drive fault, stop, servo error, starved stream | Fault |
+//! | any but Fault | drive fault, encoder fault of the spindle, stop, servo error, starved stream | Fault |
 //!
 //! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards in the
 //! state it is in.
@@ -162,9 +162,6 @@ fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
 /// The first index at or after `not_before` is the origin of C: the same one on every axis.
 fn armed(mut pass: Pass, index: Option<Index>) -> State {
     match index {
-        Some(index) if index.cycle >= pass.not_before && !index.plausible => {
-            State::Fault(Fault::EncoderPlausibility)
-        }
         Some(index) if index.cycle >= pass.not_before => {
             pass.index_count = index.count;
             State::WaitingForC0(pass)

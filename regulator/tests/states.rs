@@ -61,7 +61,7 @@ fn quiet() -> Event {
 }
 
 fn index(cycle: u64) -> Option<Index> {
-    Some(Index { count: 77, cycle: Cycle(cycle), plausible: true })
+    Some(Index { count: 77, cycle: Cycle(cycle) })
 }
 
 fn told(command: AxisCommand) -> Event {
@@ -108,14 +108,11 @@ fn from_idle_to_armed() {
 
 #[test]
 fn from_armed_to_the_first_angle() {
-    let impossible = Event { index: Some(Index { plausible: false, ..index(100).unwrap() }), ..quiet() };
-    let fault = State::Fault(Fault::EncoderPlausibility);
     let call_off = told(AxisCommand::CallOff);
     walk(&[
         ("no index", Armed(pass(0)), quiet(), Armed(pass(0)), false),
         ("an index too early does not count", Armed(pass(0)), seen(99), Armed(pass(0)), false),
         ("the first index that counts", Armed(pass(0)), seen(100), WaitingForC0(pass(77)), false),
-        ("an index that cannot be", Armed(pass(0)), impossible, fault, false),
         ("armed, called off", Armed(pass(0)), call_off, Streaming, false),
         ("armed, a second pass", Armed(pass(0)), told(arm(100)), Armed(pass(0)), true),
         ("waits for its first angle", WaitingForC0(pass(77)), at(49.9), WaitingForC0(pass(77)), false),

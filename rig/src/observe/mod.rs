@@ -231,17 +231,17 @@ impl Observer {
     fn take_faults(&mut self, record: &Record, is_tick: bool) {
         let cycle = record.truth.cycle.0;
         let faults = &mut self.out.faults;
-        let mut take = |seen: &mut u32, code: u32, source: &dyn Fn() -> String| {
+        let mut take = |seen: &mut u32, code: u32, counts: i32, source: &dyn Fn() -> String| {
             if std::mem::replace(seen, code) != code && code != 0 {
-                faults.push(fault_report(cycle, source(), code));
+                faults.push(fault_report(cycle, source(), code, counts));
             }
         };
         for (axis, status) in record.axes {
             let source = || format!("regulator-{}", axis.name());
-            take(&mut self.fault_codes.0[axis.index()], status.fault, &source);
+            take(&mut self.fault_codes.0[axis.index()], status.fault, status.encoder_counts, &source);
         }
         if is_tick {
-            take(&mut self.fault_codes.1, record.machine.fault, &|| "interpolator".into());
+            take(&mut self.fault_codes.1, record.machine.fault, 0, &|| "interpolator".into());
             self.out.overrides_clamped = record.machine.overrides_clamped;
         }
         self.out.outcome = self.outcome(record.machine);
@@ -284,9 +284,11 @@ impl Observation {
     }
 }
 
-fn fault_report(cycle: u64, source: String, code: u32) -> FaultReport {
+/// `counts` of the spindle encoder are told where they are known.
+fn fault_report(cycle: u64, source: String, code: u32, counts: i32) -> FaultReport {
+    let told = if counts == 0 { String::new() } else { format!(" ({counts:+} counts)") };
     let (code, text) = match Fault::from_code(code) {
-        Some(fault) => (fault.code().into(), fault.text().into()),
+        Some(fault) => (fault.code().into(), format!("{}{told}", fault.text())),
         None => (format!("unknown-{code}"), "a fault that this version does not know".into()),
     };
     FaultReport { cycle, source, code, text }
