@@ -6,6 +6,7 @@ use rig::observe::{PassReport, Summary};
 use rig::trace::Row;
 
 use super::curves_moves::MovesCurves;
+use super::cutting::CutCurves;
 use super::envelope::Envelope;
 
 /// Points kept of all passes together; a single curve has at least [`LEAST_SLOTS`] and at most [`MOST_SLOTS`] intervals.
@@ -34,6 +35,9 @@ pub(super) struct ShownCurves {
     pub(super) position: [Envelope; 2],
     /// Speed, acceleration and jerk of X and Z, per cent of the limit.
     pub(super) used: [[Envelope; 3]; 2],
+    /// Commanded minus measured, and commanded minus true slide, of X and Z, µm.
+    pub(super) servo: [Envelope; 2],
+    pub(super) slide: [Envelope; 2],
     /// Angle at which the axes were armed, degrees (before the index, so negative).
     pub(super) armed_deg: f64,
 }
@@ -53,6 +57,8 @@ pub(super) struct Curves {
     /// True spindle speed over time, 1/min, and the override, per cent.
     pub(super) rpm: Envelope,
     pub(super) override_pct: Envelope,
+    /// What cutting took.
+    pub(super) cutting: CutCurves,
     /// Timed motion.
     pub(super) moves: MovesCurves,
 }
@@ -105,6 +111,7 @@ impl Curves {
             shown: None,
             rpm: over_time.clone(),
             override_pct: over_time,
+            cutting: CutCurves::new(summary, slots),
             moves: MovesCurves::new(summary),
         }
     }
@@ -121,6 +128,7 @@ impl Curves {
         };
         let c = pass.direction * (row.spindle_true_deg - pass.index_deg);
         self.passes[index].add(pass, c, row);
+        self.cutting.add(summary, index, row);
         if index == self.shown_index {
             let shown = self.shown.get_or_insert_with(|| ShownCurves::new(pass, c));
             shown.add(summary, c, row);
@@ -171,7 +179,14 @@ impl ShownCurves {
         let curve = Envelope::new(armed_deg, moving_deg(pass).1, MOST_SLOTS);
         let both = [curve.clone(), curve.clone()];
         let used = [curve.clone(), curve.clone(), curve];
-        ShownCurves { programmed: both.clone(), position: both, used: [used.clone(), used], armed_deg }
+        ShownCurves {
+            programmed: both.clone(),
+            position: both.clone(),
+            used: [used.clone(), used],
+            servo: both.clone(),
+            slide: both,
+            armed_deg,
+        }
     }
 
     fn add(&mut self, summary: &Summary, c: f64, row: &Row) {
@@ -179,6 +194,8 @@ impl ShownCurves {
             let Some(at) = row.axis(axis) else { continue };
             self.programmed[index].add(c, at.programmed);
             self.position[index].add(c, at.true_mm);
+            self.servo[index].add(c, 1e3 * at.servo_error);
+            self.slide[index].add(c, 1e3 * (at.commanded - at.slide));
             let Some(limits) = summary.limits.get(&axis) else { continue };
             let [v, a, j] = &mut self.used[index];
             v.add(c, 100.0 * at.velocity / limits.velocity_mm_s);

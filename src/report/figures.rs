@@ -38,10 +38,18 @@ pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
     }
     if !summary.passes.is_empty() {
         figures.push(servo(summary, curves));
+    }
+    if let Some((pass, shown)) = shown {
+        figures.push(super::figures_pass::slide(pass, shown));
+    }
+    if !summary.passes.is_empty() {
         figures.push(helix(summary, curves));
     }
     if let Some((pass, shown)) = shown {
         figures.push(super::figures_pass::limits(pass, shown));
+    }
+    if super::cutting::cuts(summary) {
+        figures.push(super::cutting::figure(summary, curves));
     }
     if let Some(lap) = &curves.moves.lap
         && let Some(circle) = summary.moves.circles.get(lap.index)
@@ -158,7 +166,7 @@ fn pass_color(index: usize, passes: usize) -> String {
 }
 
 /// One curve a pass, in the order of cutting.
-fn by_pass<'a>(
+pub(super) fn by_pass<'a>(
     curves: &'a Curves,
     axes: (&'a str, &'a str),
     in_legend: bool,
@@ -219,9 +227,9 @@ fn helix(summary: &Summary, curves: &Curves) -> Figure {
     let worst = summary.passes.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
     Figure {
         title: "Thread error of every pass".into(),
-        caption: "True Z minus the programmed helix at the true spindle angle, over the turns of the thread: what a \
-                  perfect gauge would read. Good: every curve close to zero, without slope (a slope is a wrong lead), \
-                  all on each other (a distance between passes is a wrong groove)."
+        caption: "True Z (of the nut, before backlash and elasticity) minus the programmed helix at the true spindle \
+                  angle, over the turns of the thread. Good: every curve close to zero, without slope (a slope is a \
+                  wrong lead), all on each other (a distance between passes is a wrong groove)."
             .into(),
         alt: format!("Distance from the helix over the turns of the thread, one curve a pass; at most {worst:.2} µm."),
         plot: json!({

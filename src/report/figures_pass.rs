@@ -62,6 +62,43 @@ pub(super) fn motion(pass: &PassReport, shown: &ShownCurves) -> Figure {
     }
 }
 
+/// The error that the controller sees, and that of the slide, which cuts.
+pub(super) fn slide(pass: &PassReport, shown: &ShownCurves) -> Figure {
+    let mut layout = stacked("spindle angle since the index (degrees)", "X (µm)", "Z (µm)");
+    mark(&mut layout, &moments(pass, shown.armed_deg)[2..]);
+    let (begins, done) = moving_deg(pass);
+    let margin = 0.02 * (done - begins);
+    layout["xaxis"]["range"] = json!([begins - margin, done + margin]);
+    let mut data = Vec::new();
+    for (index, y) in ["y", "y2"].into_iter().enumerate() {
+        let servo = curve(&shown.servo[index], "servo error: commanded − measured", BLUE, ("x", y));
+        let slide = curve(&shown.slide[index], "slide: commanded − true", ORANGE, ("x", y));
+        for mut drawn in [slide, servo] {
+            drawn["showlegend"] = json!(index == 0);
+            drawn["legendgroup"] = drawn["name"].clone();
+            data.push(drawn);
+        }
+    }
+    let [x, z] = [&pass.x_slide, &pass.z_slide].map(|slide| slide.thread_max_abs_um);
+    Figure {
+        title: format!("Pass {}: servo error, and what the slide makes of it", pass.pass),
+        caption: format!(
+            "The servo error is what the controller sees: at the motor, or at the scale of an axis that has one. The \
+             slide stands behind backlash, error of the screw, and the elasticity on which acceleration, friction and \
+             cutting force pull. A constant error in the thread shifts it, and in X makes the diameter wrong by twice as \
+             much; one that changes from pass to pass spoils it. In the thread of this pass at most {x:.2} µm in X and \
+             {z:.2} µm in Z."
+        ),
+        alt: format!(
+            "Servo error and slide error of X and Z in pass {} over the spindle angle. Slide in the thread: X {x:.2} µm, \
+             Z {z:.2} µm.",
+            pass.pass
+        ),
+        plot: json!({ "data": data, "layout": layout }),
+        aspect: 0.6,
+    }
+}
+
 /// Speed, acceleration and jerk of X and Z in per cent of their limits.
 pub(super) fn limits(pass: &PassReport, shown: &ShownCurves) -> Figure {
     let mut layout = stacked("spindle angle since the index (degrees)", "X (% of limit)", "Z (% of limit)");

@@ -3,6 +3,7 @@
 
 mod curves;
 mod curves_moves;
+mod cutting;
 mod envelope;
 pub(crate) mod figures;
 mod figures_moves;

@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use rig::observe::{Outcome, PassReport, ServoError, Summary};
 
 use super::Run;
+use super::cutting;
 use super::figures::Figure;
 use super::verdict::{self, um};
 
@@ -20,6 +21,7 @@ pub(super) fn html(run: &Run) -> String {
         (head(summary))
         @if let Some(note) = &run.trace_note { p.note { (note) } }
         @if !summary.passes.is_empty() { (passes(summary)) }
+        @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&run.figures))
         (details(summary))
@@ -93,7 +95,7 @@ fn head(summary: &Summary) -> Markup {
 /// One column of the table of passes: heading, its explanation, and the cell.
 type Column = (&'static str, &'static str, fn(&PassReport) -> String);
 
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 13] = [
     ("Pass", "(line)", |p| format!("{} ({})", p.pass, p.line)),
     ("Start", "of a multi-start thread", |p| (p.start + 1).to_string()),
     ("Lead", "mm/rev", |p| format!("{:.3}", p.lead_mm)),
@@ -107,8 +109,10 @@ const COLUMNS: [Column; 11] = [
     }),
     ("X run-in", "servo error: range, at its end, µm", |p| approach(&p.x)),
     ("X thread", "servo error (after a turn), µm", |p| in_thread(&p.x)),
+    ("X slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.x_slide)),
     ("Z run-in", "servo error: range, at its end, µm", |p| approach(&p.z)),
     ("Z thread", "servo error (after a turn), µm", |p| in_thread(&p.z)),
+    ("Z slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.z_slide)),
     ("Helix", "largest error; mean (phase), µm", |p| {
         format!("{:.2}; {:+.2}", p.helix_max_abs_um, p.phase_um)
     }),
@@ -121,6 +125,10 @@ fn approach(error: &ServoError) -> String {
 
 fn in_thread(error: &ServoError) -> String {
     format!("{:.2} ({:.2})", error.thread_max_abs_um, error.settled_max_abs_um)
+}
+
+fn slide(error: &ServoError) -> String {
+    format!("{}; {:.2}", approach(error), error.thread_max_abs_um)
 }
 
 fn passes(summary: &Summary) -> Markup {
@@ -140,9 +148,10 @@ fn passes(summary: &Summary) -> Markup {
                 }
             }
             p.caption {
-                "Helix: true Z at the motor minus the programmed helix at the true spindle angle. Phase is its mean: "
+                "Helix: true Z of the nut minus the programmed helix at the true spindle angle. Phase is its mean: "
                 "passes of one start must agree in it, or they cut different grooves. Servo error: commanded minus "
-                "measured. A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
+                "measured. Slide: commanded minus true position of the slide, behind backlash, screw and elasticity. "
+                "A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
             }
         }
     }

@@ -1,7 +1,7 @@
 //! A run folder becomes a page that has everything in it.
 
 use protocol::{Axis, AxisState};
-use rig::observe::{AxisLimits, CircleReport, MovesReport, Outcome, PassReport, Summary};
+use rig::observe::{AxisLimits, CircleReport, CuttingReport, MovesReport, Outcome, PassReport, Summary};
 use rig::trace::{AxisRow, CutRow, Format, Row, TraceWriter};
 
 use super::render;
@@ -82,7 +82,7 @@ fn a_run_folder_becomes_one_page_that_needs_no_network() {
 
     let page = std::fs::read_to_string(render(folder.path()).expect("drawn")).expect("read");
     assert!(page.len() < 8_000_000, "{} bytes", page.len());
-    assert_eq!(page.matches("<figure>").count(), 6);
+    assert_eq!(page.matches("<figure>").count(), 7);
     for needed in [
         "keeps within 1.23 µm",
         "12.3",
@@ -106,6 +106,45 @@ fn a_run_without_a_trace_still_has_its_figures_in_numbers() {
     summary().write(&folder.path().join("summary.json")).expect("summary");
     let page = std::fs::read_to_string(render(folder.path()).expect("drawn")).expect("read");
     assert!(page.contains("without a trace") && page.contains("1.23; ") && !page.contains("<figure>"));
+}
+
+#[test]
+fn what_was_cut_has_a_table_and_a_picture() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let cutting = CuttingReport {
+        force_max_n: 612.5,
+        radial_max_n: 306.2,
+        axial_max_n: 122.5,
+        torque_max_nm: 6.125,
+        power_max_kw: 0.3849,
+        chip_area_max_mm2: 0.2042,
+    };
+    let mut summary = summary();
+    summary.passes[0].cutting = Some(cutting);
+    summary.passes.push(PassReport { pass: 2, cutting: None, ..summary.passes[0].clone() });
+    summary.write(&folder.path().join("summary.json")).expect("summary");
+    let path = folder.path().join(Format::Csv.file_name());
+    let mut trace = TraceWriter::create(&path, Format::Csv, &[Axis::X, Axis::Z]).expect("trace");
+    (0..CYCLES).for_each(|cycle| trace.row(&row(cycle)).expect("row"));
+    trace.finish().expect("finished");
+    let page = std::fs::read_to_string(render(folder.path()).expect("drawn")).expect("read");
+    for needed in [
+        "<h2>Cutting</h2>",
+        "0.2042",
+        "612.5; 306.2, 122.5",
+        "6.12",
+        "0.385",
+        "<td>–</td>",
+        "Cutting force and spindle torque of every pass",
+        "[612.5,",
+        "[7.5,",
+    ] {
+        assert!(page.contains(needed), "{needed} is missing");
+    }
+    let quiet = tempfile::tempdir().expect("a temporary folder");
+    self::summary().write(&quiet.path().join("summary.json")).expect("summary");
+    let page = std::fs::read_to_string(render(quiet.path()).expect("drawn")).expect("read");
+    assert!(!page.contains("<h2>Cutting</h2>"), "nothing was cut");
 }
 
 #[test]

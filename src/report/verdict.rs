@@ -1,11 +1,15 @@
 //! What a run comes to, in plain words. In: the summary. Out: a grade, a headline, and sentences.
 
 use protocol::Axis;
-use rig::observe::{Outcome, Summary};
+use rig::observe::{Outcome, PassReport, Summary};
 
 /// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is several
 /// times what a sound machine shows.
 const LOOK_UM: f64 = 5.0;
+
+/// A slide further than this from its programmed place in the thread deserves a look, µm; elasticity and friction alone
+/// make three or four.
+const LOOK_SLIDE_UM: f64 = 10.0;
 
 /// Timed motion further than this from its path deserves a look, µm; a sound machine keeps within a few.
 const LOOK_CONTOUR_UM: f64 = 10.0;
@@ -108,6 +112,13 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     };
     let keeps = if cut.len() == 1 { "keeps" } else { "keep" };
     verdict.say(grade, format!("{count} {keeps} within {} of the programmed helix{same}.", um(helix)));
+    let worst = |of: fn(&PassReport) -> f64| cut.iter().map(|pass| of(pass)).fold(0.0, f64::max);
+    let x = worst(|pass| pass.x_slide.thread_max_abs_um);
+    let z = worst(|pass| pass.slide_helix_max_abs_um);
+    if x.max(z) > LOOK_SLIDE_UM {
+        let words = format!("In the thread the slides stand off by up to {} in X and {} in Z.", um(x), um(z));
+        verdict.say(Grade::Look, words);
+    }
 }
 
 fn moves(summary: &Summary, verdict: &mut Verdict) {
@@ -188,6 +199,8 @@ mod tests {
         };
         let (grade, words) = defect(|summary| summary.passes[0].helix_max_abs_um = 2100.0);
         assert!(grade == Grade::Look && words.contains("2.100 mm"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].x_slide.thread_max_abs_um = 12.0);
+        assert!(grade == Grade::Look && words.contains("up to 12.00 µm in X and 0.000 µm in Z"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].complete = false);
         assert!(grade == Grade::Bad && words.contains("Not cut to the end: pass 1"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].same_index = false);
