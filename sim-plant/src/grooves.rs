@@ -2,7 +2,7 @@
 //! In: how far the tool reaches into the material, mm, while it passes. Out: how far an earlier pass reached there.
 //!
 //! *Reach* is the way of X into the material with the cone taken off: into (x − slope z). It is kept at nodes at most
-//! 0.25 mm apart over the travel of Z, and taken as a straight line between them. Where a pass ends between two nodes,
+//! 0.02 mm apart over the travel of Z, and taken as a straight line between them. Where a pass ends between two nodes,
 //! the one that it did not get to keeps the farthest reach beside it; from there the groove fades to the crest. What the
 //! pass in hand leaves counts only when it is over: a tool does not find its own groove. Everything is allocated at the
 //! start.
@@ -12,8 +12,8 @@ use protocol::{Axis, Groove, Machine};
 /// Grooves that are kept; one more is cut as if it were the first pass of each.
 pub(crate) const GROOVES: usize = 16;
 /// Widest distance of the nodes, mm, and most of them; a longer travel has them further apart.
-const WIDEST_MM: f64 = 0.25;
-const MOST_NODES: f64 = 20_000.0;
+const WIDEST_MM: f64 = 0.02;
+const MOST_NODES: f64 = 50_000.0;
 /// Leads and slopes closer than this are the same.
 const SAME: f64 = 1e-9;
 /// Where nothing was cut.
@@ -165,13 +165,12 @@ mod tests {
     #[test]
     fn a_groove_that_ends_between_two_nodes_is_known_to_its_end() {
         let mut grooves = Grooves::new(&Machine::default());
-        // To -10.1, there the tool goes out.
-        go(&mut grooves, &GROOVE, 0.0, -10.1, |_| -9.0);
+        // To -10.01 and no further; the nodes beside it lie at -10 and -10.02.
+        go(&mut grooves, &GROOVE, 0.0, -10.01, |_| -9.0);
         grooves.begin(&GROOVE);
-        grooves.pass_by(-10.1, -9.0);
-        grooves.pass_by(-10.1, -10.5);
-        for (z, reach) in [(-10.0, -9.0), (-10.1, -9.0), (-10.2, -9.0), (-10.375, -9.5), (-10.6, -10.0)] {
-            assert_eq!(grooves.earlier_mm(z, -10.0), reach, "at {z}");
+        for (z, reach) in [(-10.0, -9.0), (-10.01, -9.0), (-10.019, -9.0), (-10.03, -9.5), (-10.05, -10.0)] {
+            let earlier = grooves.earlier_mm(z, -10.0);
+            assert!((earlier - reach).abs() < 1e-9, "{earlier} at {z}");
         }
     }
 
