@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Axis, Cycle, Machine,
-    machine::{Kinematics, PathConfig, SMALL_LATHE, SMALL_MILL},
+    Axis, AxisMeasurement, Cycle, Machine, Position,
+    machine::{Difference, Feedforward, Kinematics, PathConfig, SMALL_LATHE, SMALL_MILL},
 };
 use toml::{Table, Value};
 
@@ -161,6 +161,89 @@ fn values_that_contradict_each_other_are_refused() {
     }
     let message = refusal(&format!("{SMALL_LATHE}\n[tools.T3]\nname = \"x\""));
     assert!(message.starts_with("tools = T3"), "{message}");
+}
+
+/// The built-in lathe with more keys of X.
+fn with_x(keys: &str) -> String {
+    with("[axis.x]", &format!("[axis.x]\n{keys}"))
+}
+
+#[test]
+fn structures_of_feedforward_have_names() {
+    for (name, structure) in [
+        ("none", Feedforward::None),
+        ("difference-v", Feedforward::DifferenceV),
+        ("difference-va", Feedforward::DifferenceVa),
+        ("analytic-v", Feedforward::AnalyticV),
+        ("analytic-va-no-lead", Feedforward::AnalyticVaNoLead),
+        ("full", Feedforward::Full),
+    ] {
+        let machine = Machine::from_toml(&with_x(&format!("feedforward = {name:?}"))).unwrap();
+        assert_eq!(machine.axis[&Axis::X].feedforward, structure);
+    }
+    let built_in = &Machine::default().axis[&Axis::X];
+    assert_eq!((built_in.feedforward, built_in.difference), (Feedforward::Full, Difference::default()));
+    let message = refusal(&with_x("feedforward = \"differences\""));
+    assert!(message.contains("difference-va") && message.contains("line"), "{message}");
+}
+
+#[test]
+fn differences_have_bounds() {
+    for (table, message) in [
+        ("{ quantum_mm = 0.0 }", "axis.x.difference.quantum_mm = 0: must lie between"),
+        ("{ cycles = 0 }", "axis.x.difference.cycles = 0: must lie between"),
+        (
+            "{ cycles = 3, centred = true }",
+            "axis.x.difference.cycles = 3: centred differences look 0.00275 s",
+        ),
+    ] {
+        let refused = refusal(&with_x(&format!("difference = {table}")));
+        assert!(refused.starts_with(message), "{refused}");
+    }
+    assert!(refusal(&with_x("difference = { quantum = 1.0 }")).contains("quantum"));
+    for table in ["{ cycles = 3 }", "{ cycles = 2, centred = true }", "{ quantum_mm = 1e-9 }"] {
+        Machine::from_toml(&with_x(&format!("difference = {table}"))).unwrap();
+    }
+}
+
+#[test]
+fn what_lies_behind_the_motor_has_bounds() {
+    for (keys, message) in [
+        ("scale_step_mm = 0.0", "axis.x.scale_step_mm = 0: must"),
+        ("backlash_mm = -0.1", "axis.x.backlash_mm = -0.1: must"),
+        ("screw_error = [[0.0, 1.0]]", "axis.x.screw_error = 1 rows: must have between 2 and 256 rows"),
+        ("screw_error = [[0, 1], [nan, 2]]", "axis.x.screw_error[1][0] = NaN: must"),
+        ("screw_error = [[0, 1], [300, 1001]]", "axis.x.screw_error[1][1] = 1001: must"),
+        (
+            "screw_error = [[0, 1], [5, 2], [5.05, 2]]",
+            "axis.x.screw_error[2][0] = 5.05: must rise by at least",
+        ),
+        ("screw_error = [[0, 1], [-5, 2]]", "axis.x.screw_error[1][0] = -5: must rise by at least 0.1"),
+        ("screw_error = [[0, 1], [10, 2], [20, -49]]", "axis.x.screw_error[2][1] = -49: must lie within 5"),
+    ] {
+        let refused = refusal(&with_x(keys));
+        assert!(refused.starts_with(message), "{refused}");
+    }
+    for wrong in ["screw_error = [[0, 1], [5, 2, 2]]", "screw_error = [[0], [5, 2]]"] {
+        let message = refusal(&with_x(wrong));
+        assert!(message.contains("screw_error") && message.contains("there must be two"), "{message}");
+    }
+    let message = refusal(&with("travel_mm = [-5.0, 120.0]", "travel_mm = [-5.0, 120.0, 3.0]"));
+    assert!(message.contains("3 numbers where there must be two"), "{message}");
+    let long: Vec<_> = (0..257).map(|row| format!("[{row}, 0]")).collect();
+    assert!(refusal(&with_x(&format!("screw_error = [{}]", long.join(", ")))).contains("257 rows"));
+    let good = "scale_step_mm = 1e-4\nbacklash_mm = 0.01\nscrew_error = [[0, 1], [10, -49], [20, 1]]";
+    let machine = Machine::from_toml(&with_x(good)).unwrap();
+    assert_eq!(machine.axis[&Axis::X].screw_error, [[0.0, 1.0], [10.0, -49.0], [20.0, 1.0]]);
+}
+
+#[test]
+fn the_loop_of_an_axis_with_a_scale_closes_over_it() {
+    let measured = AxisMeasurement { position: Position(1), scale: Position(2), ..Default::default() };
+    let mut x = Machine::default().axis[&Axis::X].clone();
+    assert_eq!(x.position(&measured), Position(1));
+    x.scale_step_mm = Some(1e-4);
+    assert_eq!(x.position(&measured), Position(2));
 }
 
 proptest! {

@@ -1,7 +1,7 @@
 //! `[axis.*]` of the machine file: one axis as the controller believes it to be.
 //! In: mm, s, kg, N; degrees instead of mm for a rotary axis. Out: checked values, or the path of the key and the reason.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use super::{General, MachineError, range, refuse};
 use crate::{Axis, AxisMeasurement, Position};
@@ -21,7 +21,7 @@ const MOST_ROWS: usize = 256;
 #[serde(deny_unknown_fields)]
 pub struct AxisConfig {
     /// Lowest and highest position, mm (X: radius).
-    #[serde(alias = "travel_deg")]
+    #[serde(alias = "travel_deg", deserialize_with = "pair")]
     pub travel_mm: [f64; 2],
     /// Position at the start of the machine, mm.
     #[serde(alias = "home_deg")]
@@ -89,7 +89,7 @@ pub struct AxisConfig {
     pub backlash_mm: f64,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide stands, in
     /// thousandths of that unit (µm). Only its change since home counts. Empty for none.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "pairs")]
     pub screw_error: Vec<[f64; 2]>,
 }
 
@@ -225,6 +225,21 @@ impl AxisConfig {
         }
         Ok(())
     }
+}
+
+/// Two numbers; a third one is an error too, which serde's arrays let pass.
+fn pair<'de, D: Deserializer<'de>>(values: D) -> Result<[f64; 2], D::Error> {
+    two(Vec::deserialize(values)?)
+}
+
+/// Rows of two numbers.
+fn pairs<'de, D: Deserializer<'de>>(rows: D) -> Result<Vec<[f64; 2]>, D::Error> {
+    Vec::<Vec<f64>>::deserialize(rows)?.into_iter().map(two).collect()
+}
+
+fn two<E: Error>(values: Vec<f64>) -> Result<[f64; 2], E> {
+    let found = values.len();
+    values.try_into().map_err(|_| E::custom(format!("{found} numbers where there must be two")))
 }
 
 /// The path of a key, in the unit of the axis: `axis.x.travel_mm`, `axis.c.travel_deg`.
