@@ -79,6 +79,9 @@ pub(crate) enum Command {
     /// Make a published experiment again: table, JSON, pictures.
     #[command(after_help = crate::experiment::HELP)]
     Experiment(crate::experiment::ExperimentArgs),
+    /// Commission axes: measure mass, friction, delays and the mode of the slide, and propose loops that fit.
+    #[command(after_help = crate::tune::HELP)]
+    Tune(crate::tune::TuneArgs),
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(DoctorArgs),

@@ -10,6 +10,7 @@ mod experiment;
 mod program;
 mod report;
 mod run;
+mod tune;
 
 use std::process::ExitCode;
 
@@ -43,6 +44,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Experiment(args) => experiment::experiment(args, quiet),
+        Command::Tune(args) => tune::tune(args, quiet),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(interpreter::shell::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => Ok(interpolator::shell::run(args).map(|()| ExitCode::SUCCESS)?),

@@ -3,15 +3,15 @@
 use maud::{Markup, html};
 
 /// One column: its name, its unit (or nothing), and the cell of a row.
-pub(super) struct Column<R> {
-    pub(super) name: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) cell: fn(&R) -> String,
+pub(crate) struct Column<R> {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    pub(crate) cell: fn(&R) -> String,
 }
 
 /// Where a table is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// On the screen and on the page.
     Everywhere,
     /// On the page.
@@ -21,20 +21,20 @@ pub(super) enum Place {
 }
 
 /// A table as it is shown.
-pub(super) struct Table {
-    pub(super) title: String,
+pub(crate) struct Table {
+    pub(crate) title: String,
     /// How to read it; on the page alone.
-    pub(super) caption: String,
+    pub(crate) caption: String,
     /// Name and unit of each column.
-    pub(super) head: Vec<[String; 2]>,
+    pub(crate) head: Vec<[String; 2]>,
     /// As many cells in each row.
-    pub(super) rows: Vec<Vec<String>>,
-    pub(super) place: Place,
+    pub(crate) rows: Vec<Vec<String>>,
+    pub(crate) place: Place,
 }
 
 impl Table {
     /// A table everywhere, of rows seen through columns.
-    pub(super) fn of<R>(title: &str, columns: &[Column<R>], rows: &[R]) -> Table {
+    pub(crate) fn of<R>(title: &str, columns: &[Column<R>], rows: &[R]) -> Table {
         Table {
             title: title.into(),
             caption: String::new(),
@@ -45,17 +45,17 @@ impl Table {
     }
 
     /// The table with a caption.
-    pub(super) fn with_caption(self, caption: impl Into<String>) -> Table {
+    pub(crate) fn with_caption(self, caption: impl Into<String>) -> Table {
         Table { caption: caption.into(), ..self }
     }
 
     /// The table in another place.
-    pub(super) fn at(self, place: Place) -> Table {
+    pub(crate) fn at(self, place: Place) -> Table {
         Table { place, ..self }
     }
 
     /// The table for a terminal, every line with its end; columns are flush right.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let head = [0, 1].map(|line| self.head.iter().map(|column| column[line].clone()).collect());
         let lines: Vec<Vec<String>> = head.into_iter().chain(self.rows.iter().cloned()).collect();
         let width = |column: usize| {
@@ -72,7 +72,7 @@ impl Table {
     }
 
     /// The table for a page.
-    pub(super) fn markup(&self) -> Markup {
+    pub(crate) fn markup(&self) -> Markup {
         html! {
             div.scroll tabindex="0" role="region" aria-label=(self.title) {
                 table {
@@ -85,7 +85,7 @@ impl Table {
 }
 
 /// A number in six significant digits, without zeros at its end.
-pub(super) fn six(value: f64) -> String {
+pub(crate) fn six(value: f64) -> String {
     format!("{value:.5e}").parse::<f64>().unwrap_or(value).to_string()
 }
 

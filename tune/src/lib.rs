@@ -34,8 +34,9 @@ mod torque_path;
 mod tuned;
 
 pub use estimate::Estimate;
-pub use margins::{LoopMargins, Margins};
+pub use margins::{LoopMargins, Margins, OpenLoops};
 pub use mode::Mode;
+pub use nalgebra::Complex;
 pub use proposal::Goals;
 pub use refusal::Refusal;
 pub use response::Line;

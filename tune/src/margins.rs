@@ -32,24 +32,42 @@ pub struct Margins {
     pub position: LoopMargins,
 }
 
+/// Both loops, opened, at one frequency.
+#[derive(Clone, Copy, Debug)]
+pub struct OpenLoops {
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// The velocity loop.
+    pub velocity: Complex<f64>,
+    /// The position loop, the velocity loop closed.
+    pub position: Complex<f64>,
+}
+
+/// The loops of `config` on the measured response.
+pub(crate) fn open(lines: &[Line], config: &AxisConfig, cycle_s: f64) -> Vec<OpenLoops> {
+    let open = |line: &Line| OpenLoops {
+        hz: line.hz,
+        velocity: velocity(line, config, cycle_s),
+        position: position(line, config, cycle_s),
+    };
+    lines.iter().map(open).collect()
+}
+
 /// Margins of the loops of `config` on the measured response.
 pub(crate) fn of(lines: &[Line], config: &AxisConfig, cycle_s: f64) -> Margins {
-    let open = |curve: &dyn Fn(&Line) -> Complex<f64>| {
-        lines.iter().map(|line| (line.hz, curve(line))).collect::<Vec<_>>()
-    };
-    Margins {
-        velocity: margins(&open(&|line| velocity(line, config, cycle_s))),
-        position: margins(&open(&|line| position(line, config, cycle_s))),
-    }
+    let open = open(lines, config, cycle_s);
+    let curve =
+        |of: fn(&OpenLoops) -> Complex<f64>| open.iter().map(|at| (at.hz, of(at))).collect::<Vec<_>>();
+    Margins { velocity: margins(&curve(|at| at.velocity)), position: margins(&curve(|at| at.position)) }
 }
 
 /// The velocity loop, opened, at a line.
-pub(crate) fn velocity(line: &Line, config: &AxisConfig, cycle_s: f64) -> Complex<f64> {
+fn velocity(line: &Line, config: &AxisConfig, cycle_s: f64) -> Complex<f64> {
     controller(line, config, cycle_s) * line.speed_per_torque
 }
 
 /// The position loop, opened, at a line.
-pub(crate) fn position(line: &Line, config: &AxisConfig, cycle_s: f64) -> Complex<f64> {
+fn position(line: &Line, config: &AxisConfig, cycle_s: f64) -> Complex<f64> {
     let inner = Complex::from(1.0) + velocity(line, config, cycle_s);
     let speed =
         if config.scale_step_mm.is_some() { line.scale_speed_per_torque } else { line.speed_per_torque };

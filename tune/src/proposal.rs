@@ -49,7 +49,7 @@ impl Default for Goals {
             velocity_phase_deg: 35.0,
             velocity_gain: 2.2,
             position_phase_deg: 60.0,
-            position_gain: 2.2,
+            position_gain: 3.0,
             stroke_mm: 5.0,
             residual_um: 0.2,
         }
@@ -89,6 +89,26 @@ pub(crate) fn gains(
     let kv = highest(POSITION_GAINS, good).ok_or(Refusal::NoGain(axis, "position", phase, gain))?;
     config.position_gain_1_s = kv;
     Ok(())
+}
+
+/// The identified keys and gains with the digits that a machine file shall show. Leads keep those of a microsecond.
+pub(crate) fn rounded(config: AxisConfig) -> AxisConfig {
+    let to = |value: f64, digits: usize| {
+        format!("{value:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(value)
+    };
+    let microsecond = |seconds: f64| (seconds * 1e6).round() / 1e6;
+    AxisConfig {
+        mass_kg: to(config.mass_kg, 5),
+        coulomb_n: to(config.coulomb_n, 4),
+        viscous_n_s_mm: to(config.viscous_n_s_mm, 3),
+        presliding_n_mm: to(config.presliding_n_mm, 3),
+        velocity_lead_s: microsecond(config.velocity_lead_s),
+        acceleration_lead_s: microsecond(config.acceleration_lead_s),
+        velocity_bandwidth_hz: to(config.velocity_bandwidth_hz, 3),
+        velocity_integral_s: to(config.velocity_integral_s, 3),
+        position_gain_1_s: to(config.position_gain_1_s, 3),
+        ..config
+    }
 }
 
 /// The highest gain that is good together with all good ones just below it, from the lowest good one on.

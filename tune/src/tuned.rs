@@ -4,7 +4,7 @@ use protocol::{Axis, Machine, machine::AxisConfig};
 
 use crate::{
     estimate::Estimate,
-    margins::{self, Margins},
+    margins::{self, Margins, OpenLoops},
     mode::{self, Mode},
     presliding,
     proposal::{self, Goals},
@@ -59,6 +59,15 @@ pub struct Tuned {
     pub after: Margins,
     /// `[axis.*]` with the identified values and the gains that follow.
     pub proposal: AxisConfig,
+    /// Control cycle, s.
+    pub cycle_s: f64,
+}
+
+impl Tuned {
+    /// The loops of a configuration on the measured response, opened.
+    pub fn open_loops(&self, config: &AxisConfig) -> Vec<OpenLoops> {
+        margins::open(&self.lines, config, self.cycle_s)
+    }
 }
 
 /// Measures an axis that stands still somewhere in its travel, and proposes its `[axis.*]`. The drive is off afterwards.
@@ -128,6 +137,7 @@ fn measure<B: Bench>(
     };
     plausible(axis, &rigid, &path, &sliding)?;
     proposal::gains(axis, &mut proposal, &lines, cycle_s, goals)?;
+    let proposal = proposal::rounded(proposal);
     Ok(Tuned {
         axis,
         reach_mm,
@@ -147,6 +157,7 @@ fn measure<B: Bench>(
         friction_curve: rigid.curve,
         reversals: sliding.loops,
         proposal,
+        cycle_s,
     })
 }
 

@@ -34,7 +34,7 @@ const LATHE: Truth =
 impl Truth {
     fn machine(&self) -> Machine {
         let mut machine = Machine::default();
-        let x = machine.plant["axis"]["x"].as_table_mut().unwrap();
+        let x = machine.plant["axis"]["x"].as_table_mut().expect("the lathe has an X");
         for (key, value) in [
             ("inertia_kg_m2", self.inertia_kg_m2),
             ("slide_mass_kg", self.slide_mass_kg),
@@ -63,7 +63,7 @@ impl Truth {
 }
 
 fn tuned(machine: &Machine) -> Result<Tuned, Refusal> {
-    let mut bench = OnPlant(Plant::new(machine, Scenario::none(), 1).unwrap());
+    let mut bench = OnPlant(Plant::new(machine, Scenario::none(), 1).expect("the plant is sound"));
     let found = tune(&mut bench, Axis::X, machine);
     let still = bench.0.truth().axes[0];
     assert!(still.velocity_mm_s.abs() < 0.1, "it is left at rest: {} mm/s", still.velocity_mm_s);

@@ -1,0 +1,164 @@
+//! What tuning found, as tables and sentences. In: findings. Out: text for the screen, tables for the page.
+
+use tune::{Estimate, LoopMargins, Tuned};
+
+use super::{
+    Found,
+    change::{self, Change},
+    trial::Row,
+};
+use crate::experiment::table::{Place, Table, six};
+
+/// Everything for the screen.
+pub(super) fn text(found: &Found) -> String {
+    let axes = found.tuned.iter().map(|tuned| {
+        let tables = [changes(found, tuned), margins(tuned)];
+        let sentences: String = sentences(found, tuned).iter().map(|line| format!("{line}\n")).collect();
+        format!("{}\n{}\n{sentences}\n", tables[0].text(), tables[1].text())
+    });
+    let axes: String = axes.collect();
+    let trial = match &found.trial {
+        Ok(compared) => format!("trial pass, servo error of X\n{}", trial(&compared.rows).text()),
+        Err(reason) => format!("no trial pass: {reason}\n"),
+    };
+    format!("{axes}{trial}")
+}
+
+/// Keys before and after.
+pub(super) fn changes(found: &Found, tuned: &Tuned) -> Table {
+    let before = &found.machine.axis[&tuned.axis];
+    let changes = change::changes(before, tuned);
+    let widest = |of: fn(&Change) -> usize| changes.iter().map(of).max().unwrap_or(0);
+    let (key, how) = (widest(|change| change.key.len()), widest(|change| change.how.chars().count()));
+    // Columns are flush right; words of one width are flush left, too.
+    let row = |change: &Change| {
+        let deviation = change.deviation.map_or("chosen".into(), |deviation| format!("{deviation:.2e}"));
+        vec![
+            format!("{:key$}", change.key),
+            six(change.before),
+            six(change.after),
+            deviation,
+            change.unit.to_owned(),
+            format!("{:how$}", change.how),
+        ]
+    };
+    Table {
+        title: format!("{}: what is proposed", tuned.axis),
+        caption: "±: standard deviation, from what the model leaves of the measurements; \"chosen\": follows from the \
+                  margins or from the cycle."
+            .into(),
+        head: ["key", "before", "after", "±", "", "how"].map(|name| [name.into(), String::new()]).to_vec(),
+        rows: changes.iter().map(row).collect(),
+        place: Place::Everywhere,
+    }
+}
+
+/// Margins before and after.
+pub(super) fn margins(tuned: &Tuned) -> Table {
+    let row = |name: &str, margins: &LoopMargins| {
+        let gain = if margins.gain.is_finite() { format!("{:.2}", margins.gain) } else { "–".into() };
+        let phase =
+            if margins.phase_deg.is_finite() { format!("{:.1}", margins.phase_deg) } else { "–".into() };
+        let crossover = margins.crossover_hz;
+        let crossover = if crossover.is_finite() { format!("{crossover:.1}") } else { "–".into() };
+        vec![format!("{name:22}"), phase, gain, crossover]
+    };
+    Table {
+        title: format!("{}: margins of the loops", tuned.axis),
+        caption: "On the measured response. The crossover is the one with the least phase margin.".into(),
+        head: [["loop", ""], ["phase margin", "°"], ["gain margin", ""], ["crossover", "Hz"]]
+            .map(|column| column.map(str::to_owned))
+            .to_vec(),
+        rows: vec![
+            row("velocity loop, before", &tuned.before.velocity),
+            row("velocity loop, after", &tuned.after.velocity),
+            row("position loop, before", &tuned.before.position),
+            row("position loop, after", &tuned.after.position),
+        ],
+        place: Place::Everywhere,
+    }
+}
+
+/// Servo errors of the trial passes.
+pub(super) fn trial(rows: &[Row]) -> Table {
+    // A value that rounds to nothing has no sign.
+    let micrometres = |um: f64| format!("{:+.2}", (um * 100.0).round() / 100.0 + 0.0);
+    let row = |row: &Row| {
+        vec![
+            format!("{:.0}", row.override_pct),
+            if row.tuned { "after" } else { "before" }.into(),
+            micrometres(row.approach_min_um),
+            micrometres(row.approach_max_um),
+            micrometres(row.end_um),
+            format!("{:.2}", row.thread_max_abs_um),
+        ]
+    };
+    Table {
+        title: "Trial pass before and after: servo error of X".into(),
+        caption:
+            "A stroke of 5 mm in one turn at 300 1/min, then a thread of 5 mm lead, without cutting force."
+                .into(),
+        head: [
+            ["override", "%"],
+            ["", ""],
+            ["approach min", "µm"],
+            ["approach max", "µm"],
+            ["end", "µm"],
+            ["thread max", "µm"],
+        ]
+        .map(|column| column.map(str::to_owned))
+        .to_vec(),
+        rows: rows.iter().map(row).collect(),
+        place: Place::Everywhere,
+    }
+}
+
+/// Angle of the spindle in degrees that an approach of `time_s` takes at the highest override it is laid out for.
+pub(super) fn approach_deg(found: &Found, time_s: f64) -> f64 {
+    6.0 * found.rpm * time_s * design(found) / 100.0
+}
+
+fn design(found: &Found) -> f64 {
+    found.machine.threading.design_override_pct
+}
+
+/// What no key of the machine file holds.
+pub(super) fn sentences(found: &Found, tuned: &Tuned) -> Vec<String> {
+    let shown = |estimate: Estimate, factor: f64, digits: usize| {
+        let unit = libm::pow(10.0, digits as f64);
+        let rounded = (factor * estimate.value * unit).round() / unit + 0.0;
+        format!("{rounded:.digits$} ± {:.digits$}", factor * estimate.deviation)
+    };
+    let axis = tuned.axis;
+    let mut lines = vec![
+        format!(
+            "{axis}: test moves of up to {:.1} {}; torque acts {} µs after its command, behind a lag of {} µs",
+            tuned.reach_mm.abs(),
+            axis.unit(),
+            shown(tuned.delay_s, 1e6, 1),
+            shown(tuned.lag_s, 1e6, 1),
+        ),
+        format!(
+            "{axis}: breaks away at {:.0} N; constant force {} N",
+            tuned.breakaway_n,
+            shown(tuned.constant_n, 1.0, 1)
+        ),
+    ];
+    match (&tuned.mode, tuned.approach_s) {
+        (Some(mode), Some(approach_s)) => lines.push(format!(
+            "{axis}: the slide ({:.0} kg) swings at {} Hz, damping {:.3}; a stroke of {} mm leaves at most {} µm of it if \
+             it takes {:.3} s or more: ΔC of {:.0}° at {} 1/min, up to {:.0} % override",
+            mode.slide_kg.value,
+            shown(mode.hz, 1.0, 2),
+            mode.damping.value,
+            found.goals.stroke_mm,
+            found.goals.residual_um,
+            approach_s,
+            approach_deg(found, approach_s).ceil(),
+            found.rpm,
+            design(found),
+        )),
+        _ => lines.push(format!("{axis}: no mode of the slide is seen")),
+    }
+    lines
+}
