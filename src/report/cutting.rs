@@ -6,7 +6,7 @@ use rig::observe::{CuttingReport, PassReport, Summary};
 use rig::trace::Row;
 use serde_json::json;
 
-use super::curves::Curves;
+use super::curves::{Curves, moving_deg};
 use super::envelope::Envelope;
 use super::figures::{Figure, by_pass, stacked};
 
@@ -23,11 +23,15 @@ impl CutCurves {
         CutCurves(if cuts(summary) { summary.passes.iter().map(of_pass).collect() } else { Vec::new() })
     }
 
-    /// Takes the next row, of the pass with this index.
-    pub(super) fn add(&mut self, summary: &Summary, index: usize, row: &Row) {
+    /// Takes the next row, of the pass with this index, c degrees after its spindle index.
+    pub(super) fn add(&mut self, summary: &Summary, index: usize, c: f64, row: &Row) {
         let Some((pass, [force, torque])) = summary.passes.get(index).zip(self.0.get_mut(index)) else {
             return;
         };
+        // Before the axes move the spindle may still be on its way to its speed.
+        if c < moving_deg(pass).0 {
+            return;
+        }
         let t_s = since_index_s(summary, pass, row.cycle);
         force.add(t_s, row.cut.force);
         torque.add(t_s, row.cut.motor_torque * pass.direction);
