@@ -1,5 +1,6 @@
 //! What tuning found, as tables and sentences. In: findings. Out: text for the screen, tables for the page.
 
+use protocol::machine::Kinematics;
 use tune::{Estimate, LoopMargins, Tuned};
 
 use super::{
@@ -118,6 +119,15 @@ pub(super) fn approach_deg(found: &Found, time_s: f64) -> f64 {
     6.0 * found.rpm * time_s * design(found) / 100.0
 }
 
+/// The same in words, on a machine that moves in step with its spindle.
+fn angle(found: &Found, time_s: f64) -> String {
+    if found.machine.machine.kinematics != Kinematics::Lathe {
+        return String::new();
+    }
+    let (degrees, rpm, design) = (approach_deg(found, time_s).ceil(), found.rpm, design(found));
+    format!(": ΔC of {degrees:.0}° at {rpm} 1/min, up to {design:.0} % override")
+}
+
 fn design(found: &Found) -> f64 {
     found.machine.threading.design_override_pct
 }
@@ -147,16 +157,14 @@ pub(super) fn sentences(found: &Found, tuned: &Tuned) -> Vec<String> {
     match (&tuned.mode, tuned.approach_s) {
         (Some(mode), Some(approach_s)) => lines.push(format!(
             "{axis}: the slide ({:.0} kg) swings at {} Hz, damping {:.3}; a stroke of {} mm leaves at most {} µm of it if \
-             it takes {:.3} s or more: ΔC of {:.0}° at {} 1/min, up to {:.0} % override",
+             it takes {:.3} s or more{}",
             mode.slide_kg.value,
             shown(mode.hz, 1.0, 2),
             mode.damping.value,
             found.goals.stroke_mm,
             found.goals.residual_um,
             approach_s,
-            approach_deg(found, approach_s).ceil(),
-            found.rpm,
-            design(found),
+            angle(found, approach_s),
         )),
         _ => lines.push(format!("{axis}: no mode of the slide is seen")),
     }

@@ -1,7 +1,7 @@
 //! The trial pass before and after: servo errors at five overrides. In: the machine as believed, and as proposed. Out: rows,
 //! and the servo error over time.
 
-use protocol::{Axis, AxisState, Machine};
+use protocol::{Axis, AxisState, Machine, machine::Kinematics};
 use rig::{
     observe::{Outcome, ServoError},
     trial::{Trial, program, run},
@@ -35,6 +35,9 @@ pub(super) struct Compared {
 /// # Errors
 /// Why none can be made, as on a mill.
 pub(super) fn compared(before: &Machine, after: &Machine, seed: u64) -> Result<Compared, String> {
+    if before.machine.kinematics != Kinematics::Lathe {
+        return Err("it is a threading pass, and only a lathe cuts threads".into());
+    }
     let mut compared = Compared { rows: Vec::new(), curves: [Vec::new(), Vec::new()] };
     for override_pct in OVERRIDES {
         for (machine, tuned) in [(before, false), (after, true)] {

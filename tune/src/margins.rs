@@ -23,6 +23,13 @@ pub struct LoopMargins {
     pub gain: f64,
 }
 
+impl LoopMargins {
+    /// Whether the loop comes to a magnitude of 1 within the frequencies that are known.
+    pub(crate) fn crosses(&self) -> bool {
+        self.crossover_hz.is_finite()
+    }
+}
+
 /// Margins of both loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {

@@ -58,11 +58,11 @@ impl Default for Goals {
 
 impl Goals {
     fn velocity(&self, found: &LoopMargins) -> bool {
-        found.phase_deg >= self.velocity_phase_deg && found.gain >= self.velocity_gain
+        found.crosses() && found.phase_deg >= self.velocity_phase_deg && found.gain >= self.velocity_gain
     }
 
     fn position(&self, found: &LoopMargins) -> bool {
-        found.phase_deg >= self.position_phase_deg && found.gain >= self.position_gain
+        found.crosses() && found.phase_deg >= self.position_phase_deg && found.gain >= self.position_gain
     }
 }
 

@@ -8,6 +8,9 @@
 //! U, V, τ: Fourier sums over a period of commanded torque, speed (one difference of positions), measured torque
 //! G = mean V/mean U,   D = mean τ/mean U,   over the periods after the first
 //! ```
+//! Below the lowest line the axis is taken as what it is there, a mass with viscous friction behind the delay and the lag
+//! that were identified.
+//!
 //! What the encoder rounds is not in step with the periods, and averages away; the scatter of the periods says how much
 //! is left.
 
@@ -17,10 +20,12 @@ use nalgebra::Complex;
 use protocol::machine::AxisConfig;
 
 use crate::{
+    drive_loop::metres_per_radian,
     excitation::Multisine,
     refusal::Refusal,
     rigid::{limits, run},
     stand::{Bench, Row, Stand},
+    torque_path::{TorquePath, delayed},
 };
 
 /// Periods that are evaluated.
@@ -30,10 +35,13 @@ const SETTLE_S: f64 = 0.2;
 /// Speed of the run, of the highest of the axis, and of what the travel gives.
 const RUN_SHARE: f64 = 0.1;
 const TRAVEL_SHARE: f64 = 0.8;
-/// Peak of the multisine, of the torque limit, at first.
+/// Peak of the multisine, of the torque limit, at first. More would let the slide reverse where it swings, and friction
+/// would bend the response.
 const PEAK_SHARE: f64 = 0.1;
 /// The speed must not fall below this share of that of the run: else the multisine is halved.
 const SLOWEST: f64 = 0.2;
+/// Distance of lines below the lowest one that is measured, Hz.
+const STEP_HZ: f64 = 0.5;
 /// How often it may be halved.
 const HALVINGS: usize = 6;
 
@@ -84,6 +92,31 @@ pub(crate) fn measure<B: Bench>(
         peak *= 0.5;
     }
     Ok(sine.lines().iter().filter_map(|line| answer(&rows, &sine, *line, cycle_s)).collect())
+}
+
+/// Lines every half hertz below the lowest one that was measured, for a mass in kg with viscous friction in N s/mm.
+pub(crate) fn below(
+    lines: &[Line],
+    config: &AxisConfig,
+    path: &TorquePath,
+    [mass_kg, viscous_n_s_mm]: [f64; 2],
+    cycle_s: f64,
+) -> Vec<Line> {
+    let lowest = lines.first().map_or(0.0, |line| line.hz);
+    let late_s = path.delay_s.value + path.lag_s.value + cycle_s;
+    let line = |number: usize| {
+        let hz = STEP_HZ * number as f64;
+        let resistance = Complex::new(viscous_n_s_mm, TAU * hz * mass_kg * 1e-3) * metres_per_radian(config);
+        let speed = delayed(hz, late_s) / resistance;
+        Line {
+            hz,
+            speed_per_torque: speed,
+            scale_speed_per_torque: speed,
+            torque_per_torque: delayed(hz, path.delay_s.value + path.lag_s.value + 0.5 * cycle_s),
+            deviation: 0.0,
+        }
+    };
+    (1..).map(line).take_while(|line| line.hz < lowest).collect()
 }
 
 /// Slowest speed of a run, mm/s, in its direction.

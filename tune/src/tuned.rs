@@ -47,7 +47,7 @@ pub struct Tuned {
     pub mode: Option<Mode>,
     /// Shortest approach whose stroke leaves no more than the wanted residual in that mode, s (M8a).
     pub approach_s: Option<f64>,
-    /// Frequency response in motion.
+    /// Frequency response in motion; below 6 Hz that of a mass with viscous friction.
     pub lines: Vec<Line>,
     /// Friction against speed: mm/s and N.
     pub friction_curve: Vec<[f64; 2]>,
@@ -126,6 +126,8 @@ fn measure<B: Bench>(
     let path = torque_path::identify(&lines, cycle_s)
         .ok_or(none("delay of the torque", "the measured torque does not follow the commanded one"))?;
     let mode = mode::identify(&lines, config, &path, cycle_s);
+    let body = [rigid.mass_kg.value, rigid.viscous_n_s_mm.value];
+    let lines = [response::below(&lines, config, &path, body, cycle_s), lines].concat();
     let mut proposal = AxisConfig {
         mass_kg: rigid.mass_kg.value,
         coulomb_n: rigid.coulomb_n.value.max(0.0),

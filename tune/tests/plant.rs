@@ -123,3 +123,26 @@ fn deviations_are_of_the_size_of_the_errors() {
         }
     }
 }
+
+/// The loops of the proposal hold: tuned again with them, the axis follows, and the proposal stays.
+#[test]
+fn a_proposal_is_stable_and_stays() {
+    for truth in TRUTHS {
+        let mut machine = truth.machine();
+        let first = tuned(&machine).expect("it is tuned");
+        machine.axis.insert(Axis::X, first.proposal.clone());
+        let second = tuned(&machine).expect("it is tuned with the proposal");
+        for (what, per_cent, of) in [
+            ("mass", 0.5, (|found| found.proposal.mass_kg) as fn(&Tuned) -> f64),
+            ("Coulomb friction", 1.0, |found| found.proposal.coulomb_n),
+            ("acceleration lead", 0.2, |found| found.proposal.acceleration_lead_s),
+            ("bandwidth", 5.0, |found| found.proposal.velocity_bandwidth_hz),
+            ("position gain", 10.0, |found| found.proposal.position_gain_1_s),
+        ] {
+            within(what, of(&second), of(&first), per_cent);
+        }
+        let margins = second.before;
+        assert!(margins.velocity.phase_deg > 33.0 && margins.velocity.gain > 2.1, "{margins:?}");
+        assert!(margins.position.phase_deg > 58.0 && margins.position.gain > 2.8, "{margins:?}");
+    }
+}
