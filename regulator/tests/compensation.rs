@@ -31,7 +31,7 @@ fn compensation(change: impl FnOnce(&mut AxisConfig)) -> Compensation {
 /// Swings by 20 mm about home.
 fn swing(t: f64) -> Sample {
     let w = TAU / 0.8;
-    let (sin, cos) = (w * t).sin_cos();
+    let (sin, cos) = libm::sincos(w * t);
     Sample { s: HOME_MM + 20.0 * sin, v: 20.0 * w * cos, a: -20.0 * w * w * sin, ..Sample::default() }
 }
 

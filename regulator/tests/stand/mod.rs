@@ -69,7 +69,7 @@ pub(crate) fn frame(cycle: u64) -> AxisFrame {
     };
     let command = match cycle {
         ARMED => arm(),
-        ARMED..OVER => AxisCommand::Hold,
+        _ if (ARMED..OVER).contains(&cycle) => AxisCommand::Hold,
         _ => AxisCommand::Stream,
     };
     AxisFrame::pack(Cycle(cycle - 4), 7, node, &command)
@@ -80,7 +80,7 @@ fn measurement(cycle: u64, motor_mm: f64, scale_mm: f64) -> Measurement {
     let mut measurement = Measurement { cycle: Cycle(cycle), ..Measurement::default() };
     let turned = |cycle: u64| {
         let t = cycle as f64 * T;
-        (50_000.0 * t + 20.0 * (20.0 * t).sin()).floor() as i64
+        (50_000.0 * t + 20.0 * libm::sin(20.0 * t)).floor() as i64
     };
     let indexes = |cycle: u64| ((turned(cycle) + 10_000 - INDEX_COUNT) / 10_000) as u64;
     measurement.spindle_count = turned(cycle);
