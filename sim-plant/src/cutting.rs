@@ -66,14 +66,15 @@ impl Cutter {
         let (reach, crest) = (groove.reach_mm(x_mm, z_mm), groove.into * groove.crest_mm);
         let earlier = grooves.earlier_mm(z_mm, crest);
         grooves.pass_by(z_mm, reach);
-        if !(reach > earlier) {
+        let stock = [config.back_mm - z_mm, config.face_mm - z_mm];
+        let v = |reach: f64| v_area(reach - crest, *tan_flank, stock);
+        let area_mm2 = (v(reach) - v(earlier)).max(0.0);
+        if area_mm2 == 0.0 {
             return CutTruth::default();
         }
-        let stock = [config.back_mm - z_mm, config.face_mm - z_mm];
-        let area_mm2 = v_area(reach - crest, *tan_flank, stock) - v_area(earlier - crest, *tan_flank, stock);
-        let force_n = config.specific_force_n_mm2 * config.form_factor * area_mm2.max(0.0);
+        let force_n = config.specific_force_n_mm2 * config.form_factor * area_mm2;
         CutTruth {
-            area_mm2: area_mm2.max(0.0),
+            area_mm2,
             force_n,
             radial_n: config.radial_share * force_n,
             axial_n: config.axial_share * force_n,
