@@ -83,6 +83,32 @@ fn equal_areas_take_equal_forces_and_spring_passes_next_to_nothing() {
 }
 
 #[test]
+fn a_second_start_cuts_its_own_groove_and_a_bore_is_cut_outwards() {
+    let place = Place::new();
+    let machine = steel(&place);
+    let cycle = "G76 P4 Z-20 I-2 J0.7 K1.6 R2 Q29.5\n";
+    let text = format!("G18 G21 G90 G7\nM3 S400\nG0 X22 Z12\n{cycle}G0 X22 Z10\n{cycle}G0 X40\nM5\nM2\n");
+    let two_starts = place.write("two-starts.ngc", text);
+    let arguments = ["--in-process", "--trace", "none", "--machine", &machine];
+    let summary = place.run(&two_starts, "two-starts", &arguments);
+    let of_start = |start| summary.passes.iter().filter(move |pass| pass.start == start);
+    assert_eq!(of_start(0).count(), of_start(1).count());
+    for (first, second) in of_start(0).zip(of_start(1)) {
+        let share = cutting(second).force_max_n / cutting(first).force_max_n;
+        assert!((share - 1.0).abs() < 0.05, "pass {}: {share} of that of the first start", second.pass);
+    }
+
+    let summary = place.run(&example("internal-m30"), "bore", &arguments);
+    for pass in &summary.passes {
+        assert!(cutting(pass).force_max_n > 0.0 && pass.helix_max_abs_um <= 2.0, "{pass:#?}");
+    }
+    // The tool stands further out than the crest of 13.1 mm.
+    let first = cutting(&summary.passes[0]);
+    let radius_mm = 1e3 * first.torque_max_nm / first.force_max_n;
+    assert!((13.1..14.0).contains(&radius_mm), "{radius_mm} mm");
+}
+
+#[test]
 fn the_cut_is_the_same_over_processes_and_in_one() {
     let place = Place::new();
     let machine = steel(&place);
