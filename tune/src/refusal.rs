@@ -13,7 +13,8 @@ pub enum Refusal {
     Travel(Axis, f64, f64),
     /// The drive does not come into operation, or left it.
     #[error(
-        "the drive of {0} is in state {1:?} at {2:.3} s of the test: clear its fault and see to its supply"
+        "the drive of {0} is in state {state} at {2:.3} s of the test: clear its fault and see to its supply",
+        state = .1.map_or("unknown".into(), |state| format!("{state:?}"))
     )]
     Drive(Axis, Option<DriveState>, f64),
     /// Torque was commanded and nothing moved.

@@ -118,7 +118,7 @@ fn a_drive_in_fault() {
             seen.axes[0].status_word = u32::from(StatusWord::of(DriveState::Fault).0);
         }
     });
-    says(&refusal, "the drive of X is in state Some(Fault)");
+    says(&refusal, "the drive of X is in state Fault at 0.2");
 }
 
 #[test]
