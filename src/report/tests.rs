@@ -24,6 +24,7 @@ fn summary() -> Summary {
         same_index: true,
         complete: true,
         helix_max_abs_um: 1.234,
+        slide_helix_max_abs_um: 3.456,
         ..PassReport::default()
     };
     let limits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 1000.0, jerk_mm_s3: 1e5 };

@@ -97,7 +97,7 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     if cut.is_empty() {
         return;
     }
-    let helix = cut.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
+    let helix = cut.iter().map(|pass| helix_um(pass)).fold(0.0, f64::max);
     let spread = summary.thread.phase_spread_um;
     let grade = if helix.max(spread) > LOOK_UM { Grade::Look } else { Grade::Good };
     let same = if cut.len() > 1 {
@@ -119,6 +119,12 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
         let words = format!("In the thread the slides stand off by up to {} in X and {} in Z.", um(x), um(z));
         verdict.say(Grade::Look, words);
     }
+}
+
+/// How far a pass is from its helix. Where backlash is compensated, or the loop closes over a scale, the nut stands off on
+/// purpose, so that the slide does not.
+pub(super) fn helix_um(pass: &PassReport) -> f64 {
+    pass.helix_max_abs_um.min(pass.slide_helix_max_abs_um)
 }
 
 fn moves(summary: &Summary, verdict: &mut Verdict) {
@@ -174,6 +180,7 @@ mod tests {
             same_index: true,
             thread_cycles: 100,
             helix_max_abs_um: 0.5,
+            slide_helix_max_abs_um: 3.5,
             ..PassReport::default()
         };
         Summary { outcome: Outcome::Completed, passes: vec![pass], ..Summary::default() }
@@ -190,6 +197,14 @@ mod tests {
     }
 
     #[test]
+    fn a_nut_that_stands_off_for_the_slide_is_no_defect() {
+        let mut summary = good();
+        (summary.passes[0].helix_max_abs_um, summary.passes[0].slide_helix_max_abs_um) = (6.5, 1.0);
+        let verdict = of(&summary);
+        assert!(verdict.grade == Grade::Good, "{:?}", verdict.sentences);
+    }
+
+    #[test]
     fn every_defect_is_said() {
         let defect = |spoil: fn(&mut Summary)| {
             let mut summary = good();
@@ -197,8 +212,13 @@ mod tests {
             let verdict = of(&summary);
             (verdict.grade, verdict.sentences.join(" "))
         };
-        let (grade, words) = defect(|summary| summary.passes[0].helix_max_abs_um = 2100.0);
+        let (grade, words) = defect(|summary| {
+            summary.passes[0].helix_max_abs_um = 2100.0;
+            summary.passes[0].slide_helix_max_abs_um = 2103.0;
+        });
         assert!(grade == Grade::Look && words.contains("2.100 mm"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].slide_helix_max_abs_um = 10.5);
+        assert!(grade == Grade::Look && words.contains("0.000 µm in X and 10.50 µm in Z"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].x_slide.thread_max_abs_um = 12.0);
         assert!(grade == Grade::Look && words.contains("up to 12.00 µm in X and 0.000 µm in Z"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].complete = false);
