@@ -8,7 +8,7 @@ use std::fs;
 use serde_json::Value;
 use shop::{Place, project};
 
-const NAMES: [&str; 2] = ["feed", "profiles"];
+const NAMES: [&str; 3] = ["feed", "profiles", "resolution"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {
@@ -55,6 +55,20 @@ fn a_row_of_profiles_has_its_inputs_and_figures() {
         } else {
             assert!(bound.is_null(), "{row}");
         }
+    }
+}
+
+#[test]
+fn a_row_of_resolution_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "resolution", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    let quanta: Vec<_> = rows.iter().filter_map(|row| row["quantum_mm"].as_f64()).collect();
+    assert_eq!(quanta, [1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9]);
+    let keys = ["approach_min_um", "approach_max_um", "end_um", "torque_noise_nm"];
+    for row in rows {
+        assert!(keys.iter().all(|key| row[key].is_f64()), "{row}");
     }
 }
 

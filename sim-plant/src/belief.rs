@@ -63,3 +63,13 @@ impl Belief {
         config.viscous_n_s_mm = self.viscous_n_s_mm;
     }
 }
+
+/// Lag of the current loop of an axis as it truly is, s: with it the torque that a drive asked for follows from the
+/// torque that its motor gave.
+///
+/// # Errors
+/// As [`Belief::of_truth`].
+pub fn current_lag_s(machine: &Machine, axis: Axis) -> Result<f64, PlantError> {
+    let train = PlantConfig::of(machine)?.axis.get(&axis).cloned().unwrap_or_default();
+    machine.axis.get(&axis).map(|_| train.current_lag_s).ok_or(PlantError::NoSuchAxis(axis.name()))
+}

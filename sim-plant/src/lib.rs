@@ -38,7 +38,7 @@ pub mod shell;
 mod spindle;
 mod timeline;
 
-pub use belief::Belief;
+pub use belief::{Belief, current_lag_s};
 pub use config::PlantError;
 pub use plant::Plant;
 pub use scenario::{Scenario, ScenarioError};

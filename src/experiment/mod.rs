@@ -9,6 +9,7 @@ mod approach;
 mod feed;
 mod page;
 mod profiles;
+mod resolution;
 mod stand;
 mod sweep;
 pub(crate) mod table;
@@ -49,6 +50,8 @@ pub(crate) enum Name {
     Feed,
     /// What an approach leaves in a lightly damped mode, for six laws of motion.
     Profiles,
+    /// What rounded positions do to speed, acceleration and servo error, and how fine they have to be.
+    Resolution,
     /// Servo error of X over passes, overrides and wrong beliefs.
     Sweep,
 }
@@ -60,13 +63,14 @@ impl Name {
             Name::Feed => "feed",
             Name::Sweep => "sweep",
             Name::Profiles => "profiles",
+            Name::Resolution => "resolution",
         }
     }
 
     /// Whether it moves a machine, so that `--machine` says which.
     fn moves_a_machine(self) -> bool {
         match self {
-            Name::Approach | Name::Sweep => true,
+            Name::Approach | Name::Resolution | Name::Sweep => true,
             Name::Feed | Name::Profiles => false,
         }
     }
@@ -83,7 +87,7 @@ pub(crate) struct ExperimentArgs {
     /// Folder for `report.html` and `rows.json` [default: `experiments/NAME`].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of everything random; nothing is in `feed`.
+    /// Seed of everything random; nothing is in `feed` and `profiles`.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -130,6 +134,7 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
         Name::Feed => publish(args, &feed::findings()?),
         Name::Sweep => publish(args, &sweep::findings(&stand)?),
         Name::Profiles => publish(args, &profiles::findings()),
+        Name::Resolution => publish(args, &resolution::findings(&stand)?),
     }
 }
 

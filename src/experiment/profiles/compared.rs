@@ -1,9 +1,9 @@
 //! The residuals beside those of the reference simulation, which gives for each law and approach time the largest over
 //! modes of 60 to 120 Hz and the one at 80 Hz, in one to three digits, µm.
 //!
-//! It says neither how far its modes are apart nor what exactly a residual is. All of its 48 figures come out to their last
-//! digit with modes in steps of 2 Hz and the largest deflection from the end of the approach on; the amplitude of the
-//! decaying swing, up to 6 % more, does not give them, nor do steps of 1 or 5 Hz.
+//! It says neither how far its modes are apart nor what exactly a residual is. All of its 48 figures come out to their
+//! last digit with modes in steps of 2 Hz and the largest deflection from the end of the approach on; the amplitude of
+//! the decaying swing, up to 6 % more, does not give them, nor do steps of 1 or 5 Hz.
 
 use super::{APPROACHES_S, Mode, Profile, SHOWN_HZ, STROKE_MM, largest, three};
 use crate::experiment::table::{Place, Table};
@@ -78,7 +78,8 @@ pub(super) fn table() -> Table {
     ];
     Table {
         title: "Beside the reference simulation".into(),
-        caption: "Largest over modes from 60 to 120 Hz in steps of 2 Hz, as there; the last column has steps of 1 Hz.".into(),
+        caption: "Largest over modes from 60 to 120 Hz in steps of 2 Hz, as there; the last column has steps of 1 Hz."
+            .into(),
         head: head.map(|column| column.map(str::to_owned)).to_vec(),
         rows: pairs().iter().map(line).collect(),
         place: Place::Page,
@@ -96,8 +97,8 @@ pub(super) fn text() -> Vec<String> {
             2 * pairs.len()
         ),
         "Steps of 2 Hz miss peaks: with steps of 1 Hz sin² acceleration leaves 0.027 instead of 0.023 µm after 0.3 s, \
-         16 % more. The rows have steps of 1 Hz. The amplitude of the swing at the end of the approach is given as well; it is \
-         up to 6 % more, because the swing decays until it turns."
+         16 % more. The rows have steps of 1 Hz. The amplitude of the swing at the end of the approach is given as \
+         well; it is up to 6 % more, because the swing decays until it turns."
             .into(),
     ]
 }

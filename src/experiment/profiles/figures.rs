@@ -56,13 +56,14 @@ fn choice(choices: &[Choice]) -> Figure {
     Figure {
         title: "How long an approach has to take".into(),
         caption: format!(
-            "Largest residual of modes from {} to {} Hz after {STROKE_MM} mm, over the approach time. Dotted: {QUIET_UM} µm, \
-             the goal for X in the thread. The steeper a law falls, the more of its derivatives are continuous.",
+            "Largest residual of modes from {} to {} Hz after {STROKE_MM} mm, over the approach time. Dotted: \
+             {QUIET_UM} µm, the goal for X in the thread. The steeper a law falls, the more of its derivatives are \
+             continuous.",
             MODES_HZ[0], MODES_HZ[1]
         ),
         alt: format!(
-            "Six falling curves. The first below {QUIET_UM} µm for good is that of sin² jerk or sin² acceleration, at about \
-             0.2 s; the last are trapezoidal speed and the cubic, beyond the picture."
+            "Six falling curves. The first below {QUIET_UM} µm for good is that of sin² jerk or sin² acceleration, at \
+             about 0.2 s; the last are trapezoidal speed and the cubic, beyond the picture."
         ),
         plot: json!({
             "data": choices.iter().map(shown).collect::<Vec<_>>(),
@@ -108,8 +109,8 @@ fn residuals() -> Figure {
     Figure {
         title: "Residual over the frequency of the mode".into(),
         caption: "One picture for each approach time, every law in its colour. Dashed: the bound of sin² acceleration \
-                  (M8a), which holds at every phase and without damping. Good: the curve of sin² acceleration stays below \
-                  its bound, dips at whole N = f T/2, and lies below the quintic at nearly every mode."
+                  (M8a), which holds at every phase and without damping. Good: the curve of sin² acceleration stays \
+                  below its bound, dips at whole N = f T/2, and lies below the quintic at nearly every mode."
             .into(),
         alt: "Residual of six laws over modes from 60 to 120 Hz, for four approach times one above the other, on a \
               logarithmic scale; sin² acceleration stays below its dashed bound everywhere."
@@ -139,13 +140,13 @@ fn swing(rows: &[Row]) -> Figure {
     Figure {
         title: format!("The swing of a mode of {hz} Hz during and after an approach in {t} s"),
         caption: format!(
-            "Mass minus law, in the case that is worst for sin² acceleration. In the approach the spring has to carry the \
-             acceleration; what swings on after {t} s (dotted) is the residual: {}, {} and {} µm.",
+            "Mass minus law, in the case that is worst for sin² acceleration. In the approach the spring has to carry \
+             the acceleration; what swings on after {t} s (dotted) is the residual: {}, {} and {} µm.",
             left[0], left[1], left[2]
         ),
         alt: format!(
-            "Deflection of the mass over time for trapezoidal speed, quintic and sin² acceleration. After the approach they \
-             swing on with {}, {} and {} µm.",
+            "Deflection of the mass over time for trapezoidal speed, quintic and sin² acceleration. After the approach \
+             they swing on with {}, {} and {} µm.",
             left[0], left[1], left[2]
         ),
         plot: json!({
@@ -179,8 +180,9 @@ fn laws() -> Figure {
     }
     Figure {
         title: "The six laws".into(),
-        caption: "Speed and acceleration over time, for a way of 1 in a time of 1. Where the acceleration steps, every mode \
-                  is struck; where only the jerk steps, it is pushed; sin² acceleration and sin² jerk step in neither."
+        caption: "Speed and acceleration over time, for a way of 1 in a time of 1. Where the acceleration steps, every \
+                  mode is struck; where only the jerk steps, it is pushed; sin² acceleration and sin² jerk step in \
+                  neither."
             .into(),
         alt: "Speed and acceleration of six laws over time; those of sin² have no step and no kink in the acceleration."
             .into(),

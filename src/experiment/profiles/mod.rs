@@ -240,8 +240,8 @@ fn short(choices: &[Choice]) -> Vec<String> {
         [Profile::Quintic, Profile::Sin2Acceleration, Profile::TrapezoidalSpeed, Profile::Cubic]
             .map(|profile| seconds(choices, profile));
     vec![format!(
-        "With sin² acceleration an approach of {STROKE_MM} mm leaves less than {QUIET_UM} µm in any mode from {} to {} Hz \
-         if it takes {sin2} or longer. A quintic needs {quintic}, trapezoidal speed {trapezoid}, a cubic {cubic}.",
+        "With sin² acceleration an approach of {STROKE_MM} mm leaves less than {QUIET_UM} µm in any mode from {} to {} \
+         Hz if it takes {sin2} or longer. A quintic needs {quintic}, trapezoidal speed {trapezoid}, a cubic {cubic}.",
         MODES_HZ[0], MODES_HZ[1]
     )]
 }
@@ -249,14 +249,14 @@ fn short(choices: &[Choice]) -> Vec<String> {
 fn done() -> Vec<String> {
     vec![
         format!(
-            "A mass hangs behind an ideal drive on a spring with a damping of {DAMPING}. The drive goes {STROKE_MM} mm by \
-             one of six laws, in 0.1, 0.15, 0.2 or 0.3 s. The residual is the farthest that the mass is from its place \
-             from the end of the approach on. sin² acceleration and sin² jerk are evaluated by the code that moves the \
-             machine; the other four are there to compare with."
+            "A mass hangs behind an ideal drive on a spring with a damping of {DAMPING}. The drive goes {STROKE_MM} mm \
+             by one of six laws, in 0.1, 0.15, 0.2 or 0.3 s. The residual is the farthest that the mass is from its \
+             place from the end of the approach on. sin² acceleration and sin² jerk are evaluated by the code that \
+             moves the machine; the other four are there to compare with."
         ),
         "The mass obeys u″ + 2ζw u′ + w² u = −a(t), u being its distance from the law. What is left is the integral of \
-         a(t) exp(λ(T − t)) with the pole λ of the mode; it is computed by Gauss's quadrature with at least sixteen points \
-         in a period, and agrees with the closed forms, where there are any, to 1e-9 of itself."
+         a(t) exp(λ(T − t)) with the pole λ of the mode; it is computed by Gauss's quadrature with at least sixteen \
+         points in a period, and agrees with the closed forms, where there are any, to 1e-9 of itself."
             .into(),
     ]
 }
@@ -267,8 +267,8 @@ fn meaning(choices: &[Choice]) -> Vec<(&'static str, Vec<String>)> {
             "What it means for choosing the approach time",
             vec![
                 format!(
-                    "What is left falls with the approach time T by the number of derivatives that are continuous: with \
-                     T² where the acceleration steps (trapezoidal speed, cubic), with T³ where the jerk does \
+                    "What is left falls with the approach time T by the number of derivatives that are continuous: \
+                     with T² where the acceleration steps (trapezoidal speed, cubic), with T³ where the jerk does \
                      (trapezoidal acceleration, quintic), with T⁴ for sin² acceleration, with T⁵ for sin² jerk. So a \
                      smoother law needs more acceleration for the same time, and less time for the same quiet: sin² \
                      acceleration is quiet from {}, the quintic from {}.",
@@ -285,8 +285,8 @@ fn meaning(choices: &[Choice]) -> Vec<(&'static str, Vec<String>)> {
                  quieter. sin² jerk is quieter still where N is above 4.5 or so, with the same peaks of speed and \
                  acceleration and 27 % more jerk, and louder below."
                     .into(),
-                "The drive of a real axis is not ideal. Its loops see only the motor, whose error is about the same for \
-                 all laws; the difference is at the slide, where no encoder of the motor shows it."
+                "The drive of a real axis is not ideal. Its loops see only the motor, whose error is about the same \
+                 for all laws; the difference is at the slide, where no encoder of the motor shows it."
                     .into(),
             ],
         ),
