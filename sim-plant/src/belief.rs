@@ -73,3 +73,11 @@ pub fn current_lag_s(machine: &Machine, axis: Axis) -> Result<f64, PlantError> {
     let train = PlantConfig::of(machine)?.axis.get(&axis).cloned().unwrap_or_default();
     machine.axis.get(&axis).map(|_| train.current_lag_s).ok_or(PlantError::NoSuchAxis(axis.name()))
 }
+
+/// Inertia of everything that turns with the spindle as it truly is, kg m²: what torque takes how much of its speed.
+///
+/// # Errors
+/// [`PlantError`] if the truth cannot be.
+pub fn spindle_inertia_kg_m2(machine: &Machine) -> Result<f64, PlantError> {
+    Ok(PlantConfig::of(machine)?.spindle.inertia_kg_m2)
+}

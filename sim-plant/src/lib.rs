@@ -13,6 +13,7 @@
 //! | `scale` | the linear scale at a slide |
 //! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
 //! | `spindle` | motor, speed loop, ripple, encoder, index |
+//! | `encoder` | faults of the spindle encoder that a scenario brings |
 //! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
 //! | `scenario`, `timeline` | what happens, and when |
 //! | `plant` | one control cycle of all of it |
@@ -26,6 +27,7 @@ mod cutting;
 mod drive;
 mod drive_state;
 mod drive_train;
+mod encoder;
 mod friction;
 mod grooves;
 mod plant;
@@ -38,7 +40,7 @@ pub mod shell;
 mod spindle;
 mod timeline;
 
-pub use belief::{Belief, current_lag_s};
+pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2};
 pub use config::PlantError;
 pub use plant::Plant;
 pub use scenario::{Scenario, ScenarioError};

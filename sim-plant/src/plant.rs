@@ -150,7 +150,7 @@ impl Plant {
         let measurement = &mut self.truth.measurement;
         measurement.cycle = now;
         measurement.last = u32::from(command.finished != 0);
-        self.spindle.measure(turns_before, now, measurement);
+        self.spindle.measure(turns_before, now, self.timeline.encoder(), measurement);
         for axis in &self.axes {
             let index = axis.axis.index();
             let motion = axis.train.motion();

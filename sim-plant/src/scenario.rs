@@ -18,11 +18,15 @@
 //! | `single_block` | `true`, `false`; the switch is turned on or off |
 //! | `spindle_load` | `{ torque_nm, for_s }`: holds the spindle back; or `{ nm_per_rpm, for_s }`: so much for each 1/min at that moment |
 //! | `axial_force_n`, `radial_force_n` | N on the slide of Z, X, positive along the axis; or `{ force_n, for_s }` |
+//! | `encoder_glitch_counts` | the counter of the spindle encoder jumps by so many counts; or `{ counts, for_s }`: and back |
+//! | `index_lost` | `true`: the next index of the spindle is not seen; or `{ for_s }`: none in that time |
 //!
 //! A load or force without `for_s` stays. It comes on and goes within `plant.cutting.rise_s` of the machine file.
 
 use protocol::operator::Request;
 use serde::Deserialize;
+
+use crate::encoder::{RawGlitch, RawIndexLost};
 
 /// What a scenario that cannot be played has wrong.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +86,15 @@ pub(crate) enum Action {
     /// Torque that holds the spindle back, N·m for each 1/min of its speed when it comes on.
     LoadBySpeed {
         nm_per_rpm: f64,
+        for_s: Option<f64>,
+    },
+    /// The counter of the spindle encoder jumps.
+    Glitch {
+        counts: i64,
+        for_s: Option<f64>,
+    },
+    /// The index of the spindle encoder is not seen.
+    IndexLost {
         for_s: Option<f64>,
     },
 }
@@ -174,10 +187,10 @@ struct RawEvent {
     spindle_load: Option<RawLoad>,
     axial_force_n: Option<RawForce>,
     radial_force_n: Option<RawForce>,
+    encoder_glitch_counts: Option<RawGlitch>,
+    index_lost: Option<RawIndexLost>,
     emergency_stop: Option<toml::Value>,
     kill: Option<toml::Value>,
-    encoder_glitch_counts: Option<toml::Value>,
-    index_lost: Option<toml::Value>,
     drive_fault: Option<toml::Value>,
     packet: Option<toml::Value>,
 }
@@ -299,8 +312,6 @@ impl RawEvent {
         for (key, value) in [
             ("emergency_stop", &self.emergency_stop),
             ("kill", &self.kill),
-            ("encoder_glitch_counts", &self.encoder_glitch_counts),
-            ("index_lost", &self.index_lost),
             ("drive_fault", &self.drive_fault),
             ("packet", &self.packet),
         ] {
@@ -340,8 +351,11 @@ impl RawEvent {
             }
         }
         actions.extend(self.single_block.map(|on| Action::Press(Request::SingleBlock(on))));
-        if let Some(load) = self.spindle_load {
-            actions.push(load.check()?);
+        let load = self.spindle_load.map(|load| load.check());
+        let glitch = self.encoder_glitch_counts.map(|glitch| glitch.check());
+        let lost = self.index_lost.map(|lost| lost.check());
+        for action in [load, glitch, lost].into_iter().flatten() {
+            actions.push(action?);
         }
         for (key, given, which) in [
             ("axial_force_n", self.axial_force_n, Burden::Axial),
@@ -364,7 +378,7 @@ fn burden(key: &str, burden: Burden, amount: f64, for_s: Option<f64>) -> Result<
     Ok(Action::Burden { burden, amount, for_s })
 }
 
-fn check_duration(key: &str, for_s: Option<f64>) -> Result<(), String> {
+pub(crate) fn check_duration(key: &str, for_s: Option<f64>) -> Result<(), String> {
     for_s.map_or(Ok(()), |for_s| range(&format!("{key}.for_s"), for_s, 1e-4, 1e6))
 }
 

@@ -21,6 +21,7 @@ use protocol::machine::SpindleConfig;
 use protocol::{Cycle, Measurement};
 
 use crate::config::SpindleTrain;
+use crate::encoder::Disturbance;
 use crate::seed::Seed;
 
 /// Longest step of the mechanics, s.
@@ -155,14 +156,21 @@ impl Spindle {
     ///
     /// Between two cycles the angle only grows or only falls but for the one cycle in which the spindle reverses, so
     /// the whole numbers between the two angles are the indexes that passed. The count at an index does not depend
-    /// on when in the cycle it passed.
-    pub(crate) fn measure(&mut self, before: f64, now: Cycle, measurement: &mut Measurement) {
-        measurement.spindle_count = (self.turns * self.counts_per_turn + self.count_offset).floor() as i64;
+    /// on when in the cycle it passed. Both are what a disturbed encoder makes of them.
+    pub(crate) fn measure(
+        &mut self,
+        before: f64,
+        now: Cycle,
+        encoder: &mut Disturbance,
+        measurement: &mut Measurement,
+    ) {
+        let count = |turns: f64| (turns * self.counts_per_turn + self.count_offset).floor() as i64;
+        measurement.spindle_count = count(self.turns) + encoder.shift();
         let (low, high) = (before.floor(), self.turns.floor());
-        if low != high {
-            self.index_turn = if high > low { high } else { high + 1.0 };
-            let count = self.index_turn * self.counts_per_turn + self.count_offset;
-            measurement.index_count = count.floor() as i64;
+        if low != high && encoder.sees_index(now.0) {
+            let turn = if high > low { high } else { high + 1.0 };
+            measurement.index_count = count(turn) + encoder.shift();
+            self.index_turn = turn;
             measurement.index_number += (high - low).abs() as u64;
             measurement.index_cycle = now;
         }

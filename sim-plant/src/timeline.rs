@@ -1,11 +1,12 @@
 //! The scenario being played: which event is due, and what it does to the panel and to the cut.
 //! In: once a control cycle, the cycle, the true Z in mm, the true angle of the spindle in degrees, the index, and the
-//! tags of the program. Out: the panel, the load of the spindle in N·m, the forces on the slides in N. What an event
-//! does is there in the cycle in which it is due.
+//! tags of the program. Out: the panel, the load of the spindle in N·m, the forces on the slides in N, what is wrong with
+//! the spindle encoder. What an event does to the panel is there in the cycle in which it is due, the rest in the next.
 
 use protocol::operator::Request;
 use protocol::{Cycle, Panel, SpindleCommand};
 
+use crate::encoder::Disturbance;
 use crate::ramped::Ramped;
 use crate::scenario::{Action, Burden, Event, Knob, Scenario, Trigger};
 
@@ -45,6 +46,7 @@ pub(crate) struct Timeline {
     unattended: u64,
     burdens: [Ramped; 3],
     burden_until: [Option<u64>; 3],
+    encoder: Disturbance,
     pass: PassInHand,
     z_before: f64,
 }
@@ -53,6 +55,7 @@ impl Timeline {
     pub(crate) fn new(scenario: Scenario, cycle_s: f64, rise_s: f64, z_mm: f64) -> Timeline {
         Timeline {
             due: vec![true; scenario.events.len()],
+            encoder: Disturbance::none(scenario.events.len()),
             events: scenario.events,
             cycle_s,
             rise_cycles: rise_s / cycle_s,
@@ -87,6 +90,11 @@ impl Timeline {
         self.burdens.map(|burden| burden.value())
     }
 
+    /// What is wrong with the spindle encoder.
+    pub(crate) fn encoder(&mut self) -> &mut Disturbance {
+        &mut self.encoder
+    }
+
     /// Whoever stands at the machine does something at the panel.
     pub(crate) fn operate(&mut self, request: Request) {
         match request {
@@ -101,6 +109,7 @@ impl Timeline {
     pub(crate) fn advance(&mut self, moment: &Moment, tags: &SpindleCommand) {
         let pass_before = self.pass.pass;
         self.follow_pass(moment, tags);
+        self.encoder.advance(moment.cycle.0 + 1);
         for index in 0..self.events.len() {
             let Event { trigger, action } = self.events[index];
             if self.due[index] && self.fires(trigger, pass_before, moment, tags) {
@@ -182,11 +191,21 @@ impl Timeline {
                 let amount = nm_per_rpm * moment.spindle_rpm.abs();
                 self.burden(Burden::Spindle, amount, for_s, moment.cycle);
             }
+            // What the encoder shows from the next cycle on.
+            Action::Glitch { counts, for_s } => {
+                self.encoder.jump(counts, self.until(for_s, moment.cycle.after(1)));
+            }
+            Action::IndexLost { for_s } => self.encoder.lose_index(self.until(for_s, moment.cycle.after(1))),
         }
+    }
+
+    /// The cycle in which something is over that began now.
+    fn until(&self, for_s: Option<f64>, now: Cycle) -> Option<u64> {
+        for_s.map(|for_s| now.0 + (for_s / self.cycle_s).round() as u64)
     }
 
     fn burden(&mut self, burden: Burden, amount: f64, for_s: Option<f64>, now: Cycle) {
         self.burdens[burden as usize].go(amount, self.rise_cycles);
-        self.burden_until[burden as usize] = for_s.map(|for_s| now.0 + (for_s / self.cycle_s).round() as u64);
+        self.burden_until[burden as usize] = self.until(for_s, now);
     }
 }

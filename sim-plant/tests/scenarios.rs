@@ -53,6 +53,25 @@ fn errors_name_event_key_and_remedy() {
         ),
         ("at = { cycle = 1 }\nradial_force_n = 'much'", "expected a number of N, or { force_n, for_s }"),
         (
+            "at = { cycle = 1 }\nencoder_glitch_counts = 0",
+            "encoder_glitch_counts = 0: must lie between -1000000000 and 1000000000, and not be 0",
+        ),
+        (
+            "at = { cycle = 1 }\nencoder_glitch_counts = 1.5",
+            "expected a number of counts, or { counts, for_s }",
+        ),
+        (
+            "at = { cycle = 1 }\nencoder_glitch_counts = { counts = 3 }",
+            "expected a number of counts, or { counts, for_s }",
+        ),
+        (
+            "at = { cycle = 1 }\nencoder_glitch_counts = { counts = 3, for_s = -1 }",
+            "encoder_glitch_counts.for_s = -1: must lie",
+        ),
+        ("at = { cycle = 1 }\nindex_lost = false", "index_lost: write true, or { for_s }"),
+        ("at = { cycle = 1 }\nindex_lost = { for_s = 0 }", "index_lost.for_s = 0: must lie"),
+        ("at = { cycle = 1 }\nindex_lost = true\nencoder_glitch_counts = 1", "more than one action"),
+        (
             "at = { cycle = 1 }\nkill = 'interpreter'",
             "kill: this action is not available yet; remove the event",
         ),
@@ -176,9 +195,69 @@ fn a_force_bends_the_slide_and_goes_again() {
     assert!(bent_um(&stand, 2) < -1.0);
 }
 
+/// What the encoder shows beyond the true angle in each of so many cycles, counts, less that of cycle 0.
+fn strays(scenario: &str, cycles: u32) -> Vec<i64> {
+    let (mut quiet, mut stand) = (Stand::lathe(), Stand::playing(scenario));
+    (quiet.spindle.rpm, stand.spindle.rpm) = (-300.0, -300.0);
+    (0..cycles)
+        .map(|_| {
+            let (quiet, disturbed) = (*quiet.tick(), *stand.tick());
+            assert_eq!(quiet.spindle_deg, disturbed.spindle_deg, "the truth is as before");
+            disturbed.measurement.spindle_count - quiet.measurement.spindle_count
+        })
+        .collect()
+}
+
+#[test]
+fn a_glitch_of_the_encoder_stays_or_comes_back() {
+    let event =
+        |counts: &str| format!("[[event]]\nat = {{ cycle = 10 }}\nencoder_glitch_counts = {counts}\n");
+    let stays = strays(&event("-7"), 20);
+    assert!(stays[..10].iter().all(|stray| *stray == 0) && stays[10..].iter().all(|stray| *stray == -7));
+    let passes = strays(&event("{ counts = 40, for_s = 0.002 }"), 20);
+    assert_eq!(passes[10..14], [40; 4]);
+    assert!(passes[..10].iter().chain(&passes[14..]).all(|stray| *stray == 0), "{passes:?}");
+    let both = strays(&(event("{ counts = 40, for_s = 0.002 }") + &event("2")), 20);
+    assert_eq!((both[11], both[19]), (42, 2));
+}
+
+#[test]
+fn the_count_at_an_index_is_that_of_the_counter() {
+    let mut stand = Stand::playing("[[event]]\nat = { time_s = 1 }\nencoder_glitch_counts = 3");
+    stand.spindle.rpm = 600.0;
+    let mut latched = Vec::new();
+    for _ in 0..8000 {
+        let before = stand.truth().measurement.index_number;
+        let shown = stand.tick().measurement;
+        if shown.index_number != before {
+            latched.push(shown.index_count);
+        }
+    }
+    let turns: Vec<i64> = latched.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert_eq!(turns.iter().filter(|turn| **turn != 10_000).collect::<Vec<_>>(), [&10_003]);
+}
+
+#[test]
+fn an_index_is_lost_once_or_for_a_time() {
+    let seen = |lost: &str| {
+        let mut stand = Stand::playing(&format!("[[event]]\nat = {{ time_s = 2 }}\nindex_lost = {lost}"));
+        stand.spindle.rpm = 600.0;
+        let turns: Vec<f64> = (0..8000).map(|_| (stand.tick().spindle_deg / 360.0).floor()).collect();
+        let passed = turns.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
+        (passed, stand.truth().measurement.index_number)
+    };
+    let (passed, shown) = seen("true");
+    assert_eq!(shown, passed - 1);
+    let (passed, shown) = seen("{ for_s = 0.5 }");
+    assert_eq!(shown, passed - 5);
+}
+
 #[test]
 fn a_cycle_allocates_nothing() {
-    let mut stand = Stand::playing(include_str!("../../examples/scenarios/bogged-spindle.toml"));
+    let encoder = "[[event]]\nat = { cycle = 5 }\nencoder_glitch_counts = { counts = 9, for_s = 0.1 }\n\
+                   [[event]]\nat = { cycle = 6 }\nindex_lost = { for_s = 0.1 }\n";
+    let bogged = include_str!("../../examples/scenarios/bogged-spindle.toml");
+    let mut stand = Stand::playing(&format!("{bogged}{encoder}"));
     (stand.spindle.rpm, stand.spindle.pass, stand.spindle.direction) = (600.0, 2, 1.0);
     stand.velocity = [10.0, -10.0];
     let allocated = allocation_counter::measure(|| {
