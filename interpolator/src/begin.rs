@@ -14,6 +14,10 @@ const ITEMS_PER_TICK: usize = 8;
 /// back, one for calling off, one to spare.
 const ARMING_TICKS: u64 = 4;
 
+/// The regulators have watched the spindle for so many periods of their observer before a pass: what they did not know of
+/// its speed when they began is forgotten then.
+const WATCHED_PERIODS: f64 = 10.0;
+
 /// Farthest the axes may be from the start of a pass and still be led there by a move of its own, mm.
 const START_REACH_MM: f64 = 0.01;
 
@@ -106,7 +110,9 @@ impl Interpolator {
         // A status tells of rest only when the last setpoint, which lies ahead, has been reached.
         let reached = self.waited > SETPOINT_LEAD;
         let at_rest = reached && self.statuses(input).all(|status| status.in_position != 0);
-        if !at_rest || !self.spindle.at_speed() {
+        let watched_s = cycle.0 as f64 * self.machine.machine.cycle_s;
+        let watched = watched_s * self.machine.spindle.observer_hz >= WATCHED_PERIODS;
+        if !at_rest || !watched || !self.spindle.at_speed() {
             return AxisCommand::Stream;
         }
         self.index_not_before = cycle.after(ARMING_TICKS * self.machine.cycles_per_tick());

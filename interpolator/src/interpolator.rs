@@ -124,8 +124,8 @@ impl Interpolator {
     pub fn tick(&mut self, input: &In) -> Out {
         let cycle = input.measurement.cycle;
         self.spindle.update(input.measurement);
-        // Nobody waits in vain while the operator holds the spindle at 0.
-        self.waited = if self.spindle.held() { 0 } else { self.waited + 1 };
+        // Nobody waits in vain while the operator holds the spindle at 0, or while a pass is cut, however slowly.
+        self.waited = if self.spindle.held() || self.begun(input) { 0 } else { self.waited + 1 };
         self.stalled = if self.spindle.stalls() { self.stalled + 1 } else { 0 };
         let before = self.task.public();
         match self.fault(input) {

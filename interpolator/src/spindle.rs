@@ -118,7 +118,9 @@ impl Spindle {
         if self.held() {
             return false;
         }
-        let band = (self.at_speed_share * commanded.abs()).max(STANDSTILL_RPM);
+        // The watch sees single counts; half the speed it must be, or a slow spindle would be at speed standing.
+        let least = STANDSTILL_RPM.min(0.5 * commanded.abs());
+        let band = (self.at_speed_share * commanded.abs()).max(least);
         let rate = (self.rate * self.override_pct / 100.0).abs().min(self.ramp_rpm_s);
         (self.observed() - commanded).abs() <= band + rate / (TAU * WATCH_HZ)
     }
@@ -171,7 +173,7 @@ mod tests {
             *count += rpm(tick) / spindle.rpm_per_count_s * spindle.tick_s;
             let panel = Panel { spindle_override_pct: 100.0, ..Panel::default() };
             let axes = PerAxis::default();
-            let spindle_count = *count as i64;
+            let spindle_count = count.floor() as i64;
             spindle.update(&Measurement { spindle_count, panel, axes, ..Measurement::default() });
         }
     }
@@ -215,6 +217,24 @@ mod tests {
         assert!(!spindle.at_speed());
         turn(&mut spindle, &mut count, 1000, |_| 800.0);
         assert!(spindle.at_speed());
+    }
+
+    #[test]
+    fn a_slow_spindle_is_at_speed_when_it_turns_and_does_not_stall() {
+        for sign in [1.0, -1.0] {
+            let (mut spindle, mut count) = (spindle(), 0.0);
+            let mode = if sign > 0.0 { SpindleMode::Clockwise } else { SpindleMode::Counterclockwise };
+            spindle.program(mode, SpindleSpeed::Rpm(0.2));
+            turn(&mut spindle, &mut count, 1000, |_| 0.0);
+            assert!(!spindle.at_speed() && spindle.stalls(), "it stands");
+            turn(&mut spindle, &mut count, 2000, |_| -0.2 * sign);
+            assert!(!spindle.at_speed(), "the other way");
+            turn(&mut spindle, &mut count, 2000, |_| 0.2 * sign);
+            for _ in 0..2000 {
+                turn(&mut spindle, &mut count, 1, |_| 0.2 * sign);
+                assert!(spindle.at_speed() && !spindle.stalls(), "{}", spindle.observed());
+            }
+        }
     }
 
     #[test]
