@@ -124,9 +124,9 @@ fn the_figures_of_the_page_are_those_of_a_run() {
     let place = Place::new();
     let machine = steel(&place);
     let summary = run(&place, "steel", &["--in-process", "--machine", &machine]);
-    for pass in &summary.passes {
+    let row = |pass: &PassReport| {
         let cut = cutting(pass);
-        let row = format!(
+        format!(
             "| {} | {:.3} | {:.4} | {:.0} | {:.0} | {:.0} | {:.2} | {:.3} | {:.1} | {:.2} |",
             pass.pass,
             pass.depth_mm,
@@ -138,7 +138,7 @@ fn the_figures_of_the_page_are_those_of_a_run() {
             cut.power_max_kw,
             pass.rpm_min,
             pass.helix_max_abs_um,
-        );
-        page_says(&row);
-    }
+        )
+    };
+    page_says(&summary.passes.iter().map(row).collect::<Vec<_>>().join("\n"));
 }
