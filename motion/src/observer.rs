@@ -12,6 +12,10 @@
 //!
 //! The third order follows a constant acceleration without steady error, as a spindle under override makes it.
 //! Differences of counts cannot do this: one count per cycle is already a speed error of q/T.
+//!
+//! While the observer learns of a change, its corrections move the angle besides: c goes with w + g res/T, w with
+//! al + h res/T². An axis that is led by c has to be fed forward with these; with w and al alone it is left behind by
+//! g res/T for the time of learning, three times as far as the observer errs.
 
 use core::f64::consts::TAU;
 
@@ -56,8 +60,12 @@ pub struct SpindleObserver {
     period: f64,
     /// g, h/T, k/T².
     gain: SpindleMotion,
+    /// The same for a spindle so slow that counts come one by one, and the speed below which it is.
+    slow: Option<(SpindleMotion, f64)>,
     /// `None` before the first measurement.
     state: Option<SpindleMotion>,
+    /// g res/T, h res/T²: what the last correction added to angle and speed, per second.
+    drift: SpindleMotion,
 }
 
 impl SpindleObserver {
@@ -70,20 +78,31 @@ impl SpindleObserver {
     pub fn new(bandwidth_hz: f64, period_s: f64) -> SpindleObserver {
         assert!(bandwidth_hz > 0.0 && bandwidth_hz.is_finite(), "observer bandwidth {bandwidth_hz} Hz");
         assert!(period_s > 0.0 && period_s.is_finite(), "observer period {period_s} s");
-        let th = libm::exp(-TAU * bandwidth_hz * period_s);
-        let rest = 1.0 - th;
-        let gain = SpindleMotion {
-            angle: 1.0 - th * th * th,
-            speed: 1.5 * (1.0 - th * th) * rest / period_s,
-            acceleration: rest * rest * rest / (period_s * period_s),
-        };
-        SpindleObserver { period: period_s, gain, state: None }
+        SpindleObserver {
+            period: period_s,
+            gain: gain(bandwidth_hz, period_s),
+            slow: None,
+            state: None,
+            drift: SpindleMotion::default(),
+        }
+    }
+
+    /// The same for angles that are whole counts. While fewer than four counts come in 1/f_o and each comes within a
+    /// count of where it was foretold, a quarter of the bandwidth averages over more of them.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new).
+    #[must_use]
+    pub fn of_counts(bandwidth_hz: f64, period_s: f64) -> SpindleObserver {
+        let slow = Some((gain(bandwidth_hz / 4.0, period_s), 4.0 * bandwidth_hz));
+        SpindleObserver { slow, ..SpindleObserver::new(bandwidth_hz, period_s) }
     }
 
     /// Sets the state to `count` and `speed` (per s) without acceleration. Take the speed from two counts far apart,
     /// and start at least 10/f_o before the thread.
     pub fn start(&mut self, count: f64, speed: f64) {
         self.state = Some(SpindleMotion { angle: count, speed, acceleration: 0.0 });
+        self.drift = SpindleMotion::default();
     }
 
     /// Advances by one period and corrects with the angle `measured` at its end. The first measurement of an observer
@@ -92,11 +111,18 @@ impl SpindleObserver {
         let Some(state) = self.state else { return self.start(measured, 0.0) };
         let predicted = state.after(self.period);
         let res = measured - predicted.angle;
+        let (gain, learning) = match self.slow {
+            Some((slow, below)) if res.abs() <= 1.0 && predicted.speed.abs() < below => (slow, 0.0),
+            _ => (self.gain, 1.0),
+        };
         self.state = Some(SpindleMotion {
-            angle: predicted.angle + self.gain.angle * res,
-            speed: predicted.speed + self.gain.speed * res,
-            acceleration: predicted.acceleration + self.gain.acceleration * res,
+            angle: predicted.angle + gain.angle * res,
+            speed: predicted.speed + gain.speed * res,
+            acceleration: predicted.acceleration + gain.acceleration * res,
         });
+        let per_s = learning * res / self.period;
+        self.drift =
+            SpindleMotion { angle: 0.0, speed: gain.angle * per_s, acceleration: gain.speed * per_s };
     }
 
     /// Motion `lead_s` seconds after the last measurement; 0 is the measurement itself. Each millisecond of lead at
@@ -104,6 +130,29 @@ impl SpindleObserver {
     #[must_use]
     pub fn at(&self, lead_s: f64) -> SpindleMotion {
         self.state.unwrap_or_default().after(lead_s)
+    }
+
+    /// Motion for an axis that follows the estimate, `lead_s` seconds after the last measurement: as [`at`](Self::at),
+    /// with the speed and acceleration at which the estimate itself moves, its corrections among them.
+    #[must_use]
+    pub fn following(&self, lead_s: f64) -> SpindleMotion {
+        let SpindleMotion { angle, speed, acceleration } = self.at(lead_s);
+        SpindleMotion {
+            angle,
+            speed: speed + self.drift.speed,
+            acceleration: acceleration + self.drift.acceleration,
+        }
+    }
+}
+
+/// g, h/T, k/T² of a bandwidth.
+fn gain(bandwidth_hz: f64, period_s: f64) -> SpindleMotion {
+    let th = libm::exp(-TAU * bandwidth_hz * period_s);
+    let rest = 1.0 - th;
+    SpindleMotion {
+        angle: 1.0 - th * th * th,
+        speed: 1.5 * (1.0 - th * th) * rest / period_s,
+        acceleration: rest * rest * rest / (period_s * period_s),
     }
 }
 

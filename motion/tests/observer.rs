@@ -114,6 +114,60 @@ fn constant_acceleration_leaves_no_steady_error() {
     }
 }
 
+/// What `following` gives between two measurements is how the estimate moved from one to the other: half a cycle back,
+/// its speed is that of the way from the estimate before.
+#[test]
+fn an_axis_that_follows_is_told_how_the_estimate_moves() {
+    let mut observer = SpindleObserver::new(40.0, T);
+    observer.start(0.0, 100.0);
+    let mut before = observer.at(0.0);
+    for cycle in 1..=200 {
+        let t = f64::from(cycle) * T;
+        observer.update((100.0 + 5000.0 * t) * t);
+        let (now, back) = (observer.at(0.0), observer.following(-0.5 * T));
+        let moved = (now.angle - before.angle) / T;
+        // The speed itself was corrected, too, and counts for half of the way only.
+        let bound = T * (back.acceleration - now.acceleration).abs() + 1e-6;
+        assert!((back.speed - moved).abs() <= bound, "cycle {cycle}: {} for {moved}", back.speed);
+        let gained = (now.speed - before.speed) / T;
+        assert!((back.acceleration - gained).abs() <= 1e-6 + 0.2 * gained.abs(), "cycle {cycle}");
+        before = now;
+    }
+}
+
+/// 0.2 rev/min at 2500 lines: 33 counts/s come one by one. The speed observed still swings by about itself (1.2
+/// from top to bottom), with the full bandwidth by six times as much; what changes is seen at once.
+#[test]
+fn counts_that_come_one_by_one_are_averaged() {
+    let unevenness = |mut observer: SpindleObserver| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        observer.start(0.5, 0.0);
+        for cycle in 1..=10_000 {
+            let angle = 33.3 * f64::from(cycle) * T;
+            observer.update(angle.floor() + 0.5);
+            if cycle > 5000 {
+                assert!((observer.at(0.0).angle - angle).abs() < 1.0);
+                (low, high) = (low.min(observer.at(0.0).speed), high.max(observer.at(0.0).speed));
+            }
+        }
+        (high - low) / 33.3
+    };
+    let [plain, averaged] =
+        [SpindleObserver::new(40.0, T), SpindleObserver::of_counts(40.0, T)].map(unevenness);
+    assert!(averaged < 0.25 * plain, "{averaged} for {plain}");
+    // Beyond that speed it is the observer it was; starting up, it is as fast.
+    let [mut plain, mut counts] = [SpindleObserver::new(40.0, T), SpindleObserver::of_counts(40.0, T)];
+    for cycle in 0..2000 {
+        let t = f64::from(cycle) * T;
+        let angle = 60_000.0 * (t - 0.5).max(0.0).powi(2);
+        plain.update(angle.floor() + 0.5);
+        counts.update(angle.floor() + 0.5);
+        let apart = (plain.at(0.0).angle - counts.at(0.0).angle).abs();
+        assert!(apart < 3.0, "{apart} counts at {t} s");
+    }
+    assert!((plain.at(0.0).speed - counts.at(0.0).speed).abs() < 100.0);
+}
+
 /// A wrong initial speed is forgotten after 10/f_o, the lead time the design asks for before a thread.
 #[test]
 fn initial_speed_error_is_gone_after_ten_periods() {

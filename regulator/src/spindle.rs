@@ -38,7 +38,7 @@ impl Spindle {
         let (observer_hz, cycle_s) = (machine.spindle.observer_hz, machine.machine.cycle_s);
         let opening = (1.0 / (observer_hz * cycle_s)).ceil().max(1.0);
         Spindle {
-            observer: SpindleObserver::new(observer_hz, cycle_s),
+            observer: SpindleObserver::of_counts(observer_hz, cycle_s),
             first_count: None,
             opening_s: opening * cycle_s,
             opening: opening as u64,
@@ -83,9 +83,10 @@ impl Spindle {
         self.index
     }
 
-    /// Angle since an index, speed and acceleration at `lead_s` after the measurement, positive in `direction` (±1).
+    /// Angle since an index, speed and acceleration at `lead_s` after the measurement, positive in `direction` (±1). At
+    /// the measurement itself they are what is observed, at a lead what an axis that follows the angle needs.
     pub fn since(&self, index_count: i64, direction: f64, lead_s: f64) -> SpindleMotion {
-        let motion = self.observer.at(lead_s);
+        let motion = if lead_s == 0.0 { self.observer.at(0.0) } else { self.observer.following(lead_s) };
         let scale = direction * self.degrees_per_count;
         SpindleMotion {
             angle: (motion.angle - (index_count as f64 + 0.5)) * scale,
