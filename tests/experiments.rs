@@ -8,7 +8,7 @@ use std::fs;
 use serde_json::Value;
 use shop::{Place, project};
 
-const NAMES: [&str; 3] = ["feed", "profiles", "resolution"];
+const NAMES: [&str; 5] = ["approach", "feed", "profiles", "resolution", "sweep"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {
@@ -54,6 +54,39 @@ fn a_row_of_profiles_has_its_inputs_and_figures() {
             assert!(residual <= bound.as_f64().expect("a number"), "{row}");
         } else {
             assert!(bound.is_null(), "{row}");
+        }
+    }
+}
+
+#[test]
+fn a_row_of_sweep_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "sweep", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 10 * 4 * 2 * 3 * 3);
+    let keys = "s_rpm delta_x_mm delta_c_deg override_pct mass_error_pct friction_error_pct approach_max_abs_um \
+                end_um thread_max_abs_um";
+    for row in rows {
+        assert!(keys.split(' ').all(|key| row[key].is_f64()) && row["seed"].is_u64(), "{row}");
+    }
+}
+
+#[test]
+fn every_page_stands_alone() {
+    let place = Place::new();
+    for name in NAMES {
+        let answer = place.ask(&["experiment", name, "--seed", "3", "--out", name]);
+        assert!(answer.stdout.ends_with(&format!("report  {name}/report.html\n")), "{}", answer.stdout);
+        let page = fs::read_to_string(place.at(name).join("report.html")).expect("it is written");
+        let before_the_library = page.split("</main>").next().unwrap_or_default();
+        for needed in
+            ["What was done", "What it means", "How to repeat it", "--seed 3", "<figure>", "aria-label"]
+        {
+            assert!(before_the_library.contains(needed), "{name}: {needed} is missing");
+        }
+        for foreign in ["http://", "https://", "<link", " src="] {
+            assert!(!before_the_library.contains(foreign), "{name}: {foreign} in the page");
         }
     }
 }
@@ -106,12 +139,13 @@ fn the_documentation_shows_what_is_printed() {
 fn what_cannot_be_done_is_refused() {
     let place = Place::new();
     place.write("file", "in the way");
-    let cases: [(&[&str], &[&str]); 5] = [
+    let cases: [(&[&str], &[&str]); 6] = [
         (&["experiment"], &["<NAME>", "--help"]),
         (&["experiment", "frobnicate"], &["frobnicate", "feed"]),
         (&["experiment", "feed", "--seed", "-1"], &["-1"]),
         (&["experiment", "feed", "--seed", "many"], &["many", "--seed"]),
         (&["experiment", "feed", "--out", "file/below"], &["file/below"]),
+        (&["experiment", "feed", "--machine", "lathe.toml"], &["feed", "--machine"]),
     ];
     for (arguments, words) in cases {
         let answer = place.ask(arguments);

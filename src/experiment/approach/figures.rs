@@ -65,7 +65,10 @@ fn original(done: &[Done], pct: f64) -> Option<Figure> {
             json!({ "domain": [top - 0.185, top], "title": { "text": title }, "nticks": 4 });
         data.push(quiet(curve(full, title, BLUE, ("x", &format!("y{number}")), of)));
     }
-    layout["yaxis4"] = json!({ "domain": [0.0, 0.305], "title": { "text": "servo error (µm)" } });
+    let worst = [published, full].map(|done| done.row.approach_max_um.max(-done.row.approach_min_um));
+    let most = 1.15 * worst.into_iter().fold(BAND_UM, f64::max);
+    layout["yaxis4"] =
+        json!({ "domain": [0.0, 0.305], "title": { "text": "servo error (µm)" }, "range": [-most, most] });
     let error = |done, name, color| curve(done, name, color, ("x", "y4"), |at| at.error_um);
     data.push(error(published, "difference-va, like the published structure", ORANGE));
     data.push(error(full, "full", BLUE));

@@ -12,6 +12,7 @@
 //! The servo error is the analytic reference minus the measurement of the same instant.
 
 mod figures;
+mod goals;
 mod measure;
 mod published;
 mod text;
@@ -43,6 +44,9 @@ pub(super) const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 
 /// Seeds over which chance is looked at, beginning with that of the experiment.
 const SEEDS: u64 = 10;
+
+/// Seeds for the comparison with the reference simulation.
+const REFERENCE_SEEDS: u64 = 4;
 
 /// Errors beyond which a machine is stopped, mm: wide enough for structures that are made only to be compared with.
 const WIDE_MM: f64 = 10.0;
@@ -123,7 +127,7 @@ fn as_in_reference(machine: &Machine) -> Result<Machine, CliError> {
     Ok(machine)
 }
 
-/// Every structure at every override on a machine.
+/// Every structure at each of the overrides on a machine.
 fn cases(machine: &Machine, overrides: &[f64], seed: u64) -> Vec<Case> {
     let each = |structure| {
         let machine = with_structure(machine, structure);
@@ -139,19 +143,16 @@ fn cases(machine: &Machine, overrides: &[f64], seed: u64) -> Vec<Case> {
     STRUCTURES.into_iter().flat_map(each).collect()
 }
 
-/// The structure that is used, over several seeds.
-fn by_chance(machine: &Machine, tuned: bool, first_seed: u64) -> Vec<Case> {
-    let seeds = (0..SEEDS).map(|n| first_seed.wrapping_add(n));
-    let case = |seed| {
-        OVERRIDES.map(|override_pct| Case {
-            structure: Feedforward::Full,
-            override_pct,
-            tuned,
-            machine: with_structure(machine, Feedforward::Full),
-            seed,
-        })
-    };
-    seeds.flat_map(case).collect()
+/// The structure that is used, at every override.
+fn of_full(machine: &Machine, tuned: bool, seed: u64) -> impl Iterator<Item = Case> {
+    let machine = with_structure(machine, Feedforward::Full);
+    OVERRIDES.into_iter().map(move |override_pct| Case {
+        structure: Feedforward::Full,
+        override_pct,
+        tuned,
+        machine: machine.clone(),
+        seed,
+    })
 }
 
 /// The name of a structure, as machine files spell it.
@@ -169,27 +170,32 @@ fn name(structure: Feedforward) -> &'static str {
 /// Runs every case.
 ///
 /// # Errors
-/// As [`Stand::run`].
+/// As [`Stand::run`]; the machine cannot be tuned.
 pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
-    let shown = cases(&stand.machine, &OVERRIDES, stand.seed);
-    let reference = cases(&as_in_reference(&stand.machine)?, &published::OVERRIDES, stand.seed);
-    let chance = by_chance(&stand.machine, false, stand.seed);
-    let all: Vec<Case> = shown.into_iter().chain(reference).chain(chance).collect();
-    let mut done = stand.each(&all, Case::run)?;
-    let chance = done.split_off(done.len() - OVERRIDES.len() * SEEDS as usize);
-    let reference = done.split_off(STRUCTURES.len() * OVERRIDES.len());
+    let (machine, seed) = (&stand.machine, stand.seed);
+    let tuned = crate::tune::machine(machine, seed)?;
+    let known = as_in_reference(machine)?;
+    let seeds = |n: u64| (0..n).map(move |more| seed.wrapping_add(more));
+    let shown = cases(machine, &OVERRIDES, seed).into_iter().chain(of_full(&tuned, true, seed));
+    let chance =
+        seeds(SEEDS).flat_map(|seed| of_full(machine, false, seed).chain(of_full(&tuned, true, seed)));
+    let reference = seeds(REFERENCE_SEEDS).flat_map(|seed| cases(&known, &published::OVERRIDES, seed));
 
-    let chance: Vec<Chance> = OVERRIDES.iter().map(|&pct| Chance::of(pct, &chance)).collect();
+    let done = stand.each(&shown.collect::<Vec<_>>(), Case::run)?;
+    let chance = Chance::all(&stand.each(&chance.collect::<Vec<_>>(), Case::run)?);
+    let reference = stand.each(&reference.collect::<Vec<_>>(), Case::run)?;
+    let goals = goals::all(&done, &chance);
     let tables = vec![
         condensed(&done),
-        Table::of("Structure full: how much is chance", &CHANCE, &chance).with_caption(text::chance()),
+        Table::of("Structure full over ten seeds", &CHANCE, &chance).with_caption(text::chance()),
+        Table::of("What is asked for", &goals::COLUMNS, &goals),
         published::beside_the_paper(&done),
         published::beside_the_reference(&reference),
         Table::of("Every case", &FULL, &done).with_caption(text::full()).at(Place::Details),
     ];
     Ok(Findings {
         title: "Approach of X in step with the spindle",
-        short: text::short(&done, &chance),
+        short: text::short(&done, &goals),
         done: text::done(),
         tables,
         notes: Vec::new(),
@@ -199,8 +205,9 @@ pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
     })
 }
 
-/// The least interval that holds what several seeds gave, µm.
+/// The least intervals that hold what several seeds gave, µm.
 struct Chance {
+    tuned: bool,
     override_pct: f64,
     approach: [f64; 2],
     end: [f64; 2],
@@ -209,11 +216,21 @@ struct Chance {
 }
 
 impl Chance {
-    fn of(override_pct: f64, done: &[Done]) -> Chance {
-        let rows = || done.iter().map(|done| &done.row).filter(|row| row.override_pct == override_pct);
+    /// Before and after tuning, at every override.
+    fn all(done: &[Done]) -> Vec<Chance> {
+        let each = |tuned| OVERRIDES.map(|override_pct| Chance::of(tuned, override_pct, done));
+        [false, true].into_iter().flat_map(each).collect()
+    }
+
+    fn of(tuned: bool, override_pct: f64, done: &[Done]) -> Chance {
+        let rows = || {
+            let rows = done.iter().map(|done| &done.row);
+            rows.filter(move |row| row.tuned == tuned && row.override_pct == override_pct)
+        };
         let least = |of: fn(&Row) -> f64| rows().map(of).fold(f64::INFINITY, f64::min);
         let most = |of: fn(&Row) -> f64| rows().map(of).fold(f64::NEG_INFINITY, f64::max);
         Chance {
+            tuned,
             override_pct,
             approach: [least(|row| row.approach_min_um), most(|row| row.approach_max_um)],
             end: [least(|row| row.end_um), most(|row| row.end_um)],
@@ -223,12 +240,17 @@ impl Chance {
     }
 }
 
-const CHANCE: [Column<Chance>; 5] = [
+const CHANCE: [Column<Chance>; 6] = [
+    Column {
+        name: "machine",
+        unit: "",
+        cell: |row| if row.tuned { "tuned".into() } else { "as its file says".into() },
+    },
     Column { name: "override", unit: "%", cell: |row| format!("{:.0}", row.override_pct) },
     Column { name: "approach", unit: "µm", cell: |row| span(row.approach) },
     Column { name: "end", unit: "µm", cell: |row| span(row.end) },
-    Column { name: "at depth", unit: "± µm", cell: |row| format!("{:.2}", row.at_depth) },
-    Column { name: "thread", unit: "± µm", cell: |row| format!("{:.2}", row.thread) },
+    Column { name: "at depth", unit: "± µm", cell: |row| micrometres(row.at_depth) },
+    Column { name: "thread", unit: "± µm", cell: |row| micrometres(row.thread) },
 ];
 
 const FULL: [Column<Done>; 9] = [
@@ -249,11 +271,10 @@ fn label(row: &Row) -> String {
 
 /// An error in two digits behind the point below 10 µm, one below 100 µm, else none.
 fn micrometres(um: f64) -> String {
-    match um.abs() {
-        large if large >= 99.5 => format!("{um:.0}"),
-        middle if middle >= 9.95 => format!("{um:.1}"),
-        _ => format!("{um:.2}"),
-    }
+    let digits = if um.abs() < 9.995 { 2 } else { usize::from(um.abs() < 99.95) };
+    let text = format!("{um:.digits$}");
+    // What rounds to nothing has no sign.
+    if text.trim_start_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text }
 }
 
 fn span([least, most]: [f64; 2]) -> String {
@@ -263,22 +284,16 @@ fn span([least, most]: [f64; 2]) -> String {
 /// A line a structure, an override a column: approach, then the end.
 fn condensed(done: &[Done]) -> Table {
     let mut head = vec![["structure".into(), String::new()]];
-    head.extend(OVERRIDES.map(|pct| [format!("{pct:.0} %: approach / end"), "µm".into()]));
-    head.push(["thread".into(), "± µm".into()]);
-    head.push(["torque".into(), "N·m".into()]);
+    head.extend(OVERRIDES.map(|pct| [format!("override {pct:.0} %"), "µm".into()]));
     let lines = done.chunk_by(|a, b| label(&a.row) == label(&b.row)).map(|group| {
-        let rows = || group.iter().map(|done| &done.row);
-        let cell = |row: &Row| {
+        let cell = |done: &Done| {
+            let row = &done.row;
             format!("{} / {}", span([row.approach_min_um, row.approach_max_um]), micrometres(row.end_um))
         };
-        let thread = rows().map(|row| row.thread_max_abs_um).fold(0.0, f64::max);
-        let torque = rows().map(|row| row.torque_peak_nm).fold(0.0, f64::max);
-        let mut cells: Vec<String> = rows().take(1).map(label).chain(rows().map(cell)).collect();
-        cells.extend([micrometres(thread), format!("{torque:.1}")]);
-        cells
+        group.iter().take(1).map(|done| label(&done.row)).chain(group.iter().map(cell)).collect()
     });
     Table {
-        title: "Servo error of X, least … largest in the approach, and at its end".into(),
+        title: "Servo error of X: least … largest in the approach / at its end".into(),
         caption: text::condensed(),
         rows: lines.collect(),
         head,

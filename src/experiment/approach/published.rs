@@ -6,7 +6,7 @@
 
 use protocol::machine::Feedforward;
 
-use super::{Done, Row, label, micrometres, span, text};
+use super::{Done, Row, label, micrometres, name, span, text};
 use crate::experiment::table::{Column, Place, Table};
 
 /// Positions of the override knob for which there are published figures, per cent.
@@ -27,47 +27,60 @@ const REFERENCE: [(Feedforward, [[f64; 3]; 3]); 6] = [
     (Feedforward::Full, [[-1.3, 1.1, 0.3], [-1.0, 1.1, 0.3], [-0.9, 1.1, 0.2]]),
 ];
 
-/// A measured case beside its published figures.
-struct Pair<'a> {
-    row: &'a Row,
+/// A structure at an override: least and largest error in the approach and at its end, µm, in the reference and here.
+struct Pair {
+    name: String,
+    override_pct: f64,
     reference: [f64; 3],
+    approach: [f64; 2],
+    end: [f64; 2],
 }
 
-impl Pair<'_> {
+impl Pair {
+    /// The case, over all seeds that were run.
+    fn of(structure: Feedforward, override_pct: f64, reference: [f64; 3], done: &[Done]) -> Pair {
+        let rows = || {
+            let rows = done.iter().map(|done| &done.row);
+            rows.filter(move |row| row.structure == structure && row.override_pct == override_pct)
+        };
+        let least = |of: fn(&Row) -> f64| rows().map(of).fold(f64::INFINITY, f64::min);
+        let most = |of: fn(&Row) -> f64| rows().map(of).fold(f64::NEG_INFINITY, f64::max);
+        Pair {
+            name: name(structure).into(),
+            override_pct,
+            reference,
+            approach: [least(|row| row.approach_min_um), most(|row| row.approach_max_um)],
+            end: [least(|row| row.end_um), most(|row| row.end_um)],
+        }
+    }
+
     /// Width of the span of errors in the approach here, over that of the reference.
     fn ratio(&self) -> f64 {
         let [least, largest, _] = self.reference;
-        (self.row.approach_max_um - self.row.approach_min_um) / (largest - least)
+        (self.approach[1] - self.approach[0]) / (largest - least)
     }
 }
 
+const PAIRS: [Column<Pair>; 7] = [
+    Column { name: "structure", unit: "", cell: |pair| pair.name.clone() },
+    Column { name: "override", unit: "%", cell: |pair| format!("{:.0}", pair.override_pct) },
+    Column {
+        name: "reference: approach",
+        unit: "µm",
+        cell: |pair| span([pair.reference[0], pair.reference[1]]),
+    },
+    Column { name: "here: approach", unit: "µm", cell: |pair| span(pair.approach) },
+    Column { name: "here / reference", unit: "width", cell: |pair| format!("{:.2}", pair.ratio()) },
+    Column { name: "reference: end", unit: "µm", cell: |pair| micrometres(pair.reference[2]) },
+    Column { name: "here: end", unit: "µm", cell: |pair| span(pair.end) },
+];
+
 /// Every structure under the conditions of the reference simulation.
 pub(super) fn beside_the_reference(done: &[Done]) -> Table {
-    let figures = |row: &Row| {
-        let (_, by_override) = REFERENCE.iter().find(|(structure, _)| *structure == row.structure)?;
-        let place = OVERRIDES.iter().position(|pct| *pct == row.override_pct)?;
-        Some(by_override[place])
-    };
-    let rows = done.iter().map(|done| &done.row);
-    let pairs: Vec<Pair> = rows.filter_map(|row| Some(Pair { row, reference: figures(row)? })).collect();
-    let columns: [Column<Pair>; 7] = [
-        Column { name: "structure", unit: "", cell: |pair| label(pair.row) },
-        Column { name: "override", unit: "%", cell: |pair| format!("{:.0}", pair.row.override_pct) },
-        Column {
-            name: "reference: approach",
-            unit: "µm",
-            cell: |pair| span([pair.reference[0], pair.reference[1]]),
-        },
-        Column {
-            name: "here: approach",
-            unit: "µm",
-            cell: |pair| span([pair.row.approach_min_um, pair.row.approach_max_um]),
-        },
-        Column { name: "here / reference", unit: "width", cell: |pair| format!("{:.2}", pair.ratio()) },
-        Column { name: "reference: end", unit: "µm", cell: |pair| micrometres(pair.reference[2]) },
-        Column { name: "here: end", unit: "µm", cell: |pair| micrometres(pair.row.end_um) },
-    ];
-    Table::of("Beside the reference simulation, under its conditions", &columns, &pairs)
+    let pairs = REFERENCE.into_iter().flat_map(|(structure, figures)| {
+        OVERRIDES.into_iter().zip(figures).map(move |(pct, figures)| Pair::of(structure, pct, figures, done))
+    });
+    Table::of("Beside the reference simulation, under its conditions", &PAIRS, &pairs.collect::<Vec<_>>())
         .with_caption(text::beside_the_reference())
         .at(Place::Page)
 }
@@ -79,6 +92,7 @@ pub(super) fn beside_the_paper(done: &[Done]) -> Table {
         .iter()
         .map(|done| &done.row)
         .filter(|row| shown.contains(&row.structure) && OVERRIDES.contains(&row.override_pct))
+        .filter(|row| !row.tuned)
         .collect();
     let columns: [Column<&Row>; 6] = [
         Column { name: "structure", unit: "", cell: |row| label(row) },

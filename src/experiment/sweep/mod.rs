@@ -17,7 +17,7 @@ mod tables;
 mod tests;
 mod text;
 
-use protocol::Axis;
+use protocol::{Axis, Machine};
 use rig::{observe::PassReport, trial::Trial};
 use serde::Serialize;
 use sim_plant::Belief;
@@ -137,6 +137,13 @@ impl Condition {
     }
 }
 
+/// A machine whose spindle encoder has twice the lines: what the count of the encoder costs is what it takes away.
+fn with_finer_encoder(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    machine.spindle.encoder_lines = machine.spindle.encoder_lines.saturating_mul(2);
+    machine
+}
+
 /// Runs every condition.
 fn rows(stand: &Stand, conditions: &[Condition], passes: &[[f64; 3]]) -> Result<Vec<Row>, CliError> {
     let rows = stand.each(conditions, |condition| condition.rows(stand, passes))?;
@@ -150,12 +157,14 @@ fn rows(stand: &Stand, conditions: &[Condition], passes: &[[f64; 3]]) -> Result<
 pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
     let seeds: Vec<u64> = (0..SEEDS).map(|n| stand.seed.wrapping_add(n)).collect();
     let conditions = Condition::all(&OVERRIDES, &MASS_ERRORS, &FRICTION_ERRORS, &seeds);
+    let finer = Stand { machine: with_finer_encoder(&stand.machine), ..*stand };
+    let finer = rows(&finer, &conditions, &PASSES)?;
     let rows = rows(stand, &conditions, &PASSES)?;
     Ok(Findings {
         title: "Sweep over passes, overrides and wrong beliefs",
-        short: text::short(&rows),
+        short: text::short(&rows, &finer),
         done: text::done(rows.len()),
-        tables: tables::all(&rows),
+        tables: tables::all(&rows, &finer),
         notes: Vec::new(),
         figures: figures::all(&rows),
         text: text::meaning(),

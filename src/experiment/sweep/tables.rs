@@ -63,7 +63,7 @@ fn two(um: f64) -> String {
     format!("{:.2}", (um * 100.0).round() / 100.0 + 0.0)
 }
 
-fn groups(rows: &[Row]) -> Vec<Over> {
+fn groups(rows: &[Row], finer: &[Row]) -> Vec<Over> {
     let beliefs = MASS_ERRORS.into_iter().flat_map(|mass| FRICTION_ERRORS.map(|friction| (mass, friction)));
     let by_belief = beliefs.map(|(mass, friction)| {
         let name = format!("mass {mass:+.0} %, friction {friction:+.0} %");
@@ -76,7 +76,8 @@ fn groups(rows: &[Row]) -> Vec<Over> {
         let name = format!("{s:.0} 1/min, {dx:.0} mm in {dc:.0}°");
         Over::of(name, rows, |row| [row.s_rpm, row.delta_x_mm, row.delta_c_deg] == [s, dx, dc])
     });
-    [Over::all(rows)].into_iter().chain(by_belief).chain(by_override).chain(by_pass).collect()
+    let finer = Over::of("all, spindle encoder twice as fine".into(), finer, |_| true);
+    [Over::all(rows), finer].into_iter().chain(by_belief).chain(by_override).chain(by_pass).collect()
 }
 
 const GROUPS: [Column<Over>; 7] = [
@@ -103,12 +104,12 @@ const CASES: [Column<Row>; 11] = [
     Column { name: "thread", unit: "± µm", cell: |row| two(row.thread_max_abs_um) },
 ];
 
-/// Every table of the sweep.
-pub(super) fn all(rows: &[Row]) -> Vec<Table> {
+/// Every table of the sweep; `finer` is the same with a spindle encoder of twice the lines.
+pub(super) fn all(rows: &[Row], finer: &[Row]) -> Vec<Table> {
     let worst: Vec<Row> = from_worst(rows).into_iter().cloned().collect();
     let named = worst.get(..NAMED).unwrap_or(&worst);
     vec![
-        Table::of("Servo error of X over all cases, and over parts of them", &GROUPS, &groups(rows)).with_caption(
+        Table::of("Servo error of X over all cases, and over parts of them", &GROUPS, &groups(rows, finer)).with_caption(
             "Approach: largest magnitude of the servo error while X is under its stroke. End: in the first cycle after \
              it. At depth: from the end on. Thread: from one turn later.",
         ),

@@ -5,8 +5,8 @@ use super::{
     tables::{Over, from_worst},
 };
 
-/// The result in a few sentences.
-pub(super) fn short(rows: &[Row]) -> Vec<String> {
+/// The result in a few sentences; `finer` is the same with a spindle encoder of twice the lines.
+pub(super) fn short(rows: &[Row], finer: &[Row]) -> Vec<String> {
     let all = Over::all(rows);
     let held = if all.median <= MEDIAN_UM && all.worst <= WORST_UM { "held" } else { "not held" };
     let mut sentences = vec![format!(
@@ -29,6 +29,11 @@ pub(super) fn short(rows: &[Row]) -> Vec<String> {
             row.seed
         )
     }));
+    let finer = Over::all(finer);
+    sentences.push(format!(
+        "With a spindle encoder of twice the lines the median is {:.2} µm and the worst case {:.2} µm.",
+        finer.median, finer.worst
+    ));
     sentences
 }
 
@@ -58,6 +63,12 @@ pub(super) fn meaning() -> Vec<(&'static str, Vec<String>)> {
             "With a right mass the error hardly depends on the pass: it is what the count of the spindle encoder makes \
              of the reference, and what friction does when the axis breaks away and turns. A wrong mass adds an error \
              in the shape of the acceleration, which grows with its peak."
+                .into(),
+            "The encoder weighs most where X moves far in a turn: 10 mm in 330° are 26 mm a turn at the fastest, 2.6 µm for \
+             each of 10,000 counts. At 2500 lines and a control cycle of 0.5 ms every multiple of 12 1/min gives a whole \
+             number of counts in a cycle; the rounding of the counts then changes as slowly as the ripple of the spindle, \
+             and the observer passes it on. A slower observer would let less of it through, and would follow a bogged \
+             spindle worse."
                 .into(),
             "A wrong friction changes the beginning of a stroke and hardly the end: the integral of the velocity loop \
              has found the friction by then."

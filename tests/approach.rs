@@ -1,0 +1,97 @@
+//! The published experiment on the whole machine: how well X keeps to its law in step with the spindle, for each structure
+//! of feedforward, at every override. Bounds in µm.
+
+mod shop;
+
+use protocol::{Axis, Machine, machine::Feedforward};
+use rig::{
+    observe::{Outcome, ServoError},
+    trial::{Trial, program, run},
+};
+use serde_json::Value;
+use shop::Place;
+use sim_plant::Scenario;
+
+const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
+
+/// Servo error of X in the pass of the experiment, on the built-in machine with another structure.
+fn approach(structure: Feedforward, override_pct: f64, seed: u64) -> ServoError {
+    let mut machine = Machine::default();
+    let x = machine.axis.get_mut(&Axis::X).expect("it has an X");
+    (x.feedforward, x.following_error_mm, x.thread_error_mm) = (structure, 10.0, 10.0);
+    let items = program(&machine, &[Trial::default()]).expect("the machine can follow it");
+    let scenario = Scenario::spindle_override(override_pct);
+    let seen = run(&machine, &items, &scenario, seed, &mut |_| ()).expect("the plant can be");
+    assert_eq!(seen.outcome, Outcome::Completed, "{structure:?}: {:?}", seen.faults);
+    seen.passes[0].x
+}
+
+/// Largest magnitude in the approach.
+fn largest(error: &ServoError) -> f64 {
+    error.approach_max_um.max(-error.approach_min_um)
+}
+
+#[test]
+fn the_full_structure_stays_within_two_micrometres() {
+    for override_pct in OVERRIDES {
+        for seed in 1..=8 {
+            let error = approach(Feedforward::Full, override_pct, seed);
+            assert!(largest(&error) <= 2.0, "{override_pct} %, seed {seed}: {error:?}");
+            assert!(error.end_um.abs() <= 0.5, "{override_pct} %, seed {seed}: {error:?}");
+            assert!(error.settled_max_abs_um <= 0.2, "{override_pct} %, seed {seed}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn differences_of_positions_lie_in_the_published_band() {
+    for structure in [Feedforward::DifferenceV, Feedforward::DifferenceVa] {
+        for seed in 1..=4 {
+            let error = approach(structure, 100.0, seed);
+            assert!((5.0..=12.0).contains(&largest(&error)), "{structure:?}, seed {seed}: {error:?}");
+        }
+    }
+    // Always behind at the end, as in print.
+    assert!((-2.0..0.0).contains(&approach(Feedforward::DifferenceVa, 100.0, 1).end_um));
+}
+
+/// What is missing costs more, the more is missing.
+#[test]
+fn each_part_of_the_feedforward_pays() {
+    let errors = [
+        Feedforward::None,
+        Feedforward::DifferenceV,
+        Feedforward::AnalyticV,
+        Feedforward::AnalyticVaNoLead,
+        Feedforward::Full,
+    ]
+    .map(|structure| largest(&approach(structure, 100.0, 1)));
+    assert!(errors[0] > 300.0, "the position loop alone: {errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[0] > 1.5 * pair[1]), "{errors:?}");
+}
+
+/// The rows of the command, and the machine after tuning.
+#[test]
+fn the_command_says_the_same_and_tuning_makes_it_better() {
+    let answer = Place::new().ask(&["experiment", "approach", "--json"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key} in {row}"));
+    assert_eq!(rows.len(), 7 * OVERRIDES.len());
+    for row in rows.iter().filter(|row| row["structure"] == "full" && row["tuned"] == false) {
+        let error = approach(Feedforward::Full, number(row, "override_pct"), 1);
+        // The last digit is lost on the way through JSON.
+        assert!((number(row, "approach_min_um") - error.approach_min_um).abs() < 1e-9, "{row}");
+        assert!((number(row, "end_um") - error.end_um).abs() < 1e-9, "{row}");
+        assert!((1.0..10.0).contains(&number(row, "torque_peak_nm")), "{row}");
+    }
+    let tuned: Vec<_> = rows.iter().filter(|row| row["tuned"] == true).collect();
+    assert_eq!(tuned.len(), OVERRIDES.len());
+    for row in tuned {
+        assert_eq!(row["structure"], "full");
+        assert!(number(row, "approach_min_um") >= -1.5 && number(row, "approach_max_um") <= 1.5, "{row}");
+        assert!(number(row, "end_um").abs() <= 0.3, "{row}");
+        assert!(number(row, "thread_max_abs_um") <= 0.1, "{row}");
+    }
+}
