@@ -42,14 +42,27 @@ pub(super) const MOTIONS: [(f64, f64, f64, f64); 4] = [
     (600.0, 0.09, 1.0, 2500.0),
 ];
 
-/// Feed in mm/min, cycle in Hz, K_F, acceleration in g, jerk in m/s³, K_J; K_a is 1000, with 1000 counts per mm.
-pub(super) const MACHINES: [(f64, f64, f64, f64, f64, f64); 6] = [
-    (5000.0, 1000.0, 1e4, 0.2, 1.0, 100.0),
-    (5000.0, 1000.0, 3e4, 0.2, 1.0, 1000.0),
-    (30_000.0, 2500.0, 3e4, 0.2, 1.0, 100.0),
-    (25_000.0, 2500.0, 3e4, 2.0, 10.0, 100.0),
-    (2000.0, 1000.0, 1e4, 0.1, 5.0, 100.0),
-    (6000.0, 1000.0, 1e4, 0.05, 50.0, 100.0),
+/// A published machine, with 1000 counts per mm; its K_a is 1000.
+pub(super) struct Published {
+    pub(super) feed_mm_min: f64,
+    pub(super) cycle_hz: f64,
+    pub(super) k_f: f64,
+    pub(super) overload_g: f64,
+    pub(super) jerk_m_s3: f64,
+    pub(super) k_j: f64,
+}
+
+const fn published([feed_mm_min, cycle_hz, k_f, overload_g, jerk_m_s3, k_j]: [f64; 6]) -> Published {
+    Published { feed_mm_min, cycle_hz, k_f, overload_g, jerk_m_s3, k_j }
+}
+
+pub(super) const MACHINES: [Published; 6] = [
+    published([5000.0, 1000.0, 1e4, 0.2, 1.0, 100.0]),
+    published([5000.0, 1000.0, 3e4, 0.2, 1.0, 1000.0]),
+    published([30_000.0, 2500.0, 3e4, 0.2, 1.0, 100.0]),
+    published([25_000.0, 2500.0, 3e4, 2.0, 10.0, 100.0]),
+    published([2000.0, 1000.0, 1e4, 0.1, 5.0, 100.0]),
+    published([6000.0, 1000.0, 1e4, 0.05, 50.0, 100.0]),
 ];
 
 /// Counts per mm of the method.
@@ -58,10 +71,10 @@ const PER_MM: f64 = 1000.0;
 /// Cycles of the start of a motion that are shown.
 const STARTING: [u32; 8] = [30, 33, 34, 35, 36, 40, 50, 60];
 
-pub(super) fn demand(machine: &(f64, f64, f64, f64, f64, f64)) -> (Demand, Steps) {
-    let &(feed_mm_min, cycle_hz, k_f, g, jerk_m_s3, k_j) = machine;
+pub(super) fn demand(machine: &Published) -> (Demand, Steps) {
+    let &Published { feed_mm_min, cycle_hz, k_f, overload_g, jerk_m_s3, k_j } = machine;
     let [tolerance_um, ..] = TOLERANCES_UM;
-    let acceleration_m_s2 = g * G_M_S2;
+    let acceleration_m_s2 = overload_g * G_M_S2;
     (
         Demand { tolerance_um, feed_mm_min, acceleration_m_s2, jerk_m_s3, cycle_hz },
         Steps { feed: k_f, jerk: k_j, ..Steps::PUBLISHED },
@@ -86,13 +99,13 @@ fn step(value: f64) -> String {
 }
 
 pub(super) fn required() -> Table {
-    let columns: [Column<(f64, f64, f64, f64, f64, f64)>; 9] = [
-        Column { name: "feed", unit: "mm/min", cell: |m| six(m.0) },
-        Column { name: "cycle", unit: "Hz", cell: |m| six(m.1) },
-        Column { name: "a", unit: "g", cell: |m| six(m.3) },
-        Column { name: "jerk", unit: "m/s³", cell: |m| six(m.4) },
-        Column { name: "K_F", unit: "", cell: |m| six(m.2) },
-        Column { name: "K_J", unit: "", cell: |m| six(m.5) },
+    let columns: [Column<Published>; 9] = [
+        Column { name: "feed", unit: "mm/min", cell: |m| six(m.feed_mm_min) },
+        Column { name: "cycle", unit: "Hz", cell: |m| six(m.cycle_hz) },
+        Column { name: "a", unit: "g", cell: |m| six(m.overload_g) },
+        Column { name: "jerk", unit: "m/s³", cell: |m| six(m.jerk_m_s3) },
+        Column { name: "K_F", unit: "", cell: |m| six(m.k_f) },
+        Column { name: "K_J", unit: "", cell: |m| six(m.k_j) },
         Column { name: "step of speed", unit: "mm/cycle: D", cell: |m| needed(m, 1) },
         Column { name: "of acceleration", unit: "mm/cycle²: D", cell: |m| needed(m, 2) },
         Column { name: "of jerk", unit: "mm/cycle³: D", cell: |m| needed(m, 3) },
@@ -104,7 +117,7 @@ pub(super) fn required() -> Table {
 }
 
 /// A step that a published machine needs, and how many times a count of 1 µm is coarser.
-fn needed(machine: &(f64, f64, f64, f64, f64, f64), n: usize) -> String {
+fn needed(machine: &Published, n: usize) -> String {
     let (demand, steps) = demand(machine);
     let counts = Counts { per_mm: PER_MM, cycle_hz: demand.cycle_hz };
     let value = Required::of(&demand, &steps).steps().get(n).copied().unwrap_or_default();
