@@ -33,7 +33,7 @@ pub(super) fn changes(found: &Found, tuned: &Tuned) -> Table {
     let (key, how) = (widest(|change| change.key.len()), widest(|change| change.how.chars().count()));
     // Columns are flush right; words of one width are flush left, too.
     let row = |change: &Change| {
-        let deviation = change.deviation.map_or("chosen".into(), |deviation| format!("{deviation:.2e}"));
+        let deviation = change.deviation.map_or("chosen".into(), two);
         vec![
             format!("{:key$}", change.key),
             six(change.before),
@@ -52,6 +52,11 @@ pub(super) fn changes(found: &Found, tuned: &Tuned) -> Table {
         rows: changes.iter().map(row).collect(),
         place: Place::Everywhere,
     }
+}
+
+/// A number in two significant digits.
+fn two(value: f64) -> String {
+    format!("{value:.1e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
 /// Margins before and after.
@@ -91,13 +96,15 @@ pub(super) fn trial(rows: &[Row]) -> Table {
             micrometres(row.approach_min_um),
             micrometres(row.approach_max_um),
             micrometres(row.end_um),
+            format!("{:.2}", row.at_depth_max_abs_um),
             format!("{:.2}", row.thread_max_abs_um),
         ]
     };
     Table {
         title: "Trial pass before and after: servo error of X".into(),
         caption:
-            "A stroke of 5 mm in one turn at 300 1/min, then a thread of 5 mm lead, without cutting force."
+            "A stroke of 5 mm in one turn at 300 1/min, then a thread of 5 mm lead, without cutting force. At \
+                  depth: from the end of the approach on; thread: from one turn later on."
                 .into(),
         head: [
             ["override", "%"],
@@ -105,7 +112,8 @@ pub(super) fn trial(rows: &[Row]) -> Table {
             ["approach min", "µm"],
             ["approach max", "µm"],
             ["end", "µm"],
-            ["thread max", "µm"],
+            ["at depth", "± µm"],
+            ["thread", "± µm"],
         ]
         .map(|column| column.map(str::to_owned))
         .to_vec(),
@@ -142,7 +150,7 @@ pub(super) fn sentences(found: &Found, tuned: &Tuned) -> Vec<String> {
     let axis = tuned.axis;
     let mut lines = vec![
         format!(
-            "{axis}: test moves of up to {:.1} {}; torque acts {} µs after its command, behind a lag of {} µs",
+            "{axis}: test moves within {:.0} {}; torque acts {} µs after its command, behind a lag of {} µs",
             tuned.reach_mm.abs(),
             axis.unit(),
             shown(tuned.delay_s, 1e6, 1),

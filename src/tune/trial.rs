@@ -20,7 +20,10 @@ pub(super) struct Row {
     pub(super) approach_min_um: f64,
     pub(super) approach_max_um: f64,
     pub(super) end_um: f64,
+    /// In the thread, from one turn after X came to depth.
     pub(super) thread_max_abs_um: f64,
+    /// The same from the moment it came to depth.
+    pub(super) at_depth_max_abs_um: f64,
 }
 
 /// Trial passes before and after.
@@ -48,7 +51,8 @@ pub(super) fn compared(before: &Machine, after: &Machine, seed: u64) -> Result<C
                 approach_min_um: error.approach_min_um,
                 approach_max_um: error.approach_max_um,
                 end_um: error.end_um,
-                thread_max_abs_um: error.thread_max_abs_um,
+                thread_max_abs_um: error.settled_max_abs_um,
+                at_depth_max_abs_um: error.thread_max_abs_um,
             });
             if override_pct == 100.0 {
                 compared.curves[usize::from(tuned)] = curve;
