@@ -5,11 +5,11 @@ mod shop;
 
 use std::fs;
 
-use protocol::Machine;
+use protocol::{Axis, Machine};
 use rig::observe::{Outcome, PassReport, ServoError};
 use rig::trial::{self, Trial};
 use shop::{Place, example, project};
-use sim_plant::Scenario;
+use sim_plant::{Belief, Scenario};
 
 /// A figure of the document may be this far from what is measured: µm, and a share of it.
 const TOLERANCE: [f64; 2] = [0.3, 0.15];
@@ -95,12 +95,10 @@ fn a_worn_lathe_is_better_with_compensation_and_good_with_scales() {
 
 /// The pass of the published experiment on the small lathe, twice: servo error and slide error of X, each measure the
 /// median over the seeds.
-fn trials_of_x(change: impl Fn(&mut protocol::machine::AxisConfig)) -> [[Measures; 2]; 2] {
-    let mut machine = Machine::default();
-    machine.axis.values_mut().for_each(change);
-    let items = trial::program(&machine, &[Trial::default(); 2]).expect("the machine can follow it");
+fn trials_of_x(machine: &Machine) -> [[Measures; 2]; 2] {
+    let items = trial::program(machine, &[Trial::default(); 2]).expect("the machine can follow it");
     let run = |seed| {
-        let observed = trial::run(&machine, &items, &Scenario::none(), seed, &mut |_| {}).expect("a plant");
+        let observed = trial::run(machine, &items, &Scenario::none(), seed, &mut |_| {}).expect("a plant");
         assert_eq!(observed.outcome, Outcome::Completed, "{:?}", observed.faults);
         observed.passes
     };
@@ -128,7 +126,7 @@ fn measures(error: &ServoError) -> Measures {
 /// The reference simulation has 0…+6 µm at the slide behind the encoder of a motor and about +3 µm in the thread.
 #[test]
 fn an_encoder_at_the_motor_does_not_see_what_the_slide_does() {
-    let [[servo, slide], _] = trials_of_x(|_| {});
+    let [[servo, slide], _] = trials_of_x(&Machine::default());
     assert!(servo[..2].iter().all(|um| um.abs() <= 2.0), "{servo:.2?}");
     let [_, to, end, thread, settled] = slide;
     assert!(to >= 5.0 && (2.0..4.0).contains(&end), "{slide:.2?}");
@@ -137,17 +135,40 @@ fn an_encoder_at_the_motor_does_not_see_what_the_slide_does() {
     documented("encoder at the motor, slide", &slide);
 }
 
-/// The reference simulation has −2.5…+4.2 µm in the approach, +1.0 at its end, −0.2…+0.4 in the thread.
+/// The small lathe with linear scales of 0.1 µm.
+fn scaled(position_gain_1_s: f64) -> Machine {
+    let mut machine = Machine::default();
+    for axis in machine.axis.values_mut() {
+        axis.scale_step_mm = Some(1e-4);
+        axis.position_gain_1_s = position_gain_1_s;
+    }
+    machine
+}
+
 #[test]
 fn a_linear_scale_takes_the_constant_part_away() {
-    let [[servo, slide], [_, reversed]] = trials_of_x(|axis| {
-        axis.scale_step_mm = Some(1e-4);
-        axis.position_gain_1_s = 40.0;
-    });
+    let [[servo, slide], [_, reversed]] = trials_of_x(&scaled(40.0));
     let [.., end, thread, settled] = slide;
     assert!(end.abs() <= 1.5 && thread <= 1.5 && settled <= 0.4, "{slide:.2?}");
     let apart = servo.into_iter().zip(slide).map(|(servo, slide)| (servo - slide).abs());
     assert!(apart.fold(0.0, f64::max) <= 0.1, "the scale sees the slide: {servo:.2?}, {slide:.2?}");
     documented("linear scale of 0.1 µm, slide", &slide);
     documented("the same, after a reversal", &reversed);
+}
+
+/// The reference simulation has −2.5…+4.2 µm in the approach, +1.0 at its end, −0.2…+0.4 in the thread.
+#[test]
+fn a_controller_that_knows_its_machine_has_the_figures_of_the_reference_simulation() {
+    let mut machine = scaled(60.0);
+    (machine.spindle.encoder_lines, machine.spindle.observer_hz) = (1024, 30.0);
+    for axis in [Axis::X, Axis::Z] {
+        let belief = Belief::of_truth(&machine, axis).expect("the truth");
+        belief.put_into(machine.axis.get_mut(&axis).expect("a lathe"));
+    }
+    let [_, [_, slide]] = trials_of_x(&machine);
+    for (measured, reference) in slide.into_iter().zip([-2.5, 4.2, 1.0]) {
+        assert!((measured / reference - 1.0).abs() <= 0.25, "{slide:.2?} against {reference} µm");
+    }
+    assert!(slide[4] <= 0.4, "{slide:.2?}");
+    documented("controller of the reference, after a reversal", &slide);
 }
