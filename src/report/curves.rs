@@ -128,7 +128,7 @@ impl Curves {
         };
         let c = pass.direction * (row.spindle_true_deg - pass.index_deg);
         self.passes[index].add(pass, c, row);
-        self.cutting.add(summary, index, c, row);
+        self.cutting.add(summary, index, row);
         if index == self.shown_index {
             let shown = self.shown.get_or_insert_with(|| ShownCurves::new(pass, c));
             shown.add(summary, c, row);

@@ -1,45 +1,49 @@
 //! What cutting took: its table, its curves, its picture. In: reports of passes, rows of the trace. Out: N, N·m, kW, mm²
-//! a pass; force and torque over seconds since the index of the pass.
+//! a pass; force and torque over seconds since the tool went in.
 
 use maud::{Markup, html};
 use rig::observe::{CuttingReport, PassReport, Summary};
 use rig::trace::Row;
 use serde_json::json;
 
-use super::curves::{Curves, moving_deg};
+use super::curves::Curves;
 use super::envelope::Envelope;
 use super::figures::{Figure, by_pass, stacked};
 
-/// Tangential force and torque of the spindle motor over the time of each pass; empty if nothing was cut.
-pub(super) struct CutCurves(Vec<[Envelope; 2]>);
+/// Curves of one pass from the moment at which its tool goes in.
+struct PassCut {
+    /// The control cycle of that moment; none before it.
+    began: Option<u64>,
+    /// Tangential force, and torque of the spindle motor in the direction of the pass.
+    curves: [Envelope; 2],
+}
+
+/// What cutting took over the time of each pass; empty if nothing was cut.
+pub(super) struct CutCurves(Vec<PassCut>);
 
 impl CutCurves {
     /// Empty curves for a run, with as many intervals each.
     pub(super) fn new(summary: &Summary, slots: usize) -> CutCurves {
         let of_pass = |pass: &PassReport| {
-            let curve = Envelope::new(0.0, since_index_s(summary, pass, pass.end_cycle), slots);
-            [curve.clone(), curve]
+            let cycles = pass.end_cycle.saturating_sub(pass.begin_cycle) as f64;
+            let curve = Envelope::new(0.0, cycles * summary.cycle_s, slots);
+            PassCut { began: None, curves: [curve.clone(), curve] }
         };
         CutCurves(if cuts(summary) { summary.passes.iter().map(of_pass).collect() } else { Vec::new() })
     }
 
-    /// Takes the next row, of the pass with this index, c degrees after its spindle index.
-    pub(super) fn add(&mut self, summary: &Summary, index: usize, c: f64, row: &Row) {
-        let Some((pass, [force, torque])) = summary.passes.get(index).zip(self.0.get_mut(index)) else {
-            return;
-        };
-        // Before the axes move the spindle may still be on its way to its speed.
-        if c < moving_deg(pass).0 {
+    /// Takes the next row, of the pass with this index.
+    pub(super) fn add(&mut self, summary: &Summary, index: usize, row: &Row) {
+        let Some((pass, cut)) = summary.passes.get(index).zip(self.0.get_mut(index)) else { return };
+        if cut.began.is_none() && row.cut.area <= 0.0 {
             return;
         }
-        let t_s = since_index_s(summary, pass, row.cycle);
+        let began = *cut.began.get_or_insert(row.cycle);
+        let t_s = row.cycle.saturating_sub(began) as f64 * summary.cycle_s;
+        let [force, torque] = &mut cut.curves;
         force.add(t_s, row.cut.force);
         torque.add(t_s, row.cut.motor_torque * pass.direction);
     }
-}
-
-fn since_index_s(summary: &Summary, pass: &PassReport, cycle: u64) -> f64 {
-    (cycle as f64 - pass.begin_cycle as f64) * summary.cycle_s
 }
 
 /// Whether anything was cut.
@@ -50,9 +54,9 @@ pub(super) fn cuts(summary: &Summary) -> bool {
 /// Force and torque over the time of each pass.
 pub(super) fn figure(summary: &Summary, curves: &Curves) -> Figure {
     let CutCurves(passes) = &curves.cutting;
-    let force = by_pass(curves, ("x", "y"), true, |index| &passes[index][0]);
-    let torque = by_pass(curves, ("x", "y2"), false, |index| &passes[index][1]);
-    let layout = stacked("time since the index of the pass (s)", "cutting force (N)", "spindle motor (N·m)");
+    let force = by_pass(curves, ("x", "y"), true, |index| &passes[index].curves[0]);
+    let torque = by_pass(curves, ("x", "y2"), false, |index| &passes[index].curves[1]);
+    let layout = stacked("time since the tool went in (s)", "cutting force (N)", "spindle motor (N·m)");
     let worst = |of: fn(&CuttingReport) -> f64| {
         summary.passes.iter().filter_map(|pass| pass.cutting.as_ref()).map(of).fold(0.0, f64::max)
     };
