@@ -4,7 +4,7 @@
 //! ```text
 //! velocity lead −T/2: speed is measured by one difference;   acceleration lead δ + T/2 + τ                   (M54)
 //! f_v: the highest with the wanted margins of the velocity loop, with Ti = 4/(2π f_v): the integral takes 14° there
-//! Kv:  the highest with the wanted margins of the position loop                                              (M82)
+//! Kv:  the highest with the wanted margins of the position loop; no higher than it was over a scale behind a backlash  (M82)
 //! ```
 
 use core::f64::consts::TAU;
@@ -87,7 +87,9 @@ pub(crate) fn gains(
     let good = |kv| goals.position(&margins::of(lines, &with(kv), cycle_s).position);
     let Goals { position_phase_deg: phase, position_gain: gain, .. } = *goals;
     let kv = highest(POSITION_GAINS, good).ok_or(Refusal::NoGain(axis, "position", phase, gain))?;
-    config.position_gain_1_s = kv;
+    // Margins are those of a linear loop. One that closes behind a backlash hunts at gains they allow.
+    let slack = config.scale_step_mm.is_some() && config.backlash_mm > 0.0;
+    config.position_gain_1_s = if slack { kv.min(config.position_gain_1_s) } else { kv };
     Ok(())
 }
 

@@ -146,3 +146,15 @@ fn a_proposal_is_stable_and_stays() {
         assert!(margins.position.phase_deg > 58.0 && margins.position.gain > 2.8, "{margins:?}");
     }
 }
+
+/// The margins of a linear loop say nothing of backlash.
+#[test]
+fn a_loop_over_a_scale_behind_a_backlash_gets_no_faster() {
+    let mut machine = Machine::default();
+    let x = machine.axis.get_mut(&Axis::X).expect("the lathe has an X");
+    (x.scale_step_mm, x.position_gain_1_s) = (Some(1e-4), 20.0);
+    let without = tuned(&machine).expect("it is tuned").proposal.position_gain_1_s;
+    machine.axis.get_mut(&Axis::X).expect("the lathe has an X").backlash_mm = 0.01;
+    let with = tuned(&machine).expect("it is tuned").proposal.position_gain_1_s;
+    assert!(without > 30.0 && with == 20.0, "{without} without, {with} with backlash");
+}
