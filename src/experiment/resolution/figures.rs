@@ -94,11 +94,11 @@ fn over_quantum(machine: &Machine, rows: &[Row]) -> Figure {
         title: "Servo error and torque noise over the quantum".into(),
         caption: "Largest servo error of X in the approach, and rms step of the torque that the drive asks for. \
                   Diamonds: the reference simulation, under conditions of its own. Good: from some quantum on both \
-                  curves are flat, and the noise lies on that of the law itself; what is left of the error is the \
-                  delay of the hold."
+                  curves are flat: then the resolution no longer matters. What is left of the error is the delay of the \
+                  hold."
             .into(),
         alt: "Two falling curves over the quantum on logarithmic axes; servo error and torque noise are flat from 1e-5 \
-              mm on, the noise on the line of the law itself."
+              mm on."
             .into(),
         plot: json!({ "data": data, "layout": layout }),
         aspect: 0.85,

@@ -128,6 +128,6 @@ pub(super) fn leads(beside: &[Beside]) -> Table {
     ];
     Table::of("What the leads have to make up for", &columns, &rows).with_caption(
         "Under the same conditions. Holding a position for two control cycles delays by a quarter of a millisecond \
-         more than a new one every cycle; leads that are longer by that leave what the law itself leaves.",
+         more than a new one every cycle. Leads that are longer by that make the error smallest.",
     )
 }

@@ -85,7 +85,7 @@ fn with(rows: &[Row], quantum_mm: Option<f64>) -> &Row {
     rows.iter().find(|row| row.quantum_mm == quantum_mm).expect("it was run")
 }
 
-/// The figures of mathematics: errors in the approach within a fifth from 3e-4 mm on, or as far as one pass of any seed
+/// The figures of mathematics: errors in the approach within a fifth from 1e-4 mm on, or as far as one pass of any seed
 /// goes; the torque noise within a quarter, which is its last digit.
 #[test]
 fn under_its_conditions_the_reference_comes_out() {
@@ -94,7 +94,7 @@ fn under_its_conditions_the_reference_comes_out() {
     for printed in &PRINTED[..6] {
         let row = with(rows, printed.quantum_mm);
         let [low, high] = printed.approach_um;
-        let fine = printed.quantum_mm.is_some_and(|q| q < 5e-4);
+        let fine = printed.quantum_mm.is_some_and(|q| q < 2e-4);
         let near = |got: f64, want: f64| (got / want - 1.0).abs() < 0.2;
         let within = row.approach_lowest_um < 0.8 * low && row.approach_highest_um > 0.8 * high;
         assert!(
@@ -110,17 +110,16 @@ fn under_its_conditions_the_reference_comes_out() {
     }
 }
 
-/// What remains with fine positions is the delay of the hold: leads that make up for it leave what the law leaves.
+/// What remains with fine positions is the delay of the hold: leads that make up for it take most of it away.
 #[test]
-fn a_lead_as_long_as_the_hold_delays_leaves_what_the_law_leaves() {
+fn leads_as_long_as_the_hold_delays_leave_the_least() {
     let beside = beside(&stand(3)).expect("it runs");
     let of = |longer_s: f64| {
         let Beside { rows, .. } = beside.iter().find(|b| b.longer_s == longer_s).expect("it was tried");
-        (with(rows, Some(1e-6)).approach_abs_um(), with(rows, None).approach_abs_um())
+        with(rows, Some(1e-6)).approach_abs_um()
     };
-    let [(short, law), (right, _), (long, _)] = LONGER_S.map(of);
-    assert!(right < 1.25 * law && law < 1.5, "{right} for {law}");
-    assert!(short > 1.8 * right && long > 1.8 * right, "{short}, {right}, {long}");
+    let [short, right, long] = LONGER_S.map(of);
+    assert!(right < 1.2 && short > 1.8 * right && long > 1.8 * right, "{short}, {right}, {long}");
 }
 
 #[test]

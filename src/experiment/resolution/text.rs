@@ -60,7 +60,7 @@ fn result(rows: &[Row]) -> Vec<String> {
         "The n-th difference of rounded positions errs by up to 2ⁿ⁻¹ counts per cycleⁿ, with an rms of 0.41, 0.71 and \
          1.29 (M28). A count of 1 µm at 1 kHz is 0.7 m/s² rms of acceleration, as much as the approach has itself. The \
          torque noise follows from this alone (M77, the line in the picture): it is proportional to the quantum until \
-         it reaches the limit of the drive above, and the noise of the encoder below."
+         it reaches the limit of the drive above, and the noise of the encoders below."
             .into(),
         format!(
             "The servo error is less touched, because the mass of the axis swallows most of the noise: {} µm with 1e-3 \
@@ -85,12 +85,12 @@ fn compared(beside: &[Beside]) -> Vec<String> {
     };
     vec![
         format!(
-            "The reference says that what remains with fine positions, −2.7 … +2.4 µm, is the hold of 1 ms. It is the \
-             delay of the hold. With the leads of the machine file the approach stays within {} µm and ends at {} µm; \
-             with leads that are longer by 0.25 ms, which is by how much a hold of two cycles delays more than one of \
-             one, within {} µm and at {} µm, as the law itself; with 0.5 ms more within {} µm and at {} µm. The last \
-             are the figures of the reference, with their sign: its leads were too long by a quarter of a millisecond, \
-             those of the file are too short by as much.",
+            "The reference says that what remains with fine positions, −2.7 … +2.4 µm, is the hold of 1 ms. It is the delay \
+             of the hold. With the leads of the machine file the approach stays within {} µm and ends at {} µm; with leads \
+             that are longer by 0.25 ms, which is by how much a hold of two cycles delays more than one of one, within {} \
+             µm and at {} µm; with 0.5 ms more within {} µm and at {} µm. The last are the figures of the reference, with \
+             their sign: its leads were too long by a quarter of a millisecond, those of the file are too short by as \
+             much.",
             fine(0.0),
             end(0.0),
             fine(0.25e-3),
@@ -99,10 +99,12 @@ fn compared(beside: &[Beside]) -> Vec<String> {
             end(0.5e-3)
         ),
         format!(
-            "So the table beside the reference has leads 0.5 ms longer. What differs by more than a fifth are the figures of \
-             1e-2 and 1e-3 mm and those of the law itself, by 0.3 µm. There chance rules: the reference shows one pass, and \
-             with 1e-2 mm, where the torque runs into its limit, the ten seeds reach from {} to {} µm. At 1e-4 mm the torque \
-             noise is 0.22 for 0.18 N·m; rounding alone makes 0.20 of it (M77).",
+            "So the table beside the reference has leads 0.5 ms longer. From 1e-4 mm down its servo errors come out within a \
+             fifth. With coarser positions chance rules: the reference shows one pass, and with 1e-2 mm, where the torque \
+             runs into its limit, the ten seeds reach from {} to {} µm. At 1e-4 mm the torque noise is 0.22 for 0.18 N·m; \
+             rounding alone makes 0.20 of it (M77). The law itself is more exact here than there, and its torque less even: \
+             its feedforward also has the corrections by which the observer of the spindle learns, which differences of \
+             positions that are foretold at one moment do not show.",
             with(there, Some(1e-2)).map_or("–".into(), |row| um(row.approach_lowest_um)),
             with(there, Some(1e-2)).map_or("–".into(), |row| um(row.approach_highest_um))
         ),
