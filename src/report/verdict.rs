@@ -220,7 +220,7 @@ mod tests {
         let (grade, words) = defect(|summary| summary.passes[0].slide_helix_max_abs_um = 10.5);
         assert!(grade == Grade::Look && words.contains("0.000 µm in X and 10.50 µm in Z"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].x_slide.thread_max_abs_um = 12.0);
-        assert!(grade == Grade::Look && words.contains("up to 12.00 µm in X and 0.000 µm in Z"), "{words}");
+        assert!(grade == Grade::Look && words.contains("up to 12.00 µm in X and 3.50 µm in Z"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].complete = false);
         assert!(grade == Grade::Bad && words.contains("Not cut to the end: pass 1"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].same_index = false);
