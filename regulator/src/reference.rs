@@ -37,7 +37,10 @@ impl Reference<'_> {
             State::Streaming => self.stream.at(self.cycle, lead_s / self.cycle_s),
             State::Armed(pass) => still(pass.law.start.mm()),
             State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
-                let c = self.spindle.since(pass.index_count, pass.direction, lead_s);
+                // A lead follows every correction of the estimate; a stroke would pass on the noise of the encoder.
+                let follows = pass.law.lead_mm != 0.0 && lead_s != 0.0;
+                let since = if follows { Spindle::followed_since } else { Spindle::since };
+                let c = since(self.spindle, pass.index_count, pass.direction, lead_s);
                 let ratio = c.speed / pass.programmed_deg_s;
                 let ratio_rate = c.acceleration / pass.programmed_deg_s;
                 let mut sample = pass.motion.at(c.angle).driven(ratio, ratio_rate);

@@ -83,10 +83,18 @@ impl Spindle {
         self.index
     }
 
-    /// Angle since an index, speed and acceleration at `lead_s` after the measurement, positive in `direction` (±1). At
-    /// the measurement itself they are what is observed, at a lead what an axis that follows the angle needs.
+    /// Angle since an index, speed and acceleration as observed, at `lead_s` after the measurement, positive in
+    /// `direction` (±1).
     pub fn since(&self, index_count: i64, direction: f64, lead_s: f64) -> SpindleMotion {
-        let motion = if lead_s == 0.0 { self.observer.at(0.0) } else { self.observer.following(lead_s) };
+        self.in_degrees(self.observer.at(lead_s), index_count, direction)
+    }
+
+    /// The same for an axis on a lead, which goes with the corrections of the estimate, too.
+    pub fn followed_since(&self, index_count: i64, direction: f64, lead_s: f64) -> SpindleMotion {
+        self.in_degrees(self.observer.following(lead_s), index_count, direction)
+    }
+
+    fn in_degrees(&self, motion: SpindleMotion, index_count: i64, direction: f64) -> SpindleMotion {
         let scale = direction * self.degrees_per_count;
         SpindleMotion {
             angle: (motion.angle - (index_count as f64 + 0.5)) * scale,
