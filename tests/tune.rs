@@ -128,7 +128,7 @@ fn a_mill_is_tuned_without_a_trial_pass() {
 #[test]
 fn what_cannot_be_done_is_refused() {
     let place = Place::new();
-    place.write("narrow.toml", &SMALL_LATHE.replace("travel_mm = [-5.0, 120.0]", "travel_mm = [57.0, 63.0]"));
+    place.write("narrow.toml", SMALL_LATHE.replace("travel_mm = [-5.0, 120.0]", "travel_mm = [57.0, 63.0]"));
     place.write("file", "in the way");
     let cases: [(i32, &[&str], &[&str]); 8] = [
         (2, &["tune", "--axis", "y"], &["--axis y", "built-in machine file has x, z"]),

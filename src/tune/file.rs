@@ -16,13 +16,11 @@ pub(super) fn edited(text: &str, axis: Axis, proposal: &AxisConfig) -> Result<St
         text.parse().map_err(|error| CliError::Input(format!("machine file: {error}")))?;
     for key in &KEYS {
         let name = key.name_on(axis);
-        let item = document
-            .get_mut("axis")
-            .and_then(|axes| axes.get_mut(axis.name()))
-            .and_then(|section| section.get_mut(&name))
-            .ok_or_else(|| {
-                CliError::Input(format!("machine file: axis.{}.{name} is missing", axis.name()))
-            })?;
+        let item = ["axis", axis.name(), &name].iter().try_fold(document.as_item_mut(), |item, name| {
+            item.as_table_like_mut().and_then(|table| table.get_mut(name))
+        });
+        let missing = || CliError::Input(format!("machine file: axis.{}.{name} is missing", axis.name()));
+        let item = item.ok_or_else(missing)?;
         set(item, (key.of)(proposal));
     }
     Ok(document.to_string())
