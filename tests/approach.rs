@@ -84,7 +84,7 @@ fn the_command_says_the_same_and_tuning_makes_it_better() {
         // The last digit is lost on the way through JSON.
         assert!((number(row, "approach_min_um") - error.approach_min_um).abs() < 1e-9, "{row}");
         assert!((number(row, "end_um") - error.end_um).abs() < 1e-9, "{row}");
-        assert!((1.0..10.0).contains(&number(row, "torque_peak_nm")), "{row}");
+        assert!((0.3..10.0).contains(&number(row, "torque_peak_nm")), "{row}");
     }
     let tuned: Vec<_> = rows.iter().filter(|row| row["tuned"] == true).collect();
     assert_eq!(tuned.len(), OVERRIDES.len());
