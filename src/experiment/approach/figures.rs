@@ -8,6 +8,9 @@ use serde_json::{Value, json};
 use super::{Done, OVERRIDES, STRUCTURES, measure::Moment, name, published::BAND_UM};
 use crate::report::figures::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line};
 
+/// One of the pictures above each other: title of its axis, and its value.
+type Quantity = (&'static str, fn(&Moment) -> f64);
+
 /// Colour of each structure, in the order of [`STRUCTURES`].
 const COLORS: [&str; 6] = ["#8a9099", "#cc79a7", ORANGE, "#e69f00", GREEN, BLUE];
 
@@ -50,7 +53,7 @@ fn band(y: &str) -> Value {
 fn original(done: &[Done], pct: f64) -> Option<Figure> {
     let full = found(done, Feedforward::Full, pct)?;
     let published = found(done, Feedforward::DifferenceVa, pct)?;
-    let quantities: [(&str, fn(&Moment) -> f64); 3] = [
+    let quantities: [Quantity; 3] = [
         ("way (mm)", |at| at.way_mm),
         ("speed (mm/s)", |at| at.v_mm_s),
         ("acceleration (m/s²)", |at| 1e-3 * at.a_mm_s2),

@@ -59,7 +59,8 @@ pub(super) fn measure(machine: &Machine, override_pct: f64, seed: u64) -> Result
         let approaches = AxisState::from_code(status.state) == Ok(AxisState::RunIn);
         let rests = AxisState::from_code(status.state) == Ok(AxisState::Locked);
         rested += usize::from(rests);
-        if !approaches && !(rests && rested <= after) {
+        let shown = approaches || (rests && rested <= after);
+        if !shown {
             return;
         }
         if curve.is_empty() {
