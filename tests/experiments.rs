@@ -8,7 +8,7 @@ use std::fs;
 use serde_json::Value;
 use shop::{Place, project};
 
-const NAMES: [&str; 5] = ["approach", "feed", "profiles", "resolution", "sweep"];
+const NAMES: [&str; 6] = ["approach", "feed", "observer", "profiles", "resolution", "sweep"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {

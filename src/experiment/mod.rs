@@ -7,6 +7,7 @@
 
 mod approach;
 mod feed;
+mod observer;
 mod page;
 mod profiles;
 mod resolution;
@@ -48,6 +49,8 @@ pub(crate) enum Name {
     Approach,
     /// Feed with a smooth jerk: the examples of the published method with their figures put right, and whole blocks.
     Feed,
+    /// How well the spindle's angle is known from its encoder, and what that makes of a helix.
+    Observer,
     /// What an approach leaves in a lightly damped mode, for six laws of motion.
     Profiles,
     /// What rounded positions do to speed, acceleration and servo error, and how fine they have to be.
@@ -61,6 +64,7 @@ impl Name {
         match self {
             Name::Approach => "approach",
             Name::Feed => "feed",
+            Name::Observer => "observer",
             Name::Sweep => "sweep",
             Name::Profiles => "profiles",
             Name::Resolution => "resolution",
@@ -70,7 +74,7 @@ impl Name {
     /// Whether it moves a machine, so that `--machine` says which.
     fn moves_a_machine(self) -> bool {
         match self {
-            Name::Approach | Name::Resolution | Name::Sweep => true,
+            Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => true,
             Name::Feed | Name::Profiles => false,
         }
     }
@@ -132,6 +136,7 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
     match args.name {
         Name::Approach => publish(args, &approach::findings(&stand)?),
         Name::Feed => publish(args, &feed::findings()?),
+        Name::Observer => publish(args, &observer::findings(&stand)?),
         Name::Sweep => publish(args, &sweep::findings(&stand)?),
         Name::Profiles => publish(args, &profiles::findings()),
         Name::Resolution => publish(args, &resolution::findings(&stand)?),
