@@ -102,9 +102,7 @@ fn compared(beside: &[Beside]) -> Vec<String> {
             "So the table beside the reference has leads 0.5 ms longer. From 1e-4 mm down its servo errors come out within a \
              fifth. With coarser positions chance rules: the reference shows one pass, and with 1e-2 mm, where the torque \
              runs into its limit, the ten seeds reach from {} to {} µm. At 1e-4 mm the torque noise is 0.22 for 0.18 N·m; \
-             rounding alone makes 0.20 of it (M77). The law itself is more exact here than there, and its torque less even: \
-             its feedforward also has the corrections by which the observer of the spindle learns, which differences of \
-             positions that are foretold at one moment do not show.",
+             rounding alone makes 0.20 of it (M77). The law itself differs by 0.3 µm, which is chance as well.",
             with(there, Some(1e-2)).map_or("–".into(), |row| um(row.approach_lowest_um)),
             with(there, Some(1e-2)).map_or("–".into(), |row| um(row.approach_highest_um))
         ),
