@@ -53,6 +53,22 @@ fn errors_name_event_key_and_remedy() {
         ),
         ("at = { cycle = 1 }\nradial_force_n = 'much'", "expected a number of N, or { force_n, for_s }"),
         (
+            "at = { cycle = 1 }\nkill = 'interpreter'",
+            "kill: this action is not available yet; remove the event",
+        ),
+        ("at = { cycle = 1 }\npacket = { channel = 'x' }", "packet: this action is not available yet"),
+    ] {
+        let message = refusal(&format!("[[event]]\nat = {{ line = 1 }}\nstop = true\n[[event]]\n{event}\n"));
+        assert!(message.starts_with("event 2: ") && message.contains(expected), "{event}: {message}");
+    }
+    assert!(refusal("[[events]]\nstop = true").contains("unknown field `events`"));
+    assert!(refusal("[[event]").contains("line 1"));
+}
+
+#[test]
+fn errors_of_the_encoder_name_key_and_remedy() {
+    for (event, expected) in [
+        (
             "at = { cycle = 1 }\nencoder_glitch_counts = 0",
             "encoder_glitch_counts = 0: must lie between -1000000000 and 1000000000, and not be 0",
         ),
@@ -71,17 +87,10 @@ fn errors_name_event_key_and_remedy() {
         ("at = { cycle = 1 }\nindex_lost = false", "index_lost: write true, or { for_s }"),
         ("at = { cycle = 1 }\nindex_lost = { for_s = 0 }", "index_lost.for_s = 0: must lie"),
         ("at = { cycle = 1 }\nindex_lost = true\nencoder_glitch_counts = 1", "more than one action"),
-        (
-            "at = { cycle = 1 }\nkill = 'interpreter'",
-            "kill: this action is not available yet; remove the event",
-        ),
-        ("at = { cycle = 1 }\npacket = { channel = 'x' }", "packet: this action is not available yet"),
     ] {
-        let message = refusal(&format!("[[event]]\nat = {{ line = 1 }}\nstop = true\n[[event]]\n{event}\n"));
-        assert!(message.starts_with("event 2: ") && message.contains(expected), "{event}: {message}");
+        let message = refusal(&format!("[[event]]\n{event}\n"));
+        assert!(message.starts_with("event 1: ") && message.contains(expected), "{event}: {message}");
     }
-    assert!(refusal("[[events]]\nstop = true").contains("unknown field `events`"));
-    assert!(refusal("[[event]").contains("line 1"));
 }
 
 #[test]

@@ -1,3 +1,5 @@
+//! The observer alone: the figures of the reference, and what coarse and fine encoders leave at 0.2 1/min.
+
 use super::{Case, LINES, PRINTED, alone};
 
 /// What an observer leaves of a change of speed with nothing rounded: a bound from below for every encoder.
