@@ -47,6 +47,8 @@ pub(crate) struct Stand<'a, B: Bench> {
     drive: DriveLoop,
     start: Start,
     motor_before_mm: f64,
+    /// What the drive was last made to command, N·m.
+    commanded_nm: f64,
     elapsed: u64,
 }
 
@@ -67,12 +69,15 @@ impl<'a, B: Bench> Stand<'a, B> {
         let seen = bench.measurement().axes[axis.index()];
         let start = Start { motor: seen.position, scale: seen.scale };
         let drive = DriveLoop::new(config, cycle_s);
+        let (motor_before_mm, commanded_nm, elapsed) = (0.0, 0.0, 0);
         let mut stand =
-            Stand { bench, axis, config, cycle_s, drive, start, motor_before_mm: 0.0, elapsed: 0 };
+            Stand { bench, axis, config, cycle_s, drive, start, motor_before_mm, commanded_nm, elapsed };
         while stand.state() != Some(DriveState::OperationEnabled) {
             let word = StatusWord(stand.seen().status_word as u16).towards_operation();
             let (Some(word), true) = (word, stand.time_s() < PATIENCE_S) else {
-                return Err(stand.drive_refusal());
+                let refusal = stand.drive_refusal();
+                stand.release();
+                return Err(refusal);
             };
             stand.command(word, 0.0, 0.0, 0.0);
         }
@@ -151,6 +156,7 @@ impl<'a, B: Bench> Stand<'a, B> {
         };
         self.bench.tick(&drives);
         self.elapsed += 1;
+        self.commanded_nm = torque_nm;
         torque_nm
     }
 
@@ -161,10 +167,13 @@ impl<'a, B: Bench> Stand<'a, B> {
         }
         let limit = self.config.torque_limit_nm;
         let lost = error_mm.is_nan() || error_mm.abs() > self.config.following_error_mm;
-        if lost && (gone_mm - error_mm).abs() < MOVING * gone_mm.abs() {
+        let moves = (gone_mm - error_mm).abs() >= MOVING * gone_mm.abs();
+        if lost && !moves {
             return Err(Refusal::DidNotMove(self.axis, gone_mm, gone_mm - error_mm));
         }
-        if torque_nm.is_nan() || torque_nm.abs() >= AT_LIMIT * limit {
+        // A drive cuts a command at its limit, so its loop is no longer the one that is reckoned with.
+        let cut = moves && self.commanded_nm.abs() >= limit;
+        if cut || torque_nm.is_nan() || torque_nm.abs() >= AT_LIMIT * limit {
             return Err(Refusal::TorqueLimited(self.axis, limit));
         }
         if lost { Err(Refusal::Lost(self.axis, error_mm.abs())) } else { Ok(()) }
@@ -184,6 +193,11 @@ impl<'a, B: Bench> Stand<'a, B> {
 
     fn drive_refusal(&self) -> Refusal {
         Refusal::Drive(self.axis, self.state(), self.time_s())
+    }
+
+    /// The axis under test.
+    pub(crate) fn axis(&self) -> Axis {
+        self.axis
     }
 
     /// Control cycle, s.
