@@ -28,6 +28,12 @@ impl LoopMargins {
     pub(crate) fn crosses(&self) -> bool {
         self.crossover_hz.is_finite()
     }
+
+    /// Largest relative deviation of the lines within an octave of the crossover; 0 without one.
+    pub(crate) fn known_to(&self, lines: &[Line]) -> f64 {
+        let near = |line: &&Line| (0.5 * self.crossover_hz..2.0 * self.crossover_hz).contains(&line.hz);
+        lines.iter().filter(near).map(|line| line.deviation).fold(0.0, f64::max)
+    }
 }
 
 /// Margins of both loops.
@@ -37,6 +43,13 @@ pub struct Margins {
     pub velocity: LoopMargins,
     /// The position loop in the regulator, the velocity loop closed.
     pub position: LoopMargins,
+}
+
+impl Margins {
+    /// Whether both loops are stable.
+    pub(crate) fn stable(&self) -> bool {
+        [self.velocity, self.position].iter().all(|one| one.phase_deg > 0.0 && one.gain > 1.0)
+    }
 }
 
 /// Both loops, opened, at one frequency.

@@ -27,13 +27,30 @@ pub enum Refusal {
         unit = .0.unit()
     )]
     Lost(Axis, f64),
-    /// The drive could give no more torque.
+    /// The drive could give no more torque, or was asked for more.
     #[error(
         "the torque of {0} was at its limit of {1} N·m in a test move: it is too heavy for acceleration_{unit}_s2, or \
          swings with its present gains; lower velocity_bandwidth_hz or the acceleration",
         unit = .0.unit()
     )]
     TorqueLimited(Axis, f64),
+    /// A test move cannot be planned within the limits of the axis.
+    #[error(
+        "a test move of {0} over {1:.3} {unit} at {2:.3} {unit}/s cannot be planned: see to its limits of speed, \
+         acceleration and jerk",
+        unit = .0.unit()
+    )]
+    Unplanned(Axis, f64, f64),
+    /// The test moves do not determine a value.
+    #[error("the test moves of {0} do not tell its {1}: {2}")]
+    Untold(Axis, &'static str, &'static str),
+    /// Friction turned with the speed while the frequency response was measured, or noise covered it.
+    #[error(
+        "the frequency response of {0} cannot be used: {1}. At {2:.1} {unit}/s friction bends it: give the axis more \
+         travel, or a higher velocity_{unit}_s",
+        unit = .0.unit()
+    )]
+    Response(Axis, &'static str, f64),
     /// A value came out that no axis has, or is known too badly to be used.
     #[error("{0}: {1} came out as {2:.4} ± {3:.2}, which cannot be used: {4}")]
     Implausible(Axis, &'static str, f64, f64, &'static str),

@@ -19,6 +19,8 @@ use crate::{
 const MOST_MM: f64 = 50.0;
 const LEAST_MM: f64 = 5.0;
 const RESERVE_MM: f64 = 1.0;
+/// Most relative deviation of a line that margins are read from.
+const MOST_SCATTER: f64 = 0.2;
 
 /// An axis that has been measured.
 #[derive(Clone, Debug)]
@@ -117,17 +119,20 @@ fn measure<B: Bench>(
 ) -> Result<Tuned, Refusal> {
     let cycle_s = stand.cycle_s();
     stand.rest(0.0, 0.1)?;
-    let none = |what, remedy| Refusal::Implausible(axis, what, f64::NAN, f64::NAN, remedy);
+    let none = |what, remedy| Refusal::Untold(axis, what, remedy);
     let rigid = rigid::measure(stand, config, reach_mm)?
-        .ok_or(none("mass and friction", "the runs were too short; give the axis more travel"))?;
+        .ok_or(none("mass and friction", "the runs are too short; give the axis more travel"))?;
     let sliding = presliding::measure(stand, config, &rigid, &rigid::limits(config))?
         .ok_or(none("presliding stiffness", "the reversals did not move the axis"))?;
-    let lines = response::measure(stand, config, reach_mm)?;
-    let path = torque_path::identify(&lines, cycle_s)
-        .ok_or(none("delay of the torque", "the measured torque does not follow the commanded one"))?;
+    let (lines, speed) = response::measure(stand, config, reach_mm)?;
+    let path = torque_path::identify(&lines, cycle_s).ok_or(none(
+        "delay of the torque",
+        "the measured torque does not follow the commanded one; see to its unit and sign",
+    ))?;
     let mode = mode::identify(&lines, config, &path, cycle_s);
     let body = [rigid.mass_kg.value, rigid.viscous_n_s_mm.value];
     let lines = [response::below(&lines, config, &path, body, cycle_s), lines].concat();
+    let before = margins::of(&lines, config, cycle_s);
     let mut proposal = AxisConfig {
         mass_kg: rigid.mass_kg.value,
         coulomb_n: rigid.coulomb_n.value.max(0.0),
@@ -138,8 +143,16 @@ fn measure<B: Bench>(
         ..config.clone()
     };
     plausible(axis, &rigid, &path, &sliding)?;
+    // These loops have just moved the axis.
+    if !before.stable() {
+        return Err(Refusal::Response(axis, "the loops that moved the axis would be unstable by it", speed));
+    }
     proposal::gains(axis, &mut proposal, &lines, cycle_s, goals)?;
     let proposal = proposal::rounded(proposal);
+    let after = margins::of(&lines, &proposal, cycle_s);
+    if [before, after].iter().any(|margins| margins.velocity.known_to(&lines) > MOST_SCATTER) {
+        return Err(Refusal::Response(axis, "its periods scatter too much about the crossover", speed));
+    }
     Ok(Tuned {
         axis,
         reach_mm,
@@ -153,8 +166,8 @@ fn measure<B: Bench>(
         lag_s: path.lag_s,
         approach_s: mode.map(|mode| proposal::shortest_approach(&mode, goals)),
         mode,
-        before: margins::of(&lines, config, cycle_s),
-        after: margins::of(&lines, &proposal, cycle_s),
+        before,
+        after,
         lines,
         friction_curve: rigid.curve,
         reversals: sliding.loops,

@@ -84,6 +84,33 @@ fn a_little_travel_is_enough() {
     let found = tune(&mut bench, Axis::X, &machine).expect("there is room");
     assert!((found.mass_kg.value / 2005.0 - 1.0).abs() < 0.01, "{:?}", found.mass_kg);
     assert!((found.coulomb_n.value / 270.0 - 1.0).abs() < 0.05, "{:?}", found.coulomb_n);
+    let proposal = found.proposal;
+    assert!((65.0..80.0).contains(&proposal.velocity_bandwidth_hz), "{proposal:?}");
+    assert!((110.0..145.0).contains(&proposal.position_gain_1_s), "{proposal:?}");
+}
+
+/// On a slow run friction turns with the speed, and the response is not that of the axis.
+#[test]
+fn a_response_by_which_the_present_loops_would_swing() {
+    let machine = with(|machine| x(machine).velocity_mm_s = 30.0);
+    says(&refused(&machine, |_| ()), "the frequency response of X cannot be used");
+}
+
+#[test]
+fn a_slow_axis_stays_within_its_travel() {
+    let machine = with(|machine| {
+        let x = x(machine);
+        (x.acceleration_mm_s2, x.jerk_mm_s3, x.jerk_rate_mm_s4) = (50.0, 20.0, 2000.0);
+        x.travel_mm = [9.0, 111.0];
+    });
+    let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+    // Friction is nearly all of what its test moves need, so they hardly tell its mass.
+    let refusal = refused(&machine, |seen| {
+        let at = seen.axes[0].position.mm();
+        (low, high) = (low.min(at), high.max(at));
+    });
+    says(&refusal, "X: mass_kg came out as");
+    assert!(low > 9.0 && high < 111.0, "{low} to {high}");
 }
 
 #[test]
@@ -97,6 +124,14 @@ fn an_axis_that_stands_still() {
 fn torque_at_its_limit() {
     let weak = with(|machine| x(machine).torque_limit_nm = 0.8);
     says(&refused(&weak, |_| ()), "the torque of X was at its limit of 0.8 N·m");
+}
+
+/// The drive cuts at its limit, but shows less: its loop is not the one that was reckoned with.
+#[test]
+fn a_command_at_its_limit() {
+    let weak = with(|machine| x(machine).torque_limit_nm = 0.8);
+    let refusal = refused(&weak, |seen| seen.axes[0].torque_nm = seen.axes[0].torque_nm.clamp(-0.7, 0.7));
+    says(&refusal, "the torque of X was at its limit of 0.8 N·m");
 }
 
 #[test]
@@ -122,9 +157,17 @@ fn a_drive_in_fault() {
 }
 
 #[test]
+fn a_drive_that_does_not_come_into_operation() {
+    let refusal = refused(&Machine::default(), |seen| {
+        seen.axes[0].status_word = u32::from(StatusWord::of(DriveState::SwitchedOn).0);
+    });
+    says(&refusal, "the drive of X is in state SwitchedOn at 2.0");
+}
+
+#[test]
 fn torque_that_is_not_measured() {
     let refusal = refused(&Machine::default(), |seen| seen.axes[0].torque_nm = 0.0);
-    assert!(matches!(refusal, Refusal::Implausible(Axis::X, ..)), "{refusal}");
+    assert!(matches!(refusal, Refusal::Untold(Axis::X, ..)), "{refusal}");
 }
 
 #[test]
