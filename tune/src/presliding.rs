@@ -14,7 +14,7 @@
 //! search. Torque and position are means over 10 ms: of a count that toggles, a mean keeps a small part.
 //! The axis slides slowly before the first reversal, so z is known there.
 //! Several frictions one behind the other are not one spring: the deviation is half the difference between what the
-//! wider and what the narrower strokes say.
+//! wider and what the narrower strokes say, and a share of the value, which is what one spring misses of two.
 
 use core::ops::Range;
 
@@ -39,11 +39,16 @@ const STROKE_S: f64 = 0.25;
 const MEAN_S: f64 = 0.01;
 /// Lengths among which L is sought, mm.
 const LENGTHS: (f64, f64) = (2e-4, 1.0);
+/// Relative error of one spring in the place of several.
+const SPRING_ERROR: f64 = 0.15;
+/// Friction below this many of its deviations is none.
+const SEEN: f64 = 3.0;
 
 /// What the reversals told.
 #[derive(Clone, Debug)]
 pub(crate) struct Presliding {
-    pub(crate) stiffness_n_mm: Estimate,
+    /// None without friction that could be told from noise.
+    pub(crate) stiffness_n_mm: Option<Estimate>,
     /// Friction at which it breaks away, N.
     pub(crate) breakaway_n: f64,
     /// Friction against position, mm and N.
@@ -135,9 +140,12 @@ fn evaluate(points: &[[f64; 2]]) -> Option<Presliding> {
     let (wide, narrow) = (best(points, 0..half)?, best(points, half..points.len())?);
     let spread = 0.5 * (wide.0 / wide.1 - narrow.0 / narrow.1).abs();
     let value = force / length;
+    let deviation = libm::hypot(spread, SPRING_ERROR * value);
+    let (_, left) = breakaway(points, &(0..points.len()), length);
+    let noise = (left / points.len().max(1) as f64).sqrt();
     let sound = value.is_finite() && spread.is_finite();
     sound.then(|| Presliding {
-        stiffness_n_mm: Estimate { value, deviation: spread },
+        stiffness_n_mm: (force > SEEN * noise).then_some(Estimate { value, deviation }),
         breakaway_n: force,
         loops: points.to_vec(),
     })

@@ -37,8 +37,8 @@ pub struct Tuned {
     pub viscous_n_s_mm: Estimate,
     /// Force that acts at rest too, N: weight, balance. No key of the machine file holds it.
     pub constant_n: Estimate,
-    /// Stiffness of friction before it slides, N/mm.
-    pub presliding_n_mm: Estimate,
+    /// Stiffness of friction before it slides, N/mm; none where there is too little friction to tell.
+    pub presliding_n_mm: Option<Estimate>,
     /// Friction from which the axis breaks away, N.
     pub breakaway_n: f64,
     /// From the measurement to the torque that answers it, s.
@@ -133,11 +133,12 @@ fn measure<B: Bench>(
     let body = [rigid.mass_kg.value, rigid.viscous_n_s_mm.value];
     let lines = [response::below(&lines, config, &path, body, cycle_s), lines].concat();
     let before = margins::of(&lines, config, cycle_s);
+    let stiffness = sliding.stiffness_n_mm.map(|found| found.value);
     let mut proposal = AxisConfig {
+        presliding_n_mm: stiffness.unwrap_or(config.presliding_n_mm),
         mass_kg: rigid.mass_kg.value,
         coulomb_n: rigid.coulomb_n.value.max(0.0),
         viscous_n_s_mm: rigid.viscous_n_s_mm.value.max(0.0),
-        presliding_n_mm: sliding.stiffness_n_mm.value,
         velocity_lead_s: -0.5 * cycle_s,
         acceleration_lead_s: path.delay_s.value + 0.5 * cycle_s + path.lag_s.value,
         ..config.clone()
@@ -148,7 +149,11 @@ fn measure<B: Bench>(
         return Err(Refusal::Response(axis, "the loops that moved the axis would be unstable by it", speed));
     }
     proposal::gains(axis, &mut proposal, &lines, cycle_s, goals)?;
-    let proposal = proposal::rounded(proposal);
+    let mut proposal = proposal::rounded(proposal);
+    if stiffness.is_none() {
+        // As it is written, digit by digit.
+        proposal.presliding_n_mm = config.presliding_n_mm;
+    }
     let after = margins::of(&lines, &proposal, cycle_s);
     if [before, after].iter().any(|margins| margins.velocity.known_to(&lines) > MOST_SCATTER) {
         return Err(Refusal::Response(axis, "its periods scatter too much about the crossover", speed));
@@ -187,15 +192,19 @@ fn plausible(
     let timing = "see whether torque is measured in every control cycle, and mass_kg and the loops are those of the drive";
     let slow = "see whether something else moves or holds the axis";
     let mass = rigid.mass_kg;
+    let most_sliding = |found: Estimate| ("presliding_n_mm", found, 1e-6, 1e9, 0.5 * found.value, slow);
+    let sliding = sliding.stiffness_n_mm.map(most_sliding);
     for (what, estimate, low, high, most, remedy) in [
         ("mass_kg", mass, 1e-3, 1e6, 0.05 * mass.value, weighing),
         ("coulomb_n", rigid.coulomb_n, -0.1, 1e6, (0.2 * rigid.coulomb_n.value).max(1.0), weighing),
         ("viscous_n_s_mm", rigid.viscous_n_s_mm, -0.1, 1e6, f64::INFINITY, weighing),
-        ("presliding_n_mm", sliding.stiffness_n_mm, 1e-6, 1e9, 0.5 * sliding.stiffness_n_mm.value, slow),
         ("gain of the torque", path.gain, 0.8, 1.25, 0.05, timing),
         ("delay of the torque", path.delay_s, -1e-6, 0.01, 1e-3, timing),
         ("lag of the current", path.lag_s, 0.0, 0.01, 1e-3, timing),
-    ] {
+    ]
+    .into_iter()
+    .chain(sliding)
+    {
         let Estimate { value, deviation } = estimate;
         if !((low..=high).contains(&value) && deviation <= most) {
             return Err(Refusal::Implausible(axis, what, value, deviation, remedy));
