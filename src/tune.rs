@@ -81,10 +81,14 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let (machine, text) = args.machine.read()?;
     let axes = axes(args, &machine)?;
     let goals = goals(args)?;
+    paths(args)?;
     let tuned = bench::all(&machine, &axes, args.seed, &goals)?;
     let proposed = bench::with(&machine, &tuned);
-    let trial = trial::compared(&machine, &proposed, args.seed);
-    if let Some(path) = &args.out {
+    let trial = trial::compared(&machine, &proposed, &axes, args.seed);
+    let failed = trial.as_ref().ok().and_then(trial::Compared::failed_after);
+    // A proposal that the machine fails with is shown, but not written.
+    let out = args.out.as_ref().filter(|_| failed.is_none());
+    if let Some(path) = out {
         let edited = tuned.iter().try_fold(text, |text, one| file::edited(&text, one.axis, &one.proposal))?;
         // What is written is what was tried.
         if Machine::from_toml(&edited).ok().as_ref() != Some(&proposed) {
@@ -105,10 +109,31 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
             path.as_ref().map_or(String::new(), |path| format!("{name:8}{}\n", path.display()))
         };
         let nothing = "nothing is written; -o OUT.toml writes the machine file with these values\n";
-        let machine_file = args.out.as_ref().map_or(nothing.into(), |_| written("written", &args.out));
+        let machine_file =
+            if args.out.is_none() { nothing.into() } else { written("written", &out.cloned()) };
         cli::print(&format!("\n{machine_file}{}", written("page", &args.page)));
     }
-    Ok(ExitCode::SUCCESS)
+    match (&args.out, failed) {
+        (Some(path), Some(reason)) => Err(CliError::Machine(format!(
+            "{} is not written: with the proposal the machine does not make the trial pass {reason}",
+            path.display()
+        ))),
+        _ => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// A page must not take the place of a machine file.
+fn paths(args: &TuneArgs) -> Result<(), CliError> {
+    let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+    let Some(page) = &args.page else { return Ok(()) };
+    let taken = [("-o", &args.out), ("--machine", &args.machine.machine)];
+    for (name, path) in taken {
+        if path.as_ref().map(absolute) == Some(absolute(page)) {
+            let page = page.display();
+            return Err(CliError::Input(format!("--page {page} and {name} are one file: name two")));
+        }
+    }
+    Ok(())
 }
 
 /// The axes that are meant.

@@ -17,8 +17,13 @@ pub(super) struct Key {
 impl Key {
     /// The key as a machine file spells it for an axis.
     pub(super) fn name_on(&self, axis: Axis) -> String {
-        if axis.is_rotary() { self.name.replace("mm", "deg") } else { self.name.into() }
+        on(self.name, axis)
     }
+}
+
+/// A key or a unit of a linear axis, on any axis.
+fn on(text: &str, axis: Axis) -> String {
+    if axis.is_rotary() { text.replace("mm", "deg") } else { text.into() }
 }
 
 /// The keys in the order of the machine file.
@@ -62,7 +67,7 @@ pub(super) const KEYS: [Key; 9] = [
         name: "presliding_n_mm",
         unit: "N/mm",
         of: |axis| axis.presliding_n_mm,
-        deviation: |tuned| Some(tuned.presliding_n_mm.deviation),
+        deviation: |tuned| tuned.presliding_n_mm.map(|found| found.deviation),
         how: "torque over way in small reversals",
     },
     Key {
@@ -96,7 +101,7 @@ fn both(delay: Estimate, lag: Estimate) -> f64 {
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Change {
     pub(super) key: String,
-    pub(super) unit: &'static str,
+    pub(super) unit: String,
     pub(super) before: f64,
     pub(super) after: f64,
     /// Standard deviation of what was identified; nothing for what was chosen.
@@ -108,11 +113,15 @@ pub(super) struct Change {
 pub(super) fn changes(before: &AxisConfig, tuned: &Tuned) -> Vec<Change> {
     let change = |key: &Key| Change {
         key: format!("axis.{}.{}", tuned.axis.name(), key.name_on(tuned.axis)),
-        unit: key.unit,
+        unit: on(key.unit, tuned.axis),
         before: (key.of)(before),
         after: (key.of)(&tuned.proposal),
         deviation: (key.deviation)(tuned),
-        how: key.how,
+        how: if key.name == "presliding_n_mm" && tuned.presliding_n_mm.is_none() {
+            "kept: too little friction to tell"
+        } else {
+            key.how
+        },
     };
     KEYS.iter().map(change).collect()
 }

@@ -1,37 +1,37 @@
 //! Pictures of a commissioning. In: what was found. Out: for each axis its open loops, its friction; then the servo error
 //! of the trial pass.
 
-use protocol::machine::AxisConfig;
+use protocol::{Axis, machine::AxisConfig};
 use serde_json::{Value, json};
 use tune::{Complex, OpenLoops, Tuned};
 
-use super::{Found, trial::Compared};
+use super::Found;
 use crate::report::figures::{BLUE, Figure, GREY, ORANGE, axis, line};
 
 pub(super) fn all(found: &Found) -> Vec<Figure> {
-    let trial = found.trial.as_ref().ok().map(servo);
+    let curves = found.trial.as_ref().map_or(&[][..], |compared| &compared.curves);
+    let trial = curves.iter().map(servo);
     let axes = found.tuned.iter().flat_map(|tuned| {
         let (before, after) = (&found.machine.axis[&tuned.axis], &found.proposed.axis[&tuned.axis]);
         let velocity = loops(tuned, "velocity", [before, after], |open| open.velocity);
         let position = loops(tuned, "position", [before, after], |open| open.position);
         [velocity, position, friction(tuned, [before, after]), reversals(tuned)]
     });
-    trial.into_iter().chain(axes).collect()
+    trial.chain(axes).collect()
 }
 
 /// Servo error over time.
-fn servo(compared: &Compared) -> Figure {
-    let [before, after] = &compared.curves;
+fn servo((moved, [before, after]): &(Axis, [Vec<(f64, f64)>; 2])) -> Figure {
     let axes = ("x", "y");
     Figure {
-        title: "Servo error of X in the trial pass, 100 %".into(),
+        title: format!("Servo error of {moved} in the trial pass, 100 %"),
         caption: "Commanded minus measured at the same instant. The approach takes 0.2 s; behind it X rests at depth \
-                  while the thread goes on. What is left in the approach comes from the count of the spindle encoder."
+                  and Z goes on along the thread. What is left in the approach comes from the count of the spindle encoder."
             .into(),
         alt: "Servo error over time, before and after.".into(),
         plot: json!({
             "data": [line(before, "before", ORANGE, axes), line(after, "after", BLUE, axes)],
-            "layout": { "xaxis": axis("time since the approach began (s)"), "yaxis": axis("servo error (µm)") },
+            "layout": { "xaxis": axis("time since the axis began to move (s)"), "yaxis": axis("servo error (µm)") },
         }),
         aspect: 0.42,
     }
@@ -125,7 +125,7 @@ fn reversals(tuned: &Tuned) -> Figure {
         caption: "Before it slides, friction is a spring: its slope at a reversal is twice presliding_n_mm. The longer the \
                   stroke, the nearer it comes to the friction of sliding."
             .into(),
-        alt: format!("Hysteresis loops with a stiffness of {:.0} N/mm.", tuned.presliding_n_mm.value),
+        alt: "Hysteresis loops of friction against position.".into(),
         plot: json!({
             "data": [line(&points, "measured", BLUE, ("x", "y"))],
             "layout": { "xaxis": axis("position (µm)"), "yaxis": axis("friction (N)"), "showlegend": false },

@@ -36,7 +36,10 @@ pub(super) fn html(again: &str, found: &Found) -> String {
             (table(tables::margins(tuned)))
         }
         @match &found.trial {
-            Ok(compared) => (table(tables::trial(&compared.rows))),
+            Ok(compared) => {
+                @for (axis, _) in &compared.curves { (table(tables::trial(*axis, &compared.rows))) }
+                @for failure in tables::failures(&compared.rows) { p { (failure) } }
+            }
             Err(reason) => section.prose { p { "No trial pass: " (reason) } },
         }
         (pictures(&figures::all(found)))

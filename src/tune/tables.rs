@@ -1,7 +1,7 @@
 //! What tuning found, as tables and sentences. In: findings. Out: text for the screen, tables for the page.
 
-use protocol::machine::Kinematics;
-use tune::{Estimate, LoopMargins, Tuned};
+use protocol::{Axis, machine::Kinematics};
+use tune::{Estimate, Goals, LoopMargins, Tuned};
 
 use super::{
     Found,
@@ -19,7 +19,14 @@ pub(super) fn text(found: &Found) -> String {
     });
     let axes: String = axes.collect();
     let trial = match &found.trial {
-        Ok(compared) => format!("trial pass, servo error of X\n{}", trial(&compared.rows).text()),
+        Ok(compared) => {
+            let one = |(axis, _): &(Axis, _)| {
+                format!("trial pass, servo error of {axis}\n{}", trial(*axis, &compared.rows).text())
+            };
+            let tables = compared.curves.iter().map(one).collect::<Vec<_>>().join("\n");
+            let failures = failures(&compared.rows).into_iter().map(|line| format!("{line}\n"));
+            tables + &failures.collect::<String>()
+        }
         Err(reason) => format!("no trial pass: {reason}\n"),
     };
     format!("{axes}{trial}")
@@ -39,7 +46,7 @@ pub(super) fn changes(found: &Found, tuned: &Tuned) -> Table {
             six(change.before),
             six(change.after),
             deviation,
-            change.unit.to_owned(),
+            change.unit.clone(),
             format!("{:how$}", change.how),
         ]
     };
@@ -85,23 +92,31 @@ pub(super) fn margins(tuned: &Tuned) -> Table {
     }
 }
 
-/// Servo errors of the trial passes.
-pub(super) fn trial(rows: &[Row]) -> Table {
+/// Servo errors of an axis in the trial passes.
+pub(super) fn trial(axis: Axis, rows: &[Row]) -> Table {
     // A value that rounds to nothing has no sign.
     let micrometres = |um: f64| format!("{:+.2}", (um * 100.0).round() / 100.0 + 0.0);
     let row = |row: &Row| {
-        vec![
-            format!("{:.0}", row.override_pct),
+        let clamped = row.in_force_pct.filter(|pct| (pct - row.override_pct).abs() > 0.5);
+        let clamped = clamped.map_or(String::new(), |pct| format!(" ({pct:.0} in force)"));
+        let mut cells = vec![
+            format!("{:.0}{clamped}", row.override_pct),
             if row.tuned { "after" } else { "before" }.into(),
-            micrometres(row.approach_min_um),
-            micrometres(row.approach_max_um),
-            micrometres(row.end_um),
-            format!("{:.2}", row.at_depth_max_abs_um),
-            format!("{:.2}", row.thread_max_abs_um),
-        ]
+        ];
+        match &row.errors {
+            Some(errors) => cells.extend([
+                micrometres(errors.approach_min_um),
+                micrometres(errors.approach_max_um),
+                micrometres(errors.end_um),
+                format!("{:.2}", errors.at_depth_max_abs_um),
+                format!("{:.2}", errors.thread_max_abs_um),
+            ]),
+            None => cells.extend(["failed", "", "", "", ""].map(String::from)),
+        }
+        cells
     };
     Table {
-        title: "Trial pass before and after: servo error of X".into(),
+        title: format!("Trial pass before and after: servo error of {axis}"),
         caption:
             "A stroke of 5 mm in one turn at 300 1/min, then a thread of 5 mm lead, without cutting force. At \
                   depth: from the end of the approach on; thread: from one turn later on."
@@ -117,9 +132,18 @@ pub(super) fn trial(rows: &[Row]) -> Table {
         ]
         .map(|column| column.map(str::to_owned))
         .to_vec(),
-        rows: rows.iter().map(row).collect(),
+        rows: rows.iter().filter(|row| row.axis == axis).map(row).collect(),
         place: Place::Everywhere,
     }
+}
+
+/// What ended the passes that the machine did not make, once each.
+pub(super) fn failures(rows: &[Row]) -> Vec<String> {
+    let when = |row: &Row| if row.tuned { "after" } else { "before" };
+    let line = |row: &Row| Some(format!("{} % {}: {}", row.override_pct, when(row), row.failed.as_ref()?));
+    let mut lines: Vec<String> = rows.iter().filter_map(line).collect();
+    lines.dedup();
+    lines
 }
 
 /// Angle of the spindle in degrees that an approach of `time_s` takes at the highest override it is laid out for.
@@ -162,19 +186,33 @@ pub(super) fn sentences(found: &Found, tuned: &Tuned) -> Vec<String> {
             shown(tuned.constant_n, 1.0, 1)
         ),
     ];
-    match (&tuned.mode, tuned.approach_s) {
-        (Some(mode), Some(approach_s)) => lines.push(format!(
-            "{axis}: the slide ({:.0} kg) swings at {} Hz, damping {:.3}; a stroke of {} mm leaves at most {} µm of it if \
-             it takes {:.3} s or more{}",
+    lines.push(match &tuned.mode {
+        Some(mode) => format!(
+            "{axis}: the slide ({:.0} kg) swings at {} Hz, damping {:.3}{}",
             mode.slide_kg.value,
             shown(mode.hz, 1.0, 2),
             mode.damping.value,
-            found.goals.stroke_mm,
-            found.goals.residual_um,
-            approach_s,
-            angle(found, approach_s),
-        )),
-        _ => lines.push(format!("{axis}: no mode of the slide is seen")),
-    }
+            stroke(found, tuned),
+        ),
+        None => format!("{axis}: no mode of the slide is seen"),
+    });
     lines
+}
+
+/// What the mode leaves of an approach, in words.
+fn stroke(found: &Found, tuned: &Tuned) -> String {
+    let backlash = found.machine.axis[&tuned.axis].backlash_mm;
+    if backlash > 0.0 {
+        let unit = tuned.axis.unit();
+        return format!(
+            ": not to be trusted, a backlash of {backlash} {unit} makes it seem slower and more damped"
+        );
+    }
+    tuned.approach_s.map_or(String::new(), |approach_s| {
+        let Goals { stroke_mm, residual_um, .. } = found.goals;
+        format!(
+            "; a stroke of {stroke_mm} mm leaves at most {residual_um} µm of it if it takes {approach_s:.3} s or more{}",
+            angle(found, approach_s),
+        )
+    })
 }

@@ -1,9 +1,9 @@
 //! The trial pass before and after: servo errors at five overrides. In: the machine as believed, and as proposed. Out: rows,
-//! and the servo error over time.
+//! and the servo error over time. A pass that the machine does not make is a row that says why.
 
 use protocol::{Axis, AxisState, Machine, machine::Kinematics};
 use rig::{
-    observe::{Outcome, ServoError},
+    observe::{Outcome, PassReport, ServoError},
     trial::{Trial, program, run},
 };
 use serde::Serialize;
@@ -12,74 +12,135 @@ use sim_plant::Scenario;
 /// Spindle overrides of the trial passes, per cent.
 const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 
-/// Servo errors of X in one trial pass.
+/// Servo error over time, s and µm.
+type Curve = Vec<(f64, f64)>;
+
+/// Servo errors of an axis in one trial pass.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Row {
+    pub(super) axis: Axis,
     pub(super) override_pct: f64,
+    /// The lowest that was in force: the machine clamps more than it allows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) in_force_pct: Option<f64>,
     pub(super) tuned: bool,
+    #[serde(flatten)]
+    pub(super) errors: Option<Errors>,
+    /// Why there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) failed: Option<String>,
+}
+
+/// The servo errors themselves.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Errors {
     pub(super) approach_min_um: f64,
     pub(super) approach_max_um: f64,
     pub(super) end_um: f64,
-    /// In the thread, from one turn after X came to depth.
+    /// In the thread, from one turn after the axis was on the helix.
     pub(super) thread_max_abs_um: f64,
-    /// The same from the moment it came to depth.
+    /// The same from the moment it was there.
     pub(super) at_depth_max_abs_um: f64,
 }
 
 /// Trial passes before and after.
 pub(super) struct Compared {
     pub(super) rows: Vec<Row>,
-    /// Servo error of X at 100 %, s and µm, before and after.
-    pub(super) curves: [Vec<(f64, f64)>; 2],
+    /// Servo error of each axis at 100 %, before and after.
+    pub(super) curves: Vec<(Axis, [Curve; 2])>,
 }
 
-/// Runs the trial passes.
+impl Compared {
+    /// What the machine failed at with the proposal.
+    pub(super) fn failed_after(&self) -> Option<String> {
+        let why = |row: &Row| Some(format!("at {} %: {}", row.override_pct, row.failed.as_ref()?));
+        self.rows.iter().filter(|row| row.tuned).find_map(why)
+    }
+}
+
+/// Runs the trial passes, and shows those of `tuned` that take part in them.
 ///
 /// # Errors
 /// Why none can be made, as on a mill.
-pub(super) fn compared(before: &Machine, after: &Machine, seed: u64) -> Result<Compared, String> {
+pub(super) fn compared(
+    before: &Machine,
+    after: &Machine,
+    tuned: &[Axis],
+    seed: u64,
+) -> Result<Compared, String> {
     if before.machine.kinematics != Kinematics::Lathe {
         return Err("it is a threading pass, and only a lathe cuts threads".into());
     }
-    let mut compared = Compared { rows: Vec::new(), curves: [Vec::new(), Vec::new()] };
+    let axes: Vec<Axis> = tuned.iter().copied().filter(|axis| matches!(axis, Axis::X | Axis::Z)).collect();
+    if axes.is_empty() {
+        return Err("only X and Z take part in it".into());
+    }
+    let curves = axes.iter().map(|axis| (*axis, [Vec::new(), Vec::new()])).collect();
+    let mut compared = Compared { rows: Vec::new(), curves };
     for override_pct in OVERRIDES {
         for (machine, tuned) in [(before, false), (after, true)] {
-            let (error, curve) = pass(machine, override_pct, seed)?;
-            compared.rows.push(Row {
-                override_pct,
-                tuned,
-                approach_min_um: error.approach_min_um,
-                approach_max_um: error.approach_max_um,
-                end_um: error.end_um,
-                thread_max_abs_um: error.settled_max_abs_um,
-                at_depth_max_abs_um: error.thread_max_abs_um,
-            });
+            let (report, curves) = pass(machine, &axes, override_pct, seed)?;
+            compared.rows.extend(axes.iter().map(|axis| row(*axis, override_pct, tuned, &report)));
             if override_pct == 100.0 {
-                compared.curves[usize::from(tuned)] = curve;
+                for ((_, both), curve) in compared.curves.iter_mut().zip(curves) {
+                    both[usize::from(tuned)] = curve;
+                }
             }
         }
     }
     Ok(compared)
 }
 
-/// Servo error of X in a trial pass, and over the time since its approach began.
-fn pass(machine: &Machine, override_pct: f64, seed: u64) -> Result<(ServoError, Vec<(f64, f64)>), String> {
+fn row(axis: Axis, override_pct: f64, tuned: bool, report: &Result<PassReport, String>) -> Row {
+    let errors = |report: &PassReport| {
+        let ServoError { approach_min_um, approach_max_um, end_um, thread_max_abs_um, settled_max_abs_um } =
+            if axis == Axis::X { report.x } else { report.z };
+        Errors {
+            approach_min_um,
+            approach_max_um,
+            end_um,
+            thread_max_abs_um: settled_max_abs_um,
+            at_depth_max_abs_um: thread_max_abs_um,
+        }
+    };
+    let in_force_pct = report.as_ref().ok().map(|report| report.override_min_pct);
+    Row {
+        axis,
+        override_pct,
+        in_force_pct,
+        tuned,
+        errors: report.as_ref().ok().map(errors),
+        failed: report.as_ref().err().cloned(),
+    }
+}
+
+/// A trial pass, or why it was not made to its end; servo errors over the time since each axis began to move.
+///
+/// # Errors
+/// Why the machine cannot be asked for one.
+fn pass(
+    machine: &Machine,
+    axes: &[Axis],
+    override_pct: f64,
+    seed: u64,
+) -> Result<(Result<PassReport, String>, Vec<Curve>), String> {
     let items = program(machine, &[Trial::default()]).map_err(|error| error.to_string())?;
-    let mut curve = Vec::new();
-    let mut begun = None;
+    let mut curves = vec![Curve::new(); axes.len()];
+    let mut begun = vec![None; axes.len()];
     let scenario = Scenario::spindle_override(override_pct);
     let seen = run(machine, &items, &scenario, seed, &mut |record| {
-        let x = record.axes.iter().find(|(axis, _)| *axis == Axis::X);
-        let Some((_, status)) = x.filter(|(_, status)| moves(status.state)) else { return };
-        let first = *begun.get_or_insert(status.cycle.0);
-        let t_s = (status.cycle.0 - first) as f64 * machine.machine.cycle_s;
-        curve.push((t_s, 1e3 * status.servo_error_mm));
+        for ((axis, curve), begun) in axes.iter().zip(&mut curves).zip(&mut begun) {
+            let status = record.axes.iter().find(|(seen, _)| seen == axis).map(|(_, status)| status);
+            let Some(status) = status.filter(|status| moves(status.state)) else { continue };
+            let first = *begun.get_or_insert(status.cycle.0);
+            let t_s = (status.cycle.0 - first) as f64 * machine.machine.cycle_s;
+            curve.push((t_s, 1e3 * status.servo_error_mm));
+        }
     });
     let seen = seen.map_err(|error| error.to_string())?;
-    match seen.passes.first() {
-        Some(pass) if seen.outcome == Outcome::Completed => Ok((pass.x, curve)),
-        _ => Err("the trial pass was not made to its end".into()),
-    }
+    let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
+    let pass = seen.passes.into_iter().next().filter(|_| seen.outcome == Outcome::Completed);
+    Ok((pass.ok_or_else(|| fault.unwrap_or_else(|| "the pass was not made to its end".into())), curves))
 }
 
 /// Whether an axis approaches or is on its helix.

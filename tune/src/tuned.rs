@@ -47,7 +47,8 @@ pub struct Tuned {
     pub lag_s: Estimate,
     /// The mode of the slide, if one is seen.
     pub mode: Option<Mode>,
-    /// Shortest approach whose stroke leaves no more than the wanted residual in that mode, s (M8a).
+    /// Shortest approach whose stroke leaves no more than the wanted residual in that mode, s (M8a); none for a rotary
+    /// axis, nor behind a backlash, where the mode is not to be trusted.
     pub approach_s: Option<f64>,
     /// Frequency response in motion; below 6 Hz that of a mass with viscous friction.
     pub lines: Vec<Line>,
@@ -158,6 +159,8 @@ fn measure<B: Bench>(
     if [before, after].iter().any(|margins| margins.velocity.known_to(&lines) > MOST_SCATTER) {
         return Err(Refusal::Response(axis, "its periods scatter too much about the crossover", speed));
     }
+    // Approaches are strokes of linear axes; and a backlash makes the slide seem to swing slower than it does.
+    let trusted = mode.filter(|_| !axis.is_rotary() && config.backlash_mm <= 0.0);
     Ok(Tuned {
         axis,
         reach_mm,
@@ -169,7 +172,7 @@ fn measure<B: Bench>(
         breakaway_n: sliding.breakaway_n,
         delay_s: path.delay_s,
         lag_s: path.lag_s,
-        approach_s: mode.map(|mode| proposal::shortest_approach(&mode, goals)),
+        approach_s: trusted.map(|mode| proposal::shortest_approach(&mode, goals)),
         mode,
         before,
         after,
