@@ -141,6 +141,21 @@ fn one_pulse_is_found_at_the_next_index() {
 }
 
 #[test]
+fn pulses_lost_behind_an_index_are_lost_and_no_way_back() {
+    for sign in [1.0, -1.0] {
+        for lost in 1..=4 {
+            let mut bench = Bench::new(2500, 0.5);
+            assert_eq!(bench.turn_on(sign * 20.0, 1.5, true), None);
+            // Two counts behind the index.
+            bench.go_to(bench.before.round() + sign * 1.5e-4);
+            bench.shift -= sign as i64 * lost;
+            let fault = bench.turn_on(sign * 20.0, 1.1, true);
+            assert_eq!(fault, found(Fault::EncoderPulsesLost, -lost), "{sign}");
+        }
+    }
+}
+
+#[test]
 fn a_counter_that_stands_has_lost_its_pulses() {
     let mut bench = Bench::new(2500, 0.5);
     assert_eq!(bench.turn_on(20.0, 0.8, true), None);
