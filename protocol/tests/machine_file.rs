@@ -206,6 +206,34 @@ fn differences_have_bounds() {
     }
 }
 
+/// Setpoints reach one tick of 2 ms back, and a cycle of 0.5 ms farther ahead.
+#[test]
+fn feedforward_looks_no_farther_than_setpoints_reach() {
+    let lead = |name: &str, before: &str, lead: &str, more: &str| {
+        let keys = with(&format!("{name} = {before}"), &format!("{name} = {lead}"));
+        keys.replacen("[axis.x]", &format!("[axis.x]\n{more}"), 1)
+    };
+    let velocity = |at: &str, more: &str| lead("velocity_lead_s", "-0.00025", at, more);
+    let acceleration = |at: &str, more: &str| lead("acceleration_lead_s", "0.00125", at, more);
+    for at in ["-0.002", "0.0025"] {
+        Machine::from_toml(&velocity(at, "")).unwrap();
+        Machine::from_toml(&acceleration(at, "")).unwrap();
+    }
+    for at in ["-0.008", "-0.0021", "0.0026", "0.009"] {
+        for structure in ["full", "analytic-v"] {
+            let refused = refusal(&velocity(at, &format!("feedforward = {structure:?}")));
+            assert!(
+                refused.starts_with(&format!("axis.x.velocity_lead_s = {at}: must lie between")),
+                "{refused}"
+            );
+        }
+        let refused = refusal(&acceleration(at, ""));
+        assert!(refused.contains(&format!("acceleration_lead_s = {at}: must lie between -0.002 and 0.0025")));
+    }
+    let refused = refusal(&velocity("-0.0015", "difference = { cycles = 2, centred = true }"));
+    assert!(refused.contains("difference.cycles = 2: centred differences look 0.0025 s back"), "{refused}");
+}
+
 #[test]
 fn what_lies_behind_the_motor_has_bounds() {
     for (keys, message) in [

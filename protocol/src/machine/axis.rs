@@ -178,24 +178,43 @@ impl AxisConfig {
         range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)?;
         range(&key("scale_step_mm"), self.scale_step_mm.unwrap_or(1e-4), 1e-7, 1.0)?;
         range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)?;
-        self.check_difference(axis, general)?;
+        self.check_reach(axis, general)?;
         self.check_screw_error(&key("screw_error"))
     }
 
-    /// Centred differences look ahead; they get no farther than the setpoints of a stream reach.
-    fn check_difference(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
+    /// Feedforward looks no farther than the setpoints of a stream reach: at the first cycle of a tick one tick back, at
+    /// its last one tick and one cycle ahead.
+    fn check_reach(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
         let Difference { quantum_mm, cycles, centred } = self.difference;
-        let key = |name: &str| key(axis, &format!("difference.{name}"));
-        range(&key("quantum_mm"), quantum_mm, 1e-12, 1.0)?;
-        range(&key("cycles"), f64::from(cycles), 1.0, 16.0)?;
-        let lead_s = self.acceleration_lead_s.max(self.velocity_lead_s);
-        let ahead_s = lead_s + f64::from(cycles) * general.cycle_s;
+        let difference = |name: &str| key(axis, &format!("difference.{name}"));
+        range(&difference("quantum_mm"), quantum_mm, 1e-12, 1.0)?;
+        range(&difference("cycles"), f64::from(cycles), 1.0, 16.0)?;
+        let back_s = general.interpolator_cycle_s;
         let reach_s = general.interpolator_cycle_s + general.cycle_s;
-        if centred && ahead_s > reach_s * (1.0 + 1e-9) {
-            let reason = format!(
-                "centred differences look {ahead_s} s ahead, and setpoints reach {reach_s} s: take fewer cycles"
-            );
-            return Err(refuse(&key("cycles"), cycles, &reason));
+        let beyond = |look_s: f64, reach_s: f64| look_s > reach_s * (1.0 + 1e-9);
+        let leads = [self.velocity_lead_s, self.acceleration_lead_s];
+        for (name, lead_s) in ["velocity_lead_s", "acceleration_lead_s"].into_iter().zip(leads) {
+            if beyond(lead_s, reach_s) || beyond(-lead_s, back_s) {
+                let reason = format!(
+                    "must lie between -{back_s} and {reach_s}: setpoints reach no farther back and ahead"
+                );
+                return Err(refuse(&key(axis, name), lead_s, &reason));
+            }
+        }
+        let step_s = f64::from(cycles) * general.cycle_s;
+        for lead_s in leads.into_iter().filter(|_| centred) {
+            let (ahead_s, behind_s) = (step_s + lead_s, step_s - lead_s);
+            let (look_s, way, reach_s) = if beyond(behind_s, back_s) {
+                (behind_s, "back", back_s)
+            } else {
+                (ahead_s, "ahead", reach_s)
+            };
+            if beyond(look_s, reach_s) {
+                let reason = format!(
+                    "centred differences look {look_s} s {way}, and setpoints reach {reach_s} s: take fewer cycles"
+                );
+                return Err(refuse(&difference("cycles"), cycles, &reason));
+            }
         }
         Ok(())
     }
