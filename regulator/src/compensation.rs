@@ -16,9 +16,10 @@
 //! ```
 //! The axis stands at home when the machine starts, whatever the table says of home: the datum of the machine is there.
 //!
-//! The side changes at t_r, when the commanded position has come back by 1 µm from the farthest point of its way and goes
-//! on in that direction. So neither a standing axis nor noise of the spindle angle ever begins a stroke, and one that
-//! has begun ends within the dead zone even if the axis stops meanwhile. One stroke ends before the next begins.
+//! The side changes at t_r, when the commanded position has come back from the farthest point of its way and goes on in
+//! that direction: by 1 µm, in a pass by two counts of the spindle where these are more way. The observed angle wanders
+//! about the true one by less than that, so neither a standing axis nor its noise ever begins a stroke, and one that has
+//! begun ends within the dead zone even if the axis stops meanwhile. One stroke ends before the next begins.
 //! Feedforward looks ahead of the present, and reversals are seen where it looks farthest: the stroke begins for every
 //! lead at its own time, from rest.
 
@@ -29,6 +30,8 @@ use crate::screw::Screw;
 
 /// How far the commanded position comes back before that is a reversal, mm.
 const REVERSED_MM: f64 = 1e-3;
+/// The same in counts of the spindle, for an axis that follows it.
+const REVERSED_COUNTS: f64 = 2.0;
 /// Steps of the iteration that inverts M68. Each is more exact by the slope of the error, a hundredth at the worst.
 const INVERSIONS: usize = 6;
 
@@ -64,10 +67,11 @@ impl Compensation {
         }
     }
 
-    /// Looks for a reversal in the motion of the axis, given by its lead.
-    pub fn watch(&mut self, axis: impl Fn(f64) -> Sample) {
+    /// Looks for a reversal in the motion of the axis, given by its lead. `count_mm` is how far a count of the spindle
+    /// moves it, mm; 0 outside a pass.
+    pub fn watch(&mut self, count_mm: f64, axis: impl Fn(f64) -> Sample) {
         if let Some(backlash) = &mut self.backlash {
-            backlash.watch(&axis(backlash.ahead_s));
+            backlash.watch(REVERSED_MM.max(REVERSED_COUNTS * count_mm.abs()), &axis(backlash.ahead_s));
         }
     }
 
@@ -152,11 +156,11 @@ impl Backlash {
         self.seen_s >= self.stroke.duration() + self.ahead_s + self.back_s
     }
 
-    fn watch(&mut self, ahead: &Sample) {
+    fn watch(&mut self, reversed_mm: f64, ahead: &Sample) {
         let farthest_mm = self.farthest_mm.unwrap_or(ahead.s);
         let came = ahead.s - farthest_mm;
         self.farthest_mm = Some(if came * self.direction > 0.0 { ahead.s } else { farthest_mm });
-        let reversed = came.abs() > REVERSED_MM && came * self.direction <= 0.0;
+        let reversed = came.abs() > reversed_mm && came * self.direction <= 0.0;
         if reversed && came * ahead.v > 0.0 && self.settled() {
             self.begin(came.signum());
             self.farthest_mm = Some(ahead.s);

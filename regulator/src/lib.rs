@@ -16,13 +16,13 @@
 //! | [`loops`] | position loop, feedforward of mass and friction (M54) |
 #![forbid(unsafe_code)]
 
-pub mod encoder;
 pub mod compensation;
+pub mod encoder;
 pub mod feedforward;
 pub mod loops;
 pub mod reference;
-pub mod screw;
 mod regulator;
+pub mod screw;
 pub mod shell;
 pub mod spindle;
 pub mod state;

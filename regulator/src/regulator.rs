@@ -45,6 +45,8 @@ pub struct Regulator {
     /// The position loop closes over the linear scale.
     scale: bool,
     cycle_s: f64,
+    /// A count of the spindle, degrees.
+    count_deg: f64,
     limits: Supervision,
     expected: Option<Cycle>,
     frame_due: Option<Cycle>,
@@ -80,6 +82,7 @@ impl Regulator {
             loops,
             scale: config.scale_step_mm.is_some(),
             cycle_s,
+            count_deg: 360.0 / machine.spindle_counts(),
             limits: Supervision {
                 following: config.following_error_mm,
                 thread: config.thread_error_mm,
@@ -113,13 +116,17 @@ impl Regulator {
             cycle_s: self.cycle_s,
             measured_mm,
         };
+        let angle_deg = reference.angle_deg();
+        let mm_per_degree = self.state.pass().map_or(0.0, |pass| pass.mm_per_degree(angle_deg));
         match &mut self.compensation {
             Some(compensation) if idle => compensation.rest(),
-            Some(compensation) => compensation.watch(|lead_s| reference.axis(lead_s)),
+            Some(compensation) => {
+                compensation.watch(mm_per_degree * self.count_deg, |lead_s| reference.axis(lead_s));
+            }
             None => {}
         }
         reference.compensation = self.compensation.as_ref();
-        let (now, angle_deg) = (reference.axis(0.0), reference.angle_deg());
+        let now = reference.axis(0.0);
         let command = if idle { self.loops.rest() } else { self.loops.tick(&reference, measured_mm) };
         self.last = now;
         self.answer(measurement, angle_deg, &command, measured_mm)

@@ -83,6 +83,13 @@ pub struct Event {
     pub angle_deg: f64,
 }
 
+impl Pass {
+    /// How far the axis goes for each degree at an angle since the index, mm.
+    pub fn mm_per_degree(&self, angle_deg: f64) -> f64 {
+        self.motion.at(angle_deg).v / self.programmed_deg_s
+    }
+}
+
 impl State {
     /// The state after an event, and whether a pass was refused.
     pub fn next(self, event: &Event) -> (State, bool) {

@@ -48,7 +48,7 @@ fn m68_speed_and_acceleration_of_the_motor_are_those_of_its_position() {
     for cycle in 0..4000 {
         let t = f64::from(cycle) * T;
         compensation.step();
-        compensation.watch(|lead_s| swing(t + lead_s));
+        compensation.watch(0.0, |lead_s| swing(t + lead_s));
         turning += u32::from(compensation.is_turning());
         for lead_s in [-0.000_25, 0.0, 0.000_7, 0.001_249] {
             let at = |lead_s: f64| compensation.motor(&swing(t + lead_s), lead_s);
@@ -71,7 +71,7 @@ fn m69_every_cycle_sees_the_same_motor() {
     for cycle in 0..4000_u32 {
         let t = f64::from(cycle) * T;
         compensation.step();
-        compensation.watch(|lead_s| swing(t + lead_s));
+        compensation.watch(0.0, |lead_s| swing(t + lead_s));
         let at = |lead_s: f64| compensation.motor(&swing(t + lead_s), lead_s);
         let now = at(0.0);
         for (_, before) in foreseen.iter().filter(|(of, _)| *of == cycle) {
@@ -93,7 +93,7 @@ fn side_after(positions: impl IntoIterator<Item = f64>) -> f64 {
     for s in positions {
         let v = (s - last) / T;
         compensation.step();
-        compensation.watch(|_| Sample { s, v, ..Sample::default() });
+        compensation.watch(0.0, |_| Sample { s, v, ..Sample::default() });
         last = s;
     }
     let rest = Sample { s: last, ..Sample::default() };
@@ -122,6 +122,29 @@ fn the_side_follows_the_direction_and_a_standing_axis_has_none() {
     is(low, shortly().chain([top - 0.009; 300]).collect());
     is(low, shortly().chain([top - 0.005; 300]).collect());
     is(high, shortly().chain((0..200).map(|i| top - 0.009 + 0.001 * f64::from(i))).collect());
+}
+
+/// An axis on a lead of 5 mm behind an encoder of 100 counts: one count is 50 µm.
+#[test]
+fn noise_of_the_spindle_in_a_thread_is_no_reversal() {
+    let turns = |count_mm: f64| {
+        let mut compensation = compensation(|x| x.backlash_mm = BACKLASH_MM);
+        let (mut last, mut turning) = (HOME_MM, 0);
+        for cycle in 0..4000 {
+            let t = f64::from(cycle) * T;
+            // Ten millimetres a second, and a count and a half to and fro.
+            let s = HOME_MM + 10.0 * t + 0.0375 * libm::sin(TAU * 60.0 * t);
+            let ahead = Sample { s, v: (s - last) / T, ..Sample::default() };
+            compensation.step();
+            compensation.watch(count_mm, |_| ahead);
+            turning += u32::from(compensation.is_turning());
+            last = s;
+        }
+        turning
+    };
+    let (first, all) = (turns(0.05), turns(0.0));
+    assert!((1..200).contains(&first), "the first stroke alone: {first} cycles");
+    assert!(all > 5 * first, "by 1 µm it would turn again and again: {all} cycles");
 }
 
 /// A motor that does what its drive is told, a screw whose error grows evenly, and a nut with a dead zone.
