@@ -219,5 +219,6 @@ fn start(
     if most - least > high - low {
         return Err(TrialError::Travel(axis, most - least, high - low));
     }
-    Ok(Position::from_mm(home.clamp(low - least, high - most)))
+    // Not `clamp`: where the way just fits, rounding may put the upper bound below the lower one.
+    Ok(Position::from_mm(home.min(high - most).max(low - least)))
 }

@@ -58,6 +58,16 @@ fn a_trial_moves_away_from_home_where_it_must() {
     assert_eq!(start(&machine, 11.0), Err(TrialError::Travel(Axis::X, 11.0, 10.0)));
 }
 
+/// 5.1 − 5 is a little less than 0.1: the places where the axis may begin are none, by rounding.
+#[test]
+fn a_way_as_long_as_the_travel_fits() {
+    let mut machine = Machine::default();
+    let x = machine.axis.get_mut(&Axis::X).unwrap();
+    (x.home_mm, x.travel_mm) = (2.0, [0.1, 5.1]);
+    let pass = Trial::default().pass(&machine, 1).unwrap();
+    assert_eq!(pass.axis(Axis::X).start.mm(), 0.1);
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let machine = Machine::default();
