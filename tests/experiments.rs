@@ -139,7 +139,13 @@ fn the_documentation_shows_what_is_printed() {
 fn what_cannot_be_done_is_refused() {
     let place = Place::new();
     place.write("file", "in the way");
-    let cases: [(&[&str], &[&str]); 6] = [
+    let mill = include_str!("../examples/machines/small-mill.toml");
+    fs::write(place.at("mill.toml"), mill).expect("it can be written");
+    let cases: [(&[&str], &[&str]); 10] = [
+        (&["experiment", "approach", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
+        (&["experiment", "observer", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
+        (&["experiment", "resolution", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
+        (&["experiment", "sweep", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
         (&["experiment"], &["<NAME>", "--help"]),
         (&["experiment", "frobnicate"], &["frobnicate", "feed"]),
         (&["experiment", "feed", "--seed", "-1"], &["-1"]),
@@ -152,5 +158,20 @@ fn what_cannot_be_done_is_refused() {
         assert_eq!(answer.status, Some(2), "{arguments:?}: {}", answer.stderr);
         assert!(words.iter().all(|word| answer.stderr.contains(word)), "{arguments:?}: {}", answer.stderr);
         assert!(answer.stdout.is_empty() && !answer.stderr.contains("panicked"), "{arguments:?}");
+    }
+}
+
+/// A row of 120 % is one of 120 %, or there is none.
+#[test]
+fn an_override_that_the_machine_does_not_allow_is_named() {
+    let place = Place::new();
+    let lathe = include_str!("../examples/machines/small-lathe.toml");
+    for key in ["override_max_pct", "design_override_pct"] {
+        let less = lathe.replace(&format!("{key} = 120.0"), &format!("{key} = 100.0"));
+        assert_ne!(less, lathe);
+        fs::write(place.at("less.toml"), less).expect("it can be written");
+        let answer = place.ask(&["experiment", "approach", "--machine", "less.toml"]);
+        assert_eq!(answer.status, Some(1), "{}", answer.stderr);
+        assert!(answer.stderr.contains("120 %") && answer.stderr.contains(key), "{}", answer.stderr);
     }
 }

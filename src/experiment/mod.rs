@@ -21,6 +21,7 @@ use std::{
 };
 
 use clap::{Args, ValueEnum};
+use protocol::machine::Kinematics;
 use serde::Serialize;
 
 use crate::{
@@ -132,7 +133,14 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
         let name = args.name.text();
         return Err(CliError::Input(format!("experiment {name} moves no machine: leave out --machine")));
     }
-    let stand = Stand { machine: args.machine.read()?.0, seed: args.seed, progress: !quiet && !args.json };
+    let machine = args.machine.read()?.0;
+    if args.name.moves_a_machine() && machine.machine.kinematics != Kinematics::Lathe {
+        let (name, file) = (args.name.text(), args.machine.name());
+        return Err(CliError::Input(format!(
+            "experiment {name} cuts threads, and {file} is no lathe: give a lathe with --machine"
+        )));
+    }
+    let stand = Stand { machine, seed: args.seed, progress: !quiet && !args.json };
     match args.name {
         Name::Approach => publish(args, &approach::findings(&stand)?),
         Name::Feed => publish(args, &feed::findings()?),

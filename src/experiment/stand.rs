@@ -15,7 +15,7 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::Machine;
 use rig::{
-    observe::{Observation, Outcome, Record},
+    observe::{Observation, Outcome, PassReport, Record},
     trial::{self, Trial},
 };
 use sim_plant::Scenario;
@@ -30,6 +30,11 @@ pub(super) struct Stand {
     pub(super) seed: u64,
     /// Whether progress is shown.
     pub(super) progress: bool,
+}
+
+/// The override at which a pass was cut, %: where the knob stood, or the most that the machine allows or can follow.
+fn in_force_pct(machine: &Machine, pass: &PassReport) -> f64 {
+    pass.override_max_pct.min(machine.spindle.override_max_pct).min(pass.max_feasible_override_pct)
 }
 
 impl Stand {
@@ -65,7 +70,8 @@ impl Stand {
     /// every control cycle.
     ///
     /// # Errors
-    /// The machine cannot follow a trial, or does not come to the end of the program.
+    /// The machine cannot follow a trial, does not come to the end of the program, or does not cut at that
+    /// override.
     pub(super) fn run(
         machine: &Machine,
         trials: &[Trial],
@@ -79,7 +85,14 @@ impl Stand {
         let seen =
             trial::run(machine, &items, &scenario, seed, see).map_err(|error| failed(error.to_string()))?;
         if seen.outcome == Outcome::Completed && seen.passes.len() == trials.len() {
-            return Ok(seen);
+            let mut in_force = seen.passes.iter().map(|pass| in_force_pct(machine, pass));
+            return match in_force.find(|pct| (pct - override_pct).abs() > 0.01) {
+                Some(pct) => Err(CliError::Machine(format!(
+                    "a trial at a spindle override of {override_pct} % was cut at {pct:.1} %: let the machine file allow \
+                     {override_pct} % (override_max_pct of [spindle], design_override_pct of [threading])"
+                ))),
+                None => Ok(seen),
+            };
         }
         let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
         Err(failed(fault.unwrap_or_else(|| "the program was not run to its end".into())))

@@ -167,7 +167,7 @@ pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
         tables: tables::all(&rows, &finer),
         notes: Vec::new(),
         figures: figures::all(&rows),
-        text: text::meaning(),
+        text: text::meaning(&stand.machine),
         rows,
     })
 }

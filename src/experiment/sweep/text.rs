@@ -1,9 +1,14 @@
 //! The words of the page. In: rows where a sentence says a figure. Out: paragraphs.
 
+use protocol::Machine;
+
 use super::{
     MEDIAN_UM, Row, WORST_UM,
     tables::{Over, from_worst},
 };
+
+/// How far X moves in a turn at the fastest of its stroke of 10 mm in 330°: twice the mean (M3), mm.
+const PER_TURN_MM: f64 = 2.0 * 10.0 * 360.0 / 330.0;
 
 /// The result in a few sentences; `finer` is the same with a spindle encoder of twice the lines.
 pub(super) fn short(rows: &[Row], finer: &[Row]) -> Vec<String> {
@@ -56,20 +61,25 @@ pub(super) fn done(cases: usize) -> Vec<String> {
 }
 
 /// What it means.
-pub(super) fn meaning() -> Vec<(&'static str, Vec<String>)> {
+pub(super) fn meaning(machine: &Machine) -> Vec<(&'static str, Vec<String>)> {
+    let counts = machine.spindle_counts();
     vec![(
         "What it means",
         vec![
-            "With a right mass the error hardly depends on the pass: it is what the count of the spindle encoder makes \
-             of the reference, and what friction does when the axis breaks away and turns. A wrong mass adds an error \
-             in the shape of the acceleration, which grows with its peak."
+            "With a right mass the error is what the count of the spindle encoder makes of the reference, and what friction \
+             does when the axis breaks away and turns. A wrong mass adds an error in the shape of the acceleration, which \
+             grows with its peak."
                 .into(),
-            "The encoder weighs most where X moves far in a turn: 10 mm in 330° are 26 mm a turn at the fastest, 2.6 µm for \
-             each of 10,000 counts. At 2500 lines and a control cycle of 0.5 ms every multiple of 12 1/min gives a whole \
-             number of counts in a cycle; the rounding of the counts then changes as slowly as the ripple of the spindle, \
-             and the observer passes it on. A slower observer would let less of it through, and would follow a bogged \
-             spindle worse."
-                .into(),
+            format!(
+                "The encoder weighs most where X moves far in a turn: the stroke of 10 mm in 330° runs at up to {:.1} mm a \
+                 turn, which is {:.1} µm for each of {counts:.0} counts. Where a speed gives a whole number of counts in a \
+                 control cycle (here every multiple of {:.4} 1/min), their rounding changes as slowly as the ripple of the \
+                 spindle, and the observer passes it on. A slower observer would let less of it through, and would follow \
+                 a bogged spindle worse.",
+                PER_TURN_MM,
+                1e3 * PER_TURN_MM / counts,
+                60.0 / (counts * machine.machine.cycle_s),
+            ),
             "A wrong friction changes the beginning of a stroke and hardly the end: the integral of the velocity loop \
              has found the friction by then."
                 .into(),
