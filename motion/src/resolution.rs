@@ -182,10 +182,10 @@ pub fn order(step: f64) -> i32 {
     (libm::log10(step) + ROUNDING).floor() as i32
 }
 
-/// Counts per mm of a decimal order: 10^|order|.
+/// Counts per mm of a decimal order: 10^−order.
 #[must_use]
 pub fn counts_per_mm(order: i32) -> f64 {
-    10_f64.powi(order.abs())
+    10_f64.powi(order.saturating_neg())
 }
 
 /// What a machine has to do.
@@ -325,7 +325,7 @@ mod tests {
         {
             assert_eq!(order(step), expected, "{step}");
         }
-        assert_eq!(counts_per_mm(-4), 10_000.0);
+        assert_eq!([-4, 0, 1].map(counts_per_mm), [10_000.0, 1.0, 0.1]);
     }
 
     /// A double at one metre is finer than anything required, a single is coarser than a position may be.
