@@ -125,7 +125,8 @@ impl Interpolator {
         let cycle = input.measurement.cycle;
         self.spindle.update(input.measurement);
         // Nobody waits in vain while the operator holds the spindle at 0, or while a pass is cut, however slowly.
-        self.waited = if self.spindle.held() || self.begun(input) { 0 } else { self.waited + 1 };
+        let cutting = matches!(self.task, Task::Threading { .. }) && self.begun(input);
+        self.waited = if self.spindle.held() || cutting { 0 } else { self.waited + 1 };
         self.stalled = if self.spindle.stalls() { self.stalled + 1 } else { 0 };
         let before = self.task.public();
         match self.fault(input) {
