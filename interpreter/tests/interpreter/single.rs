@@ -43,6 +43,30 @@ fn without_a_retract_there_is_a_warning() {
     }
 }
 
+/// With 0.05 mm of servo error allowed a lead of 5 mm needs 100 lines.
+#[test]
+fn a_coarse_encoder_is_warned_of() {
+    for (lines, lead, warned) in [(100, "5", None), (99, "5", Some("100 lines")), (25, "2", Some("40 lines"))]
+    {
+        let mut machine = Machine::default();
+        machine.spindle.encoder_lines = lines;
+        for thread in [format!("G33 Z-25 K{lead}"), format!("G76 P{lead} Z-25 I-1 J0.3 K1.2 R1.5")] {
+            let check = check("t", &format!("S100 M3\nG0 X19.5 Z10\n{thread}\nG0 X30\nM2\n"), &machine);
+            let help = check.diagnostics.first().map(|found| found.help.as_str());
+            assert!(
+                check.diagnostics.len() == usize::from(warned.is_some()),
+                "{thread}: {:?}",
+                check.diagnostics
+            );
+            assert!(
+                warned.is_none_or(|lines| help.is_some_and(|help| help.contains(lines))),
+                "{thread}: {help:?}"
+            );
+            assert!(check.diagnostics.iter().all(|found| (found.code, found.line) == ("coarse-encoder", 3)));
+        }
+    }
+}
+
 #[test]
 fn k_is_measured_along_the_path() {
     // 3 in X and 4 in Z: K 5 gives leads of 3 and 4.
