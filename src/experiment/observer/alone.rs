@@ -1,5 +1,5 @@
 //! The observer by itself, as the reference has it: a spindle whose angle is known in closed form, an encoder that rounds
-//! it, the observer (M53) at 1 kHz. In: encoder, bandwidth, case. Out: error of the helix in µm.
+//! it, the observer at 1 kHz. In: which observer, encoder, bandwidth, case. Out: error of the helix in µm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -28,6 +28,24 @@ pub(super) const PHASES: u32 = 9;
 /// 500 1/min is 250/3 counts a cycle at 2500 lines, which would lock the phase for ever. No spindle turns so evenly.
 const S_RPM: f64 = 500.37;
 
+/// Which observer.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Kind {
+    /// As the reference has it (M53).
+    Plain,
+    /// As the regulator uses it (`regulator/src/spindle.rs`).
+    Used,
+}
+
+impl Kind {
+    fn observer(self, bandwidth_hz: f64) -> SpindleObserver {
+        match self {
+            Kind::Plain => SpindleObserver::new(bandwidth_hz, T),
+            Kind::Used => SpindleObserver::of_counts(bandwidth_hz, T),
+        }
+    }
+}
+
 /// Largest errors of the helix over a case, µm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Errors {
@@ -49,7 +67,7 @@ impl Turning {
     fn of(case: Case) -> Turning {
         let even = S_RPM / 60.0;
         let (before, share, ramp_s, seconds) = match case {
-            Case::Constant => (even, 1.0, 1.0, 3.0),
+            Case::Constant | Case::Force => (even, 1.0, 1.0, 3.0),
             Case::OverrideRamp => (even, 0.6, 0.3, 2.0),
             Case::Dip => (even, 0.97, 0.015, 2.0),
             Case::Slow => (0.2 / 60.0, 1.0, 1.0, 20.0),
@@ -66,10 +84,10 @@ impl Turning {
 }
 
 /// Error of the helix over time, s and µm from the change on, once the start is forgotten.
-pub(super) fn course(lines: u32, bandwidth_hz: f64, case: Case, phase: f64) -> Vec<(f64, f64)> {
+pub(super) fn course(kind: Kind, lines: u32, bandwidth_hz: f64, case: Case, phase: f64) -> Vec<(f64, f64)> {
     let (turning, quanta) = (Turning::of(case), 4.0 * f64::from(lines));
     let truth = |cycle: u32| turning.angle(f64::from(cycle) * T) * quanta + phase;
-    let mut observer = SpindleObserver::new(bandwidth_hz, T);
+    let mut observer = kind.observer(bandwidth_hz);
     observer.start(truth(0), turning.before * quanta);
     let mut errors = Vec::new();
     for cycle in 1..=(turning.seconds / T) as u32 {
@@ -85,10 +103,10 @@ pub(super) fn course(lines: u32, bandwidth_hz: f64, case: Case, phase: f64) -> V
 }
 
 /// Largest errors over every phase of the count.
-pub(super) fn errors(lines: u32, bandwidth_hz: f64, case: Case) -> Errors {
+pub(super) fn errors(kind: Kind, lines: u32, bandwidth_hz: f64, case: Case) -> Errors {
     let largest = |phase: u32| {
         let phase = (f64::from(phase) + 0.37) / f64::from(PHASES);
-        let course = course(lines, bandwidth_hz, case, phase);
+        let course = course(kind, lines, bandwidth_hz, case, phase);
         course.into_iter().map(|(_, error)| error.abs()).fold(0.0, f64::max)
     };
     let mut all: Vec<f64> = (0..PHASES).map(largest).collect();

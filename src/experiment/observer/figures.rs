@@ -2,7 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::{BANDWIDTHS_HZ, Case, alone};
+use super::{
+    BANDWIDTHS_HZ, Case,
+    alone::{self, Kind},
+};
 use crate::{
     experiment::table::six,
     report::figures::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line},
@@ -35,7 +38,7 @@ pub(super) fn all() -> Vec<Figure> {
 
 fn over_time(case: Case, title: &str, caption: &str, [from, to]: [f64; 2]) -> Figure {
     let curve = |(bandwidth_hz, color): (f64, &str)| -> Value {
-        let points: Vec<_> = alone::course(LINES, bandwidth_hz, case, 0.37)
+        let points: Vec<_> = alone::course(Kind::Used, LINES, bandwidth_hz, case, 0.37)
             .into_iter()
             .filter(|(t, _)| (from..=to).contains(t))
             .collect();
@@ -63,7 +66,9 @@ fn over_bandwidth() -> Figure {
     let curve = |(case, color): (Case, &str)| -> Value {
         let points: Vec<_> = bandwidths
             .iter()
-            .map(|&bandwidth_hz| (bandwidth_hz, alone::errors(LINES, bandwidth_hz, case).typical_um))
+            .map(|&bandwidth_hz| {
+                (bandwidth_hz, alone::errors(Kind::Used, LINES, bandwidth_hz, case).typical_um)
+            })
             .collect();
         line(&points, case.name(), color, ("x", "y"))
     };
@@ -80,7 +85,7 @@ fn over_bandwidth() -> Figure {
               steeply, 0.2 1/min stays where it is."
             .into(),
         plot: json!({
-            "data": Case::ALL.into_iter().zip(COLORS).map(curve).collect::<Vec<_>>(),
+            "data": Case::ALONE.into_iter().zip(COLORS).map(curve).collect::<Vec<_>>(),
             "layout": {
                 "xaxis": logarithmic("bandwidth of the observer (Hz)"),
                 "yaxis": logarithmic("largest error of the helix (µm)"),

@@ -25,7 +25,9 @@ const TURNS: f64 = 10.0;
 const SLOW_TURNS: f64 = 0.1;
 /// The dip: share of the speed, and time.
 const DIP: (f64, f64) = (0.03, 0.015);
-/// Time in which the torque of the dip comes on, s.
+/// The step of the axial force, N.
+const FORCE_N: f64 = 200.0;
+/// Time in which a load comes on, s.
 const RISE_S: f64 = 0.001;
 
 fn failed(reason: impl std::fmt::Display) -> CliError {
@@ -47,6 +49,7 @@ fn with(machine: &Machine, lines: u32, bandwidth_hz: f64) -> Machine {
 fn scenario(machine: &Machine, case: Case) -> Result<Scenario, CliError> {
     let action = match case {
         Case::Constant | Case::Slow => return Ok(Scenario::none()),
+        Case::Force => format!("axial_force_n = {FORCE_N}"),
         Case::OverrideRamp => "spindle_override_pct = 60\nramp_s = 0.3".to_owned(),
         Case::Dip => {
             let (share, dip_s) = DIP;
@@ -59,25 +62,25 @@ fn scenario(machine: &Machine, case: Case) -> Result<Scenario, CliError> {
     Scenario::from_toml(&event).map_err(failed)
 }
 
-/// Cuts a pass and gives its report.
+/// Cuts a pass and gives its report; the fault if the machine does not come to its end.
 ///
 /// # Errors
-/// The machine cannot follow the pass, or does not come to its end.
+/// The machine cannot follow the pass.
 pub(super) fn pass(
     machine: &Machine,
     lines: u32,
     bandwidth_hz: f64,
     case: Case,
     seed: u64,
-) -> Result<PassReport, CliError> {
+) -> Result<Result<PassReport, String>, CliError> {
     let machine = with(machine, lines, bandwidth_hz);
     let (s_rpm, turns) = if case == Case::Slow { (0.2, SLOW_TURNS) } else { (S_RPM, TURNS) };
     let trial = Trial { s_rpm, turns, delta_x_mm: 0.0, lead_mm: -LEAD_MM, ..Trial::default() };
     let items = trial::program(&machine, &[trial]).map_err(failed)?;
     let scenario = scenario(&machine, case)?;
     let seen = trial::run(&machine, &items, &scenario, seed, &mut |_| ()).map_err(failed)?;
-    match (seen.outcome, seen.passes.into_iter().next()) {
+    Ok(match (seen.outcome, seen.passes.into_iter().next()) {
         (Outcome::Completed, Some(pass)) => Ok(pass),
-        _ => Err(failed(seen.faults.first().map_or("the pass was not cut", |fault| &fault.text))),
-    }
+        _ => Err(seen.faults.into_iter().next().map_or("the pass was not cut".into(), |fault| fault.text)),
+    })
 }
