@@ -5,7 +5,7 @@
 use protocol::machine::Feedforward;
 use serde_json::{Value, json};
 
-use super::{Done, OVERRIDES, STRUCTURES, measure::Moment, name, published::BAND_UM};
+use super::{Done, OVERRIDES, STRUCTURES, measure::Moment, micrometres, name, published::BAND_UM};
 use crate::report::figures::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line};
 
 /// One of the pictures above each other: title of its axis, and its value.
@@ -98,9 +98,11 @@ fn original(done: &[Done], pct: f64) -> Option<Figure> {
 
 /// Servo errors of every structure at 100 %.
 fn structures(done: &[Done]) -> Option<Figure> {
-    let mut data = Vec::new();
+    let (mut data, mut largest) = (Vec::new(), Vec::new());
     for (structure, color) in STRUCTURES.into_iter().zip(COLORS) {
         let done = found(done, structure, 100.0)?;
+        let um = micrometres(done.row.approach_max_um.max(-done.row.approach_min_um));
+        largest.push(format!("{} {um} µm", name(structure)));
         let panel = if structure == Feedforward::None { "y" } else { "y2" };
         data.push(curve(done, name(structure), color, ("x", panel), |at| at.error_um));
     }
@@ -116,9 +118,7 @@ fn structures(done: &[Done]) -> Option<Figure> {
                   others; dashed the published band. Speed alone leaves an error in the shape of the acceleration; \
                   differences of positions of 1 µm add noise."
             .into(),
-        alt: "Servo errors over time: hundreds of micrometres without feedforward, tens with speed alone, about eight \
-              with differences of speed and acceleration, about one with the full structure."
-            .into(),
+        alt: format!("Servo errors over time. Largest: {}.", largest.join(", ")),
         plot: json!({ "data": data, "layout": layout }),
         aspect: 0.6,
     })
@@ -165,7 +165,7 @@ fn over_override(done: &[Done]) -> Figure {
         caption: "What is missing in a feedforward of acceleration shrinks with the square of the speed; noise of the \
                   encoder and breaking away of friction do not shrink."
             .into(),
-        alt: "One curve a structure, on a logarithmic scale from below 1 to about 1000 µm.".into(),
+        alt: "One curve a structure, on a logarithmic scale; their figures are in the table of every case.".into(),
         plot: json!({
             "data": drawn.collect::<Vec<_>>(),
             "layout": { "xaxis": axis("spindle override (%)"), "yaxis": y, "shapes": [level("y", BAND_UM)] },

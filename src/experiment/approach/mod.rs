@@ -115,11 +115,16 @@ fn with_structure(machine: &Machine, structure: Feedforward) -> Machine {
     machine
 }
 
+/// What a controller of X would know that knew everything.
+fn truth(machine: &Machine) -> Result<Belief, CliError> {
+    Belief::of_truth(machine, Axis::X).map_err(|error| CliError::Input(error.to_string()))
+}
+
 /// The machine with the loops, the encoder and the observer of the reference figures, which knows itself exactly.
 fn as_in_reference(machine: &Machine) -> Result<Machine, CliError> {
     let mut machine = machine.clone();
     (machine.spindle.encoder_lines, machine.spindle.observer_hz) = (1024, 30.0);
-    let truth = Belief::of_truth(&machine, Axis::X).map_err(|error| CliError::Input(error.to_string()))?;
+    let truth = truth(&machine)?;
     if let Some(x) = machine.axis.get_mut(&Axis::X) {
         (x.position_gain_1_s, x.velocity_bandwidth_hz, x.velocity_integral_s) = (60.0, 60.0, 0.012);
         truth.put_into(x);
@@ -175,6 +180,7 @@ pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
     let (machine, seed) = (&stand.machine, stand.seed);
     let tuned = crate::tune::machine(machine, seed)?;
     let known = as_in_reference(machine)?;
+    let truth = truth(machine)?;
     let seeds = |n: u64| (0..n).map(move |more| seed.wrapping_add(more));
     let shown = cases(machine, &OVERRIDES, seed).into_iter().chain(of_full(&tuned, true, seed));
     let chance =
@@ -196,11 +202,11 @@ pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
     Ok(Findings {
         title: "Approach of X in step with the spindle",
         short: text::short(&done, &goals),
-        done: text::done(),
+        done: text::done(machine, &truth),
         tables,
         notes: Vec::new(),
         figures: figures::all(&done),
-        text: text::meaning(),
+        text: text::meaning(machine),
         rows: done.into_iter().map(|done| done.row).collect(),
     })
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Row,
-    reference::{Beside, as_there},
+    reference::{Beside, PRINTED, Printed, as_there},
     span, um,
 };
 
@@ -64,13 +64,19 @@ fn result(rows: &[Row]) -> Vec<String> {
             .into(),
         format!(
             "The servo error is less touched, because the mass of the axis swallows most of the noise: {} µm with 1e-3 \
-             mm, {} µm with 1e-4 mm, {} µm with 1e-5 mm. The published step of speed, 1e-5 to 1e-6 mm per cycle, is \
-             enough for it. Finer steps matter for what is differenced once more, the jerk.",
+             mm, {} µm with 1e-4 mm, {} µm with 1e-5 mm. Finer steps matter for what is differenced once more, the jerk.",
             approach(rows, Some(1e-3)),
             approach(rows, Some(1e-4)),
             approach(rows, Some(1e-5))
         ),
     ]
+}
+
+/// A figure here over that of the reference.
+fn ratio(rows: &[Row], quantum_mm: f64, here: fn(&Row) -> f64, there: fn(&Printed) -> f64) -> String {
+    let printed = PRINTED.iter().find(|printed| printed.quantum_mm == Some(quantum_mm));
+    let pair = with(rows, Some(quantum_mm)).zip(printed);
+    pair.map_or("–".into(), |(row, printed)| format!("{:.2}", here(row) / there(printed)))
 }
 
 fn compared(beside: &[Beside]) -> Vec<String> {
@@ -88,9 +94,8 @@ fn compared(beside: &[Beside]) -> Vec<String> {
             "The reference says that what remains with fine positions, −2.7 … +2.4 µm, is the hold of 1 ms. It is the delay \
              of the hold. With the leads of the machine file the approach stays within {} µm and ends at {} µm; with leads \
              that are longer by 0.25 ms, which is by how much a hold of two cycles delays more than one of one, within {} \
-             µm and at {} µm; with 0.5 ms more within {} µm and at {} µm. The last are the figures of the reference, with \
-             their sign: its leads were too long by a quarter of a millisecond, those of the file are too short by as \
-             much.",
+             µm and at {} µm; with 0.5 ms more within {} µm and at {} µm. The reference ends at +0.5 µm, so its leads were \
+             longer, too.",
             fine(0.0),
             end(0.0),
             fine(0.25e-3),
@@ -99,10 +104,14 @@ fn compared(beside: &[Beside]) -> Vec<String> {
             end(0.5e-3)
         ),
         format!(
-            "So the table beside the reference has leads 0.5 ms longer. From 1e-4 mm down its servo errors come out within a \
-             fifth. With coarser positions chance rules: the reference shows one pass, and with 1e-2 mm, where the torque \
-             runs into its limit, the ten seeds reach from {} to {} µm. At 1e-4 mm the torque noise is 0.22 for 0.18 N·m; \
-             rounding alone makes 0.20 of it (M77). The law itself differs by 0.3 µm, which is chance as well.",
+            "So the table beside the reference has leads 0.5 ms longer. With fine positions, 1e-6 mm, the span of its servo \
+             errors is {} times that of the reference, and at 1e-4 mm the torque noise {} times. With coarser positions \
+             chance rules: the reference shows one pass, and with 1e-2 mm, where the torque runs into its limit, the ten \
+             seeds reach from {} to {} µm.",
+            ratio(there, 1e-6, |row| row.approach_max_um - row.approach_min_um, |printed| {
+                printed.approach_um[1] - printed.approach_um[0]
+            }),
+            ratio(there, 1e-4, |row| row.torque_noise_nm, |printed| printed.noise_nm),
             with(there, Some(1e-2)).map_or("–".into(), |row| um(row.approach_lowest_um)),
             with(there, Some(1e-2)).map_or("–".into(), |row| um(row.approach_highest_um))
         ),
