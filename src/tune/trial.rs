@@ -3,14 +3,18 @@
 
 use protocol::{Axis, AxisState, Machine, machine::Kinematics};
 use rig::{
-    observe::{Outcome, PassReport, ServoError},
-    trial::{Trial, program, run},
+    Rig,
+    observe::{Observer, Outcome, PassReport, Record, ServoError},
+    trial::{Trial, program},
 };
 use serde::Serialize;
 use sim_plant::Scenario;
 
 /// Spindle overrides of the trial passes, per cent.
 const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
+
+/// Longest time on the machine for a pass, s: an axis that swings is never in position, and its pass never begins.
+const PATIENCE_S: f64 = 60.0;
 
 /// Servo error over time, s and µm.
 type Curve = Vec<(f64, f64)>;
@@ -128,7 +132,7 @@ fn pass(
     let mut curves = vec![Curve::new(); axes.len()];
     let mut begun = vec![None; axes.len()];
     let scenario = Scenario::spindle_override(override_pct);
-    let seen = run(machine, &items, &scenario, seed, &mut |record| {
+    let mut see = |record: &Record| {
         for ((axis, curve), begun) in axes.iter().zip(&mut curves).zip(&mut begun) {
             let status = record.axes.iter().find(|(seen, _)| seen == axis).map(|(_, status)| status);
             let Some(status) = status.filter(|status| moves(status.state)) else { continue };
@@ -136,11 +140,24 @@ fn pass(
             let t_s = (status.cycle.0 - first) as f64 * machine.machine.cycle_s;
             curve.push((t_s, 1e3 * status.servo_error_mm));
         }
-    });
-    let seen = seen.map_err(|error| error.to_string())?;
+    };
+    let mut rig =
+        Rig::new(machine, items.iter().copied(), scenario, seed).map_err(|error| error.to_string())?;
+    let mut observer = Observer::new(machine, &items);
+    let most = (PATIENCE_S / machine.machine.cycle_s) as u64;
+    for _ in 0..most {
+        let goes_on = rig.cycle(None, |record| {
+            observer.cycle(record);
+            see(record);
+        });
+        if !goes_on {
+            break;
+        }
+    }
+    let seen = observer.finish();
     let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
     let pass = seen.passes.into_iter().next().filter(|_| seen.outcome == Outcome::Completed);
-    Ok((pass.ok_or_else(|| fault.unwrap_or_else(|| "the pass was not made to its end".into())), curves))
+    Ok((pass.ok_or_else(|| fault.unwrap_or_else(|| "it was not made to its end".into())), curves))
 }
 
 /// Whether an axis approaches or is on its helix.

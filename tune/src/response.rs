@@ -170,8 +170,8 @@ fn answer(runs: &[Vec<Row>], sine: &Multisine, line: usize, cycle_s: f64) -> Opt
     let mean = |of: fn(&Row, &Row) -> f64| -> Complex<f64> {
         periods.iter().map(|rows| one(of, rows)).sum::<Complex<f64>>() / periods.len() as f64
     };
-    let (command, way): (fn(&Row, &Row) -> f64, fn(&Row, &Row) -> f64) =
-        (|_, row| row.command_nm, |before, row| row.motor_mm - before.motor_mm);
+    let command = |_: &Row, row: &Row| row.command_nm;
+    let way = |before: &Row, row: &Row| row.motor_mm - before.motor_mm;
     let input = mean(command);
     let response = mean(way) / input;
     let scatter = |rows: &&[Row]| (one(way, rows) - response * one(command, rows)).norm_sqr();
