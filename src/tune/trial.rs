@@ -14,7 +14,7 @@ use sim_plant::Scenario;
 const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 
 /// Longest time on the machine for a pass, s: an axis that swings is never in position, and its pass never begins.
-const PATIENCE_S: f64 = 60.0;
+const PATIENCE_S: f64 = 20.0;
 
 /// Servo error over time, s and µm.
 type Curve = Vec<(f64, f64)>;
