@@ -82,7 +82,7 @@ fn head(summary: &Summary) -> Markup {
                 }
                 @if !summary.passes.is_empty() {
                     div { dt { "Thread passes" } dd { (summary.passes.len()) } }
-                    div { dt { "Farthest from the helix" } dd { (um(worst(verdict::helix_um))) } }
+                    div { dt { "Farthest from the helix" } dd { (verdict::helix(summary)) } }
                     div { dt { "Pass to pass" } dd { (um(summary.thread.phase_spread_um)) } }
                     div { dt { "X in the thread, servo error" } dd { (um(worst(|pass| pass.x.thread_max_abs_um))) } }
                     div { dt { "Z in the thread, servo error" } dd { (um(worst(|pass| pass.z.thread_max_abs_um))) } }

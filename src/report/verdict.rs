@@ -9,7 +9,7 @@ const LOOK_UM: f64 = 5.0;
 
 /// A slide further than this from its programmed place in the thread deserves a look, µm; elasticity and friction alone
 /// make three or four.
-const LOOK_SLIDE_UM: f64 = 10.0;
+const LOOK_SLIDE_UM: f64 = 8.0;
 
 /// Timed motion further than this from its path deserves a look, µm; a sound machine keeps within a few.
 const LOOK_CONTOUR_UM: f64 = 10.0;
@@ -97,9 +97,12 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     if cut.is_empty() {
         return;
     }
-    let helix = cut.iter().map(|pass| helix_um(pass)).fold(0.0, f64::max);
+    let worst = |of: fn(&PassReport) -> f64| cut.iter().map(|pass| of(pass)).fold(0.0, f64::max);
     let spread = summary.thread.phase_spread_um;
-    let grade = if helix.max(spread) > LOOK_UM { Grade::Look } else { Grade::Good };
+    // Where backlash is compensated, or the loop closes over a scale, the nut stands off on purpose, so that the slide
+    // does not.
+    let both = worst(|pass| pass.helix_max_abs_um.min(pass.slide_helix_max_abs_um));
+    let grade = if both.max(spread) > LOOK_UM { Grade::Look } else { Grade::Good };
     let same = if cut.len() > 1 {
         format!(", and passes of one start follow the same groove within {}", um(spread))
     } else {
@@ -111,8 +114,8 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
         format!("{} passes were cut; they", cut.len())
     };
     let keeps = if cut.len() == 1 { "keeps" } else { "keep" };
-    verdict.say(grade, format!("{count} {keeps} within {} of the programmed helix{same}.", um(helix)));
-    let worst = |of: fn(&PassReport) -> f64| cut.iter().map(|pass| of(pass)).fold(0.0, f64::max);
+    let helix = helix(summary);
+    verdict.say(grade, format!("{count} {keeps} to the programmed helix within {helix}{same}."));
     let x = worst(|pass| pass.x_slide.thread_max_abs_um);
     let z = worst(|pass| pass.slide_helix_max_abs_um);
     if x.max(z) > LOOK_SLIDE_UM {
@@ -121,10 +124,11 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     }
 }
 
-/// How far a pass is from its helix. Where backlash is compensated, or the loop closes over a scale, the nut stands off on
-/// purpose, so that the slide does not.
-pub(super) fn helix_um(pass: &PassReport) -> f64 {
-    pass.helix_max_abs_um.min(pass.slide_helix_max_abs_um)
+/// How far the passes are from their helix: at the nut, which the controller leads, and at the slide behind it.
+pub(super) fn helix(summary: &Summary) -> String {
+    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    let (nut, slide) = (worst(|pass| pass.helix_max_abs_um), worst(|pass| pass.slide_helix_max_abs_um));
+    format!("{} at the nut and {} at the slide", um(nut), um(slide))
 }
 
 fn moves(summary: &Summary, verdict: &mut Verdict) {
@@ -192,7 +196,8 @@ mod tests {
         assert_eq!(verdict.grade, Grade::Good);
         assert_eq!(
             verdict.sentences.join(" "),
-            "The program ran to its end. One pass was cut; it keeps within 0.50 µm of the programmed helix."
+            "The program ran to its end. One pass was cut; it keeps to the programmed helix within 0.50 µm at the nut and \
+             3.50 µm at the slide."
         );
     }
 
@@ -202,6 +207,18 @@ mod tests {
         (summary.passes[0].helix_max_abs_um, summary.passes[0].slide_helix_max_abs_um) = (6.5, 1.0);
         let verdict = of(&summary);
         assert!(verdict.grade == Grade::Good, "{:?}", verdict.sentences);
+    }
+
+    #[test]
+    fn a_slide_that_is_off_is_not_hidden_by_its_nut() {
+        let mut summary = good();
+        (summary.passes[0].helix_max_abs_um, summary.passes[0].slide_helix_max_abs_um) = (0.3, 9.0);
+        let verdict = of(&summary);
+        let words = verdict.sentences.join(" ");
+        assert!(
+            verdict.grade == Grade::Look && words.contains("0.30 µm at the nut and 9.00 µm at"),
+            "{words}"
+        );
     }
 
     #[test]
