@@ -156,9 +156,7 @@ fn measure<B: Bench>(
         proposal.presliding_n_mm = config.presliding_n_mm;
     }
     let after = margins::of(&lines, &proposal, cycle_s);
-    if [before, after].iter().any(|margins| margins.velocity.known_to(&lines) > MOST_SCATTER) {
-        return Err(Refusal::Response(axis, "its periods scatter too much about the crossover", speed));
-    }
+    scatter(axis, [before, after], &lines, speed)?;
     // Approaches are strokes of linear axes; and a backlash makes the slide seem to swing slower than it does.
     let trusted = mode.filter(|_| !axis.is_rotary() && config.backlash_mm <= 0.0);
     Ok(Tuned {
@@ -182,6 +180,14 @@ fn measure<B: Bench>(
         proposal,
         cycle_s,
     })
+}
+
+/// Refuses a response that is not known about the crossover.
+fn scatter(axis: Axis, margins: [Margins; 2], lines: &[Line], speed: f64) -> Result<(), Refusal> {
+    if margins.iter().any(|margins| margins.velocity.known_to(lines) > MOST_SCATTER) {
+        return Err(Refusal::Response(axis, "its periods scatter too much about the crossover", speed));
+    }
+    Ok(())
 }
 
 /// Refuses values that no axis has, or that are known too badly to write them down.
