@@ -188,9 +188,10 @@ fn a_missing_index_is_found_within_one_revolution() {
 
 /// Supervises the plant's encoder while the spindle is told speeds (1/min over s), and held back.
 #[track_caller]
-fn sound(lines: u32, loads: &str, seconds: f64, rpm: impl Fn(f64) -> f64) {
+fn sound(machine: &Machine, loads: &str, seconds: f64, rpm: impl Fn(f64) -> f64) {
     let plant = "[spindle]\nripple_pct = 1".parse().unwrap();
-    let machine = Machine { plant, ..machine(lines) };
+    let machine = Machine { plant, ..machine.clone() };
+    let lines = machine.spindle.encoder_lines;
     let mut plant = Plant::new(&machine, Scenario::from_toml(loads).unwrap(), 3).unwrap();
     let mut encoder = Encoder::new(&machine);
     let cycle_s = machine.machine.cycle_s;
@@ -207,10 +208,10 @@ fn sound(lines: u32, loads: &str, seconds: f64, rpm: impl Fn(f64) -> f64) {
 fn what_a_spindle_does_is_no_fault() {
     let loads = event("time_s = 2", "spindle_load = { torque_nm = 16, for_s = 0.015 }")
         + &event("time_s = 3", "spindle_load = { torque_nm = 300, for_s = 1 }");
-    for lines in [25, 1024, 2500, 250_000] {
+    for lathe in [25, 1024, 2500, 250_000].map(machine) {
         for sign in [1.0, -1.0] {
             // Ramps up to the top speed, back through zero, to a stop, and slowly on.
-            sound(lines, "", 20.0, |t| {
+            sound(&lathe, "", 20.0, |t| {
                 sign * match t {
                     ..5.0 => 3000.0,
                     5.0..13.0 => -3000.0,
@@ -220,11 +221,21 @@ fn what_a_spindle_does_is_no_fault() {
             });
             for rpm in [3000.0, 600.0, 60.0] {
                 // Brought out of its ramp by a dip, and stopped by a load.
-                sound(lines, &loads, 6.0, |_| sign * rpm);
+                sound(&lathe, &loads, 6.0, |_| sign * rpm);
             }
             // The override to 0 and back, again and again.
-            sound(lines, "", 12.0, |t| sign * 600.0 * (2.0 * (0.5 * t - (0.5 * t).floor()) - 1.0).abs());
-            sound(lines, "", 12.0, |t| if t % 3.0 < 1.5 { sign * 200.0 } else { 0.0 });
+            sound(&lathe, "", 12.0, |t| sign * 600.0 * (2.0 * (0.5 * t - (0.5 * t).floor()) - 1.0).abs());
+            sound(&lathe, "", 12.0, |t| if t % 3.0 < 1.5 { sign * 200.0 } else { 0.0 });
         }
+    }
+}
+
+#[test]
+fn a_load_on_a_slow_spindle_is_no_fault() {
+    let mut slow = machine(250_000);
+    slow.spindle.max_rpm = 60.0;
+    let loads = event("time_s = 1", "spindle_load = { torque_nm = 80, for_s = 0.3 }");
+    for sign in [1.0, -1.0] {
+        sound(&slow, &loads, 4.0, |_| sign * 50.0);
     }
 }
