@@ -106,6 +106,27 @@ fn a_row_of_resolution_has_its_inputs_and_figures() {
 }
 
 #[test]
+fn a_row_of_observer_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "observer", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    let keys = ["bandwidth_hz", "lead_mm", "observer_max_abs_um", "observer_worst_um", "m53_max_abs_um"];
+    for row in rows {
+        assert!(keys.iter().all(|key| row[key].is_f64()) && row["lines"].is_u64(), "{row}");
+        // A turn of the slow case takes minutes; with 25 lines the machine may stop in the pass.
+        let may_miss = row["case"] == "slow" || row["lines"] == 25;
+        assert!(row["helix_max_abs_um"].is_f64() || (may_miss && row["helix_max_abs_um"].is_null()), "{row}");
+    }
+    // With the machine's own encoder and observer every case was cut.
+    let own_hz = protocol::Machine::default().spindle.observer_hz;
+    let own: Vec<_> =
+        rows.iter().filter(|row| row["lines"] == 2500 && row["bandwidth_hz"] == own_hz).collect();
+    assert_eq!(own.len(), 5);
+    assert!(own.iter().all(|row| row["helix_max_abs_um"].is_f64()), "{own:?}");
+}
+
+#[test]
 fn the_page_has_everything_in_it() {
     let place = Place::new();
     let answer = place.ask(&["experiment", "feed"]);

@@ -123,7 +123,8 @@ fn truth(machine: &Machine) -> Result<Belief, CliError> {
 /// The machine with the loops, the encoder and the observer of the reference figures, which knows itself exactly.
 fn as_in_reference(machine: &Machine) -> Result<Machine, CliError> {
     let mut machine = machine.clone();
-    (machine.spindle.encoder_lines, machine.spindle.observer_hz) = (1024, 30.0);
+    let spindle = &mut machine.spindle;
+    (spindle.encoder_lines, spindle.observer_hz, spindle.stroke_observer_hz) = (1024, 30.0, 30.0);
     let truth = truth(&machine)?;
     if let Some(x) = machine.axis.get_mut(&Axis::X) {
         (x.position_gain_1_s, x.velocity_bandwidth_hz, x.velocity_integral_s) = (60.0, 60.0, 0.012);

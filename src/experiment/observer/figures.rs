@@ -79,7 +79,7 @@ fn over_bandwidth() -> Figure {
         caption: format!(
             "Largest error of the helix over the bandwidth of the observer, {LINES} lines, both axes logarithmic. A change of \
              speed is seen better the faster the observer is; rounding is averaged better the slower it is. 0.2 1/min are \
-             so slow that every count is seen for itself: half a count is the error at any bandwidth that is of use."
+             so slow that every count is seen for itself: about half a count is the error at any bandwidth that is of use."
         ),
         alt: "Four curves over the bandwidth from 5 to 108 Hz: constant speed rises slowly, override ramp and dip fall \
               steeply, 0.2 1/min stays where it is."

@@ -52,7 +52,8 @@ pub(super) struct Beside {
 /// Runs the quanta of the reference under its conditions.
 pub(super) fn beside(stand: &Stand) -> Result<Vec<Beside>, CliError> {
     let mut machine = stand.machine.clone();
-    (machine.spindle.encoder_lines, machine.spindle.observer_hz) = (2500, 15.0);
+    let spindle = &mut machine.spindle;
+    (spindle.encoder_lines, spindle.observer_hz, spindle.stroke_observer_hz) = (2500, 15.0, 15.0);
     let truth = Belief::of_truth(&machine, Axis::X).map_err(|error| CliError::Input(error.to_string()))?;
     if let Some(x) = machine.axis.get_mut(&Axis::X) {
         (x.position_gain_1_s, x.velocity_bandwidth_hz, x.velocity_integral_s) = (100.0, 80.0, 0.008);
