@@ -111,7 +111,7 @@ impl Interpolator {
         let reached = self.waited > SETPOINT_LEAD;
         let at_rest = reached && self.statuses(input).all(|status| status.in_position != 0);
         let watched_s = cycle.0 as f64 * self.machine.machine.cycle_s;
-        let watched = watched_s * self.machine.spindle.observer_hz >= WATCHED_PERIODS;
+        let watched = watched_s * self.machine.spindle.slowest_observer_hz() >= WATCHED_PERIODS;
         if !at_rest || !watched || !self.spindle.at_speed() {
             return AxisCommand::Stream;
         }

@@ -16,6 +16,16 @@
 //! While the observer learns of a change, its corrections move the angle besides: c goes with w + g res/T, w with
 //! al + h res/T². An axis that is led by c has to be fed forward with these; with w and al alone it is left behind by
 //! g res/T for the time of learning, three times as far as the observer errs.
+//!
+//! A count is known to half of itself, so a res within ±1/2 may be nothing but rounding; at a speed with nearly whole
+//! counts in a cycle it is a slow sawtooth, which no filter of this bandwidth averages. For counts, res is split: what
+//! lies within a width is taken with the gains of a lower bandwidth, and only a share of it is fed forward; what lies
+//! beyond is taken in full. A changing spindle is followed as fast, a steady one more quietly.
+//!
+//! | the spindle turns by | width | bandwidth | fed forward |
+//! |---|---|---|---|
+//! | four counts in 1/f_o, or more | ±1/2 | f_o/2 | a half |
+//! | less: counts come one by one, each with a res of about 1 | ±3/2 | f_o/6 | nothing |
 
 use core::f64::consts::TAU;
 
@@ -41,6 +51,12 @@ impl SpindleMotion {
             acceleration,
         }
     }
+
+    /// Every part times a factor.
+    fn times(self, factor: f64) -> SpindleMotion {
+        let SpindleMotion { angle, speed, acceleration } = self;
+        SpindleMotion { angle: factor * angle, speed: factor * speed, acceleration: factor * acceleration }
+    }
 }
 
 /// Observer of the spindle with three equal real poles. Feed it the *middle* of the count (count + 1/2): the true
@@ -60,11 +76,11 @@ pub struct SpindleObserver {
     period: f64,
     /// g, h/T, k/T².
     gain: SpindleMotion,
-    /// The same for a spindle so slow that counts come one by one, and the speed below which it is.
-    slow: Option<(SpindleMotion, f64)>,
+    /// What is done with rounding, if angles are counts.
+    counts: Option<Counts>,
     /// `None` before the first measurement.
     state: Option<SpindleMotion>,
-    /// g res/T, h res/T²: what the last correction added to angle and speed, per second.
+    /// What the last correction added to angle and speed, per second, as far as it is fed forward.
     drift: SpindleMotion,
 }
 
@@ -81,21 +97,24 @@ impl SpindleObserver {
         SpindleObserver {
             period: period_s,
             gain: gain(bandwidth_hz, period_s),
-            slow: None,
+            counts: None,
             state: None,
             drift: SpindleMotion::default(),
         }
     }
 
-    /// The same for angles that are whole counts. While fewer than four counts come in 1/f_o and each comes within a
-    /// count of where it was foretold, a quarter of the bandwidth averages over more of them.
+    /// The same for angles in counts: what of a residual may be rounding is taken with a lower bandwidth.
     ///
     /// # Panics
     /// As [`new`](Self::new).
     #[must_use]
     pub fn of_counts(bandwidth_hz: f64, period_s: f64) -> SpindleObserver {
-        let slow = Some((gain(bandwidth_hz / 4.0, period_s), 4.0 * bandwidth_hz));
-        SpindleObserver { slow, ..SpindleObserver::new(bandwidth_hz, period_s) }
+        let counts = Counts {
+            steady: Rounding { width: 0.5, gain: gain(bandwidth_hz / 2.0, period_s), forward: 0.5 },
+            slow: Rounding { width: 1.5, gain: gain(bandwidth_hz / 6.0, period_s), forward: 0.0 },
+            slow_below: 4.0 * bandwidth_hz,
+        };
+        SpindleObserver { counts: Some(counts), ..SpindleObserver::new(bandwidth_hz, period_s) }
     }
 
     /// Sets the state to `count` and `speed` (per s) without acceleration. Take the speed from two counts far apart,
@@ -111,18 +130,19 @@ impl SpindleObserver {
         let Some(state) = self.state else { return self.start(measured, 0.0) };
         let predicted = state.after(self.period);
         let res = measured - predicted.angle;
-        let (gain, learning) = match self.slow {
-            Some((slow, below)) if res.abs() <= 1.0 && predicted.speed.abs() < below => (slow, 0.0),
-            _ => (self.gain, 1.0),
-        };
+        let rounding = self.counts.map_or(Rounding::default(), |counts| counts.at(predicted.speed));
+        let inside = res.clamp(-rounding.width, rounding.width);
+        let (within, beyond) = (rounding.gain.times(inside), self.gain.times(res - inside));
         self.state = Some(SpindleMotion {
-            angle: predicted.angle + gain.angle * res,
-            speed: predicted.speed + gain.speed * res,
-            acceleration: predicted.acceleration + gain.acceleration * res,
+            angle: predicted.angle + within.angle + beyond.angle,
+            speed: predicted.speed + within.speed + beyond.speed,
+            acceleration: predicted.acceleration + within.acceleration + beyond.acceleration,
         });
-        let per_s = learning * res / self.period;
-        self.drift =
-            SpindleMotion { angle: 0.0, speed: gain.angle * per_s, acceleration: gain.speed * per_s };
+        self.drift = SpindleMotion {
+            angle: 0.0,
+            speed: (rounding.forward * within.angle + beyond.angle) / self.period,
+            acceleration: (rounding.forward * within.speed + beyond.speed) / self.period,
+        };
     }
 
     /// Motion `lead_s` seconds after the last measurement; 0 is the measurement itself. Each millisecond of lead at
@@ -142,6 +162,29 @@ impl SpindleObserver {
             speed: speed + self.drift.speed,
             acceleration: acceleration + self.drift.acceleration,
         }
+    }
+}
+
+/// What is done with a residual that may be rounding, at two speeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Counts {
+    steady: Rounding,
+    slow: Rounding,
+    /// Speed below which counts come one by one, count/s.
+    slow_below: f64,
+}
+
+/// So much of a residual, in counts, is taken with these gains, and a share of it fed forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Rounding {
+    width: f64,
+    gain: SpindleMotion,
+    forward: f64,
+}
+
+impl Counts {
+    fn at(&self, speed: f64) -> Rounding {
+        if speed.abs() < self.slow_below { self.slow } else { self.steady }
     }
 }
 

@@ -4,10 +4,15 @@
 //! position is absolute. [`Reference::axis`] is the motion of the axis, [`Reference::motor`] that of the motor behind
 //! it, which turns a little more or less where screw and backlash are compensated (M68, M69).
 
-use motion::Sample;
+use motion::{Sample, SpindleMotion};
 use protocol::Cycle;
 
-use crate::{compensation::Compensation, spindle::Spindle, state::State, stream::Stream};
+use crate::{
+    compensation::Compensation,
+    spindle::Spindle,
+    state::{Pass, State},
+    stream::Stream,
+};
 
 /// The commanded motion about one cycle.
 #[derive(Clone, Copy, Debug)]
@@ -29,18 +34,24 @@ pub struct Reference<'a> {
 }
 
 impl Reference<'_> {
-    /// The motion of the axis `lead_s` after the sample instant.
+    /// The motion of the axis at the sample instant, as estimated.
+    pub fn now(&self) -> Sample {
+        self.sample(0.0, Spindle::since)
+    }
+
+    /// The motion of the axis `lead_s` after the sample instant, as it is fed forward.
     pub fn axis(&self, lead_s: f64) -> Sample {
+        self.sample(lead_s, Spindle::followed_since)
+    }
+
+    fn sample(&self, lead_s: f64, since: fn(&Spindle, &Pass, f64) -> SpindleMotion) -> Sample {
         let still = |mm: f64| Sample { s: mm, ..Sample::default() };
         match self.state {
             State::Idle | State::Fault(_) => still(self.measured_mm),
             State::Streaming => self.stream.at(self.cycle, lead_s / self.cycle_s),
             State::Armed(pass) => still(pass.law.start.mm()),
             State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
-                // A lead follows every correction of the estimate; a stroke would pass on the noise of the encoder.
-                let follows = pass.law.lead_mm != 0.0 && lead_s != 0.0;
-                let since = if follows { Spindle::followed_since } else { Spindle::since };
-                let c = since(self.spindle, pass.index_count, pass.direction, lead_s);
+                let c = since(self.spindle, pass, lead_s);
                 let ratio = c.speed / pass.programmed_deg_s;
                 let ratio_rate = c.acceleration / pass.programmed_deg_s;
                 let mut sample = pass.motion.at(c.angle).driven(ratio, ratio_rate);
@@ -60,7 +71,7 @@ impl Reference<'_> {
     pub fn angle_deg(&self) -> f64 {
         match self.state {
             State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
-                self.spindle.since(pass.index_count, pass.direction, 0.0).angle
+                self.spindle.since(pass, 0.0).angle
             }
             State::Idle | State::Fault(_) | State::Streaming | State::Armed(_) => 0.0,
         }

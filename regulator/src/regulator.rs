@@ -126,7 +126,7 @@ impl Regulator {
             None => {}
         }
         reference.compensation = self.compensation.as_ref();
-        let now = reference.axis(0.0);
+        let now = reference.now();
         let command = if idle { self.loops.rest() } else { self.loops.tick(&reference, measured_mm) };
         self.last = now;
         self.answer(measurement, angle_deg, &command, measured_mm)
@@ -200,7 +200,7 @@ impl Regulator {
             angle_deg: self
                 .state
                 .pass()
-                .map_or(0.0, |pass| self.spindle.since(pass.index_count, pass.direction, 0.0).angle),
+                .map_or(0.0, |pass| self.spindle.since(pass, 0.0).angle),
         };
         let before = self.state;
         let (state, refused) = before.next(&event);

@@ -1,13 +1,20 @@
 //! The spindle as a regulator sees it: counts in, angle, speed and acceleration out (M53).
 //!
-//! Counts are taken at the middle of their quantum. The observer runs from the first measurement on and is never
-//! reset at the index; the index only gives the origin of C. A spindle may turn already when it is first seen: then its
-//! speed is taken from two counts 1/f_o apart. No pass is armed before 10/f_o (`interpolator/src/begin.rs`).
+//! Counts are taken at the middle of their quantum. Observers run from the first measurement on and are never reset at
+//! the index; the index only gives the origin of C. A spindle may turn already when it is first seen: then its speed is
+//! taken from two counts 1/f_o apart. No pass is armed before 10/f_o (`interpolator/src/begin.rs`).
+//!
+//! There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads it, and it follows
+//! every correction of the estimate. An axis that only strokes is at rest at both ends, whatever the angle; on the way,
+//! the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
 
 use motion::{SpindleMotion, SpindleObserver};
 use protocol::{Cycle, Machine, Measurement};
 
-use crate::encoder::{Encoder, EncoderFault};
+use crate::{
+    encoder::{Encoder, EncoderFault},
+    state::Pass,
+};
 
 /// An index of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,10 +28,11 @@ pub struct Index {
 /// Tracks the spindle encoder. Angles in degrees, speeds in deg/s.
 #[derive(Clone, Debug)]
 pub struct Spindle {
-    observer: SpindleObserver,
+    leading: SpindleObserver,
+    stroking: SpindleObserver,
     first_count: Option<i64>,
     opening_s: f64,
-    /// Cycles until the observer gets its speed from the first count and the present one.
+    /// Cycles until the observers get their speed from the first count and the present one.
     opening: u64,
     encoder: Encoder,
     degrees_per_count: f64,
@@ -35,10 +43,11 @@ pub struct Spindle {
 impl Spindle {
     /// A spindle with the encoder and the observer of a machine file.
     pub fn new(machine: &Machine) -> Spindle {
-        let (observer_hz, cycle_s) = (machine.spindle.observer_hz, machine.machine.cycle_s);
-        let opening = (1.0 / (observer_hz * cycle_s)).ceil().max(1.0);
+        let (config, cycle_s) = (&machine.spindle, machine.machine.cycle_s);
+        let opening = (1.0 / (config.slowest_observer_hz() * cycle_s)).ceil().max(1.0);
         Spindle {
-            observer: SpindleObserver::of_counts(observer_hz, cycle_s),
+            leading: SpindleObserver::of_counts(config.observer_hz, cycle_s),
+            stroking: SpindleObserver::new(config.stroke_observer_hz, cycle_s),
             first_count: None,
             opening_s: opening * cycle_s,
             opening: opening as u64,
@@ -51,7 +60,9 @@ impl Spindle {
 
     /// Takes the measurement of one control cycle.
     pub fn update(&mut self, measurement: &Measurement) {
-        self.observer.update(measurement.spindle_count as f64 + 0.5);
+        let angle = measurement.spindle_count as f64 + 0.5;
+        self.leading.update(angle);
+        self.stroking.update(angle);
         self.open(measurement.spindle_count);
         self.encoder.update(measurement);
         if measurement.index_number != self.index_number {
@@ -60,7 +71,7 @@ impl Spindle {
         }
     }
 
-    /// Gives the observer its speed at the end of the opening.
+    /// Gives the observers their speed at the end of the opening.
     fn open(&mut self, count: i64) {
         let Some(first) = self.first_count else {
             self.first_count = Some(count);
@@ -68,7 +79,8 @@ impl Spindle {
         };
         if self.opening == 1 {
             let speed = count.saturating_sub(first) as f64 / self.opening_s;
-            self.observer.start(count as f64 + 0.5, speed);
+            self.leading.start(count as f64 + 0.5, speed);
+            self.stroking.start(count as f64 + 0.5, speed);
         }
         self.opening = self.opening.saturating_sub(1);
     }
@@ -83,21 +95,25 @@ impl Spindle {
         self.index
     }
 
-    /// Angle since an index, speed and acceleration as observed, at `lead_s` after the measurement, positive in
-    /// `direction` (±1).
-    pub fn since(&self, index_count: i64, direction: f64, lead_s: f64) -> SpindleMotion {
-        self.in_degrees(self.observer.at(lead_s), index_count, direction)
+    /// Angle since the index of a pass, speed and acceleration as estimated, at `lead_s` after the measurement, positive
+    /// in the direction of the pass.
+    pub fn since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
+        let observer = if pass.law.lead_mm != 0.0 { &self.leading } else { &self.stroking };
+        self.in_degrees(observer.at(lead_s), pass)
     }
 
-    /// The same for an axis on a lead, which goes with the corrections of the estimate, too.
-    pub fn followed_since(&self, index_count: i64, direction: f64, lead_s: f64) -> SpindleMotion {
-        self.in_degrees(self.observer.following(lead_s), index_count, direction)
+    /// The same as an axis is fed forward: on a lead with the corrections of the estimate, too.
+    pub fn followed_since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
+        if pass.law.lead_mm == 0.0 {
+            return self.since(pass, lead_s);
+        }
+        self.in_degrees(self.leading.following(lead_s), pass)
     }
 
-    fn in_degrees(&self, motion: SpindleMotion, index_count: i64, direction: f64) -> SpindleMotion {
-        let scale = direction * self.degrees_per_count;
+    fn in_degrees(&self, motion: SpindleMotion, pass: &Pass) -> SpindleMotion {
+        let scale = pass.direction * self.degrees_per_count;
         SpindleMotion {
-            angle: (motion.angle - (index_count as f64 + 0.5)) * scale,
+            angle: (motion.angle - (pass.index_count as f64 + 0.5)) * scale,
             speed: motion.speed * scale,
             acceleration: motion.acceleration * scale,
         }
@@ -105,6 +121,6 @@ impl Spindle {
 
     /// Observed speed, 1/min, positive clockwise.
     pub fn rpm(&self) -> f64 {
-        self.observer.at(0.0).speed * self.degrees_per_count / 6.0
+        self.leading.at(0.0).speed * self.degrees_per_count / 6.0
     }
 }

@@ -8,7 +8,7 @@ use protocol::{
     AxisCommand, Cycle, Measurement,
     machine::{AxisConfig, Difference, Feedforward},
 };
-use regulator::{Out, spindle::Spindle, stream::Stream};
+use regulator::{Out, spindle::Spindle, state::Pass, stream::Stream};
 use stand::{ARMED, ENABLED, HOME_MM, OVER, T, arm, follows, frame, law, machine, run};
 
 const TORQUE_PER_N: f64 = 5e-3 / core::f64::consts::TAU;
@@ -42,8 +42,17 @@ impl Course {
 
     fn at(&self, lead_s: f64) -> Sample {
         let Some(index) = self.index else { return self.stream.at(Cycle(self.cycle), lead_s / T) };
-        let c = self.spindle.since(index, 1.0, lead_s);
-        let mut sample = law().law(300.0).at(c.angle).driven(c.speed / 1800.0, c.acceleration / 1800.0);
+        let pass = Pass {
+            number: 1,
+            programmed_deg_s: 1800.0,
+            direction: 1.0,
+            not_before: Cycle(0),
+            index_count: index,
+            law: law(),
+            motion: law().law(300.0),
+        };
+        let c = self.spindle.followed_since(&pass, lead_s);
+        let mut sample = pass.motion.at(c.angle).driven(c.speed / 1800.0, c.acceleration / 1800.0);
         sample.s += law().start.mm();
         sample
     }

@@ -15,12 +15,19 @@ pub struct SpindleConfig {
     pub encoder_lines: u32,
     /// Ramp of the drive, 1/min per s.
     pub ramp_rpm_s: f64,
-    /// Bandwidth of the angle observer (M53), Hz.
+    /// Bandwidth of the angle observer (M53) that leads an axis along a thread, Hz.
     pub observer_hz: f64,
+    /// Bandwidth of the one that leads an axis which only strokes to depth and back, Hz.
+    #[serde(default = "stroke_observer_hz")]
+    pub stroke_observer_hz: f64,
     /// Highest spindle override, per cent.
     pub override_max_pct: f64,
     /// Band around the commanded speed that counts as "at speed", per cent.
     pub at_speed_pct: f64,
+}
+
+fn stroke_observer_hz() -> f64 {
+    20.0
 }
 
 /// `[threading]`
@@ -66,11 +73,17 @@ impl SpindleConfig {
     /// Speed below which the spindle counts as standing, 1/min.
     pub const STANDSTILL_RPM: f64 = 1.0;
 
+    /// Bandwidth of the slower of the two observers, Hz: a pass waits for ten of its periods.
+    pub fn slowest_observer_hz(&self) -> f64 {
+        self.observer_hz.min(self.stroke_observer_hz)
+    }
+
     pub(super) fn check(&self) -> Result<(), MachineError> {
         range("spindle.max_rpm", self.max_rpm, 1.0, 1e5)?;
         range("spindle.encoder_lines", f64::from(self.encoder_lines), 25.0, 250_000.0)?;
         range("spindle.ramp_rpm_s", self.ramp_rpm_s, 1.0, 1e6)?;
         range("spindle.observer_hz", self.observer_hz, 1.0, 500.0)?;
+        range("spindle.stroke_observer_hz", self.stroke_observer_hz, 1.0, 500.0)?;
         range("spindle.override_max_pct", self.override_max_pct, 100.0, 200.0)?;
         range("spindle.at_speed_pct", self.at_speed_pct, 0.5, 100.0)
     }
