@@ -78,11 +78,12 @@ fn over_bandwidth() -> Figure {
         title: "Which bandwidth".into(),
         caption: format!(
             "Largest error of the helix over the bandwidth of the observer, {LINES} lines, both axes logarithmic. A change of \
-             speed is seen better the faster the observer is; rounding is averaged better the slower it is. 0.2 1/min are \
-             so slow that every count is seen for itself: about half a count is the error at any bandwidth that is of use."
+             speed is seen better the faster the observer is; rounding is averaged better the slower it is. At 0.2 \
+             1/min counts come one by one: a slow observer averages over them, a fast one sees each for itself and errs by \
+             half a count."
         ),
-        alt: "Four curves over the bandwidth from 5 to 108 Hz: constant speed rises slowly, override ramp and dip fall \
-              steeply, 0.2 1/min stays where it is."
+        alt: "Four curves over the bandwidth from 5 to 108 Hz: override ramp and dip fall steeply, constant speed and 0.2 \
+              1/min rise."
             .into(),
         plot: json!({
             "data": Case::ALONE.into_iter().zip(COLORS).map(curve).collect::<Vec<_>>(),
