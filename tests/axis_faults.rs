@@ -21,6 +21,9 @@ fn a_run_ends_when_one_axis_faults_in_a_thread() {
         });
         let seen = seen.unwrap();
         let named: Vec<_> = seen.faults.iter().map(|fault| fault.code.as_str()).collect();
-        assert!(seen.outcome == Outcome::Faulted && named == ["thread-error", "axis-fault"], "{axis}: {named:?}");
+        assert!(
+            seen.outcome == Outcome::Faulted && named == ["thread-error", "axis-fault"],
+            "{axis}: {named:?}"
+        );
     }
 }

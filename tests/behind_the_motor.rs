@@ -160,7 +160,7 @@ fn a_linear_scale_takes_the_constant_part_away() {
 #[test]
 fn a_controller_that_knows_its_machine_has_the_figures_of_the_reference_simulation() {
     let mut machine = scaled(60.0);
-    (machine.spindle.encoder_lines, machine.spindle.observer_hz) = (1024, 30.0);
+    (machine.spindle.encoder_lines, machine.spindle.stroke_observer_hz) = (1024, 30.0);
     for axis in [Axis::X, Axis::Z] {
         let belief = Belief::of_truth(&machine, axis).expect("the truth");
         belief.put_into(machine.axis.get_mut(&axis).expect("a lathe"));

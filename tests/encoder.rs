@@ -46,17 +46,26 @@ fn cut(machine: &Machine, trials: &[Trial], scenario: &str, seed: u64) -> Vec<Pa
 /// The middle of the thread.
 const THERE: &str = "pass = 1, angle_deg = 1440";
 
+/// Largest errors of the helix of six threads, the least first: both directions, three seeds.
+#[track_caller]
+fn helices(machine: &Machine, action: &str, happened: impl Fn(&PassReport) -> bool) -> [f64; 6] {
+    let scenario = if action.is_empty() { String::new() } else { event(THERE, action) };
+    let mut errors = [0.0; 6];
+    for (error, (direction, seed)) in
+        errors.iter_mut().zip([1.0, -1.0].iter().flat_map(|d| [1, 2, 3].map(|s| (*d, s))))
+    {
+        let passes = cut(machine, &[Trial { direction, ..thread() }], &scenario, seed);
+        assert!(happened(&passes[0]), "{:#?}", passes[0]);
+        *error = passes[0].helix_max_abs_um;
+    }
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
 #[track_caller]
 fn helix_within(machine: &Machine, limit_um: f64, action: &str, happened: impl Fn(&PassReport) -> bool) {
-    let scenario = if action.is_empty() { String::new() } else { event(THERE, action) };
-    for direction in [1.0, -1.0] {
-        for seed in 1..=3 {
-            let passes = cut(machine, &[Trial { direction, ..thread() }], &scenario, seed);
-            let pass = &passes[0];
-            assert!(happened(pass), "{pass:#?}");
-            assert!(pass.helix_max_abs_um <= limit_um, "seed {seed}: {} µm", pass.helix_max_abs_um);
-        }
-    }
+    let errors = helices(machine, action, happened);
+    assert!(errors[5] <= limit_um, "{errors:.2?} µm");
 }
 
 #[test]
@@ -64,11 +73,13 @@ fn the_helix_at_constant_speed() {
     helix_within(&machine(2500), 0.6, "", |pass| pass.rpm_min > 497.0);
 }
 
-/// The goal is 1.0 µm, which is missed: at 300 1/min, where the ramp ends, exactly 25 counts come in a cycle, and their
-/// rounding does not average out.
+/// The ramp ends at 300 1/min, where a cycle has exactly 25 counts and their rounding averages out badly: asked for is
+/// 1.0 µm, and one thread in six is beyond it.
 #[test]
 fn the_helix_in_an_override_ramp() {
-    helix_within(&machine(2500), 1.3, "spindle_override_pct = 60\nramp_s = 0.3", |pass| pass.rpm_min < 301.0);
+    let ramp = "spindle_override_pct = 60\nramp_s = 0.3";
+    let errors = helices(&machine(2500), ramp, |pass| pass.rpm_min < 301.0);
+    assert!(errors[4] <= 1.0 && errors[5] <= 1.25, "{errors:.2?} µm");
 }
 
 #[test]

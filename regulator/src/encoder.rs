@@ -17,7 +17,7 @@
 //! ```
 //!
 //! (M70) predicts that the spindle turns on as in the cycle before. Over one cycle this is much sharper than the
-//! prediction of the angle observer (M53), which lags behind a changing speed by 17 A T² at 40 Hz and 0.5 ms. The second
+//! prediction of the angle observer (M53), which lags behind a changing speed. The second
 //! difference of a rounded angle is less than 2 counts off; the third is to spare. A drive that holds its ramp, a cut that
 //! bogs the spindle (3 % in 15 ms is a tenth of A), and one that stops it stay below A; only a collision does not. A slow
 //! spindle is stopped in less than 50 ms: 300 N·m stop 0.15 kg m² with 19,100 1/min per s. Two cycles of ripple differ by

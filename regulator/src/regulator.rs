@@ -197,10 +197,7 @@ impl Regulator {
             rests_at_start: rests_at(&self.last, command.as_ref()),
             command,
             index: self.spindle.index(),
-            angle_deg: self
-                .state
-                .pass()
-                .map_or(0.0, |pass| self.spindle.since(pass, 0.0).angle),
+            angle_deg: self.state.pass().map_or(0.0, |pass| self.spindle.since(pass, 0.0).angle),
         };
         let before = self.state;
         let (state, refused) = before.next(&event);
