@@ -107,6 +107,17 @@ fn the_helix_of_a_spindle_that_takes_five_minutes_for_a_turn() {
     }
 }
 
+/// From a part program: what is laid out for so slow a spindle can be followed, to its retract.
+#[test]
+fn a_programmed_thread_at_a_fifth_of_a_turn_a_minute() {
+    let machine = machine(2500);
+    let source = "M3 S0.2\nG0 X30 Z5\nG33 Z4 K5\nG0 X40\nM5\nM2\n";
+    let items = interpreter::check("slow", source, &machine).items;
+    let seen = trial::run(&machine, &items, &Scenario::none(), 1, &mut |_| ()).unwrap();
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert!(seen.passes[0].complete && seen.passes[0].helix_max_abs_um <= 0.5, "{:#?}", seen.passes);
+}
+
 #[test]
 fn a_spindle_that_stands_in_a_pass_goes_on_on_its_helix() {
     let scenario =

@@ -15,6 +15,7 @@
 //! approach   T from Stroke::shortest (M7);     ends with the run-in
 //! brake      T as the run-in;                  within: centred on c_end = 360 L/F, so that it ends at L
 //! retract    T as the approach;                begins before the brake by the delay of flank.rs
+//! both       take FEWEST_COUNTS of the encoder at least, which binds at a few 1/min
 //! beyond     the retract begins at c_end, the brake after the delay
 //! k          the least number of turns that puts every window MARGIN cycles after the index; a start angle is added
 //! ```
@@ -32,6 +33,9 @@ const MARGIN: f64 = 10.0;
 
 /// Share of an axis' speed that a thread leaves free at 100 % override, for the ripple of the spindle (M8).
 const VELOCITY_RESERVE: f64 = 0.02;
+
+/// Counts of the spindle encoder that a stroke of X takes at least: made within a few, it would be a jump.
+const FEWEST_COUNTS: f64 = 100.0;
 
 /// A pass and what a user wants to know about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +87,8 @@ struct Design {
     /// What strokes of X may use.
     approach_limits: Limits,
     retract_limits: Limits,
+    /// Narrowest window of a stroke of X, degrees.
+    least_stroke_deg: f64,
     /// Share of the limits that a law may use.
     share: f64,
 }
@@ -151,8 +157,17 @@ impl Design {
             brake: Ramp::fastest(ratio * v, &out_limits),
             approach_limits: stroke_limits(cut.approach_mm),
             retract_limits: stroke_limits(cut.retract_mm),
+            least_stroke_deg: 360.0 * FEWEST_COUNTS / machine.spindle_counts(),
             share,
         }
+    }
+
+    /// The narrowest window of a stroke of X, degrees; 0 for none.
+    fn stroke_deg(&self, stroke_mm: f64, limits: &Limits) -> f64 {
+        if stroke_mm == 0.0 {
+            return 0.0;
+        }
+        (self.q * Stroke::shortest(stroke_mm, limits)).max(self.least_stroke_deg)
     }
 
     /// The brake as Z makes it, at the design speed.
@@ -202,7 +217,7 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
 /// The window of the approach, ending with the run-in, or where its taper ends.
 fn approach(cut: &Cut, design: &Design, run_in_end: f64) -> Result<Span, Refusal> {
     let stroke = cut.approach_mm.abs();
-    let least = design.q * Stroke::shortest(stroke, &design.approach_limits);
+    let least = design.stroke_deg(stroke, &design.approach_limits);
     let Some(taper) = cut.entry else { return Ok(Span { c: run_in_end - least, dc: least }) };
     // The last `height` of the stroke lies on the taper: the share of the window it takes, by symmetry of the law.
     let share = time_of(taper.height_mm / stroke);
@@ -217,7 +232,7 @@ fn approach(cut: &Cut, design: &Design, run_in_end: f64) -> Result<Span, Refusal
 /// The window of the retract, stretched so that its first part makes the taper at the end.
 fn retract_window(cut: &Cut, design: &Design) -> Result<f64, Refusal> {
     let stroke = cut.retract_mm.abs();
-    let least = design.q * Stroke::shortest(stroke, &design.retract_limits);
+    let least = design.stroke_deg(stroke, &design.retract_limits);
     let Some(taper) = cut.exit else { return Ok(least) };
     let share = time_of(taper.height_mm / stroke);
     let taper_dc = angle(cut, taper.length_mm);

@@ -19,6 +19,17 @@ fn the_retract_of_the_next_block_belongs_to_the_pass() {
     assert!(listing(&check.items).contains("6 rapid X25 Z4\n"));
 }
 
+/// 0.2 1/min turns a spindle by one count of 2500 lines in 30 ms: X does not retract within a few of them.
+#[test]
+fn a_stroke_takes_a_hundred_counts_however_slow_the_spindle() {
+    for (rpm, least) in [("0.2", 3.6), ("300", 60.0)] {
+        let check = good(&format!("S{rpm} M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\nG0 X25\nZ4\nM2\n"));
+        let x = *passes(&check.items)[0].axis(Axis::X);
+        assert!(x.retract_dc_deg >= least - 1e-9, "{rpm} 1/min: {}", x.retract_dc_deg);
+        assert!(x.retract_dc_deg < 1.1 * least || rpm == "300", "{rpm} 1/min: {}", x.retract_dc_deg);
+    }
+}
+
 #[test]
 fn the_modes_of_the_next_block_count() {
     for (next, retract) in
