@@ -27,21 +27,23 @@ const SLOW_TURNS: f64 = 0.1;
 const DIP: (f64, f64) = (0.03, 0.015);
 /// The step of the axial force, N.
 const FORCE_N: f64 = 200.0;
-/// Time in which a load comes on, s.
+/// Time in which the load of a dip comes on, and the force, s: the latter as in the reference simulation.
 const RISE_S: f64 = 0.001;
+const FORCE_RISE_S: f64 = 0.01;
 
 fn failed(reason: impl std::fmt::Display) -> CliError {
     CliError::Machine(format!("the trial could not be made: {reason}"))
 }
 
-/// A machine with another encoder and another observer, on which loads come on at once.
-fn with(machine: &Machine, lines: u32, bandwidth_hz: f64) -> Machine {
+/// A machine with another encoder and another observer, on which what happens in a case comes on in its time.
+fn with(machine: &Machine, lines: u32, bandwidth_hz: f64, case: Case) -> Machine {
     let mut machine = machine.clone();
     machine.spindle.encoder_lines = lines;
     machine.spindle.observer_hz = bandwidth_hz;
     let cutting = machine.plant.entry("cutting").or_insert_with(|| toml::Value::Table(toml::Table::new()));
     if let Some(cutting) = cutting.as_table_mut() {
-        cutting.insert("rise_s".into(), RISE_S.into());
+        let rise_s = if matches!(case, Case::Force) { FORCE_RISE_S } else { RISE_S };
+        cutting.insert("rise_s".into(), rise_s.into());
     }
     machine
 }
@@ -73,7 +75,7 @@ pub(super) fn pass(
     case: Case,
     seed: u64,
 ) -> Result<Result<PassReport, String>, CliError> {
-    let machine = with(machine, lines, bandwidth_hz);
+    let machine = with(machine, lines, bandwidth_hz, case);
     let (s_rpm, turns) = if case == Case::Slow { (0.2, SLOW_TURNS) } else { (S_RPM, TURNS) };
     let trial = Trial { s_rpm, turns, delta_x_mm: 0.0, lead_mm: -LEAD_MM, ..Trial::default() };
     let items = trial::program(&machine, &[trial]).map_err(failed)?;

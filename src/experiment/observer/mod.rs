@@ -8,7 +8,7 @@
 //! | override-ramp | from 500 to 300 1/min within 0.3 s |
 //! | dip | loses 3 % of 500 1/min within 15 ms |
 //! | slow | 0.2 1/min |
-//! | force | 500 1/min, while a force of 200 N on Z comes on within a millisecond |
+//! | force | 500 1/min, while a force of 200 N on Z comes on within 10 ms |
 
 mod alone;
 mod figures;

@@ -43,7 +43,7 @@ pub(super) fn done(stand: &Stand) -> Vec<String> {
             "A pass of a thread with a lead of 5 mm is cut on the whole machine, in its control cycle of {cycle_ms} ms, and the \
              true position of Z is compared with the true angle of the spindle. The spindle has ripple, inertia and a \
              drive, and Z has mass and friction. Constant: 500 1/min. Override ramp: to 300 1/min within 0.3 s. Dip: 3 % \
-             less within 15 ms. Slow: 0.2 1/min. Force: 200 N along Z come on within a millisecond. The largest error of \
+             less within 15 ms. Slow: 0.2 1/min. Force: 200 N along Z come on within 10 ms. The largest error of \
              {SEEDS} seeds counts. At 0.2 1/min a turn takes 300 s, so that case is made once, with the bandwidth of the \
              machine file, {own_hz} Hz."
         ),
