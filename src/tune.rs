@@ -86,6 +86,9 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let proposed = bench::with(&machine, &tuned);
     let trial = trial::compared(&machine, &proposed, &axes, args.seed);
     let failed = trial.as_ref().ok().and_then(trial::Compared::failed_after);
+    if let Some(worse) = trial.as_ref().ok().and_then(trial::Compared::worse) {
+        tracing::warn!("{worse}; look at the margins that were asked for");
+    }
     // A proposal that the machine fails with is shown, but not written.
     let out = args.out.as_ref().filter(|_| failed.is_none());
     if let Some(path) = out {

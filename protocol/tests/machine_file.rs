@@ -238,6 +238,7 @@ fn feedforward_looks_no_farther_than_setpoints_reach() {
 fn what_lies_behind_the_motor_has_bounds() {
     for (keys, message) in [
         ("scale_step_mm = 0.0", "axis.x.scale_step_mm = 0: must"),
+        ("scale_step_mm = 0.01", "axis.x.scale_step_mm = 0.01: must lie between 0.0000001 and 0.002"),
         ("backlash_mm = -0.1", "axis.x.backlash_mm = -0.1: must"),
         ("screw_error = [[0.0, 1.0]]", "axis.x.screw_error = 1 rows: must have between 2 and 256 rows"),
         ("screw_error = [[0, 1], [nan, 2]]", "axis.x.screw_error[1][0] = NaN: must"),

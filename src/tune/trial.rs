@@ -16,6 +16,10 @@ const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 /// Longest time on the machine for a pass, s: an axis that swings is never in position, and its pass never begins.
 const PATIENCE_S: f64 = 20.0;
 
+/// How much farther off than before an axis may be in the thread without a word, and what counts at all, µm.
+const WORSE: f64 = 1.5;
+const WORTH_SAYING_UM: f64 = 0.5;
+
 /// Servo error over time, s and µm.
 type Curve = Vec<(f64, f64)>;
 
@@ -55,6 +59,21 @@ pub(super) struct Compared {
 }
 
 impl Compared {
+    /// Where the proposal leaves the thread worse than it was.
+    pub(super) fn worse(&self) -> Option<String> {
+        let at_depth = |row: &Row| row.errors.as_ref().map(|errors| errors.at_depth_max_abs_um);
+        self.rows.iter().filter(|row| row.tuned).find_map(|after| {
+            let same = |row: &&Row| !row.tuned && (row.axis, row.override_pct) == (after.axis, after.override_pct);
+            let (was, is) = (at_depth(self.rows.iter().find(same)?)?, at_depth(after)?);
+            (is > WORSE * was && is > WORTH_SAYING_UM).then(|| {
+                format!(
+                    "the proposal is worse than what was: {} at {} % is {is:.2} µm off at depth, {was:.2} µm before",
+                    after.axis, after.override_pct
+                )
+            })
+        })
+    }
+
     /// What the machine failed at with the proposal.
     pub(super) fn failed_after(&self) -> Option<String> {
         let why = |row: &Row| Some(format!("at {} %: {}", row.override_pct, row.failed.as_ref()?));
@@ -84,7 +103,7 @@ pub(super) fn compared(
     for override_pct in OVERRIDES {
         for (machine, tuned) in [(before, false), (after, true)] {
             let (report, curves) = pass(machine, &axes, override_pct, seed)?;
-            compared.rows.extend(axes.iter().map(|axis| row(*axis, override_pct, tuned, &report)));
+            compared.rows.extend(axes.iter().map(|axis| row(machine, *axis, override_pct, tuned, &report)));
             if override_pct == 100.0 {
                 for ((_, both), curve) in compared.curves.iter_mut().zip(curves) {
                     both[usize::from(tuned)] = curve;
@@ -95,7 +114,13 @@ pub(super) fn compared(
     Ok(compared)
 }
 
-fn row(axis: Axis, override_pct: f64, tuned: bool, report: &Result<PassReport, String>) -> Row {
+fn row(
+    machine: &Machine,
+    axis: Axis,
+    override_pct: f64,
+    tuned: bool,
+    report: &Result<PassReport, String>,
+) -> Row {
     let errors = |report: &PassReport| {
         let ServoError { approach_min_um, approach_max_um, end_um, thread_max_abs_um, settled_max_abs_um } =
             if axis == Axis::X { report.x } else { report.z };
@@ -107,7 +132,9 @@ fn row(axis: Axis, override_pct: f64, tuned: bool, report: &Result<PassReport, S
             at_depth_max_abs_um: thread_max_abs_um,
         }
     };
-    let in_force_pct = report.as_ref().ok().map(|report| report.override_min_pct);
+    let allowed =
+        |report: &PassReport| machine.spindle.override_max_pct.min(report.max_feasible_override_pct);
+    let in_force_pct = report.as_ref().ok().map(|report| report.override_min_pct.min(allowed(report)));
     Row {
         axis,
         override_pct,

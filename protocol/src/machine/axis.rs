@@ -176,7 +176,10 @@ impl AxisConfig {
         range(&key("viscous_n_s_mm"), self.viscous_n_s_mm, 0.0, 1e6)?;
         range(&key("velocity_lead_s"), self.velocity_lead_s, -0.01, 0.01)?;
         range(&key("acceleration_lead_s"), self.acceleration_lead_s, -0.01, 0.01)?;
-        range(&key("scale_step_mm"), self.scale_step_mm.unwrap_or(1e-4), 1e-7, 1.0)?;
+        if let Some(step_mm) = self.scale_step_mm {
+            // A coarser scale would never show the axis in position.
+            range(&key("scale_step_mm"), step_mm, 1e-7, self.in_position_mm)?;
+        }
         range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)?;
         self.check_reach(axis, general)?;
         self.check_screw_error(&key("screw_error"))
