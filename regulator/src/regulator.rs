@@ -117,10 +117,10 @@ impl Regulator {
             measured_mm,
         };
         let angle_deg = reference.angle_deg();
-        let mm_per_degree = self.state.pass().map_or(0.0, |pass| pass.mm_per_degree(angle_deg));
         match &mut self.compensation {
             Some(compensation) if idle => compensation.rest(),
             Some(compensation) => {
+                let mm_per_degree = self.state.pass().map_or(0.0, |pass| pass.mm_per_degree(angle_deg));
                 compensation.watch(mm_per_degree * self.count_deg, |lead_s| reference.axis(lead_s));
             }
             None => {}
