@@ -24,7 +24,7 @@ use sim_plant::{PlantError, Scenario};
 
 use crate::{
     Rig,
-    observe::{Observation, Observer, Record},
+    observe::{Observation, Observer, PassReport, Record},
 };
 
 /// Control cycles between the index and the first motion.
@@ -109,13 +109,40 @@ pub fn run(
     seed: u64,
     see: &mut impl FnMut(&Record),
 ) -> Result<Observation, PlantError> {
+    run_for(u64::MAX, machine, items, scenario, seed, see)
+}
+
+/// As [`run`], but for `cycles` control cycles at most: an axis that swings is never in position, and its program
+/// never ends.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_for(
+    cycles: u64,
+    machine: &Machine,
+    items: &[Item],
+    scenario: &Scenario,
+    seed: u64,
+    see: &mut impl FnMut(&Record),
+) -> Result<Observation, PlantError> {
     let mut rig = Rig::new(machine, items.iter().copied(), scenario.clone(), seed)?;
     let mut observer = Observer::new(machine, items);
-    while rig.cycle(None, |record| {
-        observer.cycle(record);
-        see(record);
-    }) {}
+    for _ in 0..cycles {
+        let goes_on = rig.cycle(None, |record| {
+            observer.cycle(record);
+            see(record);
+        });
+        if !goes_on {
+            break;
+        }
+    }
     Ok(observer.finish())
+}
+
+/// The override at which a pass was cut, per cent: where the knob stood, or the most that the machine allows or can
+/// follow. For a knob that stood still.
+pub fn in_force_pct(machine: &Machine, pass: &PassReport) -> f64 {
+    pass.override_max_pct.min(machine.spindle.override_max_pct).min(pass.max_feasible_override_pct)
 }
 
 impl Trial {

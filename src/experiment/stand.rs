@@ -15,7 +15,7 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::Machine;
 use rig::{
-    observe::{Observation, Outcome, PassReport, Record},
+    observe::{Observation, Outcome, Record},
     trial::{self, Trial},
 };
 use sim_plant::Scenario;
@@ -30,11 +30,6 @@ pub(super) struct Stand {
     pub(super) seed: u64,
     /// Whether progress is shown.
     pub(super) progress: bool,
-}
-
-/// The override at which a pass was cut, %: where the knob stood, or the most that the machine allows or can follow.
-fn in_force_pct(machine: &Machine, pass: &PassReport) -> f64 {
-    pass.override_max_pct.min(machine.spindle.override_max_pct).min(pass.max_feasible_override_pct)
 }
 
 impl Stand {
@@ -85,7 +80,7 @@ impl Stand {
         let seen =
             trial::run(machine, &items, &scenario, seed, see).map_err(|error| failed(error.to_string()))?;
         if seen.outcome == Outcome::Completed && seen.passes.len() == trials.len() {
-            let mut in_force = seen.passes.iter().map(|pass| in_force_pct(machine, pass));
+            let mut in_force = seen.passes.iter().map(|pass| trial::in_force_pct(machine, pass));
             return match in_force.find(|pct| (pct - override_pct).abs() > 0.01) {
                 Some(pct) => Err(CliError::Machine(format!(
                     "a trial at a spindle override of {override_pct} % was cut at {pct:.1} %: let the machine file allow \

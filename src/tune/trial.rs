@@ -3,9 +3,8 @@
 
 use protocol::{Axis, AxisState, Machine, machine::Kinematics};
 use rig::{
-    Rig,
-    observe::{Observer, Outcome, PassReport, Record, ServoError},
-    trial::{Trial, program},
+    observe::{Outcome, PassReport, Record, ServoError},
+    trial::{Trial, in_force_pct, program, run_for},
 };
 use serde::Serialize;
 use sim_plant::Scenario;
@@ -132,9 +131,7 @@ fn row(
             at_depth_max_abs_um: thread_max_abs_um,
         }
     };
-    let allowed =
-        |report: &PassReport| machine.spindle.override_max_pct.min(report.max_feasible_override_pct);
-    let in_force_pct = report.as_ref().ok().map(|report| report.override_min_pct.min(allowed(report)));
+    let in_force_pct = report.as_ref().ok().map(|report| in_force_pct(machine, report));
     Row {
         axis,
         override_pct,
@@ -168,20 +165,9 @@ fn pass(
             curve.push((t_s, 1e3 * status.servo_error_mm));
         }
     };
-    let mut rig =
-        Rig::new(machine, items.iter().copied(), scenario, seed).map_err(|error| error.to_string())?;
-    let mut observer = Observer::new(machine, &items);
     let most = (PATIENCE_S / machine.machine.cycle_s) as u64;
-    for _ in 0..most {
-        let goes_on = rig.cycle(None, |record| {
-            observer.cycle(record);
-            see(record);
-        });
-        if !goes_on {
-            break;
-        }
-    }
-    let seen = observer.finish();
+    let seen =
+        run_for(most, machine, &items, &scenario, seed, &mut see).map_err(|error| error.to_string())?;
     let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
     let pass = seen.passes.into_iter().next().filter(|_| seen.outcome == Outcome::Completed);
     Ok((pass.ok_or_else(|| fault.unwrap_or_else(|| "it was not made to its end".into())), curves))
