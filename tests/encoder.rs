@@ -153,15 +153,15 @@ fn found(fault: Fault, at: &str, action: &str) -> f64 {
     let machine = machine(2500);
     let items = trial::program(&machine, &[thread()]).unwrap();
     let scenario = Scenario::from_toml(&event(at, action)).unwrap();
-    let quiet = trial::run(&machine, &items, &Scenario::none(), 1, &mut |_| ()).unwrap();
-    assert_eq!(quiet.outcome, Outcome::Completed);
     let (mut quiet_counts, mut course) = (Vec::new(), Vec::new());
     let show = |counts: &mut Vec<_>, record: &rig::observe::Record| {
         let shown = &record.truth.measurement;
         counts.push((shown.spindle_count, shown.index_number, record.truth.spindle_deg / 360.0));
     };
-    trial::run(&machine, &items, &Scenario::none(), 1, &mut |record| show(&mut quiet_counts, record))
-        .unwrap();
+    let none = Scenario::none();
+    let quiet =
+        trial::run(&machine, &items, &none, 1, &mut |record| show(&mut quiet_counts, record)).unwrap();
+    assert_eq!(quiet.outcome, Outcome::Completed);
     let seen = trial::run(&machine, &items, &scenario, 1, &mut |record| show(&mut course, record)).unwrap();
     assert_eq!(seen.outcome, Outcome::Faulted, "{at}");
     let named: Vec<_> =

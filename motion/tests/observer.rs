@@ -155,7 +155,7 @@ fn counts_that_come_one_by_one_are_averaged() {
     let [plain, averaged] =
         [SpindleObserver::new(40.0, T), SpindleObserver::of_counts(40.0, T)].map(unevenness);
     assert!(averaged < 0.25 * plain, "{averaged} for {plain}");
-    // Beyond that speed it is the observer it was; starting up, it is as fast.
+    // Starting up, and beyond that speed, it keeps up with the plain one.
     let [mut plain, mut counts] = [SpindleObserver::new(40.0, T), SpindleObserver::of_counts(40.0, T)];
     for cycle in 0..2000 {
         let t = f64::from(cycle) * T;
