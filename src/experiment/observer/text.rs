@@ -111,8 +111,7 @@ fn compared(rows: &[Row]) -> String {
         "{} of {count} figures of the reference are reproduced within 20 %. Those that are not: {}. Two things explain them. The \
          speed changes its slope at once here; with 250 000 lines, where nothing is rounded, that alone leaves {}, {} and {} µm \
          in a dip at 20, 30 and 40 Hz, more than the reference has with a real encoder: there the spindle has a drive, which \
-         rounds the corners. And at constant speed it depends on the speed how rounding beats with the cycle: 5000 lines and \
-         30 Hz leave 0.03 to 0.08 µm between 496 and 507 1/min.",
+         rounds the corners. And at constant speed it depends on the speed how rounding beats with the cycle.",
         count - apart.len(),
         apart.join("; "),
         m53(rows, 250_000, 20.0, Case::Dip),
