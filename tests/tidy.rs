@@ -13,16 +13,17 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 9] = [
+const CRATES: [(&str, &[&str]); 10] = [
     ("motion", &[]),
-    ("protocol", &["motion"]),
+    ("shape", &["motion"]),
+    ("protocol", &["motion", "shape"]),
     ("gcode", &[]),
-    ("interpreter", &["gcode", "protocol", "motion"]),
-    ("interpolator", &["protocol", "motion"]),
+    ("interpreter", &["gcode", "protocol", "motion", "shape"]),
+    ("interpolator", &["protocol", "motion", "shape"]),
     ("regulator", &["protocol", "motion"]),
     ("sim-plant", &["protocol", "motion"]),
     ("tune", &["protocol", "motion"]),
-    ("rig", &["protocol", "motion", "interpreter", "interpolator", "regulator", "sim-plant"]),
+    ("rig", &["protocol", "motion", "shape", "interpreter", "interpolator", "regulator", "sim-plant"]),
 ];
 
 fn project() -> &'static Path {

@@ -20,6 +20,7 @@ pub mod pass;
 pub mod route;
 pub mod shell;
 pub mod status;
+pub mod trace;
 pub mod truth;
 pub mod units;
 
@@ -35,6 +36,7 @@ pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass};
 pub use route::{Leg, Route, Routed};
 pub use status::{AxisState, AxisStatus, Fault, MachineState, MachineStatus, SpindleCommand};
+pub use trace::{FORMULAS, Trace, Work};
 pub use truth::{AxisTruth, CutTruth, Truth};
 pub use units::{Axis, Cycle, PerAxis, Position};
 

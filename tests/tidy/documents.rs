@@ -8,13 +8,14 @@ use sim_plant::Scenario;
 use super::{files, none, project, read};
 
 /// Files and folders whose names begin a path of this project.
-const ROOTS: [&str; 13] = [
+const ROOTS: [&str; 14] = [
     "src/",
     "tests/",
     "docs/",
     "examples/",
     "benches/",
     "motion/",
+    "shape/",
     "protocol/",
     "interpreter/",
     "interpolator/",
