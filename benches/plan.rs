@@ -33,7 +33,7 @@ fn contour(corner: Corner, line: Line) -> Contour {
         heading += turn;
         let (s, c) = libm::sincos(heading);
         let path = Path::line([length * c, length * s, 0.0], &[true; 3]).unwrap();
-        Block { path, feed: Feed::PerSecond(FEED_MM_S), corner, room: 1.0, tag: () }
+        Block { path, feed: Feed::PerSecond(FEED_MM_S), corner, room: 1.0, chord_mm: 1e-3, tag: () }
     };
     (0..SEGMENTS).map(block).collect()
 }
@@ -68,7 +68,7 @@ struct Job<'a> {
 
 impl<'a> Job<'a> {
     fn new(contour: &'a Contour, blocks: usize) -> Job<'a> {
-        let settings = Settings { axes: [AXIS; 3], cycle_s: CYCLE_S, chord_mm: 1e-3 };
+        let settings = Settings { axes: [AXIS; 3], cycle_s: CYCLE_S };
         Job { chain: Chain::new(settings), blocks: contour.iter().cycle(), left: blocks, completed: 0 }
     }
 

@@ -49,11 +49,7 @@ impl Route {
 
     /// What a chain for this machine is laid out for.
     pub fn settings(machine: &Machine) -> Settings<AXES> {
-        Settings {
-            axes: machine.limits(),
-            cycle_s: machine.machine.interpolator_cycle_s,
-            chord_mm: machine.path.chord_mm,
-        }
+        Settings { axes: machine.limits(), cycle_s: machine.machine.interpolator_cycle_s }
     }
 
     /// From the next block on.
@@ -77,7 +73,8 @@ impl Route {
             return Ok(Routed::BeyondTravel);
         }
         let leg = Leg { line, from: *from, to: *to, feed };
-        Ok(Routed::Block(Block { path, feed: self.feed(feed), corner: self.corner(), room, tag: leg }))
+        let (feed, corner, chord_mm) = (self.feed(feed), self.corner(), self.machine.path.chord_mm);
+        Ok(Routed::Block(Block { path, feed, corner, room, chord_mm, tag: leg }))
     }
 
     fn line(&self, from: &PerAxis<Position>, to: &PerAxis<Position>) -> Option<Path<AXES>> {

@@ -54,8 +54,6 @@ pub struct Settings<const N: usize> {
     pub axes: [Limits; N],
     /// Time between two calls of [`Chain::tick`], s.
     pub cycle_s: f64,
-    /// Largest chord error of the setpoints, mm.
-    pub chord_mm: f64,
 }
 
 /// One block.
@@ -69,6 +67,8 @@ pub struct Block<const N: usize, T> {
     pub corner: Corner,
     /// How far the path may bulge out of its own box, mm: the travel that is left.
     pub room: f64,
+    /// Largest chord error of the setpoints, mm.
+    pub chord_mm: f64,
     /// The caller's own.
     pub tag: T,
 }
@@ -148,7 +148,7 @@ impl<const N: usize, T: Copy + Default> Chain<N, T> {
         let mut pieces = VecDeque::with_capacity(BLOCKS);
         if let Some(path) = Path::line([1.0; N], &[true; N]) {
             let (feed, corner, tag) = (Feed::Rapid, Corner::Stop, T::default());
-            let block = Block { path, feed, corner, room: 0.0, tag };
+            let block = Block { path, feed, corner, room: 0.0, chord_mm: 0.0, tag };
             pieces.resize(BLOCKS, Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] });
             pieces.clear();
         }
@@ -224,7 +224,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             if length <= 0.0 && !stops {
                 return;
             }
-            let chord_v2 = 8.0 * self.settings.chord_mm / (self.settings.cycle_s * self.settings.cycle_s);
+            let chord_v2 = 8.0 * piece.block.chord_mm / (self.settings.cycle_s * self.settings.cycle_s);
             let slowest = path.length() / (LEAST_CYCLES * self.settings.cycle_s);
             let asked = piece.block.feed.highest().min(slowest.max(LEAST_FEED));
             let limits = bend.limits(&self.settings.axes, asked, chord_v2);

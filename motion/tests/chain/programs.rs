@@ -6,6 +6,7 @@ use motion::Path;
 use motion::chain::{Block, Corner, Feed};
 
 pub(crate) const N: usize = 3;
+pub(crate) const CHORD_MM: f64 = 1e-3;
 
 /// Where a block is in its program.
 #[derive(Default, Clone, Copy, Debug, PartialEq)]
@@ -63,7 +64,7 @@ pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
         let room = if random.chance(0.8) { 1.0 } else { random.scale(1e-5, 1e-2) };
         if let Some(path) = path {
             let place = Place { number: blocks.len(), start: at };
-            blocks.push(Block { path, feed, corner, room, tag: place });
+            blocks.push(Block { path, feed, corner, room, chord_mm: CHORD_MM, tag: place });
             let end = end_of(&path);
             at = std::array::from_fn(|i| at[i] + end[i]);
         }
@@ -82,7 +83,14 @@ pub(crate) fn through(points: &[[f64; N]], feed: Feed, corner: Corner) -> Vec<Li
     for (number, pair) in points.windows(2).enumerate() {
         let way = std::array::from_fn(|i| pair[1][i] - pair[0][i]);
         let path = Path::line(way, &[true; N]).expect("two points");
-        blocks.push(Block { path, feed, corner, room: 1.0, tag: Place { number, start: pair[0] } });
+        blocks.push(Block {
+            path,
+            feed,
+            corner,
+            room: 1.0,
+            chord_mm: CHORD_MM,
+            tag: Place { number, start: pair[0] },
+        });
     }
     blocks
 }

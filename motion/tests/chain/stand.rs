@@ -58,7 +58,7 @@ impl<'a> Stand<'a> {
 
     /// A machine with other limits and another cycle.
     pub(crate) fn of(blocks: &'a [Line], axes: [Limits; N], cycle_s: f64) -> Stand<'a> {
-        let chain = Chain::new(Settings { axes, cycle_s, chord_mm: 1e-3 });
+        let chain = Chain::new(Settings { axes, cycle_s });
         Stand {
             chain,
             blocks,
