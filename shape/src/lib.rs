@@ -6,6 +6,7 @@
 //! | [`Formula`] | an expression as a short program, evaluated for numbers, series and gradients | – |
 //! | [`Contour`], [`Surface`] | where a tool touches a formula, and where it stands then | – |
 //! | [`Seam`] | position and direction along a seam | – |
+//! | [`Positioner`] | which drives bring a seam under the beam, and how far errors of drives move it | M46–M52 |
 //! | [`Correction`] | feed ratios of followers to their master | M36–M43 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
@@ -15,6 +16,7 @@ mod contour;
 mod curve;
 mod formula;
 mod number;
+mod positioner;
 mod seam;
 mod shaping;
 mod surface;
@@ -23,6 +25,7 @@ pub use contour::{Contour, Side};
 pub use curve::{Curve, Point};
 pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Number, Series};
-pub use seam::{Seam, SeamCurve};
+pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
+pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
 pub use shaping::Correction;
 pub use surface::{Pattern, Surface, Tool};

@@ -1,0 +1,213 @@
+//! Kinematics of the four-axis positioner: two slides, a tilting table on them, a turntable on that. A beam that stands
+//! still meets the part where the positioner brings it. In and out: mm, rad; angles are positive clockwise (M46).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | X, Y, Z | a point in the frame of the work-holder |
+//! | l | direction at that point that is to look along the beam, +Z of the machine |
+//! | x, y, α, β | the drives: slides, tilt about X, turn about Z |
+//! | xA, yA, zA | the point in the frame of the machine |
+//! | w, q | y2 − X sin β + Y cos β, X cos β + Y sin β |
+//!
+//! Equations M46–M52 after "Mathematical model of kinematics and requirements for drives of a precision positioning
+//! system", (2)–(10), with its misprints put right.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Offsets of a positioner, mm: from the frame of the machine to the axis of the tilt, from there to that of the turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Positioner {
+    /// x1: along the tilt axis.
+    pub x1: f64,
+    /// y1: across it.
+    pub y1: f64,
+    /// z1: its height.
+    pub z1: f64,
+    /// x2: of the turn axis, along the tilt axis.
+    pub x2: f64,
+    /// y2: of the turn axis, across it.
+    pub y2: f64,
+    /// z2: of the face of the turntable, along the turn axis.
+    pub z2: f64,
+}
+
+/// Where the drives stand: mm, rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drives {
+    /// x: slide along the tilt axis.
+    pub x: f64,
+    /// y: slide across it.
+    pub y: f64,
+    /// α: tilt.
+    pub alpha: f64,
+    /// β: turn.
+    pub beta: f64,
+}
+
+/// The two ways to turn a direction onto the beam (M49), told by the sign of the tilt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Branch {
+    /// −π ≤ α ≤ 0: the first solution.
+    #[default]
+    Negative,
+    /// 0 ≤ α ≤ π: the second.
+    Positive,
+}
+
+impl Branch {
+    /// Both.
+    pub const BOTH: [Branch; 2] = [Branch::Negative, Branch::Positive];
+
+    /// Sign of the tilt.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Branch::Negative => -1.0,
+            Branch::Positive => 1.0,
+        }
+    }
+}
+
+/// Travel of the four drives, lowest and highest: mm, rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    /// x.
+    pub x: [f64; 2],
+    /// y.
+    pub y: [f64; 2],
+    /// α.
+    pub alpha: [f64; 2],
+    /// β.
+    pub beta: [f64; 2],
+}
+
+/// Why no drives bring a point under the beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoPose {
+    /// The direction has no length, or a number is not finite.
+    NoDirection,
+    /// Every solution lies beyond the travel of this drive: 0 … 3 are x, y, α, β.
+    BeyondTravel(usize),
+}
+
+/// R_X of M46: a turn about X by a clockwise angle, rad.
+fn about_x(angle: f64) -> Matrix3<f64> {
+    let (s, c) = libm::sincos(angle);
+    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, s, 0.0, -s, c)
+}
+
+/// R_Z of M46: a turn about Z by a clockwise angle, rad.
+fn about_z(angle: f64) -> Matrix3<f64> {
+    let (s, c) = libm::sincos(angle);
+    Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
+}
+
+impl Positioner {
+    /// M46, M47: where a point of the work-holder is in the frame of the machine.
+    #[must_use]
+    pub fn forward(&self, point: [f64; 3], drives: &Drives) -> [f64; 3] {
+        let table = about_z(drives.beta) * Vector3::from(point) + Vector3::new(self.x2, self.y2, self.z2);
+        let slides = Vector3::new(drives.x + self.x1, drives.y + self.y1, self.z1);
+        (about_x(drives.alpha) * table + slides).into()
+    }
+
+    /// M46: how a direction of the work-holder looks in the frame of the machine.
+    #[must_use]
+    pub fn turned(direction: [f64; 3], drives: &Drives) -> [f64; 3] {
+        (about_x(drives.alpha) * about_z(drives.beta) * Vector3::from(direction)).into()
+    }
+
+    /// M49: drives that bring `point` under a beam at `beam` (xA, yA) and turn `direction` onto +Z. α in −π … π, β the
+    /// turn nearest to `beta_near`; where the direction is ±Z every β would do, and it is `beta_near`. The direction
+    /// need not be of length 1; if it is 0 or not finite the drives are not finite.
+    #[must_use]
+    pub fn inverse(
+        &self,
+        point: [f64; 3],
+        direction: [f64; 3],
+        beam: [f64; 2],
+        branch: Branch,
+        beta_near: f64,
+    ) -> Drives {
+        let [lx, ly, lz] = direction;
+        let (h, sign) = (libm::hypot(lx, ly), branch.sign());
+        let alpha = if h == 0.0 && lz == 0.0 { f64::NAN } else { libm::atan2(sign * h, lz) };
+        let beta = if h == 0.0 { beta_near } else { libm::atan2(sign * lx, -sign * ly) };
+        self.under(point, beam, alpha, nearest_turn(beta, beta_near))
+    }
+
+    /// Drives at given angles that bring a point under the beam.
+    fn under(&self, point: [f64; 3], beam: [f64; 2], alpha: f64, beta: f64) -> Drives {
+        let [x, y, _] = self.forward(point, &Drives { x: 0.0, y: 0.0, alpha, beta });
+        Drives { x: beam[0] - x, y: beam[1] - y, alpha, beta }
+    }
+
+    /// Of all solutions within the travel, turns of both angles included, that whose farthest angle is nearest to where
+    /// the drives stand.
+    ///
+    /// # Errors
+    /// [`NoPose`].
+    pub fn nearest(
+        &self,
+        point: [f64; 3],
+        direction: [f64; 3],
+        beam: [f64; 2],
+        from: &Drives,
+        travel: &Travel,
+    ) -> Result<(Branch, Drives), NoPose> {
+        let mut best = Err(NoPose::NoDirection);
+        let mut least = f64::INFINITY;
+        for branch in Branch::BOTH {
+            let pose = self.inverse(point, direction, beam, branch, from.beta);
+            let [alpha, beta] = [(pose.alpha, from.alpha, travel.alpha), (pose.beta, from.beta, travel.beta)]
+                .map(|(angle, near, travel)| turn_within(angle, near, travel));
+            let pose = Drives { alpha: alpha.unwrap_or(pose.alpha), beta: beta.unwrap_or(pose.beta), ..pose };
+            let way = (pose.alpha - from.alpha).abs().max((pose.beta - from.beta).abs());
+            match travel.first_beyond(&pose) {
+                None if way < least => (best, least) = (Ok((branch, pose)), way),
+                Some(drive) if best == Err(NoPose::NoDirection) && way.is_finite() => {
+                    best = Err(NoPose::BeyondTravel(drive));
+                }
+                _ => {}
+            }
+        }
+        best
+    }
+}
+
+impl Travel {
+    /// The first drive that would stand beyond its travel: 0 … 3 are x, y, α, β.
+    #[must_use]
+    pub fn first_beyond(&self, drives: &Drives) -> Option<usize> {
+        let pairs = [
+            (drives.x, self.x),
+            (drives.y, self.y),
+            (drives.alpha, self.alpha),
+            (drives.beta, self.beta),
+        ];
+        pairs.iter().position(|(at, [low, high])| !(low..=high).contains(&at))
+    }
+}
+
+/// The angle that differs from `angle` by whole turns and lies nearest to `near`, rad.
+#[must_use]
+pub fn nearest_turn(angle: f64, near: f64) -> f64 {
+    angle + TAU * ((near - angle) / TAU).round()
+}
+
+/// The same of those within a travel, if there is one.
+fn turn_within(angle: f64, near: f64, [low, high]: [f64; 2]) -> Option<f64> {
+    let nearest = nearest_turn(angle, near);
+    let turns = |way: f64| nearest + TAU * way;
+    let kept = if nearest < low {
+        turns(((low - nearest) / TAU).ceil())
+    } else if nearest > high {
+        turns(-((nearest - high) / TAU).ceil())
+    } else {
+        nearest
+    };
+    (low..=high).contains(&kept).then_some(kept)
+}
