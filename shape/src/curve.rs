@@ -1,6 +1,6 @@
 //! A curve that the machine follows: where its axes stand as functions of a parameter.
 
-use crate::number::Series;
+use crate::series::Series;
 
 /// A curve at one place of its parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]

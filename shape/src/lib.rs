@@ -18,14 +18,16 @@ mod formula;
 mod number;
 mod positioner;
 mod seam;
+mod series;
 mod shaping;
 mod surface;
 
 pub use contour::{Contour, Side};
 pub use curve::{Curve, Point};
 pub use formula::{Formula, FormulaError, Op};
-pub use number::{Function, Number, Series};
+pub use number::{Function, Gradient, Number};
 pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
+pub use series::{Series, length};
 pub use shaping::Correction;
 pub use surface::{Pattern, Surface, Tool};
