@@ -12,6 +12,7 @@
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
 //! | how fine positions, speeds, accelerations, jerks have to be | [`resolution`] | M28–M35 |
+//! | standard tolerances of lengths, ISO 286-1 | [`tolerance`] | M94 |
 //!
 //! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to `p`. For
 //! a thread `p` is the *time at programmed speed*, `p = (C − C0)/(6 S)` (M1), so the path follows the measured
@@ -36,6 +37,7 @@ pub mod resolution;
 mod sample;
 mod search;
 mod stroke;
+pub mod tolerance;
 mod versine;
 
 pub use blend::Blend;
