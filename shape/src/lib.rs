@@ -7,27 +7,36 @@
 //! | [`Contour`], [`Surface`] | where a tool touches a formula, and where it stands then | – |
 //! | [`Seam`] | position and direction along a seam | – |
 //! | [`Positioner`] | which drives bring a seam under the beam, and how far errors of drives move it | M46–M52 |
-//! | [`Correction`] | feed ratios of followers to their master | M36–M43 |
+//! | [`Correction`], [`Place`] | feed ratios of followers to their master | M36–M43 |
+//! | [`chord_feed`], [`radius`], [`Slopes::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
 
+mod accuracy;
 mod contour;
+mod curvature;
 mod curve;
 mod formula;
 mod number;
+mod pattern;
 mod positioner;
 mod seam;
 mod series;
 mod shaping;
 mod surface;
+mod tool;
 
-pub use contour::{Contour, Side};
+pub use accuracy::DriveErrors;
+pub use contour::{Contour, ContourCurve, Side};
+pub use curvature::{chord_feed, chord_feed_exact, master_feed, radius, tangent_feed};
 pub use curve::{Curve, Point};
 pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Gradient, Number};
+pub use pattern::{Leg, Pattern, Plan};
 pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
 pub use series::{Series, length};
-pub use shaping::Correction;
-pub use surface::{Pattern, Surface, Tool};
+pub use shaping::{Correction, Place, Section, Sections, Slopes, leader};
+pub use surface::{Surface, SurfaceCurve};
+pub use tool::Tool;

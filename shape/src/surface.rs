@@ -1,39 +1,9 @@
-//! A surface Z = ψ(X, Y), the tool on it, and the pattern of its paths.
+//! A surface Z = ψ(X, Y) under a tool. In: a leg of its pattern, and the parameter. Out: the tip of the tool there, by
+//! [`Tool::tip`] (M87), with its derivatives.
 
 use serde::{Deserialize, Serialize};
 
-/// A tool that turns about Z. `corner_mm` = 0 is flat, = `radius_mm` a ball, in between a bull nose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Tool {
-    /// Radius, mm, > 0.
-    pub radius_mm: f64,
-    /// Radius of its corner, mm, 0 to `radius_mm`.
-    pub corner_mm: f64,
-}
-
-/// Where the tool touches the surface, seen from above.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Pattern {
-    /// Parallel lines along X, or along Y.
-    Lines {
-        /// Along Y instead of X.
-        along_y: bool,
-        /// Distance of neighbours, mm; so many lines fill the domain from border to border.
-        count: u32,
-        /// Every other line backwards, joined along the border; else all in one sense, with retracts.
-        zigzag: bool,
-    },
-    /// Along the border of the domain, ring in ring, from outside inwards.
-    Rings {
-        /// Distance of neighbours, mm.
-        step_mm: f64,
-    },
-    /// One curve x(t), y(t): formulas 1 and 2.
-    Curve {
-        /// t at the start and at the end.
-        t: [f64; 2],
-    },
-}
+use crate::{Curve, Formula, Gradient, Leg, Pattern, Plan, Point, Series, Tool};
 
 /// A surface. Formula 0 is ψ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +16,68 @@ pub struct Surface {
     pub tool: Tool,
     /// Its paths.
     pub pattern: Pattern,
-    /// Height of the tool above the part where it does not cut, mm.
+    /// Z of the tip of the tool, from the zero of the formulas, at which it moves freely over the part, mm.
     pub clear_mm: f64,
+}
+
+/// The tip of the tool along one leg, as a [`Curve`] of the parameter of its plan. Axes: X, Y, Z.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceCurve<'a> {
+    tool: Tool,
+    plan: Plan,
+    formulas: [&'a Formula; 3],
+}
+
+impl Surface {
+    /// How many legs its pattern has.
+    #[must_use]
+    pub fn legs(&self) -> u32 {
+        self.pattern.legs(self.x, self.y)
+    }
+
+    /// Leg `k`, counted from 0; `None` behind the last.
+    #[must_use]
+    pub fn leg(&self, k: u32) -> Option<Leg> {
+        self.pattern.leg(self.x, self.y, k)
+    }
+
+    /// The tip of the tool along a plan. Formulas: ψ(x, y), and x(t), y(t) of a pattern that is a curve.
+    #[must_use]
+    pub fn curve<'a>(&self, plan: Plan, formulas: [&'a Formula; 3]) -> SurfaceCurve<'a> {
+        SurfaceCurve { tool: self.tool, plan, formulas }
+    }
+
+    /// The tip of the tool while it touches at X, Y; `formula` is ψ.
+    #[must_use]
+    pub fn tip(&self, formula: &Formula, [x, y]: [f64; 2]) -> [f64; 3] {
+        self.tool.tip([x, y], formula.eval(Gradient::variables(x, y)))
+    }
+}
+
+impl SurfaceCurve<'_> {
+    /// The point of contact, seen from above.
+    #[must_use]
+    pub fn contact(&self, t: f64) -> [Series; 2] {
+        match self.plan {
+            Plan::Line { from, to } => {
+                let [_, length] = self.plan.t();
+                std::array::from_fn(|i| {
+                    let share = (to[i] - from[i]) / length;
+                    Series([from[i] + share * t, share, 0.0, 0.0])
+                })
+            }
+            Plan::Curve { .. } => {
+                let variables = [Series::variable(t), Series::default()];
+                [self.formulas[1].eval(variables), self.formulas[2].eval(variables)]
+            }
+        }
+    }
+}
+
+impl Curve<3> for SurfaceCurve<'_> {
+    fn at(&self, t: f64) -> Point<3> {
+        let [x, y] = self.contact(t);
+        let tip = self.tool.tip([x, y], self.formulas[0].eval(Gradient::variables(x, y)));
+        Point { axes: tip, tip }
+    }
 }
