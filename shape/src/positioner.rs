@@ -134,7 +134,8 @@ impl Positioner {
     ) -> Drives {
         let [lx, ly, lz] = direction;
         let (h, sign) = (libm::hypot(lx, ly), branch.sign());
-        let alpha = if h == 0.0 && lz == 0.0 { f64::NAN } else { libm::atan2(sign * h, lz) };
+        let length = h + lz.abs();
+        let alpha = if length > 0.0 && length.is_finite() { libm::atan2(sign * h, lz) } else { f64::NAN };
         let beta = if h == 0.0 { beta_near } else { libm::atan2(sign * lx, -sign * ly) };
         self.under(point, beam, alpha, nearest_turn(beta, beta_near))
     }
@@ -168,7 +169,7 @@ impl Positioner {
             let way = (pose.alpha - from.alpha).abs().max((pose.beta - from.beta).abs());
             match travel.first_beyond(&pose) {
                 None if way < least => (best, least) = (Ok((branch, pose)), way),
-                Some(drive) if best == Err(NoPose::NoDirection) && way.is_finite() => {
+                Some(drive) if best == Err(NoPose::NoDirection) && pose.alpha.is_finite() => {
                     best = Err(NoPose::BeyondTravel(drive));
                 }
                 _ => {}
@@ -182,12 +183,8 @@ impl Travel {
     /// The first drive that would stand beyond its travel: 0 … 3 are x, y, α, β.
     #[must_use]
     pub fn first_beyond(&self, drives: &Drives) -> Option<usize> {
-        let pairs = [
-            (drives.x, self.x),
-            (drives.y, self.y),
-            (drives.alpha, self.alpha),
-            (drives.beta, self.beta),
-        ];
+        let pairs =
+            [(drives.x, self.x), (drives.y, self.y), (drives.alpha, self.alpha), (drives.beta, self.beta)];
         pairs.iter().position(|(at, [low, high])| !(low..=high).contains(&at))
     }
 }
