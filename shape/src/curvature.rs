@@ -17,7 +17,7 @@
 //!
 //! M44 and M45: (21) to (23) of the source of `shaping.rs`. It leaves the tool out.
 
-use crate::{series::Series, shaping::Slopes, tool::Tool};
+use crate::{Formula, Gradient, Series, Slopes, Tool};
 
 /// Radius of curvature of a path in space, mm; infinite where it is straight, not finite where it stands still in its
 /// parameter.
@@ -56,6 +56,19 @@ pub fn master_feed(s_k: f64, ratios: [f64; 2]) -> f64 {
 }
 
 impl Slopes {
+    /// Of the surface of a formula at X, Y; not finite where it is not smooth.
+    #[must_use]
+    pub fn of(formula: &Formula, [x, y]: [f64; 2]) -> Slopes {
+        let along = |dx: f64, dy: f64| {
+            formula.eval(Gradient::variables(Series([x, dx, 0.0, 0.0]), Series([y, dy, 0.0, 0.0])))
+        };
+        let (by_x, by_y) = (along(1.0, 0.0), along(0.0, 1.0));
+        Slopes {
+            gradient: [by_x.x.value(), by_x.y.value()],
+            second: [by_x.x.derivative(1), by_x.y.derivative(1), by_y.y.derivative(1)],
+        }
+    }
+
     /// Slopes of the surface on which the tip of a tool moves while it touches this one, at the place of the tip that
     /// belongs to this point (M93). `None` where the tool does not fit: where the surface is bent more than the tool.
     #[must_use]

@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use shape::{
-    Correction, Place, Section, Sections, Series, Slopes, Tool, chord_feed_exact, leader, radius,
-    tangent_feed,
+    Correction, Formula, Function, Op, Place, Section, Sections, Series, Slopes, Tool, chord_feed_exact,
+    leader, radius, tangent_feed,
 };
 
 /// A circle of radius `r` as Y(X) left of its lowest point and right of it: Y = −(r² − X²)^½.
@@ -106,6 +106,23 @@ fn tip(x: f64, y: f64, tool: &Tool) -> [f64; 3] {
     let rest = tool.radius_mm - tool.corner_mm;
     let aside = tool.corner_mm / w + if rest > 0.0 { rest / g } else { 0.0 };
     [x - aside * gx, y - aside * gy, height(x, y) + tool.corner_mm * (1.0 / w - 1.0)]
+}
+
+#[test]
+fn slopes_of_a_formula() {
+    // The same surface as a formula, x and y being variables 0 and 1.
+    let (x, y, constant) = (Op::Variable(0), Op::Variable(1), Op::Constant);
+    let squares = [constant(0.1), x, Op::Powi(2), Op::Mul, constant(0.05), x, Op::Mul, y, Op::Mul, Op::Sub];
+    let wave =
+        [constant(0.4), x, constant(0.5), y, Op::Mul, Op::Add, Op::Apply(Function::Sin), Op::Mul, Op::Add];
+    let formula = Formula::new(&[&squares[..], &wave].concat()).expect("a formula");
+    assert!((formula.eval([0.7, -1.1]) - height(0.7, -1.1)).abs() < 1e-15);
+    let (got, want) = (Slopes::of(&formula, [0.7, -1.1]), slopes(0.7, -1.1));
+    let all = |slopes: &Slopes| [slopes.gradient.to_vec(), slopes.second.to_vec()].concat();
+    assert!(
+        all(&got).iter().zip(all(&want)).all(|(got, want)| (got - want).abs() < 1e-15),
+        "{got:?} {want:?}"
+    );
 }
 
 #[test]
