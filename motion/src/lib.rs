@@ -6,7 +6,7 @@
 //! | change of speed (run-in, run-out, feed ramp), sin² jerk | [`Ramp`] | M9–M21 |
 //! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15 |
 //! | feed of one block, ramp – cruise – ramp | [`FeedBlock`] | M22–M27 |
-//! | line or arc as a function of its length, in the space of the axes | [`Path`] | M55–M58 |
+//! | line, arc or piece of a curve as a function of its length, in the space of the axes | [`Path`] | M55–M58, M84, M85 |
 //! | change of speed from any acceleration | [`SpeedChange`] | M63–M64 |
 //! | a chain of blocks: look-ahead, blends, overrides, hold | [`chain::Chain`] | M24–M26, M65–M66 |
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |

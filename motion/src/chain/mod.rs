@@ -36,7 +36,7 @@ pub use asked::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 pub use junction::Corner;
 use law::Law;
 use section::{SECTIONS, Section, Sections};
-use zone::Bend;
+pub(crate) use zone::Bend;
 
 /// How many blocks a chain looks ahead.
 pub const BLOCKS: usize = 1024;

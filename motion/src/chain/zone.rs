@@ -26,11 +26,11 @@ const SAMPLES: u32 = 8;
 
 /// Bounds of |p₁| … |p₄| of every axis over a stretch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bend<const N: usize>(pub(super) [[f64; N]; 4]);
+pub(crate) struct Bend<const N: usize>([[f64; N]; 4]);
 
 impl<const N: usize> Bend<N> {
-    /// Of a line or an arc by itself.
-    pub(super) fn of(path: &Path<N>) -> Bend<N> {
+    /// Of a path by itself.
+    pub(crate) fn of(path: &Path<N>) -> Bend<N> {
         let [second, third, fourth] = path.bend();
         Bend([path.shares(), second, third, fourth])
     }
@@ -120,7 +120,7 @@ impl<const N: usize> Bend<N> {
     }
 
     /// Limits of s (M66); `asked` is the highest feed that can be asked for, `chord_v2` = 8 ε/T².
-    pub(super) fn limits(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> Limits {
+    pub(crate) fn limits(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> Limits {
         let Bend([k1, k2, k3, k4]) = self;
         let over = |limit: f64, k: f64| if k > 0.0 { limit / k } else { f64::INFINITY };
         let mut v = asked;
