@@ -37,6 +37,6 @@ pub use pattern::{Leg, Pattern, Plan};
 pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
 pub use series::{Series, length};
-pub use shaping::{Correction, Place, Section, Sections, Slopes, leader};
+pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;

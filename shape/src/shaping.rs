@@ -178,34 +178,44 @@ pub struct Place {
 
 impl Place {
     /// The step that the axes make where the exact one is `exact`, mm: its largest component leads and stays as it is,
-    /// the others follow in the ratios of `correction`. On a surface led by X or Y they are M41 with what goes with it,
-    /// else every follower is a plane curve over its master (M39).
+    /// the others follow in the [`Place::ratios`].
     ///
     /// The true ratios are at most 1 in magnitude. A correction that gives more than 2 is asked for a step beyond its
     /// range, a turn of the path by a good part of a right angle; the exact step is made then.
     #[must_use]
     pub fn step(&self, correction: Correction, exact: [f64; 3]) -> [f64; 3] {
         let leader = leader(exact);
-        let h = exact[leader];
-        let [first, second] = FOLLOWERS[leader];
-        let ways = [exact[first], exact[second]];
-        let ratios = match (self.surface, leader) {
-            (Some(slopes), 0 | 1) => self.sections(&slopes, leader).ratios(correction, h, ways),
-            _ => self.plane(leader).map(|(axis, section)| match correction {
-                Correction::None => section.slope,
-                Correction::Published | Correction::PublishedSigns | Correction::Mixed => {
-                    section.corrected(h)
-                }
-                Correction::Exact => exact[axis] / h,
-            }),
-        };
         let mut step = exact;
-        for (axis, ratio) in [first, second].into_iter().zip(ratios) {
+        for (axis, ratio) in FOLLOWERS[leader].into_iter().zip(self.ratios(leader, correction, exact)) {
             if ratio.abs() <= 2.0 {
-                step[axis] = ratio * h;
+                step[axis] = ratio * exact[leader];
             }
         }
         step
+    }
+
+    /// Ratios of the two other axes, in the order X, Y, Z, to the one that leads (0, 1 or 2; a higher one is Z), for the
+    /// step whose exact ways are `exact`, mm. On a surface led by X or Y they are M41 with what goes with it, else every
+    /// follower is a plane curve over its master (M39). Not finite where the leader stands still.
+    #[must_use]
+    pub fn ratios(&self, leader: usize, correction: Correction, exact: [f64; 3]) -> [f64; 2] {
+        let leader = leader.min(2);
+        let (h, followers) = (exact[leader], FOLLOWERS[leader]);
+        match (self.surface, leader) {
+            (Some(slopes), 0 | 1) => {
+                self.sections(&slopes, leader).ratios(correction, h, followers.map(|axis| exact[axis]))
+            }
+            _ => followers.map(|axis| {
+                let section = Section::of(&self.path[leader], &self.path[axis]);
+                match correction {
+                    Correction::None => section.slope,
+                    Correction::Published | Correction::PublishedSigns | Correction::Mixed => {
+                        section.corrected(h)
+                    }
+                    Correction::Exact => exact[axis] / h,
+                }
+            }),
+        }
     }
 
     /// The surface and the path on it, with X (0) or Y (1) leading. Y is then "X" of the sections.
@@ -223,15 +233,10 @@ impl Place {
             mixed: slopes.second[1],
         }
     }
-
-    /// Each follower over its master.
-    fn plane(&self, leader: usize) -> [(usize, Section); 2] {
-        FOLLOWERS[leader].map(|axis| (axis, Section::of(&self.path[leader], &self.path[axis])))
-    }
 }
 
-/// The other two axes for each that leads.
-const FOLLOWERS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
+/// The other two of the axes X, Y, Z for each that leads.
+pub const FOLLOWERS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
 
 /// The axis of the largest component; of equal ones the first.
 #[must_use]
