@@ -4,7 +4,8 @@
 //! A blend reaches equally far along both blocks. Between two lines it may reach to their other ends: the deviations of
 //! two neighbouring corners are convex along the line between them, so their sum is nowhere larger than at its ends,
 //! where only one is left. Beside an arc it reaches to the middle at most and has half the tolerance, because blends of
-//! a curvature that jumps lie on both sides of the path.
+//! a curvature that jumps lie on both sides of the path. The same holds beside a piece of a curve; pieces of one curve have
+//! no jumps at all, so nothing is rounded between them.
 
 use super::Block;
 use crate::blend::Blend;
@@ -16,6 +17,10 @@ const TANGENT: f64 = 1e-3;
 /// Lines whose lengths differ by less, relative, are equally long: their blends fill them, and a curve that was finely
 /// divided keeps its own curvature.
 pub(super) const ALIKE: f64 = 1e-3;
+/// Jumps of pₙ by less than this share of |p₁| by Lⁿ⁻¹ are rounding, L being the shorter block: pieces of a curve have them.
+/// A block takes a sixteenth of a cycle T at least, so s′ ≤ 16 L/T there, and the n-th derivative by time jumps by
+/// 1e-10 s′ (16/T)ⁿ⁻¹ at most: at 100 mm/s and 2 ms by less than 1 mm/s³ in jerk.
+const ROUNDED: f64 = 1e-10;
 /// A blend that reaches less far than this, mm, is slower than a stop.
 const LEAST_HALF: f64 = 1e-6;
 
@@ -56,7 +61,13 @@ pub(super) fn blend<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>) -
     } else {
         ((0.5 * tolerance).min(last.room).min(next.room), 0.5 * shorter)
     };
-    if jumps.iter().all(|jump| size(jump) == 0.0) {
+    let mut rounding = ROUNDED * size(&next.path.at(0.0)[1]);
+    let smooth = jumps.iter().all(|jump| {
+        let joins = size(jump) <= rounding;
+        rounding /= shorter;
+        joins
+    });
+    if smooth {
         return Some(Blend::NONE);
     }
     let half = Blend::half_within(&jumps, tolerance, cap);

@@ -64,6 +64,12 @@ fn blend(last: &Line, next: &Line) -> Option<Blend<N>> {
         true => (tolerance, a.min(b)),
         false => ((0.5 * tolerance).min(last.room).min(next.room), 0.5 * a.min(b)),
     };
+    // Pieces of one curve join but for rounding.
+    let [_, direction, ..] = next.path.at(0.0);
+    let none = |n: usize| 1e-10 * distance(&direction, &[0.0; N]) * a.min(b).powi(-(n as i32));
+    if (0..3).all(|n| distance(&jumps[n], &[0.0; N]) <= none(n)) {
+        return Some(Blend::NONE);
+    }
     let half = Blend::half_within(&jumps, tolerance, cap);
     (half >= cap.min(1e-6)).then(|| Blend::new(jumps, half))
 }
