@@ -71,6 +71,11 @@ impl Interpolator {
                     let command = self.begin_pass(input, cycle, &pass);
                     return (self.rest(due), command);
                 }
+                Code::Formula { slot, formula } => self.travel.route.set_formula(slot, formula),
+                Code::Trace(_) => {
+                    self.enter_fault(Fault::BadMachineCode);
+                    return resting;
+                }
                 Code::End => {
                     self.end();
                     return resting;

@@ -9,8 +9,9 @@
 //! known.
 
 use serde::{Deserialize, Serialize};
+use shape::Formula;
 
-use crate::{Arc, PerAxis, Position, Refused, ThreadPass, finite};
+use crate::{Arc, FORMULAS, PerAxis, Position, Refused, ThreadPass, Trace, finite};
 
 /// One instruction and the line of the part program it comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -194,14 +195,29 @@ pub enum Code {
     Pause,
     /// A pass of a thread. Every axis rests at the start of its law when it is reached.
     Pass(ThreadPass),
+    /// A formula that the traces which follow refer to.
+    Formula {
+        /// Its number, below [`FORMULAS`].
+        slot: u8,
+        /// The formula.
+        formula: Formula,
+    },
+    /// Work that formulas tell, a move of its own: it begins and ends at rest.
+    Trace(Trace),
     /// The program is over.
     End,
 }
 
 impl Item {
-    /// Whether it moves the axes by time: a line or an arc.
+    /// Whether it moves the axes by time: a line, an arc or a trace.
     pub fn is_move(&self) -> bool {
-        matches!(self.code, Code::Line { .. } | Code::Arc { .. })
+        matches!(self.code, Code::Line { .. } | Code::Arc { .. } | Code::Trace(_))
+    }
+
+    /// What it counts in the progress of a program, [`MachineStatus::taken`](crate::MachineStatus::taken): 1, or what a
+    /// trace stands for.
+    pub fn steps(&self) -> u64 {
+        if let Code::Trace(_) = self.code { Trace::STEPS } else { 1 }
     }
 
     /// Refuses values that no interpreter sends, wherever the item came from.
@@ -217,15 +233,18 @@ impl Item {
             Code::PathMode(mode) => mode.check(),
             Code::Spindle { speed, .. } => speed.check(),
             Code::Pass(pass) => pass.check(),
+            Code::Formula { slot, .. } if usize::from(*slot) < FORMULAS => Ok(()),
+            Code::Formula { .. } => Err(Refused::OutOfRange("number of a formula")),
+            Code::Trace(trace) => trace.check(),
             Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
         }
     }
 }
 
-fn positive(value: f64, name: &'static str) -> Result<(), Refused> {
+pub(crate) fn positive(value: f64, name: &'static str) -> Result<(), Refused> {
     if finite(value, name)? > 0.0 { Ok(()) } else { Err(Refused::OutOfRange(name)) }
 }
 
-fn not_negative(value: f64, name: &'static str) -> Result<(), Refused> {
+pub(crate) fn not_negative(value: f64, name: &'static str) -> Result<(), Refused> {
     if finite(value, name)? >= 0.0 { Ok(()) } else { Err(Refused::OutOfRange(name)) }
 }

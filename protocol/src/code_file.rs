@@ -22,7 +22,7 @@ use crate::{Item, Machine, Refused};
 
 const MAGIC: [u8; 4] = *b"PLMC";
 /// Version of the format. Any change of [`CodeFile`] or of what it holds makes a new one.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// Longest content that is read, bytes: a program of some ten million moves.
 pub const LONGEST: u64 = 1 << 30;
 

@@ -2,6 +2,7 @@
 //! packets, and back; what no interpreter sends is refused.
 
 use iceoryx2::prelude::ZeroCopySend;
+use shape::Formula;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
@@ -12,7 +13,7 @@ use crate::{
 /// An [`Item`] in shared memory. Fields that its kind does not use are zero.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/code-packet/3")]
+#[type_name("pitchlock/code-packet/4")]
 #[repr(C)]
 pub struct CodePacket {
     /// Running number of the item in the program, from 0: the receiver refuses a gap.
@@ -21,7 +22,7 @@ pub struct CodePacket {
     pub line: u32,
     /// Kind of item, see [`CodePacket::unpack`].
     pub kind: u32,
-    /// Tool number, spindle mode, path mode, kind of feed, or sum of [`MachineStatus::MIST`] and
+    /// Tool number, number of a formula, spindle mode, path mode, kind of feed, or sum of [`MachineStatus::MIST`] and
     /// [`MachineStatus::FLOOD`].
     pub number: u32,
     /// Turns of an arc.
@@ -40,6 +41,12 @@ pub struct CodePacket {
     pub center: [Position; 2],
     /// The pass.
     pub pass: ThreadPass,
+    /// A formula, its operations ([`Formula::encode`]),
+    pub operations: [[u8; 32]; 3],
+    /// and its constants.
+    pub constants: [f64; Formula::CONSTANTS],
+    /// A trace, as it stands in a file: through serde and bincode, zeros behind it.
+    pub trace: [[u8; 32]; 16],
 }
 
 /// What the interpolator has taken out of the queue: room for as many more.
@@ -68,6 +75,8 @@ const COOLANT: u32 = 8;
 const PAUSE: u32 = 9;
 const SURFACE: u32 = 10;
 const PATH_MODE: u32 = 11;
+const FORMULA: u32 = 12;
+const TRACE: u32 = 13;
 
 impl CodePacket {
     /// Puts an item on the wire.
@@ -104,6 +113,18 @@ impl CodePacket {
             }
             Code::Pause => packet.kind = PAUSE,
             Code::Pass(pass) => (packet.kind, packet.pass) = (PASS, pass),
+            Code::Formula { slot, formula } => {
+                (packet.kind, packet.number) = (FORMULA, u32::from(slot));
+                let (operations, constants) = formula.encode();
+                packet.operations.as_flattened_mut().copy_from_slice(&operations);
+                packet.constants = constants;
+            }
+            Code::Trace(trace) => {
+                // There is room for the longest; without its kind no packet is taken for a trace.
+                let room = packet.trace.as_flattened_mut();
+                let packed = bincode::serde::encode_into_slice(trace, room, bincode::config::standard());
+                packet.kind = packed.map_or(0, |_| TRACE);
+            }
             Code::End => packet.kind = END,
         }
         packet
@@ -155,6 +176,17 @@ impl CodePacket {
             }
             PAUSE => Code::Pause,
             PASS => Code::Pass(self.pass),
+            FORMULA => {
+                let slot =
+                    self.number.try_into().map_err(|_| Refused::UnknownCode("formula", self.number))?;
+                let formula = Formula::decode(self.operations.as_flattened(), &self.constants);
+                Code::Formula { slot, formula: formula.map_err(|_| Refused::OutOfRange("formula"))? }
+            }
+            TRACE => {
+                let trace =
+                    bincode::serde::decode_from_slice(self.trace.as_flattened(), bincode::config::standard());
+                Code::Trace(trace.map_err(|_| Refused::OutOfRange("trace"))?.0)
+            }
             END => Code::End,
             other => return Err(Refused::UnknownCode("machine code", other)),
         })

@@ -6,8 +6,9 @@
 
 use motion::Path;
 use motion::chain::{self, Block, Corner, Settings};
+use shape::Formula;
 
-use crate::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
+use crate::{Axis, Code, FORMULAS, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
 
 /// Where a block lies on the machine, and whence in the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,12 +40,17 @@ pub enum Routed {
 pub struct Route {
     machine: Machine,
     mode: PathMode,
+    formulas: [Option<Formula>; FORMULAS],
 }
 
 impl Route {
     /// At the start of a program.
     pub fn new(machine: &Machine) -> Route {
-        Route { machine: machine.clone(), mode: PathMode::within(machine.path.tolerance_mm) }
+        Route {
+            machine: machine.clone(),
+            mode: PathMode::within(machine.path.tolerance_mm),
+            formulas: [None; FORMULAS],
+        }
     }
 
     /// What a chain for this machine is laid out for.
@@ -55,6 +61,13 @@ impl Route {
     /// From the next block on.
     pub fn set_mode(&mut self, mode: PathMode) {
         self.mode = mode;
+    }
+
+    /// What traces that follow refer to by this number.
+    pub fn set_formula(&mut self, slot: u8, formula: Formula) {
+        if let Some(place) = self.formulas.get_mut(usize::from(slot)) {
+            *place = Some(formula);
+        }
     }
 
     /// The block of a move from `from`; its corner is that of the mode in force.

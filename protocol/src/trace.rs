@@ -3,15 +3,17 @@
 //! The formulas come before it ([`Code::Formula`](crate::Code::Formula)); the interpolator makes the motion of it.
 
 use serde::{Deserialize, Serialize};
-use shape::{Contour, Correction, Seam, Surface};
+use shape::{Contour, Correction, Meeting, Pattern, Seam, SeamCurve, Surface, Tool};
 
-use crate::{Axis, Position};
+use crate::code::{not_negative, positive};
+use crate::{Axis, Position, Refused, finite};
 
 /// Formulas that work may refer to, by their number.
 pub const FORMULAS: usize = 6;
 
 /// What is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
 pub enum Work {
     /// A contour in the plane of two axes: master, follower.
     Contour(Contour, [Axis; 2]),
@@ -35,4 +37,81 @@ pub struct Trace {
     pub chord_mm: f64,
     /// How followers are led.
     pub correction: Correction,
+}
+
+impl Trace {
+    /// What a trace counts in the progress of a program.
+    pub const STEPS: u64 = 1000;
+    /// Longest way of a formula, mm or units of its parameter, either side of 0.
+    const FAR: f64 = 1e6;
+    /// Most paths over a surface.
+    const MOST_PATHS: u32 = 1_000_000;
+
+    /// Refuses what no interpreter sends. Whether the formulas exist and where they lead is seen where it begins.
+    ///
+    /// # Errors
+    /// Names the field.
+    pub fn check(&self) -> Result<(), Refused> {
+        positive(self.feed_mm_min, "feed")?;
+        positive(self.chord_mm, "chord error")?;
+        match &self.work {
+            Work::Contour(contour, [master, follower]) => {
+                range(&contour.x, "domain of a contour")?;
+                not_negative(contour.radius_mm, "radius of a tool")?;
+                let plane = master != follower && !master.is_rotary() && !follower.is_rotary();
+                if plane { Ok(()) } else { Err(Refused::OutOfRange("axes of a contour")) }
+            }
+            Work::Surface(surface) => check_surface(surface),
+            Work::Seam(seam) => {
+                range(&seam.t, "domain of a seam")?;
+                let all_finite =
+                    |numbers: &[f64]| numbers.iter().try_for_each(|one| finite(*one, "seam").map(|_| ()));
+                match &seam.curve {
+                    SeamCurve::Formulas => {}
+                    SeamCurve::Polynomials(coefficients) => all_finite(coefficients.as_flattened())?,
+                    SeamCurve::Meeting(Meeting { first, second, share, .. }) => {
+                        for vector in [first.at, first.axis, first.zero, second.at, second.axis] {
+                            all_finite(&vector)?;
+                        }
+                        all_finite(&second.c)?;
+                        all_finite(&[first.radius_mm, first.slope, *share])?;
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+fn check_surface(surface: &Surface) -> Result<(), Refused> {
+    let sides = [surface.x, surface.y];
+    for side in &sides {
+        range(side, "domain of a surface")?;
+        if side[0] >= side[1] {
+            return Err(Refused::OutOfRange("domain of a surface"));
+        }
+    }
+    let Tool { radius_mm, corner_mm } = surface.tool;
+    positive(radius_mm, "radius of a tool")?;
+    if not_negative(corner_mm, "corner of a tool").map(|()| corner_mm > radius_mm)? {
+        return Err(Refused::OutOfRange("corner of a tool"));
+    }
+    finite(surface.clear_mm, "clearance")?;
+    let (paths, least) = match surface.pattern {
+        Pattern::Lines { count, .. } => (count, 2),
+        Pattern::Rings { count } => (count, 1),
+        Pattern::Curve { t } => return range(&t, "domain of a curve"),
+    };
+    let is_good = (least..=Trace::MOST_PATHS).contains(&paths);
+    if is_good { Ok(()) } else { Err(Refused::OutOfRange("number of paths")) }
+}
+
+/// Refuses a way that is none, or leads too far.
+fn range(range: &[f64; 2], name: &'static str) -> Result<(), Refused> {
+    let near = |end: f64| finite(end, name).map(|end| end.abs() <= Trace::FAR);
+    if near(range[0])? && near(range[1])? && range[0] != range[1] {
+        Ok(())
+    } else {
+        Err(Refused::OutOfRange(name))
+    }
 }

@@ -3,9 +3,12 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Arc, AxisLaw, Code, Feed, Item, Machine, PathMode, Plane, Position, Refused, SpindleMode, SpindleSpeed,
-    ThreadPass,
+    Arc, Axis, AxisLaw, Code, Feed, Item, Machine, PathMode, Plane, Position, Refused, SpindleMode,
+    SpindleSpeed, ThreadPass, Trace, Work,
     code_file::{CodeFile, CodeFileError},
+};
+use shape::{
+    Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
 };
 
 /// Bytes before the content.
@@ -65,6 +68,49 @@ fn any_path_mode() -> impl Strategy<Value = PathMode> {
     prop_oneof![Just(PathMode::ExactStop), Just(PathMode::ExactPath), blend]
 }
 
+fn any_formula() -> impl Strategy<Value = Formula> {
+    let (x, y) = (Op::Variable(0), Op::Variable(1));
+    (prop::num::f64::NORMAL, -64..=63, prop::sample::select(&Function::ALL)).prop_map(
+        move |(number, exponent, function)| {
+            let ops = [Op::Constant(number), x, Op::Powi(exponent), Op::Mul, y, Op::Apply(function), Op::Add];
+            Formula::new(&ops).unwrap()
+        },
+    )
+}
+
+fn any_trace() -> impl Strategy<Value = Trace> {
+    let contour = (-1e3..1e3, 0.0..10.0)
+        .prop_map(|(x, radius_mm)| Contour { x: [x, 2e3], radius_mm, side: Side::Right })
+        .prop_map(|contour| Work::Contour(contour, [Axis::Z, Axis::X]));
+    let pattern = prop_oneof![
+        (any::<[bool; 2]>(), 2_u32..1000).prop_map(|([along_y, zigzag], count)| Pattern::Lines {
+            along_y,
+            count,
+            zigzag
+        }),
+        (1_u32..1000).prop_map(|count| Pattern::Rings { count }),
+        (0.0..1e3).prop_map(|end| Pattern::Curve { t: [-1.0, end] }),
+    ];
+    let surface = (pattern, -1e3..0.0, 0.0..1e3).prop_map(|(pattern, low, clear_mm)| {
+        let tool = Tool { radius_mm: 3.0, corner_mm: 1.0 };
+        Work::Surface(Surface { x: [low, 1.0], y: [low, 2.0], tool, pattern, clear_mm })
+    });
+    let seam = prop::array::uniform6(prop::array::uniform8(-1e6..1e6)).prop_map(|coefficients| {
+        let curve = SeamCurve::Polynomials(coefficients);
+        Work::Seam(Seam { curve, t: [0.0, 1.0], branch: Branch::Positive })
+    });
+    let origin = prop::array::uniform3(any::<i64>().prop_map(Position));
+    (prop_oneof![contour, surface, seam], origin, 1e-3..1e5, 1e-6..1.0).prop_map(
+        |(work, origin, feed_mm_min, chord_mm)| Trace {
+            work,
+            origin,
+            feed_mm_min,
+            chord_mm,
+            correction: Correction::Mixed,
+        },
+    )
+}
+
 fn any_item() -> impl Strategy<Value = Item> {
     let target = prop::array::uniform8(any::<i64>().prop_map(Position));
     let feed = prop_oneof![
@@ -89,6 +135,8 @@ fn any_item() -> impl Strategy<Value = Item> {
         any::<(bool, bool)>().prop_map(|(mist, flood)| Code::Coolant { mist, flood }),
         Just(Code::Pause),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
+        (0_u8..6, any_formula()).prop_map(|(slot, formula)| Code::Formula { slot, formula }),
+        any_trace().prop_map(Code::Trace),
         Just(Code::End),
     ];
     (any::<u32>(), code).prop_map(|(line, code)| Item { line, code })
@@ -133,7 +181,7 @@ proptest! {
 }
 
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x03\0".to_vec();
+    let mut bytes = b"PLMC\x04\0".to_vec();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -149,7 +197,7 @@ fn each_kind_of_wrong_file_has_its_message() {
     let mut later = bytes.clone();
     later[4] = 7;
     let error = read(&later).unwrap_err();
-    assert_eq!(error.to_string(), "machine code of version 7, this is 3: compile the program again");
+    assert_eq!(error.to_string(), "machine code of version 7, this is 4: compile the program again");
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
     assert!(matches!(error, CodeFileError::Truncated { missing: 3 }), "{error}");
@@ -167,7 +215,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x03\0".to_vec();
+    let mut bytes = b"PLMC\x04\0".to_vec();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

@@ -23,9 +23,9 @@ macro_rules! layout {
     };
 }
 
-layout!(code_packet: CodePacket, 1152, Some("pitchlock/code-packet/3"), {
+layout!(code_packet: CodePacket, 2016, Some("pitchlock/code-packet/4"), {
     sequence: 0, line: 8, kind: 12, number: 16, turns: 20, plane: 24, reserved: 28, value: 32, bound: 40,
-    target: 48, center: 112, pass: 128,
+    target: 48, center: 112, pass: 128, operations: 1152, constants: 1248, trace: 1504,
 });
 layout!(credit: Credit, 8, Some("pitchlock/credit/1"), {
     taken: 0,
