@@ -1,10 +1,15 @@
 //! Kinematics, one function each way: where the axes stand for a programmed point, and which point they stand at.
 //! In and out: mm, and degrees for A, B, C. The point is that of the tool in the coordinates of the machine; X of a lathe
-//! is a radius. No state, no clock: the planner and the readers of programs ask the same two functions.
+//! is a radius, and the point of a positioner is where its axes stand: what a beam meets there depends on the part, and
+//! seams ask [`shape::Positioner`]. No state, no clock: the planner and the readers of programs ask the same two functions.
 //!
 //! A machine whose axes are no coordinates of the tool (a robot, a tilting head) gets its arm in the two matches here.
 
-use crate::{Axis, Machine, PerAxis, machine::Kinematics, units::AXES};
+use crate::{
+    Axis, Machine, PerAxis,
+    machine::{Kinematics, POSITIONER_AXES},
+    units::AXES,
+};
 
 /// A programmed point: X, Y, Z in mm, A, B, C in degrees.
 pub type Point = [f64; 6];
@@ -31,7 +36,7 @@ impl Kinematics {
     pub fn axes(self, point: &Point) -> PerAxis<f64> {
         let mut axes = [0.0; AXES];
         match self {
-            Kinematics::Lathe | Kinematics::Mill => {
+            Kinematics::Lathe | Kinematics::Mill | Kinematics::Positioner => {
                 for (axis, at) in COORDINATES.into_iter().zip(point) {
                     axes[axis.index()] = *at;
                 }
@@ -43,7 +48,9 @@ impl Kinematics {
     /// The point at which the axes stand: the inverse of [`Kinematics::axes`].
     pub fn point(self, axes: &PerAxis<f64>) -> Point {
         match self {
-            Kinematics::Lathe | Kinematics::Mill => COORDINATES.map(|axis| axes[axis.index()]),
+            Kinematics::Lathe | Kinematics::Mill | Kinematics::Positioner => {
+                COORDINATES.map(|axis| axes[axis.index()])
+            }
         }
     }
 
@@ -54,6 +61,11 @@ impl Kinematics {
                 &[Axis::X, Axis::Z],
                 &[Axis::C],
                 "a lathe needs [axis.x] and [axis.z], and may have [axis.c]",
+            ),
+            Kinematics::Positioner => (
+                &POSITIONER_AXES,
+                &[],
+                "a positioner has [axis.x], [axis.y], [axis.a] and [axis.c], and no others",
             ),
             Kinematics::Mill => (
                 &[Axis::X, Axis::Y, Axis::Z],

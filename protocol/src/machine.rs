@@ -6,12 +6,14 @@
 
 mod axis;
 mod path;
+mod positioner;
 mod spindle;
 
 use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, Difference, Feedforward};
 pub use path::PathConfig;
+pub use positioner::{POSITIONER_AXES, PositionerConfig, positioner_drives};
 pub use spindle::{RunOut, SpindleConfig, Threading};
 
 use crate::{Arc, Axis, Cycle, PerAxis, Position, ThreadPass, units::AXES};
@@ -47,8 +49,12 @@ pub struct Machine {
     pub machine: General,
     /// `[axis.x]`, `[axis.z]` …
     pub axis: std::collections::BTreeMap<Axis, AxisConfig>,
-    /// `[spindle]`
+    /// `[spindle]`: only a positioner has none.
+    #[serde(default = "SpindleConfig::none", skip_serializing_if = "SpindleConfig::is_none")]
     pub spindle: SpindleConfig,
+    /// `[positioner]`: only a positioner has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub positioner: Option<PositionerConfig>,
     /// `[path]`
     #[serde(default)]
     pub path: PathConfig,
@@ -101,6 +107,8 @@ pub enum Kinematics {
     Lathe,
     /// X, Y, Z, and what exists of A, B, C about them.
     Mill,
+    /// X, Y, a tilt A and a turn C that bring a seam under a beam that stands.
+    Positioner,
 }
 
 /// A tool.
@@ -133,12 +141,16 @@ pub const SMALL_LATHE: &str = include_str!("../../examples/machines/small-lathe.
 /// A mill to begin with.
 pub const SMALL_MILL: &str = include_str!("../../examples/machines/small-mill.toml");
 
+/// A positioner to begin with.
+pub const POSITIONER: &str = include_str!("../../examples/machines/positioner.toml");
+
 impl Kinematics {
     /// A machine file of this kinematics, as `pitchlock machine` prints it.
     pub fn example(self) -> &'static str {
         match self {
             Kinematics::Lathe => SMALL_LATHE,
             Kinematics::Mill => SMALL_MILL,
+            Kinematics::Positioner => POSITIONER,
         }
     }
 }
@@ -242,7 +254,8 @@ impl Machine {
             return Err(refuse("axis", other.name(), reason));
         }
         self.axes().try_for_each(|(axis, config)| config.check(axis, general))?;
-        self.spindle.check()?;
+        self.check_positioner()?;
+        self.check_spindle()?;
         self.path.check()?;
         self.threading.check()?;
         for number in self.tools.keys() {

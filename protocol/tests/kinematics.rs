@@ -10,8 +10,8 @@ use protocol::{
 
 proptest! {
     #[test]
-    fn the_axes_stand_at_the_point_they_were_sent_to(point in any::<Point>(), mill in any::<bool>()) {
-        let kinematics = if mill { Kinematics::Mill } else { Kinematics::Lathe };
+    fn the_axes_stand_at_the_point_they_were_sent_to(point in any::<Point>(), which in 0..3_usize) {
+        let kinematics = [Kinematics::Mill, Kinematics::Lathe, Kinematics::Positioner][which];
         let back = kinematics.point(&kinematics.axes(&point));
         prop_assert!(back.iter().zip(&point).all(|(back, to)| back.to_bits() == to.to_bits()));
     }

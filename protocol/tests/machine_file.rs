@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use protocol::{
     Axis, AxisMeasurement, Cycle, Machine, Position,
-    machine::{Difference, Feedforward, Kinematics, PathConfig, SMALL_LATHE, SMALL_MILL},
+    machine::{Difference, Feedforward, Kinematics, POSITIONER, PathConfig, SMALL_LATHE, SMALL_MILL},
 };
 use toml::{Table, Value};
 
@@ -66,6 +66,60 @@ fn the_built_in_mill_is_good() {
     assert_eq!(machine.machine.kinematics, Kinematics::Mill);
     assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Y, Axis::Z]);
     assert_eq!(machine.path, PathConfig::default());
+}
+
+#[test]
+fn the_built_in_positioner_is_good() {
+    let machine = Machine::from_toml(POSITIONER).unwrap();
+    assert_eq!(machine.machine.kinematics, Kinematics::Positioner);
+    let axes: Vec<_> = machine.axes().map(|(axis, _)| axis).collect();
+    assert_eq!(axes, [Axis::X, Axis::Y, Axis::A, Axis::C]);
+    assert!(machine.spindle.is_none());
+    let geometry = machine.positioner.unwrap().geometry();
+    assert_eq!((geometry.x1, geometry.y1, geometry.z1), (120.0, -35.0, 250.0));
+    assert_eq!((geometry.x2, geometry.y2, geometry.z2), (15.0, 8.0, -50.0));
+    let travel = machine.positioner_travel();
+    assert_eq!((travel.x, travel.beta), ([-150.0, 150.0], [-720.0_f64, 720.0].map(f64::to_radians)));
+}
+
+/// The table of a positioner belongs to a positioner, a spindle to the others.
+#[test]
+fn tables_that_a_machine_lacks_or_has_no_use_for_are_named() {
+    let without = |text: &str, table: &str, end: &str| {
+        let (before, rest) = text.split_once(table).unwrap();
+        let (_, after) = rest.split_once(end).unwrap();
+        format!("{before}{end}{after}")
+    };
+    let table =
+        "[positioner]\nx1_mm = 1\ny1_mm = 1\nz1_mm = 1\nx2_mm = 1\ny2_mm = 1\nz2_mm = 1\nbeam_mm = [0, 0]";
+    let spindle = SMALL_MILL.split_once("[spindle]").unwrap().1.split_once("# The truth").unwrap().0;
+    for (text, message) in [
+        (
+            without(POSITIONER, "[positioner]", "[path]"),
+            "machine.kinematics = positioner: needs [positioner] with x1_mm",
+        ),
+        (
+            format!("{SMALL_MILL}\n{table}"),
+            "positioner = a table: is for machine.kinematics = \"positioner\" only",
+        ),
+        (format!("{POSITIONER}\n[spindle]{spindle}"), "spindle = a table: a positioner has no spindle"),
+        (
+            without(SMALL_MILL, "[spindle]", "[plant.axis.x]"),
+            "spindle = nothing: a lathe and a mill need [spindle]",
+        ),
+        (
+            POSITIONER.replace("[axis.a]", "[axis.b]"),
+            "axis = x, y, b, c: a positioner has [axis.x], [axis.y]",
+        ),
+        (POSITIONER.replace("[axis.a]", "[axis.z]"), "axis = x, y, z, c: a positioner has"),
+        (POSITIONER.replace("z2_mm = -50.0", "z2_mm = nan"), "positioner.z2_mm = NaN: must lie between"),
+        (POSITIONER.replace("[130.0, -20.0]", "[130.0, -2e5]"), "positioner.beam_mm[1] = -200000: must lie"),
+    ] {
+        let refused = refusal(&text);
+        assert!(refused.starts_with(message), "{refused}");
+    }
+    assert!(refusal(&POSITIONER.replace("beam_mm = [130.0, -20.0]", "")).contains("beam_mm"));
+    assert!(refusal(&POSITIONER.replace("x1_mm = ", "x3_mm = ")).contains("x3_mm"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MachineError, range};
+use super::{Kinematics, Machine, MachineError, range, refuse};
 
 /// `[spindle]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,7 +78,25 @@ impl SpindleConfig {
         self.observer_hz.min(self.stroke_observer_hz)
     }
 
-    pub(super) fn check(&self) -> Result<(), MachineError> {
+    /// No spindle: one that never turns, with an encoder that nobody reads.
+    pub fn none() -> SpindleConfig {
+        SpindleConfig {
+            max_rpm: 0.0,
+            encoder_lines: 1024,
+            ramp_rpm_s: 1000.0,
+            observer_hz: 30.0,
+            stroke_observer_hz: stroke_observer_hz(),
+            override_max_pct: 100.0,
+            at_speed_pct: 5.0,
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.max_rpm == 0.0
+    }
+
+    fn check(&self) -> Result<(), MachineError> {
         range("spindle.max_rpm", self.max_rpm, 1.0, 1e5)?;
         range("spindle.encoder_lines", f64::from(self.encoder_lines), 25.0, 250_000.0)?;
         range("spindle.ramp_rpm_s", self.ramp_rpm_s, 1.0, 1e6)?;
@@ -86,6 +104,24 @@ impl SpindleConfig {
         range("spindle.stroke_observer_hz", self.stroke_observer_hz, 1.0, 500.0)?;
         range("spindle.override_max_pct", self.override_max_pct, 100.0, 200.0)?;
         range("spindle.at_speed_pct", self.at_speed_pct, 0.5, 100.0)
+    }
+}
+
+impl Machine {
+    /// Refuses a positioner with a spindle, and another machine without one.
+    pub(super) fn check_spindle(&self) -> Result<(), MachineError> {
+        match (self.machine.kinematics, self.spindle.is_none()) {
+            (Kinematics::Positioner, true) => Ok(()),
+            (Kinematics::Positioner, false) => {
+                Err(refuse("spindle", "a table", "a positioner has no spindle: leave [spindle] out"))
+            }
+            (Kinematics::Lathe | Kinematics::Mill, true) => Err(refuse(
+                "spindle",
+                "nothing",
+                "a lathe and a mill need [spindle] with max_rpm and the others",
+            )),
+            (Kinematics::Lathe | Kinematics::Mill, false) => self.spindle.check(),
+        }
     }
 }
 

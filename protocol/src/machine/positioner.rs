@@ -1,0 +1,88 @@
+//! `[positioner]` of the machine file: where the axes of a four-axis positioner lie, and where its beam stands.
+//! In: mm; α is the axis A, β the axis C, degrees. Out: checked values, and the geometry for `shape`.
+
+use serde::{Deserialize, Serialize};
+use shape::{Positioner, Travel};
+
+use super::{Kinematics, Machine, MachineError, range, refuse};
+use crate::{Axis, PerAxis};
+
+/// `[positioner]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PositionerConfig {
+    /// Offset of the tilt axis along itself, mm.
+    pub x1_mm: f64,
+    /// Offset of the tilt axis across it, mm.
+    pub y1_mm: f64,
+    /// Height of the tilt axis, mm.
+    pub z1_mm: f64,
+    /// Offset of the turn axis along the tilt axis, mm.
+    pub x2_mm: f64,
+    /// Offset of the turn axis across the tilt axis, mm.
+    pub y2_mm: f64,
+    /// Offset of the face of the turntable along the turn axis, mm.
+    pub z2_mm: f64,
+    /// Where the beam stands in the frame of the machine: X, Y, mm.
+    pub beam_mm: [f64; 2],
+}
+
+impl PositionerConfig {
+    /// The geometry.
+    pub fn geometry(&self) -> Positioner {
+        let PositionerConfig { x1_mm: x1, y1_mm: y1, z1_mm: z1, x2_mm: x2, y2_mm: y2, z2_mm: z2, .. } = *self;
+        Positioner { x1, y1, z1, x2, y2, z2 }
+    }
+
+    fn check(&self) -> Result<(), MachineError> {
+        let [beam_x, beam_y] = self.beam_mm;
+        for (name, mm) in [
+            ("x1_mm", self.x1_mm),
+            ("y1_mm", self.y1_mm),
+            ("z1_mm", self.z1_mm),
+            ("x2_mm", self.x2_mm),
+            ("y2_mm", self.y2_mm),
+            ("z2_mm", self.z2_mm),
+            ("beam_mm[0]", beam_x),
+            ("beam_mm[1]", beam_y),
+        ] {
+            range(&format!("positioner.{name}"), mm, -1e4, 1e4)?;
+        }
+        Ok(())
+    }
+}
+
+impl Machine {
+    /// Refuses a positioner without its table, and the table on another machine.
+    pub(super) fn check_positioner(&self) -> Result<(), MachineError> {
+        match (self.machine.kinematics, &self.positioner) {
+            (Kinematics::Positioner, Some(positioner)) => positioner.check(),
+            (Kinematics::Positioner, None) => {
+                let reason = "needs [positioner] with x1_mm, y1_mm, z1_mm, x2_mm, y2_mm, z2_mm and beam_mm";
+                Err(refuse("machine.kinematics", "positioner", reason))
+            }
+            (_, None) => Ok(()),
+            (_, Some(_)) => {
+                Err(refuse("positioner", "a table", "is for machine.kinematics = \"positioner\" only"))
+            }
+        }
+    }
+
+    /// Travel of x, y, α, β of a positioner, mm and rad.
+    pub fn positioner_travel(&self) -> Travel {
+        let travel = |axis: Axis| {
+            let travel = self.axis.get(&axis).map_or([0.0; 2], |config| config.travel_mm);
+            if axis.is_rotary() { travel.map(f64::to_radians) } else { travel }
+        };
+        Travel { x: travel(Axis::X), y: travel(Axis::Y), alpha: travel(Axis::A), beta: travel(Axis::C) }
+    }
+}
+
+/// Axes of a positioner, in the order x, y, α, β.
+pub const POSITIONER_AXES: [Axis; 4] = [Axis::X, Axis::Y, Axis::A, Axis::C];
+
+/// Drives of a positioner where its axes stand at `axes`, mm and degrees.
+pub fn positioner_drives(axes: &PerAxis<f64>) -> shape::Drives {
+    let [x, y, alpha, beta] = POSITIONER_AXES.map(|axis| axes[axis.index()]);
+    shape::Drives { x, y, alpha: alpha.to_radians(), beta: beta.to_radians() }
+}
