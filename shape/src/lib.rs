@@ -4,11 +4,13 @@
 //! | part | holds | equations |
 //! |---|---|---|
 //! | [`Formula`] | an expression as a short program, evaluated for numbers, series and gradients | – |
-//! | [`Contour`], [`Surface`] | where a tool touches a formula, and where it stands then | – |
+//! | [`Contour`], [`Surface`] | where a tool touches a formula, and where it stands then | M87, M88 |
+//! | [`Touch`] | how closely a tool fits a surface, and the ridge it leaves | M89 |
 //! | [`Seam`] | position and direction along a seam | – |
 //! | [`Positioner`] | which drives bring a seam under the beam, and how far errors of drives move it | M46–M52 |
 //! | [`Correction`], [`Place`] | feed ratios of followers to their master | M36–M43 |
 //! | [`chord_feed`], [`radius`], [`Slopes::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
+//! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
@@ -17,6 +19,7 @@ mod accuracy;
 mod contour;
 mod curvature;
 mod curve;
+mod fit;
 mod formula;
 mod number;
 mod pattern;
@@ -24,6 +27,7 @@ mod positioner;
 mod seam;
 mod series;
 mod shaping;
+mod span;
 mod surface;
 mod tool;
 
@@ -31,6 +35,7 @@ pub use accuracy::DriveErrors;
 pub use contour::{Contour, ContourCurve, Side};
 pub use curvature::{chord_feed, chord_feed_exact, master_feed, radius, tangent_feed};
 pub use curve::{Curve, Point};
+pub use fit::{Parting, Touch};
 pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Gradient, Number};
 pub use pattern::{Leg, Pattern, Plan};
@@ -38,5 +43,6 @@ pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};
+pub use span::{Span, SpanError, Walker};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;
