@@ -11,6 +11,7 @@
 //! | [`Correction`], [`Place`] | feed ratios of followers to their master | M36–M43 |
 //! | [`chord_feed`], [`radius`], [`Slopes::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
 //! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
+//! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
@@ -28,6 +29,7 @@ mod seam;
 mod series;
 mod shaping;
 mod span;
+mod span;
 mod surface;
 mod tool;
 
@@ -43,6 +45,7 @@ pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};
+pub use span::{Span, SpanError, Walker};
 pub use span::{Span, SpanError, Walker};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;

@@ -1,0 +1,311 @@
+//! From a curve of a parameter to pieces by length that a chain can plan: a walker that goes along the curve step by step.
+//! In: a curve, its parameter at both ends. Out: pieces, each a `motion::Path`, with absolute positions at both ends, mm and
+//! degrees, and the parameter as a function of the way.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | t | – | parameter; w half of a step in it, signed |
+//! | σ | mm | speed of the tip by t, \|dr/dt\|; dots are derivatives by t |
+//! | s, L | mm | way of the tip from the start of a piece, and all of it |
+//! | e | mm | how far the piece is from the curve |
+//!
+//! At five places of a step (0, ¼, ½, ¾, 1) the series of the curve gives σ, σ̇, σ̈. A polynomial through all nine values at
+//! three of them has the integral
+//!
+//! ```text
+//! from −1 to 1:  w/105 (41 (σ₋ + σ₊) + 128 σ₀ + 6 w (σ̇₋ − σ̇₊) + w²/3 (σ̈₋ + σ̈₊ + 16 σ̈₀))
+//! from −1 to 0:  w/40320 (17007 σ₋ + 24576 σ₀ − 1263 σ₊ + w (2727 σ̇₋ − 5040 σ̇₀ + 423 σ̇₊)
+//!                        + w² (169 σ̈₋ + 1024 σ̈₀ − 41 σ̈₊))                                       (M86)
+//! ```
+//! exact up to degree 9 and 8. The length is that of both halves of the step; from that of the whole it may differ by 1e-10,
+//! so its own error is a thousandth of this.
+//!
+//! The piece is M84 of the derivatives by s at both ends (M83), and so is t(s). At the three inner places it is compared
+//! with the curve. Its error grows with L⁸, which gives the next step, or a shorter one for another try. Neighbouring
+//! pieces have the same derivatives where they meet, and every piece begins on the true curve, so nothing adds up.
+//!
+//! Source: two-point Hermite interpolation; Hermite's quadrature on three places, derived here.
+
+use core::fmt;
+
+use motion::Path;
+
+use crate::curve::Curve;
+use crate::series::{Series, length};
+
+/// A piece lies so near to its curve, mm or degrees.
+const NEAR: f64 = 1e-10;
+/// The parameter of a way is right to this share of its step.
+const IN_TIME: f64 = 1e-9;
+/// Rounding of a parameter, relative.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+/// Lengths by a whole step and by its halves differ by less, relative.
+const ALIKE: f64 = 1e-10;
+/// Longest piece, mm: of a straight line.
+const MOST_MM: f64 = 50.0;
+/// Shortest piece that is tried, mm.
+const LEAST_MM: f64 = 1e-3;
+/// Of the step that would just be near enough, this share is taken.
+const SAFETY: f64 = 0.9;
+/// Most tries of one piece: enough to come from the longest to the shortest.
+const TRIES: u32 = 24;
+
+/// A piece of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span<const N: usize> {
+    /// The piece, from its start.
+    pub path: Path<N>,
+    /// The parameter at its start and at its end.
+    pub t: [f64; 2],
+    /// Where the axes are at its start on the curve, mm and degrees,
+    pub from: [f64; N],
+    /// and at its end.
+    pub to: [f64; N],
+    clock: Path<1>,
+}
+
+impl<const N: usize> Span<N> {
+    /// The parameter after a way of `s` mm on the piece, right to 1e-9 of its step.
+    #[must_use]
+    pub fn parameter(&self, s: f64) -> f64 {
+        let [[gone], ..] = self.clock.at(s);
+        self.t[0] + gone
+    }
+}
+
+/// Why a curve cannot be followed, and at which parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpanError {
+    /// A formula has no value there, or no derivative.
+    NotFinite {
+        /// The parameter.
+        t: f64,
+    },
+    /// The tip stands still while the parameter goes on.
+    StandsStill {
+        /// The parameter.
+        t: f64,
+    },
+    /// It bends too sharply even for the shortest piece: a corner, a step, a cusp.
+    Unresolved {
+        /// The parameter.
+        t: f64,
+    },
+}
+
+impl SpanError {
+    /// The parameter.
+    #[must_use]
+    pub fn t(&self) -> f64 {
+        match *self {
+            SpanError::NotFinite { t } | SpanError::StandsStill { t } | SpanError::Unresolved { t } => t,
+        }
+    }
+}
+
+impl fmt::Display for SpanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SpanError::NotFinite { t } => {
+                write!(f, "the curve has no finite value or slope at {t}; change the formula or the range")
+            }
+            SpanError::StandsStill { t } => {
+                write!(f, "the curve stands still at {t}; choose another parameter, or leave this place out")
+            }
+            SpanError::Unresolved { t } => write!(
+                f,
+                "the curve bends too sharply near {t} for a piece of {LEAST_MM} mm; end it there, or make it smooth"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SpanError {}
+
+/// Goes along a curve. It is given the same curve every time.
+///
+/// ```
+/// use shape::{Curve, Function, Number, Point, Series, Walker};
+/// struct Circle;
+/// impl Curve<2> for Circle {
+///     fn at(&self, t: f64) -> Point<2> {
+///         let t = Series::variable(t);
+///         let [x, y] = [Function::Cos, Function::Sin].map(|f| t.apply(f) * 10.0);
+///         Point { axes: [x, y], tip: [x, y, Series::default()] }
+///     }
+/// }
+/// let mut walker = Walker::new([0.0, std::f64::consts::PI]);
+/// let (mut length, mut pieces) = (0.0, 0);
+/// while let Some(span) = walker.next(&Circle)? {
+///     length += span.path.length();
+///     pieces += 1;
+/// }
+/// assert!((length - 10.0 * std::f64::consts::PI).abs() < 1e-11 && pieces < 20);
+/// # Ok::<(), shape::SpanError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walker<const N: usize> {
+    t: f64,
+    end: f64,
+    /// Length to be tried next, mm; none before the first piece.
+    step: Option<f64>,
+    /// What is known of the curve where the walker stands; nothing before the first piece.
+    here: Option<Knot<N>>,
+}
+
+impl<const N: usize> Walker<N> {
+    /// From one parameter to another; the first may be the larger one.
+    #[must_use]
+    pub fn new([from, to]: [f64; 2]) -> Walker<N> {
+        Walker { t: from, end: to, step: None, here: None }
+    }
+
+    /// The parameter where it stands.
+    #[must_use]
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+
+    /// The next piece; `None` at the end. At most 97 evaluations of the curve, 4 as a rule.
+    ///
+    /// # Errors
+    /// [`SpanError`]; the walker stands where the piece would have begun.
+    pub fn next<C: Curve<N>>(&mut self, curve: &C) -> Result<Option<Span<N>>, SpanError> {
+        let left = self.end - self.t;
+        if left == 0.0 {
+            return Ok(None);
+        }
+        if !left.is_finite() {
+            return Err(SpanError::NotFinite { t: if self.t.is_finite() { self.end } else { self.t } });
+        }
+        let sense = left.signum();
+        let start = match self.here {
+            Some(knot) => knot,
+            None => Knot::of(curve, self.t, sense)?,
+        };
+        let mut step = self.step.unwrap_or_else(|| start.guess()).min(MOST_MM);
+        let mut fault = SpanError::Unresolved { t: self.t };
+        for _ in 0..TRIES {
+            // What is left is gone in one step or in two alike, not in one and a stub.
+            let most = step / start.speed();
+            let whole = left.abs() <= most * (1.0 + ROUNDED);
+            let h = if whole { left } else { sense * most.min(0.5 * left.abs()) };
+            let made = Step::of(curve, &start, if whole { self.end } else { self.t + h });
+            match made {
+                Ok(Step { span, end, excess }) if excess <= 1.0 => {
+                    let next = span.path.length() * (SAFETY * eighth_root(1.0 / excess)).clamp(0.3, 3.0);
+                    (self.t, self.step, self.here) = (span.t[1], Some(next), Some(end));
+                    return Ok(Some(span));
+                }
+                Ok(Step { excess, .. }) => {
+                    fault = SpanError::Unresolved { t: self.t };
+                    step = h.abs() * start.speed() * (SAFETY * eighth_root(1.0 / excess)).clamp(0.1, 0.6);
+                }
+                Err(why) => {
+                    fault = why;
+                    step = 0.25 * h.abs() * start.speed();
+                }
+            }
+            if step < LEAST_MM {
+                break;
+            }
+        }
+        Err(fault)
+    }
+}
+
+/// What is known of a curve at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knot<const N: usize> {
+    t: f64,
+    /// Position and its derivatives 1 … 3 by s, of every axis,
+    axes: [[f64; N]; 4],
+    /// and of the parameter.
+    clock: [[f64; 1]; 4],
+    /// σ, σ̇, σ̈ by |t|.
+    speeds: [f64; 3],
+}
+
+impl<const N: usize> Knot<N> {
+    /// The curve about `t`; s grows in the sense of ±1.
+    fn of<C: Curve<N>>(curve: &C, t: f64, sense: f64) -> Result<Knot<N>, SpanError> {
+        let point = curve.at(t);
+        if !point.axes.iter().chain(&point.tip).all(Series::is_finite) {
+            return Err(SpanError::NotFinite { t });
+        }
+        let way = length(&point.tip);
+        let onwards = (way * sense).reversed();
+        if !(way.derivative(1) > 0.0 && way.is_finite() && onwards.is_finite()) {
+            return Err(SpanError::StandsStill { t });
+        }
+        let by_way = point.axes.map(|axis| axis.of(onwards));
+        let axes = core::array::from_fn(|n| by_way.map(|axis| axis.derivative(n)));
+        let clock = core::array::from_fn(|n| [if n == 0 { t } else { onwards.derivative(n) }]);
+        let speeds = [1, 2, 3].map(|n| way.derivative(n));
+        Ok(Knot { t, axes, clock, speeds })
+    }
+
+    /// σ.
+    fn speed(&self) -> f64 {
+        self.speeds[0]
+    }
+
+    /// Length of a first step, mm: a part of the smallest radius that the derivatives speak of.
+    fn guess(&self) -> f64 {
+        let most = |row: &[f64; N]| row.iter().fold(0.0_f64, |most, p| most.max(p.abs()));
+        let [_, _, second, third] = &self.axes;
+        let bend = most(second).max(libm::sqrt(most(third)));
+        (0.25 / bend).clamp(LEAST_MM, MOST_MM)
+    }
+}
+
+/// A try: the piece, what is known of the curve at its end, and its error as a multiple of the one that may be, to be
+/// compared with 1.
+struct Step<const N: usize> {
+    span: Span<N>,
+    end: Knot<N>,
+    excess: f64,
+}
+
+impl<const N: usize> Step<N> {
+    fn of<C: Curve<N>>(curve: &C, start: &Knot<N>, to: f64) -> Result<Step<N>, SpanError> {
+        let h = to - start.t;
+        let knot = |share: f64| Knot::of(curve, start.t + share * h, h.signum());
+        let (end, quarter, middle, third) =
+            (Knot::of(curve, to, h.signum())?, knot(0.25)?, knot(0.5)?, knot(0.75)?);
+        let [first, second] = [[start, &quarter, &middle], [&middle, &third, &end]]
+            .map(|knots| ways(0.25 * h, knots.map(|knot| knot.speeds)));
+        let whole = ways(0.5 * h, [start, &middle, &end].map(|knot| knot.speeds))[1];
+        let length = first[1] + second[1];
+        let unresolved = SpanError::Unresolved { t: start.t };
+        let path = Path::piece(&start.axes, &end.axes, length).ok_or(unresolved)?;
+        let clock = Path::piece(&start.clock, &end.clock, length).ok_or(unresolved)?;
+        let [from, to] = [start.axes[0], end.axes[0]];
+        let span = Span { path, t: [start.t, end.t], from, to, clock };
+
+        let mut excess = (whole - length).abs() / (ALIKE * length);
+        let in_time = IN_TIME * h.abs() + ROUNDED * start.t.abs().max(end.t.abs());
+        for (knot, s) in [(&quarter, first[0]), (&middle, first[1]), (&third, first[1] + second[0])] {
+            let [at, ..] = path.at(s);
+            for ((at, from), axis) in at.iter().zip(from).zip(knot.axes[0]) {
+                excess = excess.max((at - (axis - from)).abs() / NEAR);
+            }
+            excess = excess.max((span.parameter(s) - knot.t).abs() / in_time);
+        }
+        // A comparison with what is no number must not pass.
+        let excess = if excess.is_nan() { f64::INFINITY } else { excess };
+        Ok(Step { span, end, excess })
+    }
+}
+
+/// Ways over the first half and over all of a step of 2 w by σ, σ̇, σ̈ at its start, middle and end (M86), mm.
+fn ways(w: f64, [[a0, a1, a2], [b0, b1, b2], [c0, c1, c2]]: [[f64; 3]; 3]) -> [f64; 2] {
+    let half = 17_007.0 * a0 + 24_576.0 * b0 - 1263.0 * c0
+        + w * (2727.0 * a1 - 5040.0 * b1 + 423.0 * c1 + w * (169.0 * a2 + 1024.0 * b2 - 41.0 * c2));
+    let all = 41.0 * (a0 + c0) + 128.0 * b0 + w * (6.0 * (a1 - c1) + w / 3.0 * (a2 + c2 + 16.0 * b2));
+    [w.abs() / 40_320.0 * half, w.abs() / 105.0 * all]
+}
+
+fn eighth_root(x: f64) -> f64 {
+    libm::sqrt(libm::sqrt(libm::sqrt(x)))
+}
