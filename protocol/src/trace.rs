@@ -66,6 +66,7 @@ impl Trace {
                 range(&seam.t, "domain of a seam")?;
                 let all_finite =
                     |numbers: &[f64]| numbers.iter().try_for_each(|one| finite(*one, "seam").map(|_| ()));
+                finite(seam.idle_beta_deg, "seam")?;
                 match &seam.curve {
                     SeamCurve::Formulas => {}
                     SeamCurve::Polynomials(coefficients) => all_finite(coefficients.as_flattened())?,

@@ -66,14 +66,14 @@ fn surface(pattern: Pattern) -> Surface {
 }
 
 fn seam(curve: SeamCurve) -> Seam {
-    Seam { curve, t: [0.0, 6.25], branch: Branch::Positive }
+    Seam { curve, t: [0.0, 6.25], branch: Branch::Positive, idle_beta_deg: 0.5 }
 }
 
 fn meeting() -> Meeting {
     let first =
         Ruled { at: [1.0; 3], axis: [0.0, 0.0, 1.0], zero: [1.0, 0.0, 0.0], radius_mm: 30.0, slope: 0.0 };
     let second = Quadric { at: [0.0; 3], axis: [0.0, 1.0, 0.0], c: [-400.0, 0.0, 0.0, 1.0] };
-    Meeting { first, second, far: true, share: 0.5 }
+    Meeting { first, second, leaving: true, share: 0.5 }
 }
 
 fn traces() -> Vec<Trace> {

@@ -11,7 +11,6 @@
 //! | [`Correction`], [`Place`] | feed ratios of followers to their master | M36–M43 |
 //! | [`chord_feed`], [`radius`], [`Slopes::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
 //! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
-//! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
@@ -29,7 +28,6 @@ mod seam;
 mod series;
 mod shaping;
 mod span;
-mod span;
 mod surface;
 mod tool;
 
@@ -42,10 +40,9 @@ pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Gradient, Number};
 pub use pattern::{Leg, Pattern, Plan};
 pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
-pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve};
+pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve, SeamPath};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};
-pub use span::{Span, SpanError, Walker};
 pub use span::{Span, SpanError, Walker};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;

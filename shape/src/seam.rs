@@ -1,8 +1,27 @@
-//! A seam: where the beam is on the part, and the direction that is turned towards it.
+//! A seam: where the beam is on the part, and the direction that is turned towards it. In: t. Out: the axes of the
+//! positioner that bring the seam under the beam (mm, degrees), with their derivatives.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | p, l | mm, – | point and direction in the frame of the work-holder |
+//! | h | mm | way along the axis of a surface, from its point `at` |
+//! | ρ | mm | distance from that axis |
+//! | e(t) | – | unit vector across the axis of the first surface, at the angle t |
+//! | n₁, n₂ | – | outward unit normals; θ the angle between them, σ the share of it |
+//!
+//! ```text
+//! p = at + r e(t) + h (axis + k e(t)),   F(p) = c0 + c1 h₂ + c2 h₂² + c3 ρ₂² = 0:  A h² + B h + C = 0        (M92)
+//! h = 2C/(−B ∓ √(B² − 4AC)) = (−B ± √…)/2A,   l = sin((1 − σ)θ) n₁ + sin(σθ) n₂
+//! ```
+//! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49.
 
 use serde::{Deserialize, Serialize};
 
-use crate::Branch;
+use crate::number::{Function, Number};
+use crate::{Branch, Curve, Formula, Point, Positioner, Series};
+
+/// Three coordinates as functions of t.
+type Vector = [Series; 3];
 
 /// Position and direction in the frame of the work-holder, as functions of t. The direction need not be of length 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,8 +42,8 @@ pub struct Meeting {
     pub first: Ruled,
     /// The other.
     pub second: Quadric,
-    /// Of the two points where a generator pierces the second surface that farther along the axis of the first.
-    pub far: bool,
+    /// A generator pierces the second surface twice: where it leaves its inside as h grows, else where it enters.
+    pub leaving: bool,
     /// Direction between both outward normals: 0 that of the first, 1 that of the second, 1/2 the bisector.
     pub share: f64,
 }
@@ -72,4 +91,171 @@ pub struct Seam {
     pub t: [f64; 2],
     /// Which of both solutions of M49.
     pub branch: Branch,
+    /// β where the direction is ±Z all along the seam and any would do, degrees.
+    pub idle_beta_deg: f64,
+}
+
+/// A seam on its positioner, as a [`Curve`] of the parameter of the seam. Axes: x, y, α, β. Its tip is the point of the
+/// seam: the beam travels along it.
+#[derive(Clone, Copy, Debug)]
+pub struct SeamPath<'a> {
+    seam: &'a Seam,
+    formulas: &'a [Formula],
+    positioner: Positioner,
+    beam: [f64; 2],
+}
+
+impl Seam {
+    /// The axes of a positioner along the seam; its beam stands at `beam` (xA, yA), mm. The first six formulas count,
+    /// if the seam is of formulas; where they lack it is nowhere.
+    #[must_use]
+    pub fn on<'a>(&'a self, formulas: &'a [Formula], positioner: Positioner, beam: [f64; 2]) -> SeamPath<'a> {
+        SeamPath { seam: self, formulas, positioner, beam }
+    }
+}
+
+impl SeamPath<'_> {
+    /// Point and direction at t, in the frame of the work-holder.
+    #[must_use]
+    pub fn place(&self, t: f64) -> [[Series; 3]; 2] {
+        let t = Series::variable(t);
+        match &self.seam.curve {
+            SeamCurve::Formulas => {
+                let of = |i: usize| {
+                    let nowhere = Series::constant(f64::NAN);
+                    self.formulas.get(i).map_or(nowhere, |formula| formula.eval([t, Series::default()]))
+                };
+                [[of(0), of(1), of(2)], [of(3), of(4), of(5)]]
+            }
+            SeamCurve::Polynomials(all) => {
+                let [x, y, z, lx, ly, lz] = all.map(|c| polynomial(&c, t));
+                [[x, y, z], [lx, ly, lz]]
+            }
+            SeamCurve::Meeting(meeting) => meeting.place(t),
+        }
+    }
+
+    /// M49 for series: what [`Positioner::inverse`] finds at a place.
+    fn axes(&self, point: &Vector, direction: &Vector) -> [Series; 4] {
+        let ([x, y, z], [lx, ly, lz]) = (*point, *direction);
+        let Positioner { x1, y1, x2, y2, z2, .. } = self.positioner;
+        let constant = Series::constant;
+        let sign = self.seam.branch.sign();
+        let (alpha, beta, [sa, ca], [sb, cb]);
+        if lx == Series::default() && ly == Series::default() {
+            let turned = self.seam.idle_beta_deg.to_radians();
+            let (sin, cos) = libm::sincos(turned);
+            let up = lz.value().signum();
+            alpha = constant(if lz.value() == 0.0 { f64::NAN } else { libm::atan2(sign * 0.0, up) });
+            beta = constant(turned);
+            ([sa, ca], [sb, cb]) = ([constant(0.0), constant(up)], [constant(sin), constant(cos)]);
+        } else {
+            let h = lx.hypot(ly) * sign;
+            let length = h.hypot(lz);
+            (alpha, beta) = (h.atan2(lz), (lx * sign).atan2(-ly * sign));
+            ([sa, ca], [sb, cb]) = ([h / length, lz / length], [lx / h, -ly / h]);
+        }
+        let (w, q) = (constant(y2) + y * cb - x * sb, x * cb + y * sb);
+        let height = constant(z2) + z;
+        [
+            constant(self.beam[0] - x1 - x2) - q,
+            constant(self.beam[1] - y1) - ca * w - sa * height,
+            alpha * 1_f64.to_degrees(),
+            beta * 1_f64.to_degrees(),
+        ]
+    }
+}
+
+impl Curve<4> for SeamPath<'_> {
+    fn at(&self, t: f64) -> Point<4> {
+        let [point, direction] = self.place(t);
+        Point { axes: self.axes(&point, &direction), tip: point }
+    }
+
+    fn turning(&self) -> [bool; 4] {
+        [false, false, false, true]
+    }
+}
+
+/// A polynomial, constant first.
+fn polynomial(c: &[f64], t: Series) -> Series {
+    c.iter().rev().fold(Series::default(), |sum, c| sum * t + Series::constant(*c))
+}
+
+fn add(a: &Vector, b: &Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn scaled(a: &Vector, factor: Series) -> Vector {
+    a.map(|c| c * factor)
+}
+
+fn constant(a: &[f64; 3]) -> Vector {
+    a.map(Series::constant)
+}
+
+fn dot(a: &Vector, b: &Vector) -> Series {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn unit(a: &Vector) -> Vector {
+    let length = dot(a, a).sqrt();
+    a.map(|c| c / length)
+}
+
+impl Ruled {
+    /// e(t).
+    fn across(&self, t: Series) -> Vector {
+        let ([ax, ay, az], [ux, uy, uz]) = (self.axis, self.zero);
+        let side = [ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux];
+        let (c, s) = (t.apply(Function::Cos), t.apply(Function::Sin));
+        add(&scaled(&constant(&self.zero), c), &scaled(&constant(&side), s))
+    }
+}
+
+impl Meeting {
+    /// M92.
+    fn place(&self, t: Series) -> [Vector; 2] {
+        let Meeting { first, second, .. } = self;
+        let across = first.across(t);
+        let slope = Series::constant(first.slope);
+        let along = add(&constant(&first.axis), &scaled(&across, slope));
+        let foot = add(&constant(&first.at), &scaled(&across, Series::constant(first.radius_mm)));
+        let h = second.pierced(&foot, &along, self.leaving);
+        let point = add(&foot, &scaled(&along, h));
+        let one = unit(&add(&across, &scaled(&constant(&first.axis), -slope)));
+        let other = unit(&second.normal(&point));
+        let angle = dot(&one, &other).apply(Function::Acos);
+        let part = |share: f64| (angle * share).apply(Function::Sin);
+        [point, add(&scaled(&one, part(1.0 - self.share)), &scaled(&other, part(self.share)))]
+    }
+}
+
+impl Quadric {
+    /// Where a line meets the surface, as a multiple of `along`.
+    fn pierced(&self, foot: &Vector, along: &Vector, leaving: bool) -> Series {
+        let [c0, c1, c2, c3] = self.c;
+        let axis = constant(&self.axis);
+        let from = add(foot, &constant(&self.at.map(|mm| -mm)));
+        let (h0, h1) = (dot(&from, &axis), dot(along, &axis));
+        // ρ² = p² − h²
+        let (own, rest) = (Series::constant(c2 - c3), Series::constant(c3));
+        let a = own * h1 * h1 + rest * dot(along, along);
+        let b = (own * h0 * h1 + rest * dot(&from, along)) * 2.0 + h1 * c1;
+        let c = own * h0 * h0 + rest * dot(&from, &from) + h0 * c1 + Series::constant(c0);
+        let root = (b * b - a * c * 4.0).sqrt();
+        // F grows where the line leaves: there 2 A h + B = √…; of both forms of a root the one that does not cancel.
+        let (sign, outwards) = if leaving { (1.0, b.value() >= 0.0) } else { (-1.0, b.value() <= 0.0) };
+        if outwards { -(c * 2.0) / (b + root * sign) } else { (root * sign - b) / (a * 2.0) }
+    }
+
+    /// Gradient of F, outwards.
+    fn normal(&self, point: &Vector) -> Vector {
+        let [_, c1, c2, c3] = self.c;
+        let axis = constant(&self.axis);
+        let from = add(point, &constant(&self.at.map(|mm| -mm)));
+        let h = dot(&from, &axis);
+        let along = h * (2.0 * (c2 - c3)) + Series::constant(c1);
+        add(&scaled(&from, Series::constant(2.0 * c3)), &scaled(&axis, along))
+    }
 }

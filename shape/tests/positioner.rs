@@ -1,5 +1,7 @@
 //! The four-axis positioner: `positioner.json`, cases that are not in it, and ten million random poses.
 
+#![allow(clippy::disallowed_methods)] // what is checked against may be platform maths
+
 use shape::{Branch, DriveErrors, Drives, NoPose, Positioner, Travel};
 use std::f64::consts::{PI, TAU};
 
