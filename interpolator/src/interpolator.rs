@@ -365,7 +365,7 @@ impl Interpolator {
             feed_override_pct: panel.feed_override_pct,
             depth_mm: self.depth_mm,
             starved: self.travel.starved,
-            reserved: 0,
+            tracing: 0,
         };
         Out { frames, spindle, status }
     }

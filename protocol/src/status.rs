@@ -274,7 +274,7 @@ impl MachineState {
 /// The interpolator after one of its ticks.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/machine-status/3")]
+#[type_name("pitchlock/machine-status/4")]
 #[repr(C)]
 pub struct MachineStatus {
     /// The tick.
@@ -308,8 +308,9 @@ pub struct MachineStatus {
     /// How often the look-ahead ran dry while machine code was still to come: the machine stopped on its path, and
     /// went on when it was fed again.
     pub starved: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Which trace of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and retracts. A
+    /// feed hold on the way changes nothing.
+    pub tracing: u32,
 }
 
 impl MachineStatus {
