@@ -151,13 +151,22 @@ pub struct Walker<const N: usize> {
     step: Option<f64>,
     /// What is known of the curve where the walker stands; nothing before the first piece.
     here: Option<Knot<N>>,
+    /// Near which turn of its turning axes it begins.
+    near: [f64; N],
 }
 
 impl<const N: usize> Walker<N> {
     /// From one parameter to another; the first may be the larger one.
     #[must_use]
     pub fn new([from, to]: [f64; 2]) -> Walker<N> {
-        Walker { t: from, end: to, step: None, here: None }
+        Walker { t: from, end: to, step: None, here: None, near: [0.0; N] }
+    }
+
+    /// The same from where the axes stand: axes that are known up to whole turns ([`Curve::turning`]) begin with the turn
+    /// that is nearest to it. Without this it is that nearest to 0.
+    #[must_use]
+    pub fn standing(self, axes: [f64; N]) -> Walker<N> {
+        Walker { near: axes, ..self }
     }
 
     /// The parameter where it stands.
@@ -181,7 +190,7 @@ impl<const N: usize> Walker<N> {
         let sense = left.signum();
         let start = match self.here {
             Some(knot) => knot,
-            None => Knot::of(curve, self.t, sense)?,
+            None => Knot::of(curve, self.t, sense, &self.near)?,
         };
         let mut step = self.step.unwrap_or_else(|| start.guess()).min(MOST_MM);
         let mut fault = SpanError::Unresolved { t: self.t };
@@ -227,9 +236,9 @@ struct Knot<const N: usize> {
 }
 
 impl<const N: usize> Knot<N> {
-    /// The curve about `t`; s grows in the sense of ±1.
-    fn of<C: Curve<N>>(curve: &C, t: f64, sense: f64) -> Result<Knot<N>, SpanError> {
-        let point = curve.at(t);
+    /// The curve about `t`, by the turns nearest to `near`; s grows in the sense of ±1.
+    fn of<C: Curve<N>>(curve: &C, t: f64, sense: f64, near: &[f64; N]) -> Result<Knot<N>, SpanError> {
+        let point = curve.near(t, near);
         if !point.axes.iter().chain(&point.tip).all(Series::is_finite) {
             return Err(SpanError::NotFinite { t });
         }
@@ -270,9 +279,10 @@ struct Step<const N: usize> {
 impl<const N: usize> Step<N> {
     fn of<C: Curve<N>>(curve: &C, start: &Knot<N>, to: f64) -> Result<Step<N>, SpanError> {
         let h = to - start.t;
-        let knot = |share: f64| Knot::of(curve, start.t + share * h, h.signum());
-        let (end, quarter, middle, third) =
-            (Knot::of(curve, to, h.signum())?, knot(0.25)?, knot(0.5)?, knot(0.75)?);
+        // Turns count from the start of the piece: one of more than half a turn is not near its curve, and cut.
+        let at = |t: f64| Knot::of(curve, t, h.signum(), &start.axes[0]);
+        let knot = |share: f64| at(start.t + share * h);
+        let (end, quarter, middle, third) = (at(to)?, knot(0.25)?, knot(0.5)?, knot(0.75)?);
         let [first, second] = [[start, &quarter, &middle], [&middle, &third, &end]]
             .map(|knots| ways(0.25 * h, knots.map(|knot| knot.speeds)));
         let whole = ways(0.5 * h, [start, &middle, &end].map(|knot| knot.speeds))[1];

@@ -4,6 +4,7 @@
 
 use shape::{
     Branch, Curve, Formula, Meeting, Op, Positioner, Quadric, Ruled, Seam, SeamCurve, SeamPath, Series,
+    Walker,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -245,5 +246,30 @@ fn the_turn_goes_on_around_and_around() {
             here = next;
         }
         assert!((here[3] - start - sign * 1080.0).abs() < 1e-9, "{}", here[3] - start);
+    }
+}
+
+/// The walker winds β up with the seam, from the turn where the axes stand, and its pieces join without a jump.
+#[test]
+fn a_walker_goes_around_from_the_turn_where_it_stands() {
+    for turns in [-2.0, 0.0, 1.0] {
+        let seam = Seam { t: [0.3, 0.3 - 2.0 * TAU], ..seam(SeamCurve::Meeting(pipes()), Branch::Positive) };
+        let path = seam.on(&[], positioner(), BEAM);
+        let mut here = path.at(0.3).axes.map(|axis| axis.value());
+        here[3] += 360.0 * turns;
+        let (start, mut length, mut pieces) = (here[3], 0.0, 0);
+        let mut walker = Walker::new(seam.t).standing([here[0], here[1], here[2], start + 170.0]);
+        while let Some(span) = walker.next(&path).unwrap() {
+            assert!(
+                span.from.iter().zip(here).all(|(a, b)| (a - b).abs() < 1e-11),
+                "{:?} {here:?}",
+                span.from
+            );
+            let [ways, ..] = span.path.at(span.path.length());
+            assert!((0..4).all(|i| (span.from[i] + ways[i] - span.to[i]).abs() < 1e-9));
+            (here, length, pieces) = (span.to, length + span.path.length(), pieces + 1);
+        }
+        assert!((here[3] - start + 720.0).abs() < 1e-9, "{}", here[3] - start);
+        assert!((length - 2.0 * 130.0).abs() < 10.0 && pieces < 500, "{length} mm in {pieces} pieces");
     }
 }
