@@ -22,10 +22,12 @@
 //! | `translate`, `moves`, `spindle`, `threading` | calls | items |
 //! | `merge` | lines | fewer lines, where G64 Q lets them |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
+//! | [`formula`] | the text of a formula | a formula of machine code |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
 
 mod check;
+pub mod formula;
 mod frame;
 mod merge;
 mod moves;

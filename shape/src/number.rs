@@ -182,6 +182,10 @@ impl<T: Number> Mul for Gradient<T> {
 impl<T: Number> Div for Gradient<T> {
     type Output = Gradient<T>;
 
+    #[expect(
+        clippy::suspicious_arithmetic_impl,
+        reason = "the rule of quotients has a difference and a product"
+    )]
     fn div(self, other: Gradient<T>) -> Gradient<T> {
         let value = self.value / other.value;
         let by = |above: T, below: T| (above - value * below) / other.value;
