@@ -37,11 +37,11 @@ use crate::series::{Series, length};
 const NEAR: f64 = 1e-10;
 /// The parameter of a way is right to this share of its step.
 const IN_TIME: f64 = 1e-9;
-/// Rounding of a parameter, relative.
+/// Rounding of positions and of a parameter, relative.
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
 /// Lengths by a whole step and by its halves differ by less, relative.
 const ALIKE: f64 = 1e-10;
-/// Longest piece, mm: of a straight line.
+/// Longest piece, mm, as seen from the speed of the tip at its start: of a straight line.
 const MOST_MM: f64 = 50.0;
 /// Shortest piece that is tried, mm.
 const LEAST_MM: f64 = 1e-3;
@@ -298,7 +298,7 @@ impl<const N: usize> Step<N> {
         for (knot, s) in [(&quarter, first[0]), (&middle, first[1]), (&third, first[1] + second[0])] {
             let [at, ..] = path.at(s);
             for ((at, from), axis) in at.iter().zip(from).zip(knot.axes[0]) {
-                excess = excess.max((at - (axis - from)).abs() / NEAR);
+                excess = excess.max((at - (axis - from)).abs() / (NEAR + ROUNDED * axis.abs()));
             }
             excess = excess.max((span.parameter(s) - knot.t).abs() / in_time);
         }
