@@ -1,7 +1,7 @@
 //! What begins at rest: the next item of the program.
 
 use protocol::{
-    AxisCommand, Code, Cycle, Fault, MachineStatus, Panel, PerAxis, Setpoint, ThreadPass,
+    AxisCommand, Code, Cycle, Fault, Feed, MachineStatus, Panel, PerAxis, Setpoint, ThreadPass,
     frame::SETPOINT_LEAD,
 };
 
@@ -72,9 +72,12 @@ impl Interpolator {
                     return (self.rest(due), command);
                 }
                 Code::Formula { slot, formula } => self.travel.route.set_formula(slot, formula),
-                Code::Trace(_) => {
-                    self.enter_fault(Fault::BadMachineCode);
-                    return resting;
+                Code::Trace(trace) => {
+                    if !self.may_feed(Feed::PerMinute(trace.feed_mm_min)) || !self.begin_trace(&trace) {
+                        return resting;
+                    }
+                    self.task = Task::Moving;
+                    return (self.go_on(panel, due), AxisCommand::Stream);
                 }
                 Code::End => {
                     self.end();

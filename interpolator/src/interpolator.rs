@@ -128,6 +128,7 @@ impl Interpolator {
         let cutting = matches!(self.task, Task::Threading { .. }) && self.begun(input);
         self.waited = if self.spindle.held() || cutting { 0 } else { self.waited + 1 };
         self.stalled = if self.spindle.stalls() { self.stalled + 1 } else { 0 };
+        self.travel.tracing.cutting = 0;
         let before = self.task.public();
         match self.fault(input) {
             // What does not stop the axes by itself stops them on their path.
@@ -356,7 +357,7 @@ impl Interpolator {
             line: self.line,
             pass: self.pass,
             moves: self.travel.moves,
-            taken: self.queue.taken().saturating_sub(self.travel.pending()),
+            taken: self.queue.taken().saturating_sub(self.travel.pending(self.next.as_ref())),
             overrides_clamped: self.spindle.clamped(),
             stopped: u16::from(self.stopped),
             coolant: self.coolant,

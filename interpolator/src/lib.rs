@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`queue`] | items waiting, with credit |
 //! | `travel` | timed motion: the chain of moves, overrides, hold, single block |
+//! | `tracing` | the trace in hand, piece by piece |
 //! | [`spindle`] | programmed speed, override and its ceiling, at speed |
 //! | `task` | what the interpolator is doing, as one enum |
 //! | `begin` | the next item of the program |
@@ -20,6 +21,7 @@ pub mod queue;
 pub mod shell;
 pub mod spindle;
 mod task;
+mod tracing;
 mod travel;
 
 pub use interpolator::{In, Interpolator, Out};

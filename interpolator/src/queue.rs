@@ -12,12 +12,13 @@ pub const DEPTH: usize = 64;
 pub struct Queue {
     items: VecDeque<Item>,
     received: u64,
+    taken: u64,
     ended: bool,
 }
 
 impl Default for Queue {
     fn default() -> Self {
-        Queue { items: VecDeque::with_capacity(DEPTH), received: 0, ended: false }
+        Queue { items: VecDeque::with_capacity(DEPTH), received: 0, taken: 0, ended: false }
     }
 }
 
@@ -39,7 +40,9 @@ impl Queue {
 
     /// The next item.
     pub fn pop(&mut self) -> Option<Item> {
-        self.items.pop_front()
+        let item = self.items.pop_front()?;
+        self.taken += item.steps();
+        Some(item)
     }
 
     /// Whether there is room and more may come.
@@ -62,8 +65,8 @@ impl Queue {
         self.items.is_empty()
     }
 
-    /// Items taken out so far.
+    /// Taken out so far, in steps of progress ([`Item::steps`]).
     pub fn taken(&self) -> u64 {
-        self.received - self.items.len() as u64
+        self.taken
     }
 }

@@ -4,12 +4,13 @@
 //! spindle, a pass, a move of the other kind. It ends, too, when no more machine code comes; the machine then stops on
 //! its path, the status counts it, and the next item begins a new chain.
 
-use motion::chain::{Ask, Chain, MOST_RATIO, Ratios};
+use motion::chain::{Ask, Block, Chain, MOST_RATIO, Ratios};
 use protocol::{
-    Code, Cycle, Fault, Feed, Leg, Machine, Panel, PerAxis, Position, Route, Routed, Setpoint, units::AXES,
+    Code, Cycle, Fault, Feed, Item, Leg, Machine, Panel, PerAxis, Position, Route, Routed, Setpoint, Trace,
+    units::AXES,
 };
 
-use crate::{Interpolator, interpolator::ends, task::Task};
+use crate::{Interpolator, interpolator::ends, task::Task, tracing::Tracing};
 
 /// Most moves that one tick takes into the chain: more than the chain can leave behind in a tick.
 const MOVES_PER_TICK: usize = 32;
@@ -25,6 +26,7 @@ pub(crate) struct Travel {
     pub(crate) route: Route,
     /// The last move in the chain.
     last: Option<Leg>,
+    pub(crate) tracing: Tracing,
     /// Speed of the spindle that feeds per revolution follow, 1/s.
     turns: f64,
     /// How often it was short of machine code.
@@ -43,6 +45,7 @@ impl Travel {
             chain: Chain::new(Route::settings(machine)),
             route: Route::new(machine),
             last: None,
+            tracing: Tracing::default(),
             turns: 0.0,
             starved: 0,
             moves: 0,
@@ -56,15 +59,46 @@ impl Travel {
         self.chain.is_empty() || self.chain.rests()
     }
 
-    /// Moves in the chain.
-    pub(crate) fn pending(&self) -> u64 {
-        self.chain.len() as u64
+    /// What of the program is in hand, in steps of its progress; `next` waits for it to be over.
+    pub(crate) fn pending(&self, next: Option<&Item>) -> u64 {
+        match (self.tracing.left(), next) {
+            (Some(left), _) => left,
+            (None, Some(Item { code: Code::Trace(_), .. })) => self.chain.len() as u64 + Trace::STEPS,
+            (None, _) => self.chain.len() as u64,
+        }
     }
 
-    /// Forgets what is left of the chain. The machine stands.
+    /// Forgets what is left of the chain, and of a trace. The machine stands.
     pub(crate) fn clear(&mut self) {
+        self.end_chain();
+        self.tracing.end();
+    }
+
+    /// Forgets what is left of the chain.
+    fn end_chain(&mut self) {
         self.chain.clear();
         self.last = None;
+    }
+
+    /// Whether a block can be appended.
+    pub(crate) fn has_room(&self) -> bool {
+        self.chain.has_room()
+    }
+
+    /// Appends a block, if it can be one chain with those before it; else the chain ends before it.
+    pub(crate) fn push(&mut self, block: Block<AXES, Leg>) -> bool {
+        if self.last.is_some_and(|last| !last.joins(&block.tag)) {
+            self.close();
+            return false;
+        }
+        self.last = Some(block.tag);
+        self.chain.push(block);
+        true
+    }
+
+    /// Nothing follows in this chain.
+    pub(crate) fn close(&mut self) {
+        self.chain.close();
     }
 
     /// The overrides of a panel. A value that is no number asks for a stop.
@@ -93,14 +127,7 @@ impl Interpolator {
     pub(crate) fn append(&mut self, line: u32, code: &Code) -> bool {
         let from = self.travel.last.map_or(self.here, |last| last.to);
         match self.travel.route.block(line, code, &from) {
-            Ok(Routed::Block(block)) => {
-                if self.travel.last.is_some_and(|last| !last.joins(&block.tag)) {
-                    return false;
-                }
-                self.travel.last = Some(block.tag);
-                self.travel.chain.push(block);
-                true
-            }
+            Ok(Routed::Block(block)) => self.travel.push(block),
             Ok(Routed::Nowhere) => {
                 if self.travel.last.is_none()
                     && let Code::Line { target, .. } = code
@@ -115,17 +142,20 @@ impl Interpolator {
     }
 
     /// A move cannot be made: a fault once everything before it is done.
-    fn refuse(&mut self, fault: Fault) -> bool {
+    pub(crate) fn refuse(&mut self, fault: Fault) -> bool {
         if self.travel.last.is_none() {
             self.travel.fault = Some(fault);
         }
         false
     }
 
-    /// Takes moves out of the queue for as long as they belong to the chain.
+    /// Takes moves out of the queue, or pieces of a trace, for as long as they belong to the chain.
     fn take_moves(&mut self) {
+        if self.travel.tracing.in_hand() {
+            return self.take_pieces();
+        }
         for _ in 0..MOVES_PER_TICK {
-            if !self.travel.chain.has_room() {
+            if !self.travel.has_room() {
                 return;
             }
             self.next = self.next.or_else(|| self.queue.pop());
@@ -139,7 +169,7 @@ impl Interpolator {
                 _ => false,
             };
             if !taken {
-                return self.travel.chain.close();
+                return self.travel.close();
             }
             self.next = None;
         }
@@ -160,19 +190,23 @@ impl Interpolator {
                 || panel.pressed(Panel::FEED_HOLD)
                 || self.travel.waits(panel)
                 || self.travel.last.is_some_and(|leg| leg.feed != Feed::Rapid) && self.spindle.held(),
-            single: panel.pressed(Panel::SINGLE_BLOCK),
+            single: panel.pressed(Panel::SINGLE_BLOCK) && !self.travel.tracing.in_hand(),
             more: self.next.is_some() || !self.queue.is_empty(),
         };
         let Some(step) = self.travel.chain.tick(&ask) else {
             self.arrive(panel);
             return self.rest(due);
         };
-        self.travel.moves += u64::from(step.completed);
-        self.travel.starved += u32::from(step.starved && !self.queue.ended());
+        let leg = step.tag;
+        self.travel.tracing.step(&leg);
+        if leg.trace.is_none() {
+            self.travel.moves += u64::from(step.completed);
+        }
+        let more = self.travel.tracing.more() || !self.queue.ended();
+        self.travel.starved += u32::from(step.starved && more);
         if step.rejected {
             self.travel.fault = Some(Fault::PlanRejected);
         }
-        let leg = step.tag;
         let stops_single = ask.single && step.completed > 0 && self.travel.rests();
         if !stops_single {
             self.line = leg.line;
@@ -197,7 +231,8 @@ impl Interpolator {
 
     /// The machine stands at the end of its chain, or on its path because the operator or a fault ends the program.
     fn arrive(&mut self, panel: &Panel) {
-        self.travel.clear();
+        self.travel.end_chain();
+        self.end_trace(panel);
         if let Some(fault) = self.travel.fault.take() {
             self.enter_fault(fault);
         } else if ends(panel) {
@@ -219,7 +254,7 @@ impl Interpolator {
     pub(crate) fn lead_to(&mut self, target: &PerAxis<Position>) {
         let code = Code::Line { target: *target, feed: Feed::Rapid };
         if self.append(self.line, &code) {
-            self.travel.chain.close();
+            self.travel.close();
             self.task = Task::Moving;
         } else {
             self.enter_fault(Fault::TravelLimit);

@@ -21,6 +21,8 @@ pub mod route;
 pub mod shell;
 pub mod status;
 pub mod trace;
+pub mod tracer;
+pub mod track;
 pub mod truth;
 pub mod units;
 
@@ -34,9 +36,11 @@ pub use machine::Machine;
 pub use measurement::{AxisMeasurement, Measurement, Panel};
 pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass};
-pub use route::{Leg, Route, Routed};
+pub use route::{Leg, Route, Routed, Stretch};
 pub use status::{AxisState, AxisStatus, Fault, MachineState, MachineStatus, SpindleCommand};
 pub use trace::{FORMULAS, Trace, Work};
+pub use tracer::{Traced, Tracer, Untraceable};
+pub use track::Spot;
 pub use truth::{AxisTruth, CutTruth, Truth};
 pub use units::{Axis, Cycle, PerAxis, Position};
 

@@ -21,6 +21,17 @@ pub struct Leg {
     pub to: PerAxis<Position>,
     /// How fast.
     pub feed: Feed,
+    /// What it is of a trace; nothing for moves of the program.
+    pub trace: Option<Stretch>,
+}
+
+/// A part of a trace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// The tool cuts, or the beam; not on the way from one path to the next.
+    pub cuts: bool,
+    /// Share of the trace that is done where it begins, 0 to 1.
+    pub share: f64,
 }
 
 /// What becomes of a move.
@@ -38,9 +49,9 @@ pub enum Routed {
 /// The path mode in force on a machine.
 #[derive(Clone, Debug)]
 pub struct Route {
-    machine: Machine,
+    pub(crate) machine: Machine,
     mode: PathMode,
-    formulas: [Option<Formula>; FORMULAS],
+    pub(crate) formulas: [Option<Formula>; FORMULAS],
 }
 
 impl Route {
@@ -81,16 +92,16 @@ impl Route {
             _ => return Err(Refused::OutOfRange("code of a move")),
         };
         let Some(path) = path else { return Ok(Routed::Nowhere) };
-        let room = self.room(from, &path);
+        let (room, _) = self.room(from, &path);
         if room < 0.0 || !self.machine.can_reach(to) {
             return Ok(Routed::BeyondTravel);
         }
-        let leg = Leg { line, from: *from, to: *to, feed };
+        let leg = Leg { line, from: *from, to: *to, feed, trace: None };
         let (feed, corner, chord_mm) = (self.feed(feed), self.corner(), self.machine.path.chord_mm);
         Ok(Routed::Block(Block { path, feed, corner, room, chord_mm, tag: leg }))
     }
 
-    fn line(&self, from: &PerAxis<Position>, to: &PerAxis<Position>) -> Option<Path<AXES>> {
+    pub(crate) fn line(&self, from: &PerAxis<Position>, to: &PerAxis<Position>) -> Option<Path<AXES>> {
         let mut displacement = [0.0; AXES];
         for (axis, _) in self.machine.axes() {
             displacement[axis.index()] = to[axis.index()].mm_from(from[axis.index()]);
@@ -98,13 +109,14 @@ impl Route {
         Path::line(displacement, &Axis::METRIC)
     }
 
-    /// Travel left beside a path, mm; negative beyond it. The quantum of the wire is not counted.
-    fn room(&self, from: &PerAxis<Position>, path: &Path<AXES>) -> f64 {
+    /// Travel left beside a path, mm, and the axis that has it; negative beyond it. The quantum of the wire is not counted.
+    pub(crate) fn room(&self, from: &PerAxis<Position>, path: &Path<AXES>) -> (f64, Axis) {
         let [low, high] = path.bounds();
-        self.machine.axes().fold(f64::INFINITY, |room, (axis, config)| {
+        self.machine.axes().fold((f64::INFINITY, Axis::X), |narrowest, (axis, config)| {
             let (i, [lowest, highest]) = (axis.index(), config.travel_mm);
             let beside = (from[i].mm() + low[i] - lowest).min(highest - from[i].mm() - high[i]);
-            room.min(if beside < 0.0 && beside > -2.0 / Position::PER_MM { 0.0 } else { beside })
+            let beside = if beside < 0.0 && beside > -2.0 / Position::PER_MM { 0.0 } else { beside };
+            if beside < narrowest.0 { (beside, axis) } else { narrowest }
         })
     }
 
@@ -118,7 +130,15 @@ impl Route {
         }
     }
 
-    fn feed(&self, feed: Feed) -> chain::Feed {
+    /// The corner of the mode in force, rounded within so many mm at most.
+    pub(crate) fn corner_within(&self, mm: f64) -> Corner {
+        match self.corner() {
+            Corner::Blend(tolerance_mm) => Corner::Blend(tolerance_mm.min(mm)),
+            corner => corner,
+        }
+    }
+
+    pub(crate) fn feed(&self, feed: Feed) -> chain::Feed {
         match feed {
             Feed::Rapid => chain::Feed::Rapid,
             Feed::PerMinute(feed) => chain::Feed::PerSecond((feed / 60.0).max(chain::LEAST_FEED)),

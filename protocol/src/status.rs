@@ -289,7 +289,7 @@ pub struct MachineStatus {
     pub pass: u32,
     /// Timed moves completed.
     pub moves: u64,
-    /// Machine-code items taken.
+    /// Machine-code items taken and done, in steps of progress ([`Item::steps`](crate::Item::steps)).
     pub taken: u64,
     /// Overrides that were clamped so far.
     pub overrides_clamped: u32,
