@@ -1,0 +1,140 @@
+//! What a trace follows, leg by leg: the curve of a leg on the axes of the machine, and where it is in their coordinates.
+//! In: a trace, one of its legs, the formulas. Out: a curve of all axes, positions.
+
+use shape::{ContourCurve, Curve, Formula, Leg, Plan, Point, SurfaceCurve};
+
+use crate::{Axis, FORMULAS, PerAxis, Position, Trace, Untraceable, Work, units::AXES};
+
+/// Where on a trace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spot {
+    /// X of the contour, mm.
+    Contour(f64),
+    /// X and Y of the point of contact, mm.
+    Surface([f64; 2]),
+    /// Parameter of a curve over a surface, or of a seam.
+    Parameter(f64),
+}
+
+impl std::fmt::Display for Spot {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Spot::Contour(x) => write!(out, "x = {x:.4}"),
+            Spot::Surface([x, y]) => write!(out, "x = {x:.4}, y = {y:.4}"),
+            Spot::Parameter(t) => write!(out, "t = {t:.6}"),
+        }
+    }
+}
+
+impl Trace {
+    /// How many legs there are.
+    pub(crate) fn legs(&self) -> u32 {
+        if let Work::Surface(surface) = &self.work { surface.legs() } else { 1 }
+    }
+
+    /// Leg `k`, from 0; `None` behind the last.
+    pub(crate) fn leg(&self, k: u32) -> Option<Leg> {
+        match &self.work {
+            Work::Surface(surface) => surface.leg(k),
+            Work::Contour(contour, _) => (k == 0).then_some(Leg::Cut(Plan::Curve { t: contour.t() })),
+            Work::Seam(seam) => (k == 0).then_some(Leg::Cut(Plan::Curve { t: seam.t })),
+        }
+    }
+
+    /// The axes that follow, in the order of their curve.
+    pub(crate) fn axes(&self) -> &[Axis] {
+        match &self.work {
+            Work::Contour(_, axes) => axes,
+            Work::Surface(_) => &[Axis::X, Axis::Y, Axis::Z],
+            Work::Seam(_) => &[Axis::X, Axis::Y, Axis::A, Axis::C],
+        }
+    }
+
+    /// Machine Z at which a tool moves freely over a surface.
+    pub(crate) fn clear(&self) -> Option<Position> {
+        let Work::Surface(surface) = &self.work else { return None };
+        self.origin.last().map(|z| z.moved(surface.clear_mm))
+    }
+
+    /// Where a parameter of a plan is.
+    pub(crate) fn spot(&self, plan: &Plan, t: f64) -> Spot {
+        match (&self.work, plan) {
+            (Work::Contour(..), _) => Spot::Contour(t),
+            (_, Plan::Line { from, to }) => {
+                let [begin, end] = plan.t();
+                let share = (t - begin) / (end - begin);
+                Spot::Surface([0, 1].map(|i| from[i] + share * (to[i] - from[i])))
+            }
+            _ => Spot::Parameter(t),
+        }
+    }
+
+    /// The curve of a plan on the axes of the machine.
+    ///
+    /// # Errors
+    /// [`Untraceable::NoFormula`].
+    pub(crate) fn track<'a>(
+        &'a self,
+        plan: Plan,
+        formulas: &'a [Option<Formula>; FORMULAS],
+    ) -> Result<Track<'a>, Untraceable> {
+        let formula = |slot: usize| match formulas.get(slot) {
+            Some(Some(formula)) => Ok(formula),
+            _ => Err(Untraceable::NoFormula(slot)),
+        };
+        let followed = match &self.work {
+            Work::Contour(contour, _) => Followed::Contour(contour.curve(formula(0)?)),
+            Work::Surface(surface) => {
+                let surface_alone = matches!(plan, Plan::Line { .. });
+                let [x, y] = if surface_alone { [0, 0] } else { [1, 2] };
+                Followed::Surface(surface.curve(plan, [formula(0)?, formula(x)?, formula(y)?]))
+            }
+            Work::Seam(_) => return Err(Untraceable::NoPositioner),
+        };
+        Ok(Track { followed, axes: self.axes() })
+    }
+
+    /// Where the axes stand at a point of a track; axes that do not follow it stay where they are.
+    pub(crate) fn placed(&self, point: &PerAxis<f64>, mut at: PerAxis<Position>) -> PerAxis<Position> {
+        let seam = matches!(self.work, Work::Seam(_));
+        for (k, axis) in self.axes().iter().enumerate() {
+            let origin = self.origin.get(k).filter(|_| !seam).copied().unwrap_or_default();
+            at[axis.index()] = origin.moved(point[axis.index()]);
+        }
+        at
+    }
+}
+
+/// A leg of a trace as a curve of every axis, from the zero of the formulas; mm and degrees. Axes that do not follow it
+/// stand at 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Track<'a> {
+    followed: Followed<'a>,
+    axes: &'a [Axis],
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Followed<'a> {
+    Contour(ContourCurve<'a>),
+    Surface(SurfaceCurve<'a>),
+}
+
+impl Curve<AXES> for Track<'_> {
+    fn at(&self, t: f64) -> Point<AXES> {
+        match &self.followed {
+            Followed::Contour(curve) => self.spread(&curve.at(t)),
+            Followed::Surface(curve) => self.spread(&curve.at(t)),
+        }
+    }
+}
+
+impl Track<'_> {
+    /// The axes of a curve in their places.
+    fn spread<const N: usize>(&self, point: &Point<N>) -> Point<AXES> {
+        let mut axes = PerAxis::default();
+        for (axis, own) in self.axes.iter().zip(point.axes) {
+            axes[axis.index()] = own;
+        }
+        Point { axes, tip: point.tip }
+    }
+}
