@@ -266,7 +266,7 @@ impl Block {
             Blame::M(code) => {
                 places(self.m_present).find(|group| self.m[*group] == code).map(|group| self.m_spans[group])
             }
-            Blame::Block | Blame::Line(_) | Blame::At(_) => None,
+            Blame::Block | Blame::Line(_) | Blame::At(_) | Blame::Part(..) => None,
         }
     }
 

@@ -11,6 +11,7 @@
 //! | `flow` | O-words, M98, M99 | the line that comes next |
 //! | `execute` | a block and the [`State`] | calls, in the order of RS274/NGC |
 //! | `fanuc` | a FANUC lathe program | the same calls |
+//! | [`job`] | lines with `;@`, a job file | the text of a job |
 //! | [`canon`] | calls | text, as LinuxCNC's `rs274` prints it or tidier |
 //! | [`alone`] | one line, one value | a [`Block`], a number |
 //! | [`files`] | tool table, parameter file, machine file | values |
@@ -24,11 +25,13 @@ pub mod execute;
 mod fanuc;
 pub mod files;
 mod flow;
+pub mod job;
 mod options;
 pub mod problem;
 mod program;
 pub mod source;
 pub mod state;
+mod watch;
 pub mod words;
 
 pub use block::Block;

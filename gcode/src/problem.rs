@@ -56,6 +56,8 @@ pub enum Blame {
     Line(u32),
     /// All of a line that was read before, in whichever file.
     At(Place),
+    /// These bytes of such a line.
+    Part(Place, Span),
 }
 
 /// What is wrong, before it is known where that stands in the text.

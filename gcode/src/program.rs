@@ -15,16 +15,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::block::Block;
-use crate::canon::{Call, Place, Sink};
+use crate::canon::{Place, Sink};
 use crate::codes::{M, m_group};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Done, Output, roughing};
 use crate::fanuc;
 use crate::flow::{Files, Flow, Order};
+use crate::job::{self, Job};
 use crate::options::{Dialect, Options};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 use crate::source::Source;
 use crate::state::State;
+use crate::watch::Watch;
 use crate::words::{Cursor, Reader, head};
 
 /// Whether there is more to do.
@@ -62,6 +64,8 @@ pub struct Program {
 struct RunOptions {
     block_delete: bool,
     longest_idle: u64,
+    /// The file is a job.
+    is_job: bool,
 }
 
 /// What a line holds; words are in the block.
@@ -69,6 +73,7 @@ enum Content {
     Words,
     /// An O word, or what is wrong with it.
     Control(Result<Order, Box<Problem>>),
+    Job(Job),
     /// It is left out.
     Nothing,
     End,
@@ -92,6 +97,12 @@ impl Program {
         }
         let source = Source::open(path, options.limits.line_length)?;
         Ok(Program::new(source, path.parent(), options))
+    }
+
+    /// What was opened is a job file.
+    pub(crate) fn as_job(mut self) -> Program {
+        self.options.is_job = true;
+        self
     }
 
     /// Takes a text, UTF-8 or not. `name` is shown in diagnostics.
@@ -124,6 +135,7 @@ impl Program {
             options: RunOptions {
                 block_delete: options.block_delete,
                 longest_idle: limits.blocks_without_motion,
+                is_job: false,
             },
             stage: Stage::Fresh,
             idle: 0,
@@ -141,7 +153,7 @@ impl Program {
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
     pub fn step(&mut self, sink: &mut dyn Sink) -> Result<Step, Box<Diagnostic>> {
-        let mut watch = Watch { sink, moved: false, refused: None };
+        let mut watch = Watch::new(sink);
         let done = self.line(&mut watch);
         self.idle = if watch.moved { 0 } else { self.idle + 1 };
         if !self.problems.is_empty() || !self.reader.warnings.is_empty() {
@@ -170,9 +182,15 @@ impl Program {
         if self.fanuc.is_some() {
             return self.fanuc_line(sink);
         }
+        if self.options.is_job {
+            self.stage = Stage::Ended;
+            let job = job::read_file(&mut self.flow.files)?;
+            return self.job(&job, sink);
+        }
         match self.read()? {
             Content::Words => self.execute(sink),
             Content::Control(order) => self.control(order, sink),
+            Content::Job(job) => self.job(&job, sink),
             Content::Nothing => Ok(()),
             Content::End => self.end_of_file(sink),
         }
@@ -197,6 +215,9 @@ impl Program {
         };
         self.block.clear(file, line.number());
         self.state.line = line.number();
+        if job::begins(self.flow.files.bytes(&line)) {
+            return job::read(&mut self.flow.files, &line).map(Content::Job);
+        }
         let mut cursor = Cursor::new(self.flow.files.bytes(&line));
         let head = head(&mut cursor)?;
         if head.optional && self.options.block_delete {
@@ -258,6 +279,11 @@ impl Program {
         done.inspect_err(|_| fanuc.only_look())
     }
 
+    fn job(&mut self, job: &Job, sink: &mut Watch) -> Done {
+        let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
+        job::execute(job, &mut self.state, &mut out)
+    }
+
     fn end_of_file(&mut self, sink: &mut Watch) -> Done {
         let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
         let mut ended = self.flow.end(&mut self.state, &mut out);
@@ -315,6 +341,7 @@ impl Program {
         let block = self.block.place();
         let earlier = refused.filter(|place| (place.file, place.line) != (block.file, block.line));
         let (file, line) = match (problem.blame, earlier) {
+            (Blame::Part(place, _), _) => (place.file, place.line),
             (Blame::Line(line), place) => (place.map_or(block.file, |place| place.file), line),
             (_, Some(place)) | (Blame::At(place), _) => (place.file, place.line),
             _ => (block.file, block.line),
@@ -325,7 +352,11 @@ impl Program {
             None => ("".into(), String::new()),
         };
         let whole = Span { start: 0, end: text.len() as u32 };
-        let span = if earlier.is_some() { None } else { self.block.span(problem.blame) };
+        let span = match problem.blame {
+            Blame::Part(_, span) => Some(span),
+            _ if earlier.is_some() => None,
+            blame => self.block.span(blame),
+        };
         (file, Diagnostic::new(problem, &name, line, &text, span.unwrap_or(whole)))
     }
 
@@ -359,33 +390,5 @@ impl Program {
     /// The state after the last step.
     pub fn state(&self) -> &State {
         &self.state
-    }
-}
-
-/// The receiver of the calls, watched.
-struct Watch<'a> {
-    sink: &'a mut dyn Sink,
-    /// A move was among the calls.
-    moved: bool,
-    /// Where the call that was refused comes from.
-    refused: Option<Place>,
-}
-
-impl Sink for Watch<'_> {
-    fn call(&mut self, place: Place, call: Call<'_>) -> Done {
-        self.moved |= matches!(
-            call,
-            Call::StraightTraverse(_)
-                | Call::StraightFeed(_)
-                | Call::ArcFeed(_)
-                | Call::StraightProbe(..)
-                | Call::RigidTap(..)
-                | Call::ThreadCycle(_)
-        );
-        let done = self.sink.call(place, call);
-        if done.is_err() {
-            self.refused = Some(place);
-        }
-        done
     }
 }

@@ -178,6 +178,9 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
         match call {
             Call::WaitInput { .. } | Call::MoveByHand => return Ok(()),
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
+            Call::Job(job) => {
+                return job.comments(|line, text| self.call(Place { line, ..place }, Call::Comment(text)));
+            }
             Call::Print(text) => {
                 self.lines.text(text);
                 return self.lines.end();

@@ -176,6 +176,8 @@ pub enum Call<'a> {
     RigidTap(Position, f64),
     /// A multi-pass threading cycle. [`ThreadCycle::expand`] gives the moves it stands for.
     ThreadCycle(&'a ThreadCycle),
+    /// A job: work described by a formula, in the coordinates in force.
+    Job(&'a crate::job::Job),
     /// T.
     SelectTool(i32),
     /// M6; the tool that is in the spindle afterwards.
@@ -278,4 +280,10 @@ pub trait Sink {
     /// # Errors
     /// What the receiver cannot do; the interpreter adds file, line and caret.
     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<crate::Problem>>;
+
+    /// Where the tool is behind the last [`Call::Job`], in the units and coordinates in force. `None` from a receiver that
+    /// knows no machine: the programmed point stays what it was.
+    fn after_job(&self) -> Option<Position> {
+        None
+    }
 }

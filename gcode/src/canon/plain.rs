@@ -268,6 +268,7 @@ impl<W: Write> PlainPrinter<W> {
             Call::SetMotionOutputValue(index, value) => self.indexed("SET_MOTION_OUTPUT_VALUE", index, value),
             Call::SetAuxOutputValue(index, value) => self.indexed("SET_AUX_OUTPUT_VALUE", index, value),
             Call::WaitInput { index, analog, wait, timeout } => self.wait_input(index, analog, wait, timeout),
+            Call::Job(job) => self.lines.quoted("JOB", &job.one_line()),
             Call::Comment(text) => self.lines.quoted("COMMENT", text),
             Call::Message(text) => self.lines.quoted("MESSAGE", text),
             Call::Print(text) => self.lines.quoted("PRINT", text),

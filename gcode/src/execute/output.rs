@@ -1,7 +1,7 @@
 //! Where calls and warnings of a block go.
 
 use super::compensation::Waiting;
-use crate::canon::{Call, Place, Sink};
+use crate::canon::{Call, Place, Position, Sink};
 use crate::problem::Problem;
 
 /// What executing functions return.
@@ -34,6 +34,11 @@ impl<'a> Output<'a> {
             return Ok(());
         }
         self.sink.call(self.place, call)
+    }
+
+    /// Where the last job left the tool, see [`Sink::after_job`].
+    pub(crate) fn after_job(&self) -> Option<Position> {
+        self.sink.after_job()
     }
 
     /// Sends all calls that wait. They keep the place of their blocks, but for N: that is what is read now.
