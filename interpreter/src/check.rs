@@ -7,13 +7,11 @@ use gcode::{Diagnostic, Program, Severity};
 use protocol::{Item, Machine};
 
 use crate::threading::PassNote;
-use crate::time::Clock;
-use crate::{Interpreter, options};
+use crate::time::{Clock, LONGEST_S};
+use crate::{Interpreter, JobNote, options};
 
 /// After so many errors a program is not read further.
 const MOST_ERRORS: usize = 100;
-/// A program that takes longer on the machine than this, s, is taken for one without end: thirty days.
-const LONGEST_S: f64 = 30.0 * 86_400.0;
 
 /// What reading a whole program brought to light.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +26,8 @@ pub struct Check {
     pub moves: u64,
     /// The passes of threads.
     pub passes: Vec<PassNote>,
+    /// The jobs.
+    pub jobs: Vec<JobNote>,
     /// Files that were read besides the program.
     pub subroutine_files: Vec<PathBuf>,
     /// Estimated duration at 100 % override, s.
@@ -81,6 +81,7 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
     check.diagnostics.extend_from_slice(interpreter.warnings());
     check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
     check.passes = interpreter.passes().to_vec();
+    check.jobs = interpreter.jobs().to_vec();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.time_s = clock.seconds();

@@ -44,6 +44,17 @@ impl Frame {
         }
         sum(sum(at, &self.system), &self.tool)
     }
+
+    /// A position of the machine as it is programmed: the inverse of [`Frame::machine`].
+    pub(crate) fn programmed(&self, at: &Position) -> Position {
+        let mut from: Position = std::array::from_fn(|axis| at[axis] - self.system[axis] - self.tool[axis]);
+        if self.rotation_deg != 0.0 {
+            let (sin, cos) = libm::sincos(self.rotation_deg.to_radians());
+            (from[X], from[Y]) = (from[X] * cos + from[Y] * sin, from[Y] * cos - from[X] * sin);
+        }
+        let [x, y, z, a, b, c] = std::array::from_fn(|axis| from[axis] - self.shift[axis]);
+        [x / self.unit, y / self.unit, z / self.unit, a, b, c]
+    }
 }
 
 fn sum(one: Position, other: &Position) -> Position {

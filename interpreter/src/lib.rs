@@ -20,6 +20,7 @@
 //! | [`gcode`] | the text of a program | calls of canonical functions |
 //! | `frame` | units and offsets | positions of the machine |
 //! | `translate`, `moves`, `spindle`, `threading` | calls | items |
+//! | `job` | the text of a job | moves, formulas, a trace |
 //! | `merge` | lines | fewer lines, where G64 Q lets them |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
@@ -29,6 +30,7 @@
 mod check;
 pub mod formula;
 mod frame;
+mod job;
 mod merge;
 mod moves;
 mod options;
@@ -47,6 +49,7 @@ use protocol::{Item, Machine};
 
 pub use check::{Check, check, check_program, time_s};
 pub use gcode::{Diagnostic, Severity};
+pub use job::JobNote;
 pub use options::{Language, OpenError, check_folders, open};
 pub use threading::PassNote;
 use translate::Translator;
@@ -91,6 +94,11 @@ impl Interpreter {
     /// The passes of threads so far.
     pub fn passes(&self) -> &[PassNote] {
         self.translator.notes()
+    }
+
+    /// The jobs so far.
+    pub fn jobs(&self) -> &[JobNote] {
+        &self.translator.jobs
     }
 
     /// The program, for its parameters and tools at the end.

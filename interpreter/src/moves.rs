@@ -7,7 +7,7 @@ use gcode::{Place, Problem};
 use protocol::machine::Kinematics;
 use protocol::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position};
 
-use crate::translate::{Done, Translator, missing, no_axis};
+use crate::translate::{Done, Translator, missing};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 pub(crate) const SAME: f64 = 1e-9;
@@ -235,4 +235,17 @@ pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame
     );
     let help = "keep the target within the travel; check units (G20, G21), G7, G91 and offsets";
     Err(Problem::error("travel-limit", blame, message, help))
+}
+
+/// The machine is asked for an axis that it does not have; `at` in mm or degrees.
+pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
+    let kind = match machine.machine.kinematics {
+        Kinematics::Lathe => "lathe",
+        Kinematics::Mill => "mill",
+        Kinematics::Positioner => "positioner",
+    };
+    let axes: Vec<String> = machine.axes().map(|(axis, _)| axis.to_string()).collect();
+    let message = format!("this {kind} has no axis {axis} (it would be at {})", short(at));
+    let help = format!("its axes are {}: leave the word out", axes.join(", "));
+    Problem::error("no-such-axis", Blame::Word(letter(axis)), message, help)
 }

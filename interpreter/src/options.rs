@@ -65,7 +65,7 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     if let Some(dialect) = language.dialect {
         options.dialect = of_program(dialect);
     }
-    if options.dialect == Dialect::Fanuc && machine.machine.kinematics == machine::Kinematics::Mill {
+    if options.dialect == Dialect::Fanuc && machine.machine.kinematics != machine::Kinematics::Lathe {
         return Err(OpenError::Dialect);
     }
     options.block_delete = language.block_delete;
@@ -73,7 +73,13 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     if let Some(table) = &language.tools {
         options.tools = ToolTable::read(table).map_err(|error| OpenError::Tools(error.to_string()))?;
     }
-    Program::open(path, &options).map_err(|error| OpenError::Program { path: path.to_owned(), error })
+    let opened = if is_job(path) { Program::open_job(path, &options) } else { Program::open(path, &options) };
+    opened.map_err(|error| OpenError::Program { path: path.to_owned(), error })
+}
+
+/// Whether a file is a job by its name: `.toml`.
+pub fn is_job(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "toml")
 }
 
 /// Refuses folders of subroutines that are not there.

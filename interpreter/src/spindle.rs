@@ -62,6 +62,13 @@ impl Spindle {
     }
 }
 
+impl Spindle {
+    /// Direction and speed of a job, 1/min.
+    pub(crate) fn turn(&mut self, mode: SpindleMode, rpm: f64) {
+        (self.mode, self.s, self.highest) = (mode, rpm, None);
+    }
+}
+
 impl Translator {
     /// G96 with its highest speed, or G97: 0.
     pub(crate) fn spindle_mode(&mut self, highest: f64) {

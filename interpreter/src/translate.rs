@@ -10,8 +10,9 @@ use protocol::machine::Kinematics;
 use protocol::{Axis, Code, Item, Machine, PathMode, Position, SpindleMode};
 
 use crate::frame::Frame;
+use crate::job::JobNote;
 use crate::merge::{self, Merged};
-use crate::moves::letter;
+use crate::moves::no_axis;
 use crate::options::home;
 use crate::spindle::Spindle;
 use crate::thread::Starts;
@@ -58,6 +59,7 @@ pub(crate) struct Translator {
     pub(crate) passes: u32,
     pub(crate) starts: Starts,
     pub(crate) notes: Vec<PassNote>,
+    pub(crate) jobs: Vec<JobNote>,
     /// A line that others may yet lengthen.
     merged: Option<Merged>,
     items: VecDeque<Item>,
@@ -92,6 +94,7 @@ impl Translator {
             passes: 0,
             starts: Starts::default(),
             notes: Vec::new(),
+            jobs: Vec::new(),
             merged: None,
             items: VecDeque::new(),
             problems: Vec::new(),
@@ -168,7 +171,7 @@ impl Translator {
         self.problems.push((place, problem));
     }
 
-    fn select_tool(&mut self, place: Place, number: i32) -> Done {
+    pub(crate) fn select_tool(&mut self, place: Place, number: i32) -> Done {
         let number = u32::try_from(number).unwrap_or(0);
         let tools = &self.machine.tools;
         if !tools.is_empty() && number != 0 && tools.keys().all(|name| name.parse() != Ok(number)) {
@@ -206,7 +209,7 @@ impl Translator {
         Ok(())
     }
 
-    fn coolant(&mut self, line: u32, mist: bool, flood: bool) {
+    pub(crate) fn coolant(&mut self, line: u32, mist: bool, flood: bool) {
         if (self.mist, self.flood) != (mist, flood) {
             (self.mist, self.flood) = (mist, flood);
             self.push(line, Code::Coolant { mist, flood });
@@ -263,6 +266,7 @@ impl Translator {
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
+            Call::Job(job) => self.job(place, job)?,
             Call::Dwell(seconds) => self.dwell(place, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle_mode(highest),
             Call::SetSpindleSpeed(speed) => self.spindle_speed(speed)?,
@@ -321,6 +325,10 @@ impl Sink for Translator {
         }
         Ok(())
     }
+
+    fn after_job(&self) -> Option<gcode::Position> {
+        Some(self.frame.programmed(&self.point))
+    }
 }
 
 impl Translator {
@@ -377,22 +385,10 @@ pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
     Problem::error("not-available", Blame::Block, message, help)
 }
 
-/// The machine is asked for an axis that it does not have; `at` in mm or degrees.
-pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
-    let kind = match machine.machine.kinematics {
-        Kinematics::Lathe => "lathe",
-        Kinematics::Mill => "mill",
-    };
-    let axes: Vec<String> = machine.axes().map(|(axis, _)| axis.to_string()).collect();
-    let message = format!("this {kind} has no axis {axis} (it would be at {})", short(at));
-    let help = format!("its axes are {}: leave the word out", axes.join(", "));
-    Problem::error("no-such-axis", Blame::Word(letter(axis)), message, help)
-}
-
 /// The plane at the start.
 pub(crate) fn plane_of(machine: &Machine) -> Plane {
     match machine.machine.kinematics {
         Kinematics::Lathe => Plane::Xz,
-        Kinematics::Mill => Plane::Xy,
+        Kinematics::Mill | Kinematics::Positioner => Plane::Xy,
     }
 }

@@ -55,6 +55,12 @@ impl Surface {
 }
 
 impl SurfaceCurve<'_> {
+    /// The tool.
+    #[must_use]
+    pub fn tool(&self) -> &Tool {
+        &self.tool
+    }
+
     /// The point of contact, seen from above.
     #[must_use]
     pub fn contact(&self, t: f64) -> [Series; 2] {

@@ -1,0 +1,155 @@
+//! A surface looked at on a grid over its domain. In: formula, domain, tool, mm. Out: where it does not exist, where the tool
+//! does not fit, how far apart its paths may lie, and what else of it a tool would touch.
+//!
+//! What is finer than the grid is not seen: [`CELLS`] cells along each side.
+
+use shape::{Formula, Surface, Tool, Touch};
+
+use super::Fault;
+
+/// Cells along a side.
+const CELLS: usize = 200;
+/// A tool may stand so deep in the surface, mm: rounding, far below the chord error.
+const TOUCHES_MM: f64 = 1e-6;
+/// Places that are compared with the end of the tool, most.
+const LOOKS: usize = 40_000_000;
+
+/// Heights of a surface and its curvatures at the nodes of a grid.
+pub(super) struct Grid {
+    surface: Surface,
+    nodes: Vec<([f64; 2], Touch)>,
+}
+
+impl Grid {
+    /// Looks at all of a surface.
+    ///
+    /// # Errors
+    /// A place where it, a slope or a curvature does not exist.
+    pub(super) fn new(surface: &Surface, formula: &Formula) -> Result<Grid, Fault> {
+        let share = |n: usize, [low, high]: [f64; 2]| {
+            let share = n as f64 / CELLS as f64;
+            low * (1.0 - share) + high * share
+        };
+        let places = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (row, column)));
+        let place = |(row, column)| [share(column, surface.x), share(row, surface.y)];
+        let nodes: Vec<_> = places.map(place).map(|at| (at, Touch::at(formula, at))).collect();
+        match nodes.iter().find(|(_, touch)| !touch.is_finite()) {
+            None => Ok(Grid { surface: *surface, nodes }),
+            Some(([x, y], _)) => Err(Fault::new(
+                "z",
+                format!("the surface, its slope or its curvature does not exist at {}", here(*x, *y)),
+                "choose x and y so that the formula is smooth all over them",
+            )),
+        }
+    }
+
+    /// Z of its highest node, mm.
+    pub(super) fn top(&self) -> f64 {
+        self.nodes.iter().map(|(_, touch)| touch.z).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Refuses a tool that cuts into the surface beside the place where it touches (M89).
+    pub(super) fn fits(&self) -> Result<(), Fault> {
+        let tool = &self.surface.tool;
+        let cuts = |touch: &Touch| {
+            (tool.is_ball() || touch.level() > 0.0) && touch.parting(tool, [1.0, 0.0]).gouges()
+        };
+        let worst = self.nodes.iter().filter(|(_, touch)| cuts(touch));
+        let Some(([x, y], touch)) = worst.max_by(|(_, a), (_, b)| a.hollow().total_cmp(&b.hollow())) else {
+            return Ok(());
+        };
+        let hollow = 1.0 / touch.hollow();
+        let message = format!(
+            "the tool cuts into the surface beside the place where it touches it, at {}: the surface is hollow there \
+             with a radius of {hollow:.3} mm",
+            here(*x, *y)
+        );
+        let help = format!(
+            "take a ball with a diameter below {:.3} mm, or choose x and y without that place",
+            2.0 * hollow
+        );
+        Err(Fault::new("tool", message, help))
+    }
+
+    /// Largest distance of paths, seen from above, that leaves no ridge higher than `height_mm`, mm. `directions`: those of
+    /// the paths.
+    pub(super) fn step(&self, height_mm: f64, directions: &[[f64; 2]]) -> f64 {
+        let tool = &self.surface.tool;
+        let at = |touch: &Touch, along: &[f64; 2]| {
+            touch.parting(tool, *along).distance(height_mm) / touch.spread(*along)
+        };
+        let all =
+            self.nodes.iter().flat_map(|(_, touch)| directions.iter().map(move |along| at(touch, along)));
+        all.filter(|step| step.is_finite()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Height of the highest ridge between paths at a distance, seen from above, mm.
+    pub(super) fn ridge(&self, step_mm: f64, directions: &[[f64; 2]]) -> f64 {
+        let tool = &self.surface.tool;
+        let at = |touch: &Touch, along: &[f64; 2]| {
+            touch.parting(tool, *along).height(step_mm * touch.spread(*along))
+        };
+        let all =
+            self.nodes.iter().flat_map(|(_, touch)| directions.iter().map(move |along| at(touch, along)));
+        all.filter(|height| height.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// Refuses a tool that touches the surface elsewhere, too. `tips`: where it stands, by the point of contact.
+    pub(super) fn touches_nothing_else(&self, tips: &[([f64; 2], [f64; 3])]) -> Result<(), Fault> {
+        let tool = &self.surface.tool;
+        let [columns, rows] = [self.surface.x, self.surface.y].map(|side| Nodes::new(side, tool.radius_mm));
+        let stride = (tips.len() * columns.most * rows.most).div_ceil(LOOKS).max(1);
+        for (contact, tip) in tips.iter().step_by(stride) {
+            for row in rows.near(tip[1]) {
+                for column in columns.near(tip[0]) {
+                    let Some((at, touch)) = self.nodes.get(row * (CELLS + 1) + column) else { continue };
+                    let depth = depth(tool, tip, at, touch.z);
+                    if depth > TOUCHES_MM {
+                        return Err(elsewhere(contact, at, depth));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Nodes along a side, and how many of them are near a place.
+struct Nodes {
+    low: f64,
+    cell: f64,
+    reach: f64,
+    most: usize,
+}
+
+impl Nodes {
+    fn new([low, high]: [f64; 2], reach: f64) -> Nodes {
+        let cell = (high - low) / CELLS as f64;
+        Nodes { low, cell, reach, most: ((2.0 * reach / cell) as usize).min(CELLS) + 1 }
+    }
+
+    fn near(&self, at: f64) -> std::ops::Range<usize> {
+        let node = |at: f64| ((at - self.low) / self.cell).clamp(0.0, CELLS as f64);
+        node(at - self.reach).ceil() as usize..node(at + self.reach).floor() as usize + 1
+    }
+}
+
+/// How deep a place lies in the end of a tool, mm.
+fn depth(tool: &Tool, tip: &[f64; 3], at: &[f64; 2], z: f64) -> f64 {
+    let beside = libm::hypot(at[0] - tip[0], at[1] - tip[1]);
+    tool.height(beside).map_or(f64::NEG_INFINITY, |height| z - tip[2] - height)
+}
+
+fn elsewhere(contact: &[f64; 2], at: &[f64; 2], depth: f64) -> Fault {
+    let message = format!(
+        "the tool that touches the surface at {} cuts into it at {}, {depth:.4} mm deep",
+        here(contact[0], contact[1]),
+        here(at[0], at[1])
+    );
+    Fault::new("tool", message, "take a smaller tool, or choose x and y without that place")
+}
+
+/// A place in words.
+pub(super) fn here(x: f64, y: f64) -> String {
+    format!("x = {x:.4}, y = {y:.4}")
+}

@@ -1,0 +1,162 @@
+//! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force. Out: items, and
+//! where the tool is then.
+
+use gcode::job::Job as Source;
+use gcode::problem::{Blame, Problem, Severity};
+use gcode::{Place, canon::FeedMode};
+use protocol::{Code, SpindleMode};
+
+use super::text::{self, Text};
+use super::{Common, Coolant, Fault, Job, JobNote, Kind, Planned, contour, seam, surface, within};
+use crate::translate::{Done, Translator};
+
+/// Highest feed, mm/min.
+const HIGHEST_FEED: f64 = 1e6;
+/// Bounds of a chord error, mm.
+const CHORD_MM: [f64; 2] = [1e-6, 1.0];
+
+impl Translator {
+    /// A job. What is wrong with it is reported with its place in the text.
+    pub(crate) fn job(&mut self, place: Place, source: &Source) -> Done {
+        match self.planned(place, source) {
+            Ok(planned) => self.begin(place, planned),
+            Err(fault) => self.blame(place, source, fault, Severity::Error),
+        }
+        Ok(())
+    }
+
+    fn planned(&mut self, place: Place, source: &Source) -> Result<Planned, Fault> {
+        let text = Text::read(&source.text)?;
+        let common = text.common.clone();
+        self.prepare(place, source, &common)?;
+        let job = Job {
+            machine: &self.machine,
+            origin_mm: self.origin(source, &common)?,
+            feed_mm_min: self.feed_of_job(source, &common)?,
+            chord_mm: within(
+                "chord_mm",
+                common.chord_mm.unwrap_or(self.machine.path.chord_mm),
+                CHORD_MM,
+                "mm",
+            )?,
+            correction: common.correction,
+            rest: self.positions(&self.rest),
+        };
+        let planned = match common.kind {
+            Kind::Contour => contour::plan(text.keys()?, &job),
+            Kind::Surface => surface::plan(text.keys()?, &job),
+            Kind::Seam => seam::plan(text.keys()?, &job),
+        }?;
+        for warning in &planned.warnings {
+            self.blame(place, source, warning.clone(), Severity::Warning);
+        }
+        if common.kind != Kind::Seam && !self.spindle.turns() {
+            let help = if source.is_file { "give spindle_rpm" } else { "start it before, as in S8000 M3" };
+            let fault = Fault::new("", "the spindle does not turn while the tool cuts", help);
+            self.blame(place, source, fault, Severity::Warning);
+        }
+        let mut facts = vec![("name", common.name.unwrap_or_default())];
+        facts.retain(|(_, name)| !name.is_empty());
+        facts.extend(planned.facts.iter().cloned());
+        self.jobs.push(JobNote { line: source.line, facts });
+        Ok(planned)
+    }
+
+    /// What only a job file says: tool, spindle, coolant.
+    fn prepare(&mut self, place: Place, source: &Source, common: &Common) -> Result<(), Fault> {
+        if !source.is_file {
+            return refuse_in_program(common);
+        }
+        if let Some(number) = common.tool_number {
+            let number = i32::try_from(number).unwrap_or(i32::MAX);
+            let refused = |problem: Box<Problem>| Fault::new("tool_number", problem.message, problem.help);
+            self.select_tool(place, number).map_err(refused)?;
+        }
+        if let Some(rpm) = common.spindle_rpm {
+            let highest = self.machine.spindle.max_rpm;
+            within("spindle_rpm", rpm, [-highest, highest], "1/min (spindle.max_rpm)")?;
+            let turn = if rpm < 0.0 { SpindleMode::Counterclockwise } else { SpindleMode::Clockwise };
+            self.spindle.turn(turn, rpm.abs());
+        }
+        let coolant = common.coolant.unwrap_or(Coolant::Off);
+        self.coolant(place.line, coolant == Coolant::Mist, coolant == Coolant::Flood);
+        Ok(())
+    }
+
+    /// Machine position of the zero of the formulas, mm.
+    fn origin(&self, source: &Source, common: &Common) -> Result<[f64; 3], Fault> {
+        if source.is_file {
+            return match common.origin_mm {
+                None if common.kind == Kind::Seam => Ok([0.0; 3]),
+                None => Err(Fault::new(
+                    "",
+                    "origin_mm is missing",
+                    "give the machine position of the zero of the formulas, as in origin_mm = [0.0, 0.0, -50.0]",
+                )),
+                Some(origin) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
+                Some(_) => Err(Fault::new("origin_mm", "that is no position of a machine", "give it in mm")),
+            };
+        }
+        if self.frame.rotation_deg != 0.0 {
+            let message = "a job in a coordinate system turned about Z";
+            return Err(Fault::new("", message, "turn it back with G10 L2 R0"));
+        }
+        let [x, y, z, ..] = self.frame.machine(&[0.0; 6]);
+        Ok([x, y, z])
+    }
+
+    fn feed_of_job(&self, source: &Source, common: &Common) -> Result<f64, Fault> {
+        match common.feed_mm_min {
+            Some(feed) => within("feed_mm_min", feed, [0.001, HIGHEST_FEED], "mm/min"),
+            None if !source.is_file && self.feed_mode == FeedMode::PerMinute && self.feed > 0.0 => {
+                Ok(self.feed)
+            }
+            None => {
+                let help = if source.is_file { "give it" } else { "give it, or an F word under G94 before" };
+                Err(Fault::new("", "feed_mm_min is missing", help))
+            }
+        }
+    }
+
+    /// Sends the items of a job.
+    fn begin(&mut self, place: Place, planned: Planned) {
+        for step in &planned.approach {
+            self.push(place.line, Code::Line { target: step.to, feed: step.feed });
+        }
+        for (slot, formula) in (0..).zip(planned.formulas) {
+            self.push(place.line, Code::Formula { slot, formula });
+        }
+        self.push(place.line, Code::Trace(planned.trace));
+        for step in &planned.retract {
+            self.push(place.line, Code::Line { target: step.to, feed: step.feed });
+        }
+        let end = planned.retract.last().map_or(planned.end, |step| step.to);
+        let point = self.machine.machine.kinematics.point(&end.map(|axis| axis.mm()));
+        (self.point, self.rest, self.asked, self.after_thread) = (point, point, point, false);
+    }
+
+    /// Reports a fault of a job where it stands in the text.
+    fn blame(&mut self, place: Place, source: &Source, fault: Fault, severity: Severity) {
+        let bytes = text::bytes(&source.text, &fault);
+        let (line, span) = source.place(bytes.start, bytes.end);
+        let there = Place { line, ..place };
+        let blame = if span.start < span.end { Blame::Part(there, span) } else { Blame::At(there) };
+        let problem = Problem { code: "job", severity, blame, message: fault.message, help: fault.help };
+        self.report(there, problem);
+    }
+}
+
+/// Keys that G-code around a job says otherwise.
+fn refuse_in_program(common: &Common) -> Result<(), Fault> {
+    let given = [
+        ("name", common.name.is_some(), "write a comment"),
+        ("origin_mm", common.origin_mm.is_some(), "the zero is that of the coordinates in force: G54, G92"),
+        ("spindle_rpm", common.spindle_rpm.is_some(), "write S and M3 before"),
+        ("tool_number", common.tool_number.is_some(), "write T and M6 before"),
+        ("coolant", common.coolant.is_some(), "write M7 or M8 before"),
+    ];
+    match given.into_iter().find(|(_, given, _)| *given) {
+        Some((key, _, help)) => Err(Fault::new(key, format!("{key} belongs to a job file"), help)),
+        None => Ok(()),
+    }
+}

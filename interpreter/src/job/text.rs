@@ -1,0 +1,110 @@
+//! The text of a job. In: TOML, with or without the header `[job]`. Out: the keys that every kind has, those of its kind, and
+//! where a key stands in the text.
+
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer, Error};
+
+use super::{Common, Fault};
+
+/// Keys of [`Common`].
+const COMMON: [&str; 9] = [
+    "kind",
+    "feed_mm_min",
+    "chord_mm",
+    "correction",
+    "name",
+    "origin_mm",
+    "spindle_rpm",
+    "tool_number",
+    "coolant",
+];
+
+/// A job that was read.
+pub(crate) struct Text<'a> {
+    /// What every kind has.
+    pub(crate) common: Common,
+    keys: Spanned<DeTable<'a>>,
+}
+
+impl<'a> Text<'a> {
+    /// Reads a job.
+    ///
+    /// # Errors
+    /// Not TOML, or a key that every kind has is missing or wrong.
+    pub(crate) fn read(text: &'a str) -> Result<Text<'a>, Fault> {
+        let table = table(text).map_err(syntax)?;
+        let (span, all) = (table.span(), table.into_inner());
+        let is_common = |key: &str| COMMON.contains(&key);
+        let (common, keys): (DeTable, DeTable) =
+            all.into_iter().partition(|(key, _)| is_common(key.get_ref()));
+        let common = Common::deserialize_from(Spanned::new(span.clone(), common))?;
+        Ok(Text { common, keys: Spanned::new(span, keys) })
+    }
+
+    /// The keys of its kind.
+    ///
+    /// # Errors
+    /// A key that is missing, unknown, or of another type.
+    pub(crate) fn keys<T: DeserializeOwned>(self) -> Result<T, Fault> {
+        T::deserialize(Deserializer::from(self.keys)).map_err(syntax)
+    }
+}
+
+impl Common {
+    fn deserialize_from(keys: Spanned<DeTable>) -> Result<Common, Fault> {
+        serde::Deserialize::deserialize(Deserializer::from(keys)).map_err(syntax)
+    }
+}
+
+/// Bytes of the text that a fault is about.
+pub(crate) fn bytes(text: &str, fault: &Fault) -> Range<usize> {
+    if fault.key.is_empty() {
+        return fault.part.clone().unwrap_or(0..0);
+    }
+    let Ok(table) = table(text) else { return 0..0 };
+    let (mut span, mut value) = (0..0, DeValue::Table(table.into_inner()));
+    for name in fault.key.split('.') {
+        let DeValue::Table(table) = value else { break };
+        let Some((key, inner)) = table.into_iter().find(|(key, _)| key.get_ref() == name) else { break };
+        span = key.span().start..inner.span().end;
+        value = inner.into_inner();
+        if let (Some(part), DeValue::String(_)) = (&fault.part, &value) {
+            let quotes = text.get(key.span().end..).and_then(|rest| rest.find(['"', '\'']));
+            let first = key.span().end + quotes.map_or(0, |at| at + 1);
+            return first + part.start..(first + part.end).min(span.end);
+        }
+    }
+    span
+}
+
+/// The table that holds the keys.
+fn table(text: &str) -> Result<Spanned<DeTable<'_>>, Error> {
+    let table = DeTable::parse(text)?;
+    let span = table.span();
+    let all = table.into_inner();
+    let has_header = all.iter().all(|(key, value)| key.get_ref() == "job" && value.get_ref().is_table());
+    if all.len() != 1 || !has_header {
+        return Ok(Spanned::new(span, all));
+    }
+    let inner = all.into_iter().next().map(|(_, value)| (value.span(), value.into_inner()));
+    match inner {
+        Some((span, DeValue::Table(table))) => Ok(Spanned::new(span, table)),
+        _ => Ok(Spanned::new(span, DeTable::new())),
+    }
+}
+
+/// What the reader of TOML found.
+fn syntax(error: Error) -> Fault {
+    let message = error.message();
+    let help = if message.starts_with("unknown field") {
+        format!("every job has {}; docs/surfaces.md lists the others", COMMON.join(", "))
+    } else if message.starts_with("missing field") {
+        "add it; docs/surfaces.md shows a whole job".to_owned()
+    } else {
+        "docs/surfaces.md lists the keys and their values".to_owned()
+    };
+    Fault { key: String::new(), part: error.span(), message: message.to_owned(), help }
+}

@@ -1,0 +1,129 @@
+//! Paths walked from leg to leg before anything moves, in the pieces in which the interpolator will walk them. In: a surface
+//! and its formulas, mm. Out: the places of the tool, its way, the box it stays in; or where it cannot go on.
+
+use shape::{Curve, Formula, Leg, Plan, SpanError, Surface, SurfaceCurve, Touch, Walker};
+
+use super::Fault;
+use super::grid::here;
+
+/// Places in a path are this share of the larger side of the domain apart, or less.
+const APART: f64 = 1.0 / 400.0;
+/// Most places.
+const PLACES: usize = 2_000_000;
+/// The direction of the slope jumps where it turns by more than 60° within 0.01 mm.
+const JUMP_MM: f64 = 0.01;
+const TURNS: f64 = 0.5;
+
+/// What was seen on the way.
+#[derive(Clone, Debug)]
+pub(super) struct Walk {
+    /// Point of contact seen from above, and tip of the tool, mm.
+    pub(super) tips: Vec<([f64; 2], [f64; 3])>,
+    /// Lowest and highest tip, mm.
+    pub(super) bounds: [[f64; 3]; 2],
+    /// The tip at the start,
+    pub(super) start: [f64; 3],
+    /// and at the end, mm.
+    pub(super) end: [f64; 3],
+    /// Way of the tip on the surface, mm.
+    pub(super) cut_mm: f64,
+    /// Retracts between legs.
+    pub(super) retracts: u32,
+}
+
+/// Walks the pattern of a surface.
+///
+/// # Errors
+/// A place where the path leaves the domain, does not exist, or cannot be followed.
+pub(super) fn walk(surface: &Surface, formulas: [&Formula; 3]) -> Result<Walk, Fault> {
+    let mut walk = Walk {
+        tips: Vec::new(),
+        bounds: [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]],
+        start: [f64::NAN; 3],
+        end: [f64::NAN; 3],
+        cut_mm: 0.0,
+        retracts: 0,
+    };
+    for leg in (0..surface.legs()).filter_map(|leg| surface.leg(leg)) {
+        match leg {
+            Leg::Air { .. } => walk.retracts += 1,
+            Leg::Cut(plan) => walk.leg(surface, plan, formulas)?,
+        }
+        if walk.tips.len() > PLACES {
+            let message = format!("the path is too long to be looked at: more than {PLACES} places");
+            return Err(Fault::new("path", message, "give a larger step_mm or scallop_mm, or several jobs"));
+        }
+    }
+    Ok(walk)
+}
+
+impl Walk {
+    fn leg(&mut self, surface: &Surface, plan: Plan, formulas: [&Formula; 3]) -> Result<(), Fault> {
+        let curve = surface.curve(plan, formulas);
+        let apart = APART * (surface.x[1] - surface.x[0]).max(surface.y[1] - surface.y[0]);
+        let mut walker = Walker::new(plan.t());
+        loop {
+            let next = walker.next(&curve).map_err(|error| stopped(&curve, formulas[0], plan, error))?;
+            let Some(span) = next else { return Ok(()) };
+            let [low, high] = span.path.bounds();
+            for axis in 0..3 {
+                self.bounds[0][axis] = self.bounds[0][axis].min(span.from[axis] + low[axis]);
+                self.bounds[1][axis] = self.bounds[1][axis].max(span.from[axis] + high[axis]);
+            }
+            if self.tips.is_empty() {
+                self.start = span.from;
+            }
+            self.end = span.to;
+            self.cut_mm += span.path.length();
+            let places = (span.path.length() / apart).ceil().max(1.0);
+            for n in 0..places as usize {
+                let t = span.t[0] + (span.t[1] - span.t[0]) * n as f64 / places;
+                let contact = curve.contact(t).map(|axis| axis.value());
+                inside(surface, t, contact)?;
+                self.tips.push((contact, surface.tip(formulas[0], contact)));
+            }
+            inside(surface, span.t[1], curve.contact(span.t[1]).map(|axis| axis.value()))?;
+        }
+    }
+}
+
+/// Refuses a place outside of the domain: what the tool does there was not looked at.
+fn inside(surface: &Surface, t: f64, [x, y]: [f64; 2]) -> Result<(), Fault> {
+    let within = |[low, high]: [f64; 2], at: f64| {
+        let rounding = 1e-9 * (high - low);
+        (low - rounding..=high + rounding).contains(&at)
+    };
+    if within(surface.x, x) && within(surface.y, y) {
+        return Ok(());
+    }
+    let message = format!("the path leaves the surface at t = {t:.4}, {}", here(x, y));
+    Err(Fault::new("path", message, "keep the path within x and y, or make them larger"))
+}
+
+/// Why the path ends before it should.
+fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError) -> Fault {
+    let t = error.t();
+    let point = curve.at(t);
+    let [x, y] = curve.contact(t).map(|axis| axis.value());
+    let speed = point.tip.iter().map(|axis| axis.derivative(1).abs()).fold(1e-9, f64::max);
+    let beside = |sign: f64| curve.contact(t + sign * JUMP_MM / speed).map(|axis| axis.value());
+    let slopes = [-1.0, 1.0].map(|sign| Touch::at(formula, beside(sign)).slope);
+    let [[a, b], [c, d]] = slopes.map(|[x, y]| [x, y].map(|slope| slope / libm::hypot(x, y)));
+    if !curve.tool().is_ball() && !(a * c + b * d > TURNS) {
+        let message = format!(
+            "the surface is level near {}: there a tool that is no ball touches it with all of its end, and its path jumps",
+            here(x, y)
+        );
+        let help = "take kind = \"ball\", or a path that keeps clear of that place";
+        return Fault::new("tool", message, help);
+    }
+    let message = format!("the path of the tool cannot be followed at {}: {error}", here(x, y));
+    match plan {
+        Plan::Line { .. } => {
+            Fault::new("z", message, "choose x and y so that the surface is smooth all over them")
+        }
+        Plan::Curve { .. } => {
+            Fault::new("path", message, "choose x, y and t of the path so that it is smooth")
+        }
+    }
+}
