@@ -1,8 +1,10 @@
 //! Chains of blocks: every axis within its limits at every moment, every target reached, on the path, in time.
 
 mod blocks;
+mod curve;
 mod hold;
 mod limits;
+mod pieces;
 mod programs;
 mod replan;
 mod rounded;

@@ -1,6 +1,7 @@
-//! Random programs: lines short and long, corners sharp and flat, arcs and helices, feeds of every kind, every path
-//! mode, little room beside the path.
+//! Random programs: lines short and long, corners sharp and flat, arcs and helices, curves in pieces, feeds of every
+//! kind, every path mode, little room beside the path.
 
+use crate::curve::Curve;
 use crate::seed::Seed;
 use motion::Path;
 use motion::chain::{Block, Corner, Feed};
@@ -24,6 +25,7 @@ struct Kind {
     longest: f64,
     bent: f64,
     arcs: f64,
+    curves: f64,
     tolerance: f64,
     /// A curve in steps that are alike but for this share.
     alike: Option<f64>,
@@ -37,6 +39,7 @@ pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
         longest: random.scale(1.0, 50.0),
         bent: random.scale(0.01, 3.0),
         arcs: if random.chance(0.3) { 0.0 } else { random.between(0.0, 0.6) },
+        curves: if random.chance(0.5) { 0.0 } else { random.between(0.0, 0.3) },
         tolerance: random.scale(1e-3, 0.5),
         alike: random.chance(0.2).then(|| random.scale(1e-10, 1e-2)),
     };
@@ -51,18 +54,21 @@ pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
             feed = self::feed(random, Some(feed));
         }
         heading += random.between(-kind.bent, kind.bent);
-        let path = if random.chance(kind.arcs) {
-            arc(random, &mut heading)
+        let paths = if random.chance(kind.curves) {
+            curve(random, &mut heading)
+        } else if random.chance(kind.arcs) {
+            arc(random, &mut heading).into_iter().collect()
         } else {
             let length = match kind.alike {
                 Some(share) => kind.shortest * (1.0 + random.between(-share, share)),
                 None => random.scale(kind.shortest, kind.longest),
             };
             let (sin, cos) = libm::sincos(heading);
-            Path::line([length * cos, length * sin, random.between(-0.1, 0.1) * length], &[true; N])
+            let way = [length * cos, length * sin, random.between(-0.1, 0.1) * length];
+            Path::line(way, &[true; N]).into_iter().collect::<Vec<Path<N>>>()
         };
-        let room = if random.chance(0.8) { 1.0 } else { random.scale(1e-5, 1e-2) };
-        if let Some(path) = path {
+        for path in paths {
+            let room = if random.chance(0.8) { 1.0 } else { random.scale(1e-5, 1e-2) };
             let place = Place { number: blocks.len(), start: at };
             blocks.push(Block { path, feed, corner, room, chord_mm: CHORD_MM, tag: place });
             let end = end_of(&path);
@@ -128,4 +134,18 @@ fn arc(random: &mut Seed, heading: &mut f64) -> Option<Path<N>> {
     *heading += side * sweep;
     let drift = if random.chance(0.3) { random.between(-5.0, 5.0) } else { 0.0 };
     Path::arc([0, 1], start, end, side as i32, [0.0, 0.0, drift], &[true; N])
+}
+
+/// A curve that leaves along the heading, in pieces that are not equally long.
+fn curve(random: &mut Seed, heading: &mut f64) -> Vec<Path<N>> {
+    let radius = random.scale(0.05, 50.0);
+    let curve = Curve::random(random, *heading, radius);
+    let (mut from, mut pieces) = (0.0, Vec::new());
+    for _ in 0..1 + random.next() % 12 {
+        let to = from + radius * random.between(0.05, 0.4);
+        pieces.push(curve.piece(from, to));
+        from = to;
+    }
+    *heading = curve.heading(from);
+    pieces
 }
