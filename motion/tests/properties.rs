@@ -8,6 +8,8 @@ mod draw;
 mod feed;
 #[path = "properties/path.rs"]
 mod path;
+#[path = "properties/piece.rs"]
+mod piece;
 #[path = "properties/ramp.rs"]
 mod ramp;
 #[path = "properties/stroke.rs"]
