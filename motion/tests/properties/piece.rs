@@ -192,7 +192,7 @@ fn what_is_no_piece_is_none() {
     let end = [[1.0, 0.0], [1.0, 0.0], [0.0; 2], [0.0; 2]];
     let straight = Path::piece(&start, &end, 1.0).expect("it has a length");
     assert!(straight.bend().iter().flatten().all(|p| *p < 1e-11) && !straight.is_line());
-    for length in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
+    for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(Path::piece(&start, &end, length).is_none(), "{length}");
     }
     let beyond = [[f64::NAN, 0.0], [1.0, 0.0], [0.0; 2], [0.0; 2]];
