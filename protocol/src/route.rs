@@ -8,7 +8,8 @@ use motion::Path;
 use motion::chain::{self, Block, Corner, Settings};
 use shape::Formula;
 
-use crate::{Axis, Code, FORMULAS, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
+use crate::track::Formulas;
+use crate::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
 
 /// Where a block lies on the machine, and whence in the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,7 +52,7 @@ pub enum Routed {
 pub struct Route {
     pub(crate) machine: Machine,
     mode: PathMode,
-    pub(crate) formulas: [Option<Formula>; FORMULAS],
+    pub(crate) formulas: Formulas,
 }
 
 impl Route {
@@ -60,7 +61,7 @@ impl Route {
         Route {
             machine: machine.clone(),
             mode: PathMode::within(machine.path.tolerance_mm),
-            formulas: [None; FORMULAS],
+            formulas: Formulas::default(),
         }
     }
 
@@ -76,9 +77,7 @@ impl Route {
 
     /// What traces that follow refer to by this number.
     pub fn set_formula(&mut self, slot: u8, formula: Formula) {
-        if let Some(place) = self.formulas.get_mut(usize::from(slot)) {
-            *place = Some(formula);
-        }
+        self.formulas.set(usize::from(slot), formula);
     }
 
     /// The block of a move from `from`; its corner is that of the mode in force.

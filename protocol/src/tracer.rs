@@ -115,21 +115,6 @@ impl Tracer {
         Ok(tracer)
     }
 
-    /// Where a trace starts and where it ends; axes that do not follow it stand as in `from`.
-    ///
-    /// # Errors
-    /// [`Untraceable`].
-    pub fn ends(
-        route: &Route,
-        trace: &Trace,
-        from: &PerAxis<Position>,
-    ) -> Result<[PerAxis<Position>; 2], Untraceable> {
-        let legs = trace.legs();
-        let first = Tracer { line: 0, trace: *trace, leg: 0, legs, stage: Stage::Over, at: *from };
-        let last = Tracer { leg: legs.saturating_sub(1), ..first };
-        Ok([first.start(route)?, last.point(route, 1)?])
-    }
-
     /// The next block. After an error it is the same again.
     ///
     /// # Errors
@@ -181,7 +166,7 @@ impl Tracer {
     fn piece(&mut self, route: &Route, plan: Plan, mut walker: Walker<AXES>) -> Result<Traced, Untraceable> {
         let trace = self.trace;
         let no_path = |error: SpanError| Untraceable::NoPath(error, trace.spot(&plan, error.t()));
-        let span = walker.next(&trace.track(plan, &route.formulas)?).map_err(no_path)?;
+        let span = walker.next(&trace.track(plan, &route.formulas, &route.machine)?).map_err(no_path)?;
         let Some(Span { path, t: [t, next], to, .. }) = span else {
             self.leg += 1;
             self.stage = self.stage_of_leg();
@@ -219,7 +204,9 @@ impl Tracer {
     fn stage_of_leg(&self) -> Stage {
         match self.trace.leg(self.leg) {
             None => Stage::Over,
-            Some(shape::Leg::Cut(plan)) => Stage::Cut(plan, Walker::new(plan.t())),
+            Some(shape::Leg::Cut(plan)) => {
+                Stage::Cut(plan, Walker::new(plan.t()).standing(self.at.map(Position::mm)))
+            }
             Some(shape::Leg::Air { .. }) => Stage::Lift,
         }
     }
@@ -240,16 +227,12 @@ impl Tracer {
         }
     }
 
-    /// Start of the leg in hand.
+    /// Start of the leg in hand, by the turns of rotary axes that are nearest to where they are.
     fn start(&self, route: &Route) -> Result<PerAxis<Position>, Untraceable> {
-        self.point(route, 0)
-    }
-
-    /// Start (0) or end (1) of the leg in hand.
-    fn point(&self, route: &Route, end: usize) -> Result<PerAxis<Position>, Untraceable> {
         let Some(plan) = self.plan(self.leg) else { return Ok(self.at) };
-        let t = plan.t()[end];
-        let axes = self.trace.track(plan, &route.formulas)?.at(t).axes.map(|axis| axis.value());
+        let [t, _] = plan.t();
+        let track = self.trace.track(plan, &route.formulas, &route.machine)?;
+        let axes = track.near(t, &self.at.map(Position::mm)).axes.map(|axis| axis.value());
         if !axes.iter().all(|axis| axis.is_finite()) {
             return Err(Untraceable::NoPath(SpanError::NotFinite { t }, self.trace.spot(&plan, t)));
         }

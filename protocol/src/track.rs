@@ -1,9 +1,12 @@
 //! What a trace follows, leg by leg: the curve of a leg on the axes of the machine, and where it is in their coordinates.
 //! In: a trace, one of its legs, the formulas. Out: a curve of all axes, positions.
 
-use shape::{ContourCurve, Curve, Formula, Leg, Plan, Point, SurfaceCurve};
+use shape::{ContourCurve, Curve, Formula, Leg, Plan, Point, SeamCurve, SeamPath, SurfaceCurve};
 
-use crate::{Axis, FORMULAS, PerAxis, Position, Trace, Untraceable, Work, units::AXES};
+use crate::{
+    Axis, FORMULAS, Machine, PerAxis, Position, Trace, Untraceable, Work, machine::POSITIONER_AXES,
+    units::AXES,
+};
 
 /// Where on a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +49,7 @@ impl Trace {
         match &self.work {
             Work::Contour(_, axes) => axes,
             Work::Surface(_) => &[Axis::X, Axis::Y, Axis::Z],
-            Work::Seam(_) => &[Axis::X, Axis::Y, Axis::A, Axis::C],
+            Work::Seam(_) => &POSITIONER_AXES,
         }
     }
 
@@ -72,24 +75,27 @@ impl Trace {
     /// The curve of a plan on the axes of the machine.
     ///
     /// # Errors
-    /// [`Untraceable::NoFormula`].
+    /// [`Untraceable::NoFormula`], [`Untraceable::NoPositioner`].
     pub(crate) fn track<'a>(
         &'a self,
         plan: Plan,
-        formulas: &'a [Option<Formula>; FORMULAS],
+        formulas: &'a Formulas,
+        machine: &Machine,
     ) -> Result<Track<'a>, Untraceable> {
-        let formula = |slot: usize| match formulas.get(slot) {
-            Some(Some(formula)) => Ok(formula),
-            _ => Err(Untraceable::NoFormula(slot)),
-        };
         let followed = match &self.work {
-            Work::Contour(contour, _) => Followed::Contour(contour.curve(formula(0)?)),
+            Work::Contour(contour, _) => Followed::Contour(contour.curve(formulas.get(0)?)),
             Work::Surface(surface) => {
-                let surface_alone = matches!(plan, Plan::Line { .. });
-                let [x, y] = if surface_alone { [0, 0] } else { [1, 2] };
-                Followed::Surface(surface.curve(plan, [formula(0)?, formula(x)?, formula(y)?]))
+                let [x, y] = if matches!(plan, Plan::Curve { .. }) { [1, 2] } else { [0, 0] };
+                let formulas = [formulas.get(0)?, formulas.get(x)?, formulas.get(y)?];
+                Followed::Surface(surface.curve(plan, formulas))
             }
-            Work::Seam(_) => return Err(Untraceable::NoPositioner),
+            Work::Seam(seam) => {
+                if matches!(seam.curve, SeamCurve::Formulas) {
+                    (0..FORMULAS).try_for_each(|slot| formulas.get(slot).map(|_| ()))?;
+                }
+                let positioner = machine.positioner.as_ref().ok_or(Untraceable::NoPositioner)?;
+                Followed::Seam(seam.on(&formulas.all, positioner.geometry(), positioner.beam_mm))
+            }
         };
         Ok(Track { followed, axes: self.axes() })
     }
@@ -117,6 +123,27 @@ pub(crate) struct Track<'a> {
 enum Followed<'a> {
     Contour(ContourCurve<'a>),
     Surface(SurfaceCurve<'a>),
+    Seam(SeamPath<'a>),
+}
+
+/// What traces refer to by number.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Formulas {
+    all: [Formula; FORMULAS],
+    given: [bool; FORMULAS],
+}
+
+impl Formulas {
+    pub(crate) fn set(&mut self, slot: usize, formula: Formula) {
+        if let (Some(place), Some(given)) = (self.all.get_mut(slot), self.given.get_mut(slot)) {
+            (*place, *given) = (formula, true);
+        }
+    }
+
+    fn get(&self, slot: usize) -> Result<&Formula, Untraceable> {
+        let given = self.given.get(slot).is_some_and(|given| *given);
+        self.all.get(slot).filter(|_| given).ok_or(Untraceable::NoFormula(slot))
+    }
 }
 
 impl Curve<AXES> for Track<'_> {
@@ -124,17 +151,29 @@ impl Curve<AXES> for Track<'_> {
         match &self.followed {
             Followed::Contour(curve) => self.spread(&curve.at(t)),
             Followed::Surface(curve) => self.spread(&curve.at(t)),
+            Followed::Seam(curve) => self.spread(&curve.at(t)),
+        }
+    }
+
+    fn turning(&self) -> PerAxis<bool> {
+        match &self.followed {
+            Followed::Contour(_) | Followed::Surface(_) => PerAxis::default(),
+            Followed::Seam(curve) => self.in_place(curve.turning()),
         }
     }
 }
 
 impl Track<'_> {
-    /// The axes of a curve in their places.
     fn spread<const N: usize>(&self, point: &Point<N>) -> Point<AXES> {
-        let mut axes = PerAxis::default();
-        for (axis, own) in self.axes.iter().zip(point.axes) {
-            axes[axis.index()] = own;
+        Point { axes: self.in_place(point.axes), tip: point.tip }
+    }
+
+    /// What belongs to the axes of a curve, in the order of the wire.
+    fn in_place<T: Copy + Default, const N: usize>(&self, own: [T; N]) -> PerAxis<T> {
+        let mut all = PerAxis::default();
+        for (axis, own) in self.axes.iter().zip(own) {
+            all[axis.index()] = own;
         }
-        Point { axes, tip: point.tip }
+        all
     }
 }
