@@ -1,12 +1,11 @@
-//! `pitchlock check` and `pitchlock compile`: a program is read to its end, nothing moves.
+//! `pitchlock check`: a program is read to its end, nothing moves.
 
 use std::{fmt::Write as _, process::ExitCode};
 
 use interpreter::Severity;
-use protocol::code_file::CodeFile;
 
 use crate::{
-    cli::{self, CheckArgs, CompileArgs},
+    cli::{self, CheckArgs},
     diagnostics::Document,
     error::CliError,
     program::Program,
@@ -54,23 +53,4 @@ fn findings(program: &Program) -> String {
         let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", program.time_s);
     }
     text
-}
-
-/// Writes machine code to a file.
-pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
-    if !CodeFile::is_named(&args.out) {
-        return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
-    }
-    let (machine, _) = args.input.machine.read()?;
-    let program = Program::read(&args.input.program, &args.input.language, &machine)?;
-    eprint!("{}", program.messages);
-    let name = args.input.program.display().to_string();
-    let items = program.items(&args.input.program, &args.input.language, &machine)?.collect();
-    let mut bytes = Vec::new();
-    CodeFile::new(&name, &machine, items)
-        .write(&mut bytes)
-        .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
-        .map_err(|error| CliError::file(&args.out, error))?;
-    cli::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
-    Ok(ExitCode::SUCCESS)
 }

@@ -57,7 +57,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// Turn a program into a machine-code file that `run` takes.
     #[command(
-        after_help = "Example:\n  pitchlock compile examples/m20x2.ngc -o m20x2.mc\n  pitchlock run m20x2.mc"
+        after_help = "Examples:\n  pitchlock compile examples/m20x2.ngc -o m20x2.mc\n  pitchlock run m20x2.mc\n  \
+                      pitchlock compile wave.toml -o wave.mc --g1 wave.ngc      the job as straight lines, too"
     )]
     Compile(CompileArgs),
     /// Print what a program means: canonical machining functions, one a line.
@@ -220,6 +221,9 @@ pub(crate) struct CompileArgs {
     /// The machine-code file.
     #[arg(short, long, value_name = "OUT.mc")]
     pub(crate) out: PathBuf,
+    /// Write the same as straight lines, too: G-code of RS274/NGC within the chord error of each job.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) g1: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]

@@ -3,6 +3,7 @@
 mod canon;
 mod check;
 mod cli;
+mod compile;
 mod diagnostics;
 mod doctor;
 mod error;
@@ -32,7 +33,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
     match &cli.command {
         Command::Run(args) => run::run(args, quiet),
         Command::Check(args) => check::check(args),
-        Command::Compile(args) => check::compile(args),
+        Command::Compile(args) => compile::compile(args),
         Command::Canon(args) => canon::canon(args, quiet),
         Command::Machine { kinematics } => {
             cli::print(kinematics.example());

@@ -24,12 +24,14 @@
 //! | `merge` | lines | fewer lines, where G64 Q lets them |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
+//! | [`g1`] | machine code | a program of straight lines |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
 
 mod check;
 pub mod formula;
 mod frame;
+pub mod g1;
 mod job;
 mod merge;
 mod moves;

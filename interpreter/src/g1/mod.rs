@@ -1,0 +1,195 @@
+//! Machine code as a program of straight lines: what a control that knows no formulas would need for the same path.
+//! In: items, and the machine they are for. Out: lines of RS274/NGC, one at a time, and how many bytes and blocks they are.
+//!
+//! A trace becomes chords within its chord error: nine tenths of it for the chords, at most one for the rounding of their
+//! ends. Arcs become chords within `path.chord_mm`. Corners may be rounded by as much (G64 P Q0): where a way bends, what is
+//! cut off at the ends of chords lies on the side to which their middles stand off, so both do not add up.
+//!
+//! Coordinates count from the zero of the formulas. Words that stay are not repeated, zeros at the end not written. A seam
+//! turns the part: its blocks have the time they take (G93), and a degree of an axis counts the way it moves the farthest
+//! point of the seam (M52).
+
+mod chords;
+mod write;
+
+use protocol::{
+    Axis, Code, FORMULAS, Feed, Item, Leg, Machine, PathMode, PerAxis, Position, Route, Routed, Trace,
+    Traced, Tracer, Work, units::AXES,
+};
+use shape::Formula;
+
+use chords::{Chords, Piece};
+use write::Lines;
+
+/// Share of a chord error that chords take.
+const FOR_CHORDS: f64 = 0.9;
+/// The rest is for the rounding of their ends.
+const FOR_ROUNDING: f64 = 0.1;
+/// Places along a seam where its farthest point is looked for.
+const SEAM_PLACES: u32 = 256;
+
+/// How large a program is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Size {
+    /// Bytes, line ends included.
+    pub bytes: u64,
+    /// Blocks: lines that are not only a comment.
+    pub blocks: u64,
+}
+
+/// Why there is no program of lines, and the line of the part program.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {reason}")]
+pub struct NoLines {
+    /// Line of the part program.
+    pub line: u32,
+    /// Why.
+    pub reason: String,
+}
+
+/// Says `items` in straight lines; each line goes to `line`, without its end.
+///
+/// # Errors
+/// [`NoLines`]: threads have none, nor has a trace that cannot be followed.
+pub fn write(items: &[Item], machine: &Machine, line: &mut dyn FnMut(&str)) -> Result<Size, NoLines> {
+    let mut program = Program {
+        machine,
+        route: Route::new(machine),
+        formulas: [Formula::default(); FORMULAS],
+        lines: Lines::new(zero(items), machine.axes().map(|(axis, _)| axis).collect(), line),
+        at: machine.home(),
+        mode: PathMode::within(machine.path.tolerance_mm),
+    };
+    program.lines.begin(machine.machine.kinematics, program.mode);
+    for item in items {
+        program.item(item)?;
+    }
+    Ok(program.lines.size)
+}
+
+/// Machine position of the zero of the first trace.
+fn zero(items: &[Item]) -> PerAxis<Position> {
+    let mut zero = PerAxis::default();
+    let first =
+        items.iter().find_map(|item| if let Code::Trace(trace) = &item.code { Some(trace) } else { None });
+    let axes: &[Axis] = match first.map(|trace| &trace.work) {
+        None | Some(Work::Seam(_)) => &[],
+        Some(Work::Contour(_, axes)) => axes,
+        Some(Work::Surface(_)) => &[Axis::X, Axis::Y, Axis::Z],
+    };
+    for (axis, origin) in axes.iter().zip(first.iter().flat_map(|trace| trace.origin)) {
+        zero[axis.index()] = origin;
+    }
+    zero
+}
+
+struct Program<'a> {
+    machine: &'a Machine,
+    route: Route,
+    formulas: [Formula; FORMULAS],
+    lines: Lines<'a>,
+    /// Where the axes are.
+    at: PerAxis<Position>,
+    mode: PathMode,
+}
+
+impl Program<'_> {
+    fn item(&mut self, item: &Item) -> Result<(), NoLines> {
+        let refuse = |reason: String| NoLines { line: item.line, reason };
+        match &item.code {
+            Code::Line { .. } | Code::Arc { .. } => self.travel(item).map_err(refuse)?,
+            Code::Trace(trace) => self.trace(item.line, trace).map_err(refuse)?,
+            Code::Pass(_) => return Err(refuse("a pass of a thread is not said in lines".into())),
+            Code::Formula { slot, formula } => {
+                self.route.set_formula(*slot, *formula);
+                if let Some(place) = self.formulas.get_mut(usize::from(*slot)) {
+                    *place = *formula;
+                }
+            }
+            Code::PathMode(mode) => {
+                self.mode = *mode;
+                self.lines.mode(*mode);
+            }
+            Code::Dwell { seconds } => self.lines.put(&format!("G4 P{seconds}")),
+            Code::Spindle { mode, speed } => self.lines.spindle(*mode, *speed),
+            Code::Tool { number } => self.lines.put(&format!("T{number} M6")),
+            Code::Coolant { mist, flood } => self.lines.coolant(*mist, *flood),
+            Code::Pause => self.lines.put("M0"),
+            Code::End => self.lines.put("M2"),
+        }
+        Ok(())
+    }
+
+    /// A move of the program itself.
+    fn travel(&mut self, item: &Item) -> Result<(), String> {
+        let block = match self.route.block(item.line, &item.code, &self.at) {
+            Ok(Routed::Block(block)) => block,
+            Ok(Routed::Nowhere) => return Ok(()),
+            Ok(Routed::BeyondTravel) => return Err("a move leaves the travel of an axis".into()),
+            Err(refused) => return Err(refused.to_string()),
+        };
+        let chord_mm = self.machine.path.chord_mm;
+        let mut chords = Chords::new(FOR_CHORDS * chord_mm, PerAxis::from([1.0; AXES]));
+        self.lines.decimals(FOR_ROUNDING * chord_mm);
+        self.lines.follow(&mut chords, piece(&block.path, &block.tag), block.tag.feed);
+        self.lines.finish(&mut chords, block.tag.feed);
+        self.at = block.tag.to;
+        Ok(())
+    }
+
+    /// A trace, block by block of its legs.
+    fn trace(&mut self, line: u32, trace: &Trace) -> Result<(), String> {
+        let mut tracer =
+            Tracer::new(&self.route, line, trace, &self.at).map_err(|error| error.to_string())?;
+        let mut chords = Chords::new(FOR_CHORDS * trace.chord_mm, self.weights(trace));
+        self.lines.decimals(FOR_ROUNDING * trace.chord_mm);
+        self.lines.mode(PathMode::Blend { tolerance_mm: FOR_CHORDS * trace.chord_mm, merge_mm: 0.0 });
+        self.lines.timed(matches!(trace.work, Work::Seam(_)));
+        let mut last = Feed::Rapid;
+        loop {
+            let block = match tracer.next(&self.route).map_err(|error| error.to_string())? {
+                Traced::Block(block) => block,
+                Traced::Nowhere => continue,
+                Traced::Over => break,
+            };
+            if block.tag.feed != last {
+                self.lines.finish(&mut chords, last);
+                last = block.tag.feed;
+            }
+            self.lines.follow(&mut chords, piece(&block.path, &block.tag), last);
+            self.at = block.tag.to;
+        }
+        self.lines.finish(&mut chords, last);
+        self.lines.timed(false);
+        self.lines.mode(self.mode);
+        Ok(())
+    }
+
+    /// What a mm and a degree of each axis count in the chord error of a trace, mm.
+    fn weights(&self, trace: &Trace) -> PerAxis<f64> {
+        let mut weights = [1.0; AXES];
+        let (Work::Seam(seam), Some(config)) = (&trace.work, &self.machine.positioner) else {
+            return weights;
+        };
+        let geometry = config.geometry();
+        let path = seam.on(&self.formulas, geometry, config.beam_mm);
+        let [from, to] = seam.t;
+        let (mut across, mut along) = (0.0_f64, 0.0_f64);
+        for k in 0..=SEAM_PLACES {
+            let [point, _] = path.place(from + (to - from) * f64::from(k) / f64::from(SEAM_PLACES));
+            let [x, y, z] = point.map(|p| p.value());
+            across = across.max(libm::hypot(x, y));
+            along = along.max(z.abs());
+        }
+        let turned = across.to_radians();
+        let tilted = (libm::hypot(geometry.z2.abs() + along, geometry.y2) + across).to_radians();
+        // All axes may err at once and in one direction: the sum of four is at most twice the root of their squares.
+        weights = [2.0; AXES];
+        (weights[Axis::A.index()], weights[Axis::C.index()]) = (2.0 * tilted, 2.0 * turned);
+        weights
+    }
+}
+
+fn piece(path: &motion::Path<AXES>, leg: &Leg) -> Piece {
+    Piece { path: *path, from: leg.from.map(Position::mm) }
+}

@@ -1,0 +1,82 @@
+//! `pitchlock compile`: a program becomes machine code in a file; and, on request, straight lines of G-code, which it is
+//! measured against.
+
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    path::Path,
+    process::ExitCode,
+};
+
+use interpreter::g1::{self, Size};
+use protocol::{Code, Item, Machine, code_file::CodeFile};
+
+use crate::{
+    cli::{self, CompileArgs},
+    error::CliError,
+    program::Program,
+};
+
+/// Writes machine code to a file; and says how large it is against straight lines of the same accuracy, where it follows
+/// formulas, or the lines themselves are asked for.
+pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
+    if !CodeFile::is_named(&args.out) {
+        return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
+    }
+    let (machine, _) = args.input.machine.read()?;
+    let program = Program::read(&args.input.program, &args.input.language, &machine)?;
+    eprint!("{}", program.messages);
+    let name = args.input.program.display().to_string();
+    let items: Vec<Item> = program.items(&args.input.program, &args.input.language, &machine)?.collect();
+    let traces = items.iter().any(|item| matches!(item.code, Code::Trace(_)));
+    let lines = match &args.g1 {
+        Some(path) => Some(write_lines(path, &items, &machine)?),
+        // Where lines cannot say it, there is nothing to compare.
+        None if traces => g1::write(&items, &machine, &mut |_| {}).ok(),
+        None => None,
+    };
+    let mut bytes = Vec::new();
+    CodeFile::new(&name, &machine, items)
+        .write(&mut bytes)
+        .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
+        .map_err(|error| CliError::file(&args.out, error))?;
+    cli::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
+    if let Some(lines) = lines {
+        cli::print(&compared(bytes.len() as u64, lines));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the same as straight lines to a file.
+fn write_lines(path: &Path, items: &[Item], machine: &Machine) -> Result<Size, CliError> {
+    let mut file = BufWriter::new(File::create(path).map_err(|error| CliError::file(path, error))?);
+    let mut wrote = Ok(());
+    let size = g1::write(items, machine, &mut |line| {
+        if wrote.is_ok() {
+            wrote = writeln!(file, "{line}");
+        }
+    });
+    let size = size.map_err(|error| CliError::Input(error.to_string()))?;
+    wrote.and_then(|()| file.flush()).map_err(|error| CliError::file(path, error))?;
+    Ok(size)
+}
+
+/// How large machine code is against straight lines.
+fn compared(bytes: u64, lines: Size) -> String {
+    let times = lines.bytes as f64 / bytes.max(1) as f64;
+    format!(
+        "machine code {} bytes; the G1 program of the same accuracy {} bytes in {} blocks: {} times as many\n",
+        grouped(bytes),
+        grouped(lines.bytes),
+        grouped(lines.blocks),
+        if times < 10.0 { format!("{times:.1}") } else { grouped(times as u64) }
+    )
+}
+
+/// A number with its thousands apart.
+fn grouped(number: u64) -> String {
+    match number / 1000 {
+        0 => number.to_string(),
+        thousands => format!("{} {:03}", grouped(thousands), number % 1000),
+    }
+}
