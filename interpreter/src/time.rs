@@ -6,9 +6,9 @@
 //! the mean, the others a whole number of turns after the one before. A program is over when the spindle stands. How long
 //! a pause lasts is up to the operator; it counts as nothing.
 
-use motion::chain::{Ask, Chain, Ratios};
+use motion::chain::{Ask, Block, Chain, Ratios};
 use protocol::{
-    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed,
+    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed, Trace, Traced, Tracer, Untraceable,
     machine::SpindleConfig, units::AXES,
 };
 
@@ -18,6 +18,9 @@ const START_CYCLES: f64 = 7.0;
 const ARMING_CYCLES: f64 = 9.0;
 /// Bandwidth of the filter through which the interpolator watches the spindle, rad/s.
 const WATCH: f64 = SpindleConfig::WATCH_HZ * core::f64::consts::TAU;
+
+/// A program that takes longer on the machine than this, s, is taken for one without end: thirty days.
+pub(crate) const LONGEST_S: f64 = 30.0 * 86_400.0;
 
 /// Adds up time.
 pub(crate) struct Clock<'m> {
@@ -37,6 +40,8 @@ pub(crate) struct Clock<'m> {
     /// Time of the chain in hand, s.
     moved: f64,
     seconds: f64,
+    /// The first trace that cannot be followed: its line, and why.
+    trouble: Option<(u32, Untraceable)>,
 }
 
 impl<'m> Clock<'m> {
@@ -54,11 +59,17 @@ impl<'m> Clock<'m> {
             index: None,
             moved: 0.0,
             seconds: START_CYCLES * machine.machine.interpolator_cycle_s,
+            trouble: None,
         }
     }
 
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds + self.moved
+    }
+
+    /// The first trace that cannot be followed, if there is one: its line, and why.
+    pub(crate) fn trouble(&self) -> Option<(u32, Untraceable)> {
+        self.trouble
     }
 
     pub(crate) fn add(&mut self, line: u32, code: &Code) {
@@ -84,6 +95,14 @@ impl<'m> Clock<'m> {
                 self.index = Some(index);
                 self.pass_time(index - self.seconds + pass.done_deg() / (6.0 * pass.s_rpm));
             }
+            Code::Formula { slot, formula } => self.route.set_formula(*slot, *formula),
+            Code::Trace(trace) => {
+                let followed = self.follow(line, trace);
+                self.finish();
+                if let Err(reason) = followed {
+                    self.trouble = self.trouble.or(Some((line, reason)));
+                }
+            }
             Code::End => {
                 self.mode = SpindleMode::Stop;
                 let ramp = self.machine.spindle.ramp_rpm_s;
@@ -100,7 +119,25 @@ impl<'m> Clock<'m> {
     /// A move behind the last one: planned when the chain is full, or over.
     fn travel(&mut self, line: u32, code: &Code) {
         let from = self.last.map_or(self.at, |last| last.to);
-        let Ok(Routed::Block(block)) = self.route.block(line, code, &from) else { return };
+        if let Ok(Routed::Block(block)) = self.route.block(line, code, &from) {
+            self.append(block);
+        }
+    }
+
+    /// A trace from where the axes rest, to its end, or to where a program has no end.
+    fn follow(&mut self, line: u32, trace: &Trace) -> Result<(), Untraceable> {
+        let mut tracer = Tracer::new(&self.route, line, trace, &self.at)?;
+        while self.seconds() < LONGEST_S {
+            match tracer.next(&self.route)? {
+                Traced::Block(block) => self.append(block),
+                Traced::Nowhere => {}
+                Traced::Over => break,
+            }
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, block: Block<AXES, Leg>) {
         if self.last.is_some_and(|last| !last.joins(&block.tag)) {
             self.finish();
         }
