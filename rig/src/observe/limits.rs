@@ -1,5 +1,5 @@
-//! Whether timed motion keeps to the limits of the axes. In: one [`Record`] each control cycle, mm and s. Out: whether a
-//! limit was exceeded.
+//! Whether timed motion keeps to the limits of the axes. In: one [`Record`] each control cycle, mm and s. Out: the share
+//! of each limit that is used.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -21,6 +21,14 @@ use super::{AxisLimits, Record};
 
 /// Rounding that is no violation.
 const TOLERANCE: f64 = 1.0 + 1e-6;
+
+/// Shares of the limits of speed, acceleration, jerk and jerk rate of an axis that are used; 1 is all of it.
+pub(super) type Shares = [f64; 4];
+
+/// Whether more is used of a limit than there is.
+pub(super) fn beyond(used: &PerAxis<Shares>) -> bool {
+    used.iter().flatten().any(|share| *share > TOLERANCE)
+}
 
 /// Commanded accelerations of one axis at the last two ticks of timed motion, the later first.
 type Before = [Option<f64>; 2];
@@ -44,12 +52,12 @@ impl Limits {
         }
     }
 
-    /// Whether an axis goes beyond a limit in this control cycle; between the ticks none does.
-    pub(super) fn beyond(&mut self, record: &Record) -> bool {
+    /// What is used of the limits in this control cycle; between the ticks nothing is known.
+    pub(super) fn used(&mut self, record: &Record) -> Option<PerAxis<Shares>> {
         if !record.truth.cycle.0.is_multiple_of(self.ticks) {
-            return false;
+            return None;
         }
-        let mut beyond = false;
+        let mut used = PerAxis::<Shares>::default();
         for (axis, status) in record.axes {
             let Some(limit) = self.axes.get(axis) else { continue };
             let before = &mut self.before[axis.index()];
@@ -62,11 +70,11 @@ impl Limits {
             let two = before[0].zip(before[1]).map_or(0.0, |(a1, a2)| a - 2.0 * a1 + a2);
             *before = [Some(a), before[0]];
             let h = self.tick_s;
-            beyond |= [(v, limit.v), (a, limit.a), (one, limit.j * h), (two, limit.dj * h * h)]
-                .iter()
-                .any(|(value, limit)| value.abs() > limit * TOLERANCE);
+            let share = |value: f64, limit: f64| value.abs() / limit;
+            used[axis.index()] =
+                [share(v, limit.v), share(a, limit.a), share(one, limit.j * h), share(two, limit.dj * h * h)];
         }
-        beyond
+        Some(used)
     }
 }
 

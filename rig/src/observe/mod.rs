@@ -15,6 +15,7 @@ mod pass;
 mod summary;
 #[cfg(test)]
 pub(crate) mod tests;
+mod work;
 
 use std::collections::BTreeMap;
 
@@ -31,11 +32,13 @@ pub use summary::{
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
+pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
 
 use circle::Circles;
 use contour::Contour;
 use limits::Limits;
 use pass::{PassObserver, in_pass, state_in};
+use work::Works;
 
 /// Everything that is said of one control cycle.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +70,7 @@ pub struct Observer {
     limits: Limits,
     contour: Contour,
     circles: Circles,
+    works: Works,
     paused: bool,
     out: Observation,
 }
@@ -89,6 +93,8 @@ pub struct Observation {
     pub thread: ThreadReport,
     /// Timed motion.
     pub moves: MovesReport,
+    /// Contours, surfaces and seams in the order of their cutting.
+    pub traces: Vec<TraceReport>,
     /// Faults in the order of their coming.
     pub faults: Vec<FaultReport>,
     /// Overrides that were clamped.
@@ -119,6 +125,7 @@ impl Observer {
             limits: Limits::of(machine),
             contour: Contour::default(),
             circles: Circles::of(items),
+            works: Works::of(machine, items),
             paused: false,
             out: Observation {
                 cycle_s: machine.machine.cycle_s,
@@ -135,7 +142,7 @@ impl Observer {
         self.take_hash(record, is_tick);
         self.take_index(record.truth);
         self.take_pass(record, is_tick);
-        self.take_moves(record);
+        self.take_moves(record, is_tick);
         self.take_pauses(record);
         self.take_faults(record, is_tick);
     }
@@ -153,6 +160,11 @@ impl Observer {
         })
     }
 
+    /// What was measured of a contour, a surface or a seam in the cycle taken last.
+    pub fn traced(&self) -> Traced {
+        self.works.now()
+    }
+
     /// Ends the observation; a pass in hand is reported as far as it came.
     pub fn finish(mut self) -> Observation {
         self.close();
@@ -161,6 +173,7 @@ impl Observer {
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
         self.contour.report(self.out.cycle_s, &mut self.out.moves);
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
+        self.out.traces = self.works.finish();
         self.out.thread.phase_spread_um = phase_spread(&self.out.passes);
         self.out
     }
@@ -205,13 +218,13 @@ impl Observer {
         self.out.passes.extend(self.current.take().and_then(|pass| pass.finish()));
     }
 
-    fn take_moves(&mut self, record: &Record) {
+    fn take_moves(&mut self, record: &Record, is_tick: bool) {
         self.out.moves.count = record.machine.moves;
         self.moving_cycles += u64::from(record.machine.state == MachineState::Moving as u32);
         self.out.moves.starved = record.machine.starved;
-        if self.limits.beyond(record) {
-            self.out.moves.limit_violations += 1;
-        }
+        let used = self.limits.used(record);
+        self.out.moves.limit_violations += u64::from(used.as_ref().is_some_and(limits::beyond));
+        self.works.cycle(record, is_tick, used.as_ref());
         self.contour.cycle(record);
         self.circles.cycle(record);
     }
@@ -277,6 +290,7 @@ impl Observation {
             passes: self.passes,
             thread: self.thread,
             moves: self.moves,
+            traces: self.traces,
             pauses: self.pauses,
             limits: self.limits,
             ..Summary::default()

@@ -9,7 +9,7 @@ use std::path::Path;
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
-use super::cutting::CuttingReport;
+use super::{cutting::CuttingReport, work::TraceReport};
 
 /// Version of the layout; fields may be added without a new one.
 pub const VERSION: u32 = 1;
@@ -308,6 +308,9 @@ pub struct Summary {
     pub thread: ThreadReport,
     /// Timed motion.
     pub moves: MovesReport,
+    /// Contours, surfaces and seams in the order of their cutting; at most 200.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub traces: Vec<TraceReport>,
     /// Pauses of the program.
     #[serde(default)]
     pub pauses: Vec<PauseReport>,

@@ -4,3 +4,4 @@ mod contour;
 pub(crate) mod ideal;
 mod measures;
 mod run;
+mod traces;

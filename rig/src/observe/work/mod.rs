@@ -1,0 +1,310 @@
+//! Measures the traces of a program: contours, surfaces, seams. In: their formulas, and one [`Record`] each control cycle.
+//! Out: for every one that was cut, how far the commanded and the true tool or beam were from it, and its feed.
+//!
+//! The interpolator says of every setpoint which trace it cuts, so approaches and retracts are known as what they are. A
+//! setpoint is due [`SETPOINT_LEAD`] ticks after the one that made it; a control cycle is cut if the setpoints before and
+//! after it are.
+
+mod gauge;
+mod outline;
+mod pace;
+mod report;
+mod seam;
+mod surface;
+
+use std::collections::VecDeque;
+
+use protocol::frame::SETPOINT_LEAD;
+use protocol::{Axis, Code, FORMULAS, Item, Machine, PerAxis, Position, Trace, Work};
+use shape::Formula;
+
+use super::{Record, limits::Shares};
+use gauge::{Gauge, Seen};
+use pace::{Pace, distance};
+pub use report::{AxisUsed, DeviationReport, FeedReport, TraceReport, WorkKind};
+
+/// Traces that are measured; a program with more of them is long.
+pub(super) const MOST: usize = 200;
+
+/// A trace of the program.
+#[derive(Clone, Debug)]
+struct Planned {
+    line: u32,
+    trace: Trace,
+    gauge: Gauge,
+}
+
+/// Watches for traces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Works {
+    planned: Vec<Planned>,
+    tick_cycles: u64,
+    cycle_s: f64,
+    /// When setpoints are due, and which traces they cut.
+    nodes: VecDeque<(u64, u32)>,
+    cut: Option<Box<Cut>>,
+    reports: Vec<TraceReport>,
+    now: Traced,
+}
+
+/// What was measured in one control cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traced {
+    /// Number of the trace; 0 if none is cut.
+    pub trace: u32,
+    /// By commanded positions.
+    pub commanded: TracedPoint,
+    /// By true positions of the slides.
+    pub slide: TracedPoint,
+}
+
+/// A tool or a beam in one control cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TracedPoint {
+    /// Deviation, mm.
+    pub deviation_mm: f64,
+    /// Angle between the direction of a seam and the beam, degrees.
+    pub angle_deg: f64,
+    /// Feed along its path, mm/min.
+    pub feed_mm_min: f64,
+}
+
+impl Works {
+    /// The traces of a program.
+    pub(super) fn of(machine: &Machine, items: &[Item]) -> Works {
+        let mut formulas = [Formula::default(); FORMULAS];
+        let mut planned = Vec::new();
+        for item in items {
+            match item.code {
+                Code::Formula { slot, formula } => {
+                    if let Some(room) = formulas.get_mut(usize::from(slot)) {
+                        *room = formula;
+                    }
+                }
+                Code::Trace(trace) if planned.len() < MOST => {
+                    // Numbers are places in this list; one that cannot be measured cannot be cut either.
+                    let Some(gauge) = Gauge::of(&trace, &formulas, machine) else { break };
+                    planned.push(Planned { line: item.line, trace, gauge });
+                }
+                _ => {}
+            }
+        }
+        let (tick_cycles, cycle_s) = (machine.cycles_per_tick(), machine.machine.cycle_s);
+        Works { planned, tick_cycles, cycle_s, ..Works::default() }
+    }
+
+    /// Takes one control cycle; `used` are shares of the limits, at a tick.
+    pub(super) fn cycle(&mut self, record: &Record, is_tick: bool, used: Option<&PerAxis<Shares>>) {
+        self.now = Traced::default();
+        if self.planned.is_empty() {
+            return;
+        }
+        let number = self.number(record, is_tick);
+        if self.cut.as_ref().is_some_and(|cut| number != 0 && cut.number != number) {
+            self.close();
+        }
+        if self.cut.is_none() && number != 0 {
+            let planned = self.planned.get(number as usize - 1);
+            self.cut = planned.map(|planned| Box::new(Cut::new(number, planned, self.cycle_s, record)));
+        }
+        let Some(cut) = &mut self.cut else { return };
+        if number == 0 {
+            cut.lift();
+        } else {
+            self.now = cut.cycle(record, used);
+        }
+    }
+
+    /// What was measured in the cycle taken last.
+    pub(super) fn now(&self) -> Traced {
+        self.now
+    }
+
+    /// Ends the observation.
+    pub(super) fn finish(mut self) -> Vec<TraceReport> {
+        self.close();
+        self.reports
+    }
+
+    fn close(&mut self) {
+        self.reports.extend(self.cut.take().map(|cut| cut.report()));
+    }
+
+    /// The trace that is cut in this cycle; 0 if none.
+    fn number(&mut self, record: &Record, is_tick: bool) -> u32 {
+        let now = record.truth.cycle.0;
+        if is_tick {
+            self.nodes.push_back((now + SETPOINT_LEAD * self.tick_cycles, record.machine.tracing));
+        }
+        while self.nodes.get(1).is_some_and(|(due, _)| *due <= now) {
+            self.nodes.pop_front();
+        }
+        match (self.nodes.front(), self.nodes.get(1)) {
+            (Some((due, number)), _) if *due == now => *number,
+            (Some((due, before)), Some((_, after))) if *due < now && before == after => *before,
+            _ => 0,
+        }
+    }
+}
+
+/// A trace being cut.
+#[derive(Clone, Debug)]
+struct Cut {
+    number: u32,
+    line: u32,
+    trace: Trace,
+    cycle_s: f64,
+    /// Of the commanded and of the true positions.
+    points: [Point; 2],
+    pace: Pace,
+    begin_cycle: u64,
+    end_cycle: u64,
+    cycles: u64,
+    unmeasured: u64,
+    used: PerAxis<Shares>,
+    axes: Vec<Axis>,
+}
+
+/// One of the two points that are measured.
+#[derive(Clone, Debug)]
+struct Point {
+    gauge: Gauge,
+    before: Option<[f64; 3]>,
+    squares: f64,
+    report: DeviationReport,
+}
+
+impl Cut {
+    fn new(number: u32, planned: &Planned, cycle_s: f64, record: &Record) -> Cut {
+        let Planned { line, trace, gauge } = planned;
+        let nothing =
+            DeviationReport { low_um: f64::INFINITY, high_um: f64::NEG_INFINITY, ..Default::default() };
+        let point = Point { gauge: gauge.clone(), before: None, squares: 0.0, report: nothing };
+        let now = record.truth.cycle.0;
+        Cut {
+            number,
+            line: *line,
+            trace: *trace,
+            cycle_s,
+            points: [point.clone(), point],
+            pace: Pace::new(cycle_s, trace.chord_mm),
+            begin_cycle: now,
+            end_cycle: now,
+            cycles: 0,
+            unmeasured: 0,
+            used: Default::default(),
+            axes: record.axes.iter().map(|(axis, _)| *axis).collect(),
+        }
+    }
+
+    fn cycle(&mut self, record: &Record, used: Option<&PerAxis<Shares>>) -> Traced {
+        let now = record.truth.cycle.0;
+        (self.cycles, self.end_cycle) = (self.cycles + 1, now);
+        let mut places = [PerAxis::default(), record.truth.axes.map(|axis| axis.slide_mm)];
+        for (axis, status) in record.axes {
+            places[0][axis.index()] = status.commanded_mm;
+        }
+        let mut steps = [None; 2];
+        let mut seen = [None; 2];
+        for (i, point) in self.points.iter_mut().enumerate() {
+            seen[i] = point.gauge.see(&places[i]);
+            steps[i] = point.take(seen[i], now as f64 * self.cycle_s);
+        }
+        let [Some(commanded), Some(slide)] = seen else {
+            self.unmeasured += 1;
+            return Traced { trace: self.number, ..Traced::default() };
+        };
+        self.take_pace(record, used, &commanded, steps);
+        let row = |seen: Seen, step: Option<f64>| TracedPoint {
+            deviation_mm: seen.deviation_mm,
+            angle_deg: seen.angle_deg,
+            feed_mm_min: 60.0 * step.unwrap_or(0.0) / self.cycle_s,
+        };
+        Traced { trace: self.number, commanded: row(commanded, steps[0]), slide: row(slide, steps[1]) }
+    }
+
+    fn take_pace(
+        &mut self,
+        record: &Record,
+        used: Option<&PerAxis<Shares>>,
+        commanded: &Seen,
+        steps: [Option<f64>; 2],
+    ) {
+        if let Some(used) = used {
+            for (most, used) in self.used.iter_mut().zip(used) {
+                *most = std::array::from_fn(|i| most[i].max(used[i]));
+            }
+            let most = used.iter().flatten().copied().fold(0.0, f64::max);
+            self.pace.tick(commanded.tip, most);
+        }
+        if let [Some(commanded), Some(slide)] = steps {
+            let asked = self.trace.feed_mm_min / 60.0 * record.machine.feed_override_pct / 100.0;
+            self.pace.cycle(commanded, slide, asked);
+        }
+    }
+
+    /// The tool leaves the part for a while.
+    fn lift(&mut self) {
+        self.pace.lift();
+        for point in &mut self.points {
+            point.gauge.lift();
+            point.before = None;
+        }
+    }
+
+    fn report(self) -> TraceReport {
+        let measured = (self.cycles - self.unmeasured).max(1) as f64;
+        let [commanded, slide] = self.points.map(|point| {
+            let DeviationReport { low_um, high_um, .. } = point.report;
+            if low_um > high_um {
+                return DeviationReport::default(); // nothing was measured
+            }
+            DeviationReport { rms_um: (point.squares / measured).sqrt(), ..point.report }
+        });
+        let (feed, way_mm) = self.pace.report(self.trace.feed_mm_min);
+        let used = |axis: &Axis| {
+            let [velocity_pct, acceleration_pct, jerk_pct, jerk_rate_pct] =
+                self.used[axis.index()].map(|share| 100.0 * share);
+            (*axis, AxisUsed { velocity_pct, acceleration_pct, jerk_pct, jerk_rate_pct })
+        };
+        let (kind, has_origin) = match self.trace.work {
+            Work::Contour(..) => (WorkKind::Contour, true),
+            Work::Surface(_) => (WorkKind::Surface, true),
+            Work::Seam(_) => (WorkKind::Seam, false),
+        };
+        TraceReport {
+            trace: self.number,
+            line: self.line,
+            kind,
+            origin_mm: if has_origin { self.trace.origin.map(Position::mm) } else { [0.0; 3] },
+            t_s: self.begin_cycle as f64 * self.cycle_s,
+            begin_cycle: self.begin_cycle,
+            end_cycle: self.end_cycle,
+            cut_cycles: self.cycles,
+            unmeasured_cycles: self.unmeasured,
+            way_mm,
+            commanded,
+            slide,
+            feed,
+            limits_used: self.axes.iter().map(used).collect(),
+        }
+    }
+}
+
+impl Point {
+    /// Takes what was seen, and gives the way since the cycle before.
+    fn take(&mut self, seen: Option<Seen>, t_s: f64) -> Option<f64> {
+        let before = self.before;
+        self.before = seen.map(|seen| seen.tip);
+        let Seen { deviation_mm, angle_deg, tip } = seen?;
+        let um = 1e3 * deviation_mm;
+        self.squares += um * um;
+        let report = &mut self.report;
+        if um.abs() > report.max_abs_um() {
+            (report.worst_mm, report.worst_t_s) = (tip, t_s);
+        }
+        (report.low_um, report.high_um) = (report.low_um.min(um), report.high_um.max(um));
+        report.angle_max_deg = report.angle_max_deg.max(angle_deg);
+        before.map(|before| distance(tip, before))
+    }
+}

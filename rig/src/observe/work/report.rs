@@ -1,0 +1,110 @@
+//! What `summary.json` says of traces: how far tool or beam were from where they shall be, and at which feed. Errors in
+//! µm, angles in degrees.
+
+use std::collections::BTreeMap;
+
+use protocol::Axis;
+use serde::{Deserialize, Serialize};
+
+/// What was followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WorkKind {
+    /// A contour in a plane.
+    #[default]
+    Contour,
+    /// A surface under a tool.
+    Surface,
+    /// A seam under a beam.
+    Seam,
+}
+
+/// How far a tool is from touching its surface or contour, positive where it stands off; or a beam from its seam,
+/// positive to the left (M96, M97).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DeviationReport {
+    /// Lowest.
+    pub low_um: f64,
+    /// Highest.
+    pub high_um: f64,
+    /// Root of the mean square.
+    pub rms_um: f64,
+    /// Where its magnitude is largest, from the zero of the formulas: the tip of the tool, or the beam on the part.
+    pub worst_mm: [f64; 3],
+    /// When that is, s.
+    pub worst_t_s: f64,
+    /// Largest angle between the direction of a seam and the beam, degrees; 0 without a seam.
+    pub angle_max_deg: f64,
+}
+
+impl DeviationReport {
+    /// Largest magnitude, µm.
+    pub fn max_abs_um(&self) -> f64 {
+        self.high_um.max(-self.low_um)
+    }
+}
+
+/// Feed along the path of the tool, or of the beam on the part. Per cent of what is asked for: the programmed feed times
+/// the feed override.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FeedReport {
+    /// F.
+    pub programmed_mm_min: f64,
+    /// Share of the time in which the commanded feed is held: within 1 % of what is asked for.
+    pub held_pct: f64,
+    /// Highest commanded feed beyond what is asked for.
+    pub most_pct: f64,
+    /// Lowest true feed where it is held, less what is asked for.
+    pub true_low_pct: f64,
+    /// Highest.
+    pub true_high_pct: f64,
+    /// Root of the mean square.
+    pub true_rms_pct: f64,
+    /// Time at a lower feed although no limit was used to half.
+    pub unexplained_s: f64,
+    /// Largest chord error of an interpolator cycle.
+    pub chord_max_um: f64,
+}
+
+/// Largest commanded speed, acceleration, jerk and jerk rate of an axis, per cent of its limits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)] // the derivative, as the name says
+pub struct AxisUsed {
+    pub velocity_pct: f64,
+    pub acceleration_pct: f64,
+    pub jerk_pct: f64,
+    pub jerk_rate_pct: f64,
+}
+
+/// A contour, a surface or a seam that was cut.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TraceReport {
+    /// Running number in the program, from 1.
+    pub trace: u32,
+    /// Line of the part program.
+    pub line: u32,
+    /// What it was.
+    pub kind: WorkKind,
+    /// Machine position of the zero of the formulas; 0 of a seam.
+    pub origin_mm: [f64; 3],
+    /// When cutting began, s.
+    pub t_s: f64,
+    /// First control cycle of it.
+    pub begin_cycle: u64,
+    /// Last control cycle of it.
+    pub end_cycle: u64,
+    /// Control cycles in which it was cut: approaches and retracts are not counted.
+    pub cut_cycles: u64,
+    /// Of these, cycles in which no nearest point was found.
+    pub unmeasured_cycles: u64,
+    /// Way that was cut.
+    pub way_mm: f64,
+    /// Deviation of the commanded positions.
+    pub commanded: DeviationReport,
+    /// Deviation of the true positions of the slides.
+    pub slide: DeviationReport,
+    /// Feed.
+    pub feed: FeedReport,
+    /// How much of the limits was used.
+    pub limits_used: BTreeMap<Axis, AxisUsed>,
+}
