@@ -83,6 +83,9 @@ pub(crate) enum Command {
     /// Commission axes: measure mass, friction, delays and the mode of the slide, and propose loops that fit.
     #[command(after_help = crate::tune::HELP)]
     Tune(crate::tune::TuneArgs),
+    /// Say how fine positions, speeds, accelerations and jerks have to be, and whether this machine's encoders are.
+    #[command(after_help = crate::resolution::HELP)]
+    Resolution(Box<crate::resolution::ResolutionArgs>),
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(DoctorArgs),
@@ -148,7 +151,7 @@ impl MachineArgs {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Part program (G-code), machine code (`.mc`), or a run folder to repeat.
+    /// Part program (G-code), job (`.toml`), machine code (`.mc`), or a run folder to repeat.
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
     #[command(flatten)]
@@ -196,7 +199,7 @@ pub(crate) enum Trace {
 /// A program and the machine it is for.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ProgramArgs {
-    /// Part program (G-code) or machine code (`.mc`).
+    /// Part program (G-code), job (`.toml`) or machine code (`.mc`).
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
     #[command(flatten)]

@@ -10,6 +10,7 @@ mod error;
 mod experiment;
 mod program;
 mod report;
+mod resolution;
 mod run;
 mod tune;
 
@@ -46,6 +47,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         }
         Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Tune(args) => tune::tune(args, quiet),
+        Command::Resolution(args) => resolution::resolution(args, quiet),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(interpreter::shell::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => Ok(interpolator::shell::run(args).map(|()| ExitCode::SUCCESS)?),

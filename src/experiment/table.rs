@@ -89,14 +89,32 @@ pub(crate) fn six(value: f64) -> String {
     format!("{value:.5e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
+/// Three significant digits, small ones as powers of ten.
+pub(crate) fn three(value: f64) -> String {
+    if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
+        return format!("{value:.2e}").parse::<f64>().unwrap_or(value).to_string();
+    }
+    let (digits, power) = format!("{value:.2e}").split_once('e').map_or_else(
+        || (value.to_string(), String::from("0")),
+        |(digits, power)| (digits.trim_end_matches('0').trim_end_matches('.').to_owned(), power.to_owned()),
+    );
+    format!("{digits}e{power}")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Column, Table, six};
+    use super::{Column, Table, six, three};
 
     #[test]
     fn numbers_have_six_digits_at_most() {
         let shown = [0.0, 0.1 + 0.2, 4.017_538_767, -78.539_816, 1_234_567.0].map(six);
         assert_eq!(shown, ["0", "0.3", "4.01754", "-78.5398", "1234570"]);
+    }
+
+    #[test]
+    fn small_numbers_are_powers_of_ten() {
+        let shown = [0.0, 0.012_345, 123.456, 2.5e-6, -1e-9, 12_345_678.0].map(three);
+        assert_eq!(shown, ["0", "0.0123", "123", "2.5e-6", "-1e-9", "1.23e7"]);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use motion::{
 };
 use protocol::{Axis, Machine, Position};
 
-use crate::experiment::table::{Column, Table, six};
+use crate::experiment::table::{Column, Table, six, three};
 
 /// g, by which the method measures accelerations, m/s².
 pub(super) const G_M_S2: f64 = 9.81;
@@ -81,21 +81,9 @@ pub(super) fn demand(machine: &Published) -> (Demand, Steps) {
     )
 }
 
-/// Three significant digits, small ones as powers of ten.
-fn short(value: f64) -> String {
-    if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
-        return format!("{value:.2e}").parse::<f64>().unwrap_or(value).to_string();
-    }
-    let (digits, power) = format!("{value:.2e}").split_once('e').map_or_else(
-        || (value.to_string(), String::from("0")),
-        |(digits, power)| (digits.trim_end_matches('0').trim_end_matches('.').to_owned(), power.to_owned()),
-    );
-    format!("{digits}e{power}")
-}
-
 /// The step of a quantity that is needed, and its order.
 fn step(value: f64) -> String {
-    format!("{} (1e{})", short(value), order(value))
+    format!("{} (1e{})", three(value), order(value))
 }
 
 pub(super) fn required() -> Table {
@@ -121,7 +109,7 @@ fn needed(machine: &Published, n: usize) -> String {
     let (demand, steps) = demand(machine);
     let counts = Counts { per_mm: PER_MM, cycle_hz: demand.cycle_hz };
     let value = Required::of(&demand, &steps).steps().get(n).copied().unwrap_or_default();
-    format!("{}: {}", step(value), short(counts.discrepancy(value)))
+    format!("{}: {}", step(value), three(counts.discrepancy(value)))
 }
 
 /// A quantity of a machine: its name, its unit, the step it needs, what the wire has, 1e-9 mm and 1 µm over the need.
@@ -150,9 +138,9 @@ pub(super) fn wire(machine: &Machine) -> Table {
         Column { name: "quantity of X", unit: "", cell: |need| need.0.into() },
         Column { name: "unit", unit: "", cell: |need| need.1.into() },
         Column { name: "needed", unit: "(order)", cell: |need| step(need.2) },
-        Column { name: "wire", unit: "", cell: |need| short(need.3) },
-        Column { name: "by differences of 1e-9 mm", unit: "D", cell: |need| short(1e-9 / need.2) },
-        Column { name: "by differences of 1 µm", unit: "D", cell: |need| short(1e-3 / need.2) },
+        Column { name: "wire", unit: "", cell: |need| three(need.3) },
+        Column { name: "by differences of 1e-9 mm", unit: "D", cell: |need| three(1e-9 / need.2) },
+        Column { name: "by differences of 1 µm", unit: "D", cell: |need| three(1e-3 / need.2) },
     ];
     Table::of("What this machine needs, and what the wire provides", &columns, &needs.unwrap_or_default())
         .with_caption(format!(
@@ -161,8 +149,8 @@ pub(super) fn wire(machine: &Machine) -> Table {
              by the law, whose step at their highest value is given. A double resolves {} mm at one metre, a single {} \
              mm.",
             TOLERANCES_UM[0],
-            short(double_mm(1000.0)),
-            short(single_mm(1000.0))
+            three(double_mm(1000.0)),
+            three(single_mm(1000.0))
         ))
 }
 
@@ -199,7 +187,7 @@ pub(super) fn positions() -> Table {
     }
     let columns: [Column<f64>; 4] = [
         Column { name: "tolerance", unit: "µm", cell: |um| six(*um) },
-        Column { name: "step", unit: "mm", cell: |um| short(needed(um)) },
+        Column { name: "step", unit: "mm", cell: |um| three(needed(um)) },
         Column { name: "order", unit: "", cell: |um| format!("1e{}", order(needed(um))) },
         Column { name: "counts", unit: "1/mm", cell: |um| six(counts_per_mm(order(needed(um)))) },
     ];

@@ -1,0 +1,175 @@
+//! What is needed and what there is, as tables and sentences. In: what was asked, answers. Out: text for the screen, tables
+//! for the page.
+
+use motion::tolerance::Grade;
+
+use super::{Asked, Source, needs::AxisNeeds, verdict::Verdict};
+use crate::experiment::table::{Place, Table, six, three};
+
+/// Everything for the screen.
+pub(super) fn text(asked: &Asked, verdicts: &[Verdict]) -> String {
+    let lines = |lines: Vec<String>| lines.into_iter().map(|line| line + "\n").collect::<String>();
+    let tables = [needed(asked), differences(asked), answers(verdicts)].map(|table| table.text());
+    let [needed, differences, answers] = tables;
+    format!(
+        "{}\n{needed}\nwhat differences of counts err by\n{differences}\n{answers}\n{}",
+        lines(head(asked)),
+        lines(sentences(asked, verdicts))
+    )
+}
+
+/// What was asked for, in words.
+pub(super) fn head(asked: &Asked) -> Vec<String> {
+    let cycle_hz = asked.axes.first().map_or(0.0, |needs| needs.demand.cycle_hz);
+    let um = three(asked.parts.um);
+    let parts = match asked.parts.grade {
+        Some((grade, size_mm)) => format!("parts of {size_mm} mm in {grade}: {um} µm"),
+        None => format!("parts within {um} µm"),
+    };
+    let counts = match &asked.source {
+        Source::Given => asked
+            .axes
+            .first()
+            .map_or(String::new(), |needs| format!(", counts of {} mm", three(needs.encoder.increment_mm()))),
+        Source::Machine { .. } => String::new(),
+    };
+    let mut lines = vec![format!("{}, {parts}; {} Hz{counts}", asked.name(), six(cycle_hz))];
+    if let Some(radius_mm) = asked.parts.radius_mm {
+        let degrees = three(1e-3 * super::needs::turned(asked.parts.um, radius_mm));
+        lines.push(format!("on a radius of {radius_mm} mm, for the axes that turn, that is {degrees} deg"));
+    }
+    lines
+}
+
+fn columns<const N: usize>(columns: [[&str; 2]; N]) -> Vec<[String; 2]> {
+    columns.map(|column| column.map(str::to_owned)).to_vec()
+}
+
+/// The steps that are needed.
+pub(super) fn needed(asked: &Asked) -> Table {
+    let rows = asked.groups().into_iter().flat_map(|(needs, names)| {
+        needs.quantities(&asked.steps).map(|quantity| {
+            vec![
+                names.clone(),
+                quantity.name.into(),
+                format!("{} {}", six(quantity.highest), quantity.unit),
+                six(quantity.divided),
+                format!("{} {}", three(quantity.step), quantity.step_unit),
+                format!("1e{}", quantity.order()),
+                quantity.internal.map_or("–".into(), three),
+                three(quantity.discrepancy),
+            ]
+        })
+    });
+    Table {
+        title: "What is needed".into(),
+        caption: "Tolerance or highest value, divided into K steps, is the coarsest step that will do (M30–M33). Its order \
+                  is the decimal power that is not coarser (M35). V_T, a_T, J_T: the highest value in counts of the \
+                  encoder (M29). D: how many times a count is coarser than the step (M34); above 1 the quantity must not \
+                  be made by differences of counts."
+            .into(),
+        head: columns([
+            ["axis", ""],
+            ["quantity", ""],
+            ["highest", ""],
+            ["K", ""],
+            ["step needed", ""],
+            ["order", ""],
+            ["internal", "counts/cycleⁿ"],
+            ["D", "of a count"],
+        ]),
+        rows: rows.collect(),
+        place: Place::Everywhere,
+    }
+}
+
+/// What differences of counts err by.
+pub(super) fn differences(asked: &Asked) -> Table {
+    let rows = asked.groups().into_iter().flat_map(|(needs, names)| {
+        needs.differences().map(|difference| {
+            vec![
+                names.clone(),
+                difference.of.into(),
+                six(difference.counts),
+                format!("{} {}", three(difference.largest), difference.unit),
+                format!("{} {}", three(difference.rms), difference.unit),
+                three(difference.of_limit_pct),
+            ]
+        })
+    });
+    Table {
+        title: "What differences of counts err by".into(),
+        caption: "The n-th difference of rounded positions errs by up to 2ⁿ⁻¹ counts per cycleⁿ (M28). Setpoints are not made \
+                  so here: speed and acceleration come from the law. What the drive measures by a difference of its encoder \
+                  has the error of the first line."
+            .into(),
+        head: columns([
+            ["axis", ""],
+            ["made by differences", ""],
+            ["counts", "at most"],
+            ["error", "at most"],
+            ["error", "rms"],
+            ["of the limit", "%"],
+        ]),
+        rows: rows.collect(),
+        place: Place::Everywhere,
+    }
+}
+
+/// What there is, and whether it is fine enough.
+pub(super) fn answers(verdicts: &[Verdict]) -> Table {
+    let widest = verdicts.iter().map(|verdict| verdict.what.chars().count()).max().unwrap_or(0);
+    let row = |verdict: &Verdict| {
+        vec![
+            format!("{:widest$}", verdict.what),
+            format!("{} {}", three(verdict.has), verdict.unit),
+            format!("{} {}", three(verdict.needs), verdict.unit),
+            three(verdict.has / verdict.needs),
+            if verdict.is_fine() { "fine" } else { "TOO COARSE" }.into(),
+        ]
+    };
+    Table {
+        title: "Verdict".into(),
+        caption: "D: how many times the step there is coarser than the one that is needed.".into(),
+        head: columns([["what counts", ""], ["has", ""], ["needs", ""], ["D", ""], ["verdict", ""]]),
+        rows: verdicts.iter().map(row).collect(),
+        place: Place::Everywhere,
+    }
+}
+
+/// The verdict in words: what to change, or how much finer it might be.
+pub(super) fn sentences(asked: &Asked, verdicts: &[Verdict]) -> Vec<String> {
+    let coarse: Vec<_> = verdicts.iter().filter(|verdict| !verdict.is_fine()).collect();
+    let mut lines: Vec<_> = coarse
+        .iter()
+        .map(|verdict| {
+            let times = three(verdict.has / verdict.needs);
+            format!("{}: {times} times too coarse; {}", verdict.what, verdict.remedy)
+        })
+        .collect();
+    if coarse.is_empty() {
+        lines.push("everything is fine enough".into());
+    }
+    lines.extend(finest(asked));
+    lines
+}
+
+/// The finest grade that the coarsest measured position resolves.
+fn finest(asked: &Asked) -> Option<String> {
+    let (_, size_mm) = asked.parts.grade?;
+    let um = |needs: &AxisNeeds| {
+        let count = needs.position_step();
+        let radius_mm = asked.parts.radius_mm.filter(|_| needs.unit() == "deg");
+        1e3 * asked.steps.tolerance * radius_mm.map_or(count, |radius| count.to_radians() * radius)
+    };
+    let axes = asked.axes.iter();
+    let coarsest = axes.reduce(|worst, one| if um(one) > um(worst) { one } else { worst })?;
+    let needed = three(um(coarsest));
+    let positions =
+        coarsest.axis.as_ref().map_or("positions".into(), |(axis, _)| format!("positions of {axis}"));
+    let fit = format!("{positions} do for tolerances of {needed} µm and more");
+    Some(match Grade::not_finer_than(um(coarsest), size_mm) {
+        Some(grade) => format!("{fit}, {grade} at {size_mm} mm"),
+        None => format!("{fit}, which is more than any grade at {size_mm} mm"),
+    })
+}
