@@ -71,12 +71,36 @@ impl Spindle {
 
 impl Translator {
     /// G96 with its highest speed, or G97: 0.
-    pub(crate) fn spindle_mode(&mut self, highest: f64) {
+    pub(crate) fn spindle_mode(&mut self, highest: f64) -> Done {
+        if highest > 0.0 {
+            self.needs_spindle("G96", Blame::Block)?;
+        }
         self.spindle.highest = (highest > 0.0).then_some(highest);
+        Ok(())
+    }
+
+    /// M3 or M4.
+    pub(crate) fn start_spindle(&mut self, mode: SpindleMode) -> Done {
+        let word = if mode == SpindleMode::Clockwise { "M3" } else { "M4" };
+        self.needs_spindle(word, Blame::Block)?;
+        self.spindle.mode = mode;
+        Ok(())
+    }
+
+    /// Refuses a word that needs a spindle where there is none.
+    fn needs_spindle(&self, word: &str, blame: Blame) -> Done {
+        if !self.machine.spindle.is_none() {
+            return Ok(());
+        }
+        let message = format!("{word}: {} has no spindle", self.machine.machine.name);
+        Err(Problem::error("no-spindle", blame, message, "leave out S, M3, M4, G95 and G96"))
     }
 
     /// S.
     pub(crate) fn spindle_speed(&mut self, s: f64) -> Done {
+        if s != 0.0 {
+            self.needs_spindle("S", Blame::Word('S'))?;
+        }
         if self.spindle.is_surface() {
             let per_minute = if self.frame.unit == 1.0 { METRE_MM } else { FOOT_MM };
             let mm_s = s * per_minute / 60.0;

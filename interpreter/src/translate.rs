@@ -268,10 +268,12 @@ impl Translator {
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Job(job) => self.job(place, job)?,
             Call::Dwell(seconds) => self.dwell(place, seconds)?,
-            Call::SetSpindleMode(highest) => self.spindle_mode(highest),
+            Call::SetSpindleMode(highest) => self.spindle_mode(highest)?,
             Call::SetSpindleSpeed(speed) => self.spindle_speed(speed)?,
-            Call::StartSpindle(Turn::Clockwise) => self.spindle.mode = SpindleMode::Clockwise,
-            Call::StartSpindle(Turn::Counterclockwise) => self.spindle.mode = SpindleMode::Counterclockwise,
+            Call::StartSpindle(Turn::Clockwise) => self.start_spindle(SpindleMode::Clockwise)?,
+            Call::StartSpindle(Turn::Counterclockwise) => {
+                self.start_spindle(SpindleMode::Counterclockwise)?
+            }
             Call::StopSpindle => self.spindle.mode = SpindleMode::Stop,
             Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
                 self.select_tool(place, number)?;

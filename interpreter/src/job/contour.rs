@@ -118,7 +118,15 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     ];
     let approach = job.approach(across, clear, sign, &start);
     let retract = vec![Move { to: up, feed: Feed::Rapid }];
-    Ok(Planned { approach, formulas: vec![f], trace, end, retract, warnings: Vec::new(), facts })
+    Ok(Planned {
+        approach,
+        formulas: vec![f],
+        traces: vec![trace],
+        end,
+        retract,
+        warnings: Vec::new(),
+        facts,
+    })
 }
 
 /// Which key is the formula, and on which axes it lies.

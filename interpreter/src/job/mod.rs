@@ -1,5 +1,5 @@
 //! Jobs: work that is given as formulas instead of points. In: the text of a job (TOML), a machine, the zero of the
-//! formulas, the feed in force. Out: moves to where it begins, formulas, one trace, moves away; or what is wrong, by key.
+//! formulas, the feed in force. Out: moves to where it begins, formulas, traces, moves away; or what is wrong, by key.
 //!
 //! | module | kind of job |
 //! |---|---|
@@ -172,8 +172,8 @@ pub(crate) struct Planned {
     pub(crate) approach: Vec<Move>,
     /// Its formulas, by number.
     pub(crate) formulas: Vec<Formula>,
-    /// The work.
-    pub(crate) trace: Trace,
+    /// The work, one trace behind the other.
+    pub(crate) traces: Vec<Trace>,
     /// Where the axes rest behind it.
     pub(crate) end: PerAxis<Position>,
     /// Moves away from there.

@@ -97,6 +97,9 @@ impl Translator {
                 Some(_) => Err(Fault::new("origin_mm", "that is no position of a machine", "give it in mm")),
             };
         }
+        if common.kind == Kind::Seam {
+            return Ok([0.0; 3]); // offsets of a positioner are those of its axes, not of the part
+        }
         if self.frame.rotation_deg != 0.0 {
             let message = "a job in a coordinate system turned about Z";
             return Err(Fault::new("", message, "turn it back with G10 L2 R0"));
@@ -126,7 +129,9 @@ impl Translator {
         for (slot, formula) in (0..).zip(planned.formulas) {
             self.push(place.line, Code::Formula { slot, formula });
         }
-        self.push(place.line, Code::Trace(planned.trace));
+        for trace in planned.traces {
+            self.push(place.line, Code::Trace(trace));
+        }
         for step in &planned.retract {
             self.push(place.line, Code::Line { target: step.to, feed: step.feed });
         }

@@ -243,8 +243,8 @@ fn moves(
     let mut up = end;
     up[Axis::Z.index()] = clear;
     let retract = vec![Move { to: up, feed: Feed::Rapid }];
-    let trace = job.trace(Work::Surface(*surface));
-    Ok(Planned { approach, formulas, trace, end, retract, warnings: Vec::new(), facts })
+    let traces = vec![job.trace(Work::Surface(*surface))];
+    Ok(Planned { approach, formulas, traces, end, retract, warnings: Vec::new(), facts })
 }
 
 impl Display for ToolKeys {
