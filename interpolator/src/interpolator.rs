@@ -366,7 +366,7 @@ impl Interpolator {
             feed_override_pct: panel.feed_override_pct,
             depth_mm: self.depth_mm,
             starved: self.travel.starved,
-            tracing: 0,
+            tracing: self.travel.tracing.cutting,
         };
         Out { frames, spindle, status }
     }

@@ -231,8 +231,10 @@ impl Interpolator {
 
     /// The machine stands at the end of its chain, or on its path because the operator or a fault ends the program.
     fn arrive(&mut self, panel: &Panel) {
+        if self.travel.chain.is_empty() {
+            self.end_trace(panel);
+        }
         self.travel.end_chain();
-        self.end_trace(panel);
         if let Some(fault) = self.travel.fault.take() {
             self.enter_fault(fault);
         } else if ends(panel) {
