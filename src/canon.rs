@@ -212,7 +212,8 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
 fn open(args: &CanonArgs, options: &Options) -> Result<Program, CliError> {
     match &args.program {
         Some(path) if path != Path::new("-") => {
-            Program::open(path, options).map_err(|error| CliError::file(path, error))
+            let open = if interpreter::is_job(path) { Program::open_job } else { Program::open };
+            open(path, options).map_err(|error| CliError::file(path, error))
         }
         None if io::stdin().is_terminal() => Err(CliError::Input(
             "no program: name a file, or `-` to type one in\nExample: pitchlock canon part.ngc".into(),

@@ -36,6 +36,12 @@ fn findings(program: &Program) -> String {
     let moves = program.moves;
     let (errors, warnings) = (program.found(Severity::Error), program.found(Severity::Warning));
     let _ = writeln!(text, "{errors} errors, {warnings} warnings, {moves} moves");
+    for job in program.check.iter().flat_map(|check| &check.jobs) {
+        let _ = writeln!(text, "job       line {}", job.line);
+        for (what, value) in &job.facts {
+            let _ = writeln!(text, "  {what:<9} {value}");
+        }
+    }
     let passes = program.check.as_ref().map_or(&[][..], |check| &check.passes);
     if !passes.is_empty() {
         let _ =

@@ -1,4 +1,4 @@
-//! A program, read and judged as a whole before anything moves: G-code or a `.mc` file.
+//! A program, read and judged as a whole before anything moves: G-code, a job (`.toml`) or a `.mc` file.
 
 use std::path::{Path, PathBuf};
 
@@ -10,14 +10,15 @@ use crate::{cli, error::CliError};
 
 /// A program that was read.
 pub(crate) struct Program {
-    /// Machine code that was read from a file; that of G-code is made anew whenever it is wanted.
+    /// Machine code that was read from a file; that of other programs is made anew whenever it is wanted.
     pub(crate) code: Option<Vec<Item>>,
-    /// How many items of machine code there are, and how many of them are moves.
+    /// How many items of machine code there are, what they count in the progress of a run, and how many of them are moves.
     pub(crate) count: u64,
+    pub(crate) steps: u64,
     pub(crate) moves: u64,
     /// Those of them that the observer watches for.
     pub(crate) watched: Vec<Item>,
-    /// What the interpreter found, of G-code.
+    /// What the interpreter found, of G-code and jobs.
     pub(crate) check: Option<Check>,
     /// The same as the user sees them.
     pub(crate) messages: String,
@@ -52,8 +53,11 @@ impl Program {
             let mut watch = Watch::default();
             let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
             let time_s = interpreter::time_s(&file.items, machine);
+            let time_s =
+                time_s.map_err(|(line, reason)| CliError::file(path, changed(&reason.to_string(), line)))?;
+            let steps = file.items.iter().map(Item::steps).sum();
             let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
-            return Ok(Program { code, count, moves, watched, check: None, messages, time_s });
+            return Ok(Program { code, count, steps, moves, watched, check: None, messages, time_s });
         }
         let (mut watch, mut watched) = (Watch::default(), Vec::new());
         let check = interpreter::check_program(open(path, language, machine)?, machine, |item| {
@@ -64,8 +68,8 @@ impl Program {
         let colour = cli::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
-        let (count, moves, time_s) = (check.count, check.moves, check.time_s);
-        Ok(Program { code: None, count, moves, watched, check: Some(check), messages, time_s })
+        let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
+        Ok(Program { code: None, count, steps, moves, watched, check: Some(check), messages, time_s })
     }
 
     /// The machine code of a program that was judged and is good, item by item.
@@ -131,9 +135,10 @@ fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
             }
             _ => return None,
         };
-        Some(format!(
-            "{what} (line {} of the program): the machine has changed, compile the program again",
-            item.line
-        ))
+        Some(changed(what, item.line))
     })
+}
+
+fn changed(what: &str, line: u32) -> String {
+    format!("{what} (line {line} of the program): the machine has changed, compile the program again")
 }

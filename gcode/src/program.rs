@@ -280,7 +280,8 @@ impl Program {
     }
 
     fn job(&mut self, job: &Job, sink: &mut Watch) -> Done {
-        let mut out = Output::new(sink, self.block.place(), &mut self.problems, &mut self.waiting);
+        let place = Place { line: job.line, ..self.block.place() };
+        let mut out = Output::new(sink, place, &mut self.problems, &mut self.waiting);
         job::execute(job, &mut self.state, &mut out)
     }
 

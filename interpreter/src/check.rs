@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use gcode::{Diagnostic, Program, Severity};
-use protocol::{Item, Machine};
+use protocol::{Item, Machine, Untraceable};
 
 use crate::threading::PassNote;
 use crate::time::{Clock, LONGEST_S};
@@ -22,6 +22,8 @@ pub struct Check {
     pub items: Vec<Item>,
     /// How many items there are.
     pub count: u64,
+    /// What they count in the progress of a run.
+    pub steps: u64,
     /// How many of them are moves.
     pub moves: u64,
     /// The passes of threads.
@@ -50,6 +52,14 @@ pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
     Check { items, ..check }
 }
 
+/// The same of a text that is a job.
+pub fn check_job(name: &str, source: &str, machine: &Machine) -> Check {
+    let mut items = Vec::new();
+    let program = Program::from_job(name, source, &options::options(machine));
+    let check = check_program(program, machine, |item| items.push(item));
+    Check { items, ..check }
+}
+
 /// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass, and an
 /// estimate of its duration. `machine` has been checked; `each` gets the machine code, item by item, so that a program of
 /// any length takes no more memory than its diagnostics and passes.
@@ -62,6 +72,7 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
             Ok(item) => {
                 clock.add(item.line, &item.code);
                 check.count += 1;
+                check.steps += item.steps();
                 check.moves += u64::from(item.is_move());
                 each(item);
             }
@@ -75,6 +86,9 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
         }
     }
     clock.finish();
+    if let (Some((line, reason)), true) = (clock.trouble(), check.is_good()) {
+        check.diagnostics.push(interpreter.untraceable(line, &reason));
+    }
     if clock.seconds() > LONGEST_S {
         check.diagnostics.push(interpreter.endless());
     }
@@ -89,9 +103,15 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
 }
 
 /// How long machine code takes on a machine at 100 % override, s.
-pub fn time_s<'a>(items: impl IntoIterator<Item = &'a Item>, machine: &Machine) -> f64 {
+///
+/// # Errors
+/// The line of the first trace that cannot be followed to its end, and why.
+pub fn time_s<'a>(
+    items: impl IntoIterator<Item = &'a Item>,
+    machine: &Machine,
+) -> Result<f64, (u32, Untraceable)> {
     let mut clock = Clock::new(machine);
     items.into_iter().for_each(|item| clock.add(item.line, &item.code));
     clock.finish();
-    clock.seconds()
+    clock.trouble().map_or(Ok(clock.seconds()), Err)
 }

@@ -46,13 +46,13 @@ mod translate;
 use std::collections::{BTreeSet, VecDeque};
 
 use gcode::problem::Blame;
-use gcode::{Problem, Program, Step};
-use protocol::{Item, Machine};
+use gcode::{Place, Problem, Program, Step};
+use protocol::{Item, Machine, Untraceable};
 
-pub use check::{Check, check, check_program, time_s};
+pub use check::{Check, check, check_job, check_program, time_s};
 pub use gcode::{Diagnostic, Severity};
 pub use job::JobNote;
-pub use options::{Language, OpenError, check_folders, open};
+pub use options::{Language, OpenError, check_folders, is_job, open};
 pub use threading::PassNote;
 use translate::Translator;
 
@@ -114,6 +114,13 @@ impl Interpreter {
         let message = "up to here the program takes more than thirty days: does a loop not end?";
         let help = "let the loop count, or end it with a condition that comes true";
         self.program.diagnose(place, *Problem::error("endless-program", Blame::Block, message, help))
+    }
+
+    /// What to say of a trace that cannot be followed to its end.
+    pub(crate) fn untraceable(&mut self, line: u32, reason: &Untraceable) -> Diagnostic {
+        let place = Place { line, ..self.translator.place() };
+        let help = "change the formula or the domain, or where the work lies on the machine";
+        self.program.diagnose(place, *Problem::error("job", Blame::Block, reason.to_string(), help))
     }
 
     /// One block of the program.

@@ -14,7 +14,7 @@ use crate::{Interpreter, Language, open};
 /// Arguments of the interpreter.
 #[derive(Clone, Debug, clap::Args)]
 pub struct InterpreterArgs {
-    /// Part program (G-code), or machine code made by `pitchlock compile` (`.mc`).
+    /// Part program (G-code), job (`.toml`), or machine code made by `pitchlock compile` (`.mc`).
     pub program: PathBuf,
     /// How it is read.
     #[command(flatten)]

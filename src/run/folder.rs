@@ -54,6 +54,12 @@ impl RunFolder {
         };
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
         let program = path.join(name);
+        if [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| name == *kept)
+            && !same_file(&args.program, &program)
+        {
+            let text = "the run folder keeps another file under this name: rename the job";
+            return Err(CliError::file(&args.program, text));
+        }
         // A run folder that is used again keeps nothing of the run before that this one does not write itself.
         let used = path.join("summary.json").exists();
         for name in [TOOLS, LANGUAGE, SCENARIO].into_iter().filter(|_| used) {
