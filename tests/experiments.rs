@@ -8,7 +8,7 @@ use std::fs;
 use serde_json::Value;
 use shop::{Place, project};
 
-const NAMES: [&str; 6] = ["approach", "feed", "observer", "profiles", "resolution", "sweep"];
+const NAMES: [&str; 7] = ["approach", "feed", "observer", "profiles", "resolution", "surface", "sweep"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {
@@ -54,6 +54,23 @@ fn a_row_of_profiles_has_its_inputs_and_figures() {
             assert!(residual <= bound.as_f64().expect("a number"), "{row}");
         } else {
             assert!(bound.is_null(), "{row}");
+        }
+    }
+}
+
+#[test]
+fn a_row_of_surface_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "surface", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 7 * 5 * 5);
+    let keys = "h_mm max_next_point_um max_next_normal_um max_accumulated_um max_over_step_um max_plan_um feed_min_pct \
+                feed_max_pct";
+    for row in rows {
+        assert!(keys.split(' ').all(|key| row[key].is_f64()) && row["surface"].is_string(), "{row}");
+        if row["correction"] == "exact" {
+            assert!(row["max_next_point_um"].as_f64().is_some_and(|um| um < 1e-6), "{row}");
         }
     }
 }

@@ -12,6 +12,7 @@ mod page;
 mod profiles;
 mod resolution;
 mod stand;
+mod surface;
 mod sweep;
 pub(crate) mod table;
 
@@ -56,6 +57,8 @@ pub(crate) enum Name {
     Profiles,
     /// What rounded positions do to speed, acceleration and servo error, and how fine they have to be.
     Resolution,
+    /// How far feed ratios miss curves and surfaces, as published and put right.
+    Surface,
     /// Servo error of X over passes, overrides and wrong beliefs.
     Sweep,
 }
@@ -66,6 +69,7 @@ impl Name {
             Name::Approach => "approach",
             Name::Feed => "feed",
             Name::Observer => "observer",
+            Name::Surface => "surface",
             Name::Sweep => "sweep",
             Name::Profiles => "profiles",
             Name::Resolution => "resolution",
@@ -76,7 +80,7 @@ impl Name {
     fn moves_a_machine(self) -> bool {
         match self {
             Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => true,
-            Name::Feed | Name::Profiles => false,
+            Name::Feed | Name::Profiles | Name::Surface => false,
         }
     }
 }
@@ -92,7 +96,7 @@ pub(crate) struct ExperimentArgs {
     /// Folder for `report.html` and `rows.json` [default: `experiments/NAME`].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of everything random; nothing is in `feed` and `profiles`.
+    /// Seed of everything random; nothing is in `feed`, `profiles` and `surface`.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -145,6 +149,7 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
         Name::Approach => publish(args, &approach::findings(&stand)?),
         Name::Feed => publish(args, &feed::findings()?),
         Name::Observer => publish(args, &observer::findings(&stand)?),
+        Name::Surface => publish(args, &surface::findings()?),
         Name::Sweep => publish(args, &sweep::findings(&stand)?),
         Name::Profiles => publish(args, &profiles::findings()),
         Name::Resolution => publish(args, &resolution::findings(&stand)?),
