@@ -302,8 +302,14 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// Where on the front block the machine is when it has gone `way` mm in the law; leaves the blocks behind that are
     /// completed.
     fn place(&mut self, way: f64) -> f64 {
-        // At rest the end of a block is passed where it is reached but for rounding.
-        let slack = if self.rests() { SAME } else { 0.0 };
+        // At rest the end of a block is passed where it is reached but for rounding; by rounding alone it is not passed
+        // while the machine still brakes to stand there.
+        let brakes = self.law.end_speed() == 0.0 && self.law.way() - way <= SAME;
+        let slack = match (self.rests(), brakes) {
+            (true, _) => SAME,
+            (false, true) => -SAME,
+            (false, false) => 0.0,
+        };
         let mut s = self.along + way;
         while let Some(front) = self.pieces.front() {
             let length = front.block.path.length();

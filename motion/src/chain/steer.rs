@@ -13,7 +13,7 @@
 
 use super::law::{Fold, Law, Promise};
 use super::section::Section;
-use super::{Ask, Chain, SAME};
+use super::{Ask, Chain, Piece, SAME};
 use crate::change::SpeedChange;
 use crate::feed::{FeedBlock, junction_distance};
 use crate::limits::Limits;
@@ -154,6 +154,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
         self.leave(gone);
         (self.law, self.t) = (Law::Rest, 0.0);
+        if v == 0.0 {
+            // Where it stands at the end of a block, the law that follows is one of the next block.
+            self.place(0.0);
+        }
         let (Some(front), cap) = (self.sections.front().copied(), self.cap(ask)) else { return true };
         if ask.single && over && v == 0.0 && self.at_block_end() {
             return true;
@@ -225,9 +229,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         Law::Block(block).keeps(&promise).then_some(block)
     }
 
-    /// Whether the machine is where a block ends.
+    /// Whether the machine is where a block ends: at the end of the front one, or at its start, when the one before has been
+    /// left behind.
     fn at_block_end(&self) -> bool {
-        self.pieces.front().is_some_and(|piece| (piece.block.path.length() - self.along).abs() <= SAME)
+        let ends = |piece: &Piece<N, T>| (piece.block.path.length() - self.along).abs() <= SAME;
+        self.along.abs() <= SAME || self.pieces.front().is_some_and(ends)
     }
 
     /// Way to the first end of a block that is at least `least` mm ahead, `gone` mm behind the start of the law in hand, mm.
