@@ -30,8 +30,13 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     let items: Vec<Item> = program.items(&args.input.program, &args.input.language, &machine)?.collect();
     let traces = items.iter().any(|item| matches!(item.code, Code::Trace(_)));
     let lines = match &args.g1 {
-        Some(path) => Some(write_lines(path, &items, &machine)?),
-        // Where lines cannot say it, there is nothing to compare.
+        Some(path) => {
+            // What cannot be said leaves no file behind.
+            let size = g1::write(&items, &machine, &mut |_| {});
+            size.map_err(|error| CliError::Input(error.to_string()))?;
+            Some(write_lines(path, &items, &machine)?)
+        }
+        // Without lines there is nothing to compare.
         None if traces => g1::write(&items, &machine, &mut |_| {}).ok(),
         None => None,
     };
