@@ -33,10 +33,9 @@ pub struct Job {
 }
 
 impl Job {
-    /// Its lines without blanks at their ends, with `; ` between them.
-    pub fn one_line(&self) -> String {
-        let lines: Vec<&str> = self.text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-        lines.join("; ")
+    /// Its lines without blanks at their ends, those left out that say nothing.
+    pub fn lines(&self) -> impl Iterator<Item = &str> {
+        self.text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
     }
 
     /// What a control makes of it that knows no jobs: a comment a line, each with its number.

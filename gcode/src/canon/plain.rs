@@ -14,6 +14,7 @@ use std::io::{self, Write};
 use super::printer::Lines;
 use super::{Arc, Call, FeedMode, PathMode, Place, Plane, Position, Sink, Units};
 use crate::files::Tool;
+use crate::job::Job;
 use crate::problem::Problem;
 
 /// m/min in one ft/min.
@@ -156,6 +157,14 @@ impl<W: Write> PlainPrinter<W> {
         self.lines.text(")");
     }
 
+    /// A line for each that the job has.
+    fn job(&mut self, job: &Job) -> Result<(), Box<Problem>> {
+        job.lines().try_for_each(|line| {
+            self.lines.quoted("JOB", line);
+            self.lines.end()
+        })
+    }
+
     fn wait_input(&mut self, index: u32, analog: bool, wait: u8, timeout: f64) {
         self.lines.text(if analog { "WAIT_ANALOG_INPUT(" } else { "WAIT_DIGITAL_INPUT(" });
         self.lines.integer(index);
@@ -231,6 +240,7 @@ impl<W: Write> PlainPrinter<W> {
         }
         match call {
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.print(call)),
+            Call::Job(job) => return self.job(job),
             Call::StraightFeed(end) => self.position("STRAIGHT_FEED(", &end),
             Call::StraightTraverse(end) => self.position("STRAIGHT_TRAVERSE(", &end),
             Call::ArcFeed(arc) => self.arc(&arc),
@@ -268,7 +278,6 @@ impl<W: Write> PlainPrinter<W> {
             Call::SetMotionOutputValue(index, value) => self.indexed("SET_MOTION_OUTPUT_VALUE", index, value),
             Call::SetAuxOutputValue(index, value) => self.indexed("SET_AUX_OUTPUT_VALUE", index, value),
             Call::WaitInput { index, analog, wait, timeout } => self.wait_input(index, analog, wait, timeout),
-            Call::Job(job) => self.lines.quoted("JOB", &job.one_line()),
             Call::Comment(text) => self.lines.quoted("COMMENT", text),
             Call::Message(text) => self.lines.quoted("MESSAGE", text),
             Call::Print(text) => self.lines.quoted("PRINT", text),
