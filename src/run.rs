@@ -11,7 +11,7 @@ mod recorder;
 use std::{fmt::Write as _, process::ExitCode};
 
 use protocol::{Machine, shell::Clock};
-use rig::observe::{Outcome, Summary};
+use rig::observe::{Outcome, Summary, WorkKind};
 
 use crate::{
     cli::{self, RunArgs},
@@ -114,6 +114,7 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
         summary.wall_s
     );
     threads(&mut text, summary);
+    traces(&mut text, summary);
     moves(&mut text, summary);
     for pause in summary.pauses.iter().take(SHOWN) {
         let _ = writeln!(text, "pause     line {}: cycle start after {:.1} s", pause.line, pause.waited_s);
@@ -152,6 +153,32 @@ fn threads(text: &mut String, summary: &Summary) {
             worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
             worst(|pass| pass.x.end_um.abs()),
             worst(|pass| pass.x.thread_max_abs_um),
+        );
+    }
+}
+
+fn traces(text: &mut String, summary: &Summary) {
+    for trace in summary.traces.iter().take(SHOWN) {
+        let (name, turned) = match trace.kind {
+            WorkKind::Contour => ("contour  ", String::new()),
+            WorkKind::Surface => ("surface  ", String::new()),
+            WorkKind::Seam => ("seam     ", format!(", direction within {:.5}°", trace.slide.angle_max_deg)),
+        };
+        let _ = writeln!(
+            text,
+            "{name} line {}: true within {:.2} µm, commanded within {:.3} µm{turned}; {:.0} mm/min held {:.1} % of the time",
+            trace.line,
+            trace.slide.max_abs_um(),
+            trace.commanded.max_abs_um(),
+            trace.feed.programmed_mm_min,
+            trace.feed.held_pct
+        );
+    }
+    if summary.traces.len() > SHOWN {
+        let _ = writeln!(
+            text,
+            "          and {} more contours, surfaces and seams",
+            summary.traces.len() - SHOWN
         );
     }
 }

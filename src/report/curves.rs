@@ -8,6 +8,7 @@ use rig::trace::Row;
 use super::curves_moves::MovesCurves;
 use super::cutting::CutCurves;
 use super::envelope::Envelope;
+use super::traces::TraceCurves;
 
 /// Points kept of all passes together; a single curve has at least [`LEAST_SLOTS`] and at most [`MOST_SLOTS`] intervals.
 const ALL_SLOTS: usize = 12_000;
@@ -61,6 +62,8 @@ pub(super) struct Curves {
     pub(super) cutting: CutCurves,
     /// Timed motion.
     pub(super) moves: MovesCurves,
+    /// Contours, surfaces and seams.
+    pub(super) traces: Vec<TraceCurves>,
 }
 
 /// The axes of a pass.
@@ -113,6 +116,7 @@ impl Curves {
             override_pct: over_time,
             cutting: CutCurves::new(summary, slots),
             moves: MovesCurves::new(summary),
+            traces: TraceCurves::all(summary),
         }
     }
 
@@ -122,6 +126,7 @@ impl Curves {
         self.override_pct.add(row.t_s, row.override_pct);
         self.add_path(row);
         self.moves.add(summary, row);
+        self.traces.iter_mut().for_each(|trace| trace.add(summary, row));
         let index = summary.passes.partition_point(|pass| pass.end_cycle < row.cycle);
         let Some(pass) = summary.passes.get(index).filter(|pass| pass.armed_cycle <= row.cycle) else {
             return;

@@ -1,7 +1,7 @@
 //! The figures of a report, as the plotting script takes them: traces and axes in JSON, without fonts and sizes, which
 //! the page adds for the width it has. In: [`Curves`]. Out: [`Figure`]s with what to look for in words.
 
-use rig::observe::{PassReport, Summary};
+use rig::observe::{PassReport, Summary, WorkKind};
 use serde_json::{Value, json};
 
 use super::curves::{Curves, MILL_PLANE, moving_deg, thread_deg};
@@ -50,6 +50,13 @@ pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
     }
     if super::cutting::cuts(summary) {
         figures.push(super::cutting::figure(summary, curves));
+    }
+    for curves in &curves.traces {
+        let Some(trace) = summary.traces.get(curves.index) else { continue };
+        if trace.kind == WorkKind::Surface {
+            figures.push(super::figures_traces::map(trace, &curves.map));
+        }
+        figures.push(super::figures_traces::way(trace, curves));
     }
     if let Some(lap) = &curves.moves.lap
         && let Some(circle) = summary.moves.circles.get(lap.index)

@@ -8,9 +8,11 @@ mod envelope;
 pub(crate) mod figures;
 mod figures_moves;
 mod figures_pass;
+mod figures_traces;
 pub(crate) mod page;
 #[cfg(test)]
 mod tests;
+mod traces;
 mod verdict;
 
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@ use rig::observe::{Outcome, PassReport, ServoError, Summary};
 use super::Run;
 use super::cutting;
 use super::figures::Figure;
+use super::traces;
 use super::verdict::{self, um};
 
 const STYLE: &str = include_str!("report.css");
@@ -22,6 +23,7 @@ pub(super) fn html(run: &Run) -> String {
         @if let Some(note) = &run.trace_note { p.note { (note) } }
         @if !summary.passes.is_empty() { (passes(summary)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
+        @if traces::any(summary) { (traces::table(summary)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&run.figures))
         (details(summary))

@@ -1,7 +1,9 @@
 //! A run folder becomes a page that has everything in it.
 
 use protocol::{Axis, AxisState};
-use rig::observe::{AxisLimits, CircleReport, CuttingReport, MovesReport, Outcome, PassReport, Summary};
+use rig::observe::{
+    AxisLimits, CircleReport, CuttingReport, MovesReport, Outcome, PassReport, Summary, Traced,
+};
 use rig::trace::{AxisRow, CutRow, Format, Row, TraceWriter};
 
 use super::render;
@@ -68,6 +70,7 @@ fn row(cycle: u64) -> Row {
         pass: 1,
         line: 3,
         cut: CutRow { area: 0.2, force: 612.5, torque: 6.125, motor_torque: 7.5 },
+        traced: Traced::default(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a run comes to, in plain words. In: the summary. Out: a grade, a headline, and sentences.
 
 use protocol::Axis;
-use rig::observe::{Outcome, PassReport, Summary};
+use rig::observe::{Outcome, PassReport, Summary, TraceReport, WorkKind};
 
 /// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is several
 /// times what a sound machine shows.
@@ -69,6 +69,7 @@ pub(super) fn of(summary: &Summary) -> Verdict {
         }
     }
     threads(summary, &mut verdict);
+    traces(summary, &mut verdict);
     limits(summary, &mut verdict);
     moves(summary, &mut verdict);
     if summary.deadline_misses > 0 {
@@ -129,6 +130,34 @@ pub(super) fn helix(summary: &Summary) -> String {
     let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
     let (nut, slide) = (worst(|pass| pass.helix_max_abs_um), worst(|pass| pass.slide_helix_max_abs_um));
     format!("{} at the nut and {} at the slide", um(nut), um(slide))
+}
+
+/// A tool further than this from its surface or contour, or a beam from its seam, deserves a look, µm.
+const LOOK_TRACE_UM: f64 = 10.0;
+
+fn traces(summary: &Summary, verdict: &mut Verdict) {
+    for (kind, who) in [
+        (WorkKind::Contour, "The tool kept to its contour"),
+        (WorkKind::Surface, "The tool kept to its surface"),
+        (WorkKind::Seam, "The beam kept to its seam"),
+    ] {
+        let of_kind: Vec<_> = summary.traces.iter().filter(|trace| trace.kind == kind).collect();
+        let worst = |of: fn(&&TraceReport) -> f64| of_kind.iter().map(of).fold(0.0, f64::max);
+        let (commanded, slide) =
+            (worst(|trace| trace.commanded.max_abs_um()), worst(|trace| trace.slide.max_abs_um()));
+        if of_kind.iter().any(|trace| trace.unmeasured_cycles > 0) {
+            verdict.say(Grade::Look, "In some cycles no place was found where the tool would touch.");
+        }
+        let unexplained = worst(|trace| trace.feed.unexplained_s);
+        if unexplained > 0.0 {
+            let words = format!("For {unexplained:.3} s the feed was low although no limit asked for it.");
+            verdict.say(Grade::Look, words);
+        }
+        if !of_kind.is_empty() {
+            let grade = if slide > LOOK_TRACE_UM { Grade::Look } else { Grade::Good };
+            verdict.say(grade, format!("{who} within {}, commanded within {}.", um(slide), um(commanded)));
+        }
+    }
 }
 
 fn moves(summary: &Summary, verdict: &mut Verdict) {

@@ -4,7 +4,7 @@
 
 use protocol::{Axis, AxisState};
 
-use crate::observe::{Observer, Record, contour_error_mm};
+use crate::observe::{Observer, Record, Traced, TracedPoint, contour_error_mm};
 
 /// One axis in one control cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,8 @@ pub struct Row {
     pub line: u32,
     /// What is cut.
     pub cut: CutRow,
+    /// What was measured of a contour, a surface or a seam.
+    pub traced: Traced,
 }
 
 impl Row {
@@ -114,6 +116,7 @@ impl Row {
                 torque: truth.cut.torque_nm,
                 motor_torque: truth.spindle_torque_nm,
             },
+            traced: observer.traced(),
         }
     }
 
@@ -153,6 +156,11 @@ impl Row {
         self.axes.iter().for_each(|(_, axis)| put(Cell::Real(axis.force)));
         let CutRow { area, force, torque, motor_torque } = self.cut;
         [area, force, torque, motor_torque].into_iter().for_each(|value| put(Cell::Real(value)));
+        let Traced { trace, commanded, slide } = self.traced;
+        put(Cell::Count(i64::from(trace)));
+        for TracedPoint { deviation_mm, angle_deg, feed_mm_min } in [commanded, slide] {
+            [deviation_mm, angle_deg, feed_mm_min].into_iter().for_each(|value| put(Cell::Real(value)));
+        }
     }
 
     /// The row of cells in the order of [`columns`].
@@ -168,6 +176,7 @@ impl Row {
             pass: 0,
             line: 0,
             cut: CutRow::default(),
+            traced: Traced::default(),
         };
         for axis in axes {
             let axis_row = AxisRow {
@@ -196,6 +205,11 @@ impl Row {
         let CutRow { area, force, torque, motor_torque } = &mut row.cut;
         for value in [area, force, torque, motor_torque] {
             *value = cells.real()?;
+        }
+        row.traced.trace = cells.count()? as u32;
+        for point in [&mut row.traced.commanded, &mut row.traced.slide] {
+            (point.deviation_mm, point.angle_deg) = (cells.real()?, cells.real()?);
+            point.feed_mm_min = cells.real()?;
         }
         Ok(row)
     }
@@ -239,6 +253,16 @@ const CUT_COLUMNS: [(&str, &str); 4] = [
     ("spindle_torque", "N m, of the motor"),
 ];
 
+/// A name and a unit of what is measured of a contour, a surface or a seam, first by commanded, then by true positions.
+const TRACED_COLUMNS: [(&str, &str); 6] = [
+    ("commanded_deviation", "mm"),
+    ("commanded_angle", "deg"),
+    ("commanded_feed", "mm/min"),
+    ("true_deviation", "mm"),
+    ("true_angle", "deg"),
+    ("true_feed", "mm/min"),
+];
+
 /// Name, unit and whether it is a real number, of every column of a trace.
 pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
     let column = |name: &str, unit, real| (name.to_string(), unit, real);
@@ -262,6 +286,8 @@ pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
     );
     all.extend(axes.iter().map(|axis| (format!("{}_force", axis.name()), "N, on the slide", true)));
     all.extend(CUT_COLUMNS.map(|(name, unit)| column(name, unit, true)));
+    all.push(column("trace", "contour, surface or seam that is cut, 0 if none", false));
+    all.extend(TRACED_COLUMNS.map(|(name, unit)| column(name, unit, true)));
     all
 }
 

@@ -172,6 +172,7 @@ struct Point {
     before: Option<[f64; 3]>,
     squares: f64,
     report: DeviationReport,
+    reach: [[f64; 2]; 3],
 }
 
 impl Cut {
@@ -179,7 +180,13 @@ impl Cut {
         let Planned { line, trace, gauge } = planned;
         let nothing =
             DeviationReport { low_um: f64::INFINITY, high_um: f64::NEG_INFINITY, ..Default::default() };
-        let point = Point { gauge: gauge.clone(), before: None, squares: 0.0, report: nothing };
+        let point = Point {
+            gauge: gauge.clone(),
+            before: None,
+            squares: 0.0,
+            report: nothing,
+            reach: [[f64::INFINITY, f64::NEG_INFINITY]; 3],
+        };
         let now = record.truth.cycle.0;
         Cut {
             number,
@@ -254,12 +261,10 @@ impl Cut {
 
     fn report(self) -> TraceReport {
         let measured = (self.cycles - self.unmeasured).max(1) as f64;
-        let [commanded, slide] = self.points.map(|point| {
-            let DeviationReport { low_um, high_um, .. } = point.report;
-            if low_um > high_um {
-                return DeviationReport::default(); // nothing was measured
-            }
-            DeviationReport { rms_um: (point.squares / measured).sqrt(), ..point.report }
+        let [(commanded, reach_mm), (slide, _)] = self.points.map(|point| {
+            let report = DeviationReport { rms_um: (point.squares / measured).sqrt(), ..point.report };
+            let measures = report.low_um <= report.high_um;
+            if measures { (report, point.reach) } else { Default::default() }
         });
         let (feed, way_mm) = self.pace.report(self.trace.feed_mm_min);
         let used = |axis: &Axis| {
@@ -283,6 +288,7 @@ impl Cut {
             cut_cycles: self.cycles,
             unmeasured_cycles: self.unmeasured,
             way_mm,
+            reach_mm,
             commanded,
             slide,
             feed,
@@ -299,6 +305,9 @@ impl Point {
         let Seen { deviation_mm, angle_deg, tip } = seen?;
         let um = 1e3 * deviation_mm;
         self.squares += um * um;
+        for (reach, at) in self.reach.iter_mut().zip(tip) {
+            *reach = [reach[0].min(at), reach[1].max(at)];
+        }
         let report = &mut self.report;
         if um.abs() > report.max_abs_um() {
             (report.worst_mm, report.worst_t_s) = (tip, t_s);

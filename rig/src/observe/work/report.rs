@@ -99,6 +99,8 @@ pub struct TraceReport {
     pub unmeasured_cycles: u64,
     /// Way that was cut.
     pub way_mm: f64,
+    /// Lowest and highest coordinates of the commanded way, from the zero of the formulas.
+    pub reach_mm: [[f64; 2]; 3],
     /// Deviation of the commanded positions.
     pub commanded: DeviationReport,
     /// Deviation of the true positions of the slides.
