@@ -8,8 +8,8 @@
 
 use motion::chain::{Ask, Block, Chain, Ratios};
 use protocol::{
-    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed, Trace, Traced, Tracer, Untraceable,
-    machine::SpindleConfig, units::AXES,
+    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed, Trace,
+    Traced, Tracer, Untraceable, machine::SpindleConfig, units::AXES,
 };
 
 /// Interpolator cycles until the drives are on, and setpoints act.

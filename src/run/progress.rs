@@ -19,7 +19,7 @@ pub(crate) struct Progress {
 impl Progress {
     /// A bar over the machine code of the program.
     pub(crate) fn new(setup: &Setup) -> Progress {
-        let bar = ProgressBar::new(setup.program.count);
+        let bar = ProgressBar::new(setup.program.steps);
         if !setup.progress {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
