@@ -2,9 +2,16 @@
 //!
 //! A trace may take several chains: where the tool leaves a surface another override acts. It is one block of the program
 //! all the same: single block waits at its end, and it counts as one move.
+//!
+//! Where a correction leads the followers (M36–M43), a setpoint is the exact one of the tick before and the step of the
+//! ratios. What they leave of the step (less than the chord error, as a rule) does not add up; speeds and accelerations are
+//! those of the path. At rest there is no step, so a trace ends where it should.
 
 use motion::chain::Block;
-use protocol::{Fault, Leg, Panel, Trace, Traced, Tracer, Untraceable, units::AXES};
+use protocol::{
+    Fault, Leg, Panel, PerAxis, Position, Route, Trace, Traced, Tracer, Untraceable, units::AXES,
+};
+use shape::{Correction, Plan};
 
 use crate::Interpolator;
 
@@ -25,6 +32,10 @@ pub(crate) struct Tracing {
     done: Option<f64>,
     /// The number of the trace, if the setpoints of this tick cut; else 0.
     pub(crate) cutting: u32,
+    /// A trace whose followers are led by ratios,
+    led: Option<Trace>,
+    /// and where it was cut in the tick before: exact positions, and the parameter of the leg.
+    before: Option<(PerAxis<Position>, Plan, f64)>,
 }
 
 impl Tracing {
@@ -47,13 +58,31 @@ impl Tracing {
     pub(crate) fn step(&mut self, leg: &Leg) {
         if let Some(stretch) = leg.trace {
             self.done = Some(stretch.share);
-            self.cutting = if stretch.cuts { self.number } else { 0 };
+            self.cutting = if stretch.cut.is_some() { self.number } else { 0 };
         }
+    }
+
+    /// Where the axes are led in this tick: with ratios, from where they should have been in the tick before. `exact` is
+    /// where they should be now, `s` mm along a block.
+    pub(crate) fn lead(
+        &mut self,
+        route: &Route,
+        leg: &Leg,
+        s: f64,
+        exact: PerAxis<Position>,
+    ) -> PerAxis<Position> {
+        let before = self.before.take();
+        let (Some(trace), Some(cut)) = (self.led, leg.trace.and_then(|stretch| stretch.cut)) else {
+            return exact;
+        };
+        self.before = Some((exact, cut.plan, cut.clock.parameter(s)));
+        before.map_or(exact, |(from, plan, t)| trace.led(route, (&plan, t), &from, &exact))
     }
 
     /// Forgets the trace in hand.
     pub(crate) fn end(&mut self) {
         (self.tracer, self.ahead, self.done) = (None, None, None);
+        (self.led, self.before) = (None, None);
     }
 }
 
@@ -66,8 +95,9 @@ impl Interpolator {
         match Tracer::new(&self.travel.route, self.line, trace, &self.here) {
             Ok(tracer) => {
                 let number = self.travel.tracing.number + 1;
+                let led = (trace.correction != Correction::Exact).then_some(*trace);
                 self.travel.tracing =
-                    Tracing { number, tracer: Some(tracer), done: Some(0.0), ..Tracing::default() };
+                    Tracing { number, tracer: Some(tracer), done: Some(0.0), led, ..Tracing::default() };
                 true
             }
             Err(reason) => {

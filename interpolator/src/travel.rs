@@ -212,11 +212,15 @@ impl Interpolator {
             self.line = leg.line;
         }
         let over = self.travel.chain.is_empty();
+        let exact = std::array::from_fn(|i| if over { leg.to[i] } else { leg.from[i].moved(step.axes[i].s) });
+        let led = match over {
+            true => exact,
+            false => self.travel.tracing.lead(&self.travel.route, &leg, step.along.s, exact),
+        };
         let axis = |i: usize| {
             let sample = &step.axes[i];
-            let position = if over { leg.to[i] } else { leg.from[i].moved(sample.s) };
             let (velocity_mm_s, acceleration_mm_s2) = if over { (0.0, 0.0) } else { (sample.v, sample.a) };
-            Setpoint { cycle: due, position, velocity_mm_s, acceleration_mm_s2 }
+            Setpoint { cycle: due, position: led[i], velocity_mm_s, acceleration_mm_s2 }
         };
         let setpoints: PerAxis<Setpoint> = std::array::from_fn(axis);
         self.here = setpoints.map(|setpoint| setpoint.position);

@@ -36,7 +36,7 @@ pub use machine::Machine;
 pub use measurement::{AxisMeasurement, Measurement, Panel};
 pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass};
-pub use route::{Leg, Route, Routed, Stretch};
+pub use route::{Cut, Leg, Route, Routed, Stretch};
 pub use status::{AxisState, AxisStatus, Fault, MachineState, MachineStatus, SpindleCommand};
 pub use trace::{FORMULAS, Trace, Work};
 pub use tracer::{Traced, Tracer, Untraceable};

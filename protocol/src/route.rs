@@ -6,7 +6,7 @@
 
 use motion::Path;
 use motion::chain::{self, Block, Corner, Settings};
-use shape::Formula;
+use shape::{Clock, Formula, Plan};
 
 use crate::track::Formulas;
 use crate::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
@@ -29,10 +29,19 @@ pub struct Leg {
 /// A part of a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// The tool cuts, or the beam; not on the way from one path to the next.
-    pub cuts: bool,
     /// Share of the trace that is done where it begins, 0 to 1.
     pub share: f64,
+    /// What the tool cuts there, or the beam; nothing on the way from one path to the next.
+    pub cut: Option<Cut>,
+}
+
+/// A piece of a leg of a trace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// The leg, seen from above.
+    pub plan: Plan,
+    /// Its parameter along the piece.
+    pub clock: Clock,
 }
 
 /// What becomes of a move.

@@ -35,7 +35,7 @@ pub struct Trace {
     pub feed_mm_min: f64,
     /// Largest chord error of an interpolator cycle, mm.
     pub chord_mm: f64,
-    /// How followers are led.
+    /// How followers are led; a seam is followed exactly.
     pub correction: Correction,
 }
 
@@ -62,6 +62,9 @@ impl Trace {
                 if plane { Ok(()) } else { Err(Refused::OutOfRange("axes of a contour")) }
             }
             Work::Surface(surface) => check_surface(surface),
+            Work::Seam(_) if self.correction != Correction::Exact => {
+                Err(Refused::OutOfRange("correction of a seam"))
+            }
             Work::Seam(seam) => {
                 range(&seam.t, "domain of a seam")?;
                 let all_finite =

@@ -14,8 +14,7 @@ use motion::Path;
 use motion::chain::{Block, Corner};
 use shape::{Curve, Plan, Span, SpanError, Walker};
 
-use crate::route::Stretch;
-use crate::{Axis, Feed, Leg, PerAxis, Position, Route, Spot, Trace, units::AXES};
+use crate::{Axis, Cut, Feed, Leg, PerAxis, Position, Route, Spot, Stretch, Trace, units::AXES};
 
 /// Farthest the axes may be from the start of a trace and still be led there, mm.
 const START_REACH_MM: f64 = 0.01;
@@ -156,7 +155,7 @@ impl Tracer {
     /// A straight block, or none if it leads nowhere.
     fn straight(&mut self, route: &Route, to: PerAxis<Position>, feed: Feed) -> Result<Traced, Untraceable> {
         let Some(path) = route.line(&self.at, &to) else { return Ok(Traced::Nowhere) };
-        let stretch = Stretch { cuts: false, share: self.share(0.0) };
+        let stretch = Stretch { share: self.share(0.0), cut: None };
         let spot =
             self.plan(self.leg).map_or(Spot::Parameter(0.0), |plan| self.trace.spot(&plan, plan.t()[0]));
         self.block(route, path, to, (feed, Corner::Stop), stretch, spot)
@@ -167,7 +166,7 @@ impl Tracer {
         let trace = self.trace;
         let no_path = |error: SpanError| Untraceable::NoPath(error, trace.spot(&plan, error.t()));
         let span = walker.next(&trace.track(plan, &route.formulas, &route.machine)?).map_err(no_path)?;
-        let Some(Span { path, t: [t, next], to, .. }) = span else {
+        let Some(Span { path, t: [t, next], to, clock, .. }) = span else {
             self.leg += 1;
             self.stage = self.stage_of_leg();
             return Ok(Traced::Nowhere);
@@ -175,7 +174,8 @@ impl Tracer {
         self.stage = Stage::Cut(plan, walker);
         let [begin, end] = plan.t();
         let corner = if next == end { self.joint(route) } else { Corner::Exact(route.machine.path.exact_mm) };
-        let stretch = Stretch { cuts: true, share: self.share((t - begin) / (end - begin)) };
+        let stretch =
+            Stretch { share: self.share((t - begin) / (end - begin)), cut: Some(Cut { plan, clock }) };
         let (to, how) = (trace.placed(&to, self.at), (Feed::PerMinute(trace.feed_mm_min), corner));
         self.block(route, path, to, how, stretch, trace.spot(&plan, t))
     }

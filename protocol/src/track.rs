@@ -1,12 +1,17 @@
 //! What a trace follows, leg by leg: the curve of a leg on the axes of the machine, and where it is in their coordinates.
 //! In: a trace, one of its legs, the formulas. Out: a curve of all axes, positions.
 
-use shape::{ContourCurve, Curve, Formula, Leg, Plan, Point, SeamCurve, SeamPath, SurfaceCurve};
+use shape::{
+    ContourCurve, Curve, Formula, Leg, Place, Plan, Point, SeamCurve, SeamPath, Series, Slopes, SurfaceCurve,
+};
 
 use crate::{
-    Axis, FORMULAS, Machine, PerAxis, Position, Trace, Untraceable, Work, machine::POSITIONER_AXES,
+    Axis, FORMULAS, Machine, PerAxis, Position, Route, Trace, Untraceable, Work, machine::POSITIONER_AXES,
     units::AXES,
 };
+
+/// Nearer than this a place is on the path, mm.
+const ON_PATH_MM: f64 = 1e-6;
 
 /// Where on a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +103,54 @@ impl Trace {
             }
         };
         Ok(Track { followed, axes: self.axes() })
+    }
+
+    /// Where the axes are led in a step whose exact end is `to`: the one of the largest way goes there, the others follow in
+    /// the ratios of the correction (M36–M43) from the exact start `from`, at the parameter `t` of a plan. Exactly, where the
+    /// start is not on the path itself: in a corner that is rounded.
+    pub fn led(
+        &self,
+        route: &Route,
+        (plan, t): (&Plan, f64),
+        from: &PerAxis<Position>,
+        to: &PerAxis<Position>,
+    ) -> PerAxis<Position> {
+        let Some(step) = self.step(route, plan, t, from, to) else { return *to };
+        let mut led = *to;
+        for (axis, way) in self.axes().iter().zip(step) {
+            led[axis.index()] = from[axis.index()].moved(way);
+        }
+        led
+    }
+
+    fn step(
+        &self,
+        route: &Route,
+        plan: &Plan,
+        t: f64,
+        from: &PerAxis<Position>,
+        to: &PerAxis<Position>,
+    ) -> Option<[f64; 3]> {
+        let track = self.track(*plan, &route.formulas, &route.machine).ok()?;
+        let surface = match (&track.followed, &self.work) {
+            (Followed::Contour(_), _) => None,
+            (Followed::Surface(curve), Work::Surface(surface)) => {
+                let contact = curve.contact(t).map(|series| series.value());
+                Some(Slopes::of(route.formulas.get(0).ok()?, contact).under(&surface.tool)?)
+            }
+            _ => return None,
+        };
+        let point = track.at(t);
+        let there = self.placed(&point.axes.map(|axis| axis.value()), *from);
+        let (mut path, mut exact) = ([Series::default(); 3], [0.0; 3]);
+        for ((axis, path), exact) in self.axes().iter().zip(&mut path).zip(&mut exact) {
+            let i = axis.index();
+            if from[i].mm_from(there[i]).abs() > ON_PATH_MM {
+                return None;
+            }
+            (*path, *exact) = (point.axes[i], to[i].mm_from(from[i]));
+        }
+        Some(Place { path, surface }.step(self.correction, exact))
     }
 
     /// Where the axes stand at a point of a track; axes that do not follow it stay where they are.

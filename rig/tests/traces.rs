@@ -191,6 +191,28 @@ fn a_surface_is_cut_leg_by_leg() {
     }
 }
 
+/// The published ratios of a step leave what they are known to leave: most without correction, and nothing adds up.
+#[test]
+fn corrections_lead_the_followers_as_they_are_known_to() {
+    let off_mm = |correction: Correction| {
+        let (mut program, mut watched) = (lines(true), Seen::default());
+        for item in &mut program {
+            if let Code::Trace(trace) = &mut item.code {
+                (trace.correction, trace.feed_mm_min) = (correction, 6000.0);
+            }
+        }
+        let seen = run(&program, &[], |record| watched.see(record));
+        assert_eq!((seen.outcome, seen.moves.limit_violations), (Outcome::Completed, 0), "{correction:?}");
+        watched.off_mm
+    };
+    let [none, published, signs, mixed, exact] = Correction::ALL.map(off_mm);
+    assert!(
+        none > 1e-4 && none < 2e-3 && published > signs && signs < 0.2 * none,
+        "{none} {published} {signs}"
+    );
+    assert!(mixed < none && exact < 1e-6, "{mixed} {exact}");
+}
+
 #[test]
 fn the_operator_leaves_the_tool_on_the_surface() {
     let (program, mut watched) = (lines(true), Seen::default());

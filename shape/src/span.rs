@@ -61,15 +61,31 @@ pub struct Span<const N: usize> {
     pub from: [f64; N],
     /// and at its end.
     pub to: [f64; N],
-    clock: Path<1>,
+    /// The parameter as a function of the way on it.
+    pub clock: Clock,
+}
+
+/// The parameter along a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    start: f64,
+    gone: Path<1>,
+}
+
+impl Clock {
+    /// The parameter after a way of `s` mm on the piece, right to 1e-9 of its step.
+    #[must_use]
+    pub fn parameter(&self, s: f64) -> f64 {
+        let [[gone], ..] = self.gone.at(s);
+        self.start + gone
+    }
 }
 
 impl<const N: usize> Span<N> {
     /// The parameter after a way of `s` mm on the piece, right to 1e-9 of its step.
     #[must_use]
     pub fn parameter(&self, s: f64) -> f64 {
-        let [[gone], ..] = self.clock.at(s);
-        self.t[0] + gone
+        self.clock.parameter(s)
     }
 }
 
@@ -282,20 +298,21 @@ impl<const N: usize> Step<N> {
         // Turns count from the start of the piece: one of more than half a turn is not near its curve, and cut.
         let at = |t: f64| Knot::of(curve, t, h.signum(), &start.axes[0]);
         let knot = |share: f64| at(start.t + share * h);
-        let (end, quarter, middle, third) = (at(to)?, knot(0.25)?, knot(0.5)?, knot(0.75)?);
-        let [first, second] = [[start, &quarter, &middle], [&middle, &third, &end]]
+        let (quarter, middle, three, end) = (knot(0.25)?, knot(0.5)?, knot(0.75)?, at(to)?);
+        let [first, second] = [[start, &quarter, &middle], [&middle, &three, &end]]
             .map(|knots| ways(0.25 * h, knots.map(|knot| knot.speeds)));
         let whole = ways(0.5 * h, [start, &middle, &end].map(|knot| knot.speeds))[1];
         let length = first[1] + second[1];
         let unresolved = SpanError::Unresolved { t: start.t };
         let path = Path::piece(&start.axes, &end.axes, length).ok_or(unresolved)?;
-        let clock = Path::piece(&start.clock, &end.clock, length).ok_or(unresolved)?;
+        let gone = Path::piece(&start.clock, &end.clock, length).ok_or(unresolved)?;
+        let clock = Clock { start: start.t, gone };
         let [from, to] = [start.axes[0], end.axes[0]];
         let span = Span { path, t: [start.t, end.t], from, to, clock };
 
         let mut excess = (whole - length).abs() / (ALIKE * length);
         let in_time = IN_TIME * h.abs() + ROUNDED * start.t.abs().max(end.t.abs());
-        for (knot, s) in [(&quarter, first[0]), (&middle, first[1]), (&third, first[1] + second[0])] {
+        for (knot, s) in [(&quarter, first[0]), (&middle, first[1]), (&three, first[1] + second[0])] {
             let [at, ..] = path.at(s);
             for ((at, from), axis) in at.iter().zip(from).zip(knot.axes[0]) {
                 excess = excess.max((at - (axis - from)).abs() / (NEAR + ROUNDED * axis.abs()));
