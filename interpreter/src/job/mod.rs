@@ -23,7 +23,7 @@ use shape::{Correction, Formula};
 
 /// What a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Kind {
     /// A plane contour.
     Contour,
@@ -60,7 +60,7 @@ pub(crate) struct Common {
 
 /// What cools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Coolant {
     /// Nothing.
     Off,

@@ -43,7 +43,7 @@ struct ToolKeys {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 enum ToolKind {
     Flat,
     Ball,
@@ -51,7 +51,7 @@ enum ToolKind {
 }
 
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "pattern", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(tag = "pattern", rename_all = "lowercase", deny_unknown_fields)]
 enum Path {
     Lines {
         #[serde(default)]
@@ -73,7 +73,7 @@ enum Path {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 enum Along {
     #[default]
     X,

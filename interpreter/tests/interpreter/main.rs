@@ -5,9 +5,11 @@ mod blocks;
 mod cycle;
 mod dialects;
 mod feasible;
+mod jobs;
 mod merge;
 mod mill;
 mod properties;
+mod ridges;
 mod single;
 mod surface;
 mod threads;
@@ -64,6 +66,8 @@ fn text(code: &Code) -> String {
             let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
             format!("pass {} X{} Z{} to Z{}", pass.pass, x.start.mm(), z.start.mm(), z.end.mm())
         }
+        Code::Formula { slot, .. } => format!("formula {slot}"),
+        Code::Trace(trace) => format!("trace at {}/min", trace.feed_mm_min),
         Code::End => "end".to_owned(),
     }
 }

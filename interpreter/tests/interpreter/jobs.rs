@@ -1,0 +1,151 @@
+//! Jobs from outside: what becomes of them, where they stand in a program, where a message points.
+
+use interpreter::{Check, check, check_job};
+use protocol::{Axis, Code, Feed, Item, Machine, Position, Trace, Work, machine::SMALL_MILL};
+use shape::{Correction, Formula, Surface};
+
+pub(super) const WAVE: &str = include_str!("../../../examples/shape/wave.toml");
+const CONTOUR: &str = include_str!("../../../examples/shape/contour.toml");
+const INLINE: &str = include_str!("../../../examples/shape/inline.ngc");
+
+pub(super) fn mill() -> Machine {
+    Machine::from_toml(SMALL_MILL).expect("the built-in mill")
+}
+
+fn said(check: &Check) -> String {
+    check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect()
+}
+
+pub(super) fn good(text: &str, machine: &Machine) -> Check {
+    let check = check_job("job.toml", text, machine);
+    assert!(check.is_good(), "{}", said(&check));
+    check
+}
+
+fn trace(items: &[Item]) -> Trace {
+    let trace = items.iter().find_map(|item| if let Code::Trace(trace) = item.code { Some(trace) } else { None });
+    trace.expect("there is a trace")
+}
+
+pub(super) fn formulas(items: &[Item]) -> Vec<Formula> {
+    let formula = |item: &Item| if let Code::Formula { formula, .. } = item.code { Some(formula) } else { None };
+    items.iter().filter_map(formula).collect()
+}
+
+pub(super) fn surface(items: &[Item]) -> Surface {
+    match trace(items).work {
+        Work::Surface(surface) => surface,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// X, Y, Z of a line.
+fn line(item: &Item) -> ([f64; 3], Feed) {
+    let Code::Line { target, feed } = item.code else { panic!("{item:?}") };
+    ([Axis::X, Axis::Y, Axis::Z].map(|axis| target[axis.index()].mm()), feed)
+}
+
+#[test]
+fn a_surface_becomes_an_approach_a_formula_a_trace_and_a_retract() {
+    let check = good(WAVE, &mill());
+    let kinds: Vec<String> = super::listing(&check.items).lines().map(str::to_owned).collect();
+    let kinds: Vec<&str> = kinds.iter().map(|line| line.split(" X").next().unwrap()).collect();
+    let expected = [
+        "1 tool 3",
+        "1 spindle 12000",
+        "1 coolant",
+        "1 rapid",
+        "1 rapid",
+        "1 feed 3000/min",
+        "1 formula 0",
+        "1 trace at 3000/min",
+        "1 rapid",
+        "1 spindle stop",
+        "1 coolant",
+        "1 end",
+    ];
+    assert_eq!(kinds.len(), expected.len(), "{kinds:?}");
+    assert!(kinds.iter().zip(expected).all(|(is, should)| is.starts_with(should)), "{kinds:?}");
+
+    let trace = trace(&check.items);
+    assert_eq!(trace.origin, [-50.0, -40.0, -170.0].map(Position::from_mm));
+    assert_eq!((trace.chord_mm, trace.correction), (0.002, Correction::Exact));
+    let (psi, surface) = (formulas(&check.items)[0], surface(&check.items));
+    let plunge = check.items.iter().position(|item| matches!(item.code, Code::Formula { .. })).unwrap() - 1;
+    let (start, _) = line(&check.items[plunge]);
+    let tip = surface.tip(&psi, [0.0, 0.0]);
+    let origin = [-50.0, -40.0, -170.0];
+    assert!((0..3).all(|i| (start[i] - origin[i] - tip[i]).abs() < 2e-9), "{start:?} {tip:?}");
+    let (above, _) = line(&check.items[plunge - 1]);
+    assert_eq!(above[..2], start[..2]);
+    let top = (0..=400).map(|n| psi.eval([100.0, f64::from(n) * 0.2])).fold(0.0, f64::max);
+    assert!((above[2] - (top - 170.0 + 5.0)).abs() < 1e-3, "5 mm above the highest place");
+}
+
+#[test]
+fn behind_a_job_in_a_program_the_programmed_point_is_where_the_tool_is() {
+    let check = check("part.ngc", INLINE, &mill());
+    assert!(check.diagnostics.is_empty(), "{}", said(&check));
+    assert_eq!(trace(&check.items).feed_mm_min, 2000.0, "F");
+    assert_eq!(trace(&check.items).origin, [-30.0, -20.0, -30.0].map(Position::from_mm), "G54");
+    let at = check.items.iter().position(|item| matches!(item.code, Code::Trace(_))).unwrap();
+    let ((retract, _), (next, _)) = (line(&check.items[at + 1]), line(&check.items[at + 2]));
+    assert_eq!(retract[..2], next[..2], "G0 Z30 keeps X and Y");
+    assert_eq!(next[2], 0.0);
+}
+
+#[test]
+fn incremental_moves_inches_and_offsets_count_behind_a_job() {
+    let job = ";@ kind = \"contour\"\n;@ y = \"x/2\"\n;@ x = [0, 20]\n;@ depth_z_mm = -1\n;@ clearance_mm = 4\n";
+    let head = "G17 G90 G94 S1000 M3 F300\nG10 L2 P1 X5 Y6 Z7\nG92 X0 Y0 Z3\nG0 Z30\n";
+    let program = format!("G20\n{head}F10\n{job}G91 G0 X1\nG90 G0 Y0\nM2\n", head = head.replace("Z30", "Z1"));
+    let check = check("part.ngc", &program, &mill());
+    assert!(check.diagnostics.is_empty(), "{}", said(&check));
+    let at = check.items.iter().position(|item| matches!(item.code, Code::Trace(_))).unwrap();
+    assert_eq!(trace(&check.items).feed_mm_min, 254.0, "F in inches");
+    let lines: Vec<[f64; 3]> = check.items[at + 1..at + 4].iter().map(|item| line(item).0).collect();
+    let origin = trace(&check.items).origin.map(Position::mm);
+    let near = |a: f64, b: f64| (a - b).abs() < 2e-9;
+    assert!(near(lines[0][0], origin[0] + 20.0) && near(lines[0][1], origin[1] + 10.0), "mm, whatever G20 says");
+    assert!(near(lines[1][0], lines[0][0] + 25.4) && near(lines[1][1], lines[0][1]), "{lines:?}");
+    assert!(near(lines[2][1], origin[1]), "{lines:?}");
+}
+
+#[test]
+fn a_job_within_a_loop_is_done_each_time() {
+    let job = ";@ kind = \"contour\"\n;@ y = \"x/2\"\n;@ x = [0, 20]\n;@ depth_z_mm = -1\n";
+    let program = format!("G21 S1000 M3 F300\no1 repeat [3]\nG91 G0 Y2\nG90\n{job}o1 endrepeat\no2 if [0]\n{job}o2 endif\nM2\n");
+    let check = check("part.ngc", &program, &mill());
+    assert!(check.diagnostics.is_empty(), "{}", said(&check));
+    let traces = check.items.iter().filter(|item| matches!(item.code, Code::Trace(_))).count();
+    assert_eq!((traces, check.jobs.len()), (3, 3));
+}
+
+#[test]
+fn contours_on_a_mill_and_on_a_lathe() {
+    let check = good(CONTOUR, &mill());
+    let Work::Contour(contour, axes) = trace(&check.items).work else { panic!("a contour") };
+    assert_eq!((contour.radius_mm, axes), (5.0, [Axis::X, Axis::Y]));
+    let lathe = "kind = \"contour\"\nx = \"12 - z^2/100\"\nz = [0, -20]\norigin_mm = [0, 0, 0]\nspindle_rpm = 900\n\
+                 feed_mm_min = 80\ntool = { diameter_mm = 0.8, side = \"right\" }";
+    let check = good(lathe, &Machine::default());
+    let Work::Contour(contour, axes) = trace(&check.items).work else { panic!("a contour") };
+    assert_eq!((contour.above_mm(), axes), (0.4, [Axis::Z, Axis::X]), "right of the way towards the chuck is outside");
+}
+
+#[test]
+fn a_wrong_value_has_a_caret_below_it() {
+    let text = WAVE.replace("8*sin(x/15)", "8*abs(x/15)");
+    let check = check_job("wave.toml", &text, &mill());
+    let [wrong] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
+    assert_eq!((wrong.line, &wrong.text[wrong.span.clone()]), (14, "abs"));
+    let text = WAVE.replace("diameter_mm = 6", "diameter_mm = 60");
+    let check = check_job("wave.toml", &text, &mill());
+    let [wrong] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
+    assert!(wrong.line == 17 && wrong.text[wrong.span.clone()].starts_with("tool = "), "{}", said(&check));
+
+    let inline = INLINE.replace("diameter_mm = 8", "diameter_mm = -8");
+    let check = super::check("part.ngc", &inline, &mill());
+    let [wrong] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
+    assert_eq!((wrong.line, &wrong.text[wrong.span.clone()]), (15, "diameter_mm = -8"));
+}

@@ -1,0 +1,94 @@
+//! Ridges between paths, measured on what the tool leaves: how far the material stands up from the surface, along its
+//! normal, until the first place that the tool comes to on any path. No curvature is asked for.
+
+use shape::{Formula, Leg, Plan, Surface, Touch};
+
+use super::jobs::{WAVE, formulas, good, mill, surface};
+
+/// Places across a gap that are looked at, those in its middle.
+const ACROSS: usize = 12;
+
+/// How far the tool on one path keeps from a point, mm: negative if the point is cut away.
+fn clearance(surface: &Surface, psi: &Formula, point: [f64; 3], on: impl Fn(f64) -> [f64; 2], at: f64) -> f64 {
+    let tool = surface.tool;
+    let gap = |t: f64| {
+        let tip = surface.tip(psi, on(t));
+        let beside = libm::hypot(point[0] - tip[0], point[1] - tip[1]) - (tool.radius_mm - tool.corner_mm);
+        libm::hypot(beside.max(0.0), point[2] - tip[2] - tool.corner_mm) - tool.corner_mm
+    };
+    // The gap has one lowest place near the point: the tool is convex, and the path nearly straight.
+    let (mut low, mut high) = (at - tool.radius_mm, at + tool.radius_mm);
+    for _ in 0..45 {
+        let (a, b) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
+        if gap(a) < gap(b) { high = b } else { low = a }
+    }
+    gap(0.5 * (low + high))
+}
+
+/// Highest ridge between neighbouring lines, mm.
+fn ridge(surface: &Surface, psi: &Formula, along_y: bool) -> f64 {
+    let lines: Vec<[[f64; 2]; 2]> = (0..surface.legs())
+        .step_by(2)
+        .filter_map(|leg| match surface.leg(leg) {
+            Some(Leg::Cut(Plan::Line { from, to })) => Some([from, to]),
+            _ => None,
+        })
+        .collect();
+    let (along, across) = if along_y { (1, 0) } else { (0, 1) };
+    let [low, high] = [surface.x, surface.y][along];
+    let mut highest = 0.0_f64;
+    for station in 0..=10 {
+        let at = low + (high - low) * f64::from(station) / 10.0;
+        for pair in lines.windows(2).step_by(1 + lines.len() / 16) {
+            let sides = [pair[0][0][across], pair[1][0][across]];
+            for n in 4..=8 {
+                let mut place = [at; 2];
+                place[across] = sides[0] + (sides[1] - sides[0]) * n as f64 / ACROSS as f64;
+                let touch = Touch::at(psi, place);
+                let [a, b] = touch.slope;
+                let w = (1.0 + a * a + b * b).sqrt();
+                let stands = |height: f64| {
+                    let point = [place[0] - height * a / w, place[1] - height * b / w, touch.z + height / w];
+                    sides.iter().all(|side| {
+                        let on = |t: f64| if along_y { [*side, t] } else { [t, *side] };
+                        clearance(surface, psi, point, on, at) > 0.0
+                    })
+                };
+                let (mut under, mut over) = (0.0, 0.2);
+                for _ in 0..24 {
+                    let middle = 0.5 * (under + over);
+                    if stands(middle) { under = middle } else { over = middle }
+                }
+                highest = highest.max(under);
+            }
+        }
+    }
+    highest
+}
+
+/// A job whose highest ridge is what was asked for, but for what makes whole lines of it, and what the grid sees.
+fn keeps(text: &str, along_y: bool, scallop_mm: f64) {
+    let check = good(text, &mill());
+    let (psi, surface) = (formulas(&check.items)[0], surface(&check.items));
+    let ridge = ridge(&surface, &psi, along_y);
+    assert!((0.9..1.01).contains(&(ridge / scallop_mm)), "{ridge} for {scallop_mm}: {:?}", check.jobs);
+    let (_, told) = check.jobs[0].facts.iter().find(|(what, _)| *what == "step-over").expect("it is told");
+    let micrometres: f64 = told.split(' ').rev().nth(1).and_then(|word| word.parse().ok()).expect("a figure");
+    assert!((1000.0 * ridge - micrometres).abs() < 0.02 * micrometres, "{ridge} mm, and {told}");
+}
+
+#[test]
+fn ridges_of_a_ball_are_as_high_as_was_asked_for() {
+    keeps(WAVE, false, 0.01);
+    let coarse = WAVE.replace("along = \"x\", scallop_mm = 0.01", "along = \"y\", scallop_mm = 0.05");
+    keeps(&coarse, true, 0.05);
+}
+
+#[test]
+fn ridges_of_a_bull_nose_on_a_slope_are_as_high_as_was_asked_for() {
+    let slope = WAVE
+        .replace("0.02*x^2 + 8*sin(x/15)*cos(y/20)", "0.8*x + 2*sin(x/20) + 0.3*y + 2*cos(y/25)")
+        .replace("kind = \"ball\", diameter_mm = 6", "kind = \"bull\", diameter_mm = 10, corner_mm = 2");
+    keeps(&slope, false, 0.01);
+    keeps(&slope.replace("along = \"x\"", "along = \"y\""), true, 0.01);
+}
