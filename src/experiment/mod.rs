@@ -76,7 +76,7 @@ impl Name {
         }
     }
 
-    /// Whether it moves a machine, so that `--machine` says which.
+    /// Whether it moves the machine of `--machine`; that of `surface` is the small mill.
     fn moves_a_machine(self) -> bool {
         match self {
             Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => true,
@@ -96,7 +96,7 @@ pub(crate) struct ExperimentArgs {
     /// Folder for `report.html` and `rows.json` [default: `experiments/NAME`].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of everything random; nothing is in `feed`, `profiles` and `surface`.
+    /// Seed of everything random; nothing is in `feed` and `profiles`.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -135,7 +135,7 @@ struct Document<'a, R> {
 pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if args.machine.machine.is_some() && !args.name.moves_a_machine() {
         let name = args.name.text();
-        return Err(CliError::Input(format!("experiment {name} moves no machine: leave out --machine")));
+        return Err(CliError::Input(format!("experiment {name} takes no machine: leave out --machine")));
     }
     let machine = args.machine.read()?.0;
     if args.name.moves_a_machine() && machine.machine.kinematics != Kinematics::Lathe {
@@ -149,7 +149,7 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
         Name::Approach => publish(args, &approach::findings(&stand)?),
         Name::Feed => publish(args, &feed::findings()?),
         Name::Observer => publish(args, &observer::findings(&stand)?),
-        Name::Surface => publish(args, &surface::findings()?),
+        Name::Surface => publish(args, &surface::findings(&stand)?),
         Name::Sweep => publish(args, &sweep::findings(&stand)?),
         Name::Profiles => publish(args, &profiles::findings()),
         Name::Resolution => publish(args, &resolution::findings(&stand)?),

@@ -15,7 +15,8 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::Machine;
 use rig::{
-    observe::{Observation, Outcome, Record},
+    Rig,
+    observe::{Observation, Observer, Outcome, Record, TraceReport, Traced},
     trial::{self, Trial},
 };
 use sim_plant::Scenario;
@@ -91,6 +92,41 @@ impl Stand {
         }
         let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
         Err(failed(fault.unwrap_or_else(|| "the program was not run to its end".into())))
+    }
+
+    /// Runs a job of one contour, surface or seam on a machine; `see` is shown every control cycle, with what the observer
+    /// measured in it.
+    ///
+    /// # Errors
+    /// The job has errors or does not suit the machine, or it does not come to its end.
+    pub(super) fn cut(
+        machine: &Machine,
+        name: &str,
+        job: &str,
+        seed: u64,
+        see: &mut impl FnMut(&Record, Traced),
+    ) -> Result<TraceReport, CliError> {
+        let failed = |reason: String| CliError::Machine(format!("{name} was not made: {reason}"));
+        let check = interpreter::check_job(name, job, machine);
+        if !check.is_good() {
+            let said = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false));
+            return Err(failed(said.collect::<Vec<_>>().join("\n")));
+        }
+        let mut rig = Rig::new(machine, check.items.iter().copied(), Scenario::none(), seed)
+            .map_err(|error| failed(error.to_string()))?;
+        let mut observer = Observer::new(machine, &check.items);
+        while rig.cycle(None, |record| {
+            observer.cycle(record);
+            see(record, observer.traced());
+        }) {}
+        let seen = observer.finish();
+        if let Some(fault) = seen.faults.first() {
+            return Err(failed(format!("{}: {}", fault.source, fault.text)));
+        }
+        match seen.traces.into_iter().next() {
+            Some(report) if seen.outcome == Outcome::Completed => Ok(report),
+            _ => Err(failed("the program was not run to its end".into())),
+        }
     }
 
     fn bar(&self, cases: usize) -> ProgressBar {

@@ -10,7 +10,7 @@ use crate::{
     report::figures::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line},
 };
 
-fn color(correction: Correction) -> &'static str {
+pub(super) fn color(correction: Correction) -> &'static str {
     match correction {
         Correction::None => GREY,
         Correction::Published => ORANGE,
@@ -39,7 +39,7 @@ fn curve(correction: Correction, points: &[(f64, f64)], axes: (&str, &str), in_l
     curve
 }
 
-fn logarithmic(title: &str) -> Value {
+pub(super) fn logarithmic(title: &str) -> Value {
     json!({ "title": { "text": title }, "type": "log", "exponentformat": "power" })
 }
 

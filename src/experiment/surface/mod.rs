@@ -6,6 +6,8 @@
 //! M36–M45, in `shape`. Every ratio here is computed by the code that moves the machine.
 
 mod figures;
+mod machine;
+mod machine_figures;
 mod maps;
 mod misprints;
 mod reference;
@@ -20,6 +22,7 @@ use shape::Correction;
 
 use super::{
     Findings,
+    stand::Stand,
     table::{Column, Place, Table},
 };
 use crate::error::CliError;
@@ -155,22 +158,24 @@ const STEEP: &str = "circle";
 /// Computes the rows with what is to be said and drawn of them.
 ///
 /// # Errors
-/// None but for a mistake in the texts of the works.
-pub(super) fn findings() -> Result<Findings<Row>, CliError> {
+/// The small mill does not make the wave.
+pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
     let computed = Computed::new()?;
+    let runs = machine::runs(stand)?;
     let mut tables = vec![summary(&computed)];
     tables.extend(computed.work(MISPRINTED).map(|work| misprints::table(work, &computed.misprints)));
     tables.push(leaders(&computed));
+    tables.push(machine::table(&runs));
     tables.push(reference::table(&computed).at(Place::Page));
     tables.push(works(&computed).at(Place::Page));
     tables.push(every(&computed).at(Place::Details));
     Ok(Findings {
         title: "Curves and surfaces by feed ratios",
-        short: text::short(&computed),
+        short: text::short(&computed, &runs),
         done: text::done(),
         tables,
         notes: Vec::new(),
-        figures: figures::all(&computed),
+        figures: figures::all(&computed).into_iter().chain(machine_figures::all(&runs)).collect(),
         text: text::meaning(&computed),
         rows: computed.rows,
     })
