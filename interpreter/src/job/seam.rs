@@ -14,7 +14,7 @@ mod travel;
 use protocol::machine::{Kinematics, POSITIONER_AXES};
 use protocol::{Feed, Position, Trace, Work};
 use serde::Deserialize;
-use shape::{Branch, Formula, Op, Seam, SeamCurve};
+use shape::{Branch, Correction, Formula, Op, Seam, SeamCurve};
 
 use super::{Fault, Job, Move, Planned, formula, parameter, within};
 use meeting::{Crossing, SurfaceKeys};
@@ -67,6 +67,9 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     if job.machine.machine.kinematics != Kinematics::Positioner {
         let message = format!("a seam needs a positioner, and {} is none", job.machine.machine.name);
         return Err(Fault::new("kind", message, "choose a machine file with kinematics = \"positioner\""));
+    }
+    if job.correction != Correction::Exact {
+        return Err(Fault::new("correction", "a seam is always followed exactly", "leave it out"));
     }
     let course = course(&keys, job.origin_mm)?;
     let rest = POSITIONER_AXES.map(|axis| job.rest[axis.index()].mm());

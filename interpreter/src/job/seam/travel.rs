@@ -14,6 +14,8 @@ const JOINED: f64 = 1e-6;
 const SLOWEST_SHARE: f64 = 0.01;
 /// Feeds that a rotary axis lowers by less are not worth a word.
 const WORTH_A_WORD: f64 = 0.99;
+/// Directions that lean less than this are near that of the turn axis, rad.
+const NEAR_UPRIGHT: f64 = 0.1;
 /// Most pieces that are looked at.
 const MOST_PIECES: usize = 1_000_000;
 
@@ -93,7 +95,7 @@ fn walked(
         let path = on(&seam, formulas, positioner);
         let place = |t: f64| place(&seam, index, t);
         let mut walker = Walker::new(seam.t).standing(way.end);
-        while let Some(span) = walker.next(&path).map_err(|error| stopped(&path, &place, error))? {
+        while let Some(span) = walker.next(&path).map_err(|error| stopped(&seam, &path, &place, error))? {
             pieces += 1;
             if pieces > MOST_PIECES {
                 return Err(Fault::new(
@@ -232,7 +234,7 @@ const UPRIGHT: &str =
     "tilt the part on the work-holder, or choose a direction that keeps clear of the turn axis";
 
 /// Why the seam cannot be followed.
-fn stopped(path: &SeamPath, place: &impl Fn(f64) -> String, error: SpanError) -> Fault {
+fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: SpanError) -> Fault {
     let at = place(error.t());
     let [point, direction] = path.place(error.t());
     let value = |vector: [shape::Series; 3]| vector.map(|c| c.value());
@@ -257,16 +259,22 @@ fn stopped(path: &SeamPath, place: &impl Fn(f64) -> String, error: SpanError) ->
         SpanError::StandsStill { .. } => {
             (format!("the seam stands still at {at}"), "choose another parameter, or leave this place out")
         }
+        SpanError::Unresolved { .. } if flat < NEAR_UPRIGHT * length => {
+            let off = libm::atan2(flat, direction[2].abs()).to_degrees();
+            let message = format!(
+                "C would have to turn too sharply at {at}: the direction is {off:.4} deg off the turn axis"
+            );
+            (message, UPRIGHT)
+        }
         SpanError::Unresolved { .. } => (
-            format!("the axes would have to go too sharp a bend at {at}: {}", nearness(path, error.t())),
-            UPRIGHT,
+            format!("the seam bends too sharply at {at}"),
+            "make it smooth there; of two surfaces: they only touch there, so give the thinner one first",
         ),
     };
-    Fault::new("", message, help)
-}
-
-/// How near the direction is to the turn axis, in words.
-fn nearness(path: &SeamPath, t: f64) -> String {
-    let tilt = path.at(t).axes[2].value().abs();
-    format!("the direction is {:.4} deg from the turn axis", tilt.min(180.0 - tilt))
+    let key = match seam.curve {
+        SeamCurve::Formulas => "direction",
+        SeamCurve::Polynomials(_) => "points",
+        SeamCurve::Meeting(_) => "second",
+    };
+    Fault::new(key, message, help)
 }
