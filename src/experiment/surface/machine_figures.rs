@@ -81,12 +81,11 @@ fn over_time(runs: &[Run], exact: &Run) -> Figure {
     let mut drawn = line(&slide, "true, exact ratios", BLUE, ("x", "y2"));
     drawn["showlegend"] = json!(false);
     data.push(drawn);
-    for (name, color, of) in [
-        ("commanded feed", GREY, (|traced| traced.commanded.feed_mm_min) as fn(&rig::observe::Traced) -> f64),
-        ("true feed", "#e69f00", |traced| traced.slide.feed_mm_min),
-    ] {
-        data.push(line(&shown(exact, of), name, color, ("x", "y3")));
-    }
+    let mut feed =
+        line(&shown(exact, |traced| traced.commanded.feed_mm_min), "commanded feed", GREY, ("x", "y3"));
+    feed["line"]["width"] = json!(5);
+    data.push(feed);
+    data.push(line(&shown(exact, |traced| traced.slide.feed_mm_min), "true feed", "#e69f00", ("x", "y3")));
     let mut commanded = logarithmic("commanded (µm)");
     commanded["domain"] = json!([0.72, 1.0]);
     commanded["dtick"] = json!(1);
