@@ -14,4 +14,5 @@
 mod codes;
 mod diagnostics;
 mod examples;
+mod jobs;
 mod pages;

@@ -23,12 +23,14 @@ pub(super) fn good(text: &str, machine: &Machine) -> Check {
 }
 
 fn trace(items: &[Item]) -> Trace {
-    let trace = items.iter().find_map(|item| if let Code::Trace(trace) = item.code { Some(trace) } else { None });
+    let trace =
+        items.iter().find_map(|item| if let Code::Trace(trace) = item.code { Some(trace) } else { None });
     trace.expect("there is a trace")
 }
 
 pub(super) fn formulas(items: &[Item]) -> Vec<Formula> {
-    let formula = |item: &Item| if let Code::Formula { formula, .. } = item.code { Some(formula) } else { None };
+    let formula =
+        |item: &Item| if let Code::Formula { formula, .. } = item.code { Some(formula) } else { None };
     items.iter().filter_map(formula).collect()
 }
 
@@ -96,9 +98,11 @@ fn behind_a_job_in_a_program_the_programmed_point_is_where_the_tool_is() {
 
 #[test]
 fn incremental_moves_inches_and_offsets_count_behind_a_job() {
-    let job = ";@ kind = \"contour\"\n;@ y = \"x/2\"\n;@ x = [0, 20]\n;@ depth_z_mm = -1\n;@ clearance_mm = 4\n";
+    let job =
+        ";@ kind = \"contour\"\n;@ y = \"x/2\"\n;@ x = [0, 20]\n;@ depth_z_mm = -1\n;@ clearance_mm = 4\n";
     let head = "G17 G90 G94 S1000 M3 F300\nG10 L2 P1 X5 Y6 Z7\nG92 X0 Y0 Z3\nG0 Z30\n";
-    let program = format!("G20\n{head}F10\n{job}G91 G0 X1\nG90 G0 Y0\nM2\n", head = head.replace("Z30", "Z1"));
+    let program =
+        format!("G20\n{head}F10\n{job}G91 G0 X1\nG90 G0 Y0\nM2\n", head = head.replace("Z30", "Z1"));
     let check = check("part.ngc", &program, &mill());
     assert!(check.diagnostics.is_empty(), "{}", said(&check));
     let at = check.items.iter().position(|item| matches!(item.code, Code::Trace(_))).unwrap();
@@ -106,7 +110,10 @@ fn incremental_moves_inches_and_offsets_count_behind_a_job() {
     let lines: Vec<[f64; 3]> = check.items[at + 1..at + 4].iter().map(|item| line(item).0).collect();
     let origin = trace(&check.items).origin.map(Position::mm);
     let near = |a: f64, b: f64| (a - b).abs() < 2e-9;
-    assert!(near(lines[0][0], origin[0] + 20.0) && near(lines[0][1], origin[1] + 10.0), "mm, whatever G20 says");
+    assert!(
+        near(lines[0][0], origin[0] + 20.0) && near(lines[0][1], origin[1] + 10.0),
+        "mm, whatever G20 says"
+    );
     assert!(near(lines[1][0], lines[0][0] + 25.4) && near(lines[1][1], lines[0][1]), "{lines:?}");
     assert!(near(lines[2][1], origin[1]), "{lines:?}");
 }
@@ -114,7 +121,9 @@ fn incremental_moves_inches_and_offsets_count_behind_a_job() {
 #[test]
 fn a_job_within_a_loop_is_done_each_time() {
     let job = ";@ kind = \"contour\"\n;@ y = \"x/2\"\n;@ x = [0, 20]\n;@ depth_z_mm = -1\n";
-    let program = format!("G21 S1000 M3 F300\no1 repeat [3]\nG91 G0 Y2\nG90\n{job}o1 endrepeat\no2 if [0]\n{job}o2 endif\nM2\n");
+    let program = format!(
+        "G21 S1000 M3 F300\no1 repeat [3]\nG91 G0 Y2\nG90\n{job}o1 endrepeat\no2 if [0]\n{job}o2 endif\nM2\n"
+    );
     let check = check("part.ngc", &program, &mill());
     assert!(check.diagnostics.is_empty(), "{}", said(&check));
     let traces = check.items.iter().filter(|item| matches!(item.code, Code::Trace(_))).count();
@@ -130,7 +139,11 @@ fn contours_on_a_mill_and_on_a_lathe() {
                  feed_mm_min = 80\ntool = { diameter_mm = 0.8, side = \"right\" }";
     let check = good(lathe, &Machine::default());
     let Work::Contour(contour, axes) = trace(&check.items).work else { panic!("a contour") };
-    assert_eq!((contour.above_mm(), axes), (0.4, [Axis::Z, Axis::X]), "right of the way towards the chuck is outside");
+    assert_eq!(
+        (contour.above_mm(), axes),
+        (0.4, [Axis::Z, Axis::X]),
+        "right of the way towards the chuck is outside"
+    );
 }
 
 #[test]

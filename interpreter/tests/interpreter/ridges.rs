@@ -9,7 +9,13 @@ use super::jobs::{WAVE, formulas, good, mill, surface};
 const ACROSS: usize = 12;
 
 /// How far the tool on one path keeps from a point, mm: negative if the point is cut away.
-fn clearance(surface: &Surface, psi: &Formula, point: [f64; 3], on: impl Fn(f64) -> [f64; 2], at: f64) -> f64 {
+fn clearance(
+    surface: &Surface,
+    psi: &Formula,
+    point: [f64; 3],
+    on: impl Fn(f64) -> [f64; 2],
+    at: f64,
+) -> f64 {
     let tool = surface.tool;
     let gap = |t: f64| {
         let tip = surface.tip(psi, on(t));

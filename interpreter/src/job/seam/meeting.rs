@@ -30,7 +30,7 @@ pub(super) struct SurfaceKeys {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 enum SurfaceKind {
     Plane,
     Sphere,
@@ -40,7 +40,7 @@ enum SurfaceKind {
 
 /// Which of the places where the first surface, along its axis, pierces the second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 pub(super) enum Crossing {
     /// Where it comes out of the second.
     #[default]
