@@ -1,7 +1,8 @@
 //! A trace in hand: its pieces go into the chain as it makes room, ahead of the axes.
 //!
 //! A trace may take several chains: where the tool leaves a surface another override acts. It is one block of the program
-//! all the same: single block waits at its end, and it counts as one move.
+//! all the same: single block waits at its end, and it counts as one move. Seams that follow each other where they meet are
+//! one path, without a stop between them.
 //!
 //! Where a correction leads the followers (M36–M43), a setpoint is the exact one of the tick before and the step of the
 //! ratios. What they leave of the step (less than the chord error, as a rule) does not add up; speeds and accelerations are
@@ -9,7 +10,8 @@
 
 use motion::chain::Block;
 use protocol::{
-    Fault, Leg, Panel, PerAxis, Position, Route, Trace, Traced, Tracer, Untraceable, units::AXES,
+    Code, Fault, Item, Leg, Panel, PerAxis, Position, Route, Stretch, Trace, Traced, Tracer, Untraceable,
+    units::AXES,
 };
 use shape::{Correction, Plan};
 
@@ -19,17 +21,17 @@ use crate::Interpolator;
 /// curve at its feed is over in a quarter of a tick.
 const PIECES_PER_TICK: usize = 4;
 
-/// A trace in hand, or none.
+/// The trace in hand, or none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracing {
-    /// Its number: traces begun so far.
-    number: u32,
-    /// What of it is to be drawn yet.
+    /// Traces that were begun to be drawn so far.
+    drawn: u32,
+    /// What of the last of them is to be drawn yet.
     tracer: Option<Tracer>,
     /// A block that was drawn and begins the next chain.
     ahead: Option<Block<AXES, Leg>>,
-    /// Share of it that is done; nothing if no trace is in hand.
-    done: Option<f64>,
+    /// Number of the trace in which the axes are, and the share of it that is done; nothing if no trace is in hand.
+    here: Option<(u32, f64)>,
     /// The number of the trace, if the setpoints of this tick cut; else 0.
     pub(crate) cutting: u32,
     /// A trace whose followers are led by ratios,
@@ -41,7 +43,7 @@ pub(crate) struct Tracing {
 impl Tracing {
     /// Whether a trace is in hand.
     pub(crate) fn in_hand(&self) -> bool {
-        self.done.is_some()
+        self.here.is_some()
     }
 
     /// Whether there is more of it than the chain holds.
@@ -49,17 +51,19 @@ impl Tracing {
         self.tracer.is_some()
     }
 
-    /// Steps of progress that are left of the trace in hand.
+    /// Steps of progress that are left of the traces in hand.
     pub(crate) fn left(&self) -> Option<u64> {
-        self.done.map(|done| Trace::STEPS - ((done * Trace::STEPS as f64) as u64).min(Trace::STEPS))
+        let (number, done) = self.here?;
+        let behind = u64::from(self.drawn.saturating_sub(number));
+        Some((behind + 1) * Trace::STEPS - ((done * Trace::STEPS as f64) as u64).min(Trace::STEPS))
     }
 
-    /// The setpoints of this tick lie in a block.
-    pub(crate) fn step(&mut self, leg: &Leg) {
-        if let Some(stretch) = leg.trace {
-            self.done = Some(stretch.share);
-            self.cutting = if stretch.cut.is_some() { self.number } else { 0 };
-        }
+    /// The setpoints of this tick lie in a block; how many traces that completes.
+    pub(crate) fn step(&mut self, leg: &Leg) -> u64 {
+        let Some(Stretch { number, share, cut }) = leg.trace else { return 0 };
+        let (before, _) = self.here.replace((number, share)).unwrap_or((number, 0.0));
+        self.cutting = if cut.is_some() { number } else { 0 };
+        u64::from(number.saturating_sub(before))
     }
 
     /// Where the axes are led in this tick: with ratios, from where they should have been in the tick before. `exact` is
@@ -81,7 +85,7 @@ impl Tracing {
 
     /// Forgets the trace in hand.
     pub(crate) fn end(&mut self) {
-        (self.tracer, self.ahead, self.done) = (None, None, None);
+        (self.tracer, self.ahead, self.here) = (None, None, None);
         (self.led, self.before) = (None, None);
     }
 }
@@ -92,12 +96,12 @@ impl Interpolator {
         if self.travel.tracing.in_hand() {
             return true;
         }
+        let number = self.travel.tracing.drawn + 1;
         match Tracer::new(&self.travel.route, self.line, trace, &self.here) {
             Ok(tracer) => {
-                let number = self.travel.tracing.number + 1;
                 let led = (trace.correction != Correction::Exact).then_some(*trace);
-                self.travel.tracing =
-                    Tracing { number, tracer: Some(tracer), done: Some(0.0), led, ..Tracing::default() };
+                let (tracer, here) = (Some(tracer.numbered(number)), Some((number, 0.0)));
+                self.travel.tracing = Tracing { drawn: number, tracer, here, led, ..Tracing::default() };
                 true
             }
             Err(reason) => {
@@ -130,16 +134,29 @@ impl Interpolator {
         match tracing.tracer.as_mut()?.next(&self.travel.route) {
             Ok(Traced::Block(block)) => return Some(block),
             Ok(Traced::Nowhere) => {}
-            Ok(Traced::Over) => {
-                (tracing.tracer, self.next) = (None, None);
-                self.travel.close();
-            }
+            Ok(Traced::Over) => self.draw_next(),
             Err(reason) => {
                 self.refuse(fault(&reason));
                 self.travel.close();
             }
         }
         None
+    }
+
+    /// A trace has been drawn: the next item goes on as its own, or ends the chain.
+    fn draw_next(&mut self) {
+        self.next = self.queue.pop();
+        let tracing = &mut self.travel.tracing;
+        let before = tracing.tracer.take();
+        if let (Some(Item { line, code: Code::Trace(trace) }), Some(before), Some(last)) =
+            (&self.next, before, self.travel.last)
+            && let Ok(tracer) = Tracer::new(&self.travel.route, *line, trace, &last.to)
+            && tracer.goes_on(before.trace())
+        {
+            (tracing.drawn, tracing.tracer) = (tracing.drawn + 1, Some(tracer.numbered(tracing.drawn + 1)));
+        } else {
+            self.travel.close();
+        }
     }
 
     /// A chain is over: whether the trace in hand is, too.

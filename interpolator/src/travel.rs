@@ -25,7 +25,7 @@ pub(crate) struct Travel {
     chain: Chain<AXES, Leg>,
     pub(crate) route: Route,
     /// The last move in the chain.
-    last: Option<Leg>,
+    pub(crate) last: Option<Leg>,
     pub(crate) tracing: Tracing,
     /// Speed of the spindle that feeds per revolution follow, 1/s.
     turns: f64,
@@ -61,11 +61,11 @@ impl Travel {
 
     /// What of the program is in hand, in steps of its progress; `next` waits for it to be over.
     pub(crate) fn pending(&self, next: Option<&Item>) -> u64 {
-        match (self.tracing.left(), next) {
-            (Some(left), _) => left,
-            (None, Some(Item { code: Code::Trace(_), .. })) => self.chain.len() as u64 + Trace::STEPS,
-            (None, _) => self.chain.len() as u64,
-        }
+        let waits = match next {
+            Some(Item { code: Code::Trace(_), .. }) if !self.tracing.more() => Trace::STEPS,
+            _ => 0,
+        };
+        waits + self.tracing.left().unwrap_or(self.chain.len() as u64)
     }
 
     /// Forgets what is left of the chain, and of a trace. The machine stands.
@@ -198,7 +198,7 @@ impl Interpolator {
             return self.rest(due);
         };
         let leg = step.tag;
-        self.travel.tracing.step(&leg);
+        self.travel.moves += self.travel.tracing.step(&leg);
         if leg.trace.is_none() {
             self.travel.moves += u64::from(step.completed);
         }

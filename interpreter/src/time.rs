@@ -40,6 +40,8 @@ pub(crate) struct Clock<'m> {
     /// Time of the chain in hand, s.
     moved: f64,
     seconds: f64,
+    /// The trace that the chain in hand ends with.
+    traced: Option<Trace>,
     /// The first trace that cannot be followed: its line, and why.
     trouble: Option<(u32, Untraceable)>,
 }
@@ -59,6 +61,7 @@ impl<'m> Clock<'m> {
             index: None,
             moved: 0.0,
             seconds: START_CYCLES * machine.machine.interpolator_cycle_s,
+            traced: None,
             trouble: None,
         }
     }
@@ -74,8 +77,14 @@ impl<'m> Clock<'m> {
 
     pub(crate) fn add(&mut self, line: u32, code: &Code) {
         match code {
-            Code::Line { .. } | Code::Arc { .. } => return self.travel(line, code),
+            Code::Line { .. } | Code::Arc { .. } => {
+                if self.traced.is_some() {
+                    self.finish();
+                }
+                return self.travel(line, code);
+            }
             Code::PathMode(mode) => return self.route.set_mode(*mode),
+            Code::Trace(trace) if self.goes_on(trace) => {}
             _ => self.finish(),
         }
         match code {
@@ -97,11 +106,10 @@ impl<'m> Clock<'m> {
             }
             Code::Formula { slot, formula } => self.route.set_formula(*slot, *formula),
             Code::Trace(trace) => {
-                let followed = self.follow(line, trace);
-                self.finish();
-                if let Err(reason) = followed {
+                if let Err(reason) = self.follow(line, trace) {
                     self.trouble = self.trouble.or(Some((line, reason)));
                 }
+                self.traced = Some(*trace);
             }
             Code::End => {
                 self.mode = SpindleMode::Stop;
@@ -126,7 +134,8 @@ impl<'m> Clock<'m> {
 
     /// A trace from where the axes rest, to its end, or to where a program has no end.
     fn follow(&mut self, line: u32, trace: &Trace) -> Result<(), Untraceable> {
-        let mut tracer = Tracer::new(&self.route, line, trace, &self.at)?;
+        let from = self.last.map_or(self.at, |last| last.to);
+        let mut tracer = Tracer::new(&self.route, line, trace, &from)?;
         while self.seconds() < LONGEST_S {
             match tracer.next(&self.route)? {
                 Traced::Block(block) => self.append(block),
@@ -135,6 +144,12 @@ impl<'m> Clock<'m> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a trace goes on where the chain in hand ends.
+    fn goes_on(&self, trace: &Trace) -> bool {
+        let (Some(before), Some(last)) = (&self.traced, &self.last) else { return false };
+        Tracer::new(&self.route, 0, trace, &last.to).is_ok_and(|tracer| tracer.goes_on(before))
     }
 
     fn append(&mut self, block: Block<AXES, Leg>) {
@@ -155,6 +170,7 @@ impl<'m> Clock<'m> {
 
     /// Plans the chain to its end, which lies on an interpolator cycle.
     pub(crate) fn finish(&mut self) {
+        self.traced = None;
         self.chain.close();
         while self.leap() {}
         let cycle = self.machine.machine.interpolator_cycle_s;

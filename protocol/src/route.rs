@@ -29,6 +29,8 @@ pub struct Leg {
 /// A part of a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
+    /// Number of the trace: that of its [`Tracer`](crate::Tracer).
+    pub number: u32,
     /// Share of the trace that is done where it begins, 0 to 1.
     pub share: f64,
     /// What the tool cuts there, or the beam; nothing on the way from one path to the next.

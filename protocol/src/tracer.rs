@@ -14,7 +14,7 @@ use motion::Path;
 use motion::chain::{Block, Corner};
 use shape::{Curve, Plan, Span, SpanError, Walker};
 
-use crate::{Axis, Cut, Feed, Leg, PerAxis, Position, Route, Spot, Stretch, Trace, units::AXES};
+use crate::{Axis, Cut, Feed, Leg, PerAxis, Position, Route, Spot, Stretch, Trace, Work, units::AXES};
 
 /// Farthest the axes may be from the start of a trace and still be led there, mm.
 const START_REACH_MM: f64 = 0.01;
@@ -64,6 +64,7 @@ pub enum Traced {
 /// A trace on its way to blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer {
+    number: u32,
     line: u32,
     trace: Trace,
     /// The leg in hand, from 0, and how many there are.
@@ -86,7 +87,7 @@ enum Stage {
 }
 
 impl Tracer {
-    /// A trace from where the axes rest.
+    /// A trace from where the axes rest. Its number is 0.
     ///
     /// # Errors
     /// [`Untraceable`], if it cannot begin there.
@@ -100,7 +101,8 @@ impl Tracer {
             return Err(Untraceable::NoAxis(*axis));
         }
         let legs = trace.legs();
-        let mut tracer = Tracer { line, trace: *trace, leg: 0, legs, stage: Stage::Enter, at: *from };
+        let mut tracer =
+            Tracer { number: 0, line, trace: *trace, leg: 0, legs, stage: Stage::Enter, at: *from };
         let start = tracer.start(route)?;
         let off = |axis: &Axis| (*axis, start[axis.index()].mm_from(from[axis.index()]).abs());
         let farthest = trace.axes().iter().map(off).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -112,6 +114,23 @@ impl Tracer {
             (tracer.at, tracer.stage) = (start, tracer.stage_of_leg());
         }
         Ok(tracer)
+    }
+
+    /// The same by a number, which its blocks carry.
+    #[must_use]
+    pub fn numbered(self, number: u32) -> Tracer {
+        Tracer { number, ..self }
+    }
+
+    /// Whether it goes on where a trace before it ends, without a stop: seams do, which begin there.
+    pub fn goes_on(&self, before: &Trace) -> bool {
+        let seams = matches!((&before.work, &self.trace.work), (Work::Seam(_), Work::Seam(_)));
+        seams && matches!(self.stage, Stage::Cut(..))
+    }
+
+    /// What it follows.
+    pub fn trace(&self) -> &Trace {
+        &self.trace
     }
 
     /// The next block. After an error it is the same again.
@@ -155,7 +174,7 @@ impl Tracer {
     /// A straight block, or none if it leads nowhere.
     fn straight(&mut self, route: &Route, to: PerAxis<Position>, feed: Feed) -> Result<Traced, Untraceable> {
         let Some(path) = route.line(&self.at, &to) else { return Ok(Traced::Nowhere) };
-        let stretch = Stretch { share: self.share(0.0), cut: None };
+        let stretch = Stretch { number: self.number, share: self.share(0.0), cut: None };
         let spot =
             self.plan(self.leg).map_or(Spot::Parameter(0.0), |plan| self.trace.spot(&plan, plan.t()[0]));
         self.block(route, path, to, (feed, Corner::Stop), stretch, spot)
@@ -174,8 +193,11 @@ impl Tracer {
         self.stage = Stage::Cut(plan, walker);
         let [begin, end] = plan.t();
         let corner = if next == end { self.joint(route) } else { Corner::Exact(route.machine.path.exact_mm) };
-        let stretch =
-            Stretch { share: self.share((t - begin) / (end - begin)), cut: Some(Cut { plan, clock }) };
+        let stretch = Stretch {
+            number: self.number,
+            share: self.share((t - begin) / (end - begin)),
+            cut: Some(Cut { plan, clock }),
+        };
         let (to, how) = (trace.placed(&to, self.at), (Feed::PerMinute(trace.feed_mm_min), corner));
         self.block(route, path, to, how, stretch, trace.spot(&plan, t))
     }
@@ -211,10 +233,12 @@ impl Tracer {
         }
     }
 
-    /// What becomes of the end of the leg in hand: legs that meet on the surface do so within the chord error.
+    /// What becomes of the end of the leg in hand: legs that meet on the surface do so within the chord error, and
+    /// so do seams.
     fn joint(&self, route: &Route) -> Corner {
         match self.plan(self.leg + 1) {
             Some(_) => route.corner_within(self.trace.chord_mm),
+            None if matches!(self.trace.work, Work::Seam(_)) => route.corner_within(self.trace.chord_mm),
             None => Corner::Stop,
         }
     }

@@ -3,13 +3,16 @@
 #![allow(clippy::unwrap_used)]
 
 use protocol::{
-    Axis, Code, Feed, Item, Machine, MachineState, PerAxis, Position, Trace, Work, operator::Request,
+    Axis, Code, Feed, Item, Machine, MachineState, PerAxis, Position, Trace, Work, machine, operator::Request,
 };
 use rig::{
     Rig,
     observe::{Observation, Observer, Outcome, Record},
 };
-use shape::{Contour, Correction, Curve, Formula, Function, Leg, Op, Pattern, Side, Surface, Tool};
+use shape::{
+    Branch, Contour, Correction, Curve, Formula, Function, Leg, Op, Pattern, Seam, SeamCurve, Side, Surface,
+    Tool,
+};
 use sim_plant::Scenario;
 
 const FEED_MM_MIN: f64 = 1200.0;
@@ -49,10 +52,18 @@ fn items(codes: &[Code]) -> Vec<Item> {
     (1..).zip(codes).map(|(line, code)| Item { line, code: *code }).collect()
 }
 
-fn run(items: &[Item], requests: &[(u64, Request)], mut see: impl FnMut(&Record)) -> Observation {
-    let machine = mill();
-    let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 5).unwrap();
-    let mut observer = Observer::new(&machine, items);
+fn run(items: &[Item], requests: &[(u64, Request)], see: impl FnMut(&Record)) -> Observation {
+    run_on(&mill(), items, requests, see)
+}
+
+fn run_on(
+    machine: &Machine,
+    items: &[Item],
+    requests: &[(u64, Request)],
+    mut see: impl FnMut(&Record),
+) -> Observation {
+    let mut rig = Rig::new(machine, items.iter().copied(), Scenario::none(), 5).unwrap();
+    let mut observer = Observer::new(machine, items);
     for cycle in 0..2_000_000 {
         let request = requests.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
         let more = rig.cycle(request, |record| {
@@ -292,4 +303,42 @@ fn traces_that_cannot_be_followed_are_faults_that_stop_the_axes_before() {
     assert_eq!((code.as_str(), violations), ("travel-limit", 0));
     assert!(reason.starts_with("the path leaves the travel of X near x = "), "{reason}");
     assert!((-200.0..-190.0).contains(&end[0]), "{end:?}");
+}
+
+/// Two halves of one seam: a line over a turning part, in formulas that are polynomials.
+#[test]
+fn seams_that_meet_are_one_path() {
+    let machine = Machine::from_toml(protocol::machine::POSITIONER).unwrap();
+    let mut coefficients = [[0.0; 8]; 6];
+    (coefficients[0][1], coefficients[2][0]) = (1.0, 20.0);
+    (coefficients[3][0], coefficients[4][1], coefficients[5][0]) = (0.2, 0.01, 1.0);
+    let curve = SeamCurve::Polynomials(coefficients);
+    let half = |t| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: 0.0 };
+    let positioner = machine.positioner.as_ref().unwrap();
+    let first = half([-20.0, 0.0]);
+    let start = first.on(&[], positioner.geometry(), positioner.beam_mm).at(-20.0).axes;
+    let mut target = PerAxis::default();
+    for (axis, at) in machine::POSITIONER_AXES.into_iter().zip(start) {
+        target[axis.index()] = Position::from_mm(at.value());
+    }
+    let seam = |t| Code::Trace(trace(Work::Seam(half(t)), [0.0; 3]));
+    let program =
+        items(&[Code::Line { target, feed: Feed::Rapid }, seam([-20.0, 0.0]), seam([0.0, 20.0]), Code::End]);
+    let (mut slowest, mut traced, mut taken) = (f64::INFINITY, Vec::new(), Vec::new());
+    let seen = run_on(&machine, &program, &[], |record| {
+        taken.push(record.machine.taken);
+        if record.machine.tracing > 0 {
+            traced.push(record.machine.tracing);
+        }
+        if (300..2000).contains(&traced.len()) {
+            slowest = slowest.min(record.axes.iter().map(|(_, axis)| axis.velocity_mm_s.abs()).sum());
+        }
+    });
+    assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+    assert_eq!((seen.moves.count, seen.moves.limit_violations), (3, 0));
+    assert!(slowest > 10.0 && traced.is_sorted() && traced.ends_with(&[2]), "{slowest} mm/s");
+    assert!(taken.is_sorted() && taken.ends_with(&[2002]), "{:?}", taken.last());
+    let foretold = interpreter::time_s(&program, &machine).unwrap();
+    let took = seen.cycles as f64 * 0.0005;
+    assert!((took - foretold).abs() < 0.01 * foretold, "{took} s, foretold {foretold} s");
 }
