@@ -277,7 +277,7 @@ fn words_of_g_code_are_axis_positions() {
         ("S100\nM2", "S: beam positioner has no spindle"),
         ("M4\nM2", "M4: beam positioner has no spindle"),
         ("G96 D500 S100\nM2", "has no spindle"),
-        ("G95 G1 X1 F0.1\nM2", "spindle"),
+        ("G95 G1 X1 F0.1\nM2", "G95: beam positioner has no spindle"),
         ("G0 Z1\nM2", "this positioner has no axis Z"),
         ("G0 B1\nM2", "this positioner has no axis B"),
         ("G0 A111\nM2", "axis.a.travel_deg"),
@@ -287,6 +287,16 @@ fn words_of_g_code_are_axis_positions() {
         assert!(!check.is_good() && said(&check).contains(message), "{text}: {}", said(&check));
     }
     assert!(check_of("M5\nG0 X1\nM30\n").diagnostics.is_empty());
+}
+
+/// Every fence `toml positioner` of the page is a job without a fault.
+#[test]
+fn the_jobs_of_the_page_can_be_done() {
+    let page = include_str!("../../docs/positioner.md");
+    let jobs: Vec<&str> =
+        page.split("```toml positioner\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(jobs.len(), 3);
+    jobs.iter().for_each(|job| assert!(holds(&good(job)) > 0));
 }
 
 proptest! {
