@@ -9,6 +9,7 @@ use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{Tool, ToolTable};
 use gcode::{Call, Diagnostic, Dialect, Limits, Options, Place, Problem, Program, Sink, Step, alone};
 use protocol::code_file::{CodeFile, VERSION};
+use shape::{Formula, Gradient, Number, Series};
 
 /// Small, so that every loop ends soon.
 const LIMITS: Limits = Limits {
@@ -45,6 +46,25 @@ pub fn expression(bytes: &[u8]) {
         match alone::value(bytes, &options(dialect)) {
             Ok(value) => assert!(value.is_none_or(f64::is_finite), "{value:?}"),
             Err(problem) => check_problem(&problem),
+        }
+    }
+}
+
+/// The bytes as the text of a formula: one that machine code carries and that has a value, or a reason and its place.
+pub fn formula(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    match interpreter::formula::parse(&text, &["x", "y"]) {
+        Ok(formula) => {
+            let (codes, constants) = formula.encode();
+            assert_eq!(Formula::decode(&codes, &constants), Ok(formula));
+            let value = formula.eval([0.5; 2]);
+            let series = formula.eval(Gradient::variables(Series::variable(0.5), Series::constant(0.5)));
+            let same = series.value.value() == value || !value.is_finite();
+            assert!(same, "{text}: {value} {series:?}");
+        }
+        Err(misread) => {
+            assert!(text.get(misread.span.clone()).is_some(), "{misread:?}");
+            assert!(!misread.message.is_empty() && !misread.help.is_empty(), "{misread:?}");
         }
     }
 }

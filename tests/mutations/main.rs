@@ -96,6 +96,20 @@ fn values() -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
+/// Formulas as they stand in jobs.
+fn formulas() -> Vec<Vec<u8>> {
+    let texts = [
+        "0.02*x^2 + 8*sin(x/15)*cos(y/20)",
+        "-x^2 - 2^-y^2",
+        "sqrt(x^2 + 1e-4) + ln(1 + exp(-y))",
+        "(1 + x/10)^1.5 * e^(y/7) - pi",
+        "asin(x/50) + acos(y/50) + atan(x*y)",
+        "sinh(x)*cosh(y) - tanh(x/y)/tan(1.5)",
+        "((x + 1)*(y - 2.5E-1))^-3",
+    ];
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
 /// A machine-code file with one of everything.
 fn code_files() -> Vec<Vec<u8>> {
     let point = |x: f64, z: f64| {
@@ -166,6 +180,11 @@ fn lexer() {
 #[test]
 fn expression() {
     mutate(targets::expression, &values());
+}
+
+#[test]
+fn formula() {
+    mutate(targets::formula, &formulas());
 }
 
 #[test]
