@@ -101,12 +101,10 @@ fn any_trace() -> impl Strategy<Value = Trace> {
     });
     let origin = prop::array::uniform3(any::<i64>().prop_map(Position));
     (prop_oneof![contour, surface, seam], origin, 1e-3..1e5, 1e-6..1.0).prop_map(
-        |(work, origin, feed_mm_min, chord_mm)| Trace {
-            work,
-            origin,
-            feed_mm_min,
-            chord_mm,
-            correction: Correction::Mixed,
+        |(work, origin, feed_mm_min, chord_mm)| {
+            let seam = matches!(work, Work::Seam(_));
+            let correction = if seam { Correction::Exact } else { Correction::Mixed };
+            Trace { work, origin, feed_mm_min, chord_mm, correction }
         },
     )
 }
