@@ -176,7 +176,7 @@ pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, CliError> {
         tables,
         notes: Vec::new(),
         figures: figures::all(&computed).into_iter().chain(machine_figures::all(&runs)).collect(),
-        text: text::meaning(&computed),
+        text: text::meaning(&computed, &runs),
         rows: computed.rows,
     })
 }

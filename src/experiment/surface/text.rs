@@ -50,9 +50,9 @@ fn on_the_machine(runs: &[Run]) -> String {
     exact.map_or_else(String::new, |run| {
         let report = &run.report;
         format!(
-            "On the small mill the tip of a ball of 6 mm is commanded within {} µm of the surface on which it has to move, \
-             and is truly within {:.2} µm of it; where the feed of {:.0} mm/min is held, the true feed is within {:+.2} … \
-             {:+.2} % of it.",
+            "On the small mill the tip of a ball of 6 mm is commanded within {} µm of the surface on which it has to move \
+             (asked for: 2 µm), and is truly within {:.2} µm of it (6 µm); where the feed of {:.0} mm/min is held, the true \
+             feed is within {:+.2} … {:+.2} % of it (1 %).",
             three(report.commanded.max_abs_um()),
             report.slide.max_abs_um(),
             report.feed.programmed_mm_min,
@@ -88,10 +88,10 @@ pub(super) fn done() -> Vec<String> {
 }
 
 /// What it means.
-pub(super) fn meaning(computed: &Computed) -> Vec<(&'static str, Vec<String>)> {
+pub(super) fn meaning(computed: &Computed, runs: &[Run]) -> Vec<(&'static str, Vec<String>)> {
     vec![
         ("What is misprinted, and how that was established", misprinted(computed)),
-        ("What it means", conclusions(computed)),
+        ("What it means", conclusions(computed, runs)),
     ]
 }
 
@@ -191,7 +191,7 @@ fn chord(computed: &Computed) -> String {
     )
 }
 
-fn conclusions(computed: &Computed) -> Vec<String> {
+fn conclusions(computed: &Computed, runs: &[Run]) -> Vec<String> {
     let of = |correction, of: fn(&Row) -> f64| figure(computed, "sin_cos", correction, 1.0, of);
     vec![
         "A control that can evaluate the formula of a curve at the end of a step needs no correction of its slope: the exact \
@@ -211,7 +211,27 @@ fn conclusions(computed: &Computed) -> Vec<String> {
         "Where a slope is large the ratio is, and so is its error; the axis with the largest way has to lead. Then no ratio \
          is above 1, and the leader never stands still while another axis moves."
             .into(),
+        what_the_machine_shows(runs),
     ]
+}
+
+fn what_the_machine_shows(runs: &[Run]) -> String {
+    let commanded = |correction| {
+        let run = runs.iter().find(|run| run.correction == correction);
+        run.map_or("–".into(), |run| three(run.report.commanded.max_abs_um()))
+    };
+    format!(
+        "On the machine the commanded positions are off by {} µm without a correction, {} µm with the published one, {} µm with its \
+         signs put right, {} µm with the mixed term and {} µm with exact ratios. A cycle of 2 ms makes 0.1 mm of way: l²/2R is \
+         0.4 µm where the path of the tip has a radius of 12.5 mm, and the minus sign doubles it. The true positions hardly \
+         show it. What they are off by comes from friction, which changes its side with the direction of a line, and from the \
+         elasticity behind the motors.",
+        commanded(Correction::None),
+        commanded(Correction::Published),
+        commanded(Correction::PublishedSigns),
+        commanded(Correction::Mixed),
+        commanded(Correction::Exact)
+    )
 }
 
 pub(super) fn summary() -> String {
