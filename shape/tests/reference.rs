@@ -4,5 +4,7 @@
 #[expect(dead_code, reason = "shared with the reference tests of motion, which use all of it")]
 #[path = "../../motion/tests/reference/compare.rs"]
 mod compare;
+#[path = "reference/positioner.rs"]
+mod positioner;
 #[path = "reference/shaping.rs"]
 mod shaping;
