@@ -70,14 +70,14 @@ pub(super) fn map(trace: &TraceReport, map: &Map) -> Figure {
     let [width, height] = map.size.map(|cells| cells as f64);
     let worst = trace.slide.worst_mm;
     let mark = json!({ "type": "scatter", "mode": "markers", "name": "largest", "x": [short(worst[0])], "y": [short(worst[1])],
-                       "marker": { "symbol": "circle-open", "size": 14, "color": "#1b2430", "line": { "width": 2 } },
+                       "marker": { "symbol": "circle-open", "size": 16, "color": ORANGE, "line": { "width": 3 } },
                        "showlegend": false, "hoverinfo": "skip" });
     Figure {
         title: format!("{}: the deviation over the part", name(trace)),
         caption: format!(
-            "How far the true tool was from touching the surface, seen from above; X and Y of its tip from the zero of the \
-             formula. Of every cell of {:.2} mm the worst: red stands off, blue cuts too deep, the ring marks the largest, \
-             {}.",
+            "How far the true tool was at most from touching the surface, standing off or cutting too deep, in every cell of \
+             {:.2} mm seen from above; X and Y of its tip from the zero of the formula. The ring marks the largest, {}. Good: \
+             a few µm, more only where an axis turns back: along a line of the map, not anywhere.",
             map.cell_mm,
             um(trace.slide.max_abs_um())
         ),
@@ -87,8 +87,8 @@ pub(super) fn map(trace: &TraceReport, map: &Map) -> Figure {
             um(trace.slide.high_um)
         ),
         plot: json!({
-            "data": [{ "type": "heatmap", "x": middles(&x), "y": middles(&y), "z": cells, "zmin": -rounded(reach),
-                       "zmax": rounded(reach), "colorscale": "RdBu", "reversescale": false, "hoverongaps": false,
+            "data": [{ "type": "heatmap", "x": middles(&x), "y": middles(&y), "z": cells, "zmin": 0,
+                       "zmax": rounded(reach), "colorscale": "Viridis", "hoverongaps": false,
                        "colorbar": { "title": { "text": "µm" }, "thickness": 14 } }, mark],
             "layout": { "xaxis": right, "yaxis": up },
         }),

@@ -82,6 +82,9 @@ fn head(summary: &Summary) -> Markup {
                 @if summary.moves.contour_max_um > 0.0 {
                     div { dt { "Farthest from the path" } dd { (um(summary.moves.contour_max_um)) } }
                 }
+                @if traces::any(summary) {
+                    div { dt { "True tool or beam off its trace" } dd { (um(traces::worst_um(summary))) } }
+                }
                 @if !summary.passes.is_empty() {
                     div { dt { "Thread passes" } dd { (summary.passes.len()) } }
                     div { dt { "Farthest from the helix" } dd { (verdict::helix(summary)) } }

@@ -2,7 +2,8 @@
 
 use protocol::{Axis, AxisState};
 use rig::observe::{
-    AxisLimits, CircleReport, CuttingReport, MovesReport, Outcome, PassReport, Summary, Traced,
+    AxisLimits, CircleReport, CuttingReport, DeviationReport, FeedReport, MovesReport, Outcome, PassReport,
+    Summary, TraceReport, Traced, TracedPoint, WorkKind,
 };
 use rig::trace::{AxisRow, CutRow, Format, Row, TraceWriter};
 
@@ -214,4 +215,67 @@ fn a_mill_shows_its_circles_and_how_far_it_is_from_the_path() {
     }
     let drawn = page.split("true path").next().unwrap_or_default();
     assert!(!drawn.contains("radius (mm)"), "a mill has no radius");
+}
+
+/// A surface in line 5 along X, the true tool 1 µm off it and 3.21 µm at one place.
+#[test]
+fn a_surface_has_a_table_a_map_and_its_feed() {
+    let at_rest =
+        AxisRow { state: AxisState::Streaming, servo_error: 0.0, velocity: 0.0, ..row(0).axes[0].1 };
+    let trace = TraceReport {
+        trace: 1,
+        line: 5,
+        kind: WorkKind::Surface,
+        origin_mm: [10.0, 20.0, 0.0],
+        cut_cycles: CYCLES,
+        way_mm: 60.0,
+        reach_mm: [[0.0, 60.0], [0.0, 30.0], [0.0, 1.0]],
+        slide: DeviationReport {
+            low_um: -1.0,
+            high_um: 3.21,
+            worst_mm: [30.0, 5.0, 0.0],
+            ..Default::default()
+        },
+        feed: FeedReport {
+            programmed_mm_min: 1800.0,
+            held_pct: 98.7,
+            unexplained_s: 0.25,
+            ..Default::default()
+        },
+        ..TraceReport::default()
+    };
+    let limits = *summary().limits.get(&Axis::X).expect("limits of X");
+    let axes = [Axis::X, Axis::Y, Axis::Z];
+    let limits = axes.map(|axis| (axis, limits)).into();
+    let summary = Summary { passes: Vec::new(), traces: vec![trace], limits, ..summary() };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    summary.write(&folder.path().join("summary.json")).expect("summary");
+    let path = folder.path().join(Format::Csv.file_name());
+    let mut trace = TraceWriter::create(&path, Format::Csv, &axes).expect("trace");
+    for cycle in 0..CYCLES {
+        let x = 10.0 + 60.0 * cycle as f64 / CYCLES as f64;
+        let at = |commanded: f64| AxisRow { commanded, ..at_rest };
+        let deviation_mm = if cycle == CYCLES / 2 { 0.00321 } else { -0.001 };
+        let slide = TracedPoint { deviation_mm, feed_mm_min: 1777.5, angle_deg: 0.0 };
+        let traced =
+            Traced { trace: 1, commanded: TracedPoint { feed_mm_min: 1800.0, ..Default::default() }, slide };
+        let axes = vec![(Axis::X, at(x)), (Axis::Y, at(25.0)), (Axis::Z, at_rest)];
+        trace.row(&Row { axes, pass: 0, line: 5, traced, ..row(cycle) }).expect("row");
+    }
+    trace.finish().expect("finished");
+    let page = std::fs::read_to_string(render(folder.path()).expect("drawn")).expect("read");
+    for needed in [
+        "<h2>Contours, surfaces, seams</h2>",
+        "Surface in line 5: the deviation over the part",
+        "Surface in line 5: deviation and feed",
+        "-1.00…+3.21",
+        "1800; 98.7",
+        "heatmap",
+        "3.21,",
+        "1777.5",
+        "kept to its surface within 3.21 µm",
+        "For 0.250 s the feed was low",
+    ] {
+        assert!(page.contains(needed), "{needed} is missing");
+    }
 }

@@ -30,7 +30,7 @@ pub(super) struct TraceCurves {
     pub(super) map: Map,
 }
 
-/// The worst deviation of every cell of the part, seen from above; of a contour, in its plane.
+/// The largest magnitude of the deviation in every cell of the part, seen from above, µm.
 pub(super) struct Map {
     pub(super) cell_mm: f64,
     from_mm: [f64; 2],
@@ -42,6 +42,11 @@ pub(super) struct Map {
 /// Whether anything was measured.
 pub(super) fn any(summary: &Summary) -> bool {
     !summary.traces.is_empty()
+}
+
+/// Largest true deviation of all, µm.
+pub(super) fn worst_um(summary: &Summary) -> f64 {
+    summary.traces.iter().map(|trace| trace.slide.max_abs_um()).fold(0.0, f64::max)
 }
 
 /// What a trace is called.
@@ -112,8 +117,7 @@ impl Map {
             return;
         }
         if let Some(cell) = self.cells.get_mut(row as usize * self.size[0] + column as usize) {
-            let worse = cell.is_none_or(|before| um.abs() > before.abs());
-            *cell = if worse { Some(um) } else { *cell };
+            *cell = Some(cell.map_or(um.abs(), |before| before.max(um.abs())));
         }
     }
 
@@ -147,7 +151,7 @@ pub(super) fn table(summary: &Summary) -> Markup {
                         th scope="col" { "True" small { "deviation: range, rms, µm" } }
                         th scope="col" { "Direction" small { "of a seam: commanded, true, degrees" } }
                         th scope="col" { "Feed" small { "mm/min; held, % of the time" } }
-                        th scope="col" { "True feed" small { "where held: range, rms, %" } }
+                        th scope="col" { "True feed" small { "where held: % of the time, range, rms, %" } }
                         th scope="col" { "Chord" small { "error, µm" } }
                         th scope="col" { "Limits" small { "used at most: speed, acceleration, jerk, %" } }
                     } }
@@ -162,6 +166,7 @@ pub(super) fn table(summary: &Summary) -> Markup {
                         } @else { td { "–" } }
                         td { (format!("{:.0}; {:.1}", trace.feed.programmed_mm_min, trace.feed.held_pct)) }
                         td {
+                            (format!("{:.1}; ", trace.feed.true_held_pct))
                             (pair(trace.feed.true_low_pct, trace.feed.true_high_pct))
                             (format!(", {:.2}", trace.feed.true_rms_pct))
                         }

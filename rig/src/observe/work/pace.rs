@@ -8,15 +8,15 @@
 //! ```
 //! The feed is *held* where the commanded one lies within [`HELD`] of what is asked for. Where it is lower, a limit must be
 //! the reason: of the axes, or the chord error. A stretch of lower feed in which no limit is used to [`BINDS`] has none,
-//! and is counted as not explained. Planned bounds hold over a stretch of the path and for several derivatives at once,
-//! so a limit that binds is not always used to the full.
+//! and is counted as not explained. Planned bounds hold for several derivatives at once and over a stretch of the path; when
+//! an override was turned, over a long one. So a limit that binds is not always used to the full where it binds.
 
 use super::report::FeedReport;
 
 /// Part of the feed within which it is held.
 const HELD: f64 = 0.01;
 /// Use of a limit that explains a lower feed.
-const BINDS: f64 = 0.5;
+const BINDS: f64 = 0.25;
 
 /// A stretch of lower feed.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +37,7 @@ pub(super) struct Pace {
     slow: Option<Slow>,
     cycles: u64,
     held: u64,
+    true_held: u64,
     unexplained: u64,
     most: f64,
     held_true: [f64; 2],
@@ -75,6 +76,7 @@ impl Pace {
             slow: None,
             cycles: 0,
             held: 0,
+            true_held: 0,
             unexplained: 0,
             most: 0.0,
             held_true: [0.0; 2],
@@ -116,6 +118,7 @@ impl Pace {
         self.close();
         if commanded <= HELD {
             self.held += 1;
+            self.true_held += u64::from(real.abs() <= HELD);
             self.held_true = [self.held_true[0].min(real), self.held_true[1].max(real)];
             self.held_squares += real * real;
         }
@@ -137,10 +140,11 @@ impl Pace {
 
     pub(super) fn report(mut self, programmed_mm_min: f64) -> (FeedReport, f64) {
         self.close();
-        let share = |cycles: u64| 100.0 * cycles as f64 / self.cycles.max(1) as f64;
+        let share = |cycles: u64, of: u64| 100.0 * cycles as f64 / of.max(1) as f64;
         let report = FeedReport {
             programmed_mm_min,
-            held_pct: share(self.held),
+            held_pct: share(self.held, self.cycles),
+            true_held_pct: share(self.true_held, self.held),
             most_pct: 100.0 * self.most,
             true_low_pct: 100.0 * self.held_true[0],
             true_high_pct: 100.0 * self.held_true[1],

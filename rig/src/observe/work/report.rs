@@ -54,13 +54,15 @@ pub struct FeedReport {
     pub held_pct: f64,
     /// Highest commanded feed beyond what is asked for.
     pub most_pct: f64,
-    /// Lowest true feed where it is held, less what is asked for.
+    /// Share of that time in which the true feed is within 1 %, too.
+    pub true_held_pct: f64,
+    /// Lowest true feed where the commanded one is held, less what is asked for.
     pub true_low_pct: f64,
     /// Highest.
     pub true_high_pct: f64,
     /// Root of the mean square.
     pub true_rms_pct: f64,
-    /// Time at a lower feed although no limit was used to half.
+    /// Time at a lower feed although no limit was used to a quarter.
     pub unexplained_s: f64,
     /// Largest chord error of an interpolator cycle.
     pub chord_max_um: f64,
