@@ -10,6 +10,8 @@ use super::{Fault, Job, Move, Planned, formula, parameter, within};
 
 /// Places that are looked at.
 const PLACES: usize = 4000;
+/// Most pieces of a contour.
+const PIECES: usize = 500_000;
 /// The tool may stand so deep in the contour, mm: rounding, far below the chord error.
 const TOUCHES_MM: f64 = 1e-6;
 
@@ -79,8 +81,8 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     }
     let clearance = within("clearance_mm", keys.clearance_mm, [0.01, 1e4], "mm")?;
     let contour = Contour { x: parameter(name, plane.range)?, radius_mm, side: keys.tool.side };
-    let Walked { start, end, bounds, way } = walk(&contour, &f, plane.names)?;
     fits(&contour, &f, name)?;
+    let Walked { start, end, bounds, way } = walk(&contour, &f, plane.names)?;
     touches_nothing_else(&contour, &f, name)?;
     job.reaches(plane.axes, bounds)?;
 
@@ -156,7 +158,6 @@ fn plane<'a>(keys: &'a Keys, job: &Job) -> Result<Plane<'a>, Fault> {
             "on a lathe x, a radius, is a formula of z, and z goes from start to end",
             "write for example x = \"20 - z^2/200\" and z = [0, -40]",
         ),
-        #[allow(unreachable_patterns)] // other machines
         _ => refuse("kind", "a contour needs a mill or a lathe", "choose the machine file of one"),
     }
 }
@@ -174,6 +175,7 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
     let curve = contour.curve(f);
     let mut walker = Walker::new(contour.t());
     let start = curve.at(contour.x[0]).axes.map(|axis| axis.value());
+    let mut pieces = 0;
     let mut walked = Walked { start, end: start, bounds: [start, start], way: 0.0 };
     loop {
         let next = walker.next(&curve).map_err(|error| {
@@ -188,6 +190,11 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
             walked.bounds[1][axis] = walked.bounds[1][axis].max(span.from[axis] + high[axis]);
         }
         (walked.end, walked.way) = (span.to, walked.way + span.path.length());
+        pieces += 1;
+        if pieces > PIECES {
+            let message = format!("{value} is too long to be looked at: more than {PIECES} pieces");
+            return Err(Fault::new(value, message, format!("choose {name} shorter, or write several jobs")));
+        }
     }
 }
 

@@ -4,10 +4,10 @@
 use gcode::job::Job as Source;
 use gcode::problem::{Blame, Problem, Severity};
 use gcode::{Place, canon::FeedMode};
-use protocol::{Code, SpindleMode};
+use protocol::{Code, Position, SpindleMode};
 
 use super::text::{self, Text};
-use super::{Common, Coolant, Fault, Job, JobNote, Kind, Planned, contour, seam, surface, within};
+use super::{Common, Coolant, Fault, Job, JobNote, Kind, Move, Planned, contour, seam, surface, within};
 use crate::translate::{Done, Translator};
 
 /// Highest feed, mm/min.
@@ -123,21 +123,24 @@ impl Translator {
 
     /// Sends the items of a job.
     fn begin(&mut self, place: Place, planned: Planned) {
-        for step in &planned.approach {
-            self.push(place.line, Code::Line { target: step.to, feed: step.feed });
-        }
+        self.go(place.line, &planned.approach);
         for (slot, formula) in (0..).zip(planned.formulas) {
             self.push(place.line, Code::Formula { slot, formula });
         }
         for trace in planned.traces {
             self.push(place.line, Code::Trace(trace));
         }
-        for step in &planned.retract {
-            self.push(place.line, Code::Line { target: step.to, feed: step.feed });
+        self.rest = self.machine.machine.kinematics.point(&planned.end.map(Position::mm));
+        self.go(place.line, &planned.retract);
+        (self.point, self.asked, self.after_thread) = (self.rest, self.rest, false);
+    }
+
+    /// Moves around the work.
+    fn go(&mut self, line: u32, moves: &[Move]) {
+        for step in moves {
+            self.push(line, Code::Line { target: step.to, feed: step.feed });
+            self.rest = self.machine.machine.kinematics.point(&step.to.map(Position::mm));
         }
-        let end = planned.retract.last().map_or(planned.end, |step| step.to);
-        let point = self.machine.machine.kinematics.point(&end.map(|axis| axis.mm()));
-        (self.point, self.rest, self.asked, self.after_thread) = (point, point, point, false);
     }
 
     /// Reports a fault of a job where it stands in the text.

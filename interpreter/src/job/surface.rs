@@ -223,7 +223,7 @@ fn gaps(way: f64, step: f64) -> Result<u32, Fault> {
 
 fn spacing(step: f64, directions: &[[f64; 2]], grid: &Grid) -> (&'static str, String) {
     let ridge = 1000.0 * grid.ridge(step, directions);
-    ("step-over", format!("{step:.4} mm seen from above, ridges of at most {ridge:.2} µm"))
+    ("spacing", format!("{step:.4} mm seen from above, ridges of at most {ridge:.2} µm"))
 }
 
 /// Moves before and behind the work, all of it within the travel.

@@ -78,7 +78,7 @@ fn keeps(text: &str, along_y: bool, scallop_mm: f64) {
     let (psi, surface) = (formulas(&check.items)[0], surface(&check.items));
     let ridge = ridge(&surface, &psi, along_y);
     assert!((0.9..1.01).contains(&(ridge / scallop_mm)), "{ridge} for {scallop_mm}: {:?}", check.jobs);
-    let (_, told) = check.jobs[0].facts.iter().find(|(what, _)| *what == "step-over").expect("it is told");
+    let (_, told) = check.jobs[0].facts.iter().find(|(what, _)| *what == "spacing").expect("it is told");
     let micrometres: f64 = told.split(' ').rev().nth(1).and_then(|word| word.parse().ok()).expect("a figure");
     assert!((1000.0 * ridge - micrometres).abs() < 0.02 * micrometres, "{ridge} mm, and {told}");
 }
