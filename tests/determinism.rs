@@ -63,6 +63,39 @@ fn a_mill_is_the_same_over_processes_and_in_one() {
     assert_eq!(again.trace_hash, blocks.trace_hash, "the switch is part of the run folder");
 }
 
+/// A job of one item, whose pieces are made in the interpolator: from the job, and from its machine code.
+#[test]
+fn a_surface_is_the_same_over_processes_and_in_one() {
+    let place = Place::new();
+    let machine = project().join("examples/machines/small-mill.toml").display().to_string();
+    let job = place.write(
+        "wave.toml",
+        "[job]\nkind = \"surface\"\norigin_mm = [0, 0, -100]\nspindle_rpm = 8000\nfeed_mm_min = 3000\n\
+         z = \"0.02*x^2 + 8*sin(x/15)*cos(y/20)\"\nx = [0, 30]\ny = [0, 4]\ntool = { kind = \"ball\", diameter_mm = 6 }\n\
+         path = { pattern = \"lines\", along = \"x\", step_mm = 1 }\n",
+    );
+    let common = ["--machine", &machine, "--trace", "none"];
+    let run = |program: &std::path::Path, out: &str, more: &[&str]| {
+        place.run(program, out, &[&common[..], more].concat())
+    };
+    let (over_processes, inside) = (run(&job, "processes", &[]), run(&job, "inside", &["--in-process"]));
+    assert_eq!(over_processes.trace_hash, inside.trace_hash);
+    assert_eq!(over_processes.moves, inside.moves);
+    assert_eq!((inside.moves.limit_violations, inside.moves.starved), (0, 0));
+
+    let code = place.at("wave.mc");
+    let compiled = place.ask(&[
+        "compile",
+        &job.display().to_string(),
+        "--machine",
+        &machine,
+        "-o",
+        &code.display().to_string(),
+    ]);
+    assert_eq!(compiled.status, Some(0), "{}", compiled.stdout);
+    assert_eq!(run(&code, "compiled", &["--in-process"]).trace_hash, inside.trace_hash);
+}
+
 #[test]
 fn the_seed_is_part_of_the_numbers() {
     let place = Place::new();

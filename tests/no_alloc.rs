@@ -48,6 +48,47 @@ fn a_whole_program_allocates_nothing() {
     }
 }
 
+/// An operator who leaves the feed alone for no second: new overrides, holds, cycle starts.
+fn restless() -> Scenario {
+    let mut scenario = String::new();
+    for i in 0..20 {
+        let (at, pct) = (2.0 + 0.4 * f64::from(i), 20 + 37 * i % 170);
+        scenario += &format!("[[event]]\nat = {{ time_s = {at} }}\nfeed_override_pct = {pct}\n");
+        let (hold, on) = (at + 0.1, at + 0.25);
+        scenario += &format!("[[event]]\nat = {{ time_s = {hold} }}\nfeed_hold = true\n");
+        scenario += &format!("[[event]]\nat = {{ time_s = {on} }}\ncycle_start = true\n");
+    }
+    Scenario::from_toml(&scenario).expect("a scenario")
+}
+
+/// Formulas evaluated, pieces made and drawn ahead, corrected and not; a tool that retracts, and a seam.
+#[test]
+fn work_from_formulas_allocates_nothing() {
+    let text = |path: &str| fs::read_to_string(shop::project().join(path)).expect("examples are shipped");
+    let mill = text("examples/machines/small-mill.toml");
+    let surface = |more: &str| {
+        "[job]\nkind = \"surface\"\norigin_mm = [0, 0, -100]\nspindle_rpm = 8000\nfeed_mm_min = 3000\n\
+         z = \"0.02*x^2 + 8*sin(x/15)*cos(y/20)\"\nx = [0, 40]\ny = [0, 6]\ntool = { kind = \"ball\", diameter_mm = 6 }\n"
+            .to_owned()
+            + more
+    };
+    let seam = text("examples/positioner/cylinders.toml");
+    let positioner = text("examples/machines/positioner.toml");
+    for (machine, job) in [
+        (&mill, surface("path = { pattern = \"lines\", along = \"x\", step_mm = 1 }\n")),
+        (&mill, surface("path = { pattern = \"lines\", along = \"x\", step_mm = 1, one_way = true }\n")),
+        (&mill, surface("path = { pattern = \"rings\", step_mm = 1 }\ncorrection = \"mixed\"\n")),
+        (&positioner, seam),
+    ] {
+        let machine = Machine::from_toml(machine).expect("it is right");
+        let check = interpreter::check_job("work", &job, &machine);
+        assert!(check.is_good(), "{:?}", check.diagnostics);
+        let mut rig = Rig::new(&machine, check.items.into_iter(), restless(), 1).expect("it can be built");
+        let cycles = cycles_without_allocation(&mut rig, &job);
+        assert!(cycles > 10_000, "{job} ended after {cycles} cycles");
+    }
+}
+
 /// Look-ahead, blends, overrides and holds: a contour of short lines under an operator who does not leave it alone.
 #[test]
 fn a_contour_under_overrides_allocates_nothing() {
@@ -59,16 +100,7 @@ fn a_contour_under_overrides_allocates_nothing() {
         text += &format!("G1 X{:.6} Y{:.6}\n", 30.0 * s, 30.0 - 30.0 * c);
     }
     let check = interpreter::check("contour", &(text + "M2\n"), &machine);
-    let mut scenario = String::new();
-    for i in 0..20 {
-        let (at, pct) = (2.0 + 0.4 * f64::from(i), 20 + 37 * i % 170);
-        scenario += &format!("[[event]]\nat = {{ time_s = {at} }}\nfeed_override_pct = {pct}\n");
-        let (hold, on) = (at + 0.1, at + 0.25);
-        scenario += &format!("[[event]]\nat = {{ time_s = {hold} }}\nfeed_hold = true\n");
-        scenario += &format!("[[event]]\nat = {{ time_s = {on} }}\ncycle_start = true\n");
-    }
-    let scenario = Scenario::from_toml(&scenario).expect("a scenario");
-    let mut rig = Rig::new(&machine, check.items.into_iter(), scenario, 1).expect("it can be built");
+    let mut rig = Rig::new(&machine, check.items.into_iter(), restless(), 1).expect("it can be built");
     let cycles = cycles_without_allocation(&mut rig, "the contour");
     assert!(cycles > 20_000, "it ended after {cycles} cycles");
 }

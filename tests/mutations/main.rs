@@ -14,8 +14,11 @@ use std::{env, fs, path::Path};
 
 use mutate::mutation;
 use protocol::{
-    Arc, Code, Feed, Item, Machine, PathMode, PerAxis, Plane, Position, SpindleMode, SpindleSpeed,
-    code_file::CodeFile,
+    Arc, Axis, Code, Feed, Item, Machine, PathMode, PerAxis, Plane, Position, SpindleMode, SpindleSpeed,
+    Trace, Work, code_file::CodeFile,
+};
+use shape::{
+    Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
 };
 
 /// Mutations of each target in a run of the tests.
@@ -120,6 +123,17 @@ fn code_files() -> Vec<Vec<u8>> {
     let feed = Feed::PerRevolution(0.2);
     let center = [Position::from_mm(-2.0), Position::from_mm(18.0)];
     let surface = SpindleSpeed::Surface { mm_s: 2000.0, max_rpm: 1500.0, axis_mm: Position(0) };
+    let wave = [Op::Variable(0), Op::Constant(15.0), Op::Div, Op::Apply(Function::Sin), Op::Powi(-2)];
+    let contour = Contour { x: [10.0, -3.0], radius_mm: 2.0, side: Side::Left };
+    let pattern = Pattern::Lines { along_y: true, count: 80, zigzag: false };
+    let tool = Tool { radius_mm: 3.0, corner_mm: 1.0 };
+    let surface_of_lines = Surface { x: [0.0, 100.0], y: [-40.0, 40.0], tool, pattern, clear_mm: 25.0 };
+    let curve = SeamCurve::Polynomials([[0.5; 8]; 6]);
+    let seam = Seam { curve, t: [0.0, 6.25], branch: Branch::Positive, idle_beta_deg: 0.0 };
+    let work = |work: Work| {
+        let (origin, correction) = ([Position(7); 3], Correction::Exact);
+        Code::Trace(Trace { work, origin, feed_mm_min: 1500.0, chord_mm: 0.002, correction })
+    };
     let codes = [
         Code::Spindle { mode: SpindleMode::Clockwise, speed: SpindleSpeed::Rpm(600.0) },
         Code::Spindle { mode: SpindleMode::Clockwise, speed: surface },
@@ -129,6 +143,10 @@ fn code_files() -> Vec<Vec<u8>> {
         Code::Line { target: point(18.0, 0.0), feed },
         Code::Pause,
         Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
+        Code::Formula { slot: 0, formula: Formula::new(&wave).expect("it is complete") },
+        work(Work::Contour(contour, [Axis::Z, Axis::X])),
+        work(Work::Surface(surface_of_lines)),
+        work(Work::Seam(seam)),
         Code::End,
     ];
     let file = |items: Vec<Item>| {
