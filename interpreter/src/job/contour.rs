@@ -180,7 +180,7 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
     loop {
         let next = walker.next(&curve).map_err(|error| {
             let at = error.t();
-            let message = format!("{value} cannot be followed at {name} = {at:.4}: its slope is infinite there, or it is not smooth");
+            let message = format!("{value} cannot be followed at {name} = {at:.4}: its slope is infinite there, or it bends too sharply");
             Fault::new(value, message, format!("choose {name} so that {value} is smooth all over it"))
         })?;
         let Some(span) = next else { return Ok(walked) };
