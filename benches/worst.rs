@@ -2,7 +2,7 @@
 //! and worst.
 //!
 //! The machine (`interpolator`, regulators and plant, in one process) follows short lines of 0.2 mm round and round, on a
-//! smooth curve and on one with sharp corners, while the operator turns the feed override and holds now and then: both
+//! smooth curve and on one with sharp corners, and a ball over a surface of which it has the formula, while the operator turns the feed override and holds now and then: both
 //! make the interpolator plan again. Timed is what the process does in a tick: it takes the machine code it has asked for,
 //! and ticks. Every run makes the same ticks, so the least cost of a tick over the runs is what it costs by itself; one
 //! run alone has also what the system does meanwhile.
@@ -13,9 +13,10 @@ use std::{f64::consts::TAU, hint::black_box, time::Instant};
 use interpolator::{In, Interpolator};
 use protocol::{
     Axis, AxisFrame, AxisStatus, Code, CodePacket, DriveCommand, Feed, Item, Machine, Panel, PerAxis,
-    Position, SpindleCommand,
+    Position, SpindleCommand, Trace, Work,
 };
 use regulator::Regulator;
+use shape::{Correction, Curve, Formula, Function, Leg, Op, Pattern, Surface, Tool};
 use sim_plant::{Plant, Scenario};
 
 const TICKS: usize = 1_000_000;
@@ -25,7 +26,7 @@ const LINES: usize = 640;
 const FEED_MM_MIN: f64 = 6000.0;
 
 /// Radius at an angle: of a smooth closed curve, and of a star.
-type Curve = fn(f64) -> f64;
+type Radius = fn(f64) -> f64;
 
 fn smooth(angle: f64) -> f64 {
     20.0 + libm::sin(5.0 * angle)
@@ -37,7 +38,7 @@ fn star(angle: f64) -> f64 {
 }
 
 /// One turn of machine code in the plane of X and Z.
-fn turn(curve: Curve) -> Vec<Item> {
+fn turn(curve: Radius) -> Vec<Item> {
     let line = |number: usize| {
         let angle = TAU * number as f64 / LINES as f64;
         let (s, c) = libm::sincos(angle);
@@ -61,25 +62,27 @@ struct Run<'a> {
     machine: Machine,
     plant: Plant,
     upper: Interpolator,
-    lower: [(Axis, Regulator); 2],
+    lower: Vec<(Axis, Regulator)>,
     code: std::iter::Zip<std::ops::RangeFrom<u64>, std::iter::Cycle<std::slice::Iter<'a, Item>>>,
     statuses: PerAxis<AxisStatus>,
     made: Option<(PerAxis<AxisFrame>, SpindleCommand)>,
     spindle: SpindleCommand,
+    /// Progress: lines, or thousandths of a surface.
+    steps: u64,
 }
 
 impl<'a> Run<'a> {
-    fn new(code: &'a [Item]) -> Run<'a> {
-        let machine = Machine::default();
+    fn new(machine: &Machine, code: &'a [Item]) -> Run<'a> {
         Run {
-            plant: Plant::new(&machine, Scenario::none(), 1).unwrap(),
-            upper: Interpolator::new(&machine),
-            lower: [Axis::X, Axis::Z].map(|axis| (axis, Regulator::new(&machine, axis))),
+            plant: Plant::new(machine, Scenario::none(), 1).unwrap(),
+            upper: Interpolator::new(machine),
+            lower: machine.axes().map(|(axis, _)| (axis, Regulator::new(machine, axis))).collect(),
             code: (0..).zip(code.iter().cycle()),
             statuses: PerAxis::default(),
             made: None,
             spindle: SpindleCommand::default(),
-            machine,
+            machine: machine.clone(),
+            steps: 0,
         }
     }
 
@@ -101,6 +104,7 @@ impl<'a> Run<'a> {
                 }
                 let out = black_box(self.upper.tick(&In { measurement: &measurement, axes: &self.statuses }));
                 cost = Some(begun.elapsed().as_secs_f64() * 1e9);
+                self.steps = out.status.taken;
                 self.made = Some((out.frames, out.spindle));
             }
             let mut drives = PerAxis::<DriveCommand>::default();
@@ -117,25 +121,59 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Cost of every tick, ns: of one run, and the least of all runs; and the lines that one run takes.
-fn costs(code: &[Item]) -> ([Vec<f64>; 2], u64) {
+/// Cost of every tick, ns: of one run, and the least of all runs; and how far one run goes.
+fn costs(machine: &Machine, code: &[Item]) -> ([Vec<f64>; 2], u64) {
     let mut least = vec![f64::INFINITY; TICKS];
-    let (mut one, mut lines) = (Vec::new(), 0);
+    let (mut one, mut steps) = (Vec::new(), 0);
     for _ in 0..ROUNDS {
-        let mut run = Run::new(code);
+        let mut run = Run::new(machine, code);
         one = (0..TICKS).map(|tick| run.tick(tick)).collect();
         least.iter_mut().zip(&one).for_each(|(least, ns)| *least = least.min(*ns));
-        lines = run.upper.received();
+        steps = run.steps;
     }
-    ([one, least], lines)
+    ([one, least], steps)
+}
+
+/// A ball of 6 mm over 0.02 x² + 8 sin(x/15) cos(y/20), 0.25 mm from line to line, from corner to corner.
+fn surface() -> Vec<Item> {
+    let (x, y, number) = (Op::Variable(0), Op::Variable(1), Op::Constant);
+    let wave = [x, number(15.0), Op::Div, Op::Apply(Function::Sin), y, number(20.0), Op::Div];
+    let square =
+        [Op::Apply(Function::Cos), Op::Mul, number(8.0), Op::Mul, x, Op::Powi(2), number(0.02), Op::Mul];
+    let formula = Formula::new(&[&wave[..], &square[..], &[Op::Add]].concat()).unwrap();
+    let surface = Surface {
+        x: [-50.0, 50.0],
+        y: [-40.0, 40.0],
+        tool: Tool { radius_mm: 3.0, corner_mm: 3.0 },
+        pattern: Pattern::Lines { along_y: false, count: 321, zigzag: true },
+        clear_mm: 80.0,
+    };
+    let Some(Leg::Cut(plan)) = surface.leg(0) else { panic!("a surface begins with a cut") };
+    let tip = surface.curve(plan, [&formula; 3]).at(plan.t()[0]).axes;
+    let mut target = PerAxis::<Position>::default();
+    for (at, tip) in target.iter_mut().zip(tip) {
+        *at = Position::from_mm(tip.value());
+    }
+    let down = Position::from_mm(-150.0);
+    let (work, origin) = (Work::Surface(surface), [Position(0), Position(0), down]);
+    let correction = Correction::Exact;
+    let trace = Trace { work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction };
+    target[Axis::Z.index()] = target[Axis::Z.index()].moved(down.mm());
+    let codes =
+        [Code::Line { target, feed: Feed::Rapid }, Code::Formula { slot: 0, formula }, Code::Trace(trace)];
+    codes.map(|code| Item { line: 1, code }).into()
 }
 
 fn main() {
-    let curves: [(&str, Curve); 2] = [("smooth", smooth), ("star", star)];
-    for (name, curve) in curves {
-        let (costs, lines) = costs(&turn(curve));
-        assert!(lines > TICKS as u64 / 100, "the machine stands: {lines} lines");
-        println!("{name}: {TICKS} ticks, {lines} lines");
+    let mill = Machine::from_toml(protocol::machine::SMALL_MILL).unwrap();
+    let lathe = Machine::default();
+    let runs =
+        [("smooth", &lathe, turn(smooth)), ("star", &lathe, turn(star)), ("surface", &mill, surface())];
+    for (name, machine, code) in runs {
+        let (costs, steps) = costs(machine, &code);
+        let least = if name == "surface" { 1000 } else { TICKS as u64 / 100 };
+        assert!(steps > least, "the machine stands: {steps} steps");
+        println!("{name}: {TICKS} ticks, {steps} steps of its progress");
         for (mut costs, what) in costs.into_iter().zip(["one run", "least of runs"]) {
             costs.sort_by(f64::total_cmp);
             let [median, most, worst] =

@@ -3,7 +3,7 @@
 //! | from | when | to |
 //! |---|---|---|
 //! | Starting | every axis streams | Ready |
-//! | Ready | a line or an arc is next (and the spindle at speed, for a feed) | Moving |
+//! | Ready | a line, an arc or a trace is next (and the spindle at speed, for a feed) | Moving |
 //! | Ready | a dwell is next | Dwelling |
 //! | Ready | a pause is next | Paused |
 //! | Ready | a pass is next, spindle at speed, axes at its start and in position | Arming |

@@ -17,8 +17,8 @@ use shape::{Correction, Plan};
 
 use crate::Interpolator;
 
-/// Most pieces that one tick draws: the most that a chain leaves behind in a tick is more, but no piece that follows a
-/// curve at its feed is over in a quarter of a tick.
+/// Most pieces that one tick draws. A piece is about as long as a third of the radius of its curve (M84), and the axes need
+/// more than a tick for so small a part of a bend that they can follow: so the pieces keep ahead of them.
 const PIECES_PER_TICK: usize = 4;
 
 /// The trace in hand, or none.
