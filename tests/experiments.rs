@@ -8,7 +8,8 @@ use std::fs;
 use serde_json::Value;
 use shop::{Place, project};
 
-const NAMES: [&str; 7] = ["approach", "feed", "observer", "profiles", "resolution", "surface", "sweep"];
+const NAMES: [&str; 8] =
+    ["approach", "feed", "observer", "positioner", "profiles", "resolution", "surface", "sweep"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {
@@ -144,6 +145,31 @@ fn a_row_of_observer_has_its_inputs_and_figures() {
 }
 
 #[test]
+fn a_row_of_positioner_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "positioner", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 6 * 3);
+    let three = |value: &Value| -> Vec<f64> {
+        let numbers = value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect::<Vec<_>>();
+        assert_eq!(numbers.len(), 3, "{value}");
+        numbers
+    };
+    for row in rows {
+        let inputs = ["part_mm", "linear_error_mm", "angular_error_deg"];
+        assert!(inputs.iter().all(|key| row[key].is_f64()), "{row}");
+        let [published, tight, attained, sampled] =
+            ["published_um", "tight_um", "attained_um", "sampled_max_um"].map(|key| three(&row[key]));
+        for axis in 0..3 {
+            assert!(tight[axis] <= published[axis] * (1.0 + 1e-12), "{row}");
+            assert!((attained[axis] / tight[axis] - 1.0).abs() < 1e-4, "{row}");
+            assert!(sampled[axis] > 0.6 * tight[axis] && sampled[axis] < 1.0001 * tight[axis], "{row}");
+        }
+    }
+}
+
+#[test]
 fn the_page_has_everything_in_it() {
     let place = Place::new();
     let answer = place.ask(&["experiment", "feed"]);
@@ -179,7 +205,8 @@ fn what_cannot_be_done_is_refused() {
     place.write("file", "in the way");
     let mill = include_str!("../examples/machines/small-mill.toml");
     fs::write(place.at("mill.toml"), mill).expect("it can be written");
-    let cases: [(&[&str], &[&str]); 10] = [
+    let cases: [(&[&str], &[&str]); 11] = [
+        (&["experiment", "positioner", "--machine", "mill.toml"], &["mill.toml", "is no positioner"]),
         (&["experiment", "approach", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
         (&["experiment", "observer", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
         (&["experiment", "resolution", "--machine", "mill.toml"], &["mill.toml", "lathe"]),

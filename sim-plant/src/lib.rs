@@ -44,3 +44,4 @@ pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2};
 pub use config::PlantError;
 pub use plant::Plant;
 pub use scenario::{Scenario, ScenarioError};
+pub use seed::Seed;

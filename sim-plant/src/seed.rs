@@ -3,11 +3,14 @@
 
 /// A sequence of numbers that depends on nothing but its seed.
 #[derive(Clone, Debug)]
-pub(crate) struct Seed(pub(crate) u64);
+pub struct Seed(
+    /// Where the sequence stands.
+    pub u64,
+);
 
 impl Seed {
     /// The next number, evenly spread over [0, 1).
-    pub(crate) fn fraction(&mut self) -> f64 {
+    pub fn fraction(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

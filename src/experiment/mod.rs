@@ -9,6 +9,7 @@ mod approach;
 mod feed;
 mod observer;
 mod page;
+mod positioner;
 mod profiles;
 mod resolution;
 mod stand;
@@ -22,7 +23,7 @@ use std::{
 };
 
 use clap::{Args, ValueEnum};
-use protocol::machine::Kinematics;
+use protocol::{Machine, machine::Kinematics};
 use serde::Serialize;
 
 use crate::{
@@ -53,6 +54,8 @@ pub(crate) enum Name {
     Feed,
     /// How well the spindle's angle is known from its encoder, and what that makes of a helix.
     Observer,
+    /// What errors of its drives do to the beam of a positioner, which drives an accuracy needs, and a seam.
+    Positioner,
     /// What an approach leaves in a lightly damped mode, for six laws of motion.
     Profiles,
     /// What rounded positions do to speed, acceleration and servo error, and how fine they have to be.
@@ -71,16 +74,19 @@ impl Name {
             Name::Observer => "observer",
             Name::Surface => "surface",
             Name::Sweep => "sweep",
+            Name::Positioner => "positioner",
             Name::Profiles => "profiles",
             Name::Resolution => "resolution",
         }
     }
 
-    /// Whether it moves the machine of `--machine`; that of `surface` is the small mill.
-    fn moves_a_machine(self) -> bool {
+    /// What kind of machine it moves, so that `--machine` says which one; none if it takes none: that of `surface` is the
+    /// small mill.
+    fn moves(self) -> Option<Kinematics> {
         match self {
-            Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => true,
-            Name::Feed | Name::Profiles | Name::Surface => false,
+            Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => Some(Kinematics::Lathe),
+            Name::Positioner => Some(Kinematics::Positioner),
+            Name::Feed | Name::Profiles | Name::Surface => None,
         }
     }
 }
@@ -133,17 +139,7 @@ struct Document<'a, R> {
 
 /// Makes the experiment, writes its folder and prints what it found.
 pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    if args.machine.machine.is_some() && !args.name.moves_a_machine() {
-        let name = args.name.text();
-        return Err(CliError::Input(format!("experiment {name} takes no machine: leave out --machine")));
-    }
-    let machine = args.machine.read()?.0;
-    if args.name.moves_a_machine() && machine.machine.kinematics != Kinematics::Lathe {
-        let (name, file) = (args.name.text(), args.machine.name());
-        return Err(CliError::Input(format!(
-            "experiment {name} cuts threads, and {file} is no lathe: give a lathe with --machine"
-        )));
-    }
+    let machine = machine(args)?;
     let stand = Stand { machine, seed: args.seed, progress: !quiet && !args.json };
     match args.name {
         Name::Approach => publish(args, &approach::findings(&stand)?),
@@ -151,8 +147,32 @@ pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode,
         Name::Observer => publish(args, &observer::findings(&stand)?),
         Name::Surface => publish(args, &surface::findings(&stand)?),
         Name::Sweep => publish(args, &sweep::findings(&stand)?),
+        Name::Positioner => publish(args, &positioner::findings(&stand)?),
         Name::Profiles => publish(args, &profiles::findings()),
         Name::Resolution => publish(args, &resolution::findings(&stand)?),
+    }
+}
+
+/// The machine on the stand: the one of `--machine`, or the built-in one of the kind that is moved.
+fn machine(args: &ExperimentArgs) -> Result<Machine, CliError> {
+    let (name, file) = (args.name.text(), args.machine.name());
+    let wrong = |text: String| Err(CliError::Input(text));
+    match (args.name.moves(), &args.machine.machine) {
+        (None, Some(_)) => wrong(format!("experiment {name} takes no machine: leave out --machine")),
+        (Some(Kinematics::Positioner), None) => Machine::from_toml(Kinematics::Positioner.example())
+            .map_err(|error| CliError::Machine(error.to_string())),
+        (kind, _) => {
+            let machine = args.machine.read()?.0;
+            match kind.filter(|kind| *kind != machine.machine.kinematics) {
+                Some(Kinematics::Positioner) => wrong(format!(
+                    "experiment {name} welds a seam, and {file} is no positioner: give a positioner with --machine"
+                )),
+                Some(_) => wrong(format!(
+                    "experiment {name} cuts threads, and {file} is no lathe: give a lathe with --machine"
+                )),
+                None => Ok(machine),
+            }
+        }
     }
 }
 
