@@ -120,13 +120,13 @@ impl Program {
     /// # Errors
     /// It cannot be opened or read.
     pub fn open_job(path: &Path, options: &Options) -> io::Result<Program> {
-        Program::open(path, &Options { dialect: Dialect::Linuxcnc, ..options.clone() }).map(Program::as_job)
+        Program::open(path, &Options { dialect: Dialect::Linuxcnc, ..options.clone() }).map(Program::into_job)
     }
 
     /// Takes a text that is a job.
     pub fn from_job(name: &str, text: impl Into<Vec<u8>>, options: &Options) -> Program {
         let options = Options { dialect: Dialect::Linuxcnc, ..options.clone() };
-        Program::from_text(name, text, &options).as_job()
+        Program::from_text(name, text, &options).into_job()
     }
 }
 

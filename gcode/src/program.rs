@@ -100,7 +100,7 @@ impl Program {
     }
 
     /// What was opened is a job file.
-    pub(crate) fn as_job(mut self) -> Program {
+    pub(crate) fn into_job(mut self) -> Program {
         self.options.is_job = true;
         self
     }

@@ -109,7 +109,8 @@ fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError
     let beside = |sign: f64| curve.contact(t + sign * JUMP_MM / speed).map(|axis| axis.value());
     let slopes = [-1.0, 1.0].map(|sign| Touch::at(formula, beside(sign)).slope);
     let [[a, b], [c, d]] = slopes.map(|[x, y]| [x, y].map(|slope| slope / libm::hypot(x, y)));
-    if !curve.tool().is_ball() && !(a * c + b * d > TURNS) {
+    let cosine = a * c + b * d;
+    if !curve.tool().is_ball() && (cosine.is_nan() || cosine < TURNS) {
         let message = format!(
             "the surface is level near {}: there a tool that is no ball touches it with all of its end, and its path jumps",
             here(x, y)
