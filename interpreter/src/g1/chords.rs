@@ -1,5 +1,5 @@
 //! Chords along a way: the fewest points whose straight joins lie within a tolerance of it.
-//! In: pieces of a way, one behind the other, from any zero; mm and degrees; what a degree counts, mm. Out: points on the
+//! In: pieces of a way, one behind the other, from any zero; mm and degrees; how a distance is measured. Out: points on the
 //! way, each the end of a chord as long as the tolerance lets it be, and the length of the way under it.
 //!
 //! | symbol | unit | meaning |
@@ -12,7 +12,8 @@
 use std::collections::VecDeque;
 
 use motion::Path;
-use protocol::{PerAxis, units::AXES};
+use protocol::{Axis, PerAxis, units::AXES};
+use shape::{Clock, Drives, Positioner, SeamPath};
 
 /// Most pieces under one chord. On a straight way a chord ends there.
 const MOST_PIECES: usize = 64;
@@ -25,6 +26,8 @@ const ENOUGH: f64 = 0.9;
 const TRIES: u32 = 12;
 /// Directions that differ by less are one, in every axis.
 const SMOOTH: f64 = 1e-6;
+/// No chord is shorter, mm, whatever the tolerance; but the last of a way may be.
+const LEAST_MM: f64 = 1e-4;
 /// What is left of a way is nothing below this, mm.
 const NOTHING_MM: f64 = 1e-9;
 
@@ -35,6 +38,24 @@ pub(super) struct Piece {
     pub(super) path: Path<AXES>,
     /// which is here.
     pub(super) from: PerAxis<f64>,
+    /// The parameter along it, where it is one of a trace.
+    pub(super) clock: Option<Clock>,
+}
+
+/// How the distance of a way from a chord is measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Measure<'a> {
+    /// Between places of the axes.
+    Space,
+    /// Where the chord leads the beam, from where it is on the seam.
+    Beam {
+        /// The seam,
+        seam: SeamPath<'a>,
+        /// on this positioner,
+        positioner: Positioner,
+        /// under a beam that stands here.
+        beam: [f64; 2],
+    },
 }
 
 impl Piece {
@@ -46,10 +67,9 @@ impl Piece {
 
 /// Chords of a way.
 #[derive(Clone, Debug)]
-pub(super) struct Chords {
+pub(super) struct Chords<'a> {
     tolerance_mm: f64,
-    /// mm for a mm, and for a degree, of every axis.
-    weights: PerAxis<f64>,
+    measure: Measure<'a>,
     pieces: VecDeque<Piece>,
     /// Where on the first of them the next chord begins, mm.
     start: f64,
@@ -57,9 +77,9 @@ pub(super) struct Chords {
     step: f64,
 }
 
-impl Chords {
-    pub(super) fn new(tolerance_mm: f64, weights: PerAxis<f64>) -> Chords {
-        Chords { tolerance_mm, weights, pieces: VecDeque::new(), start: 0.0, step: 1.0 }
+impl<'a> Chords<'a> {
+    pub(super) fn new(tolerance_mm: f64, measure: Measure<'a>) -> Chords<'a> {
+        Chords { tolerance_mm, measure, pieces: VecDeque::new(), start: 0.0, step: 1.0 }
     }
 
     /// Goes on along `piece`. The ends of chords that are certain now go to `point`.
@@ -112,7 +132,7 @@ impl Chords {
             }
             length = next.min(left);
         }
-        good.unwrap_or(length)
+        good.unwrap_or(length).max(LEAST_MM).min(left)
     }
 
     /// How far the way lies from a chord over `length`, mm.
@@ -129,7 +149,7 @@ impl Chords {
             }
             for k in 1..=PLACES {
                 let s = low + (high - low) * f64::from(k) / f64::from(PLACES);
-                most = most.max(apart(&piece.at(s), [&from, &to], &self.weights));
+                most = most.max(self.measure.apart(piece, s, [&from, &to]));
             }
             before += piece.path.length();
         }
@@ -166,13 +186,47 @@ impl Chords {
     }
 }
 
-/// Distance of a place from the line between two points.
-fn apart(at: &PerAxis<f64>, [from, to]: [&PerAxis<f64>; 2], weights: &PerAxis<f64>) -> f64 {
-    let along: PerAxis<f64> = std::array::from_fn(|i| (to[i] - from[i]) * weights[i]);
-    let out: PerAxis<f64> = std::array::from_fn(|i| (at[i] - from[i]) * weights[i]);
-    let dot = |a: &PerAxis<f64>, b: &PerAxis<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let square = dot(&along, &along);
-    let share = if square > 0.0 { (dot(&out, &along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let off: PerAxis<f64> = std::array::from_fn(|i| out[i] - share * along[i]);
-    libm::sqrt(dot(&off, &off))
+impl Measure<'_> {
+    /// How far a piece at `s` lies from the chord between two points, mm.
+    fn apart(&self, piece: &Piece, s: f64, [from, to]: [&PerAxis<f64>; 2]) -> f64 {
+        let at = piece.at(s);
+        let along: PerAxis<f64> = std::array::from_fn(|i| to[i] - from[i]);
+        let out: PerAxis<f64> = std::array::from_fn(|i| at[i] - from[i]);
+        let dot = |a: &PerAxis<f64>, b: &PerAxis<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let square = dot(&along, &along);
+        let share = if square > 0.0 { (dot(&out, &along) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let on = |share: f64| -> PerAxis<f64> { std::array::from_fn(|i| from[i] + share * along[i]) };
+        match (self, piece.clock) {
+            (Measure::Beam { seam, positioner, beam }, Some(clock)) => {
+                let point = seam.place(clock.parameter(s))[0].map(|p| p.value());
+                let off = |share: f64| {
+                    let [x, y, _] = positioner.forward(point, &drives(&on(share)));
+                    [x - beam[0], y - beam[1]]
+                };
+                nearest(off, share)
+            }
+            _ => {
+                let near = on(share);
+                let off: PerAxis<f64> = std::array::from_fn(|i| at[i] - near[i]);
+                libm::sqrt(dot(&off, &off))
+            }
+        }
+    }
+}
+
+/// The drives of a positioner.
+fn drives(at: &PerAxis<f64>) -> Drives {
+    let [x, y, alpha, beta] = [Axis::X, Axis::Y, Axis::A, Axis::C].map(|axis| at[axis.index()]);
+    Drives { x, y, alpha: alpha.to_radians(), beta: beta.to_radians() }
+}
+
+/// How near to 0 a way in the plane comes beside `share`: it is straight there but for what is looked for.
+fn nearest(off: impl Fn(f64) -> [f64; 2], share: f64) -> f64 {
+    const ASIDE: f64 = 1e-3;
+    let [[x, y], [further_x, further_y]] = [off(share), off(share + ASIDE)];
+    let [u, v] = [(further_x - x) / ASIDE, (further_y - y) / ASIDE];
+    let square = u * u + v * v;
+    let onwards = if square > 0.0 { -(x * u + y * v) / square } else { 0.0 };
+    let [x, y] = off(share + onwards);
+    libm::hypot(x, y)
 }

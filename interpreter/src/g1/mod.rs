@@ -6,8 +6,7 @@
 //! cut off at the ends of chords lies on the side to which their middles stand off, so both do not add up.
 //!
 //! Coordinates count from the zero of the formulas. Words that stay are not repeated, zeros at the end not written. A seam
-//! turns the part: its blocks have the time they take (G93), and a degree of an axis counts the way it moves the farthest
-//! point of the seam (M52).
+//! turns the part: its blocks have the time they take (G93), and its chord error is that of the beam on the part.
 
 mod chords;
 mod write;
@@ -18,15 +17,13 @@ use protocol::{
 };
 use shape::Formula;
 
-use chords::{Chords, Piece};
+use chords::{Chords, Measure, Piece};
 use write::Lines;
 
 /// Share of a chord error that chords take.
 const FOR_CHORDS: f64 = 0.9;
 /// The rest is for the rounding of their ends.
 const FOR_ROUNDING: f64 = 0.1;
-/// Places along a seam where its farthest point is looked for.
-const SEAM_PLACES: u32 = 256;
 
 /// How large a program is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,7 +126,7 @@ impl Program<'_> {
             Err(refused) => return Err(refused.to_string()),
         };
         let chord_mm = self.machine.path.chord_mm;
-        let mut chords = Chords::new(FOR_CHORDS * chord_mm, PerAxis::from([1.0; AXES]));
+        let mut chords = Chords::new(FOR_CHORDS * chord_mm, Measure::Space);
         self.lines.decimals(FOR_ROUNDING * chord_mm);
         self.lines.follow(&mut chords, piece(&block.path, &block.tag), block.tag.feed);
         self.lines.finish(&mut chords, block.tag.feed);
@@ -141,7 +138,15 @@ impl Program<'_> {
     fn trace(&mut self, line: u32, trace: &Trace) -> Result<(), String> {
         let mut tracer =
             Tracer::new(&self.route, line, trace, &self.at).map_err(|error| error.to_string())?;
-        let mut chords = Chords::new(FOR_CHORDS * trace.chord_mm, self.weights(trace));
+        let formulas = self.formulas;
+        let measure = match (&trace.work, &self.machine.positioner) {
+            (Work::Seam(seam), Some(config)) => {
+                let (positioner, beam) = (config.geometry(), config.beam_mm);
+                Measure::Beam { seam: seam.on(&formulas, positioner, beam), positioner, beam }
+            }
+            _ => Measure::Space,
+        };
+        let mut chords = Chords::new(FOR_CHORDS * trace.chord_mm, measure);
         self.lines.decimals(FOR_ROUNDING * trace.chord_mm);
         self.lines.mode(PathMode::Blend { tolerance_mm: FOR_CHORDS * trace.chord_mm, merge_mm: 0.0 });
         self.lines.timed(matches!(trace.work, Work::Seam(_)));
@@ -164,32 +169,9 @@ impl Program<'_> {
         self.lines.mode(self.mode);
         Ok(())
     }
-
-    /// What a mm and a degree of each axis count in the chord error of a trace, mm.
-    fn weights(&self, trace: &Trace) -> PerAxis<f64> {
-        let mut weights = [1.0; AXES];
-        let (Work::Seam(seam), Some(config)) = (&trace.work, &self.machine.positioner) else {
-            return weights;
-        };
-        let geometry = config.geometry();
-        let path = seam.on(&self.formulas, geometry, config.beam_mm);
-        let [from, to] = seam.t;
-        let (mut across, mut along) = (0.0_f64, 0.0_f64);
-        for k in 0..=SEAM_PLACES {
-            let [point, _] = path.place(from + (to - from) * f64::from(k) / f64::from(SEAM_PLACES));
-            let [x, y, z] = point.map(|p| p.value());
-            across = across.max(libm::hypot(x, y));
-            along = along.max(z.abs());
-        }
-        let turned = across.to_radians();
-        let tilted = (libm::hypot(geometry.z2.abs() + along, geometry.y2) + across).to_radians();
-        // All axes may err at once and in one direction: the sum of four is at most twice the root of their squares.
-        weights = [2.0; AXES];
-        (weights[Axis::A.index()], weights[Axis::C.index()]) = (2.0 * tilted, 2.0 * turned);
-        weights
-    }
 }
 
 fn piece(path: &motion::Path<AXES>, leg: &Leg) -> Piece {
-    Piece { path: *path, from: leg.from.map(Position::mm) }
+    let cut = leg.trace.and_then(|stretch| stretch.cut);
+    Piece { path: *path, from: leg.from.map(Position::mm), clock: cut.map(|cut| cut.clock) }
 }

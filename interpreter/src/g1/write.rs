@@ -131,7 +131,9 @@ impl<'a> Lines<'a> {
         let mut text = String::new();
         for axis in &self.axes {
             let i = axis.index();
-            let word = number(at[i] - self.zero[i], self.decimals);
+            // A degree moves what is within half a metre by less than 10 mm.
+            let decimals = self.decimals + usize::from(axis.is_rotary());
+            let word = number(at[i] - self.zero[i], decimals);
             if self.words[i] != word {
                 text.push_str(&format!(" {axis}{word}"));
                 self.words[i] = word;
