@@ -156,7 +156,6 @@ impl Translator {
         }
         match self.feed_mode {
             FeedMode::PerRevolution if !self.spindle.turns() => {
-                self.needs_spindle("G95", Blame::Block)?;
                 let message = "feed per revolution (G95) with a spindle that does not turn";
                 let help = "start it before, as in S600 M3, or use G94";
                 Err(Problem::error("spindle-not-turning", Blame::Block, message, help))

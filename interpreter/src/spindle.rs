@@ -88,7 +88,7 @@ impl Translator {
     }
 
     /// Refuses a word that needs a spindle where there is none.
-    pub(crate) fn needs_spindle(&self, word: &str, blame: Blame) -> Done {
+    fn needs_spindle(&self, word: &str, blame: Blame) -> Done {
         if !self.machine.spindle.is_none() {
             return Ok(());
         }

@@ -4,7 +4,7 @@
 
 use protocol::machine::{AxisConfig, POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Machine};
-use shape::{Branch, Curve, Formula, Seam, SeamCurve, SeamPath, SpanError, Walker};
+use shape::{Branch, Formula, Seam, SeamCurve, SeamPath, SpanError, Walker};
 
 use super::super::{Fault, Job};
 
@@ -246,7 +246,7 @@ fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: 
             format!("there is no seam at {at}"),
             "of two surfaces: the first one does not reach the second there, so give the thinner one first",
         ),
-        _ if !(length > 1e-12) => {
+        _ if length.is_nan() || length <= 1e-12 => {
             (format!("the direction has no length at {at}"), "give a direction everywhere")
         }
         _ if flat < 1e-6 * length => {
@@ -268,7 +268,7 @@ fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: 
         }
         SpanError::Unresolved { .. } => (
             format!("the seam bends too sharply at {at}"),
-            "make it smooth there; of two surfaces: they only touch there, so give the thinner one first",
+            "make it smooth, its direction nowhere 0; of two surfaces: they only touch there, so give the thinner one first",
         ),
     };
     let key = match seam.curve {
