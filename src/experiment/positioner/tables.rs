@@ -63,8 +63,8 @@ fn drives() -> Table {
         title: "Drives for a wanted accuracy (M90)".into(),
         caption: format!(
             "Largest error that slides and angles may have so that the beam is off by no more than that along any axis, \
-             on a part of that size: the slides use {} % of it. Angles in seconds of arc. To place a point within half an \
-             increment, a drive has increments of twice that.",
+             on a part of that size: the slides use {} % of it. Angles in seconds of arc. A drive that goes to the \
+             nearest increment needs increments of twice that or less.",
             100.0 * LINEAR_SHARE
         ),
         head: std::iter::once(["part".into(), "mm".into()]).chain(heads).collect(),
