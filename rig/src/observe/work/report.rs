@@ -22,6 +22,7 @@ pub enum WorkKind {
 /// How far a tool is from touching its surface or contour, positive where it stands off; or a beam from its seam,
 /// positive to the left (M96, M97).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DeviationReport {
     /// Lowest.
     pub low_um: f64,
@@ -47,6 +48,7 @@ impl DeviationReport {
 /// Feed along the path of the tool, or of the beam on the part. Per cent of what is asked for: the programmed feed times
 /// the feed override.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct FeedReport {
     /// F.
     pub programmed_mm_min: f64,
@@ -70,6 +72,7 @@ pub struct FeedReport {
 
 /// Largest commanded speed, acceleration, jerk and jerk rate of an axis, per cent of its limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 #[allow(missing_docs)] // the derivative, as the name says
 pub struct AxisUsed {
     pub velocity_pct: f64,
@@ -80,6 +83,7 @@ pub struct AxisUsed {
 
 /// A contour, a surface or a seam that was cut.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TraceReport {
     /// Running number in the program, from 1.
     pub trace: u32,
