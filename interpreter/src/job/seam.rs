@@ -158,7 +158,8 @@ fn moved(key: &str, formula: &Formula, mm: f64) -> Result<Formula, Fault> {
 }
 
 fn surfaces_of(keys: &Keys, origin: [f64; 3]) -> Result<Course, Fault> {
-    let help = "give both surfaces, as in first = { kind = \"cylinder\", at_mm = [0, 0, 50], axis = [0, 0, 1], diameter_mm = 40 }";
+    let help = "give both surfaces, as in \
+                first = { kind = \"cylinder\", at_mm = [0, 0, 50], axis = [0, 0, 1], diameter_mm = 40 }";
     let first = keys.first.as_ref().ok_or_else(|| missing("first", help))?;
     let second = keys.second.as_ref().ok_or_else(|| missing("second", help))?;
     let share = within("share", keys.share.unwrap_or(0.5), [0.0, 1.0], "")?;

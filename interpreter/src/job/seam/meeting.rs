@@ -82,7 +82,8 @@ impl SurfaceKeys {
     /// As the first surface.
     fn ruled(&self, zero: Option<Vector>) -> Result<Ruled, Fault> {
         if !matches!(self.kind, SurfaceKind::Cylinder | SurfaceKind::Cone) {
-            let help = "give the cylinder or cone first; where a plane and a sphere or two spheres meet is a circle: give x, y, z";
+            let help = "give the cylinder or cone first; \
+                where a plane and a sphere or two spheres meet is a circle: give x, y, z";
             return Err(Fault::new("first.kind", "the first surface is a cylinder or a cone", help));
         }
         let axis = self.axis("first")?;
