@@ -36,7 +36,7 @@ pub(crate) enum Kind {
 /// Keys that every kind of job has.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Common {
+pub(crate) struct Header {
     /// What it is.
     pub(crate) kind: Kind,
     /// Feed along the path of the tool, or of the beam on the part, mm/min.

@@ -7,7 +7,7 @@ use gcode::{Place, canon::FeedMode};
 use protocol::{Code, Position, SpindleMode};
 
 use super::text::{self, Text};
-use super::{Common, Coolant, Fault, Job, JobNote, Kind, Move, Planned, contour, seam, surface, within};
+use super::{Coolant, Fault, Header, Job, JobNote, Kind, Move, Planned, contour, seam, surface, within};
 use crate::translate::{Done, Translator};
 
 /// Highest feed, mm/min.
@@ -27,22 +27,22 @@ impl Translator {
 
     fn planned(&mut self, place: Place, source: &Source) -> Result<Planned, Fault> {
         let text = Text::read(&source.text)?;
-        let common = text.common.clone();
-        self.prepare(place, source, &common)?;
+        let header = text.header.clone();
+        self.prepare(place, source, &header)?;
         let job = Job {
             machine: &self.machine,
-            origin_mm: self.origin(source, &common)?,
-            feed_mm_min: self.feed_of_job(source, &common)?,
+            origin_mm: self.origin(source, &header)?,
+            feed_mm_min: self.feed_of_job(source, &header)?,
             chord_mm: within(
                 "chord_mm",
-                common.chord_mm.unwrap_or(self.machine.path.chord_mm),
+                header.chord_mm.unwrap_or(self.machine.path.chord_mm),
                 CHORD_MM,
                 "mm",
             )?,
-            correction: common.correction,
+            correction: header.correction,
             rest: self.positions(&self.rest),
         };
-        let planned = match common.kind {
+        let planned = match header.kind {
             Kind::Contour => contour::plan(text.keys()?, &job),
             Kind::Surface => surface::plan(text.keys()?, &job),
             Kind::Seam => seam::plan(text.keys()?, &job),
@@ -50,12 +50,12 @@ impl Translator {
         for warning in &planned.warnings {
             self.blame(place, source, warning.clone(), Severity::Warning);
         }
-        if common.kind != Kind::Seam && !self.spindle.turns() {
+        if header.kind != Kind::Seam && !self.spindle.turns() {
             let help = if source.is_file { "give spindle_rpm" } else { "start it before, as in S8000 M3" };
             let fault = Fault::new("", "the spindle does not turn while the tool cuts", help);
             self.blame(place, source, fault, Severity::Warning);
         }
-        let mut facts = vec![("name", common.name.unwrap_or_default())];
+        let mut facts = vec![("name", header.name.unwrap_or_default())];
         facts.retain(|(_, name)| !name.is_empty());
         facts.extend(planned.facts.iter().cloned());
         self.jobs.push(JobNote { line: source.line, facts });
@@ -63,31 +63,31 @@ impl Translator {
     }
 
     /// What only a job file says: tool, spindle, coolant.
-    fn prepare(&mut self, place: Place, source: &Source, common: &Common) -> Result<(), Fault> {
+    fn prepare(&mut self, place: Place, source: &Source, header: &Header) -> Result<(), Fault> {
         if !source.is_file {
-            return refuse_in_program(common);
+            return refuse_in_program(header);
         }
-        if let Some(number) = common.tool_number {
+        if let Some(number) = header.tool_number {
             let number = i32::try_from(number).unwrap_or(i32::MAX);
             let refused = |problem: Box<Problem>| Fault::new("tool_number", problem.message, problem.help);
             self.select_tool(place, number).map_err(refused)?;
         }
-        if let Some(rpm) = common.spindle_rpm {
+        if let Some(rpm) = header.spindle_rpm {
             let highest = self.machine.spindle.max_rpm;
             within("spindle_rpm", rpm, [-highest, highest], "1/min (spindle.max_rpm)")?;
             let turn = if rpm < 0.0 { SpindleMode::Counterclockwise } else { SpindleMode::Clockwise };
             self.spindle.turn(turn, rpm.abs());
         }
-        let coolant = common.coolant.unwrap_or(Coolant::Off);
+        let coolant = header.coolant.unwrap_or(Coolant::Off);
         self.coolant(place.line, coolant == Coolant::Mist, coolant == Coolant::Flood);
         Ok(())
     }
 
     /// Machine position of the zero of the formulas, mm.
-    fn origin(&self, source: &Source, common: &Common) -> Result<[f64; 3], Fault> {
+    fn origin(&self, source: &Source, header: &Header) -> Result<[f64; 3], Fault> {
         if source.is_file {
-            return match common.origin_mm {
-                None if common.kind == Kind::Seam => Ok([0.0; 3]),
+            return match header.origin_mm {
+                None if header.kind == Kind::Seam => Ok([0.0; 3]),
                 None => Err(Fault::new(
                     "",
                     "origin_mm is missing",
@@ -97,7 +97,7 @@ impl Translator {
                 Some(_) => Err(Fault::new("origin_mm", "that is no position of a machine", "give it in mm")),
             };
         }
-        if common.kind == Kind::Seam {
+        if header.kind == Kind::Seam {
             return Ok([0.0; 3]); // offsets of a positioner are those of its axes, not of the part
         }
         if self.frame.rotation_deg != 0.0 {
@@ -108,8 +108,8 @@ impl Translator {
         Ok([x, y, z])
     }
 
-    fn feed_of_job(&self, source: &Source, common: &Common) -> Result<f64, Fault> {
-        match common.feed_mm_min {
+    fn feed_of_job(&self, source: &Source, header: &Header) -> Result<f64, Fault> {
+        match header.feed_mm_min {
             Some(feed) => within("feed_mm_min", feed, [0.001, HIGHEST_FEED], "mm/min"),
             None if !source.is_file && self.feed_mode == FeedMode::PerMinute && self.feed > 0.0 => {
                 Ok(self.feed)
@@ -155,13 +155,13 @@ impl Translator {
 }
 
 /// Keys that G-code around a job says otherwise.
-fn refuse_in_program(common: &Common) -> Result<(), Fault> {
+fn refuse_in_program(header: &Header) -> Result<(), Fault> {
     let given = [
-        ("name", common.name.is_some(), "write a comment"),
-        ("origin_mm", common.origin_mm.is_some(), "the zero is that of the coordinates in force: G54, G92"),
-        ("spindle_rpm", common.spindle_rpm.is_some(), "write S and M3 before"),
-        ("tool_number", common.tool_number.is_some(), "write T and M6 before"),
-        ("coolant", common.coolant.is_some(), "write M7 or M8 before"),
+        ("name", header.name.is_some(), "write a comment"),
+        ("origin_mm", header.origin_mm.is_some(), "the zero is that of the coordinates in force: G54, G92"),
+        ("spindle_rpm", header.spindle_rpm.is_some(), "write S and M3 before"),
+        ("tool_number", header.tool_number.is_some(), "write T and M6 before"),
+        ("coolant", header.coolant.is_some(), "write M7 or M8 before"),
     ];
     match given.into_iter().find(|(_, given, _)| *given) {
         Some((key, _, help)) => Err(Fault::new(key, format!("{key} belongs to a job file"), help)),

@@ -7,10 +7,10 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
-use super::{Common, Fault};
+use super::{Fault, Header};
 
-/// Keys of [`Common`].
-const COMMON: [&str; 9] = [
+/// Keys of [`Header`].
+const HEADER: [&str; 9] = [
     "kind",
     "feed_mm_min",
     "chord_mm",
@@ -25,7 +25,7 @@ const COMMON: [&str; 9] = [
 /// A job that was read.
 pub(crate) struct Text<'a> {
     /// What every kind has.
-    pub(crate) common: Common,
+    pub(crate) header: Header,
     keys: Spanned<DeTable<'a>>,
 }
 
@@ -37,11 +37,11 @@ impl<'a> Text<'a> {
     pub(crate) fn read(text: &'a str) -> Result<Text<'a>, Fault> {
         let table = table(text).map_err(syntax)?;
         let (span, all) = (table.span(), table.into_inner());
-        let is_common = |key: &str| COMMON.contains(&key);
-        let (common, keys): (DeTable, DeTable) =
-            all.into_iter().partition(|(key, _)| is_common(key.get_ref()));
-        let common = Common::deserialize_from(Spanned::new(span.clone(), common))?;
-        Ok(Text { common, keys: Spanned::new(span, keys) })
+        let of_header = |key: &str| HEADER.contains(&key);
+        let (header, keys): (DeTable, DeTable) =
+            all.into_iter().partition(|(key, _)| of_header(key.get_ref()));
+        let header = Header::deserialize_from(Spanned::new(span.clone(), header))?;
+        Ok(Text { header, keys: Spanned::new(span, keys) })
     }
 
     /// The keys of its kind.
@@ -53,8 +53,8 @@ impl<'a> Text<'a> {
     }
 }
 
-impl Common {
-    fn deserialize_from(keys: Spanned<DeTable>) -> Result<Common, Fault> {
+impl Header {
+    fn deserialize_from(keys: Spanned<DeTable>) -> Result<Header, Fault> {
         serde::Deserialize::deserialize(Deserializer::from(keys)).map_err(syntax)
     }
 }
@@ -100,7 +100,7 @@ fn table(text: &str) -> Result<Spanned<DeTable<'_>>, Error> {
 fn syntax(error: Error) -> Fault {
     let message = error.message();
     let help = if message.starts_with("unknown field") {
-        format!("every job has {}; docs/surfaces.md lists the others", COMMON.join(", "))
+        format!("every job has {}; docs/surfaces.md lists the others", HEADER.join(", "))
     } else if message.starts_with("missing field") {
         "add it; docs/surfaces.md shows a whole job".to_owned()
     } else {
