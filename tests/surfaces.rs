@@ -89,7 +89,7 @@ fn is_steady(trace: &TraceReport, what: &str) {
 
 /// Height of the wave, as one writes it down.
 fn wave(x: f64, y: f64) -> f64 {
-    0.02 * x * x + 8.0 * (x / 15.0).sin() * (y / 20.0).cos()
+    0.02 * x * x + 8.0 * libm::sin(x / 15.0) * libm::cos(y / 20.0)
 }
 
 /// Distance of a point from the wave: the best of a grid over everything within reach, and from there ever smaller steps.
