@@ -43,6 +43,6 @@ pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve, SeamPath};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};
-pub use span::{Clock, Span, SpanError, Walker};
+pub use span::{Clock, Span, SpanError, Walked, Walker};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;

@@ -47,8 +47,9 @@ const MOST_MM: f64 = 50.0;
 const LEAST_MM: f64 = 1e-3;
 /// Of the step that would just be near enough, this share is taken.
 const SAFETY: f64 = 0.9;
-/// Most tries of one piece: enough to come from the longest to the shortest.
-const TRIES: u32 = 24;
+/// After a piece that was not near enough the next try is at most this share of it: 22 tries lead from the longest to the
+/// shortest.
+const SHORTER: f64 = 0.6;
 
 /// A piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +88,18 @@ impl<const N: usize> Span<N> {
     pub fn parameter(&self, s: f64) -> f64 {
         self.clock.parameter(s)
     }
+}
+
+/// What one try brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // there is one of it at a time, and it must not allocate
+pub enum Walked<const N: usize> {
+    /// The next piece.
+    Piece(Span<N>),
+    /// Nothing yet: the piece was not near enough to the curve. The next try is a shorter one.
+    Shorter,
+    /// The walker has come to the end.
+    Over,
 }
 
 /// Why a curve cannot be followed, and at which parameter.
@@ -191,51 +204,59 @@ impl<const N: usize> Walker<N> {
         self.t
     }
 
-    /// The next piece; `None` at the end. At most 97 evaluations of the curve, 4 as a rule.
+    /// The next piece; `None` at the end. For callers without a deadline: as many calls of [`Walker::attempt`] as it takes.
     ///
     /// # Errors
     /// [`SpanError`]; the walker stands where the piece would have begun.
     pub fn next<C: Curve<N>>(&mut self, curve: &C) -> Result<Option<Span<N>>, SpanError> {
+        loop {
+            match self.attempt(curve)? {
+                Walked::Piece(span) => return Ok(Some(span)),
+                Walked::Shorter => {}
+                Walked::Over => return Ok(None),
+            }
+        }
+    }
+
+    /// Tries one piece: 4 evaluations of the curve, one more at the start. After at most 22 calls there is a piece or an
+    /// error.
+    ///
+    /// # Errors
+    /// [`SpanError`]; the walker stands where the piece would have begun.
+    pub fn attempt<C: Curve<N>>(&mut self, curve: &C) -> Result<Walked<N>, SpanError> {
         let left = self.end - self.t;
         if left == 0.0 {
-            return Ok(None);
+            return Ok(Walked::Over);
         }
         if !left.is_finite() {
             return Err(SpanError::NotFinite { t: if self.t.is_finite() { self.end } else { self.t } });
         }
-        let sense = left.signum();
         let start = match self.here {
             Some(knot) => knot,
-            None => Knot::of(curve, self.t, sense, &self.near)?,
+            None => Knot::of(curve, self.t, left.signum(), &self.near)?,
         };
-        let mut step = self.step.unwrap_or_else(|| start.guess()).min(MOST_MM);
-        let mut fault = SpanError::Unresolved { t: self.t };
-        for _ in 0..TRIES {
-            // What is left is gone in one step or in two alike, not in one and a stub.
-            let most = step / start.speed();
-            let whole = left.abs() <= most * (1.0 + ROUNDED);
-            let h = if whole { left } else { sense * most.min(0.5 * left.abs()) };
-            let made = Step::of(curve, &start, if whole { self.end } else { self.t + h });
-            match made {
-                Ok(Step { span, end, excess }) if excess <= 1.0 => {
-                    let next = span.path.length() * (SAFETY * eighth_root(1.0 / excess)).clamp(0.3, 3.0);
-                    (self.t, self.step, self.here) = (span.t[1], Some(next), Some(end));
-                    return Ok(Some(span));
-                }
-                Ok(Step { excess, .. }) => {
-                    fault = SpanError::Unresolved { t: self.t };
-                    step = h.abs() * start.speed() * (SAFETY * eighth_root(1.0 / excess)).clamp(0.1, 0.6);
-                }
-                Err(why) => {
-                    fault = why;
-                    step = 0.25 * h.abs() * start.speed();
-                }
+        // What is left is gone in one step or in two alike, not in one and a stub.
+        let most = self.step.unwrap_or_else(|| start.guess()).min(MOST_MM) / start.speed();
+        let whole = left.abs() <= most * (1.0 + ROUNDED);
+        let h = if whole { left } else { left.signum() * most.min(0.5 * left.abs()) };
+        let tried = h.abs() * start.speed();
+        let (step, fault) = match Step::of(curve, &start, if whole { self.end } else { self.t + h }) {
+            Ok(Step { span, end, excess }) if excess <= 1.0 => {
+                let next = span.path.length() * (SAFETY * eighth_root(1.0 / excess)).clamp(0.3, 3.0);
+                (self.t, self.step, self.here) = (span.t[1], Some(next), Some(end));
+                return Ok(Walked::Piece(span));
             }
-            if step < LEAST_MM {
-                break;
+            Ok(Step { excess, .. }) => {
+                let share = (SAFETY * eighth_root(1.0 / excess)).clamp(0.1, SHORTER);
+                (share * tried, SpanError::Unresolved { t: self.t })
             }
+            Err(why) => (0.25 * tried, why),
+        };
+        if step < LEAST_MM {
+            return Err(fault);
         }
-        Err(fault)
+        (self.step, self.here) = (Some(step), Some(start));
+        Ok(Walked::Shorter)
     }
 }
 
