@@ -183,9 +183,13 @@ impl CodePacket {
                 Code::Formula { slot, formula: formula.map_err(|_| Refused::OutOfRange("formula"))? }
             }
             TRACE => {
-                let trace =
-                    bincode::serde::decode_from_slice(self.trace.as_flattened(), bincode::config::standard());
-                Code::Trace(trace.map_err(|_| Refused::OutOfRange("trace"))?.0)
+                let bytes = self.trace.as_flattened();
+                let trace = bincode::serde::decode_from_slice(bytes, bincode::config::standard());
+                let (trace, used) = trace.map_err(|_| Refused::OutOfRange("trace"))?;
+                if bytes.iter().skip(used).any(|byte| *byte != 0) {
+                    return Err(Refused::OutOfRange("trace"));
+                }
+                Code::Trace(trace)
             }
             END => Code::End,
             other => return Err(Refused::UnknownCode("machine code", other)),

@@ -44,6 +44,10 @@ impl Trace {
     pub const STEPS: u64 = 1000;
     /// Longest way of a formula, mm or units of its parameter, either side of 0.
     const FAR: f64 = 1e6;
+    /// Smallest and largest chord error, mm: as in jobs and machine files.
+    pub const CHORD_MM: [f64; 2] = [1e-6, 1.0];
+    /// Unit vectors are of length 1, and perpendicular to each other, so nearly.
+    const UNIT: f64 = 1e-9;
     /// Most paths over a surface.
     const MOST_PATHS: u32 = 1_000_000;
 
@@ -53,7 +57,10 @@ impl Trace {
     /// Names the field.
     pub fn check(&self) -> Result<(), Refused> {
         positive(self.feed_mm_min, "feed")?;
-        positive(self.chord_mm, "chord error")?;
+        let [least, most] = Trace::CHORD_MM;
+        if !(least..=most).contains(&finite(self.chord_mm, "chord error")?) {
+            return Err(Refused::OutOfRange("chord error"));
+        }
         match &self.work {
             Work::Contour(contour, [master, follower]) => {
                 range(&contour.x, "domain of a contour")?;
@@ -67,23 +74,34 @@ impl Trace {
             }
             Work::Seam(seam) => {
                 range(&seam.t, "domain of a seam")?;
-                let all_finite =
-                    |numbers: &[f64]| numbers.iter().try_for_each(|one| finite(*one, "seam").map(|_| ()));
                 finite(seam.idle_beta_deg, "seam")?;
                 match &seam.curve {
-                    SeamCurve::Formulas => {}
-                    SeamCurve::Polynomials(coefficients) => all_finite(coefficients.as_flattened())?,
-                    SeamCurve::Meeting(Meeting { first, second, share, .. }) => {
-                        for vector in [first.at, first.axis, first.zero, second.at, second.axis] {
-                            all_finite(&vector)?;
-                        }
-                        all_finite(&second.c)?;
-                        all_finite(&[first.radius_mm, first.slope, *share])?;
-                    }
+                    SeamCurve::Formulas => Ok(()),
+                    SeamCurve::Polynomials(coefficients) => all_finite(coefficients.as_flattened()),
+                    SeamCurve::Meeting(meeting) => check_meeting(meeting),
                 }
-                Ok(())
             }
         }
+    }
+}
+
+fn all_finite(numbers: &[f64]) -> Result<(), Refused> {
+    numbers.iter().try_for_each(|one| finite(*one, "seam").map(|_| ()))
+}
+
+fn check_meeting(Meeting { first, second, share, .. }: &Meeting) -> Result<(), Refused> {
+    for vector in [first.at, first.axis, first.zero, second.at, second.axis] {
+        all_finite(&vector)?;
+    }
+    all_finite(&second.c)?;
+    all_finite(&[first.radius_mm, first.slope, *share])?;
+    let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let units = [&first.axis, &first.zero, &second.axis];
+    let lengths = units.iter().all(|unit| (product(unit, unit) - 1.0).abs() <= 2.0 * Trace::UNIT);
+    if lengths && product(&first.axis, &first.zero).abs() <= Trace::UNIT {
+        Ok(())
+    } else {
+        Err(Refused::OutOfRange("axes of a seam"))
     }
 }
 

@@ -119,13 +119,30 @@ fn traces_that_no_interpreter_sends_are_refused() {
     let mut broken = meeting();
     broken.second.c[3] = f64::NAN;
     assert_eq!(refused(Work::Seam(seam(SeamCurve::Meeting(broken)))), Refused::NotFinite("seam"));
+    let askew: [fn(&mut Meeting); 3] = [
+        |meeting| meeting.first.axis[2] = 1.0 + 1e-8,
+        |meeting| meeting.second.axis[1] = -0.9,
+        |meeting| meeting.first.zero = [0.6, 0.0, 0.8],
+    ];
+    for change in askew {
+        let mut broken = meeting();
+        change(&mut broken);
+        let refused = refused(Work::Seam(seam(SeamCurve::Meeting(broken))));
+        assert_eq!(refused, Refused::OutOfRange("axes of a seam"));
+    }
 
     let good = traces()[0];
     assert_eq!(unpack(Trace { feed_mm_min: 0.0, ..good }), Err(Refused::OutOfRange("feed")));
     assert_eq!(unpack(Trace { chord_mm: f64::NAN, ..good }), Err(Refused::NotFinite("chord error")));
-    let mut packet = CodePacket::pack(0, &Item { line: 1, code: Code::Trace(good) });
-    packet.trace[0][0] = 9;
-    assert_eq!(packet.unpack(0), Err(Refused::OutOfRange("trace")), "no such work");
+    for chord_mm in [0.0, 9e-7, 1.1] {
+        assert_eq!(unpack(Trace { chord_mm, ..good }), Err(Refused::OutOfRange("chord error")));
+    }
+    let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Trace(good) });
+    let (mut other, mut longer) = (packet, packet);
+    other.trace[0][0] = 9;
+    assert_eq!(other.unpack(0), Err(Refused::OutOfRange("trace")), "no such work");
+    longer.trace[15][31] = 1;
+    assert_eq!(longer.unpack(0), Err(Refused::OutOfRange("trace")), "behind its end");
 }
 
 /// A layout that cannot be compared field by field: whoever changes it has to change the version in the name of the packet.
