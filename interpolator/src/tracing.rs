@@ -17,9 +17,11 @@ use shape::{Correction, Plan};
 
 use crate::Interpolator;
 
-/// Most pieces that one tick draws. A piece is about as long as a third of the radius of its curve (M84), and the axes need
-/// more than a tick for so small a part of a bend that they can follow: so the pieces keep ahead of them.
-const PIECES_PER_TICK: usize = 4;
+/// Most tries of pieces in one tick, each of at most five evaluations of the curve: that bounds the work of the tick. As a
+/// rule a try is a piece. It is about as long as a third of the radius of its curve (M84), and the axes need more than a
+/// tick for so small a part of a bend that they can follow: so the pieces keep ahead of them. Where they do not, the axes
+/// stop on the path and set off again.
+const TRIES_PER_TICK: usize = 6;
 
 /// The trace in hand, or none.
 #[derive(Clone, Debug, Default)]
@@ -113,7 +115,7 @@ impl Interpolator {
 
     /// Takes pieces of the trace in hand for as long as they belong to the chain.
     pub(crate) fn take_pieces(&mut self) {
-        for _ in 0..PIECES_PER_TICK {
+        for _ in 0..TRIES_PER_TICK {
             if !self.travel.has_room() {
                 return;
             }

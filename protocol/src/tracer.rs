@@ -7,12 +7,12 @@
 //! | `Cut` | along a leg | pieces of its curve |
 //! | `Lift`, `Cross`, `Plunge` | off the surface, to the start of the next leg | straight: rapid, rapid, at feed |
 //!
-//! Every piece begins and ends where its curve is in coordinates of the machine, so nothing adds up. A call makes one piece
-//! at most and allocates nothing. The formulas are those of the [`Route`], which do not change while axes move.
+//! Every piece begins and ends where its curve is in coordinates of the machine, so nothing adds up. A call tries one piece
+//! and allocates nothing. The formulas are those of the [`Route`], which do not change while axes move.
 
 use motion::Path;
 use motion::chain::{Block, Corner};
-use shape::{Curve, Plan, Span, SpanError, Walker};
+use shape::{Curve, Plan, Span, SpanError, Walked, Walker};
 
 use crate::{Axis, Cut, Feed, Leg, PerAxis, Position, Route, Spot, Stretch, Trace, Work, units::AXES};
 
@@ -55,7 +55,7 @@ pub enum Untraceable {
 pub enum Traced {
     /// A block to plan.
     Block(Block<AXES, Leg>),
-    /// A stage that leads nowhere.
+    /// Nothing yet: a stage that leads nowhere, or a piece that has to be shorter.
     Nowhere,
     /// The trace is over.
     Over,
@@ -133,7 +133,7 @@ impl Tracer {
         &self.trace
     }
 
-    /// The next block. After an error it is the same again.
+    /// The next block, if one try brings it: at most five evaluations of the curve. After an error it is the same again.
     ///
     /// # Errors
     /// [`Untraceable`].
@@ -180,17 +180,22 @@ impl Tracer {
         self.block(route, path, to, (feed, Corner::Stop), stretch, spot)
     }
 
-    /// The next piece of the leg in hand; none behind its last.
+    /// One try of the next piece of the leg in hand; none behind its last.
     fn piece(&mut self, route: &Route, plan: Plan, mut walker: Walker<AXES>) -> Result<Traced, Untraceable> {
         let trace = self.trace;
         let no_path = |error: SpanError| Untraceable::NoPath(error, trace.spot(&plan, error.t()));
-        let span = walker.next(&trace.track(plan, &route.formulas, &route.machine)?).map_err(no_path)?;
-        let Some(Span { path, t: [t, next], to, clock, .. }) = span else {
-            self.leg += 1;
-            self.stage = self.stage_of_leg();
-            return Ok(Traced::Nowhere);
-        };
+        let track = trace.track(plan, &route.formulas, &route.machine)?;
+        let walked = walker.attempt(&track).map_err(no_path)?;
         self.stage = Stage::Cut(plan, walker);
+        let Span { path, t: [t, next], to, clock, .. } = match walked {
+            Walked::Piece(span) => span,
+            Walked::Shorter => return Ok(Traced::Nowhere),
+            Walked::Over => {
+                self.leg += 1;
+                self.stage = self.stage_of_leg();
+                return Ok(Traced::Nowhere);
+            }
+        };
         let [begin, end] = plan.t();
         let corner = if next == end { self.joint(route) } else { Corner::Exact(route.machine.path.exact_mm) };
         let stretch = Stretch {
