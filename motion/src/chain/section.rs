@@ -222,7 +222,8 @@ fn joined(last: &Section, zone: &Section, ratios: &Ratios) -> Section {
 /// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
 ///
 /// They are if ramps between both feeds take as long a way as both. A faster stretch behind a longer section waits for
-/// what follows: more of its kind makes it long enough, or a slower one takes it in.
+/// what follows: more of its kind makes it long enough, or a slower one takes it in. A section that hides a faster stretch
+/// is itself a slow one: it takes nothing in that is as fast as this and long.
 fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool {
     // Feeds per revolution cannot be told from each other's limits while nothing turns.
     let blind = matches!(last.feed, Feed::PerRevolution(..)) && ratios.turns <= 0.0;
@@ -248,5 +249,6 @@ fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool
     // They would lie in the faster one, within its own limits.
     let faster = if a >= b { last } else { zone };
     let ramps = 2.0 * junction_distance(low, high.min(WORTH * low), &faster.limits);
-    last.length + zone.length <= ramps || a >= b && last.length <= ramps
+    let slow = zone.nominal(ratios) <= low * (1.0 + ALIKE);
+    last.length + zone.length <= ramps || slow && a >= b && last.length <= ramps
 }

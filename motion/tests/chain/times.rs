@@ -183,3 +183,29 @@ fn a_stub_does_not_slow_its_neighbours() {
         assert!(time < 1.25 * free, "{time} s with a stub of {stub} mm, {free} s without");
     }
 }
+
+/// A long line behind a short one, or before it: the short one has the feed of the corner, the long one its own. Both
+/// together take hardly longer than with a stop between them: over its reach, up to a millimetre here, the blend takes a
+/// share of the acceleration.
+#[test]
+fn a_long_line_does_not_run_at_the_feed_of_a_corner() {
+    for corner in [Corner::Blend(0.01), Corner::Blend(0.1)] {
+        for k in 0..=100 {
+            let first = 0.01 * libm::pow(100.0, f64::from(k) / 100.0);
+            for (along, to) in
+                [([0.0, first, 0.0], [0.0, first, 160.0]), ([first, 0.0, 0.0], [160.0, 160.0, 0.0])]
+            {
+                let points = [[0.0; N], along, to];
+                let mut back = points;
+                back.reverse();
+                for (points, feed) in [(points, 20.0), (points, 1e3), (back, 20.0), (back, 1e3)] {
+                    let (blended, stopping) = times(&points, feed, corner);
+                    assert!(
+                        blended <= 1.1 * stopping,
+                        "{blended} s, not {stopping}, at {feed} of {points:?}"
+                    );
+                }
+            }
+        }
+    }
+}
