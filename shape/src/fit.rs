@@ -19,6 +19,10 @@
 //! k = D_bb − D_tb²/D_tt,  h = k δ²/8, with the height of a circle h = 1/k − (1/k² − δ²/4)^½
 //! δ = p ((1 + ψ_x² + ψ_y²)/(1 + ψ_t²))^½                                                             (M89)
 //! ```
+//! Where rings turn, the place that is farthest from all paths lies on the way from corner to corner, which is ℓ long for
+//! p = 1: d from the sides of one ring and as far from the corner of the next, d = δ ℓ/(δ + ℓ). There 2 d takes the place
+//! of δ; on a level place it is 2 (2 − √2) p = 1.17 p.
+//!
 //! k is the curvature, across the path and seen from the surface, of what the tool leaves behind: the surface it sweeps
 //! touches the tool all along its line of contact, the direction conjugate to t under D, and the surface along the path.
 //!
@@ -95,6 +99,15 @@ impl Touch {
         let [x, y] = self.slope;
         let climb = (x * along[0] + y * along[1]) / libm::hypot(along[0], along[1]);
         ((1.0 + self.level()) / (1.0 + climb * climb)).sqrt()
+    }
+
+    /// The same where rings turn: twice the distance from the paths to the place that is farthest from them.
+    #[must_use]
+    pub fn spread_in_corners(&self, along: [f64; 2]) -> f64 {
+        let ([x, y], side) = (self.slope, self.spread(along));
+        let climb = x.abs() + y.abs();
+        let corner = (2.0 + climb * climb).sqrt();
+        2.0 * side * corner / (side + corner)
     }
 
     /// t and b.

@@ -3,7 +3,7 @@
 //!
 //! What is finer than the grid is not seen: [`CELLS`] cells along each side.
 
-use shape::{Formula, Surface, Tool, Touch};
+use shape::{Formula, Parting, Surface, Tool, Touch};
 
 use super::Fault;
 
@@ -13,6 +13,25 @@ const CELLS: usize = 200;
 const TOUCHES_MM: f64 = 1e-6;
 /// Places that are compared with the end of the tool, most.
 const LOOKS: usize = 40_000_000;
+
+/// How neighbouring paths lie to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Lay {
+    /// Parallel, in this direction seen from above.
+    Along([f64; 2]),
+    /// Ring in ring, along X and Y.
+    Rings,
+}
+
+impl Lay {
+    /// Directions of the paths.
+    fn directions(&self) -> Vec<[f64; 2]> {
+        match *self {
+            Lay::Along(direction) => vec![direction],
+            Lay::Rings => vec![[1.0, 0.0], [0.0, 1.0]],
+        }
+    }
+}
 
 /// Heights of a surface and its curvatures at the nodes of a grid.
 pub(super) struct Grid {
@@ -71,27 +90,28 @@ impl Grid {
         Err(Fault::new("tool", message, help))
     }
 
-    /// Largest distance of paths, seen from above, that leaves no ridge higher than `height_mm`, mm. `directions`: those of
-    /// the paths.
-    pub(super) fn step(&self, height_mm: f64, directions: &[[f64; 2]]) -> f64 {
-        let tool = &self.surface.tool;
-        let at = |touch: &Touch, along: &[f64; 2]| {
-            touch.parting(tool, *along).distance(height_mm) / touch.spread(*along)
-        };
-        let all =
-            self.nodes.iter().flat_map(|(_, touch)| directions.iter().map(move |along| at(touch, along)));
-        all.filter(|step| step.is_finite()).fold(f64::INFINITY, f64::min)
+    /// Largest distance of paths, seen from above, that leaves no ridge higher than `height_mm`, mm.
+    pub(super) fn step(&self, height_mm: f64, lay: Lay) -> f64 {
+        let steps = self.partings(lay).map(|(parting, spread)| parting.distance(height_mm) / spread);
+        steps.filter(|step| step.is_finite()).fold(f64::INFINITY, f64::min)
     }
 
     /// Height of the highest ridge between paths at a distance, seen from above, mm.
-    pub(super) fn ridge(&self, step_mm: f64, directions: &[[f64; 2]]) -> f64 {
+    pub(super) fn ridge(&self, step_mm: f64, lay: Lay) -> f64 {
+        let heights = self.partings(lay).map(|(parting, spread)| parting.height(step_mm * spread));
+        heights.filter(|height| height.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// How fast the tool and the surface part at all nodes, and the distance on the surface of paths 1 mm apart.
+    fn partings(&self, lay: Lay) -> impl Iterator<Item = (Parting, f64)> {
         let tool = &self.surface.tool;
-        let at = |touch: &Touch, along: &[f64; 2]| {
-            touch.parting(tool, *along).height(step_mm * touch.spread(*along))
-        };
-        let all =
-            self.nodes.iter().flat_map(|(_, touch)| directions.iter().map(move |along| at(touch, along)));
-        all.filter(|height| height.is_finite()).fold(0.0, f64::max)
+        lay.directions().into_iter().flat_map(move |along| {
+            self.nodes.iter().map(move |(_, touch)| {
+                let spread =
+                    if lay == Lay::Rings { touch.spread_in_corners(along) } else { touch.spread(along) };
+                (touch.parting(tool, along), spread)
+            })
+        })
     }
 
     /// Refuses a tool that touches the surface elsewhere, too. `tips`: where it stands, by the point of contact.

@@ -6,7 +6,7 @@ use protocol::{Axis, Feed, Work, machine::Kinematics};
 use serde::Deserialize;
 use shape::{Formula, Pattern, Surface, Tool};
 
-use super::grid::Grid;
+use super::grid::{Grid, Lay};
 use super::walk::{Walk, walk};
 use super::{Fault, Job, Move, Planned, domain, formula, parameter, within};
 
@@ -151,25 +151,26 @@ fn paths(
     surface: &Surface,
     grid: &Grid,
 ) -> Result<(Pattern, Option<[Formula; 2]>, Facts), Fault> {
-    let (along_x, along_y) = ([1.0, 0.0], [0.0, 1.0]);
     let [wide, high] = [surface.x, surface.y].map(|[low, high]| high - low);
     match path {
         Path::Lines { along, step_mm, scallop_mm, one_way } => {
-            let (across, direction) = if *along == Along::Y { (wide, [along_y]) } else { (high, [along_x]) };
-            let step = step(*step_mm, *scallop_mm, &direction, surface, grid)?;
+            let (across, direction) =
+                if *along == Along::Y { (wide, [0.0, 1.0]) } else { (high, [1.0, 0.0]) };
+            let lay = Lay::Along(direction);
+            let step = step(*step_mm, *scallop_mm, lay, surface, grid)?;
             let gaps = gaps(across, step)?;
             let pattern = Pattern::Lines { along_y: *along == Along::Y, count: gaps + 1, zigzag: !one_way };
             let kind = if *one_way { "one way" } else { "zigzag" };
             let name = if *along == Along::Y { "Y" } else { "X" };
             let first = ("path", format!("{} lines along {name}, {kind}", gaps + 1));
-            Ok((pattern, None, vec![first, spacing(across / f64::from(gaps), &direction, grid)]))
+            Ok((pattern, None, vec![first, spacing(across / f64::from(gaps), lay, grid)]))
         }
         Path::Rings { step_mm, scallop_mm } => {
             let half = 0.5 * wide.min(high);
-            let step = step(*step_mm, *scallop_mm, &[along_x, along_y], surface, grid)?;
+            let step = step(*step_mm, *scallop_mm, Lay::Rings, surface, grid)?;
             let count = gaps(half, step)?;
             let first = ("path", format!("{count} rings from the border inwards"));
-            let facts = vec![first, spacing(half / f64::from(count), &[along_x, along_y], grid)];
+            let facts = vec![first, spacing(half / f64::from(count), Lay::Rings, grid)];
             Ok((Pattern::Rings { count }, None, facts))
         }
         Path::Curve { x, y, t } => {
@@ -185,7 +186,7 @@ fn paths(
 fn step(
     step_mm: Option<f64>,
     scallop_mm: Option<f64>,
-    directions: &[[f64; 2]],
+    lay: Lay,
     surface: &Surface,
     grid: &Grid,
 ) -> Result<f64, Fault> {
@@ -194,7 +195,7 @@ fn step(
         (None, Some(height)) => {
             let most = 0.5
                 * if surface.tool.corner_mm > 0.0 { surface.tool.corner_mm } else { surface.tool.radius_mm };
-            Ok(grid.step(within("path.scallop_mm", height, [1e-6, most], "mm")?, directions))
+            Ok(grid.step(within("path.scallop_mm", height, [1e-6, most], "mm")?, lay))
         }
         (None, None) => {
             let help = "give scallop_mm, the height of the ridges that may be left, or step_mm";
@@ -221,8 +222,8 @@ fn gaps(way: f64, step: f64) -> Result<u32, Fault> {
     ))
 }
 
-fn spacing(step: f64, directions: &[[f64; 2]], grid: &Grid) -> (&'static str, String) {
-    let ridge = 1000.0 * grid.ridge(step, directions);
+fn spacing(step: f64, lay: Lay, grid: &Grid) -> (&'static str, String) {
+    let ridge = 1000.0 * grid.ridge(step, lay);
     ("spacing", format!("{step:.4} mm seen from above, ridges of at most {ridge:.2} µm"))
 }
 

@@ -99,3 +99,45 @@ fn ridges_of_a_bull_nose_on_a_slope_are_as_high_as_was_asked_for() {
     keeps(&slope, false, 0.01);
     keeps(&slope.replace("along = \"x\"", "along = \"y\""), true, 0.01);
 }
+
+/// How far the place on a plane that is farthest from all rings is from them, between the outer two, mm.
+fn farthest(surface: &Surface, psi: &Formula) -> f64 {
+    let on = |[x, y]: [f64; 2]| [x, y, psi.eval([x, y])];
+    let sides: Vec<[[f64; 3]; 2]> = (0..10)
+        .filter_map(|leg| match surface.leg(leg) {
+            Some(Leg::Cut(Plan::Line { from, to })) if leg % 5 != 4 => Some([on(from), on(to)]),
+            _ => None,
+        })
+        .collect();
+    let apart = |point: [f64; 3], [from, to]: &[[f64; 3]; 2]| {
+        let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let out: [f64; 3] = std::array::from_fn(|i| point[i] - from[i]);
+        let share = (dot(out, along) / dot(along, along)).clamp(0.0, 1.0);
+        let off: [f64; 3] = std::array::from_fn(|i| out[i] - share * along[i]);
+        dot(off, off).sqrt()
+    };
+    let Some([first, _]) = sides.get(4) else { panic!("there is a second ring") };
+    let step = first[0] - surface.x[0];
+    let places = (0..=60).flat_map(|i| (0..=60).map(move |j| [i, j].map(|n| step * f64::from(n) / 60.0)));
+    let corners =
+        |[a, b]: [f64; 2]| [[surface.x[0] + a, surface.y[0] + b], [surface.x[1] - a, surface.y[0] + b]];
+    let places = places.flat_map(corners).map(on);
+    places.map(|at| sides.iter().map(|side| apart(at, side)).fold(f64::MAX, f64::min)).fold(0.0, f64::max)
+}
+
+#[test]
+fn ridges_where_rings_turn_are_as_high_as_was_asked_for() {
+    for (z, least) in [("0*x", 0.85), ("0.7*x + 0.7*y", 0.85), ("0.6*x - 0.1*y", 0.7)] {
+        let text = WAVE
+            .replace("0.02*x^2 + 8*sin(x/15)*cos(y/20)", z)
+            .replace("pattern = \"lines\", along = \"x\", scallop_mm", "pattern = \"rings\", scallop_mm")
+            .replace("y = [0, 80]", "y = [0, 40]")
+            .replace("x = [0, 100]", "x = [0, 40]");
+        let check = good(&text, &mill());
+        let (psi, surface) = (formulas(&check.items)[0], surface(&check.items));
+        let off = farthest(&surface, &psi);
+        let ridge = 3.0 - (9.0 - off * off).sqrt();
+        assert!((least..1.001).contains(&(ridge / 0.01)), "{z}: {ridge} mm, {:?}", check.jobs);
+    }
+}
