@@ -2,11 +2,11 @@
 //!
 //! A trace may take several chains: where the tool leaves a surface another override acts. It is one block of the program
 //! all the same: single block waits at its end, and it counts as one move. Seams that follow each other where they meet are
-//! one path, without a stop between them.
+//! one path, without a stop between them, unless single block is on when the end of the first is drawn.
 //!
 //! Where a correction leads the followers (M36–M43), a setpoint is the exact one of the tick before and the step of the
-//! ratios. What they leave of the step (less than the chord error, as a rule) does not add up; speeds and accelerations are
-//! those of the path. At rest there is no step, so a trace ends where it should.
+//! ratios. What they leave of the step does not add up, and the steps are so short that it stays within the
+//! chord error (M44); speeds and accelerations are those of the path. At rest there is no step, so a trace ends where it should.
 
 use motion::chain::Block;
 use protocol::{
@@ -113,13 +113,13 @@ impl Interpolator {
         }
     }
 
-    /// Takes pieces of the trace in hand for as long as they belong to the chain.
-    pub(crate) fn take_pieces(&mut self) {
+    /// Takes pieces of the trace in hand for as long as they belong to the chain; with `single` block it ends with the trace.
+    pub(crate) fn take_pieces(&mut self, single: bool) {
         for _ in 0..TRIES_PER_TICK {
             if !self.travel.has_room() {
                 return;
             }
-            let Some(block) = self.draw() else { continue };
+            let Some(block) = self.draw(single) else { continue };
             if !self.travel.push(block) {
                 self.travel.tracing.ahead = Some(block);
                 return;
@@ -128,7 +128,7 @@ impl Interpolator {
     }
 
     /// The next block of the trace, if there is one. Behind its last one, and before one that cannot be, the chain ends.
-    fn draw(&mut self) -> Option<Block<AXES, Leg>> {
+    fn draw(&mut self, single: bool) -> Option<Block<AXES, Leg>> {
         let tracing = &mut self.travel.tracing;
         if let Some(block) = tracing.ahead.take() {
             return Some(block);
@@ -136,7 +136,7 @@ impl Interpolator {
         match tracing.tracer.as_mut()?.next(&self.travel.route) {
             Ok(Traced::Block(block)) => return Some(block),
             Ok(Traced::Nowhere) => {}
-            Ok(Traced::Over) => self.draw_next(),
+            Ok(Traced::Over) => self.draw_next(single),
             Err(reason) => {
                 self.refuse(fault(&reason));
                 self.travel.close();
@@ -146,12 +146,13 @@ impl Interpolator {
     }
 
     /// A trace has been drawn: the next item goes on as its own, or ends the chain.
-    fn draw_next(&mut self) {
+    fn draw_next(&mut self, single: bool) {
         self.next = self.queue.pop();
         let tracing = &mut self.travel.tracing;
         let before = tracing.tracer.take();
         if let (Some(Item { line, code: Code::Trace(trace) }), Some(before), Some(last)) =
             (&self.next, before, self.travel.last)
+            && !single
             && let Ok(tracer) = Tracer::new(&self.travel.route, *line, trace, &last.to)
             && tracer.goes_on(before.trace())
         {

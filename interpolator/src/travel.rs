@@ -150,9 +150,9 @@ impl Interpolator {
     }
 
     /// Takes moves out of the queue, or pieces of a trace, for as long as they belong to the chain.
-    fn take_moves(&mut self) {
+    fn take_moves(&mut self, single: bool) {
         if self.travel.tracing.in_hand() {
-            return self.take_pieces();
+            return self.take_pieces(single);
         }
         for _ in 0..MOVES_PER_TICK {
             if !self.travel.has_room() {
@@ -178,7 +178,7 @@ impl Interpolator {
     /// One tick of timed motion.
     pub(crate) fn go_on(&mut self, panel: &Panel, due: Cycle) -> PerAxis<Setpoint> {
         if self.travel.fault.is_none() {
-            self.take_moves();
+            self.take_moves(panel.pressed(Panel::SINGLE_BLOCK));
         }
         let last = ends(panel) || self.travel.fault.is_some();
         if panel.pressed(Panel::ABORT) {

@@ -83,7 +83,12 @@ impl<'m> Clock<'m> {
                 }
                 return self.travel(line, code);
             }
-            Code::PathMode(mode) => return self.route.set_mode(*mode),
+            Code::PathMode(mode) => {
+                if self.traced.is_some() {
+                    self.finish();
+                }
+                return self.route.set_mode(*mode);
+            }
             Code::Trace(trace) if self.goes_on(trace) => {}
             _ => self.finish(),
         }

@@ -25,16 +25,16 @@ const THERE_MM: f64 = 1e-8;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Untraceable {
     /// A formula that it refers to was not given.
-    #[error("formula {0} is missing")]
+    #[error("formula {0} is missing: it has to come before the trace")]
     NoFormula(usize),
     /// The machine lacks an axis.
-    #[error("the machine has no axis {0}")]
+    #[error("the machine has no axis {0}: choose a machine that has it, or a plane without it")]
     NoAxis(Axis),
     /// The machine is no positioner.
-    #[error("the machine is no positioner")]
+    #[error("the machine is no positioner: choose a machine file with kinematics = \"positioner\"")]
     NoPositioner,
     /// The axes stand elsewhere.
-    #[error("{axis} stands {mm:.6} from the start of the path")]
+    #[error("{axis} stands {mm:.6} from the start of the path: lead the axes there first")]
     NotAtStart {
         /// The farthest axis.
         axis: Axis,
@@ -45,8 +45,16 @@ pub enum Untraceable {
     #[error("{1}: {0}")]
     NoPath(SpanError, Spot),
     /// A piece that begins there leaves the travel of an axis.
-    #[error("the path leaves the travel of {0} near {1}")]
+    #[error("the path leaves the travel of {0} near {1}: move the zero of the work, or end the path before")]
     BeyondTravel(Axis, Spot),
+    /// A retract would end below the tool, or below the start of the next leg.
+    #[error("the clearance is {mm:.4} mm below the path at {spot}: raise it above the surface")]
+    TooLow {
+        /// The end of the leg, or the start of the next one.
+        spot: Spot,
+        /// How far, mm.
+        mm: f64,
+    },
 }
 
 /// What a call of [`Tracer::next`] brought.
@@ -151,7 +159,7 @@ impl Tracer {
             Stage::Cut(plan, walker) => self.piece(route, plan, walker),
             Stage::Lift => {
                 let mut above = self.at;
-                above[z] = self.trace.clear().map_or(above[z], |clear| clear.max(above[z]));
+                above[z] = self.clear(route)?;
                 self.stage = Stage::Cross;
                 self.straight(route, above, Feed::Rapid)
             }
@@ -159,7 +167,7 @@ impl Tracer {
                 // The leg behind this one is where the tool goes.
                 self.leg += 1;
                 let mut above = self.start(route)?;
-                above[z] = above[z].max(self.at[z]);
+                above[z] = self.at[z];
                 self.stage = Stage::Plunge;
                 self.straight(route, above, Feed::Rapid)
             }
@@ -171,13 +179,31 @@ impl Tracer {
         }
     }
 
+    /// Machine Z at which the tool crosses from one leg to the next; it has to be above both.
+    fn clear(&self, route: &Route) -> Result<Position, Untraceable> {
+        let z = Axis::Z.index();
+        let next = Tracer { leg: self.leg + 1, ..*self };
+        let (from, to) = (self.at[z], next.start(route)?[z]);
+        let clear = self.trace.clear().unwrap_or(from);
+        for (leg, end, at) in [(self.leg.saturating_sub(1), 1, from), (next.leg, 0, to)] {
+            let mm = at.mm_from(clear);
+            if mm > 0.0 {
+                return Err(Untraceable::TooLow { spot: self.spot(leg, end), mm });
+            }
+        }
+        Ok(clear)
+    }
+
+    /// Where a leg that cuts starts (0) or ends (1).
+    fn spot(&self, leg: u32, end: usize) -> Spot {
+        self.plan(leg).map_or(Spot::Parameter(0.0), |plan| self.trace.spot(&plan, plan.t()[end.min(1)]))
+    }
+
     /// A straight block, or none if it leads nowhere.
     fn straight(&mut self, route: &Route, to: PerAxis<Position>, feed: Feed) -> Result<Traced, Untraceable> {
         let Some(path) = route.line(&self.at, &to) else { return Ok(Traced::Nowhere) };
         let stretch = Stretch { number: self.number, share: self.share(0.0), cut: None };
-        let spot =
-            self.plan(self.leg).map_or(Spot::Parameter(0.0), |plan| self.trace.spot(&plan, plan.t()[0]));
-        self.block(route, path, to, (feed, Corner::Stop), stretch, spot)
+        self.block(route, path, to, (feed, Corner::Stop), stretch, self.spot(self.leg, 0))
     }
 
     /// One try of the next piece of the leg in hand; none behind its last.
@@ -223,7 +249,7 @@ impl Tracer {
         }
         let tag = Leg { line: self.line, from: self.at, to, feed, trace: Some(stretch) };
         self.at = to;
-        let chord_mm = self.trace.chord_mm;
+        let chord_mm = self.trace.chord_of_steps();
         Ok(Traced::Block(Block { path, feed: route.feed(feed), corner, room, chord_mm, tag }))
     }
 
