@@ -97,7 +97,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let grid = Grid::new(&surface, &psi)?;
     grid.fits()?;
     let (pattern, curve, mut facts) = paths(&keys.path, &surface, &grid)?;
-    (surface.pattern, surface.clear_mm) = (pattern, grid.top() + clearance);
+    surface.pattern = pattern;
 
     let formulas = match curve {
         None => vec![psi],
@@ -106,6 +106,9 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let zero = Formula::default();
     let walk = walk(&surface, [0, 1, 2].map(|slot: usize| formulas.get(slot).unwrap_or(&zero)))?;
     grid.touches_nothing_else(&walk.tips)?;
+    // What is narrower than the grid is seen where a path goes over it.
+    let [_, [.., highest]] = walk.bounds;
+    surface.clear_mm = grid.top().max(highest) + clearance;
     facts.insert(0, ("surface", format!("z = {}", keys.z)));
     facts.insert(1, ("tool", keys.tool.to_string()));
     facts.push(("way", format!("{:.1} mm on the surface, {} retracts", walk.cut_mm, walk.retracts)));
