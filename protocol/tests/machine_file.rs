@@ -78,8 +78,8 @@ fn the_built_in_positioner_is_good() {
     let geometry = machine.positioner.unwrap().geometry();
     assert_eq!((geometry.x1, geometry.y1, geometry.z1), (120.0, -35.0, 250.0));
     assert_eq!((geometry.x2, geometry.y2, geometry.z2), (15.0, 8.0, -50.0));
-    let travel = machine.positioner_travel();
-    assert_eq!((travel.x, travel.beta), ([-150.0, 150.0], [-720.0_f64, 720.0].map(f64::to_radians)));
+    let travel = [Axis::X, Axis::C].map(|axis| machine.axis[&axis].travel_mm);
+    assert_eq!(travel, [[-150.0, 150.0], [-720.0, 720.0]]);
 }
 
 /// The table of a positioner belongs to a positioner, a spindle to the others.

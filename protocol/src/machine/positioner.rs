@@ -2,7 +2,7 @@
 //! In: mm; α is the axis A, β the axis C, degrees. Out: checked values, and the geometry for `shape`.
 
 use serde::{Deserialize, Serialize};
-use shape::{Positioner, Travel};
+use shape::Positioner;
 
 use super::{Kinematics, Machine, MachineError, range, refuse};
 use crate::{Axis, PerAxis};
@@ -66,15 +66,6 @@ impl Machine {
                 Err(refuse("positioner", "a table", "is for machine.kinematics = \"positioner\" only"))
             }
         }
-    }
-
-    /// Travel of x, y, α, β of a positioner, mm and rad.
-    pub fn positioner_travel(&self) -> Travel {
-        let travel = |axis: Axis| {
-            let travel = self.axis.get(&axis).map_or([0.0; 2], |config| config.travel_mm);
-            if axis.is_rotary() { travel.map(f64::to_radians) } else { travel }
-        };
-        Travel { x: travel(Axis::X), y: travel(Axis::Y), alpha: travel(Axis::A), beta: travel(Axis::C) }
     }
 }
 
