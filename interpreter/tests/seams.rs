@@ -201,8 +201,8 @@ fn what_is_no_seam_is_refused_with_its_place() {
             "two neighbouring points are one",
         ),
         (
-            &format!("{CURVE}x = \"20*t\"\ny = \"0\"\nz = \"9\"\ndirection = [\"t\", \"0\", \"1\"]"),
-            "C would have to turn too sharply at t = ",
+            &format!("{CURVE}x = \"20*t\"\ny = \"0\"\nz = \"9\"\ndirection = [\"(t+1)^2\", \"0\", \"1\"]"),
+            "the direction stands still in that of the turn axis at t = -1",
         ),
         (
             &format!("{CURVE}x = \"20*t\"\ny = \"0\"\nz = \"9\"\ndirection = [\"t\", \"1e-7\", \"1\"]"),
@@ -232,6 +232,43 @@ fn what_is_no_seam_is_refused_with_its_place() {
     }
     let check = check_job("seam.toml", CYLINDERS, &Machine::default());
     assert!(said(&check).contains("a seam needs a positioner"), "{}", said(&check));
+}
+
+/// Straight through the direction of the turn axis A goes on and C stands, inside a seam, at its start, at its end, in a
+/// point and between points; and the other solution can be asked for.
+#[test]
+fn a_direction_may_go_through_that_of_the_turn_axis() {
+    let line = |t: &str, branch: &str| {
+        format!(
+            "kind = \"seam\"\nfeed_mm_min = 600\nt = {t}\nx = \"t\"\ny = \"0\"\nz = \"20\"\n\
+             direction = [\"0.02*t\", \"0\", \"1\"]\n{branch}"
+        )
+    };
+    let points = |rows: &[f64]| {
+        let row = |x: &f64| format!("[{x}, 0, 20, {}, {}, 1]", 0.012 * x, 0.016 * x);
+        let rows: Vec<String> = rows.iter().map(row).collect();
+        format!("kind = \"seam\"\nfeed_mm_min = 600\npoints = [{}]", rows.join(", "))
+    };
+    let lean = |x: f64| (0.02 * x).atan().to_degrees();
+    for (text, ends, seams) in [
+        (line("[-20, 20]", ""), [-20.0, 20.0], 1),
+        (line("[0, 20]", ""), [0.0, -20.0], 1),
+        (line("[-20, 0]", ""), [-20.0, 0.0], 1),
+        (line("[-20, 20]", "branch = \"positive\""), [20.0, -20.0], 1),
+        (line("[0, 20]", "branch = \"positive\""), [0.0, 20.0], 1),
+        (points(&[-20.0, -10.0, 0.0, 10.0, 20.0]), [-20.0, 20.0], 4),
+        (points(&[-20.0, -3.0, 4.0, 20.0]), [-20.0, 20.0], 3),
+        (points(&[0.0, 7.0, 20.0]), [0.0, -20.0], 2),
+    ] {
+        let check = good(&text);
+        assert_eq!(holds(&check), seams, "{text}");
+        let [a, b] = ends.map(lean);
+        let facts = &check.jobs[0].facts;
+        let fact = |name: &str| facts.iter().find(|(key, _)| *key == name).unwrap().1.as_str();
+        assert_eq!(fact("A"), format!("{:.3} to {:.3} deg", a.min(b), a.max(b)), "{text}");
+        let (from, to) = fact("C").trim_end_matches(" deg").split_once(" to ").unwrap();
+        assert_eq!(from, to, "{text}");
+    }
 }
 
 /// Near the direction of the turn axis C turns fast: it is said where, and what is left of the feed.

@@ -208,25 +208,19 @@ impl Curve<AXES> for Track<'_> {
         }
     }
 
-    fn turning(&self) -> PerAxis<bool> {
-        match &self.followed {
-            Followed::Contour(_) | Followed::Surface(_) => PerAxis::default(),
-            Followed::Seam(curve) => self.in_place(curve.turning()),
-        }
+    fn near(&self, t: f64, here: &PerAxis<f64>) -> Point<AXES> {
+        let Followed::Seam(curve) = &self.followed else { return self.at(t) };
+        self.spread(&curve.near(t, &POSITIONER_AXES.map(|axis| here[axis.index()])))
     }
 }
 
 impl Track<'_> {
-    fn spread<const N: usize>(&self, point: &Point<N>) -> Point<AXES> {
-        Point { axes: self.in_place(point.axes), tip: point.tip }
-    }
-
     /// What belongs to the axes of a curve, in the order of the wire.
-    fn in_place<T: Copy + Default, const N: usize>(&self, own: [T; N]) -> PerAxis<T> {
+    fn spread<const N: usize>(&self, point: &Point<N>) -> Point<AXES> {
         let mut all = PerAxis::default();
-        for (axis, own) in self.axes.iter().zip(own) {
+        for (axis, own) in self.axes.iter().zip(point.axes) {
             all[axis.index()] = own;
         }
-        all
+        Point { axes: all, tip: point.tip }
     }
 }

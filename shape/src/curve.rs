@@ -16,20 +16,10 @@ pub trait Curve<const N: usize> {
     /// The curve about `t`; not finite where it does not exist.
     fn at(&self, t: f64) -> Point<N>;
 
-    /// Which axes are known up to whole turns of 360° only. Who walks along the curve takes the turn that is nearest to
-    /// where the walk has come.
-    fn turning(&self) -> [bool; N] {
-        [false; N]
-    }
-
-    /// [`Curve::at`], with those axes by the turn that is nearest to `here`.
+    /// [`Curve::at`], where the axes can be at several places for one point of the curve, at that which is nearest to
+    /// `here`. Who walks along the curve asks so, with where the walk has come.
     fn near(&self, t: f64, here: &[f64; N]) -> Point<N> {
-        let mut point = self.at(t);
-        for ((axis, here), turning) in point.axes.iter_mut().zip(here).zip(self.turning()) {
-            if turning {
-                axis.0[0] += 360.0 * ((here - axis.0[0]) / 360.0).round();
-            }
-        }
-        point
+        let _ = here;
+        self.at(t)
     }
 }

@@ -39,7 +39,7 @@ pub use fit::{Parting, Touch};
 pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Gradient, Number};
 pub use pattern::{Leg, Pattern, Plan};
-pub use positioner::{Branch, Drives, NoPose, Positioner, Travel, nearest_turn};
+pub use positioner::{Branch, Drives, Positioner};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve, SeamPath};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};

@@ -71,28 +71,6 @@ impl Branch {
     }
 }
 
-/// Travel of the four drives, lowest and highest: mm, rad.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Travel {
-    /// x.
-    pub x: [f64; 2],
-    /// y.
-    pub y: [f64; 2],
-    /// α.
-    pub alpha: [f64; 2],
-    /// β.
-    pub beta: [f64; 2],
-}
-
-/// Why no drives bring a point under the beam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoPose {
-    /// The direction has no length, or a number is not finite.
-    NoDirection,
-    /// Every solution lies beyond the travel of this drive: 0 … 3 are x, y, α, β.
-    BeyondTravel(usize),
-}
-
 /// R_X of M46: a turn about X by a clockwise angle, rad.
 fn about_x(angle: f64) -> Matrix3<f64> {
     let (s, c) = libm::sincos(angle);
@@ -137,7 +115,7 @@ impl Positioner {
         let length = h + lz.abs();
         let alpha = if length > 0.0 && length.is_finite() { libm::atan2(sign * h, lz) } else { f64::NAN };
         let beta = if h == 0.0 { beta_near } else { libm::atan2(sign * lx, -sign * ly) };
-        self.under(point, beam, alpha, nearest_turn(beta, beta_near))
+        self.under(point, beam, alpha, nearest_turn(beta, beta_near, TAU))
     }
 
     /// Drives at given angles that bring a point under the beam.
@@ -145,66 +123,10 @@ impl Positioner {
         let [x, y, _] = self.forward(point, &Drives { x: 0.0, y: 0.0, alpha, beta });
         Drives { x: beam[0] - x, y: beam[1] - y, alpha, beta }
     }
-
-    /// Of all solutions within the travel, turns of both angles included, that whose farthest angle is nearest to where
-    /// the drives stand.
-    ///
-    /// # Errors
-    /// [`NoPose`].
-    pub fn nearest(
-        &self,
-        point: [f64; 3],
-        direction: [f64; 3],
-        beam: [f64; 2],
-        from: &Drives,
-        travel: &Travel,
-    ) -> Result<(Branch, Drives), NoPose> {
-        let mut best = Err(NoPose::NoDirection);
-        let mut least = f64::INFINITY;
-        for branch in Branch::BOTH {
-            let pose = self.inverse(point, direction, beam, branch, from.beta);
-            let [alpha, beta] = [(pose.alpha, from.alpha, travel.alpha), (pose.beta, from.beta, travel.beta)]
-                .map(|(angle, near, travel)| turn_within(angle, near, travel));
-            let pose = Drives { alpha: alpha.unwrap_or(pose.alpha), beta: beta.unwrap_or(pose.beta), ..pose };
-            let way = (pose.alpha - from.alpha).abs().max((pose.beta - from.beta).abs());
-            match travel.first_beyond(&pose) {
-                None if way < least => (best, least) = (Ok((branch, pose)), way),
-                Some(drive) if best == Err(NoPose::NoDirection) && pose.alpha.is_finite() => {
-                    best = Err(NoPose::BeyondTravel(drive));
-                }
-                _ => {}
-            }
-        }
-        best
-    }
 }
 
-impl Travel {
-    /// The first drive that would stand beyond its travel: 0 … 3 are x, y, α, β.
-    #[must_use]
-    pub fn first_beyond(&self, drives: &Drives) -> Option<usize> {
-        let pairs =
-            [(drives.x, self.x), (drives.y, self.y), (drives.alpha, self.alpha), (drives.beta, self.beta)];
-        pairs.iter().position(|(at, [low, high])| !(low..=high).contains(&at))
-    }
-}
-
-/// The angle that differs from `angle` by whole turns and lies nearest to `near`, rad.
+/// The angle that differs from `angle` by whole turns of `turn` and lies nearest to `near`; all in one unit.
 #[must_use]
-pub fn nearest_turn(angle: f64, near: f64) -> f64 {
-    angle + TAU * ((near - angle) / TAU).round()
-}
-
-/// The same of those within a travel, if there is one.
-fn turn_within(angle: f64, near: f64, [low, high]: [f64; 2]) -> Option<f64> {
-    let nearest = nearest_turn(angle, near);
-    let turns = |way: f64| nearest + TAU * way;
-    let kept = if nearest < low {
-        turns(((low - nearest) / TAU).ceil())
-    } else if nearest > high {
-        turns(-((nearest - high) / TAU).ceil())
-    } else {
-        nearest
-    };
-    (low..=high).contains(&kept).then_some(kept)
+pub(crate) fn nearest_turn(angle: f64, near: f64, turn: f64) -> f64 {
+    angle + turn * ((near - angle) / turn).round()
 }

@@ -13,12 +13,19 @@
 //! p = at + r e(t) + h (axis + k e(t)),   F(p) = c0 + c1 h₂ + c2 h₂² + c3 ρ₂² = 0:  A h² + B h + C = 0        (M92)
 //! h = 2C/(−B ∓ √(B² − 4AC)) = (−B ± √…)/2A,   l = sin((1 − σ)θ) n₁ + sin(σθ) n₂
 //! ```
-//! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49.
+//! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49; `lean` has their angles.
 
+mod lean;
+
+use lean::{Angles, Lean};
 use serde::{Deserialize, Serialize};
 
 use crate::number::{Function, Number};
+use crate::positioner::nearest_turn;
 use crate::{Branch, Curve, Formula, Point, Positioner, Series};
+
+/// Where a direction is ±Z it is looked at in another place, too, this share of the seam away.
+const BESIDE: f64 = 1e-3;
 
 /// Three coordinates as functions of t.
 type Vector = [Series; 3];
@@ -89,7 +96,8 @@ pub struct Seam {
     pub curve: SeamCurve,
     /// t at the start and at the end.
     pub t: [f64; 2],
-    /// Which of both solutions of M49.
+    /// Which of both solutions of M49 it is at the start; where the direction begins with ±Z, just behind it. A direction
+    /// that goes through ±Z takes it from one to the other.
     pub branch: Branch,
     /// β where the direction is ±Z all along the seam and any would do, degrees.
     pub idle_beta_deg: f64,
@@ -135,45 +143,62 @@ impl SeamPath<'_> {
         }
     }
 
+    /// How the direction leans at t.
+    fn lean(&self, t: f64, direction: &Vector) -> Lean {
+        let [from, to] = self.seam.t;
+        let fourth = || {
+            // Into the seam: beyond its ends a formula need not have a value.
+            let eta = BESIDE * (to - from) * if (t - from).abs() < (to - t).abs() { 1.0 } else { -1.0 };
+            let [_, beside] = self.place(t + eta);
+            [0, 1].map(|i| lean::fourth(direction[i], beside[i], eta))
+        };
+        Lean::of(*direction, (to - from).signum(), self.seam.idle_beta_deg.to_radians(), fourth)
+    }
+
     /// M49 for series: what [`Positioner::inverse`] finds at a place.
-    fn axes(&self, point: &Vector, direction: &Vector) -> [Series; 4] {
-        let ([x, y, z], [lx, ly, lz]) = (*point, *direction);
+    fn axes(&self, [x, y, z]: Vector, angles: &Angles) -> [Series; 4] {
         let Positioner { x1, y1, x2, y2, z2, .. } = self.positioner;
         let constant = Series::constant;
-        let sign = self.seam.branch.sign();
-        let (alpha, beta, [sa, ca], [sb, cb]);
-        if lx == Series::default() && ly == Series::default() {
-            let turned = self.seam.idle_beta_deg.to_radians();
-            let (sin, cos) = libm::sincos(turned);
-            let up = lz.value().signum();
-            alpha = constant(if lz.value() == 0.0 { f64::NAN } else { libm::atan2(sign * 0.0, up) });
-            beta = constant(turned);
-            ([sa, ca], [sb, cb]) = ([constant(0.0), constant(up)], [constant(sin), constant(cos)]);
-        } else {
-            let h = lx.hypot(ly) * sign;
-            let length = h.hypot(lz);
-            (alpha, beta) = (h.atan2(lz), (lx * sign).atan2(-ly * sign));
-            ([sa, ca], [sb, cb]) = ([h / length, lz / length], [lx / h, -ly / h]);
-        }
+        let ([alpha, beta], [sa, ca], [sb, cb]) = (angles.degrees, angles.tilt, angles.turn);
         let (w, q) = (constant(y2) + y * cb - x * sb, x * cb + y * sb);
         let height = constant(z2) + z;
         [
             constant(self.beam[0] - x1 - x2) - q,
             constant(self.beam[1] - y1) - ca * w - sa * height,
-            alpha * 1_f64.to_degrees(),
-            beta * 1_f64.to_degrees(),
+            alpha,
+            beta,
         ]
+    }
+
+    /// The branch on which the axes go on at t from where they are: X, Y, A, C in mm and degrees.
+    #[must_use]
+    pub fn branch_near(&self, t: f64, [_, _, alpha, beta]: &[f64; 4]) -> Branch {
+        let [_, direction] = self.place(t);
+        self.lean(t, &direction).branch_near([*alpha, *beta])
     }
 }
 
 impl Curve<4> for SeamPath<'_> {
+    /// On the branch of the seam, both angles within ±180°.
     fn at(&self, t: f64) -> Point<4> {
         let [point, direction] = self.place(t);
-        Point { axes: self.axes(&point, &direction), tip: point }
+        let angles = self.lean(t, &direction).angles(self.seam.branch);
+        Point { axes: self.axes(point, &angles), tip: point }
     }
 
-    fn turning(&self) -> [bool; 4] {
-        [false, false, false, true]
+    /// At the start on the branch of the seam, behind it on that which is nearest, so α goes through 0 with the direction;
+    /// angles by the turns that are nearest.
+    fn near(&self, t: f64, here: &[f64; 4]) -> Point<4> {
+        let [point, direction] = self.place(t);
+        let lean = self.lean(t, &direction);
+        let [_, _, alpha, beta] = *here;
+        let starts = t == self.seam.t[0];
+        let branch = if starts { self.seam.branch } else { lean.branch_near([alpha, beta]) };
+        let mut axes = self.axes(point, &lean.angles(branch));
+        for (axis, here) in axes.iter_mut().zip(here).skip(2) {
+            axis.0[0] = nearest_turn(axis.0[0], *here, 360.0);
+        }
+        Point { axes, tip: point }
     }
 }
 

@@ -185,7 +185,7 @@ pub struct Walker<const N: usize> {
     step: Option<f64>,
     /// What is known of the curve where the walker stands; nothing before the first piece.
     here: Option<Knot<N>>,
-    /// Near which turn of its turning axes it begins.
+    /// Where the axes stand when it begins ([`Curve::near`]).
     near: [f64; N],
 }
 
@@ -196,8 +196,8 @@ impl<const N: usize> Walker<N> {
         Walker { t: from, end: to, step: None, here: None, near: [0.0; N] }
     }
 
-    /// The same from where the axes stand: axes that are known up to whole turns ([`Curve::turning`]) begin with the turn
-    /// that is nearest to it. Without this it is that nearest to 0.
+    /// The same from where the axes stand: where they can be at several places for one point of the curve, it begins with
+    /// that which is nearest to it ([`Curve::near`]). Without this they stand at 0.
     #[must_use]
     pub fn standing(self, axes: [f64; N]) -> Walker<N> {
         Walker { near: axes, ..self }

@@ -217,18 +217,26 @@ fn a_seam_whose_direction_is_upright_keeps_the_turn() {
     for (up, alpha) in [(2.0, 0.0), (-1.0, 180.0)] {
         let mut c = [[0.0; 8]; 6];
         (c[0][1], c[1][0], c[1][2], c[5][0]) = (10.0, 4.0, -3.0, up);
-        let seam = seam(SeamCurve::Polynomials(c), Branch::Positive);
-        let path = seam.on(&[], positioner(), BEAM);
-        for step in 0..10 {
-            let t = f64::from(step) / 10.0;
-            let point = path.at(t);
-            assert_eq!((point.axes[2].0, point.axes[3].0), ([alpha, 0.0, 0.0, 0.0], [33.0, 0.0, 0.0, 0.0]));
-            check_pose(&path, t);
-            check_derivatives(&path, t);
+        for branch in Branch::BOTH {
+            let seam = seam(SeamCurve::Polynomials(c), branch);
+            keeps_the_turn(&seam.on(&[], positioner(), BEAM), alpha);
         }
     }
     let seam = seam(SeamCurve::Polynomials([[0.0; 8]; 6]), Branch::Positive);
     assert!(!seam.on(&[], positioner(), BEAM).at(0.0).axes[2].is_finite());
+}
+
+fn keeps_the_turn(path: &SeamPath, alpha: f64) {
+    for step in 0..10 {
+        let t = f64::from(step) / 10.0;
+        let point = path.at(t);
+        for (axis, angle) in [(2, alpha), (3, 33.0)] {
+            let [value, slopes @ ..] = point.axes[axis].0;
+            assert!((value - angle).abs() < 1e-13 && slopes == [0.0; 3], "{:?}", point.axes[axis]);
+        }
+        check_pose(path, t);
+        check_derivatives(path, t);
+    }
 }
 
 /// Around the pipe and on, three times, forwards and back: β never turns by more than the way between two places asks.

@@ -91,7 +91,10 @@ fn walked(
     };
     let mut pieces = 0;
     for (index, seam) in seams.iter().enumerate() {
-        let seam = Seam { branch, idle_beta_deg: way.end[3], ..*seam };
+        let mut seam = Seam { branch, idle_beta_deg: way.end[3], ..*seam };
+        if index > 0 {
+            seam.branch = on(&seam, formulas, positioner).branch_near(seam.t[0], &way.end);
+        }
         let path = on(&seam, formulas, positioner);
         let place = |t: f64| place(&seam, index, t);
         let mut walker = Walker::new(seam.t).standing(way.end);
@@ -165,19 +168,21 @@ impl Travelled {
         }
     }
 
-    /// The same by the whole turns of C that are nearest to rest, within the travel of every axis.
+    /// The same by the whole turns of A and C that are nearest to rest, within the travel of every axis.
     fn within_travel(mut self, machine: &Machine, rest: [f64; 4]) -> Result<Travelled, Fault> {
         let configs = POSITIONER_AXES.map(|axis| machine.axis.get(&axis));
-        let [_, _, _, Some(AxisConfig { travel_mm: [low, high], .. })] = configs else { return Ok(self) };
-        let [least, most] = self.bounds[3];
-        let (first, last) = (((low - least) / 360.0).ceil(), ((high - most) / 360.0).floor());
-        if first <= last {
-            let turns = 360.0 * ((rest[3] - self.start[3]) / 360.0).round().clamp(first, last);
-            self.start[3] += turns;
-            self.end[3] += turns;
-            self.bounds[3] = self.bounds[3].map(|c| c + turns);
-            for seam in &mut self.seams {
-                seam.idle_beta_deg += turns;
+        for i in [2, 3] {
+            let Some(AxisConfig { travel_mm: [low, high], .. }) = configs[i] else { continue };
+            let [least, most] = self.bounds[i];
+            let (first, last) = (((low - least) / 360.0).ceil(), ((high - most) / 360.0).floor());
+            if first <= last {
+                let turns = 360.0 * ((rest[i] - self.start[i]) / 360.0).round().clamp(first, last);
+                self.start[i] += turns;
+                self.end[i] += turns;
+                self.bounds[i] = self.bounds[i].map(|angle| angle + turns);
+                if i == 3 {
+                    self.seams.iter_mut().for_each(|seam| seam.idle_beta_deg += turns);
+                }
             }
         }
         for ((axis, config), [least, most]) in POSITIONER_AXES.into_iter().zip(configs).zip(self.bounds) {
@@ -250,7 +255,9 @@ fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: 
             (format!("the direction has no length at {at}"), "give a direction everywhere")
         }
         _ if flat < 1e-6 * length => {
-            (format!("the direction is that of the turn axis at {at}: C would have to jump there"), UPRIGHT)
+            let message =
+                format!("the direction stands still in that of the turn axis at {at}: C has no place there");
+            (message, UPRIGHT)
         }
         SpanError::NotFinite { .. } => (
             format!("the seam is not smooth at {at}"),
