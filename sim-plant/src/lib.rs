@@ -38,6 +38,7 @@ mod screw;
 mod seed;
 pub mod shell;
 mod spindle;
+mod standing;
 mod timeline;
 
 pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2};

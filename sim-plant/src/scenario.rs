@@ -27,6 +27,7 @@ use protocol::operator::Request;
 use serde::Deserialize;
 
 use crate::encoder::{RawGlitch, RawIndexLost};
+use crate::standing;
 
 /// What a scenario that cannot be played has wrong.
 #[derive(Debug, thiserror::Error)]
@@ -148,17 +149,9 @@ impl Scenario {
                 .map_err(|reason| ScenarioError::Event { number: index + 1, reason })
         });
         let events: Vec<Event> = events.collect::<Result<_, _>>()?;
-        let pressed =
-            |request: Request| events.iter().position(|event| event.action == Action::Press(request));
-        let released = [Request::CycleStart, Request::Stop, Request::Abort].map(pressed);
-        match pressed(Request::FeedHold) {
-            Some(index) if released.iter().all(Option::is_none) => Err(ScenarioError::Event {
-                number: index + 1,
-                reason: "feed_hold: the machine would stand for ever; add an event with cycle_start = true, stop = \
-                         true or abort = true"
-                    .to_owned(),
-            }),
-            _ => Ok(Scenario { events }),
+        match standing::forever(&events) {
+            Some((index, reason)) => Err(ScenarioError::Event { number: index + 1, reason }),
+            None => Ok(Scenario { events }),
         }
     }
 }

@@ -286,3 +286,31 @@ fn a_hold_that_nobody_releases_is_refused() {
         assert!(Scenario::from_toml(&event).is_ok(), "{release}");
     }
 }
+
+#[test]
+fn an_override_that_stays_at_zero_is_refused() {
+    for key in ["spindle_override_pct", "feed_override_pct", "rapid_override_pct"] {
+        let event = |at: &str, action: &str| format!("[[event]]\nat = {{ {at} }}\n{action}\n");
+        let zero = event("time_s = 1", &format!("{key} = 0\nramp_s = 0.5"));
+        let raise = |at: &str| event(at, &format!("{key} = 60"));
+        for stands in [zero.clone(), raise("time_s = 0.5") + &zero, raise("time_s = 1") + &zero] {
+            let number = stands.matches("[[event]]").count();
+            let refused = Scenario::from_toml(&stands).unwrap_err().to_string();
+            let named = refused.starts_with(&format!("event {number}: {key} = 0"));
+            assert!(named && refused.contains("stop"), "{refused}");
+        }
+        for goes_on in [
+            zero.clone() + &raise("time_s = 1"),
+            raise("time_s = 2") + &zero,
+            raise("line = 3") + &zero,
+            zero.clone() + &event("time_s = 2", "stop = true"),
+            zero.clone() + &event("time_s = 2", "abort = true"),
+        ] {
+            assert!(Scenario::from_toml(&goes_on).is_ok(), "{goes_on}");
+        }
+    }
+    let other = "[[event]]\nat = { time_s = 1 }\nfeed_override_pct = 0\n\
+                 [[event]]\nat = { time_s = 2 }\nrapid_override_pct = 50\n";
+    let refused = Scenario::from_toml(other).unwrap_err().to_string();
+    assert!(refused.starts_with("event 1: feed_override_pct"), "{refused}");
+}
