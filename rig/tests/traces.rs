@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use protocol::{
-    Axis, Code, Feed, Item, Machine, MachineState, PerAxis, Position, Trace, Work, machine, operator::Request,
+    Axis, Code, Feed, Item, Machine, MachineState, PathMode, PerAxis, Position, Trace, Untraceable, Work,
+    machine, operator::Request,
 };
 use rig::{
     Rig,
@@ -294,20 +295,46 @@ fn traces_that_cannot_be_followed_are_faults_that_stop_the_axes_before() {
     assert!(reason.starts_with("x = "), "{reason}");
     assert!(end[0] > -1e-6 && end[0] < 1.0, "stopped before x = 0: {end:?}");
     let (code, reason, ..) = fault(&[], 60.0, [0.0; 3], start);
-    assert_eq!((code.as_str(), reason.as_str()), ("bad-machine-code", "formula 0 is missing"));
+    assert_eq!(
+        (code.as_str(), reason.as_str()),
+        ("bad-machine-code", "formula 0 is missing: it has to come before the trace")
+    );
     let (code, reason, end, _) = fault(&[root], 60.0, [0.0; 3], start + 0.02);
     assert!((end[1] - start - 0.02).abs() < 1e-6, "{end:?}");
     assert_eq!((code.as_str(), end[0]), ("bad-machine-code", 60.0));
-    assert_eq!(reason, "Y stands 0.020000 from the start of the path");
+    assert_eq!(reason, "Y stands 0.020000 from the start of the path: lead the axes there first");
     let (code, reason, end, violations) = fault(&[wave()], -140.0, [-200.0, 0.0, 0.0], 8.0 * libm::sin(4.0));
     assert_eq!((code.as_str(), violations), ("travel-limit", 0));
     assert!(reason.starts_with("the path leaves the travel of X near x = "), "{reason}");
     assert!((-200.0..-190.0).contains(&end[0]), "{end:?}");
 }
 
-/// Two halves of one seam: a line over a turning part, in formulas that are polynomials.
+/// A rapid through the part: the machine refuses it before, whichever end of the way across is the higher one.
 #[test]
-fn seams_that_meet_are_one_path() {
+fn a_retract_below_the_surface_is_refused() {
+    for (clear_mm, deeper) in [(-1.0, 0.5), (-6.0, 5.0)] {
+        let mut program = lines(false);
+        for item in &mut program {
+            if let Code::Trace(Trace { work: Work::Surface(surface), .. }) = &mut item.code {
+                surface.clear_mm = clear_mm;
+            }
+        }
+        let mut fastest = 0.0_f64;
+        let seen = run(&program, &[], |record| {
+            if record.machine.line == 4 {
+                fastest = fastest.max(record.axes[2].1.velocity_mm_s.abs());
+            }
+        });
+        assert_eq!((seen.outcome, seen.faults[0].code.as_str()), (Outcome::Faulted, "bad-machine-code"));
+        assert!(fastest < FEED_MM_MIN / 60.0, "{fastest} mm/s");
+        let (line, reason) = interpreter::time_s(&program, &mill()).unwrap_err();
+        assert!(matches!(reason, Untraceable::TooLow { mm, .. } if mm > deeper), "{reason:?}");
+        assert!(line == 4 && reason.to_string().contains("below the path at x = 20.0000"), "{reason}");
+    }
+}
+
+/// Two halves of one seam: a line over a turning part, in formulas that are polynomials.
+fn halves() -> (Machine, Vec<Item>) {
     let machine = Machine::from_toml(protocol::machine::POSITIONER).unwrap();
     let mut coefficients = [[0.0; 8]; 6];
     (coefficients[0][1], coefficients[2][0]) = (1.0, 20.0);
@@ -324,6 +351,12 @@ fn seams_that_meet_are_one_path() {
     let seam = |t| Code::Trace(trace(Work::Seam(half(t)), [0.0; 3]));
     let program =
         items(&[Code::Line { target, feed: Feed::Rapid }, seam([-20.0, 0.0]), seam([0.0, 20.0]), Code::End]);
+    (machine, program)
+}
+
+#[test]
+fn seams_that_meet_are_one_path() {
+    let (machine, program) = halves();
     let (mut slowest, mut traced, mut taken) = (f64::INFINITY, Vec::new(), Vec::new());
     let seen = run_on(&machine, &program, &[], |record| {
         taken.push(record.machine.taken);
@@ -341,4 +374,25 @@ fn seams_that_meet_are_one_path() {
     let foretold = interpreter::time_s(&program, &machine).unwrap();
     let took = seen.cycles as f64 * 0.0005;
     assert!((took - foretold).abs() < 0.01 * foretold, "{took} s, foretold {foretold} s");
+}
+
+#[test]
+fn seams_that_meet_stop_between_them_in_single_block_and_at_a_path_mode() {
+    let (machine, program) = halves();
+    let mut pauses = Vec::new();
+    let seen = run_on(&machine, &program, &[(0, Request::SingleBlock(true))], |record| {
+        let paused = record.machine.state == MachineState::Paused as u32;
+        if paused && pauses.last() != Some(&record.machine.line) {
+            pauses.push(record.machine.line);
+        }
+    });
+    assert_eq!((seen.outcome, seen.moves.count), (Outcome::Completed, 3), "{:?}", seen.faults);
+    assert_eq!(pauses, [1, 2, 3]);
+
+    let mut codes: Vec<Code> = program.iter().map(|item| item.code).collect();
+    codes.insert(2, Code::PathMode(PathMode::ExactPath));
+    let stopping = items(&codes);
+    let [together, apart] = [&program, &stopping].map(|items| interpreter::time_s(items, &machine).unwrap());
+    let took = run_on(&machine, &stopping, &[], |_| ()).cycles as f64 * 0.0005;
+    assert!(apart > together + 0.02 && (took - apart).abs() < 0.01, "{together} s, {apart} s, {took} s");
 }
