@@ -6,12 +6,15 @@ use protocol::{Axis, Feed, Position, Work, machine::Kinematics};
 use serde::Deserialize;
 use shape::{Contour, Curve, Formula, Gradient, Side, Touch, Walker};
 
+use super::walk::{BESIDE, is_near};
 use super::{Fault, Job, Move, Planned, formula, parameter, within};
 
 /// Places that are looked at.
 const PLACES: usize = 4000;
-/// Most pieces of a contour.
-const PIECES: usize = 500_000;
+/// Places where a piece is compared with the contour are this share of the way along the first axis apart, or less.
+const APART: f64 = 1.0 / 400.0;
+/// Most of them.
+const LOOKS: f64 = 2e6;
 /// The tool may stand so deep in the contour, mm: rounding, far below the chord error.
 const TOUCHES_MM: f64 = 1e-6;
 
@@ -175,7 +178,7 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
     let curve = contour.curve(f);
     let mut walker = Walker::new(contour.t());
     let start = curve.at(contour.x[0]).axes.map(|axis| axis.value());
-    let mut pieces = 0;
+    let (mut looks, apart) = (0.0, APART * (contour.x[1] - contour.x[0]).abs());
     let mut walked = Walked { start, end: start, bounds: [start, start], way: 0.0 };
     loop {
         let next = walker.next(&curve).map_err(|error| {
@@ -190,10 +193,20 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
             walked.bounds[1][axis] = walked.bounds[1][axis].max(span.from[axis] + high[axis]);
         }
         (walked.end, walked.way) = (span.to, walked.way + span.path.length());
-        pieces += 1;
-        if pieces > PIECES {
-            let message = format!("{value} is too long to be looked at: more than {PIECES} pieces");
+        let places = (span.path.length() / apart).ceil().max(1.0);
+        looks += places;
+        if looks > LOOKS {
+            let message = format!("{value} is too long to be looked at: more than {LOOKS} places");
             return Err(Fault::new(value, message, format!("choose {name} shorter, or write several jobs")));
+        }
+        for n in 0..places as usize {
+            let s = span.path.length() * (n as f64 + BESIDE) / places;
+            let (t, [gone, ..]) = (span.parameter(s), span.path.at(s));
+            if !is_near(span.from, gone, curve.at(t).axes.map(|axis| axis.value())) {
+                let message = format!("finer detail than the pieces of the path follow, at {name} = {t:.4}");
+                let help = "leave it out: what is narrower than 0.1 mm is beyond any tool";
+                return Err(Fault::new(value, message, help));
+            }
         }
     }
 }

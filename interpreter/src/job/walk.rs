@@ -10,6 +10,10 @@ use super::grid::here;
 const APART: f64 = 1.0 / 400.0;
 /// Most places.
 const PLACES: usize = 2_000_000;
+/// They lie so far into their shares of a piece: beside the places where its maker compared it with its curve.
+pub(super) const BESIDE: f64 = 0.382;
+/// A piece lies so near to its curve there, mm: rounding, far above what its maker keeps.
+const NEAR_MM: f64 = 1e-6;
 /// The direction of the slope jumps where it turns by more than 60° within 0.01 mm.
 const JUMP_MM: f64 = 0.01;
 const TURNS: f64 = 0.5;
@@ -49,10 +53,6 @@ pub(super) fn walk(surface: &Surface, formulas: [&Formula; 3]) -> Result<Walk, F
             Leg::Air { .. } => walk.retracts += 1,
             Leg::Cut(plan) => walk.leg(surface, plan, formulas)?,
         }
-        if walk.tips.len() > PLACES {
-            let message = format!("the path is too long to be looked at: more than {PLACES} places");
-            return Err(Fault::new("path", message, "give a larger step_mm or scallop_mm, or several jobs"));
-        }
     }
     Ok(walk)
 }
@@ -76,15 +76,44 @@ impl Walk {
             self.end = span.to;
             self.cut_mm += span.path.length();
             let places = (span.path.length() / apart).ceil().max(1.0);
+            if self.tips.len() as f64 + places > PLACES as f64 {
+                return Err(too_long(plan));
+            }
             for n in 0..places as usize {
-                let t = span.t[0] + (span.t[1] - span.t[0]) * n as f64 / places;
+                let s = span.path.length() * (n as f64 + BESIDE) / places;
+                let t = span.parameter(s);
                 let contact = curve.contact(t).map(|axis| axis.value());
                 inside(surface, t, contact)?;
-                self.tips.push((contact, surface.tip(formulas[0], contact)));
+                let tip = surface.tip(formulas[0], contact);
+                let [gone, ..] = span.path.at(s);
+                if !is_near(span.from, gone, tip) {
+                    return Err(too_fine(plan, contact));
+                }
+                self.tips.push((contact, tip));
             }
             inside(surface, span.t[1], curve.contact(span.t[1]).map(|axis| axis.value()))?;
         }
     }
+}
+
+/// Whether a piece that starts at `from` is where the tool should be after a way.
+pub(super) fn is_near<const N: usize>(from: [f64; N], gone: [f64; N], should: [f64; N]) -> bool {
+    (0..N).all(|axis| (from[axis] + gone[axis] - should[axis]).abs() <= NEAR_MM)
+}
+
+fn too_long(plan: Plan) -> Fault {
+    let message = format!("the path is too long to be looked at: more than {PLACES} places");
+    let help = match plan {
+        Plan::Line { .. } => "give a larger step_mm or scallop_mm, or several jobs",
+        Plan::Curve { .. } => "give a shorter range of t, or several jobs",
+    };
+    Fault::new("path", message, help)
+}
+
+fn too_fine(plan: Plan, [x, y]: [f64; 2]) -> Fault {
+    let message = format!("finer detail than the pieces of the path follow, at {}", here(x, y));
+    let help = "leave it out: what is narrower than 0.1 mm is beyond any tool";
+    Fault::new(if matches!(plan, Plan::Line { .. }) { "z" } else { "path" }, message, help)
 }
 
 /// Refuses a place outside of the domain: what the tool does there was not looked at.

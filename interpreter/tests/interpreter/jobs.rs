@@ -162,3 +162,47 @@ fn a_wrong_value_has_a_caret_below_it() {
     let [wrong] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
     assert_eq!((wrong.line, &wrong.text[wrong.span.clone()]), (15, "diameter_mm = -8"));
 }
+
+/// What is said of a job file that is refused.
+fn refused(text: &str) -> String {
+    let check = check_job("job.toml", text, &mill());
+    assert!(!check.is_good(), "{:?}", check.jobs);
+    said(&check)
+}
+
+#[test]
+fn the_tool_is_clear_of_what_a_path_goes_over_between_the_nodes_of_the_grid() {
+    let text = "kind = \"surface\"\norigin_mm = [-50, -40, -100]\nspindle_rpm = 9000\nfeed_mm_min = 3000\n\
+                z = \"-cos(4*pi*x)/50\"\nx = [0, 100]\ny = [0, 20]\ntool = { kind = \"ball\", diameter_mm = 0.08 }\n\
+                path = { pattern = \"lines\", step_mm = 20, one_way = true }\nclearance_mm = 0.01";
+    let check = good(text, &mill());
+    let clear = surface(&check.items).clear_mm;
+    assert!((0.03..0.031).contains(&clear), "0.02 mm is the highest place: {clear}");
+}
+
+#[test]
+fn a_path_that_is_too_long_is_refused_before_memory_is_full() {
+    let spiral =
+        "path = { pattern = \"curve\", x = \"5 + 4*cos(8*t)\", y = \"5 + 4*sin(8*t)\", t = [0, 1e5] }";
+    let text = format!(
+        "kind = \"surface\"\norigin_mm = [-50, -40, -100]\nspindle_rpm = 9000\nfeed_mm_min = 3000\nz = \"x\"\n\
+         x = [0, 10]\ny = [0, 10]\ntool = {{ kind = \"ball\", diameter_mm = 6 }}\n{spiral}"
+    );
+    assert!(refused(&text).contains("too long to be looked at: more than 2000000 places"));
+}
+
+#[test]
+fn detail_that_the_pieces_of_a_path_step_over_is_refused() {
+    let head = "origin_mm = [-50, -40, -100]\nspindle_rpm = 9000\nfeed_mm_min = 3000\nx = [0, 20]\n";
+    let bump = |t: &str| format!("0.01*exp(-(({t} - 10.13)/0.02)^2)");
+    let contour = format!("{head}kind = \"contour\"\ny = \"{}\"\ndepth_z_mm = -1", bump("x"));
+    let said = refused(&contour);
+    assert!(said.contains("finer detail than the pieces of the path follow, at x = 10."), "{said}");
+    let surface = format!(
+        "{head}kind = \"surface\"\nz = \"0.1*x\"\ny = [0, 20]\ntool = {{ kind = \"ball\", diameter_mm = 6 }}\n\
+         path = {{ pattern = \"curve\", x = \"t\", y = \"9 + {}\", t = [0, 20] }}",
+        bump("t")
+    );
+    let said = refused(&surface);
+    assert!(said.contains("finer detail than the pieces of the path follow, at x = 10."), "{said}");
+}
