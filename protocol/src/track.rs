@@ -2,7 +2,7 @@
 //! In: a trace, one of its legs, the formulas. Out: a curve of all axes, positions.
 
 use shape::{
-    ContourCurve, Curve, Formula, Leg, Place, Plan, Point, SeamCurve, SeamPath, Series, Slopes, SurfaceCurve,
+    ContourCurve, Curve, Formula, Leg, Place, Plan, Point, SeamCurve, SeamPath, Series, SurfaceCurve, Touch,
 };
 
 use crate::{
@@ -136,7 +136,7 @@ impl Trace {
             (Followed::Contour(_), _) => None,
             (Followed::Surface(curve), Work::Surface(surface)) => {
                 let contact = curve.contact(t).map(|series| series.value());
-                Some(Slopes::of(route.formulas.get(0).ok()?, contact).under(&surface.tool)?)
+                Some(Touch::at(route.formulas.get(0).ok()?, contact).under(&surface.tool)?)
             }
             _ => return None,
         };

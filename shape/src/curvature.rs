@@ -15,9 +15,14 @@
 //! | M45 | S_X = S_k/(1 + K1² + K2²)^½ |
 //! | M93 | the tip is at q − c g/w − a g/\|g\|, at the height ψ + c/w − c. There its surface has the gradient g and the second derivatives H (1 − (c/w)(1 − g gᵀ/w²) H − (a/\|g\|)(1 − g gᵀ/g²) H)⁻¹ |
 //!
-//! M44 and M45: (21) to (23) of the source of `shaping.rs`. It leaves the tool out.
+//! The exact form of M44 is the published one of the radius R − δ/2.
+//!
+//! What is here of M44 and M45 serves `experiment surface` alone: a chain keeps a chord error by M66, from bounds over a
+//! stretch. [`Touch::under`] serves the corrections of a trace, too.
+//!
+//! Source of M44 and M45: (21) to (23) of that of `shaping.rs`. It leaves the tool out.
 
-use crate::{Formula, Gradient, Series, Slopes, Tool};
+use crate::{Series, Tool, Touch};
 
 /// Radius of curvature of a path in space, mm; infinite where it is straight, not finite where it stands still in its
 /// parameter.
@@ -30,16 +35,11 @@ pub fn radius(path: &[Series; 3]) -> f64 {
     speed2 * (speed2 / cross2).sqrt()
 }
 
-/// Feed of chords that lie within δ of a path of radius R: the published form 2 (2Rδ)^½/dt, mm/s (M44).
+/// Feed of chords that lie within δ of a path of radius R: the published form 2 (2Rδ)^½/dt, mm/s (M44). Given R − δ/2, it
+/// is that of a circle without approximation.
 #[must_use]
 pub fn chord_feed(radius: f64, delta: f64, dt: f64) -> f64 {
     2.0 * (2.0 * radius * delta).sqrt() / dt
-}
-
-/// The same for a circle without approximation, 2 (2Rδ − δ²)^½/dt, mm/s (M44); δ ≤ R.
-#[must_use]
-pub fn chord_feed_exact(radius: f64, delta: f64, dt: f64) -> f64 {
-    2.0 * (2.0 * radius * delta - delta * delta).sqrt() / dt
 }
 
 /// Feed of steps along the tangent, as without correction: (2Rδ)^½/dt, half of [`chord_feed`], mm/s (M44).
@@ -55,26 +55,13 @@ pub fn master_feed(s_k: f64, ratios: [f64; 2]) -> f64 {
     s_k / (1.0 + k1 * k1 + k2 * k2).sqrt()
 }
 
-impl Slopes {
-    /// Of the surface of a formula at X, Y; not finite where it is not smooth.
-    #[must_use]
-    pub fn of(formula: &Formula, [x, y]: [f64; 2]) -> Slopes {
-        let along = |dx: f64, dy: f64| {
-            formula.eval(Gradient::variables(Series([x, dx, 0.0, 0.0]), Series([y, dy, 0.0, 0.0])))
-        };
-        let (by_x, by_y) = (along(1.0, 0.0), along(0.0, 1.0));
-        Slopes {
-            gradient: [by_x.x.value(), by_x.y.value()],
-            second: [by_x.x.derivative(1), by_x.y.derivative(1), by_y.y.derivative(1)],
-        }
-    }
-
-    /// Slopes of the surface on which the tip of a tool moves while it touches this one, at the place of the tip that
+impl Touch {
+    /// The surface on which the tip of a tool moves while it touches this one, at the place of the tip that
     /// belongs to this point (M93). `None` where the tool does not fit: where the surface is bent more than the tool.
     #[must_use]
-    pub fn under(&self, tool: &Tool) -> Option<Slopes> {
-        let ([gx, gy], [hxx, hxy, hyy]) = (self.gradient, self.second);
-        let g2 = gx * gx + gy * gy;
+    pub fn under(&self, tool: &Tool) -> Option<Touch> {
+        let ([gx, gy], [hxx, hxy, hyy]) = (self.slope, self.second);
+        let g2 = self.level();
         let w2 = 1.0 + g2;
         // With a ball the second term is not there; a flat tool has no derivative where the surface is level.
         let (ball, flat) = (tool.corner_mm / w2.sqrt(), tool.radius_mm - tool.corner_mm);
@@ -87,8 +74,9 @@ impl Slopes {
         let det = mxx * myy - mxy * myx;
         // Both eigenvalues of M are positive: along every direction there is room.
         let fits = det > 0.0 && mxx + myy > 0.0;
-        fits.then(|| Slopes {
-            gradient: self.gradient,
+        fits.then(|| Touch {
+            z: self.z + ball - tool.corner_mm,
+            slope: self.slope,
             second: [
                 (hxx * myy - hxy * myx) / det,
                 (hxy * mxx - hxx * mxy) / det,

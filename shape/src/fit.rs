@@ -30,8 +30,8 @@
 
 use crate::{Formula, Gradient, Tool};
 
-/// A surface where a tool touches it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A surface where a tool touches it, or the one on which its tip moves then ([`Touch::under`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
     /// Height, mm.
     pub z: f64,

@@ -9,7 +9,7 @@
 //! | [`Seam`] | position and direction along a seam | – |
 //! | [`Positioner`] | which drives bring a seam under the beam, and how far errors of drives move it | M46–M52 |
 //! | [`Correction`], [`Place`] | feed ratios of followers to their master | M36–M43 |
-//! | [`chord_feed`], [`radius`], [`Slopes::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
+//! | [`chord_feed`], [`radius`], [`Touch::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
 //! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
@@ -33,7 +33,7 @@ mod tool;
 
 pub use accuracy::DriveErrors;
 pub use contour::{Contour, ContourCurve, Side};
-pub use curvature::{chord_feed, chord_feed_exact, master_feed, radius, tangent_feed};
+pub use curvature::{chord_feed, master_feed, radius, tangent_feed};
 pub use curve::{Curve, Point};
 pub use fit::{Parting, Touch};
 pub use formula::{Formula, FormulaError, Op};
@@ -42,7 +42,7 @@ pub use pattern::{Leg, Pattern, Plan};
 pub use positioner::{Branch, Drives, Positioner};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve, SeamPath};
 pub use series::{Series, length};
-pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, Slopes, leader};
+pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, leader};
 pub use span::{Clock, Span, SpanError, Walked, Walker};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;

@@ -37,12 +37,6 @@ impl Series {
         Series([t, 1.0, 0.0, 0.0])
     }
 
-    /// A function of which value and first three derivatives are known.
-    #[must_use]
-    pub fn from_derivatives([p, p1, p2, p3]: [f64; 4]) -> Series {
-        Series([p, p1, p2 / 2.0, p3 / 6.0])
-    }
-
     /// The value at its place.
     #[must_use]
     pub fn value(&self) -> f64 {

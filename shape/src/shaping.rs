@@ -18,11 +18,14 @@
 //! | M42 | K2 = K_XOZ + K_YOZ K_XOY + Z_XY h K_XOY |
 //! | M43 | M41 with the section YOZ at X + h |
 //!
+//! The series of m ([`Section::exact_m`], [`Section::series_m`], f‴) and single sections serve `experiment surface` alone.
+//!
 //! Source: "An alternative approach to control the shaping of parts with spatially complex surfaces", equations (3) to
 //! (17). M39 is its (13) as printed; (14) to (16) are printed with −τ in the numerator, (17) without the mixed term.
 
 use serde::{Deserialize, Serialize};
 
+use crate::fit::Touch;
 use crate::series::Series;
 
 /// How the ratio of a follower is found from the place where a step begins.
@@ -158,22 +161,13 @@ impl Sections {
     }
 }
 
-/// Gradient and second derivatives of a surface Z(X, Y) at one place.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Slopes {
-    /// Z_X, Z_Y.
-    pub gradient: [f64; 2],
-    /// Z_XX, Z_XY, Z_YY, 1/mm.
-    pub second: [f64; 3],
-}
-
 /// A path where a step of it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// X, Y, Z as functions of one parameter, mm.
     pub path: [Series; 3],
     /// The surface that the path lies on, if it lies on one: of the point that moves, so the offset one of a tool.
-    pub surface: Option<Slopes>,
+    pub surface: Option<Touch>,
 }
 
 impl Place {
@@ -202,8 +196,8 @@ impl Place {
         let leader = leader.min(2);
         let (h, followers) = (exact[leader], FOLLOWERS[leader]);
         match (self.surface, leader) {
-            (Some(slopes), 0 | 1) => {
-                self.sections(&slopes, leader).ratios(correction, h, followers.map(|axis| exact[axis]))
+            (Some(surface), 0 | 1) => {
+                self.sections(&surface, leader).ratios(correction, h, followers.map(|axis| exact[axis]))
             }
             _ => followers.map(|axis| {
                 let section = Section::of(&self.path[leader], &self.path[axis]);
@@ -219,18 +213,18 @@ impl Place {
     }
 
     /// The surface and the path on it, with X (0) or Y (1) leading. Y is then "X" of the sections.
-    fn sections(&self, slopes: &Slopes, leader: usize) -> Sections {
+    fn sections(&self, surface: &Touch, leader: usize) -> Sections {
         let follower = FOLLOWERS[leader][0];
         let own = |axis: usize| Section {
-            slope: slopes.gradient[axis],
-            second: slopes.second[2 * axis],
+            slope: surface.slope[axis],
+            second: surface.second[2 * axis],
             third: 0.0,
         };
         Sections {
             xoz: own(leader),
             yoz: own(follower),
             xoy: Section::of(&self.path[leader], &self.path[follower]),
-            mixed: slopes.second[1],
+            mixed: surface.second[1],
         }
     }
 }

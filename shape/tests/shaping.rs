@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use shape::{
-    Correction, Formula, Function, Op, Place, Section, Sections, Series, Slopes, Tool, chord_feed_exact,
-    leader, radius, tangent_feed,
+    Correction, Formula, Function, Op, Place, Section, Sections, Series, Tool, Touch, chord_feed, leader,
+    radius, tangent_feed,
 };
 
 /// A circle of radius `r` as Y(X) left of its lowest point and right of it: Y = −(r² − X²)^½.
@@ -48,17 +48,17 @@ proptest! {
         x in -3.0..3.0_f64, y in -3.0..3.0_f64, corner in 0.2..0.6_f64, rest in prop::sample::select(vec![0.0, 0.3]),
     ) {
         let tool = Tool { radius_mm: corner + rest, corner_mm: corner };
-        let gradient_2 = { let [a, b] = slopes(x, y).gradient; a * a + b * b };
-        prop_assume!(rest == 0.0 || gradient_2 > 0.25);
-        let under = slopes(x, y).under(&tool).expect("the surface is bent less than the tool");
+        prop_assume!(rest == 0.0 || surface(x, y).level() > 0.25);
+        let under = surface(x, y).under(&tool).expect("the surface is bent less than the tool");
         let tip = |x: f64, y: f64| tip(x, y, &tool);
+        prop_assert!((under.z - tip(x, y)[2]).abs() < 1e-14);
         // Along two directions of the contact the tip moves along the tangent plane, and its gradient changes by H.
         let d = 1e-5;
         for (dx, dy) in [(d, 0.0), (0.0, d)] {
             let (p, q) = (tip(x + dx, y + dy), tip(x - dx, y - dy));
-            let (a, b) = (slopes(x + dx, y + dy).gradient, slopes(x - dx, y - dy).gradient);
+            let (a, b) = (surface(x + dx, y + dy).slope, surface(x - dx, y - dy).slope);
             let way = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-            let [gx, gy] = under.gradient;
+            let [gx, gy] = under.slope;
             prop_assert!((way[2] - gx * way[0] - gy * way[1]).abs() < 1e-9 * d, "gradient");
             let [hxx, hxy, hyy] = under.second;
             let bend = [hxx * way[0] + hxy * way[1], hxy * way[0] + hyy * way[1]];
@@ -71,7 +71,7 @@ proptest! {
     #[test]
     fn a_step_keeps_its_leader_and_exact_keeps_all(step in prop::array::uniform3(-1.0..1.0_f64)) {
         let path = [Series([0.0, 1.0, 0.3, 0.0]), Series([0.0, -0.5, 0.1, 0.2]), Series([1.0, 0.7, 0.0, -0.1])];
-        for surface in [None, Some(slopes(0.4, 0.9))] {
+        for surface in [None, Some(surface(0.4, 0.9))] {
             let place = Place { path, surface };
             for correction in Correction::ALL {
                 let made = place.step(correction, step);
@@ -90,17 +90,18 @@ fn height(x: f64, y: f64) -> f64 {
     0.1 * x * x - 0.05 * x * y + 0.4 * libm::sin(x + 0.5 * y)
 }
 
-fn slopes(x: f64, y: f64) -> Slopes {
+fn surface(x: f64, y: f64) -> Touch {
     let (sin, cos) = libm::sincos(x + 0.5 * y);
-    Slopes {
-        gradient: [0.2 * x - 0.05 * y + 0.4 * cos, -0.05 * x + 0.2 * cos],
+    Touch {
+        z: height(x, y),
+        slope: [0.2 * x - 0.05 * y + 0.4 * cos, -0.05 * x + 0.2 * cos],
         second: [0.2 - 0.4 * sin, -0.05 - 0.2 * sin, -0.1 * sin],
     }
 }
 
 /// Where the tip of a tool is that touches at (x, y).
 fn tip(x: f64, y: f64, tool: &Tool) -> [f64; 3] {
-    let [gx, gy] = slopes(x, y).gradient;
+    let [gx, gy] = surface(x, y).slope;
     let g = (gx * gx + gy * gy).sqrt();
     let w = (1.0 + g * g).sqrt();
     let rest = tool.radius_mm - tool.corner_mm;
@@ -109,7 +110,7 @@ fn tip(x: f64, y: f64, tool: &Tool) -> [f64; 3] {
 }
 
 #[test]
-fn slopes_of_a_formula() {
+fn the_surface_of_a_formula() {
     // The same surface as a formula, x and y being variables 0 and 1.
     let (x, y, constant) = (Op::Variable(0), Op::Variable(1), Op::Constant);
     let squares = [constant(0.1), x, Op::Powi(2), Op::Mul, constant(0.05), x, Op::Mul, y, Op::Mul, Op::Sub];
@@ -117,8 +118,8 @@ fn slopes_of_a_formula() {
         [constant(0.4), x, constant(0.5), y, Op::Mul, Op::Add, Op::Apply(Function::Sin), Op::Mul, Op::Add];
     let formula = Formula::new(&[&squares[..], &wave].concat()).expect("a formula");
     assert!((formula.eval([0.7, -1.1]) - height(0.7, -1.1)).abs() < 1e-15);
-    let (got, want) = (Slopes::of(&formula, [0.7, -1.1]), slopes(0.7, -1.1));
-    let all = |slopes: &Slopes| [slopes.gradient.to_vec(), slopes.second.to_vec()].concat();
+    let (got, want) = (Touch::at(&formula, [0.7, -1.1]), surface(0.7, -1.1));
+    let all = |at: &Touch| [&[at.z], &at.slope[..], &at.second].concat();
     assert!(
         all(&got).iter().zip(all(&want)).all(|(got, want)| (got - want).abs() < 1e-15),
         "{got:?} {want:?}"
@@ -127,7 +128,7 @@ fn slopes_of_a_formula() {
 
 #[test]
 fn a_tool_that_is_blunter_than_the_surface_does_not_fit() {
-    let bowl = Slopes { gradient: [0.0, 0.0], second: [0.5, 0.0, 0.1] };
+    let bowl = Touch { z: 0.0, slope: [0.0, 0.0], second: [0.5, 0.0, 0.1] };
     let ball = |radius_mm: f64| Tool { radius_mm, corner_mm: radius_mm };
     let fitted = bowl.under(&ball(1.0)).expect("a ball of 1 mm fits into a radius of 2 mm");
     // A radius of 2 mm becomes one of 1 mm, one of 10 mm one of 9 mm.
@@ -155,11 +156,11 @@ fn worst(correction: Correction, h: f64) -> f64 {
     let steps = (2.0 / h) as usize;
     let error = |index: usize| {
         let x = h * index as f64;
-        let Slopes { gradient, second } = slopes(x, y(x));
+        let Touch { slope, second, .. } = surface(x, y(x));
         let section = |slope, second| Section { slope, second, third: 0.0 };
         let sections = Sections {
-            xoz: section(gradient[0], second[0]),
-            yoz: section(gradient[1], second[2]),
+            xoz: section(slope[0], second[0]),
+            yoz: section(slope[1], second[2]),
             xoy: section(0.6 * libm::cos(x), -0.6 * libm::sin(x)),
             mixed: second[1],
         };
@@ -195,7 +196,7 @@ fn curvature_in_space() {
     assert_eq!(radius(&straight), f64::INFINITY);
     // A chord of a circle lies δ within it; a step along its tangent ends δ beside it.
     let (r, delta, dt) = (10.0_f64, 0.01, 1e-3);
-    let half = 0.5 * chord_feed_exact(r, delta, dt) * dt;
+    let half = 0.5 * chord_feed(r - 0.5 * delta, delta, dt) * dt;
     assert!((r - (r * r - half * half).sqrt() - delta).abs() < 1e-14);
     let step = tangent_feed(r, delta, dt) * dt;
     assert!(((r * r + step * step).sqrt() - r - delta).abs() < 1e-5);
@@ -204,12 +205,12 @@ fn curvature_in_space() {
 #[test]
 fn on_a_surface_led_by_y_the_roles_are_swapped() {
     // Seen with X and Y exchanged, the same path on the same surface gives the same step.
-    let slopes = Slopes { gradient: [0.2, -0.3], second: [0.05, 0.02, -0.04] };
-    let swapped = Slopes { gradient: [-0.3, 0.2], second: [-0.04, 0.02, 0.05] };
+    let surface = Touch { z: 0.0, slope: [0.2, -0.3], second: [0.05, 0.02, -0.04] };
+    let swapped = Touch { z: 0.0, slope: [-0.3, 0.2], second: [-0.04, 0.02, 0.05] };
     let [x, y, z] =
         [Series([0.0, 0.4, 0.1, 0.0]), Series([0.0, 1.0, -0.2, 0.1]), Series([0.0, -0.22, 0.0, 0.0])];
     for correction in Correction::ALL {
-        let one = Place { path: [x, y, z], surface: Some(slopes) }.step(correction, [0.04, 0.1, -0.02]);
+        let one = Place { path: [x, y, z], surface: Some(surface) }.step(correction, [0.04, 0.1, -0.02]);
         let other = Place { path: [y, x, z], surface: Some(swapped) }.step(correction, [0.1, 0.04, -0.02]);
         assert_eq!(one, [other[1], other[0], other[2]], "{correction:?}");
     }

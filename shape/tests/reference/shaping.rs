@@ -4,7 +4,7 @@
 
 use super::compare::{close, parameter, read};
 use serde::Deserialize;
-use shape::{Correction, Section, Sections, Series, chord_feed, chord_feed_exact, master_feed, radius};
+use shape::{Correction, Section, Sections, Series, chord_feed, master_feed, radius};
 
 #[derive(Deserialize)]
 struct File {
@@ -104,7 +104,11 @@ fn check_limit(id: &str, limit: &FeedLimit, radius: f64, ratios: [f64; 2]) {
     parameter(&format!("{id}: radius"), radius, limit.radius_mm);
     let s_k = chord_feed(radius, delta_mm, dt_s);
     parameter(&format!("{id}: S_k"), s_k, limit.s_k_mm_s);
-    parameter(&format!("{id}: S_k exact"), chord_feed_exact(radius, delta_mm, dt_s), limit.s_k_exact_mm_s);
+    parameter(
+        &format!("{id}: S_k exact"),
+        chord_feed(radius - 0.5 * delta_mm, delta_mm, dt_s),
+        limit.s_k_exact_mm_s,
+    );
     parameter(&format!("{id}: S_X"), master_feed(s_k, ratios), limit.s_x_mm_s);
 }
 

@@ -3,7 +3,7 @@
 //!
 //! A section is looked at alone where a formula is of one section, so nothing else hides what it does.
 
-use shape::{Section, Sections, Slopes};
+use shape::{Section, Sections, Touch};
 
 use super::work::Work;
 use crate::experiment::table::{Column, Table};
@@ -109,7 +109,7 @@ const CASES: [Case; 6] = [
 /// Sections of a work at a place, X leading; `None` on a plane curve.
 pub(super) fn sections(work: &Work, t: f64) -> Option<Sections> {
     let place = work.place(t);
-    let Slopes { gradient: [zx, zy], second: [zxx, mixed, zyy] } = place.surface?;
+    let Touch { slope: [zx, zy], second: [zxx, mixed, zyy], .. } = place.surface?;
     let section = |slope, second| Section { slope, second, third: 0.0 };
     let xoy = Section::of(&place.path[0], &place.path[1]);
     Some(Sections { xoz: section(zx, zxx), yoz: section(zy, zyy), xoy, mixed })

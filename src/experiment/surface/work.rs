@@ -3,7 +3,7 @@
 //! has to stay on. mm.
 
 use interpreter::formula;
-use shape::{Formula, Gradient, Op, Place, Series, Slopes, Tool};
+use shape::{Formula, Gradient, Op, Place, Series, Tool, Touch};
 
 use crate::error::CliError;
 
@@ -134,8 +134,8 @@ impl Work {
 
     /// The same with the slopes of the surface on which it moves; a plane curve has none.
     pub(super) fn place(&self, t: f64) -> Place {
-        let slopes = || Slopes::of(&self.psi, self.contact(t).map(|axis| axis.value())).under(&self.tool);
-        Place { path: self.path(t), surface: self.text.is_surface.then(slopes).flatten() }
+        let surface = || Touch::at(&self.psi, self.contact(t).map(|axis| axis.value())).under(&self.tool);
+        Place { path: self.path(t), surface: self.text.is_surface.then(surface).flatten() }
     }
 
     /// Where the point is at a place of the parameter, mm.
