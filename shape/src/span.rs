@@ -336,20 +336,18 @@ impl<const N: usize> Step<N> {
         let [from, to] = [start.axes[0], end.axes[0]];
         let span = Span { path, t: [start.t, end.t], from, to, clock };
 
-        let mut excess = (whole - length).abs() / (ALIKE * length);
+        let mut excess = worst(0.0, (whole - length).abs() / (ALIKE * length));
         // A piece of twice the length has places twice as far apart: as an error that grows with L⁸.
         let apart = [first[0], first[1] - first[0], second[0], second[1] - second[0]];
-        excess = apart.iter().fold(excess, |most, way| most.max((way / APART_MM).powi(8)));
+        excess = apart.iter().fold(excess, |most, way| worst(most, (way / APART_MM).powi(8)));
         let in_time = IN_TIME * h.abs() + ROUNDED * start.t.abs().max(end.t.abs());
         for (knot, s) in [(&quarter, first[0]), (&middle, first[1]), (&three, first[1] + second[0])] {
             let [at, ..] = path.at(s);
             for ((at, from), axis) in at.iter().zip(from).zip(knot.axes[0]) {
-                excess = excess.max((at - (axis - from)).abs() / (NEAR + ROUNDED * axis.abs()));
+                excess = worst(excess, (at - (axis - from)).abs() / (NEAR + ROUNDED * axis.abs()));
             }
-            excess = excess.max((span.parameter(s) - knot.t).abs() / in_time);
+            excess = worst(excess, (span.parameter(s) - knot.t).abs() / in_time);
         }
-        // A comparison with what is no number must not pass.
-        let excess = if excess.is_nan() { f64::INFINITY } else { excess };
         Ok(Step { span, end, excess })
     }
 }
@@ -360,6 +358,11 @@ fn ways(w: f64, [[a0, a1, a2], [b0, b1, b2], [c0, c1, c2]]: [[f64; 3]; 3]) -> [f
         + w * (2727.0 * a1 - 5040.0 * b1 + 423.0 * c1 + w * (169.0 * a2 + 1024.0 * b2 - 41.0 * c2));
     let all = 41.0 * (a0 + c0) + 128.0 * b0 + w * (6.0 * (a1 - c1) + w / 3.0 * (a2 + c2 + 16.0 * b2));
     [w.abs() / 40_320.0 * half, w.abs() / 105.0 * all]
+}
+
+/// The larger one; a comparison with what is no number does not pass.
+fn worst(excess: f64, other: f64) -> f64 {
+    if other.is_nan() { f64::INFINITY } else { excess.max(other) }
 }
 
 fn eighth_root(x: f64) -> f64 {
