@@ -19,7 +19,7 @@ use crate::state::State;
 /// How a line of a job begins.
 const MARK: &[u8] = b";@";
 /// Most bytes of a job.
-const LONGEST: usize = 64 << 10;
+const LONGEST: usize = 512 << 10;
 
 /// A job as it stands in the program.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -138,7 +138,7 @@ impl Job {
             return Err(refuse("a line of a job is no UTF-8 text", "save the file as UTF-8"));
         };
         if self.text.len() + line.len() >= LONGEST {
-            return Err(refuse("a job has at most 64 KiB", "write it shorter"));
+            return Err(refuse("a job has at most 512 KiB", "write it shorter"));
         }
         self.text.push_str(line.trim_end());
         self.text.push('\n');

@@ -7,10 +7,12 @@
 //! | `contour` | Y = f(X) beside a tool |
 //! | `seam` | a seam under the beam of a positioner |
 //! | `text` | the text: keys, and where they stand in it |
+//! | `row` | arrays of as many values as there must be |
 //! | `run` | where a job stands in a program, or as a program of its own |
 
 mod contour;
 mod grid;
+mod row;
 mod run;
 mod seam;
 mod surface;
@@ -20,6 +22,8 @@ mod walk;
 use protocol::{Axis, Feed, Machine, PerAxis, Position, Trace, Work};
 use serde::Deserialize;
 use shape::{Correction, Formula};
+
+use row::Row;
 
 /// What a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -49,7 +53,7 @@ pub(crate) struct Header {
     /// Of a job file alone: its name, for people.
     pub(crate) name: Option<String>,
     /// Machine position of the zero of the formulas, mm.
-    pub(crate) origin_mm: Option<[f64; 3]>,
+    pub(crate) origin_mm: Option<Row<f64, 3>>,
     /// Speed of the spindle, 1/min; negative turns counterclockwise.
     pub(crate) spindle_rpm: Option<f64>,
     /// Number of the tool.
@@ -218,7 +222,7 @@ pub(crate) fn within(key: &str, value: f64, [low, high]: [f64; 2], unit: &str) -
     if (low..=high).contains(&value) {
         return Ok(value);
     }
-    let message = format!("{key} = {value} is not between {low} and {high} {unit}");
+    let message = format!("{key} = {value} is not between {low} and {high} {unit}").trim_end().to_owned();
     Err(Fault::new(key, message, format!("give {low} to {high}")))
 }
 

@@ -6,6 +6,7 @@ use gcode::problem::{Blame, Problem, Severity};
 use gcode::{Place, canon::FeedMode};
 use protocol::{Code, Position, SpindleMode};
 
+use super::row::Row;
 use super::text::{self, Text};
 use super::{Coolant, Fault, Header, Job, JobNote, Kind, Move, Planned, contour, seam, surface, within};
 use crate::translate::{Done, Translator};
@@ -93,7 +94,7 @@ impl Translator {
                     "origin_mm is missing",
                     "give the machine position of the zero of the formulas, as in origin_mm = [0.0, 0.0, -50.0]",
                 )),
-                Some(origin) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
+                Some(Row(origin)) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
                 Some(_) => Err(Fault::new("origin_mm", "that is no position of a machine", "give it in mm")),
             };
         }

@@ -16,6 +16,7 @@ use protocol::{Feed, Position, Trace, Work};
 use serde::Deserialize;
 use shape::{Branch, Correction, Formula, Op, Seam, SeamCurve};
 
+use super::row::Row;
 use super::{Fault, Job, Move, Planned, formula, parameter, within};
 use meeting::{Crossing, SurfaceKeys};
 
@@ -31,22 +32,22 @@ pub(super) struct Keys {
     y: Option<String>,
     z: Option<String>,
     /// and direction.
-    direction: Option<[String; 3]>,
+    direction: Option<Row<String, 3>>,
     /// t at the start and at the end.
-    t: Option<[f64; 2]>,
+    t: Option<Row<f64, 2>>,
     /// Two surfaces.
     first: Option<SurfaceKeys>,
     second: Option<SurfaceKeys>,
     /// Angle about the first at the start and at the end, degrees.
-    angle_deg: Option<[f64; 2]>,
+    angle_deg: Option<Row<f64, 2>>,
     /// Direction from the axis of the first in which this angle is 0.
-    zero: Option<[f64; 3]>,
+    zero: Option<Row<f64, 3>>,
     /// Where along the axis of the first.
     crossing: Option<Crossing>,
     /// Direction between both normals.
     share: Option<f64>,
     /// Points: x, y, z in mm and the direction.
-    points: Option<Vec<[f64; 6]>>,
+    points: Option<Vec<Row<f64, 6>>>,
     /// Tilt; without it the solution that is nearest.
     branch: Option<Branch>,
 }
@@ -132,8 +133,8 @@ fn formulas(keys: &Keys, origin: [f64; 3]) -> Result<Course, Fault> {
     let help = "give x, y, z and direction as formulas of t, and t = [start, end]";
     let given = |key: &str, text: &Option<String>| text.clone().ok_or_else(|| missing(key, help));
     let at = [given("x", &keys.x)?, given("y", &keys.y)?, given("z", &keys.z)?];
-    let direction = keys.direction.clone().ok_or_else(|| missing("direction", help))?;
-    let t = parameter("t", keys.t.ok_or_else(|| missing("t", help))?)?;
+    let Row(direction) = keys.direction.clone().ok_or_else(|| missing("direction", help))?;
+    let t = parameter("t", keys.t.ok_or_else(|| missing("t", help))?.0)?;
     let mut formulas = Vec::new();
     for ((key, text), mm) in ["x", "y", "z"].into_iter().zip(&at).zip(origin) {
         formulas.push(moved(key, &formula(key, text, &["t"])?, mm)?);
@@ -164,12 +165,12 @@ fn surfaces_of(keys: &Keys, origin: [f64; 3]) -> Result<Course, Fault> {
     let second = keys.second.as_ref().ok_or_else(|| missing("second", help))?;
     let share = within("share", keys.share.unwrap_or(0.5), [0.0, 1.0], "")?;
     let crossing = keys.crossing.unwrap_or_default();
-    let mut meeting = meeting::of(first, second, keys.zero, crossing, share)?;
+    let mut meeting = meeting::of(first, second, keys.zero.map(|Row(zero)| zero), crossing, share)?;
     for (i, mm) in origin.into_iter().enumerate() {
         meeting.first.at[i] += mm;
         meeting.second.at[i] += mm;
     }
-    let angle = parameter("angle_deg", keys.angle_deg.unwrap_or([0.0, 360.0]))?;
+    let angle = parameter("angle_deg", keys.angle_deg.map_or([0.0, 360.0], |Row(angle)| angle))?;
     let what = format!("{first} meets {second}, {} to {} deg", angle[0], angle[1]);
     Ok(Course {
         curves: vec![(SeamCurve::Meeting(meeting), angle.map(f64::to_radians))],
@@ -178,14 +179,14 @@ fn surfaces_of(keys: &Keys, origin: [f64; 3]) -> Result<Course, Fault> {
     })
 }
 
-fn points_of(points: &[[f64; 6]], origin: [f64; 3]) -> Result<Course, Fault> {
+fn points_of(points: &[Row<f64, 6>], origin: [f64; 3]) -> Result<Course, Fault> {
     if !(2..=MOST_POINTS).contains(&points.len()) {
         let message = format!("{} points are no seam", points.len());
         return Err(Fault::new("points", message, format!("give 2 to {MOST_POINTS}")));
     }
     let mut places = Vec::with_capacity(points.len());
     for (index, point) in points.iter().enumerate() {
-        let [x, y, z, lx, ly, lz] = *point;
+        let [x, y, z, lx, ly, lz] = point.0;
         let length = (lx * lx + ly * ly + lz * lz).sqrt();
         if !(length > 1e-9 && length < 1e9 && [x, y, z].iter().all(|mm| mm.abs() < 1e5)) {
             let message = format!("point {} has no place or no direction", index + 1);

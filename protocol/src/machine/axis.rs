@@ -250,7 +250,7 @@ impl AxisConfig {
 }
 
 /// Two numbers; a third one is an error too, which serde's arrays let pass.
-fn pair<'de, D: Deserializer<'de>>(values: D) -> Result<[f64; 2], D::Error> {
+pub(super) fn pair<'de, D: Deserializer<'de>>(values: D) -> Result<[f64; 2], D::Error> {
     two(Vec::deserialize(values)?)
 }
 

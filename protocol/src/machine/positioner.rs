@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 use shape::Positioner;
 
+use super::axis::pair;
 use super::{Kinematics, Machine, MachineError, range, refuse};
 use crate::{Axis, PerAxis};
 
@@ -24,6 +25,7 @@ pub struct PositionerConfig {
     /// Offset of the face of the turntable along the turn axis, mm.
     pub z2_mm: f64,
     /// Where the beam stands in the frame of the machine: X, Y, mm.
+    #[serde(deserialize_with = "pair")]
     pub beam_mm: [f64; 2],
 }
 

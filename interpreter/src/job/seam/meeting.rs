@@ -6,6 +6,7 @@ use std::fmt;
 use serde::Deserialize;
 use shape::{Meeting, Quadric, Ruled};
 
+use super::super::row::Row;
 use super::super::{Fault, within};
 
 /// A vector.
@@ -17,9 +18,9 @@ type Vector = [f64; 3];
 pub(super) struct SurfaceKeys {
     kind: SurfaceKind,
     /// A point of its axis, its centre, or a point of the plane, mm.
-    at_mm: Vector,
+    at_mm: Row<f64, 3>,
     /// Along its axis; of a plane, out of the material.
-    axis: Option<Vector>,
+    axis: Option<Row<f64, 3>>,
     /// Diameter, of a cone at `at_mm`.
     diameter_mm: Option<f64>,
     /// Of a cone, which grows along its axis.
@@ -119,15 +120,15 @@ impl SurfaceKeys {
     }
 
     fn at(&self, name: &str) -> Result<Vector, Fault> {
-        for mm in self.at_mm {
+        for mm in self.at_mm.0 {
             within(&format!("{name}.at_mm"), mm, [-1e4, 1e4], "mm")?;
         }
-        Ok(self.at_mm)
+        Ok(self.at_mm.0)
     }
 
     fn axis(&self, name: &str) -> Result<Vector, Fault> {
         let key = format!("{name}.axis");
-        let Some(axis) = self.axis else {
+        let Some(Row(axis)) = self.axis else {
             return Err(Fault::new(
                 name,
                 format!("{key} is missing"),
