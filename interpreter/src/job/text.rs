@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
-use super::{Fault, Header};
+use super::{Fault, Header, Kind};
 
 /// Keys of [`Header`].
 const HEADER: [&str; 9] = [
@@ -22,6 +22,10 @@ const HEADER: [&str; 9] = [
     "coolant",
 ];
 
+/// Where jobs are described, and seams.
+const PAGE: &str = "docs/surfaces.md";
+const SEAMS: &str = "docs/positioner.md";
+
 /// A job that was read.
 pub(crate) struct Text<'a> {
     /// What every kind has.
@@ -35,7 +39,7 @@ impl<'a> Text<'a> {
     /// # Errors
     /// Not TOML, or a key that every kind has is missing or wrong.
     pub(crate) fn read(text: &'a str) -> Result<Text<'a>, Fault> {
-        let table = table(text).map_err(syntax)?;
+        let table = table(text).map_err(|error| syntax(error, PAGE))?;
         let (span, all) = (table.span(), table.into_inner());
         let of_header = |key: &str| HEADER.contains(&key);
         let (header, keys): (DeTable, DeTable) =
@@ -49,13 +53,14 @@ impl<'a> Text<'a> {
     /// # Errors
     /// A key that is missing, unknown, or of another type.
     pub(crate) fn keys<T: DeserializeOwned>(self) -> Result<T, Fault> {
-        T::deserialize(Deserializer::from(self.keys)).map_err(syntax)
+        let page = if self.header.kind == Kind::Seam { SEAMS } else { PAGE };
+        T::deserialize(Deserializer::from(self.keys)).map_err(|error| syntax(error, page))
     }
 }
 
 impl Header {
     fn deserialize_from(keys: Spanned<DeTable>) -> Result<Header, Fault> {
-        serde::Deserialize::deserialize(Deserializer::from(keys)).map_err(syntax)
+        serde::Deserialize::deserialize(Deserializer::from(keys)).map_err(|error| syntax(error, PAGE))
     }
 }
 
@@ -96,15 +101,15 @@ fn table(text: &str) -> Result<Spanned<DeTable<'_>>, Error> {
     }
 }
 
-/// What the reader of TOML found.
-fn syntax(error: Error) -> Fault {
+/// What the reader of TOML found; the page that says what is right.
+fn syntax(error: Error, page: &str) -> Fault {
     let message = error.message();
     let help = if message.starts_with("unknown field") {
-        format!("every job has {}; docs/surfaces.md lists the others", HEADER.join(", "))
+        format!("every job has {}; {page} lists the others", HEADER.join(", "))
     } else if message.starts_with("missing field") {
-        "add it; docs/surfaces.md shows a whole job".to_owned()
+        format!("add it; {page} shows a whole job")
     } else {
-        "docs/surfaces.md lists the keys and their values".to_owned()
+        format!("{page} lists the keys and their values")
     };
     Fault { key: String::new(), part: error.span(), message: message.to_owned(), help }
 }
