@@ -87,6 +87,15 @@ impl Translator {
         Ok(())
     }
 
+    /// G93, G94 or G95.
+    pub(crate) fn set_feed_mode(&mut self, mode: FeedMode) -> Done {
+        if mode == FeedMode::PerRevolution {
+            self.needs_spindle("feed per revolution", Blame::Block)?;
+        }
+        self.feed_mode = mode;
+        Ok(())
+    }
+
     /// Refuses a word that needs a spindle where there is none.
     fn needs_spindle(&self, word: &str, blame: Blame) -> Done {
         if !self.machine.spindle.is_none() {

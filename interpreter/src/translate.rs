@@ -236,7 +236,7 @@ impl Translator {
                 return Err(missing("a coordinate system turned about Z", help));
             }
             Call::SetXyRotation(degrees) => self.frame.rotation_deg = degrees,
-            Call::SetFeedMode(mode) => self.feed_mode = mode,
+            Call::SetFeedMode(mode) => self.set_feed_mode(mode)?,
             Call::SetFeedRate(feed) => self.set_feed(feed)?,
             Call::SetMotionControlMode(mode) => {
                 (self.path_mode, self.merges_all) = (self.mode_of_path(mode)?, false);

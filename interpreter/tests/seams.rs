@@ -190,6 +190,8 @@ fn what_is_no_seam_is_refused_with_its_place() {
         (&CYLINDERS.replace("axis = [1.0, 0.0, 0.0]", "axis = [0, 0, 0]"), "length 0"),
         (&CYLINDERS.replace("first = { kind = \"cylinder\"", "first = { kind = \"torus\""), "torus"),
         (&CYLINDERS.replace("share = 0.5", "share = 1.5"), "share = 1.5"),
+        (&CYLINDERS.replace("share = 0.5", "part = 0.5"), "docs/positioner.md lists the others"),
+        (&CYLINDERS.replace("share = 0.5", "share = \"half\""), "docs/positioner.md lists the keys"),
         (&CYLINDERS.replace("share = 0.5", "zero = [0, 0, 2]"), "zero points along the axis"),
         ("kind = \"seam\"\nfeed_mm_min = 600\npoints = [[0, 0, 0, 0, 1, 1]]", "1 points are no seam"),
         (
@@ -316,7 +318,7 @@ fn words_of_g_code_are_axis_positions() {
         ("S100\nM2", "S: beam positioner has no spindle"),
         ("M4\nM2", "M4: beam positioner has no spindle"),
         ("G96 D500 S100\nM2", "has no spindle"),
-        ("G95 G1 X1 F0.1\nM2", "spindle has no speed"),
+        ("G95 G1 X1 F0.1\nM2", "feed per revolution: beam positioner has no spindle"),
         ("G0 Z1\nM2", "this positioner has no axis Z"),
         ("G0 B1\nM2", "this positioner has no axis B"),
         ("G0 A111\nM2", "axis.a.travel_deg"),
