@@ -238,6 +238,38 @@ fn moves_around_a_job_are_said_as_they_are() {
 }
 
 #[test]
+fn a_formula_is_told_as_people_write_it() {
+    let machine = mill();
+    let surface = |z: &str| {
+        let program = format!(
+            "G21 G17 G90 G94\nG10 L2 P1 X-30 Y-20 Z-100\nT3 M6\nS9000 M3\nG0 X0 Y0 Z60\nF2000\n;@ kind = \"surface\"\n\
+             ;@ z = \"{z}\"\n;@ x = [1, 2]\n;@ y = [1, 2]\n;@ tool = {{ kind = \"ball\", diameter_mm = 0.2 }}\n\
+             ;@ path = {{ pattern = \"lines\", step_mm = 0.5 }}\nM2\n"
+        );
+        let items = items(&program, &machine);
+        let told = g1::header(&items, &machine, "job.ngc").join("\n");
+        let (_, formula) = told.split_once("z = ").expect("it is a surface");
+        (formula.split(", tool").next().unwrap_or_default().to_owned(), formulas(&items)[0])
+    };
+    for z in [
+        "x - (y - 1)",
+        "x/(y*2)/3",
+        "-(x + y)^2*sin(x - y)",
+        "(-x)^3 + x^(-2)",
+        "exp(-(x - y)^2/200)",
+        "(2*x)^2",
+    ] {
+        let (told, formula) = surface(z);
+        let (again, read) = surface(&told);
+        assert_eq!(told, again, "{z}");
+        for at in [[1.0, 1.5], [1.7, 1.1], [2.0, 2.0]] {
+            let [one, other] = [formula.eval(at), read.eval(at)];
+            assert!((one - other).abs() <= 1e-12 * one.abs(), "{z}: {told}");
+        }
+    }
+}
+
+#[test]
 fn a_thread_is_refused_with_its_line() {
     let machine = Machine::default();
     let thread = items("G21 G90 G18 G8\nS500 M3\nG0 X11 Z5\nG33 Z-20 K1\nM2\n", &machine);

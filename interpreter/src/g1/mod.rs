@@ -9,15 +9,17 @@
 //! turns the part: its blocks have the time they take (G93), and its chord error is that of the beam on the part.
 
 mod chords;
+mod header;
 mod write;
 
 use protocol::{
     Axis, Code, FORMULAS, Feed, Item, Leg, Machine, PathMode, PerAxis, Position, Route, Routed, Trace,
-    Traced, Tracer, Work, units::AXES,
+    Traced, Tracer, Work, machine::Kinematics, units::AXES,
 };
 use shape::Formula;
 
 use chords::{Chords, Measure, Piece};
+pub use header::header;
 use write::Lines;
 
 /// Share of a chord error that chords take.
@@ -125,6 +127,11 @@ impl Program<'_> {
             Ok(Routed::BeyondTravel) => return Err("a move leaves the travel of an axis".into()),
             Err(refused) => return Err(refused.to_string()),
         };
+        // Where the axes of another machine stand is not known: what is clear of the part here comes first.
+        let clear = if self.machine.machine.kinematics == Kinematics::Lathe { Axis::X } else { Axis::Z };
+        if block.tag.to[clear.index()] == self.at[clear.index()] {
+            self.lines.first(clear, self.at[clear.index()], block.tag.feed);
+        }
         let chord_mm = self.machine.path.chord_mm;
         let mut chords = Chords::new(FOR_CHORDS * chord_mm, Measure::Space);
         self.lines.decimals(FOR_ROUNDING * chord_mm);

@@ -116,6 +116,16 @@ impl<'a> Lines<'a> {
         });
     }
 
+    /// The first move of a program, if it is rapid, begins with this axis alone.
+    pub(super) fn first(&mut self, axis: Axis, at: Position, feed: Feed) {
+        if self.motion.is_empty() && feed == Feed::Rapid && self.axes.contains(&axis) {
+            let word = number(at.mm() - self.zero[axis.index()], self.decimals);
+            self.put(&format!("G0 {axis}{word}"));
+            self.words[axis.index()] = word;
+            self.motion = "G0";
+        }
+    }
+
     /// A piece of a way; its chords as far as they are certain.
     pub(super) fn follow(&mut self, chords: &mut Chords, piece: Piece, feed: Feed) {
         chords.push(piece, &mut |at, length| self.point(at, length, feed));
