@@ -6,11 +6,16 @@ use protocol::{Axis, Feed, Position, Work, machine::Kinematics};
 use serde::Deserialize;
 use shape::{Contour, Curve, Formula, Gradient, Side, Touch, Walker};
 
+use super::row::Row;
 use super::walk::{BESIDE, is_near};
-use super::{Fault, Job, Move, Planned, formula, parameter, within};
+use super::{CLEARANCE, Fault, Job, Move, Planned, formula, parameter, within};
 
-/// Places that are looked at.
-const PLACES: usize = 4000;
+/// Least places that are looked at.
+const LEAST: f64 = 4000.0;
+/// Places along the radius of the tool,
+const ALONG_RADIUS: f64 = 8.0;
+/// unless there would be more of them.
+const MOST: f64 = 1e6;
 /// Places where a piece is compared with the contour are this share of the way along the first axis apart, or less.
 const APART: f64 = 1.0 / 400.0;
 /// Most of them.
@@ -42,7 +47,7 @@ fn clearance() -> f64 {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(untagged, expecting = "expected a formula in quotes, or start and end such as [0, 100]")]
 enum Coordinate {
-    Range([f64; 2]),
+    Range(Row<f64, 2>),
     Formula(String),
 }
 
@@ -87,7 +92,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     fits(&contour, &f, name)?;
     let Walked { start, end, bounds, way } = walk(&contour, &f, plane.names)?;
     touches_nothing_else(&contour, &f, name)?;
-    job.reaches(plane.axes, bounds)?;
+    job.reaches(plane.axes, bounds, plane.names)?;
 
     // The axis along which the tool comes, where it is clear of the part, and on which side that is.
     let (across, clear, sign) = match plane.depth {
@@ -95,7 +100,10 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
         None if contour.above_mm() < 0.0 => (Axis::X, bounds[0][1] - clearance, -1.0),
         None => (Axis::X, bounds[1][1] + clearance, 1.0),
     };
-    job.reaches([across], [[plane.depth.unwrap_or(clear)], [clear]])?;
+    if let Some(depth) = plane.depth {
+        job.reaches([across], [[depth]; 2], ["depth_z_mm"])?;
+    }
+    job.reaches([across], [[plane.depth.unwrap_or(clear)], [clear]], [CLEARANCE])?;
     let place = |on: [f64; 2]| {
         let mut place = job.at(plane.axes, on);
         if let Some(depth) = plane.depth {
@@ -119,6 +127,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let facts = vec![
         ("contour", format!("{value} = {}, {name} = {from} to {to}", plane.formula)),
         ("tool", tool),
+        ("looked at", format!("{} places along {name}", gaps(&contour) + 1)),
         ("way", format!("{way:.1} mm")),
     ];
     let approach = job.approach(across, clear, sign, &start);
@@ -143,13 +152,13 @@ fn plane<'a>(keys: &'a Keys, job: &Job) -> Result<Plane<'a>, Fault> {
         (Kinematics::Mill, Some(Range(range)), Some(Formula(formula)), None) => {
             let Some(depth) = keys.depth_z_mm else { return refuse("", "depth_z_mm is missing", depth_help) };
             let depth = Some(within("depth_z_mm", depth, [-1e4, 1e4], "mm")?);
-            Ok(Plane { axes: [Axis::X, Axis::Y], names: ["x", "y"], range: *range, formula, depth })
+            Ok(Plane { axes: [Axis::X, Axis::Y], names: ["x", "y"], range: range.0, formula, depth })
         }
         (Kinematics::Lathe, Some(Formula(formula)), None, Some(Range(range))) => {
             if keys.depth_z_mm.is_some() {
                 return refuse("depth_z_mm", "a contour on a lathe has no depth_z_mm", "leave it out");
             }
-            Ok(Plane { axes: [Axis::Z, Axis::X], names: ["z", "x"], range: *range, formula, depth: None })
+            Ok(Plane { axes: [Axis::Z, Axis::X], names: ["z", "x"], range: range.0, formula, depth: None })
         }
         (Kinematics::Mill, ..) => refuse(
             "",
@@ -211,10 +220,18 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
     }
 }
 
+/// How many gaps there are between the places that are looked at.
+fn gaps(contour: &Contour) -> usize {
+    let [from, to] = contour.x;
+    let wanted =
+        if contour.radius_mm > 0.0 { ALONG_RADIUS * (to - from).abs() / contour.radius_mm } else { 0.0 };
+    wanted.ceil().clamp(LEAST, MOST) as usize
+}
+
 /// Places along the contour.
 fn places(contour: &Contour) -> impl Iterator<Item = f64> + use<> {
-    let [from, to] = contour.x;
-    (0..=PLACES).map(move |n| from + (to - from) * n as f64 / PLACES as f64)
+    let ([from, to], gaps) = (contour.x, gaps(contour));
+    (0..=gaps).map(move |n| from + (to - from) * n as f64 / gaps as f64)
 }
 
 /// Refuses a tool that is larger than the contour is hollow.
@@ -244,7 +261,7 @@ fn touches_nothing_else(contour: &Contour, f: &Formula, name: &str) -> Result<()
     let curve = contour.curve(f);
     let points: Vec<[f64; 2]> = places(contour).map(|x| [x, height(f, x)]).collect();
     let radius = contour.radius_mm;
-    let near = (radius / (contour.x[1] - contour.x[0]).abs() * PLACES as f64).ceil() as usize;
+    let near = (radius / (contour.x[1] - contour.x[0]).abs() * gaps(contour) as f64).ceil() as usize;
     for (n, [x, _]) in points.iter().enumerate() {
         let [cx, cy] = curve.at(*x).axes.map(|axis| axis.value());
         // The centre is at most a radius beside the contact, what it touches another one.

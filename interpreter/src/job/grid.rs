@@ -1,14 +1,18 @@
 //! A surface looked at on a grid over its domain. In: formula, domain, tool, mm. Out: where it does not exist, where the tool
 //! does not fit, how far apart its paths may lie, and what else of it a tool would touch.
 //!
-//! What is finer than the grid is not seen: [`CELLS`] cells along each side.
+//! What is finer than the grid is not seen. Its nodes are an eighth of the radius of the tool apart, or nearer.
 
 use shape::{Formula, Parting, Surface, Tool, Touch};
 
 use super::Fault;
 
-/// Cells along a side.
-const CELLS: usize = 200;
+/// Least cells along a side.
+const LEAST: f64 = 200.0;
+/// Cells along the radius of the tool,
+const ALONG_RADIUS: f64 = 8.0;
+/// unless there would be more than these along both sides.
+const MOST: f64 = 1e6;
 /// A tool may stand so deep in the surface, mm: rounding, far below the chord error.
 const TOUCHES_MM: f64 = 1e-6;
 /// Places that are compared with the end of the tool, most.
@@ -36,6 +40,8 @@ impl Lay {
 /// Heights of a surface and its curvatures at the nodes of a grid.
 pub(super) struct Grid {
     surface: Surface,
+    /// Cells along X and Y.
+    cells: [usize; 2],
     nodes: Vec<([f64; 2], Touch)>,
 }
 
@@ -45,21 +51,30 @@ impl Grid {
     /// # Errors
     /// A place where it, a slope or a curvature does not exist.
     pub(super) fn new(surface: &Surface, formula: &Formula) -> Result<Grid, Fault> {
-        let share = |n: usize, [low, high]: [f64; 2]| {
-            let share = n as f64 / CELLS as f64;
+        let cells = cells(surface);
+        let share = |n: usize, cells: usize, [low, high]: [f64; 2]| {
+            let share = n as f64 / cells as f64;
             low * (1.0 - share) + high * share
         };
-        let places = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (row, column)));
-        let place = |(row, column)| [share(column, surface.x), share(row, surface.y)];
+        let places = (0..=cells[1]).flat_map(|row| (0..=cells[0]).map(move |column| (row, column)));
+        let place = |(row, column)| [share(column, cells[0], surface.x), share(row, cells[1], surface.y)];
         let nodes: Vec<_> = places.map(place).map(|at| (at, Touch::at(formula, at))).collect();
         match nodes.iter().find(|(_, touch)| !touch.is_finite()) {
-            None => Ok(Grid { surface: *surface, nodes }),
+            None => Ok(Grid { surface: *surface, cells, nodes }),
             Some(([x, y], _)) => Err(Fault::new(
                 "z",
                 format!("the surface, its slope or its curvature does not exist at {}", here(*x, *y)),
                 "choose x and y so that the formula is smooth all over them",
             )),
         }
+    }
+
+    /// What was looked at, in words.
+    pub(super) fn net(&self) -> String {
+        let [x, y] = [self.surface.x, self.surface.y].map(|[low, high]| high - low);
+        let [columns, rows] = self.cells;
+        let (wide, high) = (x / columns as f64, y / rows as f64);
+        format!("{} x {} places, {wide:.3} mm x {high:.3} mm apart", columns + 1, rows + 1)
     }
 
     /// Z of its highest node, mm.
@@ -117,12 +132,15 @@ impl Grid {
     /// Refuses a tool that touches the surface elsewhere, too. `tips`: where it stands, by the point of contact.
     pub(super) fn touches_nothing_else(&self, tips: &[([f64; 2], [f64; 3])]) -> Result<(), Fault> {
         let tool = &self.surface.tool;
-        let [columns, rows] = [self.surface.x, self.surface.y].map(|side| Nodes::new(side, tool.radius_mm));
+        let [columns, rows] = [(self.surface.x, self.cells[0]), (self.surface.y, self.cells[1])]
+            .map(|(side, cells)| Nodes::new(side, cells, tool.radius_mm));
         let stride = (tips.len() * columns.most * rows.most).div_ceil(LOOKS).max(1);
         for (contact, tip) in tips.iter().step_by(stride) {
             for row in rows.near(tip[1]) {
                 for column in columns.near(tip[0]) {
-                    let Some((at, touch)) = self.nodes.get(row * (CELLS + 1) + column) else { continue };
+                    let Some((at, touch)) = self.nodes.get(row * (self.cells[0] + 1) + column) else {
+                        continue;
+                    };
                     let depth = depth(tool, tip, at, touch.z);
                     if depth > TOUCHES_MM {
                         return Err(elsewhere(contact, at, depth));
@@ -134,22 +152,31 @@ impl Grid {
     }
 }
 
+/// Cells along X and Y: enough for the tool, or as many as there may be.
+fn cells(surface: &Surface) -> [usize; 2] {
+    let wanted = [surface.x, surface.y]
+        .map(|[low, high]| (ALONG_RADIUS * (high - low) / surface.tool.radius_mm).ceil().max(LEAST));
+    let less = (MOST / (wanted[0] * wanted[1])).sqrt().min(1.0);
+    wanted.map(|cells| (cells * less).max(LEAST) as usize)
+}
+
 /// Nodes along a side, and how many of them are near a place.
 struct Nodes {
     low: f64,
     cell: f64,
+    cells: usize,
     reach: f64,
     most: usize,
 }
 
 impl Nodes {
-    fn new([low, high]: [f64; 2], reach: f64) -> Nodes {
-        let cell = (high - low) / CELLS as f64;
-        Nodes { low, cell, reach, most: ((2.0 * reach / cell) as usize).min(CELLS) + 1 }
+    fn new([low, high]: [f64; 2], cells: usize, reach: f64) -> Nodes {
+        let cell = (high - low) / cells as f64;
+        Nodes { low, cell, cells, reach, most: ((2.0 * reach / cell) as usize).min(cells) + 1 }
     }
 
     fn near(&self, at: f64) -> std::ops::Range<usize> {
-        let node = |at: f64| ((at - self.low) / self.cell).clamp(0.0, CELLS as f64);
+        let node = |at: f64| ((at - self.low) / self.cell).clamp(0.0, self.cells as f64);
         node(at - self.reach).ceil() as usize..node(at + self.reach).floor() as usize + 1
     }
 }

@@ -2,13 +2,14 @@
 
 use std::fmt::{Display, Formatter};
 
-use protocol::{Axis, Feed, Work, machine::Kinematics};
+use protocol::{Axis, Feed, Work};
 use serde::Deserialize;
 use shape::{Formula, Pattern, Surface, Tool};
 
 use super::grid::{Grid, Lay};
+use super::row::Row;
 use super::walk::{Walk, walk};
-use super::{Fault, Job, Move, Planned, domain, formula, parameter, within};
+use super::{CLEARANCE, Fault, Job, Move, Planned, domain, formula, parameter, within};
 
 /// Most paths of a pattern.
 const MOST_PATHS: f64 = 100_000.0;
@@ -20,9 +21,9 @@ pub(super) struct Keys {
     /// Z = ψ(x, y), mm.
     z: String,
     /// Lowest and highest X, mm.
-    x: [f64; 2],
+    x: Row<f64, 2>,
     /// Lowest and highest Y, mm.
-    y: [f64; 2],
+    y: Row<f64, 2>,
     tool: ToolKeys,
     path: Path,
     /// Height above the highest place of the surface at which the tool moves freely, mm.
@@ -68,7 +69,7 @@ enum Path {
     Curve {
         x: String,
         y: String,
-        t: [f64; 2],
+        t: Row<f64, 2>,
     },
 }
 
@@ -85,12 +86,8 @@ enum Along {
 /// # Errors
 /// What is wrong with a key, or with a place of the surface.
 pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
-    if job.machine.machine.kinematics != Kinematics::Mill {
-        let message = format!("a surface needs a mill, and {} is none", job.machine.machine.name);
-        return Err(Fault::new("kind", message, "choose a machine file with kinematics = \"mill\""));
-    }
     let psi = formula("z", &keys.z, &["x", "y"])?;
-    let (x, y) = (domain("x", keys.x)?, domain("y", keys.y)?);
+    let (x, y) = (domain("x", keys.x.0)?, domain("y", keys.y.0)?);
     let clearance = within("clearance_mm", keys.clearance_mm, [0.01, 1e4], "mm")?;
     let none = Pattern::Curve { t: [0.0, 1.0] };
     let mut surface = Surface { x, y, tool: tool(&keys.tool)?, pattern: none, clear_mm: 0.0 };
@@ -111,6 +108,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     surface.clear_mm = grid.top().max(highest) + clearance;
     facts.insert(0, ("surface", format!("z = {}", keys.z)));
     facts.insert(1, ("tool", keys.tool.to_string()));
+    facts.push(("looked at", grid.net()));
     facts.push(("way", format!("{:.1} mm on the surface, {} retracts", walk.cut_mm, walk.retracts)));
     moves(job, &surface, &walk, formulas, facts)
 }
@@ -178,7 +176,7 @@ fn paths(
         }
         Path::Curve { x, y, t } => {
             let formulas = [formula("path.x", x, &["t"])?, formula("path.y", y, &["t"])?];
-            let t = parameter("path.t", *t)?;
+            let t = parameter("path.t", t.0)?;
             let first = ("path", format!("x = {x}, y = {y}, t = {} to {}", t[0], t[1]));
             Ok((Pattern::Curve { t }, Some(formulas), vec![first]))
         }
@@ -239,8 +237,8 @@ fn moves(
     facts: Facts,
 ) -> Result<Planned, Fault> {
     let axes = [Axis::X, Axis::Y, Axis::Z];
-    let [low, [x, y, _]] = walk.bounds;
-    job.reaches(axes, [low, [x, y, surface.clear_mm]])?;
+    job.reaches(axes, walk.bounds, ["x", "y", "z"])?;
+    job.reaches([Axis::Z], [[walk.bounds[0][2]], [surface.clear_mm]], [CLEARANCE])?;
     let (start, end) = (job.at(axes, walk.start), job.at(axes, walk.end));
     let clear = job.at(axes, [0.0, 0.0, surface.clear_mm])[Axis::Z.index()];
     let approach = job.approach(Axis::Z, clear, 1.0, &start);

@@ -206,3 +206,35 @@ fn detail_that_the_pieces_of_a_path_step_over_is_refused() {
     let said = refused(&surface);
     assert!(said.contains("finer detail than the pieces of the path follow, at x = 10."), "{said}");
 }
+
+/// A surface under lines along X, on the mill.
+fn lines(z: &str, x: [f64; 2], diameter_mm: f64, path: &str) -> String {
+    format!(
+        "kind = \"surface\"\norigin_mm = [-50, -40, -100]\nspindle_rpm = 9000\nfeed_mm_min = 3000\nz = \"{z}\"\n\
+         x = {x:?}\ny = [0, 20]\ntool = {{ kind = \"ball\", diameter_mm = {diameter_mm} }}\n\
+         path = {{ pattern = \"lines\", {path} }}\n"
+    )
+}
+
+/// What `check` says of the first job.
+fn fact(check: &Check, name: &str) -> String {
+    check.jobs[0].facts.iter().find(|(is, _)| *is == name).map(|(_, text)| text.clone()).expect("it is told")
+}
+
+#[test]
+fn the_net_that_is_looked_at_follows_the_tool() {
+    let fine = good(&lines("0.1*x", [0.0, 100.0], 1.0, "step_mm = 0.5"), &mill());
+    assert_eq!(fact(&fine, "looked at"), "1601 x 321 places, 0.062 mm x 0.062 mm apart");
+    let most = good(&lines("0.1*x", [0.0, 100.0], 0.1, "step_mm = 0.09"), &mill());
+    let net = fact(&most, "looked at");
+    let places: f64 = net.split(' ').step_by(2).take(2).map(|word| word.parse::<f64>().unwrap()).product();
+    assert!((0.99e6..1.01e6).contains(&places), "{net}");
+    // The groove is between the nodes of a net of 200 cells, and shallow enough for the lines to get over it.
+    let groove = lines("0.05*x - 0.02*exp(-((x - 50.25)/0.08)^2)", [0.0, 100.0], 1.0, "step_mm = 0.5");
+    assert!(refused(&groove).contains("hollow there with a radius of"));
+    let contour = "kind = \"contour\"\norigin_mm = [-50, 0, 0]\nspindle_rpm = 6000\nfeed_mm_min = 1200\ny = \"x/10\"\n\
+                   x = [0, 100]\ndepth_z_mm = -4\n";
+    assert_eq!(fact(&good(contour, &mill()), "looked at"), "4001 places along x");
+    let tool = format!("{contour}tool = {{ diameter_mm = 0.2, side = \"left\" }}\n");
+    assert_eq!(fact(&good(&tool, &mill()), "looked at"), "8001 places along x");
+}
