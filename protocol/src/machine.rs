@@ -48,6 +48,7 @@ pub struct Machine {
     /// `[machine]`
     pub machine: General,
     /// `[axis.x]`, `[axis.z]` …
+    #[serde(serialize_with = "axis::spelled")]
     pub axis: std::collections::BTreeMap<Axis, AxisConfig>,
     /// `[spindle]`: only a positioner has none.
     #[serde(default = "SpindleConfig::none", skip_serializing_if = "SpindleConfig::is_none")]

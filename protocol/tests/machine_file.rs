@@ -75,11 +75,14 @@ fn the_built_in_positioner_is_good() {
     let axes: Vec<_> = machine.axes().map(|(axis, _)| axis).collect();
     assert_eq!(axes, [Axis::X, Axis::Y, Axis::A, Axis::C]);
     assert!(machine.spindle.is_none());
-    let geometry = machine.positioner.unwrap().geometry();
+    let geometry = machine.positioner.as_ref().unwrap().geometry();
     assert_eq!((geometry.x1, geometry.y1, geometry.z1), (120.0, -35.0, 250.0));
     assert_eq!((geometry.x2, geometry.y2, geometry.z2), (15.0, 8.0, -50.0));
     let travel = [Axis::X, Axis::C].map(|axis| machine.axis[&axis].travel_mm);
     assert_eq!(travel, [[-150.0, 150.0], [-720.0, 720.0]]);
+    let written = toml::to_string(&machine).unwrap();
+    assert!(written.contains("travel_deg") && written.contains("quantum_deg"), "{written}");
+    assert_eq!(Machine::from_toml(&written).unwrap(), machine);
 }
 
 /// The table of a positioner belongs to a positioner, a spindle to the others.

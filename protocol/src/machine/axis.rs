@@ -1,7 +1,9 @@
 //! `[axis.*]` of the machine file: one axis as the controller believes it to be.
 //! In: mm, s, kg, N; degrees instead of mm for a rotary axis. Out: checked values, or the path of the key and the reason.
 
-use serde::{Deserialize, Deserializer, Serialize, de::Error};
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error, ser};
 
 use super::{General, MachineError, range, refuse};
 use crate::{Axis, AxisMeasurement, Position};
@@ -268,4 +270,23 @@ fn two<E: Error>(values: Vec<f64>) -> Result<[f64; 2], E> {
 pub(super) fn key(axis: Axis, name: &str) -> String {
     let name = if axis.is_rotary() { name.replace("mm", "deg") } else { name.into() };
     format!("axis.{}.{name}", axis.name())
+}
+
+/// Writes axes by keys in the unit of each.
+pub(super) fn spelled<S: Serializer>(axes: &BTreeMap<Axis, AxisConfig>, to: S) -> Result<S::Ok, S::Error> {
+    let in_degrees = |keys: toml::Table| {
+        keys.into_iter().map(|(name, value)| (name.replace("mm", "deg"), value)).collect::<toml::Table>()
+    };
+    let mut tables = BTreeMap::new();
+    for (axis, config) in axes {
+        let mut keys = toml::Table::try_from(config).map_err(ser::Error::custom)?;
+        if axis.is_rotary() {
+            keys = in_degrees(keys);
+            if let Some(toml::Value::Table(inner)) = keys.get_mut("difference") {
+                *inner = in_degrees(std::mem::take(inner));
+            }
+        }
+        tables.insert(axis, keys);
+    }
+    tables.serialize(to)
 }
