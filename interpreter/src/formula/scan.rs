@@ -147,6 +147,10 @@ fn kind(text: &str, span: &Range<usize>, first: char, variables: &[&str]) -> Res
         }
         '[' | ']' | '{' | '}' => wrong(format!("{first} is no bracket of a formula"), "write ( and )"),
         '%' => wrong("the remainder has steps".into(), "a path must be smooth: write the job in parts"),
+        '#' => {
+            let help = "parameters such as #1 are not read in jobs: write the number";
+            wrong("there are no parameters in a formula".into(), help)
+        }
         _ if first.is_alphabetic() || first == '_' => named(word, span, variables),
         _ => wrong(format!("{first:?} is not known here"), "operations are + - * / ^"),
     }

@@ -78,6 +78,8 @@ pub(crate) enum Coolant {
 pub(crate) struct Job<'a> {
     /// The machine.
     pub(crate) machine: &'a Machine,
+    /// It is a file of its own, which says where its zero is.
+    pub(crate) is_file: bool,
     /// Machine position of the zero of the formulas, mm.
     pub(crate) origin_mm: [f64; 3],
     /// Feed, mm/min: that of the job, else F.
@@ -112,11 +114,13 @@ impl Job<'_> {
         place.and_then(|n| self.origin_mm.get(n).copied()).unwrap_or(0.0)
     }
 
-    /// Refuses a box that is not within the travel; its corners as seen from the zero of the formulas, mm.
+    /// Refuses a box that is not within the travel; its corners as seen from the zero of the formulas, mm. `keys`: what says
+    /// how far it goes on each axis.
     pub(crate) fn reaches<const N: usize>(
         &self,
         axes: [Axis; N],
         [low, high]: [[f64; N]; 2],
+        keys: [&str; N],
     ) -> Result<(), Fault> {
         for (n, axis) in axes.into_iter().enumerate() {
             let Some(config) = self.machine.axis.get(&axis) else {
@@ -130,12 +134,27 @@ impl Job<'_> {
                     "{axis} would go from {from:.3} to {to:.3} mm, and axis.{}.travel_mm = [{lowest}, {highest}]",
                     axis.name()
                 );
-                let help =
-                    "move the zero of the formulas (origin_mm; in G-code G54, G92), or make the part smaller";
-                return Err(Fault::new("", message, help));
+                let (key, help) = self.remedy(axis, [lowest - low[n], highest - high[n]], keys[n]);
+                return Err(Fault::new(key, message, help));
             }
         }
         Ok(())
+    }
+
+    /// The key to blame for a way beyond the travel, and what to do; the zero of the formulas may lie from low to high, mm.
+    fn remedy<'k>(&self, axis: Axis, [low, high]: [f64; 2], key: &'k str) -> (&'k str, String) {
+        let [low, high] = [(low * 1e3).ceil() / 1e3, (high * 1e3).floor() / 1e3];
+        if low > high {
+            return (key, format!("that is {:.3} mm more than {axis} can travel: change {key}", low - high));
+        }
+        let lower = if key == CLEARANCE { "lower clearance_mm, or " } else { "" };
+        match self.is_file {
+            true if key != CLEARANCE => {
+                ("origin_mm", format!("give origin_mm {low} to {high} for {axis}, or make the part smaller"))
+            }
+            true => (key, format!("{lower}give origin_mm {low} to {high} for {axis}")),
+            false => (key, format!("{lower}put the zero of {axis} (G54, G92) at {low} to {high} of the machine")),
+        }
     }
 
     /// Moves to where the work begins: with the axis `across` to `clear` first, then the others, then down at feed. `sign`
@@ -235,6 +254,9 @@ pub(crate) fn formula(key: &str, text: &str, variables: &[&str]) -> Result<Formu
         help: misread.help,
     })
 }
+
+/// The key of the way from the part to where the tool moves freely.
+pub(crate) const CLEARANCE: &str = "clearance_mm";
 
 /// Farthest place of a domain, mm or units of a parameter.
 const FAR: f64 = 1e5;

@@ -4,7 +4,7 @@
 use gcode::job::Job as Source;
 use gcode::problem::{Blame, Problem, Severity};
 use gcode::{Place, canon::FeedMode};
-use protocol::{Code, Position, SpindleMode};
+use protocol::{Code, Machine, Position, SpindleMode, machine::Kinematics};
 
 use super::row::Row;
 use super::text::{self, Text};
@@ -15,6 +15,9 @@ use crate::translate::{Done, Translator};
 const HIGHEST_FEED: f64 = 1e6;
 /// Bounds of a chord error, mm.
 const CHORD_MM: [f64; 2] = [1e-6, 1.0];
+
+/// The keys of a job, which have been read; what is left to say is on which machine, and where.
+type Plan = Box<dyn FnOnce(&Job) -> Result<Planned, Fault>>;
 
 impl Translator {
     /// A job. What is wrong with it is reported with its place in the text.
@@ -29,9 +32,16 @@ impl Translator {
     fn planned(&mut self, place: Place, source: &Source) -> Result<Planned, Fault> {
         let text = Text::read(&source.text)?;
         let header = text.header.clone();
+        suits(header.kind, &self.machine)?;
+        let plan: Plan = match header.kind {
+            Kind::Contour => text.keys().map(|keys| Box::new(move |job: &Job| contour::plan(keys, job)) as _),
+            Kind::Surface => text.keys().map(|keys| Box::new(move |job: &Job| surface::plan(keys, job)) as _),
+            Kind::Seam => text.keys().map(|keys| Box::new(move |job: &Job| seam::plan(keys, job)) as _),
+        }?;
         self.prepare(place, source, &header)?;
         let job = Job {
             machine: &self.machine,
+            is_file: source.is_file,
             origin_mm: self.origin(source, &header)?,
             feed_mm_min: self.feed_of_job(source, &header)?,
             chord_mm: within(
@@ -43,11 +53,7 @@ impl Translator {
             correction: header.correction,
             rest: self.positions(&self.rest),
         };
-        let planned = match header.kind {
-            Kind::Contour => contour::plan(text.keys()?, &job),
-            Kind::Surface => surface::plan(text.keys()?, &job),
-            Kind::Seam => seam::plan(text.keys()?, &job),
-        }?;
+        let planned = plan(&job)?;
         for warning in &planned.warnings {
             self.blame(place, source, warning.clone(), Severity::Warning);
         }
@@ -75,6 +81,10 @@ impl Translator {
         }
         if let Some(rpm) = header.spindle_rpm {
             let highest = self.machine.spindle.max_rpm;
+            if highest <= 0.0 {
+                let message = format!("{} has no spindle", self.machine.machine.name);
+                return Err(Fault::new("spindle_rpm", message, "leave spindle_rpm out"));
+            }
             within("spindle_rpm", rpm, [-highest, highest], "1/min (spindle.max_rpm)")?;
             let turn = if rpm < 0.0 { SpindleMode::Counterclockwise } else { SpindleMode::Clockwise };
             self.spindle.turn(turn, rpm.abs());
@@ -153,6 +163,24 @@ impl Translator {
         let problem = Problem { code: "job", severity, blame, message: fault.message, help: fault.help };
         self.report(there, problem);
     }
+}
+
+/// Refuses a job of a kind that the machine cannot do, before anything else is said of it.
+fn suits(kind: Kind, machine: &Machine) -> Result<(), Fault> {
+    let (suited, message, help): (&[Kinematics], _, _) = match kind {
+        Kind::Surface => (&[Kinematics::Mill], "a surface needs a mill", "\"mill\""),
+        Kind::Contour => (
+            &[Kinematics::Mill, Kinematics::Lathe],
+            "a contour needs a mill or a lathe",
+            "\"mill\" or \"lathe\"",
+        ),
+        Kind::Seam => (&[Kinematics::Positioner], "a seam needs a positioner", "\"positioner\""),
+    };
+    if suited.contains(&machine.machine.kinematics) {
+        return Ok(());
+    }
+    let message = format!("{message}, and {} is none", machine.machine.name);
+    Err(Fault::new("kind", message, format!("choose a machine file with kinematics = {help}")))
 }
 
 /// Keys that G-code around a job says otherwise.

@@ -11,7 +11,7 @@ mod meeting;
 mod spline;
 mod travel;
 
-use protocol::machine::{Kinematics, POSITIONER_AXES};
+use protocol::machine::POSITIONER_AXES;
 use protocol::{Feed, Position, Trace, Work};
 use serde::Deserialize;
 use shape::{Branch, Correction, Formula, Op, Seam, SeamCurve};
@@ -65,10 +65,6 @@ struct Course {
 /// # Errors
 /// What is wrong with a key, or where the positioner cannot go.
 pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
-    if job.machine.machine.kinematics != Kinematics::Positioner {
-        let message = format!("a seam needs a positioner, and {} is none", job.machine.machine.name);
-        return Err(Fault::new("kind", message, "choose a machine file with kinematics = \"positioner\""));
-    }
     if job.correction != Correction::Exact {
         return Err(Fault::new("correction", "a seam is always followed exactly", "leave it out"));
     }
@@ -79,7 +75,8 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
         .into_iter()
         .map(|(curve, t)| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: rest[3] })
         .collect();
-    let found = travel::nearest(job, &seams, &course.formulas, keys.branch, rest)?;
+    let found = travel::nearest(job, &seams, &course.formulas, keys.branch, rest)
+        .map_err(|fault| if fault.key.is_empty() { Fault { key: whole(&keys, job), ..fault } } else { fault })?;
 
     let place = |at: [f64; 4]| {
         let mut axes = job.rest;
@@ -102,6 +99,17 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
         warnings: found.warning.into_iter().collect(),
         facts,
     })
+}
+
+/// The key that says where all of the seam is.
+fn whole(keys: &Keys, job: &Job) -> String {
+    let key = match keys {
+        _ if job.origin_mm != [0.0; 3] => "origin_mm",
+        Keys { points: Some(_), .. } => "points",
+        Keys { first: Some(_), .. } => "first",
+        _ => "x",
+    };
+    key.into()
 }
 
 /// What the keys say, moved by the place of the part on the work-holder, mm.

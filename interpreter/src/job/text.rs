@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use serde::de::DeserializeOwned;
+use serde::de::{Deserialize, DeserializeOwned};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
@@ -30,6 +30,7 @@ const SEAMS: &str = "docs/positioner.md";
 pub(crate) struct Text<'a> {
     /// What every kind has.
     pub(crate) header: Header,
+    text: &'a str,
     keys: Spanned<DeTable<'a>>,
 }
 
@@ -39,13 +40,14 @@ impl<'a> Text<'a> {
     /// # Errors
     /// Not TOML, or a key that every kind has is missing or wrong.
     pub(crate) fn read(text: &'a str) -> Result<Text<'a>, Fault> {
-        let table = table(text).map_err(|error| syntax(error, PAGE))?;
+        let refuse = |error| syntax(text, &error, PAGE);
+        let table = table(text).map_err(refuse)?;
         let (span, all) = (table.span(), table.into_inner());
         let of_header = |key: &str| HEADER.contains(&key);
         let (header, keys): (DeTable, DeTable) =
             all.into_iter().partition(|(key, _)| of_header(key.get_ref()));
-        let header = Header::deserialize_from(Spanned::new(span.clone(), header))?;
-        Ok(Text { header, keys: Spanned::new(span, keys) })
+        let header = Header::deserialize(Deserializer::from(Spanned::new(span.clone(), header)));
+        Ok(Text { header: header.map_err(refuse)?, text, keys: Spanned::new(span, keys) })
     }
 
     /// The keys of its kind.
@@ -54,13 +56,7 @@ impl<'a> Text<'a> {
     /// A key that is missing, unknown, or of another type.
     pub(crate) fn keys<T: DeserializeOwned>(self) -> Result<T, Fault> {
         let page = if self.header.kind == Kind::Seam { SEAMS } else { PAGE };
-        T::deserialize(Deserializer::from(self.keys)).map_err(|error| syntax(error, page))
-    }
-}
-
-impl Header {
-    fn deserialize_from(keys: Spanned<DeTable>) -> Result<Header, Fault> {
-        serde::Deserialize::deserialize(Deserializer::from(keys)).map_err(|error| syntax(error, PAGE))
+        T::deserialize(Deserializer::from(self.keys)).map_err(|error| syntax(self.text, &error, page))
     }
 }
 
@@ -102,14 +98,45 @@ fn table(text: &str) -> Result<Spanned<DeTable<'_>>, Error> {
 }
 
 /// What the reader of TOML found; the page that says what is right.
-fn syntax(error: Error, page: &str) -> Fault {
-    let message = error.message();
-    let help = if message.starts_with("unknown field") {
-        format!("every job has {}; {page} lists the others", HEADER.join(", "))
+fn syntax(text: &str, error: &Error, page: &str) -> Fault {
+    let (message, part) = (error.message(), error.span());
+    if let Some(fault) = unknown(text, message, &part, page) {
+        return fault;
+    }
+    let help = if part.as_ref().is_some_and(|part| has_parameter(text, part.start)) {
+        "# begins a comment here: parameters such as #1 are not read in jobs, write the number".to_owned()
     } else if message.starts_with("missing field") {
         format!("add it; {page} shows a whole job")
     } else {
         format!("{page} lists the keys and their values")
     };
-    Fault { key: String::new(), part: error.span(), message: message.to_owned(), help }
+    Fault { key: String::new(), part, message: message.to_owned(), help }
+}
+
+/// A key that its table does not have. The message names it, and those that the table has.
+fn unknown(text: &str, message: &str, part: &Option<Range<usize>>, page: &str) -> Option<Fault> {
+    let name = message.strip_prefix("unknown field `")?.split('`').next()?;
+    let table = table(text).ok()?;
+    let blamed = |span: Range<usize>| part.as_ref().is_none_or(|part| part.contains(&span.start));
+    let has = |table: &DeTable| table.keys().any(|key| key.get_ref() == name && blamed(key.span()));
+    let inner = table.get_ref().iter().find_map(|(key, value)| match value.get_ref() {
+        DeValue::Table(inner) if has(inner) => Some(key.get_ref().as_ref()),
+        _ => None,
+    });
+    let Some(inner) = inner.filter(|_| !has(table.get_ref())) else {
+        let help = format!("every job has {}; {page} lists the others", HEADER.join(", "));
+        return Some(Fault::new(name, message, help));
+    };
+    // Serde tells the patterns of a path apart by this key, and does not count it.
+    let all = if inner == "path" { "expected one of `pattern`, " } else { "expected one of " };
+    let message = message.replacen("expected one of ", all, 1);
+    Some(Fault::new(&format!("{inner}.{name}"), message, format!("these are the keys of {inner}; see {page}")))
+}
+
+/// Whether the line at a byte has a parameter of G-code: `#1`, `#<name>`, `#[1 + 2]`.
+fn has_parameter(text: &str, at: usize) -> bool {
+    let start = text.get(..at).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+    let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
+    let mut behind = line.split('#').skip(1);
+    behind.any(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '<' || c == '['))
 }
