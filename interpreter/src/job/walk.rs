@@ -4,7 +4,7 @@
 use shape::{Curve, Formula, Leg, Plan, SpanError, Surface, SurfaceCurve, Touch, Walker};
 
 use super::Fault;
-use super::grid::here;
+use super::grid::{cuts, here, hollow};
 
 /// Places in a path are this share of the larger side of the domain apart, or less.
 const APART: f64 = 1.0 / 400.0;
@@ -136,8 +136,9 @@ fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError
     let [x, y] = curve.contact(t).map(|axis| axis.value());
     let speed = point.tip.iter().map(|axis| axis.derivative(1).abs()).fold(1e-9, f64::max);
     let beside = |sign: f64| curve.contact(t + sign * JUMP_MM / speed).map(|axis| axis.value());
-    let slopes = [-1.0, 1.0].map(|sign| Touch::at(formula, beside(sign)).slope);
-    let [[a, b], [c, d]] = slopes.map(|[x, y]| [x, y].map(|slope| slope / libm::hypot(x, y)));
+    let touches = [-1.0, 1.0].map(|sign| (beside(sign), Touch::at(formula, beside(sign))));
+    let [[a, b], [c, d]] =
+        touches.map(|(_, touch)| touch.slope).map(|[x, y]| [x, y].map(|slope| slope / libm::hypot(x, y)));
     let cosine = a * c + b * d;
     if !curve.tool().is_ball() && (cosine.is_nan() || cosine < TURNS) {
         let message = format!(
@@ -146,6 +147,10 @@ fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError
         );
         let help = "take kind = \"ball\", or a path that keeps clear of that place";
         return Fault::new("tool", message, help);
+    }
+    // A tool that is too large would go back where its path goes on.
+    if let Some((at, touch)) = touches.iter().find(|(_, touch)| cuts(curve.tool(), touch)) {
+        return hollow(*at, touch);
     }
     let message = format!("the path of the tool cannot be followed at {}: {error}", here(x, y));
     match plan {
