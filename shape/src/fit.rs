@@ -164,6 +164,14 @@ impl Parting {
         k * half * half / (1.0 + (1.0 - (k * half) * (k * half)).max(0.0).sqrt())
     }
 
+    /// Whether a tool on neighbouring paths at the distance δ leaves a ridge between them: with k δ/2 ≥ 1 the round that it
+    /// sweeps does not reach as far. Of what is not finite this is not known, and it says that it does.
+    #[must_use]
+    pub fn overlaps(&self, delta_mm: f64) -> bool {
+        let share = self.ridge() * 0.5 * delta_mm;
+        share < 1.0 || !share.is_finite()
+    }
+
     /// Distance δ of paths that leaves a ridge of this height, mm.
     #[must_use]
     pub fn distance(&self, height_mm: f64) -> f64 {

@@ -13,8 +13,12 @@ const LEAST: f64 = 200.0;
 const ALONG_RADIUS: f64 = 8.0;
 /// unless there would be more than these along both sides.
 const MOST: f64 = 1e6;
+/// Steepest slope.
+const STEEPEST: f64 = 1e6;
 /// A tool may stand so deep in the surface, mm: rounding, far below the chord error.
 const TOUCHES_MM: f64 = 1e-6;
+/// Of the distance at which the tool just comes to all places, most that the height of ridges asks for.
+const OVERLAP: f64 = 0.95;
 /// Places that are compared with the end of the tool, most.
 const LOOKS: usize = 40_000_000;
 
@@ -35,6 +39,17 @@ impl Lay {
             Lay::Rings => vec![[1.0, 0.0], [0.0, 1.0]],
         }
     }
+}
+
+/// What is left between neighbouring paths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Left {
+    /// Ridges of at most this height, mm.
+    Ridges(f64),
+    /// Steps: somewhere the paths lie farther apart than the corner of the tool is round.
+    Steps,
+    /// Material: somewhere the tool does not come at all.
+    Material,
 }
 
 /// Heights of a surface and its curvatures at the nodes of a grid.
@@ -59,6 +74,11 @@ impl Grid {
         let places = (0..=cells[1]).flat_map(|row| (0..=cells[0]).map(move |column| (row, column)));
         let place = |(row, column)| [share(column, cells[0], surface.x), share(row, cells[1], surface.y)];
         let nodes: Vec<_> = places.map(place).map(|at| (at, Touch::at(formula, at))).collect();
+        let upright = |touch: &Touch| touch.slope.iter().any(|one| one.abs() > STEEPEST);
+        if let Some(([x, y], _)) = nodes.iter().find(|(_, touch)| touch.is_finite() && upright(touch)) {
+            let message = format!("the surface is as good as upright at {}", here(*x, *y));
+            return Err(Fault::new("z", message, "choose x and y without that place"));
+        }
         match nodes.iter().find(|(_, touch)| !touch.is_finite()) {
             None => Ok(Grid { surface: *surface, cells, nodes }),
             Some(([x, y], _)) => Err(Fault::new(
@@ -85,36 +105,38 @@ impl Grid {
     /// Refuses a tool that cuts into the surface beside the place where it touches (M89).
     pub(super) fn fits(&self) -> Result<(), Fault> {
         let tool = &self.surface.tool;
-        let cuts = |touch: &Touch| {
-            (tool.is_ball() || touch.level() > 0.0) && touch.parting(tool, [1.0, 0.0]).gouges()
-        };
-        let worst = self.nodes.iter().filter(|(_, touch)| cuts(touch));
-        let Some(([x, y], touch)) = worst.max_by(|(_, a), (_, b)| a.hollow().total_cmp(&b.hollow())) else {
-            return Ok(());
-        };
-        let hollow = 1.0 / touch.hollow();
-        let message = format!(
-            "the tool cuts into the surface beside the place where it touches it, at {}: the surface is hollow there \
-             with a radius of {hollow:.3} mm",
-            here(*x, *y)
-        );
-        let help = format!(
-            "take a ball with a diameter below {:.3} mm, or choose x and y without that place",
-            2.0 * hollow
-        );
-        Err(Fault::new("tool", message, help))
+        let worst = self.nodes.iter().filter(|(_, touch)| cuts(tool, touch));
+        match worst.max_by(|(_, a), (_, b)| a.hollow().total_cmp(&b.hollow())) {
+            Some((at, touch)) => Err(hollow(*at, touch)),
+            None => Ok(()),
+        }
     }
 
     /// Largest distance of paths, seen from above, that leaves no ridge higher than `height_mm`, mm.
     pub(super) fn step(&self, height_mm: f64, lay: Lay) -> f64 {
         let steps = self.partings(lay).map(|(parting, spread)| parting.distance(height_mm) / spread);
-        steps.filter(|step| step.is_finite()).fold(f64::INFINITY, f64::min)
+        steps.filter(|step| step.is_finite()).fold(OVERLAP * self.widest(lay), f64::min)
     }
 
-    /// Height of the highest ridge between paths at a distance, seen from above, mm.
-    pub(super) fn ridge(&self, step_mm: f64, lay: Lay) -> f64 {
+    /// What is left between paths at a distance, seen from above, mm.
+    pub(super) fn left(&self, step_mm: f64, lay: Lay) -> Left {
+        let is_apart = |(parting, spread): &(Parting, f64)| !parting.overlaps(step_mm * spread);
+        let is_apart = self.partings(lay).any(|one| is_apart(&one));
+        if step_mm >= self.widest(lay) || (is_apart && self.surface.tool.is_ball()) {
+            return Left::Material;
+        }
+        if is_apart {
+            return Left::Steps;
+        }
         let heights = self.partings(lay).map(|(parting, spread)| parting.height(step_mm * spread));
-        heights.filter(|height| height.is_finite()).fold(0.0, f64::max)
+        Left::Ridges(heights.filter(|height| height.is_finite()).fold(0.0, f64::max))
+    }
+
+    /// Distance of paths at which the tool just comes to all places between them, mm.
+    fn widest(&self, lay: Lay) -> f64 {
+        let level = Touch { z: 0.0, slope: [0.0; 2], second: [0.0; 3] };
+        let spread = if lay == Lay::Rings { level.spread_in_corners([1.0, 0.0]) } else { 1.0 };
+        2.0 * self.surface.tool.radius_mm / spread
     }
 
     /// How fast the tool and the surface part at all nodes, and the distance on the surface of paths 1 mm apart.
@@ -179,6 +201,27 @@ impl Nodes {
         let node = |at: f64| ((at - self.low) / self.cell).clamp(0.0, self.cells as f64);
         node(at - self.reach).ceil() as usize..node(at + self.reach).floor() as usize + 1
     }
+}
+
+/// Whether a tool cuts into the surface beside the place where it touches (M89).
+pub(super) fn cuts(tool: &Tool, touch: &Touch) -> bool {
+    let touches_beside_its_tip = tool.is_ball() || touch.level() > 0.0;
+    touch.is_finite() && touches_beside_its_tip && touch.parting(tool, [1.0, 0.0]).gouges()
+}
+
+/// What is said where it does.
+pub(super) fn hollow([x, y]: [f64; 2], touch: &Touch) -> Fault {
+    let hollow = 1.0 / touch.hollow();
+    let message = format!(
+        "the tool cuts into the surface beside the place where it touches it, at {}: the surface is hollow there with a \
+         radius of {hollow:.3} mm",
+        here(x, y)
+    );
+    let help = format!(
+        "take a ball with a diameter below {:.3} mm, or choose x and y without that place",
+        2.0 * hollow
+    );
+    Fault::new("tool", message, help)
 }
 
 /// How deep a place lies in the end of a tool, mm.

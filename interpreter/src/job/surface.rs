@@ -6,13 +6,16 @@ use protocol::{Axis, Feed, Work};
 use serde::Deserialize;
 use shape::{Formula, Pattern, Surface, Tool};
 
-use super::grid::{Grid, Lay};
+use super::grid::{Grid, Lay, Left};
 use super::row::Row;
 use super::walk::{Walk, walk};
 use super::{CLEARANCE, Fault, Job, Move, Planned, domain, formula, parameter, within};
 
 /// Most paths of a pattern.
 const MOST_PATHS: f64 = 100_000.0;
+
+/// What is said where neighbouring paths leave more than ridges.
+const NO_OVERLAP: &str = "paths do not overlap, material is left between them";
 
 /// Keys of a surface.
 #[derive(Clone, Debug, Deserialize)]
@@ -223,9 +226,14 @@ fn gaps(way: f64, step: f64) -> Result<u32, Fault> {
     ))
 }
 
+/// How far apart the paths are, and what they leave between them.
 fn spacing(step: f64, lay: Lay, grid: &Grid) -> (&'static str, String) {
-    let ridge = 1000.0 * grid.ridge(step, lay);
-    ("spacing", format!("{step:.4} mm seen from above, ridges of at most {ridge:.2} µm"))
+    let left = match grid.left(step, lay) {
+        Left::Ridges(height) => format!("ridges of at most {:.2} µm", 1000.0 * height),
+        Left::Steps => "steps where it is steep".into(),
+        Left::Material => NO_OVERLAP.into(),
+    };
+    ("spacing", format!("{step:.4} mm seen from above, {left}"))
 }
 
 /// Moves before and behind the work, all of it within the travel.
@@ -246,7 +254,10 @@ fn moves(
     up[Axis::Z.index()] = clear;
     let retract = vec![Move { to: up, feed: Feed::Rapid }];
     let traces = vec![job.trace(Work::Surface(*surface))];
-    Ok(Planned { approach, formulas, traces, end, retract, warnings: Vec::new(), facts })
+    let apart = facts.iter().any(|(_, text)| text.ends_with(NO_OVERLAP));
+    let help = "give scallop_mm, or a smaller step_mm";
+    let warnings = apart.then(|| Fault::new("path", NO_OVERLAP, help)).into_iter().collect();
+    Ok(Planned { approach, formulas, traces, end, retract, warnings, facts })
 }
 
 impl Display for ToolKeys {

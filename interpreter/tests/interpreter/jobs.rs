@@ -1,6 +1,6 @@
 //! Jobs from outside: what becomes of them, where they stand in a program, where a message points.
 
-use interpreter::{Check, check, check_job};
+use interpreter::{Check, Severity, check, check_job};
 use protocol::{Axis, Code, Feed, Item, Machine, Position, Trace, Work, machine::SMALL_MILL};
 use shape::{Correction, Formula, Surface};
 
@@ -237,4 +237,40 @@ fn the_net_that_is_looked_at_follows_the_tool() {
     assert_eq!(fact(&good(contour, &mill()), "looked at"), "4001 places along x");
     let tool = format!("{contour}tool = {{ diameter_mm = 0.2, side = \"left\" }}\n");
     assert_eq!(fact(&good(&tool, &mill()), "looked at"), "8001 places along x");
+}
+
+#[test]
+fn paths_that_do_not_overlap_are_a_warning_and_no_figure() {
+    let material = "paths do not overlap, material is left between them";
+    for (z, step) in [("0*x", 4.0), ("0*x", 1.0), ("8*y", 0.5)] {
+        let text = lines(z, [0.0, 20.0], 1.0, &format!("step_mm = {step}"));
+        let check = good(&text, &mill());
+        let [one] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
+        assert_eq!((one.severity, one.line, one.message.as_str()), (Severity::Warning, 9, material));
+        assert!(fact(&check, "spacing").ends_with(material), "{:?}", check.jobs);
+    }
+    let near = good(&lines("0*x", [0.0, 20.0], 1.0, "step_mm = 0.9"), &mill());
+    assert!(
+        near.diagnostics.is_empty() && fact(&near, "spacing").contains("ridges of at most 28"),
+        "{near:?}"
+    );
+    // What is asked for as a ridge never lets the paths part.
+    let hollow = good(&lines("y^2/13 - 3*y", [0.0, 20.0], 12.0, "scallop_mm = 3"), &mill());
+    assert!(hollow.diagnostics.is_empty(), "{}", said(&hollow));
+    let bull =
+        lines("0.9*y", [0.0, 20.0], 8.0, "step_mm = 4").replace("\"ball\"", "\"bull\", corner_mm = 0.5");
+    let bull = good(&bull, &mill());
+    assert!(
+        bull.diagnostics.is_empty() && fact(&bull, "spacing").ends_with("steps where it is steep"),
+        "{bull:?}"
+    );
+}
+
+#[test]
+fn a_tool_that_does_not_fit_between_the_nodes_of_the_grid_is_said_not_to_fit() {
+    // Level at every node.
+    let alias = refused(&lines("0.5*sin(4*pi*x)", [0.0, 100.0], 12.0, "step_mm = 5"));
+    assert!(alias.contains("the surface is hollow there with a radius of"), "{alias}");
+    let upright = refused(&lines("1e300*x", [0.0, 10.0], 6.0, "step_mm = 5"));
+    assert!(upright.contains("the surface is as good as upright at x = 0.0000"), "{upright}");
 }
