@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
-use protocol::{Arc, Code, Item, Machine, code_file::CodeFile};
+use protocol::{Arc, Code, Item, Machine, Route, Tracer, code_file::CodeFile};
 use rig::observe::Watch;
 
 use crate::{cli, error::CliError};
@@ -115,30 +115,81 @@ fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Pr
     interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))
 }
 
-/// Why machine code does not suit the limits of a machine of the same name that has changed since.
+/// Why machine code does not suit the limits of a machine of the same name that has changed since. Why a trace cannot be
+/// followed is seen where its time is told.
 fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
-    let mut at = machine.home();
-    items.iter().find_map(|item| {
-        let what = match item.code {
-            Code::Pass(pass) if !machine.can_follow(&pass) => "a pass its axes cannot follow",
-            Code::Line { target, .. } if !machine.can_reach(&target) => "a move beyond its travel",
-            Code::Arc { arc, .. } if !machine.can_turn(&at, &arc) => {
+    let (mut at, mut route) = (machine.home(), Route::new(machine));
+    for Item { line, code } in items {
+        let what = match code {
+            Code::Pass(pass) if !machine.can_follow(pass) => "a pass its axes cannot follow",
+            Code::Line { target, .. } if !machine.can_reach(target) => "a move beyond its travel",
+            Code::Arc { arc, .. } if !machine.can_turn(&at, arc) => {
                 "an arc that leaves its travel, or is none"
             }
             Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => {
-                at = target;
-                return None;
+                at = *target;
+                continue;
             }
             Code::Pass(pass) => {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
-                return None;
+                continue;
             }
-            _ => return None,
+            Code::Formula { slot, formula } => {
+                route.set_formula(*slot, *formula);
+                continue;
+            }
+            Code::Trace(trace) => {
+                let tracer = Tracer::new(&route, *line, trace, &at).ok()?;
+                at = tracer.end(&route).ok()?;
+                continue;
+            }
+            _ => continue,
         };
-        Some(changed(what, item.line))
-    })
+        return Some(changed(what, *line));
+    }
+    None
 }
 
 fn changed(what: &str, line: u32) -> String {
     format!("{what} (line {line} of the program): the machine has changed, compile the program again")
+}
+
+#[cfg(test)]
+mod tests {
+    use protocol::{
+        Arc, Axis, Code, Feed, Item, Machine, PerAxis, Plane, Position, Trace, Work, machine::SMALL_MILL,
+    };
+    use shape::{Contour, Correction, Formula, Op, Side};
+
+    use super::not_for;
+
+    /// A straight contour along X, and half a circle from its end: an arc from there, and none from anywhere else.
+    #[test]
+    fn an_arc_behind_a_trace_begins_where_the_trace_ends() {
+        let machine = Machine::from_toml(SMALL_MILL).expect("a mill");
+        let at = |x: f64, y: f64| {
+            let mut at = PerAxis::default();
+            (at[0], at[1]) = (Position::from_mm(x), Position::from_mm(y));
+            at
+        };
+        let formula = Formula::new(&[Op::Variable(0), Op::Constant(0.0), Op::Mul]).expect("a formula");
+        let half = |x: f64| {
+            let (target, center) = (at(x, 30.0), [Position::from_mm(x), Position::from_mm(20.0)]);
+            let arc = Arc { plane: Plane::ALL[0], target, center, turns: 1 };
+            Code::Arc { arc, feed: Feed::PerMinute(1000.0) }
+        };
+        let origin = [10.0, 10.0, 0.0].map(Position::from_mm);
+        let work =
+            Work::Contour(Contour { x: [0.0, 20.0], radius_mm: 0.0, side: Side::On }, [Axis::X, Axis::Y]);
+        let trace =
+            Trace { work, origin, feed_mm_min: 1000.0, chord_mm: 0.001, correction: Correction::Exact };
+        let codes = |x: f64| {
+            let start = Code::Line { target: at(10.0, 10.0), feed: Feed::Rapid };
+            let codes = [start, Code::Formula { slot: 0, formula }, Code::Trace(trace), half(x)];
+            (1..).zip(codes).map(|(line, code)| Item { line, code }).collect::<Vec<_>>()
+        };
+        assert_eq!(not_for(&machine, &codes(30.0)), None);
+        let refused = not_for(&machine, &codes(10.0)).expect("the circle of 10 mm does not begin there");
+        assert!(refused.contains("line 4"), "{refused}");
+    }
 }

@@ -136,6 +136,17 @@ impl Tracer {
         seams && matches!(self.stage, Stage::Cut(..))
     }
 
+    /// Where the trace ends. Only its last leg is followed: the others do not change that.
+    ///
+    /// # Errors
+    /// [`Untraceable`], on that leg.
+    pub fn end(mut self, route: &Route) -> Result<PerAxis<Position>, Untraceable> {
+        self.leg = self.legs.saturating_sub(1);
+        (self.at, self.stage) = (self.start(route)?, self.stage_of_leg());
+        while !matches!(self.next(route)?, Traced::Over) {}
+        Ok(self.at)
+    }
+
     /// What it follows.
     pub fn trace(&self) -> &Trace {
         &self.trace
