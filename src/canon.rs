@@ -212,6 +212,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
 fn open(args: &CanonArgs, options: &Options) -> Result<Program, CliError> {
     match &args.program {
         Some(path) if path != Path::new("-") => {
+            interpreter::no_other(path).map_err(|error| CliError::Input(error.to_string()))?;
             let open = if interpreter::is_job(path) { Program::open_job } else { Program::open };
             open(path, options).map_err(|error| CliError::file(path, error))
         }

@@ -100,6 +100,29 @@ fn what_is_missing_or_unknown_is_named() {
 }
 
 #[test]
+fn what_is_no_g_code_is_said_in_one_error() {
+    let place = Place::new();
+    let job = fs::read_to_string(project().join("examples/shape/wave.toml")).expect("it is shipped");
+    let mill = project().join("examples/machines/small-mill.toml").display().to_string();
+    place.write("wave.txt", &job);
+    place.write("WAVE.TOML", &job);
+    accepts(&place, &["compile", "WAVE.TOML", "--machine", &mill, "-o", "wave.mc"]);
+    accepts(&place, &["canon", "WAVE.TOML"]);
+    fs::copy(place.at("wave.mc"), place.at("code.ngc")).expect("it was just compiled");
+    for (arguments, words) in [
+        (&["check", "wave.txt", "--machine", &mill][..], ["looks like a job", "wave.toml"]),
+        (&["canon", "wave.txt"], ["looks like a job", "wave.toml"]),
+        (&["canon", "wave.mc"], ["is machine code", "`pitchlock run wave.mc`"]),
+        (&["run", "code.ngc", "--machine", &mill], ["is machine code", "rename it"]),
+    ] {
+        let answer = place.ask(arguments);
+        assert_eq!(answer.status, Some(2), "{}", answer.stdout);
+        assert_eq!(answer.stderr.lines().count(), 1, "{}", answer.stderr);
+        assert!(words.iter().all(|word| answer.stderr.contains(word)), "{}", answer.stderr);
+    }
+}
+
+#[test]
 fn damaged_machine_code_is_refused() {
     let place = Place::new();
     accepts(&place, &["compile", &m20x2(), "-o", "good.mc"]);

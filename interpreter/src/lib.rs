@@ -52,7 +52,7 @@ use protocol::{Item, Machine, Untraceable};
 pub use check::{Check, check, check_job, check_program, time_s};
 pub use gcode::{Diagnostic, Severity};
 pub use job::JobNote;
-pub use options::{Language, OpenError, check_folders, is_job, open};
+pub use options::{Language, OpenError, check_folders, is_job, no_other, open};
 pub use threading::PassNote;
 use translate::Translator;
 

@@ -1,10 +1,17 @@
 //! How a machine reads programs: dialect, tools, the point at which its axes rest.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gcode::files::ToolTable;
 use gcode::{Dialect, Options, Program};
-use protocol::{Machine, machine, units::AXES};
+use protocol::{
+    Machine,
+    code_file::{CodeFile, MAGIC},
+    machine,
+    units::AXES,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::translate::plane_of;
@@ -42,6 +49,14 @@ pub enum OpenError {
         /// Why.
         error: std::io::Error,
     },
+    /// It is something else, by what it begins with; the text says what to do.
+    #[error("{}: {reason}", path.display())]
+    Other {
+        /// Its path.
+        path: PathBuf,
+        /// What it is.
+        reason: String,
+    },
     /// A folder of subroutines is none.
     #[error("{}: there is no such folder for subroutines", .0.display())]
     Folder(PathBuf),
@@ -61,6 +76,7 @@ pub enum OpenError {
 /// The program or the tool table cannot be read, or the dialect is none of this machine.
 pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Program, OpenError> {
     check_folders(&language.subroutines)?;
+    no_other(path)?;
     let mut options = options(machine);
     if let Some(dialect) = language.dialect {
         options.dialect = of_program(dialect);
@@ -79,7 +95,43 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
 
 /// Whether a file is a job by its name: `.toml`.
 pub fn is_job(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "toml")
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Refuses a file that would be read as G-code, but is machine code, or a job that is not named `.toml`.
+///
+/// # Errors
+/// Says what it is and what to do. A file that cannot be read is left to whoever opens it.
+pub fn no_other(path: &Path) -> Result<(), OpenError> {
+    // How far a file is looked at, bytes: a job says its kind at its beginning.
+    const BEGINNING: u64 = 4096;
+    let mut beginning = Vec::new();
+    // What comes through a pipe can be read only once.
+    if path.is_file()
+        && let Ok(file) = File::open(path)
+    {
+        // What is there, even if reading ends early.
+        let _ = file.take(BEGINNING).read_to_end(&mut beginning);
+    }
+    let other = |reason: String| Err(OpenError::Other { path: path.to_owned(), reason });
+    if beginning.starts_with(&MAGIC) {
+        let name = path.with_extension("mc");
+        let rename = if CodeFile::is_named(path) { "" } else { "rename it, then " };
+        return other(format!(
+            "is machine code, not a part program: {rename}`pitchlock check {0}` judges it, `pitchlock run {0}` runs it",
+            name.display()
+        ));
+    }
+    let kind =
+        |line: &str| line.trim_start().strip_prefix("kind")?.trim_start().strip_prefix('=').map(|_| ());
+    if !is_job(path) && String::from_utf8_lossy(&beginning).lines().any(|line| kind(line).is_some()) {
+        let name = path.with_extension("toml");
+        return other(format!(
+            "looks like a job, and jobs are named *.toml: rename it to {}",
+            name.display()
+        ));
+    }
+    Ok(())
 }
 
 /// Refuses folders of subroutines that are not there.

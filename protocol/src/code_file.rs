@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Item, Machine, Refused};
 
-const MAGIC: [u8; 4] = *b"PLMC";
+/// What a file begins with.
+pub const MAGIC: [u8; 4] = *b"PLMC";
 /// Version of the format. Any change of [`CodeFile`] or of what it holds makes a new one.
 pub const VERSION: u16 = 4;
 /// Longest content that is read, bytes: a program of some ten million moves.
@@ -176,7 +177,7 @@ impl CodeFile {
 
     /// Whether a file holds machine code, by its ending.
     pub fn is_named(path: &Path) -> bool {
-        path.extension().is_some_and(|ending| ending == "mc")
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mc"))
     }
 
     /// Refuses a machine other than the one the program was compiled for.
