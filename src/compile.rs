@@ -8,8 +8,8 @@ use std::{
     process::ExitCode,
 };
 
-use interpreter::g1::{self, Size};
-use protocol::{Code, Item, Machine, code_file::CodeFile};
+use interpreter::g1::{self, NoLines, Size};
+use protocol::{Code, Item, Machine, Work, code_file::CodeFile};
 
 use crate::{
     cli::{self, CompileArgs},
@@ -26,42 +26,56 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.input.machine.read()?;
     let program = Program::read(&args.input.program, &args.input.language, &machine)?;
     eprint!("{}", program.messages);
-    let name = args.input.program.display().to_string();
+    // Without its folder, so that a program has the same machine code everywhere.
+    let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
     let items: Vec<Item> = program.items(&args.input.program, &args.input.language, &machine)?.collect();
-    let traces = items.iter().any(|item| matches!(item.code, Code::Trace(_)));
-    let lines = match &args.g1 {
-        Some(path) => {
-            // What cannot be said leaves no file behind.
-            let size = g1::write(&items, &machine, &mut |_| {});
-            size.map_err(|error| CliError::Input(error.to_string()))?;
-            Some(write_lines(path, &items, &machine)?)
-        }
-        // Without lines there is nothing to compare.
-        None if traces => g1::write(&items, &machine, &mut |_| {}).ok(),
-        None => None,
-    };
+    let file = CodeFile::new(&name, &machine, items);
     let mut bytes = Vec::new();
-    CodeFile::new(&name, &machine, items)
-        .write(&mut bytes)
+    file.write(&mut bytes)
         .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
         .map_err(|error| CliError::file(&args.out, error))?;
     cli::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
+    let lines = match &args.g1 {
+        Some(path) => Some(write_lines(path, args, &file.items, &machine)?),
+        // Without lines there is nothing to compare.
+        None if traces(&file.items, |_| true) => g1::write(&file.items, &machine, &mut |_| {}).ok(),
+        None => None,
+    };
     if let Some(lines) = lines {
         cli::print(&compared(bytes.len() as u64, lines));
+    }
+    if args.g1.is_some() && traces(&file.items, |work| matches!(work, Work::Seam(_))) {
+        cli::print(
+            "the lines of a seam are for size and for other controls: this machine is slower along them\n",
+        );
     }
     Ok(ExitCode::SUCCESS)
 }
 
+/// Whether there is a trace of such work.
+fn traces(items: &[Item], is: impl Fn(&Work) -> bool) -> bool {
+    items.iter().any(|item| matches!(&item.code, Code::Trace(trace) if is(&trace.work)))
+}
+
 /// Writes the same as straight lines to a file.
-fn write_lines(path: &Path, items: &[Item], machine: &Machine) -> Result<Size, CliError> {
+fn write_lines(path: &Path, args: &CompileArgs, items: &[Item], machine: &Machine) -> Result<Size, CliError> {
+    let (program, code) = (&args.input.program, args.out.display());
+    let no_lines = |error: NoLines| {
+        let remedy = format!("leave --g1 out; {code} is written and says all of it");
+        CliError::file(program, format!("{error}: {remedy}"))
+    };
+    // What cannot be said leaves no file behind.
+    g1::write(items, machine, &mut |_| {}).map_err(no_lines)?;
     let mut file = BufWriter::new(File::create(path).map_err(|error| CliError::file(path, error))?);
     let mut wrote = Ok(());
-    let size = g1::write(items, machine, &mut |line| {
+    let mut put = |line: &str| {
         if wrote.is_ok() {
             wrote = writeln!(file, "{line}");
         }
-    });
-    let size = size.map_err(|error| CliError::Input(error.to_string()))?;
+    };
+    let name = program.file_name().unwrap_or_default().to_string_lossy();
+    g1::header(items, machine, &name).iter().for_each(|line| put(line));
+    let size = g1::write(items, machine, &mut put).map_err(no_lines)?;
     wrote.and_then(|()| file.flush()).map_err(|error| CliError::file(path, error))?;
     Ok(size)
 }

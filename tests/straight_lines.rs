@@ -18,14 +18,24 @@ fn a_surface_is_a_hundred_times_smaller_than_its_straight_lines_and_these_are_a_
 
     // What is said of them is what they are.
     let digits: String = answer.stdout.lines().last().unwrap_or_default().replace(' ', "");
-    let blocks = lines.iter().filter(|byte| **byte == b'\n').count();
+    let text = String::from_utf8(lines).expect("it is text");
+    let (header, lines): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with(';'));
+    let bytes: usize = lines.iter().map(|line| line.len() + 1).sum();
     for said in [
         format!("machinecode{}bytes;", code.len()),
-        format!("accuracy{}bytesin{blocks}blocks:", lines.len()),
-        format!("{}timesasmany", lines.len() / code.len()),
+        format!("accuracy{bytes}bytesin{}blocks:", lines.len()),
+        format!("{}timesasmany", bytes / code.len()),
     ] {
         assert!(digits.contains(&said), "{said}: {}", answer.stdout);
     }
+    for told in
+        ["wave.toml", "small mill", "z = 0.02*x^2 + 8*sin(x/15)*cos(y/20)", "ball of 6 mm", "0.002 mm", "G54"]
+    {
+        assert!(header.iter().any(|line| line.contains(told)), "{told}: {header:?}");
+    }
+    // Up, across, down.
+    let rapids: Vec<&str> = lines.iter().copied().filter(|line| line.contains('Z')).skip(1).take(2).collect();
+    assert!(rapids[0].starts_with("G0 Z") && rapids[1].starts_with('Z'), "{rapids:?}");
 
     let checked = place.ask(&["check", "wave.ngc", "--machine", &machine]);
     assert_eq!(checked.status, Some(0), "{}", checked.stderr);
@@ -39,5 +49,8 @@ fn a_thread_has_no_straight_lines_and_is_refused_with_its_line() {
     let answer = place.ask(&["compile", "thread.ngc", "-o", "thread.mc", "--g1", "lines.ngc"]);
     assert_eq!(answer.status, Some(2), "{}", answer.stdout);
     assert!(answer.stderr.contains("line 4") && !answer.stderr.contains("panicked"), "{}", answer.stderr);
-    assert!(!place.at("thread.mc").exists() && !place.at("lines.ngc").exists());
+    for told in ["thread.ngc: line 4", "leave --g1 out", "thread.mc"] {
+        assert!(answer.stderr.contains(told), "{told}: {}", answer.stderr);
+    }
+    assert!(place.at("thread.mc").exists() && !place.at("lines.ngc").exists());
 }
