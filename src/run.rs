@@ -174,6 +174,15 @@ fn traces(text: &mut String, summary: &Summary) {
             trace.feed.held_pct
         );
     }
+    for trace in summary.traces.iter().filter(|trace| trace.is_wrong()).take(SHOWN) {
+        let _ = writeln!(
+            text,
+            "WRONG     line {}: commanded {:.3} µm off, more than the chord error of {:.3} µm: the part is not what the formula says",
+            trace.line,
+            trace.commanded.max_abs_um(),
+            trace.most_um.unwrap_or(0.0)
+        );
+    }
     if summary.traces.len() > SHOWN {
         let _ = writeln!(
             text,

@@ -87,7 +87,7 @@ impl Trace {
     /// The chord error that steps may have if what their correction leaves shall stay within `chord_mm` (M44), mm. The chord
     /// of an exact step l is off by l²/8R. A step along the tangent ends off by l²/2R, and so may one without the mixed
     /// term; with the signs of a surface as printed, by l²/R. What the others leave at their end is of third order.
-    pub(crate) fn chord_of_steps(&self) -> f64 {
+    pub fn chord_of_steps(&self) -> f64 {
         let on_surface = matches!(self.work, Work::Surface(_));
         let times = match self.correction {
             Correction::None => 4.0,

@@ -38,8 +38,13 @@ fn program(start: [f64; 3], formula: Formula, trace: Trace) -> Vec<Item> {
 }
 
 fn run(items: &[Item]) -> Observation {
+    run_as(items, items)
+}
+
+/// A program, and the one that the observer takes it for.
+fn run_as(items: &[Item], observed: &[Item]) -> Observation {
     let mut rig = Rig::new(&mill(), items.iter().copied(), Scenario::none(), 5).unwrap();
-    let mut observer = Observer::new(&mill(), items);
+    let mut observer = Observer::new(&mill(), observed);
     for _ in 0..1_000_000 {
         if !rig.cycle(None, |record| observer.cycle(record)) {
             return observer.finish();
@@ -81,15 +86,20 @@ fn the_chord_error_binds_with_every_correction() {
     );
 }
 
-/// Bends of 0.2 mm radius at 9000 mm/min: pieces are a hundredth of a millimetre long, and still ahead of the axes.
-#[test]
-fn small_bends_at_high_feed_do_not_run_dry() {
+/// A contour with bends of 0.2 mm radius, whose zero lies at so many mm in Y.
+fn bends(y: f64) -> Vec<Item> {
     let contour = Contour { x: [0.0, 20.0], radius_mm: 0.0, side: Side::On };
     let work = Work::Contour(contour, [Axis::X, Axis::Y]);
-    let origin = [40.0, 0.0, 0.0].map(Position::from_mm);
+    let origin = [40.0, y, 0.0].map(Position::from_mm);
     let correction = Correction::Exact;
     let trace = Trace { work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction };
-    let program = program([40.0, 0.0, 0.0], wave(0.2, 5.0), trace);
+    program([40.0, 0.0, 0.0], wave(0.2, 5.0), trace)
+}
+
+/// At 9000 mm/min: pieces are a hundredth of a millimetre long, and still ahead of the axes.
+#[test]
+fn small_bends_at_high_feed_do_not_run_dry() {
+    let program = bends(0.0);
     let seen = run(&program);
     assert_eq!((seen.outcome, seen.moves.limit_violations), (Outcome::Completed, 0), "{:?}", seen.faults);
     assert_eq!(seen.moves.starved, 0);
@@ -97,4 +107,21 @@ fn small_bends_at_high_feed_do_not_run_dry() {
     let foretold = interpreter::time_s(&program, &mill()).unwrap();
     let took = seen.cycles as f64 * 0.0005;
     assert!((took - foretold).abs() < 0.01 * foretold, "{took} s, foretold {foretold} s");
+}
+
+/// What is commanded beside the path is wrong, however true the axes are. With a correction its error is what is looked at.
+#[test]
+fn a_command_farther_off_than_the_chord_error_is_wrong() {
+    let seen = |observed: &[Item]| run_as(&bends(0.0), observed).traces.remove(0);
+    let right = seen(&bends(0.0015));
+    assert!(right.most_um == Some(2.0) && !right.is_wrong(), "{:?}", right.commanded);
+    let wrong = seen(&bends(0.0025));
+    assert!(wrong.is_wrong() && (wrong.commanded.max_abs_um() - 2.5).abs() < 0.01, "{:?}", wrong.commanded);
+    let mut led = bends(0.0025);
+    for item in &mut led {
+        if let Code::Trace(trace) = &mut item.code {
+            trace.correction = Correction::None;
+        }
+    }
+    assert!(!seen(&led).is_wrong());
 }

@@ -148,6 +148,17 @@ fn traces(summary: &Summary, verdict: &mut Verdict) {
         if of_kind.iter().any(|trace| trace.unmeasured_cycles > 0) {
             verdict.say(Grade::Look, "In some cycles no place was found where the tool would touch.");
         }
+        let wrong: Vec<_> = of_kind.iter().filter(|trace| trace.is_wrong()).collect();
+        if let Some(first) = wrong.first() {
+            let words = format!(
+                "In line {} the commanded path itself is {} off, more than the chord error of {} allows: the part is not \
+                 what the formula says.",
+                first.line,
+                um(first.commanded.max_abs_um()),
+                um(first.most_um.unwrap_or(0.0))
+            );
+            verdict.say(Grade::Bad, words);
+        }
         let unexplained = worst(|trace| trace.feed.unexplained_s);
         if unexplained > 0.0 {
             let words = format!("For {unexplained:.3} s the feed was low although no limit asked for it.");
@@ -204,7 +215,7 @@ pub(super) fn um(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Grade, of};
-    use rig::observe::{FaultReport, Outcome, PassReport, Summary};
+    use rig::observe::{DeviationReport, FaultReport, Outcome, PassReport, Summary, TraceReport};
 
     fn good() -> Summary {
         let pass = PassReport {
@@ -279,6 +290,15 @@ mod tests {
         assert!(grade == Grade::Look && words.contains("stopped 2 times"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.limit_violations = 3);
         assert!(grade == Grade::Look && words.contains("in 3 cycles"), "{words}");
+        let (grade, words) = defect(|summary| {
+            let commanded = DeviationReport { low_um: -2.5, ..DeviationReport::default() };
+            summary.traces =
+                vec![TraceReport { line: 7, commanded, most_um: Some(2.0), ..TraceReport::default() }];
+        });
+        assert!(
+            grade == Grade::Bad && words.contains("In line 7 the commanded path itself is 2.50 µm"),
+            "{words}"
+        );
         let (grade, words) = defect(|summary| {
             summary.outcome = Outcome::Faulted;
             let text = "the drive reports a fault".into();

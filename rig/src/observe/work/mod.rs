@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 
 use protocol::frame::SETPOINT_LEAD;
 use protocol::{Axis, Code, FORMULAS, Item, Machine, PerAxis, Position, Trace, Work};
-use shape::Formula;
+use shape::{Correction, Formula};
 
 use super::{Record, limits::Shares};
 use gauge::{Gauge, Seen};
@@ -194,7 +194,7 @@ impl Cut {
             trace: *trace,
             cycle_s,
             points: [point.clone(), point],
-            pace: Pace::new(cycle_s, trace.chord_mm),
+            pace: Pace::new(cycle_s, trace.chord_of_steps()),
             begin_cycle: now,
             end_cycle: now,
             cycles: 0,
@@ -289,6 +289,7 @@ impl Cut {
             unmeasured_cycles: self.unmeasured,
             way_mm,
             reach_mm,
+            most_um: (self.trace.correction == Correction::Exact).then_some(1e3 * self.trace.chord_mm),
             commanded,
             slide,
             feed,

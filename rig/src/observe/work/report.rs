@@ -107,6 +107,10 @@ pub struct TraceReport {
     pub way_mm: f64,
     /// Lowest and highest coordinates of the commanded way, from the zero of the formulas.
     pub reach_mm: [[f64; 2]; 3],
+    /// How far off it may be commanded: the chord error that the work asks for. None if it asks for a correction, whose
+    /// error is what is looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub most_um: Option<f64>,
     /// Deviation of the commanded positions.
     pub commanded: DeviationReport,
     /// Deviation of the true positions of the slides.
@@ -115,4 +119,14 @@ pub struct TraceReport {
     pub feed: FeedReport,
     /// How much of the limits was used.
     pub limits_used: BTreeMap<Axis, AxisUsed>,
+}
+
+impl TraceReport {
+    /// Measuring and rounding, µm.
+    const MEASURED_UM: f64 = 1e-4;
+
+    /// Whether it was commanded farther off than it may be: the part is not what the formula says, however true the axes.
+    pub fn is_wrong(&self) -> bool {
+        self.most_um.is_some_and(|most| self.commanded.max_abs_um() > most + TraceReport::MEASURED_UM)
+    }
 }
