@@ -38,8 +38,7 @@ pub fn header(items: &[Item], machine: &Machine, program: &str) -> Vec<String> {
     let on = format!("for machine {}; from where its axes rest at home", machine.machine.name);
     let zero =
         "overwrites the zero of G54: the line with G10 L2 P1; take it away where G54 is set".to_owned();
-    let timed =
-        "each line along a seam has the time it takes (G93), which suits controls that plan far ahead";
+    let timed = "each line along a seam has the time it takes (G93)";
     let seam = machine.machine.kinematics == Kinematics::Positioner && !traced.is_empty();
     let timed = seam.then(|| timed.to_owned());
     let lines = [made, on].into_iter().chain(traced).chain([zero]).chain(timed);
