@@ -32,14 +32,12 @@ fn cell(case: &Value, row: &Value, column: &str) -> Option<f64> {
 }
 
 /// Our errors beside the columns of the file.
-const COLUMNS: [(&str, Error, Correction); 7] = [
+const COLUMNS: [(&str, Error, Correction); 5] = [
     ("dev_uncorrected_mm", Error::Next, Correction::None),
     ("dev_corrected_mm", Error::Next, Correction::PublishedSigns),
     ("dev_mixed_mm", Error::Next, Correction::Mixed),
     ("cum_dev_uncorrected_mm", Error::Accumulated, Correction::None),
     ("cum_dev_corrected_mm", Error::Accumulated, Correction::PublishedSigns),
-    ("dev_uncorrected_mm", Error::Next, Correction::None),
-    ("dev_corrected_mm", Error::Next, Correction::PublishedSigns),
 ];
 
 #[test]
