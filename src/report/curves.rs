@@ -57,6 +57,8 @@ pub(super) struct Curves {
     pub(super) shown: Option<ShownCurves>,
     /// True spindle speed over time, 1/min, and the override, per cent.
     pub(super) rpm: Envelope,
+    /// Whether it turned at all: there may be none.
+    pub(super) spindle_turns: bool,
     pub(super) override_pct: Envelope,
     /// What cutting took.
     pub(super) cutting: CutCurves,
@@ -113,6 +115,7 @@ impl Curves {
             shown_index: shown_index(&summary.passes),
             shown: None,
             rpm: over_time.clone(),
+            spindle_turns: false,
             override_pct: over_time,
             cutting: CutCurves::new(summary, slots),
             moves: MovesCurves::new(summary),
@@ -123,6 +126,7 @@ impl Curves {
     /// Takes the next row.
     pub(super) fn add(&mut self, summary: &Summary, row: &Row) {
         self.rpm.add(row.t_s, row.spindle_rpm);
+        self.spindle_turns |= row.spindle_rpm.abs() > 0.5;
         self.override_pct.add(row.t_s, row.override_pct);
         self.add_path(row);
         self.moves.add(summary, row);

@@ -66,7 +66,9 @@ pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
     if summary.moves.contour_max_um > 0.0 {
         figures.push(super::figures_moves::contour(summary, &curves.moves));
     }
-    figures.push(spindle(summary, curves));
+    if curves.spindle_turns {
+        figures.push(spindle(summary, curves));
+    }
     figures
 }
 

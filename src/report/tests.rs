@@ -152,6 +152,18 @@ fn what_was_cut_has_a_table_and_a_picture() {
     assert!(!page.contains("<h2>Cutting</h2>"), "nothing was cut");
 }
 
+/// A positioner has no spindle to show.
+#[test]
+fn a_spindle_that_never_turns_is_not_drawn() {
+    for (rpm, is_shown) in [(0.0, false), (-300.0, true)] {
+        let summary = summary();
+        let mut curves = super::Curves::new(&summary);
+        (0..100).for_each(|cycle| curves.add(&summary, &Row { spindle_rpm: rpm, ..row(cycle) }));
+        let figures = super::figures::all(&summary, &curves);
+        assert_eq!(figures.iter().any(|figure| figure.title.contains("Spindle")), is_shown, "{rpm}");
+    }
+}
+
 #[test]
 fn what_is_no_run_folder_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
