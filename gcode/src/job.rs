@@ -64,6 +64,12 @@ pub(crate) fn begins(line: &[u8]) -> bool {
     line.trim_ascii_start().starts_with(MARK)
 }
 
+/// Whether a comment behind a semicolon looks like a line of a job, and is none.
+pub(crate) fn is_nearly(comment: &str) -> bool {
+    let text = comment.trim_start_matches(';');
+    text.starts_with('@') || (text.trim_start().starts_with('@') && text.contains('='))
+}
+
 /// Reads a job to its end. `first` is its first line, which has been taken.
 ///
 /// # Errors
@@ -108,7 +114,7 @@ pub(crate) fn execute(job: &Job, state: &mut State, out: &mut Output) -> Done {
     if state.recorder.is_on() {
         return refuse("a job within a contour of G70, G71 or G72", "write it behind the contour");
     }
-    out.call(Call::Job(job))?;
+    out.call(Call::Job(job, &state.tools))?;
     state.position = out.after_job().unwrap_or(state.position);
     state.unseen = [0.0; 6];
     Ok(())
@@ -120,25 +126,33 @@ impl Program {
     /// # Errors
     /// It cannot be opened or read.
     pub fn open_job(path: &Path, options: &Options) -> io::Result<Program> {
-        Program::open(path, &Options { dialect: Dialect::Linuxcnc, ..options.clone() }).map(Program::into_job)
+        Program::open(path, &of_job(options)).map(Program::into_job)
     }
 
     /// Takes a text that is a job.
     pub fn from_job(name: &str, text: impl Into<Vec<u8>>, options: &Options) -> Program {
-        let options = Options { dialect: Dialect::Linuxcnc, ..options.clone() };
-        Program::from_text(name, text, &options).into_job()
+        Program::from_text(name, text, &of_job(options)).into_job()
     }
+}
+
+/// The options of a file that is a job: a line may be as long as the job, for all of its points.
+fn of_job(options: &Options) -> Options {
+    let mut options = Options { dialect: Dialect::Linuxcnc, ..options.clone() };
+    options.limits.line_length = LONGEST;
+    options
 }
 
 impl Job {
     fn push(&mut self, line: &[u8]) -> Done {
-        let number = self.line + self.text.matches('\n').count() as u32;
-        let refuse = |message: &str, help: &str| Problem::error("job", Blame::Line(number), message, help);
+        let lines = |text: &str| text.matches('\n').count() as u32;
+        let refuse = |job: &Job, message: &str, help: &str| {
+            Problem::error("job", Blame::Line(job.line + lines(&job.text)), message, help)
+        };
         let Ok(line) = std::str::from_utf8(line) else {
-            return Err(refuse("a line of a job is no UTF-8 text", "save the file as UTF-8"));
+            return Err(refuse(self, "a line of a job is no UTF-8 text", "save the file as UTF-8"));
         };
         if self.text.len() + line.len() >= LONGEST {
-            return Err(refuse("a job has at most 512 KiB", "write it shorter"));
+            return Err(refuse(self, "a job has at most 512 KiB", "write it shorter"));
         }
         self.text.push_str(line.trim_end());
         self.text.push('\n');

@@ -28,7 +28,7 @@ impl Sink for Watch<'_> {
                 | Call::StraightProbe(..)
                 | Call::RigidTap(..)
                 | Call::ThreadCycle(_)
-                | Call::Job(_)
+                | Call::Job(..)
         );
         let done = self.sink.call(place, call);
         if done.is_err() {

@@ -266,7 +266,7 @@ impl Translator {
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
-            Call::Job(job) => self.job(place, job)?,
+            Call::Job(job, tools) => self.job(place, job, tools)?,
             Call::Dwell(seconds) => self.dwell(place, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle_mode(highest)?,
             Call::SetSpindleSpeed(speed) => self.spindle_speed(speed)?,

@@ -178,7 +178,7 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
         match call {
             Call::WaitInput { .. } | Call::MoveByHand => return Ok(()),
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
-            Call::Job(job) => {
+            Call::Job(job, _) => {
                 return job.comments(|line, text| self.call(Place { line, ..place }, Call::Comment(text)));
             }
             Call::Print(text) => {

@@ -176,8 +176,8 @@ pub enum Call<'a> {
     RigidTap(Position, f64),
     /// A multi-pass threading cycle. [`ThreadCycle::expand`] gives the moves it stands for.
     ThreadCycle(&'a ThreadCycle),
-    /// A job: work described by a formula, in the coordinates in force.
-    Job(&'a crate::job::Job),
+    /// A job: work described by a formula, in the coordinates in force; and the tools, for those who know what it needs.
+    Job(&'a crate::job::Job, &'a crate::files::ToolTable),
     /// T.
     SelectTool(i32),
     /// M6; the tool that is in the spindle afterwards.

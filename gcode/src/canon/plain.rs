@@ -240,7 +240,7 @@ impl<W: Write> PlainPrinter<W> {
         }
         match call {
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.print(call)),
-            Call::Job(job) => return self.job(job),
+            Call::Job(job, _) => return self.job(job),
             Call::StraightFeed(end) => self.position("STRAIGHT_FEED(", &end),
             Call::StraightTraverse(end) => self.position("STRAIGHT_TRAVERSE(", &end),
             Call::ArcFeed(arc) => self.arc(&arc),

@@ -6,6 +6,7 @@ use protocol::{Axis, Feed, Position, Work, machine::Kinematics};
 use serde::Deserialize;
 use shape::{Contour, Curve, Formula, Gradient, Side, Touch, Walker};
 
+use super::feed::Pace;
 use super::row::Row;
 use super::walk::{BESIDE, is_near};
 use super::{CLEARANCE, Fault, Job, Move, Planned, formula, parameter, within};
@@ -90,7 +91,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let clearance = within("clearance_mm", keys.clearance_mm, [0.01, 1e4], "mm")?;
     let contour = Contour { x: parameter(name, plane.range)?, radius_mm, side: keys.tool.side };
     fits(&contour, &f, name)?;
-    let Walked { start, end, bounds, way } = walk(&contour, &f, plane.names)?;
+    let Walked { start, end, bounds, way, pace } = walk(&contour, &f, &plane, job)?;
     touches_nothing_else(&contour, &f, name)?;
     job.reaches(plane.axes, bounds, plane.names)?;
 
@@ -138,7 +139,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
         traces: vec![trace],
         end,
         retract,
-        warnings: Vec::new(),
+        warnings: pace.warning(job).into_iter().collect(),
         facts,
     })
 }
@@ -180,15 +181,17 @@ struct Walked {
     end: [f64; 2],
     bounds: [[f64; 2]; 2],
     way: f64,
+    pace: Pace<2>,
 }
 
 /// Goes along the contour in the pieces in which the interpolator will.
-fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walked, Fault> {
+fn walk(contour: &Contour, f: &Formula, plane: &Plane, job: &Job) -> Result<Walked, Fault> {
+    let [name, value] = plane.names;
     let curve = contour.curve(f);
     let mut walker = Walker::new(contour.t());
     let start = curve.at(contour.x[0]).axes.map(|axis| axis.value());
     let (mut looks, apart) = (0.0, APART * (contour.x[1] - contour.x[0]).abs());
-    let mut walked = Walked { start, end: start, bounds: [start, start], way: 0.0 };
+    let mut walked = Walked { start, end: start, bounds: [start, start], way: 0.0, pace: Pace::new(job.machine, plane.axes) };
     loop {
         let next = walker.next(&curve).map_err(|error| {
             let at = error.t();
@@ -201,6 +204,7 @@ fn walk(contour: &Contour, f: &Formula, [name, value]: [&str; 2]) -> Result<Walk
             walked.bounds[0][axis] = walked.bounds[0][axis].min(span.from[axis] + low[axis]);
             walked.bounds[1][axis] = walked.bounds[1][axis].max(span.from[axis] + high[axis]);
         }
+        walked.pace.goes_along(&span.path);
         (walked.end, walked.way) = (span.to, walked.way + span.path.length());
         let places = (span.path.length() / apart).ceil().max(1.0);
         looks += places;

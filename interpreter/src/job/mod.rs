@@ -5,12 +5,14 @@
 //! |---|---|
 //! | `surface` | Z = ψ(X, Y) under a tool; `grid` looks at all of the surface, `walk` goes along all of its paths |
 //! | `contour` | Y = f(X) beside a tool |
+//! | `feed` | the highest feed that the axes allow on a path |
 //! | `seam` | a seam under the beam of a positioner |
 //! | `text` | the text: keys, and where they stand in it |
 //! | `row` | arrays of as many values as there must be |
 //! | `run` | where a job stands in a program, or as a program of its own |
 
 mod contour;
+mod feed;
 mod grid;
 mod row;
 mod run;
@@ -210,6 +212,8 @@ pub(crate) struct Planned {
 /// What is wrong with a job.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fault {
+    /// What kind of fault it is.
+    pub(crate) code: &'static str,
     /// Path of the key to blame, such as `tool.diameter_mm`; empty: the whole job.
     pub(crate) key: String,
     /// Bytes of the value of the key, where not all of it is to blame: those of a formula.
@@ -223,7 +227,7 @@ pub(crate) struct Fault {
 impl Fault {
     /// A fault of a key.
     pub(crate) fn new(key: &str, message: impl Into<String>, help: impl Into<String>) -> Fault {
-        Fault { key: key.into(), part: None, message: message.into(), help: help.into() }
+        Fault { code: "job", key: key.into(), part: None, message: message.into(), help: help.into() }
     }
 }
 
@@ -241,6 +245,9 @@ pub(crate) fn within(key: &str, value: f64, [low, high]: [f64; 2], unit: &str) -
     if (low..=high).contains(&value) {
         return Ok(value);
     }
+    // Bounds that were computed have no more digits than people want to read.
+    let digits = |bound: f64| format!("{bound:.5e}").parse().unwrap_or(bound);
+    let [low, high]: [f64; 2] = [low, high].map(digits);
     let message = format!("{key} = {value} is not between {low} and {high} {unit}").trim_end().to_owned();
     Err(Fault::new(key, message, format!("give {low} to {high}")))
 }
@@ -248,6 +255,7 @@ pub(crate) fn within(key: &str, value: f64, [low, high]: [f64; 2], unit: &str) -
 /// Reads a formula of a key.
 pub(crate) fn formula(key: &str, text: &str, variables: &[&str]) -> Result<Formula, Fault> {
     crate::formula::parse(text, variables).map_err(|misread| Fault {
+        code: "job",
         key: key.into(),
         part: Some(misread.span),
         message: format!("{key}: {}", misread.message),

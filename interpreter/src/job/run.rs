@@ -1,8 +1,9 @@
 //! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force. Out: items, and
 //! where the tool is then.
 
+use gcode::files::ToolTable;
 use gcode::job::Job as Source;
-use gcode::problem::{Blame, Problem, Severity};
+use gcode::problem::{Blame, Problem, Severity, short};
 use gcode::{Place, canon::FeedMode};
 use protocol::{Code, Machine, Position, SpindleMode, machine::Kinematics};
 
@@ -21,18 +22,19 @@ type Plan = Box<dyn FnOnce(&Job) -> Result<Planned, Fault>>;
 
 impl Translator {
     /// A job. What is wrong with it is reported with its place in the text.
-    pub(crate) fn job(&mut self, place: Place, source: &Source) -> Done {
-        match self.planned(place, source) {
+    pub(crate) fn job(&mut self, place: Place, source: &Source, tools: &ToolTable) -> Done {
+        match self.planned(place, source, tools) {
             Ok(planned) => self.begin(place, planned),
             Err(fault) => self.blame(place, source, fault, Severity::Error),
         }
         Ok(())
     }
 
-    fn planned(&mut self, place: Place, source: &Source) -> Result<Planned, Fault> {
+    fn planned(&mut self, place: Place, source: &Source, tools: &ToolTable) -> Result<Planned, Fault> {
         let text = Text::read(&source.text)?;
         let header = text.header.clone();
         suits(header.kind, &self.machine)?;
+        let other_tool = other_tool(tools, source, &header, text.diameter_mm())?;
         let plan: Plan = match header.kind {
             Kind::Contour => text.keys().map(|keys| Box::new(move |job: &Job| contour::plan(keys, job)) as _),
             Kind::Surface => text.keys().map(|keys| Box::new(move |job: &Job| surface::plan(keys, job)) as _),
@@ -54,8 +56,8 @@ impl Translator {
             rest: self.positions(&self.rest),
         };
         let planned = plan(&job)?;
-        for warning in &planned.warnings {
-            self.blame(place, source, warning.clone(), Severity::Warning);
+        for warning in other_tool.into_iter().chain(planned.warnings.iter().cloned()) {
+            self.blame(place, source, warning, Severity::Warning);
         }
         if header.kind != Kind::Seam && !self.spindle.turns() {
             let help = if source.is_file { "give spindle_rpm" } else { "start it before, as in S8000 M3" };
@@ -76,7 +78,10 @@ impl Translator {
         }
         if let Some(number) = header.tool_number {
             let number = i32::try_from(number).unwrap_or(i32::MAX);
-            let refused = |problem: Box<Problem>| Fault::new("tool_number", problem.message, problem.help);
+            let refused = |problem: Box<Problem>| Fault {
+                code: problem.code,
+                ..Fault::new("tool_number", problem.message, problem.help)
+            };
             self.select_tool(place, number).map_err(refused)?;
         }
         if let Some(rpm) = header.spindle_rpm {
@@ -96,7 +101,8 @@ impl Translator {
 
     /// Machine position of the zero of the formulas, mm.
     fn origin(&self, source: &Source, header: &Header) -> Result<[f64; 3], Fault> {
-        if source.is_file {
+        // The offsets of a positioner are those of its axes: where the part lies a seam says itself.
+        if source.is_file || header.kind == Kind::Seam {
             return match header.origin_mm {
                 None if header.kind == Kind::Seam => Ok([0.0; 3]),
                 None => Err(Fault::new(
@@ -107,9 +113,6 @@ impl Translator {
                 Some(Row(origin)) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
                 Some(_) => Err(Fault::new("origin_mm", "that is no position of a machine", "give it in mm")),
             };
-        }
-        if header.kind == Kind::Seam {
-            return Ok([0.0; 3]); // offsets of a positioner are those of its axes, not of the part
         }
         if self.frame.rotation_deg != 0.0 {
             let message = "a job in a coordinate system turned about Z";
@@ -160,9 +163,41 @@ impl Translator {
         let (line, span) = source.place(bytes.start, bytes.end);
         let there = Place { line, ..place };
         let blame = if span.start < span.end { Blame::Part(there, span) } else { Blame::At(there) };
-        let problem = Problem { code: "job", severity, blame, message: fault.message, help: fault.help };
+        let problem = Problem { code: fault.code, severity, blame, message: fault.message, help: fault.help };
         self.report(there, problem);
     }
+}
+
+/// Refuses a tool that the table does not have, if there is one; warns of another diameter than that of the job, mm.
+fn other_tool(
+    tools: &ToolTable,
+    source: &Source,
+    header: &Header,
+    diameter_mm: Option<f64>,
+) -> Result<Option<Fault>, Fault> {
+    let number = header.tool_number.and_then(|number| i32::try_from(number).ok());
+    let tool = match number {
+        _ if !source.is_file => Some(&tools.in_spindle),
+        Some(number) if number != 0 && !tools.is_empty() => Some(tools.find(number).ok_or_else(|| {
+            let message = format!("tool {number} is not in the tool table");
+            let fault = Fault::new("tool_number", message, "enter it in the table, or name another tool");
+            Fault { code: "unknown-tool", ..fault }
+        })?),
+        _ => None,
+    };
+    let (Some(tool), Some(mm)) = (tool.filter(|tool| tool.diameter > 0.0), diameter_mm) else {
+        return Ok(None);
+    };
+    let message = format!(
+        "tool {} has a diameter of {} mm in the tool table, that of the job {} mm",
+        tool.number,
+        short(tool.diameter),
+        short(mm)
+    );
+    let differs = (tool.diameter - mm).abs() > 1e-6;
+    Ok(differs.then(|| {
+        Fault::new("tool.diameter_mm", message, "the path is that of the job: correct either of them")
+    }))
 }
 
 /// Refuses a job of a kind that the machine cannot do, before anything else is said of it.
@@ -187,7 +222,11 @@ fn suits(kind: Kind, machine: &Machine) -> Result<(), Fault> {
 fn refuse_in_program(header: &Header) -> Result<(), Fault> {
     let given = [
         ("name", header.name.is_some(), "write a comment"),
-        ("origin_mm", header.origin_mm.is_some(), "the zero is that of the coordinates in force: G54, G92"),
+        (
+            "origin_mm",
+            header.origin_mm.is_some() && header.kind != Kind::Seam,
+            "the zero is that of the coordinates in force: G54, G92",
+        ),
         ("spindle_rpm", header.spindle_rpm.is_some(), "write S and M3 before"),
         ("tool_number", header.tool_number.is_some(), "write T and M6 before"),
         ("coolant", header.coolant.is_some(), "write M7 or M8 before"),

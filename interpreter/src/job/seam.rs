@@ -203,8 +203,13 @@ fn points_of(points: &[Row<f64, 6>], origin: [f64; 3]) -> Result<Course, Fault> 
         let [ox, oy, oz] = origin;
         places.push([x + ox, y + oy, z + oz, lx / length, ly / length, lz / length]);
     }
-    let pieces = spline::through(&places)
-        .ok_or_else(|| Fault::new("points", "two neighbouring points are one", "leave one of them out"))?;
+    let pieces = spline::through(&places).ok_or_else(|| {
+        let apart = |pair: &[[f64; 6]]| (0..3).map(|i| (pair[1][i] - pair[0][i]).abs()).fold(0.0, f64::max);
+        let apart = places.windows(2).map(apart).enumerate();
+        let closest = apart.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
+        let message = format!("points {} and {} are one", closest + 1, closest + 2);
+        Fault::new("points", message, "leave one of them out")
+    })?;
     let curves = pieces.into_iter().map(|piece| (SeamCurve::Polynomials(piece), [0.0, 1.0])).collect();
     Ok(Course { curves, formulas: Vec::new(), what: format!("through {} points", points.len()) })
 }

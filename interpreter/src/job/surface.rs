@@ -104,7 +104,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
         Some([x, y]) => vec![psi, x, y],
     };
     let zero = Formula::default();
-    let walk = walk(&surface, [0, 1, 2].map(|slot: usize| formulas.get(slot).unwrap_or(&zero)))?;
+    let walk = walk(&surface, [0, 1, 2].map(|slot: usize| formulas.get(slot).unwrap_or(&zero)), job)?;
     grid.touches_nothing_else(&walk.tips)?;
     // What is narrower than the grid is seen where a path goes over it.
     let [_, [.., highest]] = walk.bounds;
@@ -256,7 +256,8 @@ fn moves(
     let traces = vec![job.trace(Work::Surface(*surface))];
     let apart = facts.iter().any(|(_, text)| text.ends_with(NO_OVERLAP));
     let help = "give scallop_mm, or a smaller step_mm";
-    let warnings = apart.then(|| Fault::new("path", NO_OVERLAP, help)).into_iter().collect();
+    let apart = apart.then(|| Fault::new("path", NO_OVERLAP, help));
+    let warnings = apart.into_iter().chain(walk.pace.warning(job)).collect();
     Ok(Planned { approach, formulas, traces, end, retract, warnings, facts })
 }
 

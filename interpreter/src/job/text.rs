@@ -50,6 +50,15 @@ impl<'a> Text<'a> {
         Ok(Text { header: header.map_err(refuse)?, text, keys: Spanned::new(span, keys) })
     }
 
+    /// Diameter of the tool, if it is told, mm.
+    pub(crate) fn diameter_mm(&self) -> Option<f64> {
+        match self.keys.get_ref().get("tool")?.get_ref().as_table()?.get("diameter_mm")?.get_ref() {
+            DeValue::Float(mm) => mm.as_str().parse().ok(),
+            DeValue::Integer(mm) => mm.as_str().parse().ok(),
+            _ => None,
+        }
+    }
+
     /// The keys of its kind.
     ///
     /// # Errors
@@ -70,12 +79,14 @@ pub(crate) fn bytes(text: &str, fault: &Fault) -> Range<usize> {
     for name in fault.key.split('.') {
         let DeValue::Table(table) = value else { break };
         let Some((key, inner)) = table.into_iter().find(|(key, _)| key.get_ref() == name) else { break };
-        span = key.span().start..inner.span().end;
+        let of_value = inner.span();
+        span = key.span().start..of_value.end;
         value = inner.into_inner();
-        if let (Some(part), DeValue::String(_)) = (&fault.part, &value) {
-            let quotes = text.get(key.span().end..).and_then(|rest| rest.find(['"', '\'']));
-            let first = key.span().end + quotes.map_or(0, |at| at + 1);
-            return first + part.start..(first + part.end).min(span.end);
+        if let (Some(part), DeValue::String(string)) = (&fault.part, &value) {
+            // A formula as it stands in the text, but for its quotes; else all of it is to blame.
+            let first = of_value.start + 1;
+            let is_plain = text.get(first..of_value.end.saturating_sub(1)) == Some(&**string);
+            return if is_plain { first + part.start..first + part.end } else { of_value };
         }
     }
     span
@@ -106,11 +117,13 @@ fn syntax(text: &str, error: &Error, page: &str) -> Fault {
     let help = if part.as_ref().is_some_and(|part| has_parameter(text, part.start)) {
         "# begins a comment here: parameters such as #1 are not read in jobs, write the number".to_owned()
     } else if message.starts_with("missing field") {
-        format!("add it; {page} shows a whole job")
+        format!(
+            "add it; in a program every line of a job begins with ;@, an empty one ends it; {page} shows a whole job"
+        )
     } else {
         format!("{page} lists the keys and their values")
     };
-    Fault { key: String::new(), part, message: message.to_owned(), help }
+    Fault { code: "job", key: String::new(), part, message: message.to_owned(), help }
 }
 
 /// A key that its table does not have. The message names it, and those that the table has.
@@ -130,7 +143,11 @@ fn unknown(text: &str, message: &str, part: &Option<Range<usize>>, page: &str) -
     // Serde tells the patterns of a path apart by this key, and does not count it.
     let all = if inner == "path" { "expected one of `pattern`, " } else { "expected one of " };
     let message = message.replacen("expected one of ", all, 1);
-    Some(Fault::new(&format!("{inner}.{name}"), message, format!("these are the keys of {inner}; see {page}")))
+    Some(Fault::new(
+        &format!("{inner}.{name}"),
+        message,
+        format!("these are the keys of {inner}; see {page}"),
+    ))
 }
 
 /// Whether the line at a byte has a parameter of G-code: `#1`, `#<name>`, `#[1 + 2]`.

@@ -1,9 +1,11 @@
 //! Paths walked from leg to leg before anything moves, in the pieces in which the interpolator will walk them. In: a surface
 //! and its formulas, mm. Out: the places of the tool, its way, the box it stays in; or where it cannot go on.
 
+use protocol::Axis;
 use shape::{Curve, Formula, Leg, Plan, SpanError, Surface, SurfaceCurve, Touch, Walker};
 
-use super::Fault;
+use super::feed::Pace;
+use super::{Fault, Job};
 use super::grid::{cuts, here, hollow};
 
 /// Places in a path are this share of the larger side of the domain apart, or less.
@@ -31,6 +33,8 @@ pub(super) struct Walk {
     pub(super) end: [f64; 3],
     /// Way of the tip on the surface, mm.
     pub(super) cut_mm: f64,
+    /// The highest feed on it.
+    pub(super) pace: Pace<3>,
     /// Retracts between legs.
     pub(super) retracts: u32,
 }
@@ -39,13 +43,14 @@ pub(super) struct Walk {
 ///
 /// # Errors
 /// A place where the path leaves the domain, does not exist, or cannot be followed.
-pub(super) fn walk(surface: &Surface, formulas: [&Formula; 3]) -> Result<Walk, Fault> {
+pub(super) fn walk(surface: &Surface, formulas: [&Formula; 3], job: &Job) -> Result<Walk, Fault> {
     let mut walk = Walk {
         tips: Vec::new(),
         bounds: [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]],
         start: [f64::NAN; 3],
         end: [f64::NAN; 3],
         cut_mm: 0.0,
+        pace: Pace::new(job.machine, [Axis::X, Axis::Y, Axis::Z]),
         retracts: 0,
     };
     for leg in (0..surface.legs()).filter_map(|leg| surface.leg(leg)) {
@@ -75,6 +80,7 @@ impl Walk {
             }
             self.end = span.to;
             self.cut_mm += span.path.length();
+            self.pace.goes_along(&span.path);
             let places = (span.path.length() / apart).ceil().max(1.0);
             if self.tips.len() as f64 + places > PLACES as f64 {
                 return Err(too_long(plan));
@@ -152,7 +158,13 @@ fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError
     if let Some((at, touch)) = touches.iter().find(|(_, touch)| cuts(curve.tool(), touch)) {
         return hollow(*at, touch);
     }
-    let message = format!("the path of the tool cannot be followed at {}: {error}", here(x, y));
+    let at = if matches!(plan, Plan::Curve { .. }) { format!("t = {t:.4}, ") } else { String::new() };
+    let why = match error {
+        SpanError::NotFinite { .. } => "it has no finite value or slope",
+        SpanError::StandsStill { .. } => "it stands still",
+        SpanError::Unresolved { .. } => "it bends too sharply",
+    };
+    let message = format!("the path of the tool cannot be followed at {at}{}: {why} there", here(x, y));
     match plan {
         Plan::Line { .. } => {
             Fault::new("z", message, "choose x and y so that the surface is smooth all over them")
