@@ -184,7 +184,8 @@ impl Program {
         }
         if self.options.is_job {
             self.stage = Stage::Ended;
-            let job = job::read_file(&mut self.flow.files)?;
+            let read = job::read_file(&mut self.flow.files);
+            let job = read.inspect_err(|_| self.block.clear(0, self.flow.files.mark().lines))?;
             return self.job(&job, sink);
         }
         match self.read()? {

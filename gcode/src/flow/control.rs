@@ -155,7 +155,9 @@ pub(super) fn comments(cursor: &mut Cursor, reader: &mut Reader, one: bool) -> R
     loop {
         match cursor.peek() {
             None => return Ok(()),
-            Some(b';') => semicolon(cursor)?,
+            Some(b';') => {
+                semicolon(cursor)?;
+            }
             Some(b'(') => {
                 let (text, span) = parentheses(cursor)?;
                 if speaks(text) {

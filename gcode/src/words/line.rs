@@ -10,6 +10,7 @@ use super::number::number;
 use crate::block::Block;
 use crate::codes::{G, M, g_group, m_group};
 use crate::execute::system;
+use crate::job::is_nearly;
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
 
@@ -92,7 +93,7 @@ impl Reader {
                     let hidden = last.replace(parentheses(cursor)?);
                     self.warn_if_speaking(hidden);
                 }
-                b';' => semicolon(cursor)?,
+                b';' => self.warn_if_nearly_job(semicolon(cursor)?),
                 b'#' => self.assignment(cursor, state)?,
                 _ => return Err(bad_character(cursor)),
             }
@@ -174,6 +175,14 @@ impl Reader {
         }
     }
 
+    fn warn_if_nearly_job(&mut self, (text, span): (&str, Span)) {
+        if is_nearly(text) {
+            let message = "this is a comment, not a line of a job";
+            let help = "a line of a job begins with ;@ and holds nothing else before it";
+            self.warnings.push(*Problem::warning("job", Blame::Span(span), message, help));
+        }
+    }
+
     /// Notes that a comment says something that nobody hears.
     #[cold]
     pub(crate) fn warn_message_not_shown(&mut self, message: &str, span: Span) {
@@ -238,13 +247,14 @@ pub(crate) fn parentheses<'a>(cursor: &mut Cursor<'a>) -> Result<(&'a str, Span)
     Ok((readable(bytes, start + 1)?, cursor.span(start)))
 }
 
-/// Takes a comment that begins with a semicolon.
+/// Takes a comment that begins with a semicolon: its text with it, and the bytes it stands at.
 ///
 /// # Errors
 /// It is no text.
-pub(crate) fn semicolon(cursor: &mut Cursor) -> Done {
+pub(crate) fn semicolon<'a>(cursor: &mut Cursor<'a>) -> Result<(&'a str, Span), Box<Problem>> {
     let start = cursor.mark();
-    readable(cursor.take_rest(), start).map(|_| ())
+    let text = readable(cursor.take_rest(), start)?;
+    Ok((text, cursor.span(start)))
 }
 
 /// Bytes as text.
