@@ -28,6 +28,8 @@ const TRIES: u32 = 12;
 const SMOOTH: f64 = 1e-6;
 /// No chord is shorter, mm, whatever the tolerance; but the last of a way may be.
 const LEAST_MM: f64 = 1e-4;
+/// Most chords of one way.
+pub(super) const MOST: u64 = 5_000_000;
 /// What is left of a way is nothing below this, mm.
 const NOTHING_MM: f64 = 1e-9;
 
@@ -75,11 +77,13 @@ pub(super) struct Chords<'a> {
     start: f64,
     /// Length under the last chord, mm.
     step: f64,
+    /// Chords that may still be made; none where one did not lead on.
+    left_to_make: u64,
 }
 
 impl<'a> Chords<'a> {
     pub(super) fn new(tolerance_mm: f64, measure: Measure<'a>) -> Chords<'a> {
-        Chords { tolerance_mm, measure, pieces: VecDeque::new(), start: 0.0, step: 1.0 }
+        Chords { tolerance_mm, measure, pieces: VecDeque::new(), start: 0.0, step: 1.0, left_to_make: MOST }
     }
 
     /// Goes on along `piece`. The ends of chords that are certain now go to `point`.
@@ -89,7 +93,7 @@ impl<'a> Chords<'a> {
             self.finish(point);
         }
         self.pieces.push_back(piece);
-        while self.left() > 2.0 * self.step || self.pieces.len() > MOST_PIECES {
+        while !self.is_endless() && (self.left() > 2.0 * self.step || self.pieces.len() > MOST_PIECES) {
             let chord = self.chord();
             if chord >= self.left() && self.pieces.len() <= MOST_PIECES {
                 break;
@@ -100,11 +104,16 @@ impl<'a> Chords<'a> {
 
     /// The rest of the way, to its very end.
     pub(super) fn finish(&mut self, point: &mut impl FnMut(&PerAxis<f64>, f64)) {
-        while self.left() > NOTHING_MM {
+        while !self.is_endless() && self.left() > NOTHING_MM {
             self.advance(self.chord(), point);
         }
         self.pieces.clear();
         self.start = 0.0;
+    }
+
+    /// Whether no end of the chords is in sight. None is made then.
+    pub(super) fn is_endless(&self) -> bool {
+        self.left_to_make == 0
     }
 
     /// Length of the way that is held, mm.
@@ -173,8 +182,14 @@ impl<'a> Chords<'a> {
 
     /// Ends a chord.
     fn advance(&mut self, length: f64, point: &mut impl FnMut(&PerAxis<f64>, f64)) {
+        let start = self.start + length;
+        if !(start > self.start && start.is_finite()) {
+            self.left_to_make = 0;
+            return;
+        }
+        self.left_to_make = self.left_to_make.saturating_sub(1);
         point(&self.at(length), length);
-        self.start += length;
+        self.start = start;
         self.step = length;
         while let Some(first) = self.pieces.front()
             && (self.start > first.path.length()
@@ -183,6 +198,34 @@ impl<'a> Chords<'a> {
             self.start -= first.path.length();
             self.pieces.pop_front();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A line along X from 0, mm.
+    fn line(length: f64) -> Option<Piece> {
+        let mut end = [0.0; AXES];
+        end[0] = length;
+        Some(Piece { path: Path::line(end, &[true; AXES])?, from: [0.0; AXES], clock: None })
+    }
+
+    #[test]
+    fn chords_of_a_way_without_an_end_end() {
+        for length in [1e15, 1e150, 1e300, f64::INFINITY] {
+            let Some(piece) = line(length) else { continue };
+            let (mut chords, mut made) = (Chords::new(1e-3, Measure::Space), 0_u64);
+            chords.push(piece, &mut |_, _| made += 1);
+            chords.finish(&mut |_, _| made += 1);
+            assert!(made <= MOST);
+        }
+        let (mut chords, mut made) = (Chords::new(1e-3, Measure::Space), 0);
+        chords.push(line(100.0).unwrap(), &mut |_, _| made += 1);
+        chords.finish(&mut |_, _| made += 1);
+        assert!(made > 0 && !chords.is_endless());
     }
 }
 

@@ -137,6 +137,7 @@ impl Program<'_> {
         self.lines.decimals(FOR_ROUNDING * chord_mm);
         self.lines.follow(&mut chords, piece(&block.path, &block.tag), block.tag.feed);
         self.lines.finish(&mut chords, block.tag.feed);
+        ends(&chords)?;
         self.at = block.tag.to;
         Ok(())
     }
@@ -169,12 +170,22 @@ impl Program<'_> {
                 last = block.tag.feed;
             }
             self.lines.follow(&mut chords, piece(&block.path, &block.tag), last);
+            ends(&chords)?;
             self.at = block.tag.to;
         }
         self.lines.finish(&mut chords, last);
+        ends(&chords)?;
         self.lines.timed(false);
         self.lines.mode(self.mode);
         Ok(())
+    }
+}
+
+/// Refuses a way of which no end is in sight.
+fn ends(chords: &Chords) -> Result<(), String> {
+    match chords.is_endless() {
+        true => Err(format!("that would be more than {} lines: give a larger chord_mm", chords::MOST)),
+        false => Ok(()),
     }
 }
 
