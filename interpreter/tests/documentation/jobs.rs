@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use interpreter::{Check, check, check_job};
+use interpreter::{Check, Severity, check, check_job};
 use protocol::{Machine, machine::Kinematics};
 
 use super::pages::{cells, page, quoted};
@@ -99,7 +99,8 @@ fn what_the_page_says_is_refused_is_refused_with_these_words() {
         let said = said(&check);
         // A program goes on behind its job, and may be wrong there, too.
         let alone = check.diagnostics.len() == 1 || kind == "program";
-        let is_of_job = check.diagnostics.first().is_some_and(|one| one.code == "job");
+        let is_of_job =
+            check.diagnostics.first().is_some_and(|one| one.code == "job" && one.severity == Severity::Error);
         if !(alone && is_of_job && said.contains(message.as_str())) {
             wrong.push(format!("{change}: not {message}, but\n{said}"));
         }
@@ -107,6 +108,25 @@ fn what_the_page_says_is_refused_is_refused_with_these_words() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(rows > 40, "{rows}");
+}
+
+#[test]
+fn what_the_page_says_is_a_warning_is_one() {
+    let paths = "path = { pattern = \"lines\", step_mm = 8 }";
+    let (_, wave) = fences("toml mill").remove(0);
+    let apart = check_job("job.toml", &changed(&wave, paths), &machine("mill"));
+    let still = check("part.ngc", &program_with("M5"), &machine("mill"));
+    let nearly = check("part.ngc", &program_with("; @ kind = \"surface\""), &machine("mill"));
+    let said = [apart, still, nearly].map(|check| {
+        assert!(check.diagnostics.iter().all(|one| one.severity == Severity::Warning), "{}", said(&check));
+        said(&check)
+    });
+    let rows = super::pages::rows_below(PAGE, "## What is a warning");
+    assert_eq!(rows.len(), 2 + said.len(), "a heading and a rule above them");
+    for (row, said) in rows.iter().skip(2).zip(said) {
+        let message = row.last().map_or("", |cell| cell.as_str());
+        assert!(said.contains(message), "{message}: {said}");
+    }
 }
 
 /// The keys in the first cells of the tables below a heading.
