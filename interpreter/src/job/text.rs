@@ -150,10 +150,12 @@ fn unknown(text: &str, message: &str, part: &Option<Range<usize>>, page: &str) -
     ))
 }
 
-/// Whether the line at a byte has a parameter of G-code: `#1`, `#<name>`, `#[1 + 2]`.
+/// Whether the line at a byte, or the line before it, has a parameter of G-code: `#1`, `#<name>`, `#[1 + 2]`.
 fn has_parameter(text: &str, at: usize) -> bool {
-    let start = text.get(..at).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
-    let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
-    let mut behind = line.split('#').skip(1);
-    behind.any(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '<' || c == '['))
+    let before = text.get(..at).unwrap_or_default();
+    let start = before.rmatch_indices('\n').nth(1).map_or(0, |(at, _)| at + 1);
+    let lines = before.matches('\n').count().min(1) + 1;
+    let mut lines = text.get(start..).unwrap_or_default().lines().take(lines);
+    let begins = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit() || c == '<' || c == '[');
+    lines.any(|line| line.split('#').skip(1).any(begins))
 }

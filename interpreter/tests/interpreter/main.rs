@@ -5,6 +5,7 @@ mod blocks;
 mod cycle;
 mod dialects;
 mod feasible;
+mod job_keys;
 mod jobs;
 mod merge;
 mod mill;
