@@ -158,7 +158,12 @@ fn threads(text: &mut String, summary: &Summary) {
 }
 
 fn traces(text: &mut String, summary: &Summary) {
-    for trace in summary.traces.iter().take(SHOWN) {
+    let mut shown: Vec<_> = summary.traces.iter().collect();
+    if shown.len() > SHOWN {
+        shown.sort_by(|a, b| b.slide.max_abs_um().total_cmp(&a.slide.max_abs_um()));
+        shown.truncate(SHOWN);
+    }
+    for trace in &shown {
         let (name, turned) = match trace.kind {
             WorkKind::Contour => ("contour  ", String::new()),
             WorkKind::Surface => ("surface  ", String::new()),
@@ -183,12 +188,9 @@ fn traces(text: &mut String, summary: &Summary) {
             trace.most_um.unwrap_or(0.0)
         );
     }
-    if summary.traces.len() > SHOWN {
-        let _ = writeln!(
-            text,
-            "          and {} more contours, surfaces and seams",
-            summary.traces.len() - SHOWN
-        );
+    let more = (summary.traces.len() - shown.len()) as u64 + summary.traces_left_out;
+    if more > 0 {
+        let _ = writeln!(text, "          and {more} more contours, surfaces and seams, each of them truer");
     }
 }
 

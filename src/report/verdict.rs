@@ -136,6 +136,13 @@ pub(super) fn helix(summary: &Summary) -> String {
 const LOOK_TRACE_UM: f64 = 10.0;
 
 fn traces(summary: &Summary, verdict: &mut Verdict) {
+    if summary.traces_left_out > 0 {
+        let words = format!(
+            "{} more contours, surfaces and seams have no figures of their own here: those that have are the farthest off.",
+            summary.traces_left_out
+        );
+        verdict.say(Grade::Good, words);
+    }
     for (kind, who) in [
         (WorkKind::Contour, "The tool kept to its contour"),
         (WorkKind::Surface, "The tool kept to its surface"),

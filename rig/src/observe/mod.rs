@@ -95,6 +95,8 @@ pub struct Observation {
     pub moves: MovesReport,
     /// Contours, surfaces and seams in the order of their cutting.
     pub traces: Vec<TraceReport>,
+    /// More of them, each with less deviation than those.
+    pub traces_left_out: u64,
     /// Faults in the order of their coming.
     pub faults: Vec<FaultReport>,
     /// Overrides that were clamped.
@@ -173,7 +175,7 @@ impl Observer {
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
         self.contour.report(self.out.cycle_s, &mut self.out.moves);
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
-        self.out.traces = self.works.finish();
+        (self.out.traces, self.out.traces_left_out) = self.works.finish();
         self.out.thread.phase_spread_um = phase_spread(&self.out.passes);
         self.out
     }
@@ -291,6 +293,7 @@ impl Observation {
             thread: self.thread,
             moves: self.moves,
             traces: self.traces,
+            traces_left_out: self.traces_left_out,
             pauses: self.pauses,
             limits: self.limits,
             ..Summary::default()

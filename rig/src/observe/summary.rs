@@ -308,14 +308,22 @@ pub struct Summary {
     pub thread: ThreadReport,
     /// Timed motion.
     pub moves: MovesReport,
-    /// Contours, surfaces and seams in the order of their cutting; at most 200.
+    /// Contours, surfaces and seams in the order of their cutting; of more than 200 those with the largest deviation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub traces: Vec<TraceReport>,
+    /// More of them, each with less deviation than those.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub traces_left_out: u64,
     /// Pauses of the program.
     #[serde(default)]
     pub pauses: Vec<PauseReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Why a summary could not be read or written.

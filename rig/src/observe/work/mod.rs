@@ -3,7 +3,8 @@
 //!
 //! The interpolator says of every setpoint which trace it cuts, so approaches and retracts are known as what they are. A
 //! setpoint is due [`SETPOINT_LEAD`] ticks after the one that made it; a control cycle is cut if the setpoints before and
-//! after it are.
+//! after it are. Pieces of one seam, as of one through points, are traces of the same line that go over into each other:
+//! they get one report.
 
 mod gauge;
 mod outline;
@@ -12,7 +13,7 @@ mod report;
 mod seam;
 mod surface;
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::Arc};
 
 use protocol::frame::SETPOINT_LEAD;
 use protocol::{Axis, Code, FORMULAS, Item, Machine, PerAxis, Position, Trace, Work};
@@ -23,27 +24,27 @@ use gauge::{Gauge, Seen};
 use pace::{Pace, distance};
 pub use report::{AxisUsed, DeviationReport, FeedReport, TraceReport, WorkKind};
 
-/// Traces that are measured; a program with more of them is long.
-pub(super) const MOST: usize = 200;
+/// Reports that are kept: those of the largest deviation. Every trace is measured.
+const MOST: usize = 200;
 
-/// A trace of the program.
+/// A trace of the program, with the formulas that hold where it stands.
 #[derive(Clone, Debug)]
 struct Planned {
     line: u32,
     trace: Trace,
-    gauge: Gauge,
+    formulas: Arc<[Formula; FORMULAS]>,
 }
 
 /// Watches for traces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Works {
+    machine: Machine,
     planned: Vec<Planned>,
-    tick_cycles: u64,
-    cycle_s: f64,
     /// When setpoints are due, and which traces they cut.
     nodes: VecDeque<(u64, u32)>,
     cut: Option<Box<Cut>>,
     reports: Vec<TraceReport>,
+    left_out: u64,
     now: Traced,
 }
 
@@ -72,25 +73,22 @@ pub struct TracedPoint {
 impl Works {
     /// The traces of a program.
     pub(super) fn of(machine: &Machine, items: &[Item]) -> Works {
-        let mut formulas = [Formula::default(); FORMULAS];
+        let mut formulas = Arc::new([Formula::default(); FORMULAS]);
         let mut planned = Vec::new();
-        for item in items {
-            match item.code {
+        for Item { line, code } in items {
+            match code {
                 Code::Formula { slot, formula } => {
-                    if let Some(room) = formulas.get_mut(usize::from(slot)) {
-                        *room = formula;
+                    if let Some(room) = Arc::make_mut(&mut formulas).get_mut(usize::from(*slot)) {
+                        *room = *formula;
                     }
                 }
-                Code::Trace(trace) if planned.len() < MOST => {
-                    // Numbers are places in this list; one that cannot be measured cannot be cut either.
-                    let Some(gauge) = Gauge::of(&trace, &formulas, machine) else { break };
-                    planned.push(Planned { line: item.line, trace, gauge });
+                Code::Trace(trace) => {
+                    planned.push(Planned { line: *line, trace: *trace, formulas: Arc::clone(&formulas) });
                 }
                 _ => {}
             }
         }
-        let (tick_cycles, cycle_s) = (machine.cycles_per_tick(), machine.machine.cycle_s);
-        Works { planned, tick_cycles, cycle_s, ..Works::default() }
+        Works { machine: machine.clone(), planned, ..Works::default() }
     }
 
     /// Takes one control cycle; `used` are shares of the limits, at a tick.
@@ -100,12 +98,8 @@ impl Works {
             return;
         }
         let number = self.number(record, is_tick);
-        if self.cut.as_ref().is_some_and(|cut| number != 0 && cut.number != number) {
-            self.close();
-        }
-        if self.cut.is_none() && number != 0 {
-            let planned = self.planned.get(number as usize - 1);
-            self.cut = planned.map(|planned| Box::new(Cut::new(number, planned, self.cycle_s, record)));
+        if number != 0 && self.cut.as_ref().is_none_or(|cut| cut.number != number) {
+            self.begin(number, record);
         }
         let Some(cut) = &mut self.cut else { return };
         if number == 0 {
@@ -120,37 +114,86 @@ impl Works {
         self.now
     }
 
-    /// Ends the observation.
-    pub(super) fn finish(mut self) -> Vec<TraceReport> {
+    /// Ends the observation: the reports, and how many traces of less deviation have none.
+    pub(super) fn finish(mut self) -> (Vec<TraceReport>, u64) {
         self.close();
-        self.reports
+        (self.reports, self.left_out)
     }
 
+    /// Another trace is cut: the next piece of the same seam, or something new.
+    fn begin(&mut self, number: u32, record: &Record) {
+        let planned = self.planned.get(number as usize - 1).cloned();
+        let next = planned.and_then(|planned| {
+            let gauge = Gauge::of(&planned.trace, &planned.formulas, &self.machine)?;
+            Some((planned, gauge))
+        });
+        match (&mut self.cut, &next) {
+            (Some(cut), Some((planned, gauge))) if cut.goes_on(number, planned) => cut.go_on(number, gauge),
+            _ => {
+                self.close();
+                self.cut = next.map(|(planned, gauge)| {
+                    Box::new(Cut::new(number, &planned, gauge, self.machine.machine.cycle_s, record))
+                });
+            }
+        }
+    }
+
+    /// Ends the trace in hand. What is worth a look is kept first, then what has the larger deviation.
     fn close(&mut self) {
         self.reports.extend(self.cut.take().map(|cut| cut.report()));
+        if self.reports.len() > MOST {
+            let places = 0..self.reports.len();
+            let least = places.min_by(|a, b| {
+                let [(a_odd, a_um), (b_odd, b_um)] = [*a, *b].map(|place| weight(&self.reports[place]));
+                a_odd.cmp(&b_odd).then(a_um.total_cmp(&b_um))
+            });
+            self.reports.remove(least.unwrap_or(0));
+            self.left_out += 1;
+        }
     }
 
     /// The trace that is cut in this cycle; 0 if none.
     fn number(&mut self, record: &Record, is_tick: bool) -> u32 {
         let now = record.truth.cycle.0;
         if is_tick {
-            self.nodes.push_back((now + SETPOINT_LEAD * self.tick_cycles, record.machine.tracing));
+            let due = now + SETPOINT_LEAD * self.machine.cycles_per_tick();
+            self.nodes.push_back((due, record.machine.tracing));
         }
         while self.nodes.get(1).is_some_and(|(due, _)| *due <= now) {
             self.nodes.pop_front();
         }
         match (self.nodes.front(), self.nodes.get(1)) {
             (Some((due, number)), _) if *due == now => *number,
-            (Some((due, before)), Some((_, after))) if *due < now && before == after => *before,
+            (Some((due, before)), Some((_, after))) if *due < now && self.is_one(*before, *after) => *before,
             _ => 0,
         }
     }
+
+    /// Whether a trace, or a piece of a seam and the next one, is cut from one setpoint to the next.
+    fn is_one(&self, before: u32, after: u32) -> bool {
+        let seam = |number: u32| {
+            let planned = self.planned.get(number.checked_sub(1)? as usize)?;
+            matches!(planned.trace.work, Work::Seam(_)).then_some(planned.line)
+        };
+        let next = before.checked_add(1) == Some(after);
+        before == after || next && seam(before).is_some() && seam(before) == seam(after)
+    }
 }
 
-/// A trace being cut.
+/// How much there is to see in a report: cycles without a figure, a feed that is low for no reason; then the deviation, µm.
+fn weight(report: &TraceReport) -> (bool, f64) {
+    let odd = report.is_wrong() || report.unmeasured_cycles > 0 || report.feed.unexplained_s > 0.0;
+    (odd, report.slide.max_abs_um())
+}
+
+/// A trace being cut, or several that are one seam.
 #[derive(Clone, Debug)]
 struct Cut {
+    /// Of the first, and of the one that is cut now.
+    first: u32,
     number: u32,
+    /// Whether the tool has left the part since.
+    lifted: bool,
     line: u32,
     trace: Trace,
     cycle_s: f64,
@@ -176,12 +219,12 @@ struct Point {
 }
 
 impl Cut {
-    fn new(number: u32, planned: &Planned, cycle_s: f64, record: &Record) -> Cut {
-        let Planned { line, trace, gauge } = planned;
+    fn new(number: u32, planned: &Planned, gauge: Gauge, cycle_s: f64, record: &Record) -> Cut {
+        let Planned { line, trace, .. } = planned;
         let nothing =
             DeviationReport { low_um: f64::INFINITY, high_um: f64::NEG_INFINITY, ..Default::default() };
         let point = Point {
-            gauge: gauge.clone(),
+            gauge,
             before: None,
             squares: 0.0,
             report: nothing,
@@ -189,7 +232,9 @@ impl Cut {
         };
         let now = record.truth.cycle.0;
         Cut {
+            first: number,
             number,
+            lifted: false,
             line: *line,
             trace: *trace,
             cycle_s,
@@ -204,8 +249,24 @@ impl Cut {
         }
     }
 
+    /// Whether another trace is the next piece of the seam in hand.
+    fn goes_on(&self, number: u32, planned: &Planned) -> bool {
+        let seams = [&self.trace, &planned.trace].map(|trace| matches!(trace.work, Work::Seam(_)));
+        !self.lifted
+            && self.number.checked_add(1) == Some(number)
+            && planned.line == self.line
+            && seams == [true; 2]
+    }
+
+    /// From here on along the next piece.
+    fn go_on(&mut self, number: u32, gauge: &Gauge) {
+        self.number = number;
+        self.points.iter_mut().for_each(|point| point.gauge = gauge.clone());
+    }
+
     fn cycle(&mut self, record: &Record, used: Option<&PerAxis<Shares>>) -> Traced {
         let now = record.truth.cycle.0;
+        self.lifted = false;
         (self.cycles, self.end_cycle) = (self.cycles + 1, now);
         let mut places = [PerAxis::default(), record.truth.axes.map(|axis| axis.slide_mm)];
         for (axis, status) in record.axes {
@@ -219,7 +280,7 @@ impl Cut {
         }
         let [Some(commanded), Some(slide)] = seen else {
             self.unmeasured += 1;
-            return Traced { trace: self.number, ..Traced::default() };
+            return Traced { trace: self.first, ..Traced::default() };
         };
         self.take_pace(record, used, &commanded, steps);
         let row = |seen: Seen, step: Option<f64>| TracedPoint {
@@ -227,7 +288,7 @@ impl Cut {
             angle_deg: seen.angle_deg,
             feed_mm_min: 60.0 * step.unwrap_or(0.0) / self.cycle_s,
         };
-        Traced { trace: self.number, commanded: row(commanded, steps[0]), slide: row(slide, steps[1]) }
+        Traced { trace: self.first, commanded: row(commanded, steps[0]), slide: row(slide, steps[1]) }
     }
 
     fn take_pace(
@@ -252,6 +313,7 @@ impl Cut {
 
     /// The tool leaves the part for a while.
     fn lift(&mut self) {
+        self.lifted = true;
         self.pace.lift();
         for point in &mut self.points {
             point.gauge.lift();
@@ -278,7 +340,7 @@ impl Cut {
             Work::Seam(_) => (WorkKind::Seam, false),
         };
         TraceReport {
-            trace: self.number,
+            trace: self.first,
             line: self.line,
             kind,
             origin_mm: if has_origin { self.trace.origin.map(Position::mm) } else { [0.0; 3] },
