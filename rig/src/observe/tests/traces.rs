@@ -1,12 +1,12 @@
 //! Traces: what is put beside a surface is what is read from it, and only where it is cut.
 
 use protocol::frame::SETPOINT_LEAD;
-use protocol::machine::SMALL_MILL;
+use protocol::machine::{POSITIONER, SMALL_MILL};
 use protocol::{
     Axis, AxisState, AxisStatus, Code, Cycle, Item, Machine, MachineState, MachineStatus, Position, Trace,
     Truth, Work,
 };
-use shape::{Correction, Formula, Op, Pattern, Surface, Tool};
+use shape::{Branch, Correction, Formula, Op, Pattern, Seam, SeamCurve, Surface, Tool};
 
 use crate::observe::{Observer, Record, TraceReport, Traced, WorkKind};
 
@@ -36,8 +36,18 @@ fn program() -> [Item; 2] {
     [Code::Formula { slot: 0, formula }, Code::Trace(trace)].map(|code| Item { line: LINE, code })
 }
 
-/// Goes up the plane at a share of the feed that depends on the cycle; the true tool stands off by so many mm.
+/// As below, with no acceleration commanded.
 fn cut(share: impl Fn(u64) -> f64, off: impl Fn(u64) -> f64) -> (TraceReport, Vec<Traced>) {
+    cut_with(share, |_| 0.0, off)
+}
+
+/// Goes up the plane at a share of the feed and with an acceleration, mm/s², that depend on the cycle; the true tool stands
+/// off by so many mm.
+fn cut_with(
+    share: impl Fn(u64) -> f64,
+    acceleration: impl Fn(u64) -> f64,
+    off: impl Fn(u64) -> f64,
+) -> (TraceReport, Vec<Traced>) {
     let machine = Machine::from_toml(SMALL_MILL).expect("a mill");
     let mut observer = Observer::new(&machine, &program());
     let (cycle_s, tick) = (machine.machine.cycle_s, machine.cycles_per_tick());
@@ -58,6 +68,7 @@ fn cut(share: impl Fn(u64) -> f64, off: impl Fn(u64) -> f64) -> (TraceReport, Ve
             let status = &mut axes[i].1;
             (status.state, status.line) = (AxisState::Streaming as u32, LINE);
             (status.commanded_mm, status.velocity_mm_s) = (ORIGIN[i] + tip[i], speed * [0.8, 0.0, 0.6][i]);
+            status.acceleration_mm_s2 = acceleration(cycle) * [0.8, 0.0, 0.6][i];
             truth.axes[i].slide_mm = ORIGIN[i] + tip[i] + real[i];
         }
         if cycle.is_multiple_of(tick) {
@@ -106,4 +117,72 @@ fn a_feed_that_falls_without_a_reason_is_seen() {
     let feed = report.feed;
     assert!((feed.unexplained_s - 0.1).abs() < 1e-9 && (feed.most_pct - 0.5).abs() < 1e-3, "{feed:?}");
     assert!((feed.held_pct - 90.0).abs() < 0.1, "{feed:?}");
+}
+
+/// Up to the feed in 0.1 s, at 40 % of the acceleration of Z: that is a reason for the ramp, and for nothing after it.
+#[test]
+fn a_ramp_explains_no_feed_that_stays_low() {
+    let at_most = |most: f64| {
+        let ramp = |cycle: u64| 0.005 * cycle.saturating_sub(CUTS.start) as f64;
+        let limit = Machine::from_toml(SMALL_MILL).expect("a mill").axis[&Axis::Z].acceleration_mm_s2;
+        let acceleration = move |cycle: u64| if ramp(cycle) < most { 0.4 / 0.6 * limit } else { 0.0 };
+        cut_with(move |cycle| ramp(cycle).min(most), acceleration, |_| 0.0).0
+    };
+    let full = at_most(1.0).feed;
+    assert!(full.unexplained_s == 0.0 && (full.held_pct - 90.0).abs() < 0.2, "{full:?}");
+    let low = at_most(0.8);
+    // All of the second after the ramp, but for the window in which it ends and the one after that.
+    let after = low.cut_cycles as f64 * 0.0005 - 0.08;
+    let feed = low.feed;
+    assert_eq!(feed.held_pct, 0.0);
+    assert!((after - 0.101..=after).contains(&feed.unexplained_s), "{feed:?} of {after} s");
+}
+
+/// A line of 10 mm along X, with the beam along Z.
+fn piece() -> Code {
+    let mut curve = [[0.0; 8]; 6];
+    (curve[0][1], curve[5][0]) = (10.0, 1.0);
+    let work = Work::Seam(Seam {
+        curve: SeamCurve::Polynomials(curve),
+        t: [0.0, 1.0],
+        branch: Branch::Negative,
+        idle_beta_deg: 0.0,
+    });
+    let origin = [Position(0); 3];
+    Code::Trace(Trace { work, origin, feed_mm_min: 600.0, chord_mm: 0.002, correction: Correction::Exact })
+}
+
+/// A piece of a seam after the other, on a positioner that stands still: it is only counted.
+#[test]
+fn pieces_of_a_seam_are_one_seam_and_the_worst_are_kept() {
+    let machine = Machine::from_toml(POSITIONER).expect("a positioner");
+    let run = |lines: &[u32], pause: bool| {
+        let items: Vec<Item> = lines.iter().map(|line| Item { line: *line, code: piece() }).collect();
+        let mut observer = Observer::new(&machine, &items);
+        let tick = machine.cycles_per_tick();
+        for cycle in 0..(lines.len() as u64 + 1) * 10 * tick {
+            let made = cycle / tick;
+            let number = if pause && made % 10 >= 5 { 0 } else { (made / 10 + 1) as u32 };
+            let tracing = if number as usize > lines.len() { 0 } else { number };
+            let status = MachineStatus {
+                cycle: Cycle(made * tick),
+                state: MachineState::Moving as u32,
+                feed_override_pct: 100.0,
+                tracing,
+                ..Default::default()
+            };
+            let truth = Truth { cycle: Cycle(cycle), ..Truth::default() };
+            observer.cycle(&Record { truth: &truth, axes: &[], machine: &status });
+        }
+        observer.finish()
+    };
+    let count = |lines: &[u32], pause: bool| {
+        let seen = run(lines, pause);
+        (seen.traces.iter().map(|trace| (trace.trace, trace.line)).collect::<Vec<_>>(), seen.traces_left_out)
+    };
+    assert_eq!(count(&[3, 3, 3, 3], false), (vec![(1, 3)], 0));
+    assert_eq!(count(&[3, 3, 7, 7], false), (vec![(1, 3), (3, 7)], 0));
+    assert_eq!(count(&[3, 3, 3], true), (vec![(1, 3), (2, 3), (3, 3)], 0));
+    let (kept, left_out) = count(&[3; 207], true);
+    assert_eq!((kept.len(), left_out), (200, 7));
 }

@@ -7,9 +7,11 @@
 //! chord error of an interpolator cycle h = |p(t) − 2 p(t − h) + p(t − 2h)| / 8, its part normal to p(t) − p(t − 2h)
 //! ```
 //! The feed is *held* where the commanded one lies within [`HELD`] of what is asked for. Where it is lower, a limit must be
-//! the reason: of the axes, or the chord error. A stretch of lower feed in which no limit is used to [`BINDS`] has none,
-//! and is counted as not explained. Planned bounds hold for several derivatives at once and over a stretch of the path; when
-//! an override was turned, over a long one. So a limit that binds is not always used to the full where it binds.
+//! the reason: of the axes, or the chord error. Lower feed is looked at in windows of [`WINDOW_S`]; one is explained if a
+//! limit is used to [`BINDS`] in it or in the window before. Planned bounds hold for several derivatives at once and over
+//! a stretch of the path, so a limit that binds is not always used to the full where it binds; and jerk fades out before
+//! the feed is reached, which is what the window before is for. A tool that stands is held or waits, which is counted
+//! elsewhere; how it came to stand is looked at.
 
 use super::report::FeedReport;
 
@@ -18,11 +20,18 @@ const HELD: f64 = 0.01;
 /// Use of a limit that explains a lower feed.
 const BINDS: f64 = 0.25;
 
-/// A stretch of lower feed.
+/// Way of a cycle in which the tool stands still, mm.
+const STANDS_MM: f64 = 1e-9;
+/// Length of the windows in which a reason is looked for.
+const WINDOW_S: f64 = 0.05;
+
+/// A window of lower feed.
 #[derive(Clone, Copy, Debug)]
 struct Slow {
     cycles: u64,
+    /// Largest use of a limit in it, and in the one before.
     used: f64,
+    before: f64,
 }
 
 /// What is known of the feed of one trace so far.
@@ -110,9 +119,18 @@ impl Pace {
         self.cycles += 1;
         let (commanded, real) = (commanded_mm / asked - 1.0, true_mm / asked - 1.0);
         self.most = self.most.max(commanded);
+        if commanded_mm <= STANDS_MM {
+            self.close();
+            return;
+        }
         if commanded < -HELD {
-            let slow = self.slow.get_or_insert(Slow { cycles: 0, used: self.used });
+            let slow = self.slow.get_or_insert(Slow { cycles: 0, used: self.used, before: 0.0 });
             slow.cycles += 1;
+            let Slow { cycles, used: before, .. } = *slow;
+            if cycles as f64 * self.cycle_s >= WINDOW_S {
+                self.close();
+                self.slow = Some(Slow { cycles: 0, used: self.used, before });
+            }
             return;
         }
         self.close();
@@ -132,7 +150,7 @@ impl Pace {
 
     fn close(&mut self) {
         if let Some(slow) = self.slow.take()
-            && slow.used < BINDS
+            && slow.used.max(slow.before) < BINDS
         {
             self.unexplained += slow.cycles;
         }

@@ -64,7 +64,7 @@ pub struct FeedReport {
     pub true_high_pct: f64,
     /// Root of the mean square.
     pub true_rms_pct: f64,
-    /// Time at a lower feed although no limit was used to a quarter.
+    /// Time at a lower feed although no limit was used to a quarter just then: in windows of 50 ms, see `docs/run-folder.md`.
     pub unexplained_s: f64,
     /// Largest chord error of an interpolator cycle.
     pub chord_max_um: f64,
