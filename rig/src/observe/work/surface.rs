@@ -16,7 +16,8 @@
 //! ```
 //! For a ball that is the distance of its centre from the surface, less its radius. The two equations are solved by
 //! Newton's method, from the contact of the cycle before: the parameter of the path has no part in it, so what is early
-//! or late along the path is no error of shape. An error δ in x, y makes one of δ²/2r in d.
+//! or late along the path is no error of shape. An error δ in x, y makes one of δ²/2r in d. A second contact elsewhere
+//! under the tool is found by looking for it every [`SEARCH`] cycles; the one that cuts deepest counts.
 
 use shape::{Formula, Gradient, Tool};
 
@@ -26,8 +27,12 @@ const STEPS: usize = 20;
 const RESIDUAL_MM: f64 = 1e-7;
 /// A surface with less slope is level: the flat of a tool lies on it.
 const LEVEL: f64 = 1e-9;
-/// Directions in which a contact is looked for when there is none to begin from.
+/// Directions in which a contact is looked for when there is none to begin from, and now and then for a deeper one.
 const DIRECTIONS: u32 = 12;
+/// How far from the tip, in radii of the tool.
+const RINGS: [f64; 2] = [0.7, 0.95];
+/// Cycles from one such search to the next.
+const SEARCH: u32 = 32;
 
 /// Where a tool touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +49,8 @@ pub(super) struct Probe {
     formula: Formula,
     tool: Tool,
     last: Option<[f64; 2]>,
+    /// Cycles since all contacts were looked for.
+    since: u32,
 }
 
 /// One evaluation: what is left of the equations, and the step that Newton's method takes.
@@ -57,7 +64,7 @@ struct Trial {
 
 impl Probe {
     pub(super) fn new(formula: Formula, tool: Tool) -> Probe {
-        Probe { formula, tool, last: None }
+        Probe { formula, tool, last: None, since: 0 }
     }
 
     /// Forgets where it was last.
@@ -67,22 +74,38 @@ impl Probe {
 
     /// Where a tool with this tip touches; `None` if no contact is found.
     pub(super) fn touch(&mut self, tip: [f64; 3]) -> Option<Touch> {
+        self.since += 1;
         let near = self.last.and_then(|last| self.solve(tip, last));
-        let touch = near.or_else(|| self.search(tip));
+        let touch = match near {
+            Some(near) if self.since < SEARCH => Some(near),
+            _ => {
+                self.since = 0;
+                let found = self.search(tip).into_iter().chain(near);
+                found.min_by(|a, b| a.deviation_mm.total_cmp(&b.deviation_mm))
+            }
+        };
         self.last = touch.map(|touch| touch.at);
         touch
     }
 
     /// Looks for contacts from everywhere under the tool; the one that cuts deepest counts.
     fn search(&self, tip: [f64; 3]) -> Option<Touch> {
-        let start = |direction: u32| {
+        let start = |share: f64, direction: u32| {
             let angle = core::f64::consts::TAU * f64::from(direction) / f64::from(DIRECTIONS);
-            let reach = 0.7 * self.tool.radius_mm;
+            let reach = share * self.tool.radius_mm;
             [tip[0] + reach * libm::cos(angle), tip[1] + reach * libm::sin(angle)]
         };
-        let starts = (0..DIRECTIONS).map(start).chain([[tip[0], tip[1]]]);
-        let touches = starts.filter_map(|start| self.solve(tip, start));
+        let rings = RINGS.into_iter().flat_map(|share| (0..DIRECTIONS).map(move |i| (share, i)));
+        let starts = rings.map(|(share, i)| start(share, i)).chain([[tip[0], tip[1]]]);
+        let touches =
+            starts.filter_map(|start| self.solve(tip, start)).filter(|touch| self.reaches(tip, touch));
         touches.min_by(|a, b| a.deviation_mm.total_cmp(&b.deviation_mm))
+    }
+
+    /// Whether a contact lies under the tool.
+    fn reaches(&self, tip: [f64; 3], touch: &Touch) -> bool {
+        let off = libm::hypot(touch.at[0] - tip[0], touch.at[1] - tip[1]);
+        off <= self.tool.radius_mm + touch.deviation_mm.abs() + 1e-6
     }
 
     fn solve(&self, tip: [f64; 3], start: [f64; 2]) -> Option<Touch> {
@@ -210,6 +233,36 @@ mod tests {
                 assert!((touch.deviation_mm - 0.001).abs() <= 1e-10, "{tool:?} {at:?}: {touch:?}");
             }
         }
+    }
+
+    /// A ball of 6 mm touches the floor of a trough and comes to its wall.
+    #[test]
+    fn a_second_contact_is_found_when_it_cuts_deeper() {
+        let ops = [Op::Constant(3.0), Op::Variable(0), Op::Constant(6.0), Op::Div, Op::Powi(8), Op::Mul];
+        let trough = Formula::new(&ops).expect("complete");
+        let height = |x: f64| 3.0 * (x / 6.0).powi(8);
+        let centre = |x: f64| {
+            let (slope, r) = (4.0 * (x / 6.0).powi(7), BALL.radius_mm);
+            let normal = slope.hypot(1.0);
+            [x - r * slope / normal, height(x) + r / normal]
+        };
+        let deepest = |c: [f64; 2]| {
+            let places = (-20_000..=70_000).map(|i| 1e-4 * f64::from(i));
+            let off = places.map(|x| (x - c[0]).hypot(height(x) - c[1]));
+            off.fold(f64::INFINITY, f64::min) - BALL.radius_mm
+        };
+        let mut probe = Probe::new(trough, BALL);
+        let mut seen = 0;
+        for step in 0..=400_u32 {
+            let c = centre(2.4 + 0.003 * f64::from(step));
+            let touch = probe.touch([c[0], 0.0, c[1] - BALL.radius_mm]).expect("it touches");
+            if step % 32 == 0 {
+                let want = deepest(c);
+                assert!((touch.deviation_mm - want).abs() < 1e-6, "{step}: {touch:?} for {want}");
+                seen += u32::from(want < -0.01);
+            }
+        }
+        assert!(seen > 4, "{seen} times it cut into the wall");
     }
 
     #[test]
