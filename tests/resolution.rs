@@ -108,22 +108,22 @@ fn the_built_in_machine_is_fine_and_a_coarse_one_is_not() {
     let answer = place.ask(&["resolution", "--machine", "coarse.toml"]);
     assert_eq!(answer.status, Some(0), "{}", answer.stderr);
     for words in [
-        // 5 mm by 1000 counts, against a tenth of 25 µm.
-        "X: count of the encoder: 2 times too coarse; an encoder of 2000 counts a turn or more (axis.x.encoder_counts)",
+        // 5 mm by 1000 counts, against a tenth of 12.5 µm: the tolerance is one of the diameter.
+        "X: count of the encoder: 4 times too coarse; an encoder of 4000 counts a turn or more (axis.x.encoder_counts)",
         // 1 µm over two cycles, against 9000 mm/min in 3e4 steps at 2 kHz; over four against 2 m/s² in 1000.
         "X: speed by differences: 200 times too coarse; axis.x.feedforward = \"full\"",
         "X: acceleration by differences: 500 times too coarse; axis.x.feedforward = \"full\"",
         // 5 mm by 4 · 250 counts.
         "spindle: count of its encoder at a lead of 5 mm: 2 times too coarse; an encoder of 500 lines",
         "leads up to 2.5 mm",
-        "positions of X do for tolerances of 50 µm and more, IT9 at 50 mm",
+        "positions of X do for tolerances of 100 µm and more, IT10 at 50 mm",
     ] {
         assert!(answer.stdout.contains(words), "{words}:\n{}", answer.stdout);
     }
     // What was proposed is fine.
     let text = fs::read_to_string(place.at("coarse.toml")).expect("it was written");
     let better = text
-        .replacen("encoder_counts = 1000 ", "encoder_counts = 2000 ", 1)
+        .replacen("encoder_counts = 1000 ", "encoder_counts = 4000 ", 1)
         .replace("difference-va", "full")
         .replace("encoder_lines = 250", "encoder_lines = 500");
     place.write("better.toml", better);
@@ -206,7 +206,7 @@ fn the_page_has_everything_in_it() {
 fn what_cannot_be_asked_is_refused() {
     let place = Place::new();
     place.write("mill.toml", SMALL_MILL);
-    let cases: [(&[&str], &[&str]); 16] = [
+    let cases: [(&[&str], &[&str]); 17] = [
         (&["--grade", "IT19"], &["--grade IT19", "IT01, IT0, IT1 … IT18", "--tolerance"]),
         (&["--grade", "H7"], &["\"H7\"", "no grade"]),
         (&["--size", "4000"], &["--size 4000", "up to 3150 mm"]),
@@ -215,6 +215,7 @@ fn what_cannot_be_asked_is_refused() {
         (&["--tolerance", "6", "--grade", "IT6"], &["leave out --grade"]),
         (&["--tolerance", "6", "--size", "10"], &["leave out --size"]),
         (&["--tolerance", "nan"], &["--tolerance NaN", "between"]),
+        (&["--tolerance", "1e-300"], &["--tolerance 1e-300:", "between"]),
         (&["--k-f", "0"], &["--k-f 0", "between"]),
         (&["--feed", "100"], &["--feed", "without --acceleration, --jerk, --cycle"]),
         (&["--counts", "100"], &["--counts", "--feed, --acceleration, --jerk and --cycle"]),

@@ -37,7 +37,9 @@ pub(crate) const HELP: &str = "Examples:
                                                                  no machine file: a motion in counts of 1 µm
 
 A tolerance is divided into ten steps, a highest feed into 30000, a highest acceleration into 1000, a jerk into 100: that
-is what is needed. D says how many times a count is coarser than that; up to 1 is fine. See docs/resolution.md.
+is what is needed. D says how many times a count is coarser than that; up to 1 is fine. D of speed, acceleration and jerk
+matters where they are made by differences of counts. X of a lathe makes diameters: it gets half of the tolerance. See
+docs/resolution.md.
 
 Exit status: 0 done, whatever the verdict (--json has it as \"fine\"), 2 an argument or the machine file is wrong.";
 
@@ -126,6 +128,14 @@ impl Asked {
         match &self.source {
             Source::Machine { machine, .. } => &machine.machine.name,
             Source::Given => "given motion",
+        }
+    }
+
+    /// Whether an axis makes diameters.
+    fn is_diameter(&self, needs: &AxisNeeds) -> bool {
+        match (&self.source, &needs.axis) {
+            (Source::Machine { machine, .. }, Some((axis, _))) => read::is_diameter(machine, *axis),
+            _ => false,
         }
     }
 

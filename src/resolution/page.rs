@@ -49,5 +49,5 @@ const PROSE: [&str; 4] = [
      of these steps, D times finer than it has. Here nothing is differenced: the law of motion gives each in double \
      precision, and only positions are counted, in steps of 1e-9 mm.",
     "On an axis that turns everything is in degrees; the tolerance is the angle under which it is seen from the centre of \
-     the part, at the radius named above.",
+     the part, at the radius named above. X of a lathe makes diameters and moves by half of them: it gets half of the tolerance.",
 ];

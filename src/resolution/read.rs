@@ -59,6 +59,9 @@ fn ranges(args: &ResolutionArgs) -> Result<(), CliError> {
         ("--k-j", Some(args.k_j), 1.0, 1e9),
     ] {
         if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+            // A very long number is as well read with its power of ten.
+            let plain = (1e-6..1e15).contains(&value.abs()) || value == 0.0 || !value.is_finite();
+            let value = if plain { value.to_string() } else { format!("{value:e}") };
             return Err(wrong(format!("{name} {value}: must lie between {low} and {high}")));
         }
     }
@@ -148,10 +151,16 @@ fn lead(args: &ResolutionArgs, machine: &Machine) -> Result<f64, CliError> {
     Ok(args.lead.unwrap_or(LEAD_MM))
 }
 
+/// Whether what an axis makes is measured as a diameter: X of a lathe, which moves by half of it.
+pub(super) fn is_diameter(machine: &Machine, axis: Axis) -> bool {
+    machine.machine.kinematics == Kinematics::Lathe && axis == Axis::X
+}
+
 /// Every axis of a machine.
 fn axes(machine: &Machine, parts: &Parts, steps: &Steps) -> Vec<AxisNeeds> {
     let tolerance = |axis: Axis| match parts.radius_mm.filter(|_| axis.is_rotary()) {
         Some(radius_mm) => turned(parts.um, radius_mm),
+        None if is_diameter(machine, axis) => parts.um / 2.0,
         None => parts.um,
     };
     let needs = |(axis, config)| AxisNeeds::of(axis, config, tolerance(axis), machine.machine.cycle_s, steps);

@@ -6,13 +6,17 @@ use motion::tolerance::Grade;
 use super::{Asked, Source, needs::AxisNeeds, verdict::Verdict};
 use crate::experiment::table::{Place, Table, six, three};
 
+/// What is said below the first table.
+const BY_DIFFERENCES: &str = "D of speed, acceleration and jerk is for a control that makes them by differences of counts; whether this one does,
+and is fine enough, is said below.";
+
 /// Everything for the screen.
 pub(super) fn text(asked: &Asked, verdicts: &[Verdict]) -> String {
     let lines = |lines: Vec<String>| lines.into_iter().map(|line| line + "\n").collect::<String>();
     let tables = [needed(asked), differences(asked), answers(verdicts)].map(|table| table.text());
     let [needed, differences, answers] = tables;
     format!(
-        "{}\n{needed}\nwhat differences of counts err by\n{differences}\n{answers}\n{}",
+        "{}\n{needed}\n{BY_DIFFERENCES}\n\nwhat differences of counts err by\n{differences}\n{answers}\n{}",
         lines(head(asked)),
         lines(sentences(asked, verdicts))
     )
@@ -37,6 +41,10 @@ pub(super) fn head(asked: &Asked) -> Vec<String> {
     if let Some(radius_mm) = asked.parts.radius_mm {
         let degrees = three(1e-3 * super::needs::turned(asked.parts.um, radius_mm));
         lines.push(format!("on a radius of {radius_mm} mm, for the axes that turn, that is {degrees} deg"));
+    }
+    if asked.axes.iter().any(|needs| asked.is_diameter(needs)) {
+        let um = three(asked.parts.um / 2.0);
+        lines.push(format!("for X, which makes diameters and moves by half of them, that is {um} µm"));
     }
     lines
 }
@@ -160,7 +168,8 @@ fn finest(asked: &Asked) -> Option<String> {
     let um = |needs: &AxisNeeds| {
         let count = needs.position_step();
         let radius_mm = asked.parts.radius_mm.filter(|_| needs.unit() == "deg");
-        1e3 * asked.steps.tolerance * radius_mm.map_or(count, |radius| count.to_radians() * radius)
+        let way = radius_mm.map_or(count, |radius| count.to_radians() * radius);
+        1e3 * asked.steps.tolerance * if asked.is_diameter(needs) { 2.0 * way } else { way }
     };
     let axes = asked.axes.iter();
     let coarsest = axes.reduce(|worst, one| if um(one) > um(worst) { one } else { worst })?;
