@@ -4,14 +4,12 @@
 //! What the observer measures by the seam of the machine code is measured once more by brute force: drives to beam by
 //! M46 and M47, and the seam as one writes it down.
 
-use std::f64::consts::TAU;
-use std::path::Path;
+mod shop;
 
-use interpreter::{Interpreter, Language};
+use std::f64::consts::TAU;
+
 use protocol::{Axis, Item, Machine, machine::POSITIONER};
-use rig::Rig;
-use rig::observe::{Observation, Observer, Outcome, Record, TraceReport};
-use sim_plant::Scenario;
+use rig::observe::{Observation, Record, TraceReport};
 
 /// Farthest that the beam may be from its seam, µm, and the direction from the beam, degrees.
 const BEAM_UM: f64 = 10.0;
@@ -24,24 +22,11 @@ fn positioner() -> Machine {
 
 /// Machine code of the branch on a pipe.
 fn items() -> Vec<Item> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/positioner/cylinders.toml");
-    let program = interpreter::open(&path, &Language::default(), &positioner()).expect("it can be read");
-    let items = Interpreter::new(program, &positioner()).collect::<Result<Vec<Item>, _>>();
-    items.unwrap_or_else(|error| panic!("{}", error.render(false)))
+    shop::items(&positioner(), &shop::project().join("examples/positioner/cylinders.toml"))
 }
 
-fn run(items: &[Item], scenario: &str, mut see: impl FnMut(&Record)) -> Observation {
-    let machine = positioner();
-    let scenario = Scenario::from_toml(scenario).expect("a scenario");
-    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 1).expect("a plant");
-    let mut observer = Observer::new(&machine, items);
-    while rig.cycle(None, |record| {
-        observer.cycle(record);
-        see(record);
-    }) {}
-    let observation = observer.finish();
-    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
-    observation
+fn run(items: &[Item], scenario: &str, see: impl FnMut(&Record)) -> Observation {
+    shop::observed(&positioner(), items, scenario, see)
 }
 
 fn is_exact<'a>(observation: &'a Observation, what: &str) -> &'a TraceReport {
@@ -158,4 +143,29 @@ fn whatever_the_operator_does_the_beam_stays_on_the_seam() {
         assert!((trace.way_mm - quiet.traces[0].way_mm).abs() < 0.01, "{what}: the same way");
         assert!(trace.cut_cycles > quiet.traces[0].cut_cycles + 1000, "{what}: it came to pass");
     }
+}
+
+/// Points are joined by as many pieces; the seam is one, and all of it is measured.
+#[test]
+fn a_seam_through_points_is_one_seam() {
+    let points: Vec<String> = (0..=250)
+        .map(|i| {
+            let (at, along) = seam(TAU * f64::from(i) / 250.0);
+            format!("[{}, {}, {}, {}, {}, {}]", at[0], at[1], at[2], along[0], along[1], along[2])
+        })
+        .collect();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("points.toml");
+    let job = format!("kind = \"seam\"\nfeed_mm_min = 1500\npoints = [{}]\n", points.join(", "));
+    std::fs::write(&path, job).expect("it can be written");
+    let observation = run(&shop::items(&positioner(), &path), "", |_| {});
+    let trace = is_exact(&observation, "points");
+    assert_eq!((trace.trace, observation.traces_left_out), (1, 0));
+    let whole: f64 = (0..10_000)
+        .map(|i| {
+            let [a, b] = [i, i + 1].map(|i| seam(TAU * f64::from(i) / 10_000.0).0);
+            (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+        })
+        .sum();
+    assert!((trace.way_mm - whole).abs() < 0.05, "{} mm of {whole} mm", trace.way_mm);
 }

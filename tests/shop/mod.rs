@@ -7,8 +7,12 @@ use std::{
     process::{Child, Command, Output, Stdio},
 };
 
+use interpreter::{Interpreter, Language};
 use protocol::ipc::time::{Moment, sleep_until};
-use rig::observe::Summary;
+use protocol::{Item, Machine};
+use rig::Rig;
+use rig::observe::{Observation, Observer, Outcome, Record, Summary};
+use sim_plant::Scenario;
 
 /// The part programs that are shipped.
 pub const EXAMPLES: [&str; 3] = ["m20x2", "worm-left", "internal-m30"];
@@ -29,6 +33,32 @@ pub fn example(name: &str) -> PathBuf {
 /// A scenario that is shipped.
 pub fn scenario(name: &str) -> PathBuf {
     project().join("examples/scenarios").join(name).with_extension("toml")
+}
+
+/// Machine code of a job or a program, which has no errors.
+pub fn items(machine: &Machine, path: &Path) -> Vec<Item> {
+    let program = interpreter::open(path, &Language::default(), machine).expect("it can be read");
+    let items = Interpreter::new(program, machine).collect::<Result<Vec<Item>, _>>();
+    items.unwrap_or_else(|error| panic!("{}: {}", path.display(), error.render(false)))
+}
+
+/// What is observed of machine code in the whole machine, to its end; `see` sees every control cycle, too.
+pub fn observed(
+    machine: &Machine,
+    items: &[Item],
+    scenario: &str,
+    mut see: impl FnMut(&Record),
+) -> Observation {
+    let scenario = Scenario::from_toml(scenario).expect("a scenario");
+    let mut rig = Rig::new(machine, items.iter().copied(), scenario, 1).expect("a plant");
+    let mut observer = Observer::new(machine, items);
+    while rig.cycle(None, |record| {
+        observer.cycle(record);
+        see(record);
+    }) {}
+    let observation = observer.finish();
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    observation
 }
 
 /// A folder for one test: run folders, and the temporary files of the program. Its path is short, because sockets
