@@ -242,7 +242,7 @@ fn the_net_that_is_looked_at_follows_the_tool() {
 #[test]
 fn paths_that_do_not_overlap_are_a_warning_and_no_figure() {
     let material = "paths do not overlap, material is left between them";
-    for (z, step) in [("0*x", 4.0), ("0*x", 1.0), ("8*y", 0.5)] {
+    for (z, step) in [("0*x", 4.0), ("0*x", 1.0), ("5*y", 0.5)] {
         let text = lines(z, [0.0, 20.0], 1.0, &format!("step_mm = {step}"));
         let check = good(&text, &mill());
         let [one] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
@@ -251,7 +251,7 @@ fn paths_that_do_not_overlap_are_a_warning_and_no_figure() {
     }
     let near = good(&lines("0*x", [0.0, 20.0], 1.0, "step_mm = 0.9"), &mill());
     assert!(
-        near.diagnostics.is_empty() && fact(&near, "spacing").contains("ridges of at most 28"),
+        near.diagnostics.is_empty() && fact(&near, "spacing").contains("ridges of at most 253.09"),
         "{near:?}"
     );
     // What is asked for as a ridge never lets the paths part.
@@ -273,4 +273,59 @@ fn a_tool_that_does_not_fit_between_the_nodes_of_the_grid_is_said_not_to_fit() {
     assert!(alias.contains("the surface is hollow there with a radius of"), "{alias}");
     let upright = refused(&lines("1e300*x", [0.0, 10.0], 6.0, "step_mm = 5"));
     assert!(upright.contains("the surface is as good as upright at x = 0.0000"), "{upright}");
+}
+
+#[test]
+fn a_value_that_is_not_written_as_it_reads_is_blamed_as_a_whole() {
+    let job = |y: &str| {
+        format!(
+            "kind = \"contour\"\norigin_mm = [-50, 0, 0]\nfeed_mm_min = 9\nx = [0, 9]\ndepth_z_mm = -4\ny = {y}\n"
+        )
+    };
+    for (y, blamed) in [
+        ("\"x + q\"", "q"),
+        ("'x + q'", "q"),
+        ("\"\\u0078 + q\"", "\"\\u0078 + q\""),
+        ("\"\"\"\nx + q\"\"\"", "\"\"\""),
+        ("\"\"\"x + q\"\"\"", "\"\"\"x + q\"\"\""),
+    ] {
+        let check = check_job("job.toml", &job(y), &mill());
+        let [wrong] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
+        assert_eq!((wrong.line, &wrong.text[wrong.span.clone()]), (6, blamed), "{}", said(&check));
+    }
+}
+
+#[test]
+fn a_line_of_a_job_file_may_be_as_long_as_the_file() {
+    let long = format!("{WAVE}# {}\n", "x".repeat(5000));
+    good(&long, &mill());
+    let check = check_job("job.toml", &format!("{WAVE}# {}\n", "x".repeat(600_000)), &mill());
+    let [wrong] = check.diagnostics.as_slice() else { panic!("{}", said(&check)) };
+    assert_eq!(wrong.line as usize, WAVE.lines().count() + 1, "{}", wrong.message);
+}
+
+#[test]
+fn lines_that_are_nearly_those_of_a_job_are_a_warning() {
+    let head = "G21 S1000 M3 F300\nG0 X0\n";
+    for line in [
+        "; @ kind = \"contour\"",
+        "G1 X10 ;@ y = \"x/3\"",
+        "N10 ;@ kind = \"contour\"",
+        "/;@ kind = \"contour\"",
+    ] {
+        let check = check("part.ngc", &format!("{head}{line}\nM2\n"), &mill());
+        let [one] = check.diagnostics.as_slice() else { panic!("{line}: {}", said(&check)) };
+        assert_eq!((one.severity, one.line, one.code), (Severity::Warning, 3, "job"), "{}", one.message);
+        assert!(wrong_text(one).starts_with(';'));
+    }
+    let plain = check("part.ngc", &format!("{head}; mail to a@b.c\n; @home\nM2\n"), &mill());
+    assert!(plain.diagnostics.is_empty(), "{}", said(&plain));
+    let split = INLINE.replacen("\n;@ x", "\n\n;@ x", 1);
+    assert!(split != INLINE);
+    let check = check("part.ngc", &split, &mill());
+    assert!(said(&check).contains("an empty one ends it"), "{}", said(&check));
+}
+
+fn wrong_text(one: &interpreter::Diagnostic) -> &str {
+    &one.text[one.span.clone()]
 }
