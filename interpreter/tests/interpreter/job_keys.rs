@@ -58,7 +58,13 @@ fn a_machine_of_another_kind_comes_before_what_it_lacks() {
 #[test]
 fn unknown_keys_come_before_missing_ones_with_those_of_their_table() {
     says(WAVE, ["feed_mm_min", "feed"], &mill(), &["`feed`", "feed_mm_min"], "feed = ");
-    says(WAVE, ["along =", "allong ="], &mill(), &["`allong`", "`pattern`", "`along`", "keys of path"], "path");
+    says(
+        WAVE,
+        ["along =", "allong ="],
+        &mill(),
+        &["`allong`", "`pattern`", "`along`", "keys of path"],
+        "path",
+    );
     says(WAVE, ["diameter_mm", "diameter"], &mill(), &["`diameter`", "`corner_mm`", "keys of tool"], "tool");
     let words = ["`radius_mm`", "`half_angle_deg`", "keys of second"];
     says(SEAM, ["diameter_mm = 60.0", "radius_mm = 30.0"], &positioner(), &words, "second");
