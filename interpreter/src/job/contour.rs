@@ -191,7 +191,13 @@ fn walk(contour: &Contour, f: &Formula, plane: &Plane, job: &Job) -> Result<Walk
     let mut walker = Walker::new(contour.t());
     let start = curve.at(contour.x[0]).axes.map(|axis| axis.value());
     let (mut looks, apart) = (0.0, APART * (contour.x[1] - contour.x[0]).abs());
-    let mut walked = Walked { start, end: start, bounds: [start, start], way: 0.0, pace: Pace::new(job.machine, plane.axes) };
+    let mut walked = Walked {
+        start,
+        end: start,
+        bounds: [start, start],
+        way: 0.0,
+        pace: Pace::new(job.machine, plane.axes),
+    };
     loop {
         let next = walker.next(&curve).map_err(|error| {
             let at = error.t();

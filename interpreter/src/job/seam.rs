@@ -75,8 +75,9 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
         .into_iter()
         .map(|(curve, t)| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: rest[3] })
         .collect();
-    let found = travel::nearest(job, &seams, &course.formulas, keys.branch, rest)
-        .map_err(|fault| if fault.key.is_empty() { Fault { key: whole(&keys, job), ..fault } } else { fault })?;
+    let found = travel::nearest(job, &seams, &course.formulas, keys.branch, rest).map_err(|fault| {
+        if fault.key.is_empty() { Fault { key: whole(&keys, job), ..fault } } else { fault }
+    })?;
 
     let place = |at: [f64; 4]| {
         let mut axes = job.rest;

@@ -5,8 +5,8 @@ use protocol::Axis;
 use shape::{Curve, Formula, Leg, Plan, SpanError, Surface, SurfaceCurve, Touch, Walker};
 
 use super::feed::Pace;
-use super::{Fault, Job};
 use super::grid::{cuts, here, hollow};
+use super::{Fault, Job};
 
 /// Places in a path are this share of the larger side of the domain apart, or less.
 const APART: f64 = 1.0 / 400.0;
