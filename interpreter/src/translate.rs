@@ -10,7 +10,7 @@ use protocol::machine::Kinematics;
 use protocol::{Axis, Code, Item, Machine, PathMode, Position, SpindleMode};
 
 use crate::frame::Frame;
-use crate::job::JobNote;
+use crate::job::{Asked, JobNote, Planned};
 use crate::merge::{self, Merged};
 use crate::moves::no_axis;
 use crate::options::home;
@@ -60,6 +60,8 @@ pub(crate) struct Translator {
     pub(crate) starts: Starts,
     pub(crate) notes: Vec<PassNote>,
     pub(crate) jobs: Vec<JobNote>,
+    /// The last job that could be done.
+    pub(crate) last_job: Option<(Asked, Planned)>,
     /// A line that others may yet lengthen.
     merged: Option<Merged>,
     items: VecDeque<Item>,
@@ -95,6 +97,7 @@ impl Translator {
             starts: Starts::default(),
             notes: Vec::new(),
             jobs: Vec::new(),
+            last_job: None,
             merged: None,
             items: VecDeque::new(),
             problems: Vec::new(),

@@ -26,6 +26,7 @@ use serde::Deserialize;
 use shape::{Correction, Formula};
 
 use row::Row;
+pub(crate) use run::Asked;
 
 /// What a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -192,6 +193,7 @@ pub(crate) struct Move {
 }
 
 /// A job that can be done.
+#[derive(Clone, Debug)]
 pub(crate) struct Planned {
     /// From where the axes rest to where the work begins.
     pub(crate) approach: Vec<Move>,

@@ -5,7 +5,7 @@ use gcode::files::ToolTable;
 use gcode::job::Job as Source;
 use gcode::problem::{Blame, Problem, Severity, short};
 use gcode::{Place, canon::FeedMode};
-use protocol::{Code, Machine, Position, SpindleMode, machine::Kinematics};
+use protocol::{Code, Machine, PerAxis, Position, SpindleMode, machine::Kinematics};
 
 use super::row::Row;
 use super::text::{self, Text};
@@ -19,6 +19,15 @@ const CHORD_MM: [f64; 2] = [1e-6, 1.0];
 
 /// The keys of a job, which have been read; what is left to say is on which machine, and where.
 type Plan = Box<dyn FnOnce(&Job) -> Result<Planned, Fault>>;
+
+/// What a plan depends on, but for the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Asked {
+    text: String,
+    origin_mm: [f64; 3],
+    feed_mm_min: f64,
+    rest: PerAxis<Position>,
+}
 
 impl Translator {
     /// A job. What is wrong with it is reported with its place in the text.
@@ -55,7 +64,18 @@ impl Translator {
             correction: header.correction,
             rest: self.positions(&self.rest),
         };
-        let planned = plan(&job)?;
+        let asked = Asked {
+            text: source.text.clone(),
+            origin_mm: job.origin_mm,
+            feed_mm_min: job.feed_mm_min,
+            rest: job.rest,
+        };
+        // The next pass of a loop often asks for the same.
+        let planned = match self.last_job.take() {
+            Some((last, planned)) if last == asked => planned,
+            _ => plan(&job)?,
+        };
+        self.last_job = Some((asked, planned.clone()));
         for warning in other_tool.into_iter().chain(planned.warnings.iter().cloned()) {
             self.blame(place, source, warning, Severity::Warning);
         }
