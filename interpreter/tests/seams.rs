@@ -356,3 +356,24 @@ proptest! {
         check_job("seam.toml", &format!("kind = \"seam\"\nfeed_mm_min = 60\n{text}"), &machine());
     }
 }
+
+#[test]
+fn a_seam_in_a_program_says_itself_where_the_part_lies() {
+    let keys = [
+        "kind = \"seam\"",
+        "x = \"20*cos(t)\"",
+        "y = \"20*sin(t)\"",
+        "z = \"9\"",
+        "direction = [\"cos(t)\", \"sin(t)\", \"1\"]",
+        "t = [0, 1]",
+        "feed_mm_min = 300",
+        "origin_mm = [1, 2, 3]",
+    ];
+    let lines: String = keys.iter().map(|key| format!(";@ {key}\n")).collect();
+    let program = check("part.ngc", &format!("G21\nG92 X5\n{lines}M2\n"), &machine());
+    assert!(program.diagnostics.is_empty(), "{}", said(&program));
+    let file = good(&(keys.join("\n") + "\n"));
+    assert_eq!((formulas(&program), start(&program)), (formulas(&file), start(&file)));
+    let at_zero = check("part.ngc", &format!("{}M2\n", lines.replace("[1, 2, 3]", "[0, 0, 0]")), &machine());
+    assert_ne!(start(&at_zero), start(&program));
+}
