@@ -48,7 +48,7 @@ const MIDDLE: f64 = 50.0;
 
 /// Where a cylinder of 40 mm along Z meets one of 60 mm along X, and the bisector of both outward normals there.
 fn seam(t: f64) -> ([f64; 3], [f64; 3]) {
-    let (x, y) = (20.0 * t.cos(), 20.0 * t.sin());
+    let (x, y) = (20.0 * libm::cos(t), 20.0 * libm::sin(t));
     let up = (900.0 - y * y).sqrt();
     ([x, y, MIDDLE + up], [x / 20.0, y / 20.0 + y / 30.0, up / 30.0])
 }
@@ -57,7 +57,7 @@ fn seam(t: f64) -> ([f64; 3], [f64; 3]) {
 /// with the axes at x, y, A, C.
 fn beam_at([x, y, a, c]: [f64; 4]) -> (f64, f64) {
     let config = positioner().positioner.expect("it is a positioner");
-    let ((sa, ca), (sb, cb)) = (a.to_radians().sin_cos(), c.to_radians().sin_cos());
+    let ((sa, ca), (sb, cb)) = (libm::sincos(a.to_radians()), libm::sincos(c.to_radians()));
     let turned = |p: [f64; 3]| {
         let [u, v, w] = [cb * p[0] + sb * p[1], -sb * p[0] + cb * p[1], p[2]];
         [u, ca * v + sa * w, -sa * v + ca * w]
@@ -67,7 +67,7 @@ fn beam_at([x, y, a, c]: [f64; 4]) -> (f64, f64) {
         let p = turned([p[0], p[1], p[2]]);
         let table = turned_offset([config.x2_mm, config.y2_mm, config.z2_mm], sa, ca);
         let [dx, dy] = [x + config.x1_mm + table[0] + p[0], y + config.y1_mm + table[1] + p[1]];
-        (dx - config.beam_mm[0]).hypot(dy - config.beam_mm[1])
+        libm::hypot(dx - config.beam_mm[0], dy - config.beam_mm[1])
     };
     let nearest = |from: f64, step: f64, steps: i32| {
         let places = (-steps..=steps).map(|i| from + f64::from(i) * step);
@@ -81,7 +81,7 @@ fn beam_at([x, y, a, c]: [f64; 4]) -> (f64, f64) {
         t = next;
     }
     let l = turned(seam(t).1);
-    (distance(t), l[0].hypot(l[1]).atan2(l[2]).to_degrees())
+    (distance(t), libm::atan2(libm::hypot(l[0], l[1]), l[2]).to_degrees())
 }
 
 /// The tilt alone: offsets behind the turn do not turn with it.
@@ -164,7 +164,7 @@ fn a_seam_through_points_is_one_seam() {
     let whole: f64 = (0..10_000)
         .map(|i| {
             let [a, b] = [i, i + 1].map(|i| seam(TAU * f64::from(i) / 10_000.0).0);
-            (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+            libm::hypot(libm::hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2])
         })
         .sum();
     assert!((trace.way_mm - whole).abs() < 0.05, "{} mm of {whole} mm", trace.way_mm);

@@ -156,7 +156,9 @@ impl Job<'_> {
                 ("origin_mm", format!("give origin_mm {low} to {high} for {axis}, or make the part smaller"))
             }
             true => (key, format!("{lower}give origin_mm {low} to {high} for {axis}")),
-            false => (key, format!("{lower}put the zero of {axis} (G54, G92) at {low} to {high} of the machine")),
+            false => {
+                (key, format!("{lower}put the zero of {axis} (G54, G92) at {low} to {high} of the machine"))
+            }
         }
     }
 

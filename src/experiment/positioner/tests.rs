@@ -45,15 +45,13 @@ fn the_tight_bound_is_attained_and_kept() {
         for spread in [Spread::Even, Spread::Ends] {
             let drawn = case.drawn(7, spread);
             assert!(drawn.neglected > 0.0 && drawn.neglected <= beyond * (1.0 + 1e-3) + 1e-12, "{case:?}");
-            for axis in 0..3 {
-                assert!(drawn.largest[axis] <= tight[axis] + beyond, "{case:?}, {axis}");
-                assert!(drawn.largest[axis] > 0.6 * tight[axis], "{case:?}, {axis}: {drawn:?}");
-                assert!(drawn.rms[axis] < drawn.largest[axis]);
+            for ((largest, rms), tight) in drawn.largest.into_iter().zip(drawn.rms).zip(tight) {
+                assert!(largest <= tight + beyond && largest > 0.6 * tight, "{case:?}: {drawn:?}");
+                assert!(rms < largest, "{case:?}: {drawn:?}");
             }
         }
-        for axis in 0..3 {
-            let off = (attained[axis] - tight[axis]).abs();
-            assert!(off <= beyond, "{case:?}, {axis}: {} of {}", attained[axis], tight[axis]);
+        for (attained, tight) in attained.into_iter().zip(tight) {
+            assert!((attained - tight).abs() <= beyond, "{case:?}: {attained} of {tight}");
         }
         assert!(attained[2] < 0.887 * case.published()[2], "{case:?}");
     }
