@@ -201,34 +201,6 @@ impl<'a> Chords<'a> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    /// A line along X from 0, mm.
-    fn line(length: f64) -> Option<Piece> {
-        let mut end = [0.0; AXES];
-        end[0] = length;
-        Some(Piece { path: Path::line(end, &[true; AXES])?, from: [0.0; AXES], clock: None })
-    }
-
-    #[test]
-    fn chords_of_a_way_without_an_end_end() {
-        for length in [1e15, 1e150, 1e300, f64::INFINITY] {
-            let Some(piece) = line(length) else { continue };
-            let (mut chords, mut made) = (Chords::new(1e-3, Measure::Space), 0_u64);
-            chords.push(piece, &mut |_, _| made += 1);
-            chords.finish(&mut |_, _| made += 1);
-            assert!(made <= MOST);
-        }
-        let (mut chords, mut made) = (Chords::new(1e-3, Measure::Space), 0);
-        chords.push(line(100.0).unwrap(), &mut |_, _| made += 1);
-        chords.finish(&mut |_, _| made += 1);
-        assert!(made > 0 && !chords.is_endless());
-    }
-}
-
 impl Measure<'_> {
     /// How far a piece at `s` lies from the chord between two points, mm.
     fn apart(&self, piece: &Piece, s: f64, [from, to]: [&PerAxis<f64>; 2]) -> f64 {
@@ -272,4 +244,32 @@ fn nearest(off: impl Fn(f64) -> [f64; 2], share: f64) -> f64 {
     let onwards = if square > 0.0 { -(x * u + y * v) / square } else { 0.0 };
     let [x, y] = off(share + onwards);
     libm::hypot(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A line along X from 0, mm.
+    fn line(length: f64) -> Option<Piece> {
+        let mut end = [0.0; AXES];
+        end[0] = length;
+        Some(Piece { path: Path::line(end, &[true; AXES])?, from: [0.0; AXES], clock: None })
+    }
+
+    #[test]
+    fn chords_of_a_way_without_an_end_end() {
+        for length in [1e15, 1e150, 1e300, f64::INFINITY] {
+            let Some(piece) = line(length) else { continue };
+            let (mut chords, mut made) = (Chords::new(1e-3, Measure::Space), 0_u64);
+            chords.push(piece, &mut |_, _| made += 1);
+            chords.finish(&mut |_, _| made += 1);
+            assert!(made <= MOST);
+        }
+        let (mut chords, mut made) = (Chords::new(1e-3, Measure::Space), 0);
+        chords.push(line(100.0).unwrap(), &mut |_, _| made += 1);
+        chords.finish(&mut |_, _| made += 1);
+        assert!(made > 0 && !chords.is_endless());
+    }
 }

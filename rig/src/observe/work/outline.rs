@@ -113,7 +113,7 @@ mod tests {
             let radius = outline.contour.radius_mm;
             for step in 0..=120 {
                 let (at, d) = (0.5 * f64::from(step), 1e-3 * f64::from(step % 7) - 3e-3);
-                let (sin, cos) = (at / 8.0).sin_cos();
+                let (sin, cos) = libm::sincos(at / 8.0);
                 let normal = (1.0 + (0.625 * cos).powi(2)).sqrt();
                 let off = above * (radius + d);
                 let c = [at - off * 0.625 * cos / normal, 5.0 * sin + off / normal];

@@ -125,7 +125,7 @@ mod tests {
         let value = |series: [Series; 3]| series.map(|series| series.value());
         let pose = PLACE.inverse(value(point), value(direction), BEAM, Branch::Negative, 0.0);
         let [u, v, _] = Positioner::turned(point.map(|series| series.derivative(1)), &pose);
-        let speed = u.hypot(v);
+        let speed = libm::hypot(u, v);
         // The beam stands still: to have it left of the seam the part goes right.
         Drives { x: pose.x + d * v / speed, y: pose.y - d * u / speed, ..pose }
     }

@@ -181,9 +181,9 @@ mod tests {
 
     /// Where the tip is when the tool stands off by `d` over a point of the wave, by its gradient as one writes it down.
     fn tip(tool: Tool, [x, y]: [f64; 2], d: f64) -> [f64; 3] {
-        let z = 0.02 * x * x + 8.0 * (x / 15.0).sin() * (y / 20.0).cos();
+        let z = 0.02 * x * x + 8.0 * libm::sin(x / 15.0) * libm::cos(y / 20.0);
         let g = gradient([x, y]);
-        let slope = g[0].hypot(g[1]);
+        let slope = libm::hypot(g[0], g[1]);
         let normal = (1.0 + slope * slope).sqrt();
         let off = tool.corner_mm + d;
         let flat = tool.radius_mm - tool.corner_mm;
@@ -193,8 +193,8 @@ mod tests {
 
     fn gradient([x, y]: [f64; 2]) -> [f64; 2] {
         [
-            0.04 * x + 8.0 / 15.0 * (x / 15.0).cos() * (y / 20.0).cos(),
-            -8.0 / 20.0 * (x / 15.0).sin() * (y / 20.0).sin(),
+            0.04 * x + 8.0 / 15.0 * libm::cos(x / 15.0) * libm::cos(y / 20.0),
+            -8.0 / 20.0 * libm::sin(x / 15.0) * libm::sin(y / 20.0),
         ]
     }
 
@@ -205,7 +205,7 @@ mod tests {
             .flat_map(|i| (0..=20).map(move |j| [0.3 + 3.9 * f64::from(i), 0.2 + 3.9 * f64::from(j)]));
         all.filter(move |at| {
             let [x, y] = gradient(*at);
-            x.hypot(y) >= 0.2 * (tool.radius_mm - tool.corner_mm)
+            libm::hypot(x, y) >= 0.2 * (tool.radius_mm - tool.corner_mm)
         })
     }
 
@@ -217,7 +217,7 @@ mod tests {
                 for d in [0.0, 0.005, -0.003, 0.25] {
                     let touch = probe.touch(tip(tool, at, d)).expect("it touches");
                     assert!((touch.deviation_mm - d).abs() <= 1e-10, "{tool:?} {at:?} {d}: {touch:?}");
-                    let off = (touch.at[0] - at[0]).hypot(touch.at[1] - at[1]);
+                    let off = libm::hypot(touch.at[0] - at[0], touch.at[1] - at[1]);
                     assert!(off <= 1e-5, "{tool:?} {at:?} {d}: {touch:?}");
                 }
             }
@@ -243,12 +243,12 @@ mod tests {
         let height = |x: f64| 3.0 * (x / 6.0).powi(8);
         let centre = |x: f64| {
             let (slope, r) = (4.0 * (x / 6.0).powi(7), BALL.radius_mm);
-            let normal = slope.hypot(1.0);
+            let normal = libm::hypot(slope, 1.0);
             [x - r * slope / normal, height(x) + r / normal]
         };
         let deepest = |c: [f64; 2]| {
             let places = (-20_000..=70_000).map(|i| 1e-4 * f64::from(i));
-            let off = places.map(|x| (x - c[0]).hypot(height(x) - c[1]));
+            let off = places.map(|x| libm::hypot(x - c[0], height(x) - c[1]));
             off.fold(f64::INFINITY, f64::min) - BALL.radius_mm
         };
         let mut probe = Probe::new(trough, BALL);
