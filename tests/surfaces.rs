@@ -69,7 +69,7 @@ fn is_exact<'a>(observation: &'a Observation, what: &str) -> &'a TraceReport {
 /// What holds besides at an override that stands still.
 fn is_steady(trace: &TraceReport, what: &str) {
     let feed = &trace.feed;
-    // A small circle is bounded by sums of derivatives that are not at their highest together: 0.16 s of it.
+    // On the flat ellipse there are 0.16 s in which the chain slows down and uses no limit to a quarter.
     let most_s = if what == "circle" { 0.2 } else { 0.0 };
     assert!(feed.unexplained_s <= most_s, "{what}: slower without a reason, {feed:?}");
     assert!(feed.most_pct <= FEED_PCT, "{what}: {feed:?}");

@@ -200,7 +200,7 @@ fn what_is_no_seam_is_refused_with_its_place() {
         ),
         (
             "kind = \"seam\"\nfeed_mm_min = 600\npoints = [[0, 0, 0, 0, 1, 1], [0, 0, 0, 0, 1, 1]]",
-            "two neighbouring points are one",
+            "points 1 and 2 are one",
         ),
         (
             &format!("{CURVE}x = \"20*t\"\ny = \"0\"\nz = \"9\"\ndirection = [\"(t+1)^2\", \"0\", \"1\"]"),

@@ -43,8 +43,9 @@ const COLUMNS: [(&str, Error, Correction); 5] = [
 #[test]
 fn reference_every_row_of_the_file() {
     let computed = &*COMPUTED;
-    let mut compared = 0;
+    let mut cases_seen = 0;
     for case in cases() {
+        let mut compared = 0;
         let id = case["id"].as_str().expect("a name");
         let work = computed.work(id).expect("a work of this name");
         let h = work.text.h_mm;
@@ -60,8 +61,12 @@ fn reference_every_row_of_the_file() {
                 compared += 1;
             }
         }
+        // Every case has at least two of the columns.
+        let rows = case["rows"].as_array().map_or(0, Vec::len);
+        assert!(rows > 0 && compared >= 2 * rows, "{id}: {compared} of {rows} rows");
+        cases_seen += 1;
     }
-    assert!(compared > 250, "{compared}");
+    assert!(cases_seen > 0, "the file is empty");
 }
 
 #[test]
