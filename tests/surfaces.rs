@@ -157,8 +157,8 @@ fn every_pattern_and_every_tool_keeps_to_the_surface() {
         ),
         ("rings", 74.0, LINES, "path = { pattern = \"rings\", step_mm = 1 }"),
         ("circle", 32.0, LINES, CIRCLE),
-        ("bull nose", 0.0, BALL, "tool = { kind = \"bull\", diameter_mm = 3, corner_mm = 1 }"),
-        ("small ball", 0.0, BALL, "tool = { kind = \"ball\", diameter_mm = 2 }"),
+        ("bull nose", 78.0, BALL, "tool = { kind = \"bull\", diameter_mm = 3, corner_mm = 1 }"),
+        ("small ball", 78.0, BALL, "tool = { kind = \"ball\", diameter_mm = 2 }"),
     ];
     for (what, held_pct, from, to) in paths {
         let observation = run(&changed(&[SMALL[0], SMALL[1], (from, to)]), "", |_| {});
