@@ -14,8 +14,6 @@ use crate::translate::{Done, Translator};
 
 /// Highest feed, mm/min.
 const HIGHEST_FEED: f64 = 1e6;
-/// Bounds of a chord error, mm.
-const CHORD_MM: [f64; 2] = [1e-6, 1.0];
 
 /// The keys of a job, which have been read; what is left to say is on which machine, and where.
 type Plan = Box<dyn FnOnce(&Job) -> Result<Planned, Fault>>;
@@ -58,7 +56,7 @@ impl Translator {
             chord_mm: within(
                 "chord_mm",
                 header.chord_mm.unwrap_or(self.machine.path.chord_mm),
-                CHORD_MM,
+                protocol::Trace::CHORD_MM,
                 "mm",
             )?,
             correction: header.correction,
