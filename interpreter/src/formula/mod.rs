@@ -6,8 +6,8 @@
 //! | file | from | to |
 //! |---|---|---|
 //! | `scan` | text | words with their places; refuses what is no formula |
-//! | `tree` | words | what belongs together: exmex knows the precedence, the rules of `^` are those below |
-//! | `lower` | tree | operations: constants computed, powers as products or by exp and ln |
+//! | `grammar` | words | operations, in the order that precedence gives them |
+//! | `constant` | operations | fewer operations: constants computed, powers as products or by exp and ln |
 //!
 //! * `+ - * / ^`, brackets, decimals with or without exponent. Capital letters are the small ones.
 //! * `^` goes before a sign and from right to left, as on paper: `-x^2` is −(x²), `2^3^2` is 2⁹.
@@ -16,9 +16,9 @@
 //! * `pi` or `π`, `e`; `sqrt exp ln sin cos tan asin acos atan sinh cosh tanh`, angles in rad.
 //! * A function without a tangent at every place (abs, floor, min, …) is refused by name.
 
-mod lower;
+mod constant;
+mod grammar;
 mod scan;
-mod tree;
 
 use std::fmt::{Display, Formatter};
 use std::ops::Range;
@@ -71,16 +71,12 @@ pub fn parse(text: &str, variables: &[&str]) -> Result<Formula, Misread> {
         return Err(Misread::new(0..text.len(), message, "write it shorter"));
     }
     let words = scan::scan(text, variables)?;
-    let whole = || 0..text.len();
-    let tree = tree::grow(&words).map_err(|reason| {
-        Misread::new(whole(), format!("the formula cannot be read: {reason}"), "write it with more brackets")
-    })?;
-    let operations = lower::lower(&tree, &words)?;
+    let operations = grammar::operations(&words)?;
     Formula::new(&operations).map_err(|error| {
         let help = match error {
             FormulaError::TooDeep => "fewer brackets in brackets; or a sum with its longest part first",
             _ => "write it shorter, or the job in two parts",
         };
-        Misread::new(whole(), format!("the formula has {error}"), help)
+        Misread::new(0..text.len(), format!("the formula has {error}"), help)
     })
 }

@@ -15,8 +15,8 @@ const DEEPEST: usize = 64;
 pub(super) enum Kind {
     /// A number, a constant or a variable, as the operation that pushes it.
     Operand(Op),
-    /// A function.
-    Function(&'static str),
+    /// A function and its name.
+    Function(Function, &'static str),
     /// `+ - * / ^`, a bracket.
     Sign(char),
 }
@@ -30,7 +30,7 @@ pub(super) struct Word {
 }
 
 /// Functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 12] = [
+const FUNCTIONS: [(&str, Function); 12] = [
     ("sqrt", Function::Sqrt),
     ("exp", Function::Exp),
     ("ln", Function::Ln),
@@ -162,8 +162,8 @@ fn named(word: &str, span: &Range<usize>, variables: &[&str]) -> Result<Kind, Mi
     if let Some(index) = variables.iter().position(|one| *one == name) {
         return Ok(Kind::Operand(Op::Variable(u8::try_from(index).unwrap_or(u8::MAX))));
     }
-    if let Some((name, _)) = FUNCTIONS.iter().find(|(one, _)| *one == name) {
-        return Ok(Kind::Function(name));
+    if let Some((name, function)) = FUNCTIONS.iter().find(|(one, _)| *one == name) {
+        return Ok(Kind::Function(*function, name));
     }
     match name.as_str() {
         "pi" | "π" => return Ok(Kind::Operand(Op::Constant(consts::PI))),
@@ -190,13 +190,13 @@ fn wants_operand(last: Option<&Word>) -> bool {
 fn follows(text: &str, words: &[Word], kind: Kind, span: &Range<usize>) -> Result<(), Misread> {
     let word = &text[span.clone()];
     let last = words.last();
-    if let Some(Word { kind: Kind::Function(name), span }) = last
+    if let Some(Word { kind: Kind::Function(_, name), span }) = last
         && kind != Kind::Sign('(')
     {
         let message = format!("the argument of {name} needs brackets");
         return Err(Misread::new(span.clone(), message, format!("write {name}(…)")));
     }
-    let starts = matches!(kind, Kind::Operand(_) | Kind::Function(_) | Kind::Sign('('));
+    let starts = matches!(kind, Kind::Operand(_) | Kind::Function(..) | Kind::Sign('('));
     match (wants_operand(last), last) {
         (false, Some(last)) if starts => {
             let help = format!("write {}*{word}", &text[last.span.clone()]);
