@@ -1,19 +1,19 @@
-//! What the README claims, a run shows: its table of figures, its sample of a summary.
+//! What docs/figures.md claims, a run shows: its table of threads, its samples of summaries.
 
 mod shop;
 
 use rig::observe::{PassReport, Summary};
 use shop::{Place, example, project};
 
-fn readme() -> String {
-    std::fs::read_to_string(project().join("README.md")).expect("there is a README")
+fn page() -> String {
+    std::fs::read_to_string(project().join("docs/figures.md")).expect("there is a page of figures")
 }
 
 /// Rows of the table of figures: its cells without the marks of the table.
-fn figures(readme: &str) -> Vec<Vec<String>> {
+fn figures(page: &str) -> Vec<Vec<String>> {
     let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
     let of_example = |line: &&str| shop::EXAMPLES.iter().any(|name| line.starts_with(&format!("| {name} |")));
-    readme.lines().filter(of_example).map(cells).collect()
+    page.lines().filter(of_example).map(cells).collect()
 }
 
 fn worst(summary: &Summary, of: impl Fn(&PassReport) -> f64) -> f64 {
@@ -21,8 +21,8 @@ fn worst(summary: &Summary, of: impl Fn(&PassReport) -> f64) -> f64 {
 }
 
 #[test]
-fn the_figures_of_the_readme_are_those_of_a_run() {
-    let rows = figures(&readme());
+fn the_figures_of_threads_are_those_of_runs() {
+    let rows = figures(&page());
     assert_eq!(rows.len(), shop::EXAMPLES.len() * (1 + shop::SCENARIOS.len()));
     let place = Place::new();
     for row in rows {
@@ -42,14 +42,13 @@ fn the_figures_of_the_readme_are_those_of_a_run() {
 
 #[test]
 fn the_sample_of_a_summary_is_that_of_a_run() {
-    let readme = readme();
-    let trace =
-        readme.lines().find_map(|line| line.strip_prefix("trace     ")).expect("the sample has a hash");
+    let page = page();
+    let trace = page.lines().find_map(|line| line.strip_prefix("trace     ")).expect("the sample has a hash");
     let summary = Place::new().run_inside(&example("m20x2"), None);
     assert_eq!(summary.trace_hash, trace);
     let passes_and_moves =
         format!("completed: {} passes, {} moves", summary.passes.len(), summary.moves.count);
-    assert!(readme.contains(&passes_and_moves), "{passes_and_moves}");
+    assert!(page.contains(&passes_and_moves), "{passes_and_moves}");
 }
 
 /// The lines of a command's answer that begin so.
@@ -70,7 +69,7 @@ fn the_sample_of_a_circle_is_that_of_a_run() {
     let (circle, mill) = (at("mill/circle.ngc"), at("machines/small-mill.toml"));
     let run = ["run", &circle, "--machine", &mill, "--in-process", "--trace", "none"];
     let shown = said(&Place::new(), &run, &["contour", "circle"]);
-    assert!(readme().contains(&shown), "{shown}");
+    assert!(page().contains(&shown), "{shown}");
 }
 
 #[test]
@@ -88,5 +87,5 @@ fn the_samples_of_formulas_are_those_of_runs_and_of_compile() {
         run(&seam, &positioner, "seam"),
         said(&place, &compile, &["machine code"]),
     ];
-    assert!(readme().contains(&shown.join("\n")), "{shown:#?}");
+    assert!(page().contains(&shown.join("\n")), "{shown:#?}");
 }
