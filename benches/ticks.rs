@@ -13,7 +13,7 @@ use protocol::{
     Axis, AxisFrame, AxisStatus, CodePacket, DriveCommand, Item, Machine, PerAxis, SpindleCommand, Truth,
 };
 use regulator::Regulator;
-use rig::{Rig, observe::Observer};
+use rig::{Exchange, Rig, observe::Observer};
 use sim_plant::{Plant, Scenario};
 
 const PROGRAM: &str = "examples/m20x2.ngc";
@@ -31,7 +31,7 @@ fn items(machine: &Machine) -> Vec<Item> {
 /// What every module was given in one cycle.
 struct Cycle {
     truth: Truth,
-    frames: Option<PerAxis<AxisFrame>>,
+    frames: PerAxis<Option<AxisFrame>>,
     /// Of the cycle before.
     statuses: PerAxis<AxisStatus>,
     drives: PerAxis<DriveCommand>,
@@ -40,31 +40,21 @@ struct Cycle {
 
 /// Runs the machine once and keeps what went between the modules.
 fn record(machine: &Machine, items: &[Item]) -> Vec<Cycle> {
-    let mut plant = Plant::new(machine, Scenario::none(), 1).unwrap();
-    let mut upper = interpolator(machine, items);
-    let mut lower = [Axis::X, Axis::Z].map(|axis| (axis, Regulator::new(machine, axis)));
-    let (mut made, mut in_force) = (None, SpindleCommand::default());
+    let mut rig = Rig::new(machine, items.iter().copied(), Scenario::none(), 1).unwrap();
     let mut statuses = PerAxis::<AxisStatus>::default();
     let mut tape = Vec::with_capacity(CYCLES);
     for _ in 0..CYCLES {
-        let truth = *plant.truth();
-        let before = statuses;
-        let mut frames = None;
-        if machine.is_tick(truth.cycle) {
-            if let Some((sent, spindle)) = made {
-                (frames, in_force) = (Some(sent), spindle);
-            }
-            let out = upper.tick(&interpolator::In { measurement: &truth.measurement, axes: &statuses });
-            made = Some((out.frames, out.spindle));
-        }
-        let mut drives = PerAxis::<DriveCommand>::default();
-        for (axis, regulator) in &mut lower {
-            let frame = frames.as_ref().map(|frames: &PerAxis<AxisFrame>| &frames[axis.index()]);
-            let out = regulator.tick(&regulator::In { measurement: &truth.measurement, frame });
-            (drives[axis.index()], statuses[axis.index()]) = (out.drive, out.status);
-        }
-        plant.tick(&drives, &in_force, None);
-        tape.push(Cycle { truth, frames, statuses: before, drives, spindle: in_force });
+        rig.exchange(None, |exchange| {
+            let Exchange { record, frames, drives, spindle } = *exchange;
+            tape.push(Cycle {
+                truth: *record.truth,
+                frames: *frames,
+                statuses,
+                drives: *drives,
+                spindle: *spindle,
+            });
+            record.axes.iter().for_each(|(axis, status)| statuses[axis.index()] = *status);
+        });
     }
     tape
 }
@@ -91,7 +81,7 @@ fn modules(criterion: &mut Criterion) {
             bench.iter(|| {
                 let mut regulator = Regulator::new(&machine, axis);
                 for cycle in &tape {
-                    let frame = cycle.frames.as_ref().map(|frames| &frames[axis.index()]);
+                    let frame = cycle.frames[axis.index()].as_ref();
                     let input = regulator::In { measurement: &cycle.truth.measurement, frame };
                     black_box(regulator.tick(&input));
                 }

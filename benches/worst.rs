@@ -1,23 +1,20 @@
-//! The worst of a million ticks of the interpolator. `cargo bench --bench worst` prints what a tick costs: median, 99.9 %
-//! and worst.
+//! The worst of a million ticks of the interpolator. `cargo bench --bench worst` prints what a tick costs: median,
+//! 99.9 % and worst.
 //!
-//! The machine (`interpolator`, regulators and plant, in one process) follows short lines of 0.2 mm round and round, on a
-//! smooth curve and on one with sharp corners, and a ball over a surface of which it has the formula, while the operator turns the feed override and holds now and then: both
-//! make the interpolator plan again. Timed is what the process does in a tick: it takes the machine code it has asked for,
-//! and ticks. Every run makes the same ticks, so the least cost of a tick over the runs is what it costs by itself; one
-//! run alone has also what the system does meanwhile.
+//! The machine follows short lines of 0.2 mm round and round, on a smooth curve and on one with sharp corners, and a ball
+//! over a surface of which it has the formula, while the operator turns the feed override and holds now and then: both
+//! make the interpolator plan again. Timed is what the process does in a tick: it takes the machine code it has asked
+//! for, and ticks. Every run makes the same ticks, so the least cost of a tick over the runs is what it costs by itself;
+//! one run alone has also what the system does meanwhile.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
 
 use std::{f64::consts::TAU, hint::black_box, time::Instant};
 
-use interpolator::{In, Interpolator};
-use protocol::{
-    Axis, AxisFrame, AxisStatus, Code, CodePacket, DriveCommand, Feed, Item, Machine, Panel, PerAxis,
-    Position, SpindleCommand, Trace, Work,
-};
-use regulator::Regulator;
+use protocol::{Axis, Code, Cycle, Feed, Item, Machine, Measurement, Panel, PerAxis, Position, Trace, Work};
+use rig::Rig;
+use rig::wires::Wires;
 use shape::{Correction, Curve, Formula, Function, Leg, Op, Pattern, Surface, Tool};
-use sim_plant::{Plant, Scenario};
+use sim_plant::Scenario;
 
 const TICKS: usize = 1_000_000;
 const ROUNDS: usize = 3;
@@ -57,68 +54,57 @@ fn operator(tick: usize) -> Panel {
     Panel { feed_override_pct: 40.0 + 40.0 * (turn * 7 % 5) as f64, buttons, ..Panel::default() }
 }
 
-/// The machine, and the machine code still to come.
-struct Run<'a> {
-    machine: Machine,
-    plant: Plant,
-    upper: Interpolator,
-    lower: Vec<(Axis, Regulator)>,
-    code: std::iter::Zip<std::ops::RangeFrom<u64>, std::iter::Cycle<std::slice::Iter<'a, Item>>>,
-    statuses: PerAxis<AxisStatus>,
-    made: Option<(PerAxis<AxisFrame>, SpindleCommand)>,
-    spindle: SpindleCommand,
-    /// Progress: lines, or thousandths of a surface.
-    steps: u64,
+/// Wires that put the operator's hand on every panel, and take the time from the measurement that starts a tick of the
+/// interpolator to the next message, which is sent when the tick is over.
+#[derive(Default)]
+struct Watched {
+    measurement: Measurement,
+    begun: Option<Instant>,
+    costs: Vec<f64>,
 }
 
-impl<'a> Run<'a> {
-    fn new(machine: &Machine, code: &'a [Item]) -> Run<'a> {
-        Run {
-            plant: Plant::new(machine, Scenario::none(), 1).unwrap(),
-            upper: Interpolator::new(machine),
-            lower: machine.axes().map(|(axis, _)| (axis, Regulator::new(machine, axis))).collect(),
-            code: (0..).zip(code.iter().cycle()),
-            statuses: PerAxis::default(),
-            made: None,
-            spindle: SpindleCommand::default(),
-            machine: machine.clone(),
-            steps: 0,
-        }
+impl Watched {
+    fn at_the_panel(&mut self, sent: Option<&Measurement>) -> Option<&Measurement> {
+        self.measurement = *sent?;
+        self.measurement.panel = operator(self.costs.len());
+        Some(&self.measurement)
+    }
+}
+
+impl Wires for Watched {
+    fn tick_measurement<'a>(
+        &'a mut self,
+        _: Cycle,
+        sent: Option<&'a Measurement>,
+    ) -> Option<&'a Measurement> {
+        self.at_the_panel(sent)?;
+        self.begun = Some(Instant::now());
+        Some(&self.measurement)
     }
 
-    /// The cycles up to and with the next tick; the cost of the tick in ns.
-    fn tick(&mut self, number: usize) -> f64 {
-        loop {
-            let mut measurement = self.plant.truth().measurement;
-            measurement.panel = operator(number);
-            let is_tick = self.machine.is_tick(measurement.cycle);
-            let (mut frames, mut cost) = (None, None);
-            if is_tick {
-                if let Some((sent, spindle)) = self.made {
-                    (frames, self.spindle) = (Some(sent), spindle);
-                }
-                let begun = Instant::now();
-                while self.upper.wants() {
-                    let (sequence, item) = self.code.next().unwrap();
-                    self.upper.push(&CodePacket::pack(sequence, item)).unwrap();
-                }
-                let out = black_box(self.upper.tick(&In { measurement: &measurement, axes: &self.statuses }));
-                cost = Some(begun.elapsed().as_secs_f64() * 1e9);
-                self.steps = out.status.taken;
-                self.made = Some((out.frames, out.spindle));
-            }
-            let mut drives = PerAxis::<DriveCommand>::default();
-            for (axis, regulator) in &mut self.lower {
-                let frame = frames.as_ref().map(|frames| &frames[axis.index()]);
-                let out = regulator.tick(&regulator::In { measurement: &measurement, frame });
-                (drives[axis.index()], self.statuses[axis.index()]) = (out.drive, out.status);
-            }
-            self.plant.tick(&drives, &self.spindle, None);
-            if let Some(cost) = cost {
-                return cost;
-            }
+    fn measurement<'a>(
+        &'a mut self,
+        _: Cycle,
+        _: Axis,
+        sent: Option<&'a Measurement>,
+    ) -> Option<&'a Measurement> {
+        if let Some(begun) = self.begun.take() {
+            self.costs.push(begun.elapsed().as_secs_f64() * 1e9);
         }
+        self.at_the_panel(sent)
     }
+}
+
+/// One run: the cost of every tick, ns, and how far it went, in lines or thousandths of a surface.
+fn run(machine: &Machine, code: &[Item]) -> (Vec<f64>, u64) {
+    let wires = Watched { costs: Vec::with_capacity(TICKS), ..Watched::default() };
+    let code = code.iter().copied().cycle();
+    let mut rig = Rig::with_wires(machine, code, Scenario::none(), 1, wires).unwrap();
+    let mut steps = 0;
+    while rig.wires_mut().costs.len() < TICKS {
+        rig.cycle(None, |record| steps = black_box(record.machine).taken);
+    }
+    (std::mem::take(&mut rig.wires_mut().costs), steps)
 }
 
 /// Cost of every tick, ns: of one run, and the least of all runs; and how far one run goes.
@@ -126,10 +112,8 @@ fn costs(machine: &Machine, code: &[Item]) -> ([Vec<f64>; 2], u64) {
     let mut least = vec![f64::INFINITY; TICKS];
     let (mut one, mut steps) = (Vec::new(), 0);
     for _ in 0..ROUNDS {
-        let mut run = Run::new(machine, code);
-        one = (0..TICKS).map(|tick| run.tick(tick)).collect();
+        (one, steps) = run(machine, code);
         least.iter_mut().zip(&one).for_each(|(least, ns)| *least = least.min(*ns));
-        steps = run.steps;
     }
     ([one, least], steps)
 }

@@ -4,7 +4,7 @@
 mod wires;
 
 use protocol::{Axis, AxisState, Code, Fault, MachineState, ThreadPass};
-use wires::{Wires, compiled};
+use wires::{Stand, compiled};
 
 /// One pass of G33 with a rapid in X behind it: its run-out.
 const PROGRAM: &str = "G18 G21 G90 G8\nM3 S600\nG0 X20 Z20\nG0 X9\nG33 Z-20 K2\nG0 X20\nG0 Z20\nM5\nM2\n";
@@ -24,7 +24,7 @@ fn the_pass() -> ThreadPass {
 #[test]
 fn a_pass_is_cut_to_its_end_without_the_interpolator() {
     for scenario in ["", BOGGED] {
-        let mut machine = Wires::new(compiled(PROGRAM), scenario);
+        let mut machine = Stand::new(compiled(PROGRAM), scenario);
         machine.until("both axes count C", |machine| {
             machine.all_in(&[AxisState::WaitingForC0, AxisState::RunIn, AxisState::Locked])
         });
@@ -47,11 +47,11 @@ fn a_pass_is_cut_to_its_end_without_the_interpolator() {
 }
 
 /// Arms the pass with one wire too slow by so many ticks, and gives what became of it.
-fn armed_late(axis: Axis, ticks: usize) -> Wires {
-    let mut machine = Wires::new(compiled(PROGRAM), "");
-    let begins = |machine: &Wires| machine.machine_status.state == MachineState::Threading as u32;
+fn armed_late(axis: Axis, ticks: usize) -> Stand {
+    let mut machine = Stand::new(compiled(PROGRAM), "");
+    let begins = |machine: &Stand| machine.machine_status.state == MachineState::Threading as u32;
     machine.until("the pass is armed", begins);
-    machine.late = Some((axis, ticks));
+    machine.delay_frames(axis, ticks);
     machine
 }
 

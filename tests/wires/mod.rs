@@ -1,119 +1,73 @@
-//! The machine in one process, wired by hand, so that a test can cut a wire or hold a frame back. Order and delays are
-//! those of `rig`.
+//! The machine in one process with an observer at it, so that a test can hold a frame back or kill the interpolator.
 #![allow(dead_code, unreachable_pub)] // each test file uses its part
 
-use std::collections::VecDeque;
+use protocol::{Axis, AxisState, AxisStatus, Cycle, Item, Machine, MachineStatus};
+use rig::Rig;
+use rig::observe::{Observation, Observer};
+use rig::wires::{Disturbed, Late, Losing, Straight, Wire, Wires};
+use sim_plant::Scenario;
 
-use interpolator::{Interpolator, Out};
-use protocol::{
-    Axis, AxisFrame, AxisState, AxisStatus, CodePacket, DriveCommand, Item, Machine, MachineStatus, PerAxis,
-    SpindleCommand, Truth, units::AXES,
-};
-use regulator::Regulator;
-use rig::observe::{Observation, Observer, Record};
-use sim_plant::{Plant, Scenario};
+/// Wires that can be slow or cut.
+type Broken = Disturbed<Losing, Disturbed<Late, Straight>>;
 
-/// The machine.
-pub struct Wires {
-    plant: Plant,
-    /// `None` once it died.
-    interpolator: Option<Interpolator>,
-    regulators: Vec<(Axis, Regulator)>,
-    items: std::vec::IntoIter<Item>,
-    sent: u64,
-    ticks: u64,
-    /// Frames on their way to each axis.
-    under_way: PerAxis<VecDeque<AxisFrame>>,
-    spindle_made: SpindleCommand,
-    spindle: SpindleCommand,
-    drives: PerAxis<DriveCommand>,
-    statuses: PerAxis<AxisStatus>,
-    pub machine_status: MachineStatus,
+/// The machine, and what was seen of it in the last cycle.
+pub struct Stand {
+    rig: Rig<std::vec::IntoIter<Item>, Broken>,
     observer: Observer,
-    /// From the arming of a pass on, this axis gets its frames so many ticks late.
-    pub late: Option<(Axis, usize)>,
+    cycle: Cycle,
+    true_mm: [f64; 8],
+    statuses: Vec<(Axis, AxisStatus)>,
+    pub machine_status: MachineStatus,
 }
 
-impl Wires {
+impl Stand {
     /// The small lathe before cycle 0.
-    pub fn new(items: Vec<Item>, scenario: &str) -> Wires {
+    pub fn new(items: Vec<Item>, scenario: &str) -> Stand {
         let machine = Machine::default();
         let scenario = Scenario::from_toml(scenario).expect("the scenarios of the tests are sound");
-        Wires {
-            plant: Plant::new(&machine, scenario, 1).expect("the built-in machine can be built"),
-            interpolator: Some(Interpolator::new(&machine)),
-            regulators: machine.axes().map(|(axis, _)| (axis, Regulator::new(&machine, axis))).collect(),
-            observer: Observer::new(&machine, &items),
-            items: items.into_iter(),
-            sent: 0,
-            ticks: machine.cycles_per_tick(),
-            under_way: Default::default(),
-            spindle_made: SpindleCommand::default(),
-            spindle: SpindleCommand::default(),
-            drives: [DriveCommand::default(); AXES],
-            statuses: [AxisStatus::default(); AXES],
+        let observer = Observer::new(&machine, &items);
+        let wires = Straight.with(Late::new(0, |_, _| false)).with(Losing::new(|_, _| false));
+        let rig = Rig::with_wires(&machine, items.into_iter(), scenario, 1, wires);
+        Stand {
+            rig: rig.expect("the built-in machine can be built"),
+            observer,
+            cycle: Cycle(0),
+            true_mm: [0.0; 8],
+            statuses: Vec::new(),
             machine_status: MachineStatus::default(),
-            late: None,
         }
     }
 
-    /// One control cycle, with frames delivered as `late` says.
+    /// One control cycle.
     pub fn cycle(&mut self) {
-        let truth = *self.plant.truth();
-        let measurement = &truth.measurement;
-        let tick = measurement.cycle.0.is_multiple_of(self.ticks);
-        let mut in_force: PerAxis<Option<AxisFrame>> = [None; AXES];
-        if tick {
-            in_force = self.arriving();
-            self.spindle = self.spindle_made;
-            self.interpolate(&truth);
-        }
-        for (axis, regulator) in &mut self.regulators {
-            let frame = in_force[axis.index()].as_ref();
-            let out = regulator.tick(&regulator::In { measurement, frame });
-            self.drives[axis.index()] = out.drive;
-            self.statuses[axis.index()] = out.status;
-        }
-        let axes: Vec<_> = self.statuses().collect();
-        self.observer.cycle(&Record { truth: &truth, axes: &axes, machine: &self.machine_status });
-        self.plant.tick(&self.drives, &self.spindle, None);
+        let Stand { rig, observer, cycle, true_mm, statuses, machine_status } = self;
+        rig.cycle(None, |record| {
+            observer.cycle(record);
+            *cycle = record.truth.cycle;
+            *true_mm = record.truth.axes.map(|axis| axis.motor_mm);
+            statuses.clear();
+            statuses.extend(record.axes);
+            *machine_status = *record.machine;
+        });
     }
 
-    /// The oldest frame of every axis, unless it is held back.
-    fn arriving(&mut self) -> PerAxis<Option<AxisFrame>> {
-        let mut arriving = [None; AXES];
-        for (axis, _) in &self.regulators {
-            let late = self.late.filter(|(late, _)| late == axis).map_or(0, |(_, ticks)| ticks);
-            let queue = &mut self.under_way[axis.index()];
-            if queue.len() > late {
-                arriving[axis.index()] = queue.pop_front();
-            }
-        }
-        arriving
+    /// From now on this axis gets its frames so many ticks late.
+    pub fn delay_frames(&mut self, axis: Axis, ticks: usize) {
+        let late = &mut self.rig.wires_mut().wires.disturbance;
+        late.change(ticks, move |wire, _| wire == Wire::Frame(axis));
     }
 
-    fn interpolate(&mut self, truth: &Truth) {
-        let Some(interpolator) = &mut self.interpolator else { return };
-        while interpolator.wants() {
-            let Some(item) = self.items.next() else { break };
-            let taken = interpolator.push(&CodePacket::pack(self.sent, &item));
-            taken.expect("machine code of the interpreter is in order");
-            self.sent += 1;
-        }
-        let Out { frames, spindle, status } =
-            interpolator.tick(&interpolator::In { measurement: &truth.measurement, axes: &self.statuses });
-        self.spindle_made = spindle;
-        self.machine_status = status;
-        for (queue, frame) in self.under_way.iter_mut().zip(frames) {
-            queue.push_back(frame);
-        }
+    /// The interpolator dies: no tick and no frame any more, not even one that is under way.
+    pub fn kill_interpolator(&mut self) {
+        let of_the_dead = |wire, _| matches!(wire, Wire::TickMeasurement | Wire::Frame(_) | Wire::Spindle);
+        self.rig.wires_mut().disturbance.change(of_the_dead);
     }
 
     /// Cycles until a condition, and not for ever.
-    pub fn until(&mut self, what: &str, condition: impl Fn(&Wires) -> bool) {
-        let patience = self.plant.truth().cycle.0 + 400_000;
-        while !condition(self) {
-            assert!(self.plant.truth().cycle.0 < patience, "in vain: {what}");
+    pub fn until(&mut self, what: &str, condition: impl Fn(&Stand) -> bool) {
+        let patience = self.cycle.after(400_000);
+        while self.statuses.is_empty() || !condition(self) {
+            assert!(self.cycle < patience, "in vain: {what}");
             self.cycle();
         }
     }
@@ -122,15 +76,9 @@ impl Wires {
         (0..cycles).for_each(|_| self.cycle());
     }
 
-    /// The interpolator dies: no tick and no frame any more, not even one that is under way.
-    pub fn kill_interpolator(&mut self) {
-        self.interpolator = None;
-        self.under_way.iter_mut().for_each(VecDeque::clear);
-    }
-
     /// What every axis said last.
     pub fn statuses(&self) -> impl Iterator<Item = (Axis, AxisStatus)> {
-        self.regulators.iter().map(|(axis, _)| (*axis, self.statuses[axis.index()]))
+        self.statuses.iter().copied()
     }
 
     /// Whether every axis is in one of these states.
@@ -141,7 +89,7 @@ impl Wires {
 
     /// True position of an axis, mm.
     pub fn true_mm(&self, axis: Axis) -> f64 {
-        self.plant.truth().axes[axis.index()].motor_mm
+        self.true_mm[axis.index()]
     }
 
     /// What was observed so far.

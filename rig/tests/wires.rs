@@ -1,0 +1,210 @@
+//! Wires that disturb: each does what it says to the messages it concerns and leaves the others alone; and what the
+//! machine makes of it.
+#![allow(clippy::unwrap_used)]
+
+use std::{cell::RefCell, rc::Rc};
+
+use protocol::{
+    Axis, AxisFrame, AxisState, Cycle, Fault, Item, Machine, MachineState, MachineStatus, Measurement,
+    PerAxis, operator::Request,
+};
+use rig::wires::{Damaging, Disturbance, Doubling, Freezing, Late, Losing, Straight, Wire, Wires};
+use rig::{Exchange, Rig};
+use sim_plant::Scenario;
+
+const FRAMES_OF_X: Wire = Wire::Frame(Axis::X);
+
+/// What arrives on a wire of frames of which each carries its moment as its line; a moment without a frame is 0.
+fn arriving(disturbance: impl Disturbance, sent: &[u32]) -> Vec<u32> {
+    let mut wires = Straight.with(disturbance);
+    let arrives = |(now, line): (usize, &u32)| {
+        let frame = AxisFrame { line: *line, ..AxisFrame::default() };
+        let sent = (*line != 0).then_some(&frame);
+        wires.frame(Cycle(now as u64), Axis::X, sent).map_or(0, |frame| frame.line)
+    };
+    sent.iter().enumerate().map(arrives).collect()
+}
+
+/// Whether a message of these cycles is concerned.
+fn in_cycles(cycles: &'static [u64]) -> impl Fn(Wire, Cycle) -> bool {
+    move |wire, now| wire == FRAMES_OF_X && cycles.contains(&now.0)
+}
+
+#[test]
+fn late_messages_keep_their_order_and_their_gaps() {
+    let late = Late::new(2, |wire, _| wire == FRAMES_OF_X);
+    assert_eq!(arriving(late, &[1, 2, 0, 4, 5, 0, 0]), [0, 0, 1, 2, 0, 4, 5]);
+    let mut late = Late::new(2, |_, _| false);
+    assert_eq!(late.carry(FRAMES_OF_X, Cycle(0), Some(7_u64)), Some(7));
+    late.change(1, |_, _| true);
+    assert_eq!(late.carry(FRAMES_OF_X, Cycle(1), Some(8_u64)), None);
+    assert_eq!(late.carry(FRAMES_OF_X, Cycle(2), Some(9_u64)), Some(8));
+    assert_eq!(late.carry(Wire::Spindle, Cycle(2), Some(1_u64)), None, "each wire has its own messages");
+}
+
+#[test]
+fn lost_messages_are_gone() {
+    assert_eq!(arriving(Losing::new(in_cycles(&[1, 3])), &[1, 2, 3, 4, 5]), [1, 0, 3, 0, 5]);
+}
+
+#[test]
+fn doubled_messages_make_the_others_wait() {
+    assert_eq!(arriving(Doubling::new(in_cycles(&[1])), &[1, 2, 3, 0, 5, 6]), [1, 2, 2, 3, 5, 6]);
+}
+
+#[test]
+fn frozen_wires_show_the_last_message_again() {
+    assert_eq!(arriving(Freezing::new(in_cycles(&[0, 2, 3])), &[1, 2, 3, 4, 5]), [0, 2, 2, 2, 5]);
+}
+
+#[test]
+fn damaged_messages_differ_in_one_bit() {
+    let mut damaging = Damaging::new(3, |_, now| now != Cycle(0));
+    assert_eq!(damaging.carry(FRAMES_OF_X, Cycle(0), Some(0_u64)), Some(0));
+    let mut turned = 0_u64;
+    for now in 1..=64 {
+        let bits = damaging.carry(FRAMES_OF_X, Cycle(now), Some(0_u64)).unwrap();
+        assert_eq!(bits.count_ones(), 1);
+        turned |= bits;
+    }
+    assert_eq!(turned, u64::MAX, "every bit has its turn");
+}
+
+#[test]
+fn disturbances_can_be_stacked() {
+    let mut wires = Straight.with(Losing::new(in_cycles(&[0]))).with(Late::new(1, |_, _| true));
+    let frames = [1, 2, 3].map(|line| AxisFrame { line, ..AxisFrame::default() });
+    let arrived = [0, 1, 2].map(|at| wires.frame(Cycle(at), Axis::X, Some(&frames[at as usize])).copied());
+    assert_eq!(arrived.map(|frame| frame.map(|frame| frame.line)), [None, None, Some(2)]);
+}
+
+/// A move of X and one of Z.
+const PROGRAM: &str = "G18 G21 G90 G8 G94\nG0 X20 Z50\nG1 Z10 F3000\nM2\n";
+
+fn items() -> Vec<Item> {
+    let check = interpreter::check("test.ngc", PROGRAM, &Machine::default());
+    assert!(check.is_good(), "{:#?}", check.diagnostics);
+    check.items
+}
+
+/// Runs the program on a machine with these wires; everything that `see` returns, up to the end.
+fn run<T>(wires: impl Wires, mut see: impl FnMut(&Exchange) -> T) -> Vec<T> {
+    let mut rig =
+        Rig::with_wires(&Machine::default(), items().into_iter(), Scenario::none(), 1, wires).unwrap();
+    let mut seen = Vec::new();
+    while rig.exchange(None, |exchange| seen.push(see(exchange))) {
+        assert!(seen.len() < 200_000, "the program ends");
+    }
+    seen
+}
+
+/// What the machine says at the end: its state and its fault, and the faults of its axes.
+fn end(wires: impl Wires) -> (MachineStatus, Vec<u32>) {
+    let ends = run(wires, |exchange| {
+        let axes = exchange.record.axes.iter().map(|(_, status)| status.fault).collect();
+        (*exchange.record.machine, axes)
+    });
+    ends.into_iter().next_back().unwrap()
+}
+
+#[test]
+fn disturbances_that_concern_nothing_change_nothing() {
+    let nothing = |_: Wire, _: Cycle| false;
+    let wires = Straight
+        .with(Late::new(3, nothing))
+        .with(Losing::new(nothing))
+        .with(Doubling::new(nothing))
+        .with(Damaging::new(0, nothing))
+        .with(Freezing::new(nothing));
+    let positions = |exchange: &Exchange| exchange.record.truth.axes.map(|axis| axis.motor_mm.to_bits());
+    assert_eq!(run(wires, positions), run(Straight, positions));
+}
+
+/// Frames of the tick before, drive commands and statuses of this cycle, the panel in the cycle after the request.
+#[test]
+fn an_exchange_shows_what_went_between_the_modules() {
+    let machine = Machine::default();
+    let k = machine.cycles_per_tick();
+    let mut rig = Rig::new(&machine, items().into_iter(), Scenario::none(), 1).unwrap();
+    let mut pressed = Vec::new();
+    for cycle in 0..400 {
+        let request = (cycle == 201).then_some(Request::FeedHold);
+        rig.exchange(request, |exchange| {
+            let Measurement { cycle: now, panel, .. } = exchange.record.truth.measurement;
+            assert_eq!(now, Cycle(cycle));
+            for (axis, status) in exchange.record.axes {
+                let frame: Option<AxisFrame> = exchange.frames[axis.index()];
+                let made = (cycle >= k && cycle % k == 0).then(|| Cycle(cycle - k));
+                assert_eq!(frame.map(|frame| frame.cycle), made, "{axis:?} at {cycle}");
+                assert_eq!(exchange.drives[axis.index()].cycle, now);
+                assert_eq!(status.cycle, now);
+            }
+            assert_eq!(exchange.record.machine.cycle, Cycle(cycle / k * k));
+            assert_eq!(exchange.spindle.cycle, Cycle((cycle / k).saturating_sub(1) * k));
+            pressed.extend((panel.buttons != 0).then_some(cycle));
+        });
+    }
+    assert_eq!(pressed.first(), Some(&202));
+}
+
+#[test]
+fn a_lost_frame_is_bridged_and_many_are_a_fault() {
+    let one = |wire, now: Cycle| wire == FRAMES_OF_X && now == Cycle(800);
+    let (machine, axes) = end(Straight.with(Losing::new(one)));
+    assert_eq!((machine.state, machine.fault), (MachineState::Ended as u32, 0), "{axes:?}");
+    let all = |wire, now: Cycle| wire == FRAMES_OF_X && now >= Cycle(800);
+    let (machine, axes) = end(Straight.with(Losing::new(all)));
+    assert_eq!(machine.fault, Fault::AxisFault as u32);
+    assert_eq!(axes[0], Fault::StreamStarved as u32);
+}
+
+#[test]
+fn a_lost_measurement_is_a_gap() {
+    let one = |wire, now: Cycle| wire == Wire::Measurement(Axis::Z) && now == Cycle(900);
+    let (_, axes) = end(Straight.with(Losing::new(one)));
+    assert_eq!(axes[1], Fault::MeasurementGap as u32);
+}
+
+#[test]
+fn a_drive_trips_at_the_third_command_that_does_not_come() {
+    for (lost, fault) in [(2, 0), (3, Fault::DriveFault as u32)] {
+        let some = move |wire, now: Cycle| wire == Wire::Drive(Axis::X) && (900..900 + lost).contains(&now.0);
+        let (_, axes) = end(Straight.with(Losing::new(some)));
+        assert_eq!(axes[0], fault, "{lost} commands lost");
+    }
+}
+
+#[test]
+fn machine_code_with_a_gap_or_twice_is_refused() {
+    let second = || {
+        let mut packets = 0;
+        move |wire, _| {
+            packets += u32::from(wire == Wire::Code);
+            wire == Wire::Code && packets == 2
+        }
+    };
+    for (machine, _) in
+        [end(Straight.with(Losing::new(second()))), end(Straight.with(Doubling::new(second())))]
+    {
+        assert_eq!(machine.fault, Fault::BadMachineCode as u32);
+    }
+}
+
+/// Wires of a test's own: only what is carried otherwise is written down.
+struct Noting(Rc<RefCell<PerAxis<u32>>>);
+
+impl Wires for Noting {
+    fn frame<'a>(&'a mut self, _: Cycle, axis: Axis, sent: Option<&'a AxisFrame>) -> Option<&'a AxisFrame> {
+        self.0.borrow_mut()[axis.index()] += u32::from(sent.is_some());
+        sent
+    }
+}
+
+#[test]
+fn a_test_can_bring_wires_of_its_own() {
+    let frames = Rc::new(RefCell::new(PerAxis::default()));
+    let states = run(Noting(Rc::clone(&frames)), |exchange| exchange.record.axes[0].1.state);
+    assert!(states.contains(&(AxisState::Streaming as u32)));
+    let ticks = (states.len() as u64 - 1) / Machine::default().cycles_per_tick();
+    assert_eq!(u64::from(frames.borrow()[Axis::X.index()]), ticks);
+}
