@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use protocol::ipc::time::{Moment, sleep_until};
+use process::ipc::time::{Moment, sleep_until};
 
 /// Lines of a program of moves, turns of a loop, lines of the long program.
 const MOVES: usize = 200_000;

@@ -14,7 +14,7 @@ use crate::{
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.input.machine.read()?;
-    let program = Program::judge(&args.input.program, &args.input.language, &machine)?;
+    let program = Program::judge(&args.input.program, &args.input.language.language(), &machine)?;
     if args.json {
         let name = args.input.program.display().to_string();
         let good = program.found(Severity::Error) == 0;

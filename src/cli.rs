@@ -3,8 +3,8 @@
 use std::{io::Write, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use interpreter::Language;
-use protocol::{Machine, machine::Kinematics, shell::Clock};
+use process::shell::{Clock, LanguageArgs, Named, one_of};
+use protocol::{Machine, machine::Kinematics};
 
 use crate::error::CliError;
 
@@ -71,7 +71,7 @@ pub(crate) enum Command {
     )]
     Machine {
         /// A lathe (the built-in machine), or a mill.
-        #[arg(long, value_enum, default_value_t)]
+        #[arg(long, value_parser = one_of(&KINEMATICS), default_value = Kinematics::default().name())]
         kinematics: Kinematics,
     },
     /// Draw report.html of a run folder again.
@@ -91,17 +91,31 @@ pub(crate) enum Command {
     Doctor(DoctorArgs),
     /// The interpreter process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
-    Interpreter(interpreter::shell::InterpreterArgs),
+    Interpreter(process::shell::interpreter::InterpreterArgs),
     /// The interpolator process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
-    Interpolator(protocol::shell::ProcessArgs),
+    Interpolator(process::shell::ProcessArgs),
     /// A regulator process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
-    Regulator(regulator::shell::RegulatorArgs),
+    Regulator(process::shell::regulator::RegulatorArgs),
     /// The plant process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
-    SimPlant(sim_plant::shell::PlantArgs),
+    SimPlant(process::shell::plant::PlantArgs),
 }
+
+const KINEMATICS: [Named<Kinematics>; 3] = [
+    (
+        Kinematics::Lathe,
+        Kinematics::Lathe.name(),
+        "X across, Z along the spindle, and, where it exists, C about it",
+    ),
+    (Kinematics::Mill, Kinematics::Mill.name(), "X, Y, Z, and what exists of A, B, C about them"),
+    (
+        Kinematics::Positioner,
+        Kinematics::Positioner.name(),
+        "X, Y, a tilt A and a turn C that bring a seam under a beam that stands",
+    ),
+];
 
 const RUN_HELP: &str = "Examples:
   pitchlock run examples/m20x2.ngc
@@ -155,7 +169,7 @@ pub(crate) struct RunArgs {
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
     #[command(flatten)]
-    pub(crate) language: Language,
+    pub(crate) language: LanguageArgs,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
@@ -203,7 +217,7 @@ pub(crate) struct ProgramArgs {
     #[arg(value_name = "FILE")]
     pub(crate) program: PathBuf,
     #[command(flatten)]
-    pub(crate) language: Language,
+    pub(crate) language: LanguageArgs,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
 }

@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, process::ExitCode};
 
-use protocol::ipc::{
+use process::ipc::{
     NameSpace,
     time::{Moment, lock_memory, processors, sleep_until},
 };

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use protocol::shell::ShellError;
+use process::shell::ShellError;
 
 /// Why a command did not do what was asked.
 #[derive(Debug, thiserror::Error)]
@@ -44,8 +44,8 @@ impl From<ShellError> for CliError {
     }
 }
 
-impl From<protocol::ipc::IpcError> for CliError {
-    fn from(error: protocol::ipc::IpcError) -> Self {
+impl From<process::ipc::IpcError> for CliError {
+    fn from(error: process::ipc::IpcError) -> Self {
         CliError::Machine(error.to_string())
     }
 }

@@ -49,9 +49,11 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),
         Command::Doctor(args) => doctor::doctor(args),
-        Command::Interpreter(args) => Ok(interpreter::shell::run(args).map(|()| ExitCode::SUCCESS)?),
-        Command::Interpolator(args) => Ok(interpolator::shell::run(args).map(|()| ExitCode::SUCCESS)?),
-        Command::Regulator(args) => Ok(regulator::shell::run(args).map(|()| ExitCode::SUCCESS)?),
-        Command::SimPlant(args) => Ok(sim_plant::shell::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::Interpreter(args) => Ok(process::shell::interpreter::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::Interpolator(args) => {
+            Ok(process::shell::interpolator::run(args).map(|()| ExitCode::SUCCESS)?)
+        }
+        Command::Regulator(args) => Ok(process::shell::regulator::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::SimPlant(args) => Ok(process::shell::plant::run(args).map(|()| ExitCode::SUCCESS)?),
     }
 }

@@ -10,7 +10,8 @@ mod recorder;
 
 use std::{fmt::Write as _, process::ExitCode};
 
-use protocol::{Machine, shell::Clock};
+use process::shell::Clock;
+use protocol::Machine;
 use rig::observe::{Outcome, Summary, WorkKind};
 
 use crate::{
@@ -44,7 +45,7 @@ pub(crate) struct Setup {
 pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let args = &folder::repeated(args)?;
     let (machine, machine_text) = args.machine.read()?;
-    let program = Program::read(&args.program, &args.language, &machine)?;
+    let program = Program::read(&args.program, &args.language.language(), &machine)?;
     if !quiet {
         eprint!("{}", program.messages);
     }

@@ -6,7 +6,6 @@ mod shop;
 use std::{collections::BTreeSet, path::Path};
 
 use rig::observe::{Outcome, Summary};
-use rustix::process::Signal;
 use shop::{Answer, Place, alive, children, example, name_spaces, shared_memory, signal, until, wait_s};
 
 const KILLS: u32 = 20;
@@ -29,7 +28,7 @@ fn a_launcher_killed_at_any_moment_spoils_no_later_run() {
         let mut launcher = place.start(&example("m20x2"));
         wait_s(moment);
         ids.extend(name_spaces(&place));
-        signal(launcher.id(), Signal::KILL);
+        signal(launcher.id(), "KILL");
         launcher.wait().expect("it was started here");
         ids.extend(name_spaces(&place));
         let summary = place.run(&short, "after", &["--trace", "none"]);
@@ -49,7 +48,7 @@ fn killed(place: &Place, program: &Path, name: &str) -> (Answer, BTreeSet<String
     let ids = name_spaces(place).into_iter().collect();
     let victim = children(&launcher).into_iter().find(|(child, _)| child == name);
     let (_, pid) = victim.unwrap_or_else(|| panic!("{name} does not run: {:?}", children(&launcher)));
-    signal(pid, Signal::KILL);
+    signal(pid, "KILL");
     (Answer::from(launcher.wait_with_output().expect("it was started here")), ids)
 }
 

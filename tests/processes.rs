@@ -5,7 +5,6 @@ mod shop;
 use std::collections::BTreeSet;
 
 use rig::observe::{Outcome, Summary};
-use rustix::process::Signal;
 use shop::{Answer, Place, alive, example, name_spaces, scenario, shared_memory, signal, until, wait_s};
 
 const NAMES: [&str; 5] = ["interpreter", "interpolator", "regulator-x", "regulator-z", "sim-plant"];
@@ -86,7 +85,7 @@ fn ctrl_c_stops_the_machine_and_the_folder_is_complete() {
     let launcher = place.start(&example("m20x2"));
     until("the machine runs", || place.at("run/trace.mcap").exists());
     wait_s(0.4);
-    signal(launcher.id(), Signal::INT);
+    signal(launcher.id(), "INT");
     let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
     assert_eq!(answer.status, Some(0), "{}", answer.stderr);
     let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");

@@ -13,7 +13,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 10] = [
+const CRATES: [(&str, &[&str]); 11] = [
     ("motion", &[]),
     ("shape", &["motion"]),
     ("protocol", &["motion", "shape"]),
@@ -24,7 +24,14 @@ const CRATES: [(&str, &[&str]); 10] = [
     ("sim-plant", &["protocol", "motion"]),
     ("tune", &["protocol", "motion"]),
     ("rig", &["protocol", "motion", "shape", "interpreter", "interpolator", "regulator", "sim-plant"]),
+    ("process", &["protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
 ];
+
+/// What only one crate may name: the channels and clocks of the operating system.
+const PROCESS_ONLY: [(&str, &str); 2] = [("iceoryx2", "process"), ("rustix", "process")];
+
+/// Pure functions of their input.
+const CORES: [&str; 5] = ["interpreter", "interpolator", "regulator", "sim-plant", "tune"];
 
 fn project() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -85,8 +92,13 @@ fn crates_depend_in_one_direction() {
         }
         let all = ["dependencies", "dev-dependencies", "build-dependencies"];
         let everything: BTreeSet<String> = all.iter().flat_map(|section| names(&manifest, section)).collect();
-        if everything.contains("iceoryx2") != (name == "protocol") {
-            findings.push(format!("{name}: only protocol names iceoryx2"));
+        for (outside, inside) in PROCESS_ONLY {
+            if everything.contains(outside) && name != inside {
+                findings.push(format!("{name}: only {inside} names {outside}"));
+            }
+        }
+        if CORES.contains(&name) && everything.contains("clap") {
+            findings.push(format!("{name} is a core: it has no command line"));
         }
         if everything.contains("pitchlock") {
             findings.push(format!("{name} must not depend on the program that starts it"));
@@ -95,7 +107,19 @@ fn crates_depend_in_one_direction() {
     let members = manifest("");
     let members = members["workspace"]["members"].as_array().expect("a list of folders");
     assert_eq!(members.len(), CRATES.len(), "a new crate needs its place in this test");
-    assert!(!names(&manifest(""), "dependencies").contains("iceoryx2"), "the launcher knows no iceoryx2");
+    for section in ["dependencies", "dev-dependencies"] {
+        for (outside, inside) in PROCESS_ONLY {
+            if names(&manifest(""), section).contains(outside) {
+                findings.push(format!("pitchlock: only {inside} names {outside}"));
+            }
+        }
+    }
+    for (outside, inside) in PROCESS_ONLY {
+        assert!(
+            names(&manifest(inside), "dependencies").contains(outside),
+            "{inside} is there for {outside}"
+        );
+    }
     none(&findings);
 }
 
@@ -120,7 +144,7 @@ fn every_dependency_has_its_reason() {
 fn every_file_of_the_workspace_is_seen() {
     let sources = files(&[".rs"]);
     assert!(sources.len() > 150, "{sources:?}");
-    for path in ["src/main.rs", "motion/src/lib.rs", "tests/tidy.rs", "protocol/src/ipc/port.rs"] {
+    for path in ["src/main.rs", "motion/src/lib.rs", "tests/tidy.rs", "process/src/ipc/port.rs"] {
         assert!(sources.iter().any(|source| source == Path::new(path)), "{path}");
     }
 }

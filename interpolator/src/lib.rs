@@ -18,7 +18,6 @@
 mod begin;
 mod interpolator;
 pub mod queue;
-pub mod shell;
 pub mod spindle;
 mod task;
 mod tracing;

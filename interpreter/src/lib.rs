@@ -36,7 +36,6 @@ mod job;
 mod merge;
 mod moves;
 mod options;
-pub mod shell;
 mod spindle;
 pub mod thread;
 mod threading;

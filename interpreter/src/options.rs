@@ -20,20 +20,16 @@ use crate::translate::plane_of;
 const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
 
 /// How a program is to be read.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, clap::Args)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Language {
     /// Dialect of the part program; without it that of the machine file.
-    #[arg(long, value_enum, value_name = "DIALECT")]
     pub dialect: Option<machine::Dialect>,
     /// Leave out lines that begin with `/`.
-    #[arg(long)]
     #[serde(default)]
     pub block_delete: bool,
     /// Tool table (LinuxCNC's format).
-    #[arg(long, value_name = "FILE")]
     pub tools: Option<PathBuf>,
     /// Folder with subroutine files, besides that of the program; may be given several times.
-    #[arg(long, value_name = "DIR")]
     #[serde(default)]
     pub subroutines: Vec<PathBuf>,
 }

@@ -1,7 +1,7 @@
 //! Machine code on the wire: an [`Item`] as the interpreter sends it, and the credit that it sends by. In: items. Out:
 //! packets, and back; what no interpreter sends is refused.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use shape::Formula;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
@@ -11,9 +11,7 @@ use crate::{
 };
 
 /// An [`Item`] in shared memory. Fields that its kind does not use are zero.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/code-packet/4")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct CodePacket {
     /// Running number of the item in the program, from 0: the receiver refuses a gap.
@@ -49,14 +47,20 @@ pub struct CodePacket {
     pub trace: [[u8; 32]; 16],
 }
 
+impl Message for CodePacket {
+    const NAME: &str = "pitchlock/code-packet/4";
+}
+
 /// What the interpolator has taken out of the queue: room for as many more.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/credit/1")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct Credit {
     /// Items taken since the start of the program.
     pub taken: u64,
+}
+
+impl Message for Credit {
+    const NAME: &str = "pitchlock/credit/1";
 }
 
 impl Credit {

@@ -3,15 +3,13 @@
 //! Objects: 0x6040 control word, 0x6041 status word, 0x60FF target velocity, 0x60B1 velocity offset,
 //! 0x60B2 torque offset (IEC 61800-7-201). Velocities in mm/s at the axis, torques in N·m at the motor.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::Cycle;
 
 /// Command of one control cycle to one drive; the answer to the measurement of the same cycle.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/drive-command/1")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct DriveCommand {
     /// The measurement this answers.
@@ -26,6 +24,10 @@ pub struct DriveCommand {
     pub velocity_offset_mm_s: f64,
     /// 0x60B2, N·m: mass and friction of the law, at their lead.
     pub torque_offset_nm: f64,
+}
+
+impl Message for DriveCommand {
+    const NAME: &str = "pitchlock/drive-command/1";
 }
 
 /// Commands of the control word (0x6040).

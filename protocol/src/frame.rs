@@ -1,14 +1,13 @@
 //! Axis commands: one frame per interpolator cycle to each regulator, always. It carries a setpoint of timed motion,
 //! and, when a pass is to be cut, the law of the axis.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{AxisLaw, Cycle, Position, Refused, finite, pass::check_speed};
 
 /// Where an axis shall be at one control cycle of timed motion, and how it moves there.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct Setpoint {
     /// When this is true.
@@ -49,9 +48,7 @@ pub enum AxisCommand {
 }
 
 /// One frame from the interpolator to one regulator.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/axis-frame/1")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisFrame {
     /// Interpolator tick that made it. Regulators act on it one interpolator cycle later.
@@ -74,6 +71,10 @@ pub struct AxisFrame {
     pub not_before: Cycle,
     /// The law of the axis.
     pub law: AxisLaw,
+}
+
+impl Message for AxisFrame {
+    const NAME: &str = "pitchlock/axis-frame/1";
 }
 
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that the

@@ -5,14 +5,12 @@
 //! crest(z) = crest_mm + slope z,    depth of a tool at (x, z) = into (x − crest(z))
 //! ```
 
-use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{Axis, Refused, ThreadPass, finite};
 
 /// Which groove is being cut, and the surface it is cut into; all zero if none is.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct Groove {
     /// Which start of a multi-start thread, from 0.

@@ -1,5 +1,5 @@
 //! Everything that crosses a process boundary of pitchlock: units, machine code, axis commands, measurements,
-//! drive commands, status, the machine file, the `.mc` file, and (in [`ipc`]) the channels that carry them.
+//! drive commands, status, the machine file and the `.mc` file. The channels that carry them are in `process`.
 //!
 //! Wire types are plain data: `#[repr(C)]`, no padding, no pointers, integers where Rust would have an enum. What
 //! arrives is therefore always *some* value; a `check` turns it into something to rely on, or says why not.
@@ -11,14 +11,13 @@ pub mod code_packet;
 pub mod drive;
 pub mod frame;
 pub mod groove;
-pub mod ipc;
 pub mod kinematics;
 pub mod machine;
 pub mod measurement;
+pub mod message;
 pub mod operator;
 pub mod pass;
 pub mod route;
-pub mod shell;
 pub mod status;
 pub mod trace;
 pub mod tracer;
@@ -34,6 +33,7 @@ pub use frame::{AxisCommand, AxisFrame, Setpoint};
 pub use groove::Groove;
 pub use machine::Machine;
 pub use measurement::{AxisMeasurement, Measurement, Panel};
+pub use message::Message;
 pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass};
 pub use route::{Cut, Leg, Route, Routed, Stretch};

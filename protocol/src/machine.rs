@@ -89,7 +89,7 @@ pub struct General {
 }
 
 /// Dialect of G-code.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Dialect {
     /// RS274/NGC as LinuxCNC speaks it.
@@ -100,7 +100,7 @@ pub enum Dialect {
 }
 
 /// Kinematics of the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kinematics {
     /// X across, Z along the spindle, and, where it exists, C about it.
@@ -145,7 +145,26 @@ pub const SMALL_MILL: &str = include_str!("../../examples/machines/small-mill.to
 /// A positioner to begin with.
 pub const POSITIONER: &str = include_str!("../../examples/machines/positioner.toml");
 
+impl Dialect {
+    /// As the machine file names it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Dialect::Linuxcnc => "linuxcnc",
+            Dialect::Fanuc => "fanuc",
+        }
+    }
+}
+
 impl Kinematics {
+    /// As the machine file names it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kinematics::Lathe => "lathe",
+            Kinematics::Mill => "mill",
+            Kinematics::Positioner => "positioner",
+        }
+    }
+
     /// A machine file of this kinematics, as `pitchlock machine` prints it.
     pub fn example(self) -> &'static str {
         match self {

@@ -1,13 +1,12 @@
 //! What the machine measures in one control cycle: spindle and axis encoders, drives, operator panel.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{Cycle, PerAxis, Position};
 
 /// One axis as its encoder and drive see it.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisMeasurement {
     /// Measured position: encoder counts, scaled by the drive (middle of the count).
@@ -23,8 +22,7 @@ pub struct AxisMeasurement {
 }
 
 /// The operator's panel, sampled with the encoders: an action takes effect in the cycle it was sampled in.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct Panel {
     /// Spindle override, per cent of S, 0 to 200.
@@ -68,9 +66,7 @@ impl Default for Panel {
 }
 
 /// What was true at one control cycle.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/measurement/4")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct Measurement {
     /// When it was true.
@@ -91,4 +87,8 @@ pub struct Measurement {
     pub axes: PerAxis<AxisMeasurement>,
     /// The operator's panel.
     pub panel: Panel,
+}
+
+impl Message for Measurement {
+    const NAME: &str = "pitchlock/measurement/4";
 }

@@ -1,7 +1,7 @@
 //! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the [`Panel`] of its
 //! next measurement; from there it has a cycle, and the same run can be repeated.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{Panel, Refused, finite};
@@ -28,9 +28,7 @@ pub enum Request {
 }
 
 /// A [`Request`] on the wire.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/operator-request/2")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct OperatorRequest {
     /// Running number, from 0.
@@ -41,6 +39,10 @@ pub struct OperatorRequest {
     pub reserved: u32,
     /// Per cent; 1 or 0 of a switch; else 0.
     pub value: f64,
+}
+
+impl Message for OperatorRequest {
+    const NAME: &str = "pitchlock/operator-request/2";
 }
 
 impl OperatorRequest {

@@ -4,7 +4,6 @@
 //! Angles in degrees of the spindle since the index the pass starts from, growing in the direction of the spindle;
 //! lengths in mm; S in 1/min.
 
-use iceoryx2::prelude::ZeroCopySend;
 use motion::Window;
 use serde::{Deserialize, Serialize};
 use zerocopy::{FromBytes, Immutable, IntoBytes};
@@ -14,9 +13,7 @@ use crate::{Axis, PerAxis, Position, Refused, finite};
 /// What one axis does in a pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead (M13),
 /// the lead (M14), a brake (M15), and a stroke out (M2). A part that does not occur has length or lead 0; the retract
 /// window is given all the same, because it says how long the axis belongs to the pass.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize,
-         ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisLaw {
     /// Where the axis rests before the pass.
@@ -150,9 +147,7 @@ pub fn check_speed(s_rpm: f64) -> Result<(), Refused> {
 }
 
 /// One pass of a thread.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize,
-         ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct ThreadPass {
     /// Running number in the program, from 1.

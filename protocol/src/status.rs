@@ -1,6 +1,6 @@
 //! What regulators and the interpolator say of themselves, and the spindle command.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{Cycle, Groove, Refused};
@@ -183,9 +183,7 @@ impl Fault {
 }
 
 /// One regulator in one control cycle.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/axis-status/2")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisStatus {
     /// The measurement this belongs to.
@@ -226,6 +224,10 @@ pub struct AxisStatus {
     pub velocity_offset_mm_s: f64,
     /// 0x60B2 as sent, N·m.
     pub torque_offset_nm: f64,
+}
+
+impl Message for AxisStatus {
+    const NAME: &str = "pitchlock/axis-status/2";
 }
 
 /// State of the interpolator, as others see it.
@@ -272,9 +274,7 @@ impl MachineState {
 }
 
 /// The interpolator after one of its ticks.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/machine-status/4")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct MachineStatus {
     /// The tick.
@@ -313,6 +313,10 @@ pub struct MachineStatus {
     pub tracing: u32,
 }
 
+impl Message for MachineStatus {
+    const NAME: &str = "pitchlock/machine-status/4";
+}
+
 impl MachineStatus {
     /// Mist is on (M7).
     pub const MIST: u16 = 1;
@@ -327,9 +331,7 @@ impl MachineStatus {
 
 /// What the spindle drive shall do; the interpolator sends one each tick, the plant acts on it one
 /// interpolator cycle later.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/spindle-command/3")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct SpindleCommand {
     /// The tick that made it.
@@ -350,6 +352,10 @@ pub struct SpindleCommand {
     pub direction: f64,
     /// The groove that the pass in hand cuts.
     pub groove: Groove,
+}
+
+impl Message for SpindleCommand {
+    const NAME: &str = "pitchlock/spindle-command/3";
 }
 
 impl SpindleCommand {

@@ -1,13 +1,12 @@
 //! The true state of the plant, for the observer of a run. No controller subscribes to it.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{Cycle, Measurement, PerAxis};
 
 /// One axis without encoder and without quantum.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisTruth {
     /// True position of the nut, mm: what the encoder of the motor would show if it and the screw were perfect.
@@ -23,8 +22,7 @@ pub struct AxisTruth {
 }
 
 /// What a threading tool takes off, and what that costs, until the next cycle; all zero if nothing is cut.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct CutTruth {
     /// Chip area in the plane of the spindle axis (M74), mm².
@@ -40,9 +38,7 @@ pub struct CutTruth {
 }
 
 /// The plant at one control cycle, with the measurement it gave out.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend, IntoBytes, FromBytes, Immutable)]
-#[type_name("pitchlock/truth/5")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct Truth {
     /// When it is true.
@@ -61,4 +57,8 @@ pub struct Truth {
     pub axes: PerAxis<AxisTruth>,
     /// What was measured.
     pub measurement: Measurement,
+}
+
+impl Message for Truth {
+    const NAME: &str = "pitchlock/truth/5";
 }

@@ -1,13 +1,25 @@
 //! The units of the wire: cycles, positions, axes.
 
-use iceoryx2::prelude::ZeroCopySend;
 use serde::{Deserialize, Serialize};
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 /// A control cycle, counted from the start of the machine. Time exists in no other form inside a module.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-         ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    IntoBytes,
+    FromBytes,
+    Immutable,
+)]
 #[repr(C)]
 pub struct Cycle(pub u64);
 
@@ -20,9 +32,22 @@ impl Cycle {
 
 /// A position of an axis: a signed count of 1e-9 mm, of 1e-9 degrees for a rotary axis. Integers cannot drift, and this
 /// quantum is what jerk at 2.5 kHz needs (M31–M35). X of a lathe is a radius.
-#[rustfmt::skip]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-         ZeroCopySend, IntoBytes, FromBytes, Immutable)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    IntoBytes,
+    FromBytes,
+    Immutable,
+)]
 #[repr(C)]
 pub struct Position(pub i64);
 

@@ -1,93 +1,88 @@
-//! The layout of everything on the wire. iceoryx2 compares name, size and alignment of a type, but not the order of its
+//! The layout of everything on the wire. A channel compares name and size of what it carries, but not the order of the
 //! fields: whoever changes a layout has to change the version in the type's name, and this file.
-#![allow(unsafe_code)] // `type_name` is unsafe to implement, and is so marked; calling it cannot go wrong
 
 use std::mem::offset_of;
 
-use iceoryx2::prelude::ZeroCopySend;
 use protocol::*;
 
 /// Checks size and offsets, and, by taking the type apart, that no field is left out.
 macro_rules! layout {
-    ($test:ident: $type:ident, $bytes:literal, $name:expr, { $($field:ident: $offset:literal),* $(,)? }) => {
+    ($test:ident: $type:ident, $bytes:literal, $($name:literal,)? { $($field:ident: $offset:literal),* $(,)? }) => {
         #[test]
         fn $test() {
             let $type { $($field: _),* } = $type::default();
             assert_eq!((size_of::<$type>(), align_of::<$type>()), ($bytes, 8));
             $(assert_eq!(offset_of!($type, $field), $offset, stringify!($field));)*
-            let name: Option<&str> = $name;
-            if let Some(name) = name {
-                assert_eq!(unsafe { <$type as ZeroCopySend>::type_name() }, name);
-            }
+            $(assert_eq!(<$type as Message>::NAME, $name);)?
         }
     };
 }
 
-layout!(code_packet: CodePacket, 2016, Some("pitchlock/code-packet/4"), {
+layout!(code_packet: CodePacket, 2016, "pitchlock/code-packet/4", {
     sequence: 0, line: 8, kind: 12, number: 16, turns: 20, plane: 24, reserved: 28, value: 32, bound: 40,
     target: 48, center: 112, pass: 128, operations: 1152, constants: 1248, trace: 1504,
 });
-layout!(credit: Credit, 8, Some("pitchlock/credit/1"), {
+layout!(credit: Credit, 8, "pitchlock/credit/1", {
     taken: 0,
 });
-layout!(thread_pass: ThreadPass, 1024, None, {
+layout!(thread_pass: ThreadPass, 1024, {
     pass: 0, start: 4, s_rpm: 8, direction: 16, start_angle_deg: 24, lead_mm: 32, thread_end_deg: 40,
     max_ratio: 48, depth_mm: 56, axes: 64,
 });
-layout!(axis_law: AxisLaw, 120, None, {
+layout!(axis_law: AxisLaw, 120, {
     start: 0, end: 8, stroke_mm: 16, stroke_c0_deg: 24, stroke_dc_deg: 32, lead_mm: 40,
     run_in_c0_deg: 48, run_in_dc_deg: 56, run_in_lambda: 64, brake_c_deg: 72, brake_dc_deg: 80,
     brake_lambda: 88, retract_mm: 96, retract_c_deg: 104, retract_dc_deg: 112,
 });
-layout!(axis_frame: AxisFrame, 200, Some("pitchlock/axis-frame/1"), {
+layout!(axis_frame: AxisFrame, 200, "pitchlock/axis-frame/1", {
     cycle: 0, command: 8, line: 12, setpoint: 16, pass: 48, reserved: 52, s_rpm: 56, direction: 64,
     not_before: 72, law: 80,
 });
-layout!(setpoint: Setpoint, 32, None, {
+layout!(setpoint: Setpoint, 32, {
     cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
 });
-layout!(measurement: Measurement, 336, Some("pitchlock/measurement/4"), {
+layout!(measurement: Measurement, 336, "pitchlock/measurement/4", {
     cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
     reserved: 44, axes: 48, panel: 304,
 });
-layout!(axis_measurement: AxisMeasurement, 32, None, {
+layout!(axis_measurement: AxisMeasurement, 32, {
     position: 0, scale: 8, torque_nm: 16, status_word: 24, reserved: 28,
 });
-layout!(panel: Panel, 32, None, {
+layout!(panel: Panel, 32, {
     spindle_override_pct: 0, feed_override_pct: 8, rapid_override_pct: 16, buttons: 24, cycle_starts: 28,
 });
-layout!(drive_command: DriveCommand, 40, Some("pitchlock/drive-command/1"), {
+layout!(drive_command: DriveCommand, 40, "pitchlock/drive-command/1", {
     cycle: 0, control_word: 8, reserved: 12, target_velocity_mm_s: 16, velocity_offset_mm_s: 24,
     torque_offset_nm: 32,
 });
-layout!(axis_status: AxisStatus, 120, Some("pitchlock/axis-status/2"), {
+layout!(axis_status: AxisStatus, 120, "pitchlock/axis-status/2", {
     cycle: 0, state: 8, fault: 12, pass: 16, line: 20, in_position: 24, refused: 28, commanded_mm: 32,
     velocity_mm_s: 40, acceleration_mm_s2: 48, jerk_mm_s3: 56, servo_error_mm: 64, angle_deg: 72,
     spindle_rpm: 80, control_word: 88, encoder_counts: 92, target_velocity_mm_s: 96,
     velocity_offset_mm_s: 104, torque_offset_nm: 112,
 });
-layout!(machine_status: MachineStatus, 88, Some("pitchlock/machine-status/4"), {
+layout!(machine_status: MachineStatus, 88, "pitchlock/machine-status/4", {
     cycle: 0, state: 8, fault: 12, line: 16, pass: 20, moves: 24, taken: 32, overrides_clamped: 40,
     stopped: 44, coolant: 46, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
     starved: 80, tracing: 84,
 });
-layout!(spindle_command: SpindleCommand, 88, Some("pitchlock/spindle-command/3"), {
+layout!(spindle_command: SpindleCommand, 88, "pitchlock/spindle-command/3", {
     cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,
     direction: 40, groove: 48,
 });
-layout!(groove: Groove, 40, None, {
+layout!(groove: Groove, 40, {
     start: 0, reserved: 4, lead_mm: 8, crest_mm: 16, slope: 24, into: 32,
 });
-layout!(truth: Truth, 736, Some("pitchlock/truth/5"), {
+layout!(truth: Truth, 736, "pitchlock/truth/5", {
     cycle: 0, spindle_deg: 8, spindle_rpm: 16, spindle_torque_nm: 24, late_answers: 32, cut: 40, axes: 80,
     measurement: 400,
 });
-layout!(axis_truth: AxisTruth, 40, None, {
+layout!(axis_truth: AxisTruth, 40, {
     motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24, force_n: 32,
 });
-layout!(cut_truth: CutTruth, 40, None, {
+layout!(cut_truth: CutTruth, 40, {
     area_mm2: 0, force_n: 8, radial_n: 16, axial_n: 24, torque_nm: 32,
 });
-layout!(operator_request: OperatorRequest, 24, Some("pitchlock/operator-request/2"), {
+layout!(operator_request: OperatorRequest, 24, "pitchlock/operator-request/2", {
     sequence: 0, kind: 8, reserved: 12, value: 16,
 });

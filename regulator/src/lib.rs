@@ -23,7 +23,6 @@ pub mod loops;
 pub mod reference;
 mod regulator;
 pub mod screw;
-pub mod shell;
 pub mod spindle;
 pub mod state;
 pub mod stream;

@@ -36,7 +36,6 @@ mod scale;
 mod scenario;
 mod screw;
 mod seed;
-pub mod shell;
 mod spindle;
 mod standing;
 mod timeline;

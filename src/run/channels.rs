@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
+use process::ipc::{ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, channel};
 use protocol::{
-    Axis, AxisState, AxisStatus, Machine, MachineStatus, Truth,
-    ipc::{ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, channel},
+    Axis, AxisState, AxisStatus, Machine, MachineStatus, Message, Truth,
     operator::{OperatorRequest, Request},
 };
 use rig::observe::Record;
@@ -13,14 +13,14 @@ use super::recorder::{Recorder, axes};
 use crate::error::CliError;
 
 /// One source, and what of it waits for the others.
-struct Source<T: protocol::ipc::Message> {
+struct Source<T: Message> {
     receiver: Receiver<T>,
     waiting: VecDeque<T>,
     /// Its sender has died: what has not come will not come.
     gone: bool,
 }
 
-impl<T: protocol::ipc::Message> Source<T> {
+impl<T: Message> Source<T> {
     fn new(receiver: Receiver<T>) -> Source<T> {
         Source { receiver, waiting: VecDeque::new(), gone: false }
     }

@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use interpreter::Language;
+use protocol::machine;
 
 use rig::{observe::Summary, trace};
 
@@ -77,7 +77,7 @@ impl RunFolder {
         if let (Some(from), Some(to)) = (&args.language.tools, &tools) {
             copy(from, to)?;
         }
-        let language = Language { tools, subroutines: Vec::new(), ..args.language.clone() };
+        let language = Language { tools, subroutines: Vec::new(), ..args.language.language() };
         let write = |name: &str, text: &str| {
             let path = path.join(name);
             std::fs::write(&path, text).map(|()| path.clone()).map_err(|error| CliError::file(&path, error))
@@ -115,10 +115,10 @@ impl RunFolder {
     /// Arguments that tell the interpreter how to read the program.
     pub(crate) fn language_args(&self) -> Vec<OsString> {
         let Language { dialect, block_delete, tools, subroutines: _ } = &self.language;
-        let dialect = dialect.and_then(|dialect| dialect.to_possible_value());
+        let dialect = dialect.map(machine::Dialect::name);
         let mut args: Vec<OsString> = Vec::new();
         if let Some(dialect) = dialect {
-            args.extend(["--dialect".into(), dialect.get_name().into()]);
+            args.extend(["--dialect".into(), dialect.into()]);
         }
         if *block_delete {
             args.push("--block-delete".into());

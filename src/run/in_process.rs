@@ -1,6 +1,7 @@
 //! The machine in this process.
 
-use protocol::{ipc::time::Moment, operator::Request};
+use process::ipc::time::Moment;
+use protocol::operator::Request;
 use rig::{Rig, observe::Summary};
 
 use super::{Setup, interrupts::Interrupts, processes::complete, recorder::Recorder};

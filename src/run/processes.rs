@@ -5,11 +5,11 @@ use std::{
     time::Duration,
 };
 
-use protocol::{
+use process::{
     ipc::{ChannelCount, NameSpace, Process, time::Moment, total},
-    operator::Request,
     shell::{Clock, START_S},
 };
+use protocol::operator::Request;
 use rig::observe::{self, FaultReport, Outcome, Summary};
 
 use super::{
@@ -146,7 +146,7 @@ fn start(setup: &Setup, space: &NameSpace, process: Process) -> Result<Started, 
 
 /// The processor for this machine's processes: machines started side by side spread over all there are.
 fn processor() -> usize {
-    let allowed = protocol::ipc::time::processors();
+    let allowed = process::ipc::time::processors();
     allowed[std::process::id() as usize % allowed.len()]
 }
 
@@ -179,7 +179,7 @@ fn rendezvous(
                 names.join(", ")
             )));
         }
-        protocol::ipc::time::sleep_until(Moment::in_s(0.001));
+        process::ipc::time::sleep_until(Moment::in_s(0.001));
     }
 }
 
@@ -205,13 +205,13 @@ fn end(
 ) -> Result<Vec<observe::Channel>, CliError> {
     let deadline = Moment::in_s(if good { END_S } else { 0.0 });
     while good && !space.unfinished()?.is_empty() && !deadline.passed() {
-        protocol::ipc::time::sleep_until(Moment::in_s(0.001));
+        process::ipc::time::sleep_until(Moment::in_s(0.001));
     }
     let mut counts = space.end()?;
     counts.extend(channels.counts());
     while started.iter().any(|one| one.exit.is_none()) && !deadline.passed() {
         newly_dead(started)?;
-        protocol::ipc::time::sleep_until(Moment::in_s(0.001));
+        process::ipc::time::sleep_until(Moment::in_s(0.001));
     }
     for one in started.iter_mut().filter(|one| one.exit.is_none()) {
         // It may be gone by now; either way its status is collected.

@@ -1,6 +1,7 @@
 //! Takes what the machine says of every control cycle to the observer, the trace and the progress bar.
 
-use protocol::{Axis, Machine, shell::Clock};
+use process::shell::Clock;
+use protocol::{Axis, Machine};
 use rig::{
     observe::{Observer, Record, Summary},
     trace::{Row, TraceWriter},

@@ -8,7 +8,7 @@ use std::{
 };
 
 use interpreter::{Interpreter, Language};
-use protocol::ipc::time::{Moment, sleep_until};
+use process::ipc::time::{Moment, sleep_until};
 use protocol::{Item, Machine};
 use rig::Rig;
 use rig::observe::{Observation, Observer, Outcome, Record, Summary};
@@ -165,11 +165,11 @@ pub fn children(launcher: &Child) -> Vec<(String, u32)> {
     pids.split_whitespace().map(child).collect()
 }
 
-/// Sends a signal to a process that this test has started.
-pub fn signal(pid: u32, signal: rustix::process::Signal) {
-    let pid = rustix::process::Pid::from_raw(pid as i32).expect("a process has a number");
+/// Sends a signal, as in `KILL`, to a process that this test has started.
+pub fn signal(pid: u32, signal: &str) {
     // It may have ended by itself meanwhile.
-    let _ = rustix::process::kill_process(pid, signal);
+    let _ =
+        Command::new("kill").arg(format!("-{signal}")).arg(pid.to_string()).stderr(Stdio::null()).status();
 }
 
 /// Whether any process is left that was told of this place.

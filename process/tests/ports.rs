@@ -3,13 +3,11 @@
 
 use std::time::Duration;
 
-use protocol::{
-    Axis, CodePacket, Credit, Cycle, DriveCommand, Measurement,
-    ipc::{
-        ChannelCount, IpcError, Keep, Member, NameSpace, Patience, Port, Process, Undelivered, channel,
-        time::Moment, total,
-    },
+use process::ipc::{
+    ChannelCount, IpcError, Keep, Member, NameSpace, Patience, Port, Process, Undelivered, channel,
+    time::Moment, total,
 };
+use protocol::{Axis, CodePacket, Credit, Cycle, DriveCommand, Measurement};
 
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
 const SHORT: Patience = Patience::Bounded(Duration::from_micros(200));

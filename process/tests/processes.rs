@@ -10,14 +10,12 @@ use std::{
     time::Duration,
 };
 
-use protocol::{
-    Axis, CodePacket, Cycle, DriveCommand, Measurement,
-    ipc::{
-        IpcError, Member, NameSpace, Patience, Process, Undelivered, channel,
-        time::{Moment, sleep_until},
-        total,
-    },
+use process::ipc::{
+    IpcError, Member, NameSpace, Patience, Process, Undelivered, channel,
+    time::{Moment, sleep_until},
+    total,
 };
+use protocol::{Axis, CodePacket, Cycle, DriveCommand, Measurement};
 
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
 const ROLE: &str = "PITCHLOCK_TEST_ROLE";

@@ -1,12 +1,13 @@
 //! The process of one regulator: receive, tick, send.
 
-use protocol::{
-    Axis, AxisFrame, Cycle, Measurement,
+use protocol::{Axis, AxisFrame, Cycle, Measurement};
+
+use crate::{
     ipc::{Member, Process, Receiver, channel, time::Moment},
     shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
 };
 
-use crate::{In, Regulator};
+use regulator::{In, Regulator};
 
 /// Arguments of a regulator.
 #[derive(Clone, Debug, clap::Args)]

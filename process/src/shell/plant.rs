@@ -7,16 +7,18 @@ use std::{path::PathBuf, time::Duration};
 
 use protocol::{
     Axis, Cycle, DriveCommand, Machine, Measurement, PerAxis, SpindleCommand, Truth,
+    operator::OperatorRequest, units::AXES,
+};
+
+use crate::{
     ipc::{
         ChannelCount, IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel,
         time::{Moment, lock_memory, sleep_until},
     },
-    operator::OperatorRequest,
     shell::{Clock, ProcessArgs, START_S, ShellError, deliver, read_text},
-    units::AXES,
 };
 
-use crate::{Plant, Scenario};
+use sim_plant::{Plant, Scenario};
 
 /// Arguments of the plant.
 #[derive(Clone, Debug, clap::Args)]

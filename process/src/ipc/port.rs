@@ -1,6 +1,6 @@
 //! Sender and receiver of one channel.
 
-use std::{fmt::Debug, time::Duration};
+use std::{marker::PhantomData, time::Duration};
 
 use iceoryx2::{
     port::{
@@ -11,12 +11,9 @@ use iceoryx2::{
     service::port_factory::publish_subscribe::PortFactory,
 };
 
+use protocol::Message;
+
 use super::{ChannelCount, IpcError, Keep, channel::Channel, time::Moment};
-
-/// What may travel: plain data without pointers, of a type with a name and a version.
-pub trait Message: ZeroCopySend + Copy + Debug + 'static {}
-
-impl<T: ZeroCopySend + Copy + Debug + 'static> Message for T {}
 
 /// Travels with every message of a channel, counted by its sender from 0.
 #[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
@@ -26,7 +23,8 @@ pub(crate) struct RunningNumber(u64);
 
 /// A process as iceoryx2 sees it.
 pub(crate) type Node = iceoryx2::node::Node<ipc::Service>;
-type Service<T> = PortFactory<ipc::Service, T, RunningNumber>;
+/// A channel carries bytes: which type they are stands in its name, and how many there are.
+type Service = PortFactory<ipc::Service, [u8], RunningNumber>;
 
 /// The owner's part: a channel exists, with its properties, before anybody opens it.
 pub(crate) fn create_service<T: Message>(
@@ -34,10 +32,10 @@ pub(crate) fn create_service<T: Message>(
     channel: &Channel<T>,
     senders: usize,
     receivers: usize,
-) -> Result<Service<T>, IpcError> {
+) -> Result<Service, IpcError> {
     let name = channel.name();
-    node.service_builder(&service_name(&name)?)
-        .publish_subscribe::<T>()
+    node.service_builder(&typed_name::<T>(&name)?)
+        .publish_subscribe::<[u8]>()
         .user_header::<RunningNumber>()
         .max_publishers(senders)
         .max_subscribers(receivers)
@@ -50,14 +48,14 @@ pub(crate) fn create_service<T: Message>(
         .map_err(|error| IpcError::bus(&name, error))
 }
 
-/// Opens what the owner made. Only that the type is the same is asked; the rest is read from the channel.
-fn open_service<T: Message>(node: &Node, name: &str) -> Result<Service<T>, IpcError> {
+/// Opens what the owner made. Only that type and size are the same is asked; the rest is read from the channel.
+fn open_service<T: Message>(node: &Node, name: &str) -> Result<Service, IpcError> {
     use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as Error;
     let deadline = Moment::now().after(Duration::from_secs(2));
     loop {
         let opened = node
-            .service_builder(&service_name(name)?)
-            .publish_subscribe::<T>()
+            .service_builder(&typed_name::<T>(name)?)
+            .publish_subscribe::<[u8]>()
             .user_header::<RunningNumber>()
             .open();
         match opened {
@@ -71,6 +69,12 @@ fn open_service<T: Message>(node: &Node, name: &str) -> Result<Service<T>, IpcEr
 
 pub(crate) fn service_name(name: &str) -> Result<iceoryx2::prelude::ServiceName, IpcError> {
     format!("pitchlock/{name}").as_str().try_into().map_err(|error| IpcError::bus(name, error))
+}
+
+/// Name of a channel, of the type that it carries, with its version, and of its size: ends that differ in any of these do
+/// not find each other.
+fn typed_name<T: Message>(name: &str) -> Result<iceoryx2::prelude::ServiceName, IpcError> {
+    service_name(&format!("{name}/{}/{}", T::NAME, size_of::<T>()))
 }
 
 /// An end of a channel that must find its other end before the machine starts.
@@ -123,11 +127,12 @@ pub enum Undelivered {
 /// The sending end of a channel.
 #[derive(Debug)]
 pub struct Sender<T: Message> {
-    service: Service<T>,
-    publisher: Publisher<ipc::Service, T, RunningNumber>,
+    service: Service,
+    publisher: Publisher<ipc::Service, [u8], RunningNumber>,
     expected: usize,
     next: RunningNumber,
     count: ChannelCount,
+    message: PhantomData<fn(T)>,
 }
 
 impl<T: Message> Sender<T> {
@@ -136,6 +141,7 @@ impl<T: Message> Sender<T> {
         let service = open_service::<T>(node, &name)?;
         let builder =
             service.publisher_builder().max_loaned_samples(1).set_degradation_handler(fail_if_degraded);
+        let builder = builder.initial_max_slice_len(size_of::<T>());
         let builder = match patience {
             Patience::Forever => builder,
             Patience::Bounded(limit) => {
@@ -148,7 +154,7 @@ impl<T: Message> Sender<T> {
         let publisher = builder.create().map_err(|error| IpcError::bus(&name, error))?;
         let expected = static_config(&service).max_subscribers();
         let count = ChannelCount { name, ..ChannelCount::default() };
-        Ok(Sender { service, publisher, expected, next: RunningNumber(0), count })
+        Ok(Sender { service, publisher, expected, next: RunningNumber(0), count, message: PhantomData })
     }
 
     /// Puts a message into the queue of every receiver.
@@ -160,10 +166,11 @@ impl<T: Message> Sender<T> {
             SendError::UnableToDeliver => Undelivered::Full(self.count.name.clone()),
             other => Undelivered::Broken { name: self.count.name.clone(), reason: other.to_string() },
         };
-        let mut sample = self.publisher.loan_uninit().map_err(|error| broken(error.into()))?;
+        let mut sample =
+            self.publisher.loan_slice_uninit(size_of::<T>()).map_err(|error| broken(error.into()))?;
         *sample.user_header_mut() = self.next;
         self.next.0 += 1;
-        let reached = sample.write_payload(*message).send().map_err(broken)?;
+        let reached = sample.write_from_slice(message.as_bytes()).send().map_err(broken)?;
         self.count.sent += reached as u64;
         self.count.bytes += (reached * size_of::<T>()) as u64;
         if reached < self.expected {
@@ -199,12 +206,13 @@ impl<T: Message> Port for Sender<T> {
 /// The receiving end of a channel.
 #[derive(Debug)]
 pub struct Receiver<T: Message> {
-    service: Service<T>,
-    subscriber: Subscriber<ipc::Service, T, RunningNumber>,
+    service: Service,
+    subscriber: Subscriber<ipc::Service, [u8], RunningNumber>,
     expected: usize,
     keep: Keep,
     next: RunningNumber,
     count: ChannelCount,
+    message: PhantomData<fn() -> T>,
 }
 
 impl<T: Message> Receiver<T> {
@@ -219,7 +227,8 @@ impl<T: Message> Receiver<T> {
             .map_err(|error| IpcError::bus(&name, error))?;
         let expected = static_config(&service).max_publishers();
         let count = ChannelCount { name, ..ChannelCount::default() };
-        Ok(Receiver { service, subscriber, expected, keep: channel.keep, next: RunningNumber(0), count })
+        let (keep, next) = (channel.keep, RunningNumber(0));
+        Ok(Receiver { service, subscriber, expected, keep, next, count, message: PhantomData })
     }
 
     /// The oldest message that waits, if any.
@@ -236,7 +245,8 @@ impl<T: Message> Receiver<T> {
             self.count.lost += number.saturating_sub(self.next.0);
             self.next = RunningNumber(number + 1);
         }
-        Ok(Some(*sample.payload()))
+        let message = T::read_from_bytes(sample.payload());
+        message.map(Some).map_err(|_| IpcError::bus(&self.count.name, "a message of another size"))
     }
 
     /// What was received and missed so far.
@@ -265,15 +275,13 @@ fn fail_if_degraded(
     DegradationAction::DegradeAndFail
 }
 
-fn static_config<T: Message>(
-    service: &Service<T>,
-) -> &iceoryx2::service::static_config::publish_subscribe::StaticConfig {
+fn static_config(service: &Service) -> &iceoryx2::service::static_config::publish_subscribe::StaticConfig {
     use iceoryx2::service::port_factory::PortFactory as _;
     service.static_config()
 }
 
-fn dynamic_config<T: Message>(
-    service: &Service<T>,
+fn dynamic_config(
+    service: &Service,
 ) -> &iceoryx2::service::dynamic_config::publish_subscribe::DynamicConfig<
     <ipc::Service as iceoryx2::service::Service>::Bag,
 > {

@@ -2,13 +2,19 @@
 //!
 //! A shell reads its configuration, opens its ports, and then receives, ticks and sends until the last measurement.
 
+mod args;
+pub mod interpolator;
+pub mod interpreter;
+pub mod plant;
+pub mod regulator;
+
 use std::path::PathBuf;
 
-use crate::{
-    Machine,
-    ipc::{IpcError, Member, Message, Patience, Process, Sender, Undelivered, time},
-    machine::MachineError,
-};
+pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
+
+use protocol::{Machine, Message, machine::MachineError};
+
+use crate::ipc::{IpcError, Member, Patience, Process, Sender, Undelivered, time};
 
 /// How processes wait for each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -18,23 +24,6 @@ pub enum Clock {
     Virtual,
     /// In real time; what comes too late is counted.
     Real,
-}
-
-/// Arguments of every process of a machine.
-#[derive(Clone, Debug, clap::Args)]
-pub struct ProcessArgs {
-    /// Name space of the machine, as the launcher gives it.
-    #[arg(long, value_name = "ADDRESS")]
-    pub address: String,
-    /// Machine file (TOML); without it the built-in small lathe.
-    #[arg(long, value_name = "FILE")]
-    pub machine: Option<PathBuf>,
-    /// How processes wait for each other.
-    #[arg(long, value_enum, default_value_t)]
-    pub clock: Clock,
-    /// Stay on this processor.
-    #[arg(long, value_name = "N")]
-    pub processor: Option<usize>,
 }
 
 /// Why a process ended early.
@@ -147,14 +136,4 @@ pub fn deliver<T: Message>(sender: &mut Sender<T>, message: &T) -> Result<(), Sh
 /// [`ShellError::File`].
 pub fn read_text(path: &std::path::Path) -> Result<String, ShellError> {
     std::fs::read_to_string(path).map_err(|source| ShellError::File { path: path.into(), source })
-}
-
-/// The exit status of a process: 0, or 1 for the machine and 2 for its input, with a message on standard error.
-pub fn exit(result: Result<(), ShellError>) -> std::process::ExitCode {
-    let Err(error) = result else { return std::process::ExitCode::SUCCESS };
-    eprintln!("error: {error}");
-    match error {
-        ShellError::Ipc(_) => 1.into(),
-        ShellError::File { .. } | ShellError::Machine(_) | ShellError::Input(_) => 2.into(),
-    }
 }

@@ -1,13 +1,13 @@
 //! The process of the interpolator: receive, tick, send.
 
-use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Measurement, PerAxis,
+use protocol::{Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Measurement, PerAxis, units::AXES};
+
+use crate::{
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
     shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
-    units::AXES,
 };
 
-use crate::{In, Interpolator};
+use interpolator::{In, Interpolator};
 
 /// The ports to one regulator.
 struct ToAxis {

@@ -5,7 +5,8 @@
 //! the start until everybody is connected:
 //!
 //! ```no_run
-//! use protocol::{Axis, DriveCommand, ipc::{IpcError, Member, Patience, Process, channel, time::Moment}};
+//! use process::ipc::{IpcError, Member, Patience, Process, channel, time::Moment};
+//! use protocol::{Axis, DriveCommand};
 //! # fn main() -> Result<(), IpcError> {
 //! # let address = String::new();
 //! let mut member = Member::join(&address, Process::Regulator(Axis::X))?;
@@ -47,7 +48,7 @@ pub use channel::{Channel, Keep};
 pub use count::{ChannelCount, total};
 pub use member::Member;
 pub use name_space::NameSpace;
-pub use port::{Message, Patience, Port, Receiver, Sender, Undelivered};
+pub use port::{Patience, Port, Receiver, Sender, Undelivered};
 pub use process::Process;
 pub use wake::Waker;
 

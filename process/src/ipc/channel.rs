@@ -3,15 +3,12 @@
 
 use std::{any::Any, marker::PhantomData};
 
-use super::{
-    IpcError, Process,
-    count::CountPacket,
-    port::{self, Message},
+use protocol::{
+    Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, Message, SpindleCommand,
+    Truth, operator::OperatorRequest, status::MachineStatus,
 };
-use crate::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, SpindleCommand, Truth,
-    operator::OperatorRequest, status::MachineStatus,
-};
+
+use super::{IpcError, Process, count::CountPacket, port};
 
 /// Machine code that may be on its way: the interpreter sends item `n` once `n - CODE_DEPTH` have been taken.
 pub const CODE_DEPTH: u64 = 64;

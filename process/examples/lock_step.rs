@@ -1,21 +1,19 @@
 //! Three processes in lock-step: a plant that publishes measurements and two regulators that answer each of them.
 //! Prints cycles per second.
 //!
-//! `cargo run --release -p protocol --example lock_step [cycles] [processor]`
+//! `cargo run --release -p process --example lock_step [cycles] [processor]`
 //!
 //! With a processor number all of them share that one, which is what `pitchlock run` does in virtual time.
 #![allow(clippy::print_stdout)] // the figures are the purpose
 
 use std::process::{Child, Command};
 
-use protocol::{
-    Axis, Cycle, DriveCommand, Measurement,
-    ipc::{
-        IpcError, Member, NameSpace, Patience, Process, channel,
-        time::{Moment, pin_to, sleep_until},
-        total,
-    },
+use process::ipc::{
+    IpcError, Member, NameSpace, Patience, Process, channel,
+    time::{Moment, pin_to, sleep_until},
+    total,
 };
+use protocol::{Axis, Cycle, DriveCommand, Measurement};
 
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
 

@@ -1,7 +1,8 @@
 //! How many messages went through each channel, as every process counts its own ends and the launcher adds them up.
 
-use iceoryx2::prelude::ZeroCopySend;
+use protocol::Message;
 use serde::{Deserialize, Serialize};
+use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 /// What went through one channel, as `summary.json` shows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,8 +36,7 @@ pub fn total(counts: impl IntoIterator<Item = ChannelCount>) -> Vec<ChannelCount
 const NAME_BYTES: usize = 32;
 
 /// A count on its way to the launcher.
-#[derive(Clone, Copy, Debug, ZeroCopySend)]
-#[type_name("pitchlock/count/1")]
+#[derive(Clone, Copy, Debug, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub(crate) struct CountPacket {
     name: [u8; NAME_BYTES],
@@ -44,6 +44,10 @@ pub(crate) struct CountPacket {
     received: u64,
     lost: u64,
     bytes: u64,
+}
+
+impl Message for CountPacket {
+    const NAME: &str = "pitchlock/count/1";
 }
 
 impl CountPacket {

@@ -4,11 +4,13 @@ use std::time::Duration;
 
 use iceoryx2::prelude::{LogLevel, NodeBuilder, SignalHandlingMode, ipc};
 
+use protocol::Message;
+
 use super::{
     Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker, channel,
     count::CountPacket,
     folder::Folder,
-    port::{Message, Node},
+    port::Node,
     time::{Moment, sleep_until},
     wake::{DONE, END, Ear, GONE, READY, ROLL_CALL, START, wake_name},
 };

@@ -1,6 +1,6 @@
 //! The processes of a machine.
 
-use crate::Axis;
+use protocol::Axis;
 
 /// A process of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,5 +47,5 @@ impl Process {
         }
     }
 
-    pub(crate) const COUNT: usize = 4 + crate::units::AXES;
+    pub(crate) const COUNT: usize = 4 + protocol::units::AXES;
 }

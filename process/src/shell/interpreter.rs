@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use protocol::{
-    CodePacket, Credit, Item, Machine,
-    code_file::CodeFile,
+use protocol::{CodePacket, Credit, Item, Machine, code_file::CodeFile};
+
+use crate::{
     ipc::{Process, channel, time::Moment},
-    shell::{ProcessArgs, START_S, ShellError, deliver, wait},
+    shell::{LanguageArgs, ProcessArgs, START_S, ShellError, deliver, wait},
 };
 
-use crate::{Interpreter, Language, open};
+use interpreter::{Interpreter, open};
 
 /// Arguments of the interpreter.
 #[derive(Clone, Debug, clap::Args)]
@@ -18,7 +18,7 @@ pub struct InterpreterArgs {
     pub program: PathBuf,
     /// How it is read.
     #[command(flatten)]
-    pub language: Language,
+    pub language: LanguageArgs,
     /// What every process needs.
     #[command(flatten)]
     pub process: ProcessArgs,
@@ -66,8 +66,8 @@ fn items(args: &InterpreterArgs, machine: &Machine) -> Result<Items, ShellError>
             .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?;
         return Ok(Box::new(file.items.into_iter().map(Ok)));
     }
-    let program =
-        open(path, &args.language, machine).map_err(|error| ShellError::Input(error.to_string()))?;
+    let program = open(path, &args.language.language(), machine)
+        .map_err(|error| ShellError::Input(error.to_string()))?;
     let interpreter = Interpreter::new(program, machine);
     Ok(Box::new(interpreter.map(|item| item.map_err(|error| ShellError::Input(error.render(false))))))
 }

@@ -2,6 +2,8 @@
 
 use std::any::Any;
 
+use protocol::Axis;
+
 use super::{
     ChannelCount, IpcError, Member, Port, Process, Receiver, Waker, channel,
     count::CountPacket,
@@ -9,7 +11,6 @@ use super::{
     member::create_node,
     wake::{DONE, END, Ear, GONE, READY, ROLL_CALL, START, create_event, wake_name},
 };
-use crate::Axis;
 
 /// The channels of one machine. The launcher creates it before it starts processes, and drops it after they ended.
 ///

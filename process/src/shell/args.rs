@@ -1,0 +1,75 @@
+//! Arguments of the processes, as the launcher gives them.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use interpreter::Language;
+use protocol::machine::Dialect;
+
+use super::Clock;
+
+/// Arguments of every process of a machine.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ProcessArgs {
+    /// Name space of the machine, as the launcher gives it.
+    #[arg(long, value_name = "ADDRESS")]
+    pub address: String,
+    /// Machine file (TOML); without it the built-in small lathe.
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// How processes wait for each other.
+    #[arg(long, value_enum, default_value_t)]
+    pub clock: Clock,
+    /// Stay on this processor.
+    #[arg(long, value_name = "N")]
+    pub processor: Option<usize>,
+}
+
+/// How a program is to be read.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct LanguageArgs {
+    /// Dialect of the part program; without it that of the machine file.
+    #[arg(long, value_name = "DIALECT", value_parser = dialect())]
+    pub dialect: Option<Dialect>,
+    /// Leave out lines that begin with `/`.
+    #[arg(long)]
+    pub block_delete: bool,
+    /// Tool table (LinuxCNC's format).
+    #[arg(long, value_name = "FILE")]
+    pub tools: Option<PathBuf>,
+    /// Folder with subroutine files, besides that of the program; may be given several times.
+    #[arg(long, value_name = "DIR")]
+    pub subroutines: Vec<PathBuf>,
+}
+
+impl LanguageArgs {
+    /// What the interpreter takes.
+    pub fn language(&self) -> Language {
+        let LanguageArgs { dialect, block_delete, tools, subroutines } = self.clone();
+        Language { dialect, block_delete, tools, subroutines }
+    }
+}
+
+/// A value with its name and what it means.
+pub type Named<T> = (T, &'static str, &'static str);
+
+/// The dialects by their names.
+const DIALECTS: [Named<Dialect>; 2] = [
+    (Dialect::Linuxcnc, Dialect::Linuxcnc.name(), "RS274/NGC as LinuxCNC speaks it"),
+    (Dialect::Fanuc, Dialect::Fanuc.name(), "FANUC lathe programs, G-code system A"),
+];
+
+/// Reads one of some values by its name.
+pub fn one_of<T: Copy + Send + Sync + 'static>(
+    values: &'static [Named<T>],
+) -> impl TypedValueParser<Value = T> {
+    let possible = values.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(possible).map(move |given| {
+        let found = values.iter().find(|(_, name, _)| *name == given);
+        found.expect("only these names pass the parser before").0
+    })
+}
+
+fn dialect() -> impl TypedValueParser<Value = Dialect> {
+    one_of(&DIALECTS)
+}
