@@ -18,24 +18,33 @@
 //! | module | from | to |
 //! |---|---|---|
 //! | [`gcode`] | the text of a program | calls of canonical functions |
-//! | `frame` | units and offsets | positions of the machine |
-//! | `translate`, `moves`, `spindle`, `threading` | calls | items |
+//! | `translate` | calls | items: it takes each call to whoever knows, and sends what comes of it |
+//! | `modal`, `frame`, `path_mode` | calls that stay in force | positions of the machine, feeds, path modes |
+//! | `points` | targets | where the program is, and where the axes rest |
+//! | `arc`, `spindle`, `auxiliary`, `threading` | a call, what is in force | codes |
 //! | `job` | the text of a job | moves, formulas, a trace |
-//! | `merge` | lines | fewer lines, where G64 Q lets them |
+//! | `reach` | a machine | what it does not have, by name |
+//! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
 //! | [`g1`] | machine code | a program of straight lines |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
 
+mod arc;
+mod auxiliary;
 mod check;
 pub mod formula;
 mod frame;
 pub mod g1;
 mod job;
 mod merge;
-mod moves;
+mod modal;
 mod options;
+mod output;
+mod path_mode;
+mod points;
+mod reach;
 mod spindle;
 pub mod thread;
 mod threading;
@@ -62,7 +71,8 @@ use translate::Translator;
 pub struct Interpreter {
     program: Program,
     translator: Translator,
-    queue: VecDeque<Result<Item, Diagnostic>>,
+    /// Found behind the items that wait in the translator.
+    errors: VecDeque<Diagnostic>,
     warnings: Vec<Diagnostic>,
     /// What the translator has found, and where.
     reported: BTreeSet<(u16, u32, &'static str)>,
@@ -75,7 +85,7 @@ impl Interpreter {
         Interpreter {
             program,
             translator: Translator::new(machine),
-            queue: VecDeque::new(),
+            errors: VecDeque::new(),
             warnings: Vec::new(),
             reported: BTreeSet::new(),
             ended: false,
@@ -94,12 +104,12 @@ impl Interpreter {
 
     /// The passes of threads so far.
     pub fn passes(&self) -> &[PassNote] {
-        self.translator.notes()
+        self.translator.passes()
     }
 
     /// The jobs so far.
     pub fn jobs(&self) -> &[JobNote] {
-        &self.translator.jobs
+        self.translator.jobs()
     }
 
     /// The program, for its parameters and tools at the end.
@@ -130,8 +140,7 @@ impl Interpreter {
             self.ended = true;
         }
         self.translator.end_of_block();
-        self.queue.extend(self.translator.items().map(Ok));
-        for (place, problem) in self.translator.problems() {
+        for (place, problem) in self.translator.take_problems() {
             // A line that is run again and again is blamed once.
             if !self.reported.insert((place.file, place.line, problem.code)) {
                 continue;
@@ -139,12 +148,12 @@ impl Interpreter {
             let diagnostic = self.program.diagnose(place, problem);
             match diagnostic.severity {
                 Severity::Warning => self.warnings.push(diagnostic),
-                Severity::Error => self.queue.push_back(Err(diagnostic)),
+                Severity::Error => self.errors.push_back(diagnostic),
             }
         }
         self.warnings.extend(self.program.take_warnings());
         if let Err(error) = result {
-            self.queue.push_back(Err(*error));
+            self.errors.push_back(*error);
         }
     }
 }
@@ -153,9 +162,17 @@ impl Iterator for Interpreter {
     type Item = Result<Item, Diagnostic>;
 
     fn next(&mut self) -> Option<Result<Item, Diagnostic>> {
-        while self.queue.is_empty() && !self.ended {
+        loop {
+            if let Some(item) = self.translator.next_item() {
+                return Some(Ok(item));
+            }
+            if let Some(error) = self.errors.pop_front() {
+                return Some(Err(error));
+            }
+            if self.ended {
+                return None;
+            }
             self.step();
         }
-        self.queue.pop_front()
     }
 }

@@ -6,16 +6,51 @@
 //! Lines from S over P1, P2, … to E are one line from S to E if every P lies within Q of it and further along it than the
 //! one before, the feed is the same, and no rotary axis moves. Nothing else may lie between them. Rapids are left alone.
 
-use protocol::{Axis, Code, Feed, Item, PerAxis, Position, units::AXES};
+use std::collections::VecDeque;
+
+use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, units::AXES};
+
+use crate::path_mode::PathAsked;
 
 /// Lines shorter than this are merged without Q, mm.
-pub(crate) const SHORT_MM: f64 = 1.0;
+const SHORT_MM: f64 = 1.0;
 /// Most lines that become one.
 const MOST: usize = 100;
 
+/// A line that others may yet lengthen waits here.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Merger {
+    waiting: Option<Merged>,
+}
+
+impl Merger {
+    /// Takes the next item; `rest` is where the axes are before it. What cannot change any more goes to `items`.
+    pub(crate) fn add(
+        &mut self,
+        item: Item,
+        rest: PerAxis<Position>,
+        path: &PathAsked,
+        items: &mut VecDeque<Item>,
+    ) {
+        let within_mm = match path.mode {
+            PathMode::Blend { merge_mm, .. } => merge_mm,
+            PathMode::ExactStop | PathMode::ExactPath => 0.0,
+        };
+        if self.waiting.as_mut().is_some_and(|line| line.take(&item, within_mm)) {
+            return;
+        }
+        items.extend(self.waiting.take().map(|line| line.item()));
+        let longest = if path.merges_all { f64::INFINITY } else { SHORT_MM };
+        self.waiting = Merged::new(rest, &item, longest).filter(|_| within_mm > 0.0);
+        if self.waiting.is_none() {
+            items.push_back(item);
+        }
+    }
+}
+
 /// Lines that are one so far.
 #[derive(Clone, Debug)]
-pub(crate) struct Merged {
+struct Merged {
     from: PerAxis<Position>,
     /// Ends of all lines but the last.
     over: Vec<PerAxis<Position>>,
@@ -28,7 +63,7 @@ pub(crate) struct Merged {
 
 impl Merged {
     /// A first line, if it is one that others may follow.
-    pub(crate) fn new(from: PerAxis<Position>, item: &Item, longest: f64) -> Option<Merged> {
+    fn new(from: PerAxis<Position>, item: &Item, longest: f64) -> Option<Merged> {
         let Code::Line { target, feed } = item.code else { return None };
         let turns = |axis: Axis| axis.is_rotary() && from[axis.index()] != target[axis.index()];
         let square = (0..AXES).map(|axis| target[axis].mm_from(from[axis])).map(|way| way * way).sum::<f64>();
@@ -37,7 +72,7 @@ impl Merged {
     }
 
     /// Takes a line in, if all of them stay within `within_mm` of one; false if it stays out.
-    pub(crate) fn take(&mut self, item: &Item, within_mm: f64) -> bool {
+    fn take(&mut self, item: &Item, within_mm: f64) -> bool {
         let Some(next) = Merged::new(self.to, item, self.longest) else { return false };
         if next.feed != self.feed || self.over.len() + 2 > MOST || !self.leads_to(&next.to, within_mm) {
             return false;
@@ -48,7 +83,7 @@ impl Merged {
     }
 
     /// The one line.
-    pub(crate) fn item(&self) -> Item {
+    fn item(&self) -> Item {
         Item { line: self.line, code: Code::Line { target: self.to, feed: self.feed } }
     }
 

@@ -10,11 +10,10 @@ use protocol::{
     Machine,
     code_file::{CodeFile, MAGIC},
     machine,
-    units::AXES,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::translate::plane_of;
+use crate::reach::{home, plane_of};
 
 /// Parameters of G28 and G30: the first coordinate of each point.
 const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
@@ -148,13 +147,6 @@ pub(crate) fn options(machine: &Machine) -> Options {
     options.dialect = of_program(machine.machine.dialect);
     options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
-}
-
-/// The point at which the axes are at home.
-pub(crate) fn home(machine: &Machine) -> gcode::Position {
-    let mut axes = [0.0; AXES];
-    machine.axes().for_each(|(axis, config)| axes[axis.index()] = config.home_mm);
-    machine.machine.kinematics.point(&axes)
 }
 
 fn of_program(dialect: machine::Dialect) -> Dialect {

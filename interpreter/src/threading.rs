@@ -1,18 +1,24 @@
-//! Synchronised motion: G33 and the threading cycles. In: calls. Out: passes, and the timed moves to their starts.
+//! Synchronised motion: G33 and the threading cycles. In: a block or a cycle, where the axes rest. Out: passes, and the
+//! timed moves to their starts.
 //!
 //! A G33 waits until it is known what comes next: a G0 that moves only X becomes its retract, made in step with the
 //! spindle.
 
 use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
-use gcode::{Call, Place, Problem};
+use gcode::{Place, Problem};
 use protocol::machine::Kinematics;
-use protocol::{Axis, AxisLaw, Code, Feed, ThreadPass};
+use protocol::{Axis, AxisLaw, Machine, PerAxis, Position, ThreadPass};
 
-use crate::moves::{SAME, within_travel};
-use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Single, plan};
-use crate::translate::{Done, Translator, missing};
+use crate::frame::Frame;
+use crate::modal::Synchronised;
+use crate::points::Points;
+use crate::reach::{Done, missing, within_travel};
+use crate::spindle::Spindle;
+use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Single, Starts, plan};
 
+/// Positions closer than this are one, mm or degrees: the quantum of the wire.
+const SAME: f64 = 1e-9;
 /// Leads a thread may have, mm.
 const LEADS: [f64; 2] = [0.001, 1000.0];
 /// Steepest infeed, degrees.
@@ -48,83 +54,74 @@ pub struct PassNote {
 
 /// A G33 that waits for its retract.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Held {
+struct Held {
     place: Place,
     single: Single,
 }
 
-impl Translator {
-    /// G33: one pass along the path to the target; it is planned when the next move is known.
-    pub(crate) fn thread_move(
-        &mut self,
-        place: Place,
-        target: &gcode::Position,
-        lead_mm: f64,
-        start_deg: f64,
-    ) -> Done {
-        let (s_rpm, direction) = self.spindle_of_thread()?;
-        check_lead(lead_mm, 'K')?;
-        let (from, to) = (in_plane(&self.point), in_plane(target));
-        if in_plane_of(target, from) != self.point {
-            return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
-        }
-        if (to.z - from.z).abs() < SAME {
-            let message = "G33 without a move along Z";
-            let help = "threads along X alone (scrolls) are not available yet: add a Z word";
-            return Err(Problem::error("not-available", Blame::Block, message, help));
-        }
-        if self.after_thread {
-            let message = "threads that follow each other without a pause are not available yet";
-            let help = "put a G0 between the G33 blocks";
-            return Err(Problem::error("not-available", Blame::Block, message, help));
-        }
-        self.check_encoder(place, lead_mm);
-        let single = Single { s_rpm, direction, from, to, k_mm: lead_mm, start_deg, retract_to: None };
-        (self.point, self.after_thread) = (*target, true);
+/// The threads of a program.
+#[derive(Default)]
+pub(crate) struct Threads {
+    held: Option<Held>,
+    passes: u32,
+    starts: Starts,
+    notes: Vec<PassNote>,
+}
+
+/// A G33 that has been planned.
+pub(crate) struct Released {
+    /// Where it stands in the program.
+    pub(crate) place: Place,
+    /// The pass; else why there is none.
+    pub(crate) pass: Result<ThreadPass, Box<Problem>>,
+}
+
+impl Threads {
+    /// The passes so far.
+    pub(crate) fn notes(&self) -> &[PassNote] {
+        &self.notes
+    }
+
+    /// Whether a G33 waits for its retract.
+    pub(crate) fn waits(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// A G33 waits from now on.
+    pub(crate) fn hold(&mut self, place: Place, single: Single) {
         self.held = Some(Held { place, single });
-        Ok(())
     }
 
-    /// Whether a call is the retract of the G33 that waits; if so, the pass has it now.
-    pub(crate) fn retracts(&mut self, call: &Call<'_>) -> bool {
-        let Call::StraightTraverse(to) = call else { return false };
-        let (from, to) = (self.point, self.frame.machine(to));
-        let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
-        let only_x = (0..to.len()).all(|coordinate| stays(coordinate) != (coordinate == X))
-            && within_travel(&self.machine, Axis::X, to[X], Blame::Block).is_ok();
-        if only_x {
-            self.release(Some(to[X]));
-        }
-        only_x
-    }
-
-    /// Plans the G33 that waits.
-    pub(crate) fn release(&mut self, retract_to: Option<f64>) {
-        let Some(Held { place, mut single }) = self.held.take() else { return };
-        single.retract_to = retract_to;
-        let cut = single.cut();
-        match plan(&cut, &self.machine) {
+    /// Plans the G33 that waits, if there is one. `rest` is where the axes are before it.
+    pub(crate) fn release(
+        &mut self,
+        retract_to: Option<f64>,
+        rest: &PerAxis<Position>,
+        machine: &Machine,
+    ) -> Option<Released> {
+        let Held { place, single } = self.held.take()?;
+        let cut = Single { retract_to, ..single }.cut();
+        let pass = match plan(&cut, machine) {
             Ok(planned) => {
                 let start = self.starts.number(&cut);
-                self.add_pass(place.line, planned, start);
+                Ok(self.number(place.line, planned, start, rest, machine))
             }
             Err(why) => {
-                let problem = why.problem(&[cut], &self.machine);
-                return self.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
+                let problem = why.problem(&[cut], machine);
+                Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem }))
             }
-        }
-        if retract_to.is_none() {
-            let message = "the tool stays in the groove while Z brakes and marks it";
-            let help = "let a G0 that moves only X follow: it is then made in step with the spindle";
-            let blame = Blame::Line(place.line);
-            self.report(place, *Problem::warning("no-retract", blame, message, help));
-        }
+        };
+        Some(Released { place, pass })
     }
 
-    /// A threading cycle: every pass of a thread, with the moves between them.
-    pub(crate) fn thread_cycle(&mut self, place: Place, cycle: &ThreadCycle) -> Done {
-        let cycle = self.cycle_on_machine(cycle)?;
-        self.check_encoder(place, cycle.lead_mm);
+    /// Every pass of a threading cycle, each from the start point of its cut.
+    pub(crate) fn cycle(
+        &mut self,
+        line: u32,
+        cycle: &Cycle,
+        rest: &PerAxis<Position>,
+        machine: &Machine,
+    ) -> Result<Vec<(Point, ThreadPass)>, Box<Problem>> {
         let depths = cycle.depths();
         if depths.len() > MOST_PASSES {
             let message = format!("the cycle would take more than {MOST_PASSES} passes");
@@ -134,112 +131,156 @@ impl Translator {
         let cuts: Vec<Cut> = depths.into_iter().map(|depth| cycle.cut(depth)).collect();
         let mut plans = Vec::with_capacity(cuts.len());
         for cut in &cuts {
-            within_travel(&self.machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
-            within_travel(&self.machine, Axis::Z, cut.from.z, Blame::Block)?;
-            within_travel(&self.machine, Axis::Z, cut.to_z, Blame::Block)?;
-            plans.push(plan(cut, &self.machine).map_err(|why| why.problem(&cuts, &self.machine))?);
+            within_travel(machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
+            within_travel(machine, Axis::Z, cut.from.z, Blame::Block)?;
+            within_travel(machine, Axis::Z, cut.to_z, Blame::Block)?;
+            plans.push(plan(cut, machine).map_err(|why| why.problem(&cuts, machine))?);
         }
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut));
-        for (cut, planned) in cuts.iter().zip(plans) {
-            self.line_to(place.line, &in_plane_of(&self.rest, cut.from), Feed::Rapid);
-            self.add_pass(place.line, planned, start);
-        }
-        let end = in_plane_of(&self.rest, Point { x: cycle.from.x, z: cycle.to_z });
-        if (self.rest[Z] - end[Z]).abs().max((self.rest[X] - end[X]).abs()) > ROUNDING {
-            self.line_to(place.line, &end, Feed::Rapid);
-        }
-        (self.point, self.after_thread) = (end, false);
-        Ok(())
+        let passes = cuts.iter().zip(plans);
+        Ok(passes
+            .map(|(cut, planned)| (cut.from, self.number(line, planned, start, rest, machine)))
+            .collect())
     }
 
-    /// The cycle in mm, machine coordinates.
-    fn cycle_on_machine(&self, cycle: &ThreadCycle) -> Result<Cycle, Box<Problem>> {
-        let (s_rpm, direction) = self.spindle_of_thread()?;
-        let unit = self.frame.unit;
-        let from = in_plane(&self.frame.machine(&cycle.from));
-        let to_z = self.frame.machine(&in_plane_of(&cycle.from, Point { x: 0.0, z: cycle.end_z }))[Z];
-        if (to_z - from.z).abs() < SAME {
-            let help = "let Z differ from where the tool stands";
-            return Err(Problem::error("bad-value", Blame::Word('Z'), "the thread has no length", help));
-        }
-        let lead_mm = cycle.lead * unit;
-        check_lead(lead_mm, 'P')?;
-        let out_of_range = |letter, value: f64, range: &str| {
-            let message = format!("{letter}{} is out of range", short(value));
-            Err(Problem::error("bad-value", Blame::Word(letter), message, format!("allowed: {range}")))
-        };
-        if cycle.infeed_deg.abs() > INFEED_DEG {
-            return out_of_range('Q', cycle.infeed_deg, "-80 to 80 degrees");
-        }
-        if !(1.0..=DEGRESSION).contains(&cycle.degression.exponent) {
-            return out_of_range('R', cycle.degression.exponent, "1 to 100");
-        }
-        if (cycle.chamfer_in || cycle.chamfer_out) && cycle.chamfer <= 0.0 {
-            let help = "give its length with E, or leave L out";
-            let message = "L asks for a taper that has no length";
-            return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
-        }
-        Ok(Cycle { s_rpm, direction, from, to_z, unit, lead_mm, words: *cycle })
-    }
-
-    /// Speed and direction of a spindle that turns at a constant speed, as threads need it, on a lathe.
-    fn spindle_of_thread(&self) -> Result<(f64, f64), Box<Problem>> {
-        if self.machine.machine.kinematics != Kinematics::Lathe {
-            return Err(missing(
-                "a thread (G33, G76) on a mill",
-                "mill it with G2 or G3 and Z, or use a lathe",
-            ));
-        }
-        if self.spindle.is_surface() {
-            let what = "a thread under constant surface speed (G96), whose lead would depend on X";
-            return Err(missing(what, "give the speed in 1/min with G97 S before the thread"));
-        }
-        self.spindle.turning().ok_or_else(|| {
-            let message = "a thread needs a turning spindle";
-            let help = "start it in a block before or in this one, as in S400 M3";
-            Problem::error("spindle-not-turning", Blame::Block, message, help)
-        })
-    }
-
-    /// Warns of a spindle encoder that is too coarse for a lead.
-    fn check_encoder(&mut self, place: Place, lead_mm: f64) {
-        let Some(axis) = self.machine.axis.get(&Axis::Z) else { return };
-        let (count_mm, allowed_mm) = (lead_mm / self.machine.spindle_counts(), axis.thread_error_mm);
-        if COUNTS_IN_THREAD_ERROR * count_mm <= allowed_mm * (1.0 + ROUNDING) {
-            return;
-        }
-        let lines = (COUNTS_IN_THREAD_ERROR / 4.0 * lead_mm / allowed_mm * (1.0 - ROUNDING)).ceil();
-        let message = format!(
-            "one count of the spindle encoder is {} mm of this lead, and axis.z.thread_error_mm is {}",
-            short(count_mm),
-            short(allowed_mm)
-        );
-        let help = format!("the thread may end in thread-error: take an encoder of {lines} lines or more");
-        self.report(place, *Problem::warning("coarse-encoder", Blame::Line(place.line), message, help));
-    }
-
-    fn add_pass(&mut self, line: u32, planned: Plan, start: u32) {
+    /// Gives a pass its number, a law of rest to the axes that it does not move, and a note.
+    fn number(
+        &mut self,
+        line: u32,
+        planned: Plan,
+        start: u32,
+        rest: &PerAxis<Position>,
+        machine: &Machine,
+    ) -> ThreadPass {
         self.passes += 1;
         let mut pass = ThreadPass { pass: self.passes, start, ..planned.pass };
-        let here = self.positions(&self.rest);
-        for (axis, _) in self.machine.axes().filter(|(axis, _)| !matches!(axis, Axis::X | Axis::Z)) {
-            let at = here[axis.index()];
+        for (axis, _) in machine.axes().filter(|(axis, _)| !matches!(axis, Axis::X | Axis::Z)) {
+            let at = rest[axis.index()];
             pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
         }
-        let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
-        self.rest = in_plane_of(&self.rest, Point { x: x.end.mm(), z: z.end.mm() });
         self.notes.push(PassNote {
             pass: pass.pass,
             line,
             depth_mm: pass.depth_mm,
-            start_z_mm: z.start.mm(),
+            start_z_mm: pass.axis(Axis::Z).start.mm(),
             full_depth_z_mm: planned.full_depth_z_mm,
             delta_z_mm: planned.delta_z_mm,
             max_override_pct: 100.0 * pass.max_ratio,
             packet_bytes: size_of::<ThreadPass>(),
         });
-        self.push(line, Code::Pass(pass));
+        pass
     }
+}
+
+/// The tool stays in the groove at the end of a G33.
+pub(crate) fn no_retract(line: u32) -> Box<Problem> {
+    let message = "the tool stays in the groove while Z brakes and marks it";
+    let help = "let a G0 that moves only X follow: it is then made in step with the spindle";
+    Problem::warning("no-retract", Blame::Line(line), message, help)
+}
+
+/// Where X goes if a rapid to `to` moves X alone, within its travel: it is the retract of a G33 then.
+pub(crate) fn retract(from: &gcode::Position, to: &gcode::Position, machine: &Machine) -> Option<f64> {
+    let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
+    let only_x = (0..to.len()).all(|coordinate| stays(coordinate) != (coordinate == X))
+        && within_travel(machine, Axis::X, to[X], Blame::Block).is_ok();
+    only_x.then_some(to[X])
+}
+
+/// G33: one pass along the path to the target.
+pub(crate) fn single(
+    target: &gcode::Position,
+    synchronised: &Synchronised,
+    points: &Points,
+    spindle: &Spindle,
+    machine: &Machine,
+) -> Result<Single, Box<Problem>> {
+    let Synchronised { lead_mm, start_deg } = *synchronised;
+    let (s_rpm, direction) = spindle_of_thread(spindle, machine)?;
+    check_lead(lead_mm, 'K')?;
+    let (from, to) = (in_plane(points.programmed()), in_plane(target));
+    if in_plane_of(target, from) != *points.programmed() {
+        return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
+    }
+    if (to.z - from.z).abs() < SAME {
+        let message = "G33 without a move along Z";
+        let help = "threads along X alone (scrolls) are not available yet: add a Z word";
+        return Err(Problem::error("not-available", Blame::Block, message, help));
+    }
+    if points.after_thread() {
+        let message = "threads that follow each other without a pause are not available yet";
+        let help = "put a G0 between the G33 blocks";
+        return Err(Problem::error("not-available", Blame::Block, message, help));
+    }
+    Ok(Single { s_rpm, direction, from, to, k_mm: lead_mm, start_deg, retract_to: None })
+}
+
+/// A threading cycle in mm, machine coordinates.
+pub(crate) fn cycle_on_machine(
+    cycle: &ThreadCycle,
+    frame: &Frame,
+    spindle: &Spindle,
+    machine: &Machine,
+) -> Result<Cycle, Box<Problem>> {
+    let (s_rpm, direction) = spindle_of_thread(spindle, machine)?;
+    let unit = frame.unit;
+    let from = in_plane(&frame.machine(&cycle.from));
+    let to_z = frame.machine(&in_plane_of(&cycle.from, Point { x: 0.0, z: cycle.end_z }))[Z];
+    if (to_z - from.z).abs() < SAME {
+        let help = "let Z differ from where the tool stands";
+        return Err(Problem::error("bad-value", Blame::Word('Z'), "the thread has no length", help));
+    }
+    let lead_mm = cycle.lead * unit;
+    check_lead(lead_mm, 'P')?;
+    let out_of_range = |letter, value: f64, range: &str| {
+        let message = format!("{letter}{} is out of range", short(value));
+        Err(Problem::error("bad-value", Blame::Word(letter), message, format!("allowed: {range}")))
+    };
+    if cycle.infeed_deg.abs() > INFEED_DEG {
+        return out_of_range('Q', cycle.infeed_deg, "-80 to 80 degrees");
+    }
+    if !(1.0..=DEGRESSION).contains(&cycle.degression.exponent) {
+        return out_of_range('R', cycle.degression.exponent, "1 to 100");
+    }
+    if (cycle.chamfer_in || cycle.chamfer_out) && cycle.chamfer <= 0.0 {
+        let help = "give its length with E, or leave L out";
+        let message = "L asks for a taper that has no length";
+        return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
+    }
+    Ok(Cycle { s_rpm, direction, from, to_z, unit, lead_mm, words: *cycle })
+}
+
+/// Speed and direction of a spindle that turns at a constant speed, as threads need it, on a lathe.
+fn spindle_of_thread(spindle: &Spindle, machine: &Machine) -> Result<(f64, f64), Box<Problem>> {
+    if machine.machine.kinematics != Kinematics::Lathe {
+        return Err(missing("a thread (G33, G76) on a mill", "mill it with G2 or G3 and Z, or use a lathe"));
+    }
+    if spindle.is_surface() {
+        let what = "a thread under constant surface speed (G96), whose lead would depend on X";
+        return Err(missing(what, "give the speed in 1/min with G97 S before the thread"));
+    }
+    spindle.turning().ok_or_else(|| {
+        let message = "a thread needs a turning spindle";
+        let help = "start it in a block before or in this one, as in S400 M3";
+        Problem::error("spindle-not-turning", Blame::Block, message, help)
+    })
+}
+
+/// Warns of a spindle encoder that is too coarse for a lead.
+pub(crate) fn coarse_encoder(line: u32, lead_mm: f64, machine: &Machine) -> Option<Box<Problem>> {
+    let axis = machine.axis.get(&Axis::Z)?;
+    let (count_mm, allowed_mm) = (lead_mm / machine.spindle_counts(), axis.thread_error_mm);
+    if COUNTS_IN_THREAD_ERROR * count_mm <= allowed_mm * (1.0 + ROUNDING) {
+        return None;
+    }
+    let lines = (COUNTS_IN_THREAD_ERROR / 4.0 * lead_mm / allowed_mm * (1.0 - ROUNDING)).ceil();
+    let message = format!(
+        "one count of the spindle encoder is {} mm of this lead, and axis.z.thread_error_mm is {}",
+        short(count_mm),
+        short(allowed_mm)
+    );
+    let help = format!("the thread may end in thread-error: take an encoder of {lines} lines or more");
+    Some(Problem::warning("coarse-encoder", Blame::Line(line), message, help))
 }
 
 /// X and Z of a point.
@@ -248,7 +289,7 @@ fn in_plane(point: &gcode::Position) -> Point {
 }
 
 /// A point with other X and Z.
-fn in_plane_of(point: &gcode::Position, Point { x, z }: Point) -> gcode::Position {
+pub(crate) fn in_plane_of(point: &gcode::Position, Point { x, z }: Point) -> gcode::Position {
     let mut moved = *point;
     (moved[X], moved[Z]) = (x, z);
     moved
@@ -259,8 +300,13 @@ fn check_lead(mm: f64, letter: char) -> Done {
     if (low..=high).contains(&mm) {
         return Ok(());
     }
-    let message = format!("{} mm is no lead", short(mm));
+    let message = format!("{} mm is not a lead", short(mm));
     let help =
         format!("a lead lies between {low} and {high} mm; its sign comes from the direction of the move");
     Err(Problem::error("bad-value", Blame::Word(letter), message, help))
+}
+
+/// Whether two points are so far apart in X or Z that a move between them is worth making.
+pub(crate) fn is_apart(one: &gcode::Position, other: &gcode::Position) -> bool {
+    (one[Z] - other[Z]).abs().max((one[X] - other[X]).abs()) > ROUNDING
 }

@@ -1,342 +1,142 @@
 //! Calls become items. In: canonical functions in the order of the program. Out: machine code, and what this machine
 //! cannot do, by name.
+//!
+//! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
-use std::collections::VecDeque;
-
-use gcode::canon::{FeedMode, Plane, Turn};
+use gcode::canon::{self, ThreadCycle, Turn};
+use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
-use gcode::{Call, Place, Problem, Sink};
-use protocol::machine::Kinematics;
-use protocol::{Axis, Code, Item, Machine, PathMode, Position, SpindleMode};
+use gcode::{Call, Place, Problem, Sink, job};
+use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, ThreadPass};
 
-use crate::frame::Frame;
-use crate::job::{Asked, JobNote, Planned};
-use crate::merge::{self, Merged};
-use crate::moves::no_axis;
-use crate::options::home;
+use crate::arc;
+use crate::auxiliary::{Auxiliary, find_tool};
+use crate::job::{Coolant, InForce, JobNote, Jobs, Move, Planned, Setup};
+use crate::modal::{Modal, Synchronised};
+use crate::output::Output;
+use crate::points::Points;
+use crate::reach::{Done, refuse_absent};
 use crate::spindle::Spindle;
-use crate::thread::Starts;
-use crate::threading::{Held, PassNote};
-
-/// What a receiver of calls returns.
-pub(crate) type Done = Result<(), Box<Problem>>;
+use crate::thread::Point;
+use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
 
 /// Longest dwell, s.
 const LONGEST_DWELL: f64 = 86_400.0;
-/// Highest feed, mm/min or mm/rev.
-const HIGHEST_FEED: f64 = 1e6;
 
 /// Takes calls, holds items until they are asked for.
 pub(crate) struct Translator {
-    pub(crate) machine: Machine,
-    pub(crate) frame: Frame,
-    pub(crate) plane: Plane,
-    pub(crate) feed_mode: FeedMode,
-    /// F in mm/min or mm/rev, 0 for none.
-    pub(crate) feed: f64,
-    pub(crate) spindle: Spindle,
-    /// G61, G61.1, G64.
-    pub(crate) path_mode: PathMode,
-    /// Q of G64 says how far lines are merged, whatever their length.
-    pub(crate) merges_all: bool,
-    /// What was sent of it last.
-    path_mode_sent: PathMode,
-    tool: Option<u32>,
-    mist: bool,
-    flood: bool,
-    /// Where the last move was to go, whether or not it can.
-    pub(crate) asked: gcode::Position,
-    /// The programmed point, in coordinates of the machine.
-    pub(crate) point: gcode::Position,
-    /// Where the axes rest; differs from the programmed point after a pass that ran beyond it.
-    pub(crate) rest: gcode::Position,
-    /// Lead of the synchronised motion that has begun, mm/rev along the path, and its start angle, degrees.
-    pub(crate) lead: Option<(f64, f64)>,
-    /// A pass whose retract may follow.
-    pub(crate) held: Option<Held>,
-    /// The last motion was synchronised.
-    pub(crate) after_thread: bool,
-    pub(crate) passes: u32,
-    pub(crate) starts: Starts,
-    pub(crate) notes: Vec<PassNote>,
-    pub(crate) jobs: Vec<JobNote>,
-    /// The last job that could be done.
-    pub(crate) last_job: Option<(Asked, Planned)>,
-    /// A line that others may yet lengthen.
-    merged: Option<Merged>,
-    items: VecDeque<Item>,
-    problems: Vec<(Place, Problem)>,
-    /// Where the last call came from.
-    place: Place,
-}
-
-impl Translator {
-    pub(crate) fn new(machine: &Machine) -> Translator {
-        let point = home(machine);
-        let path_mode = PathMode::within(machine.path.tolerance_mm);
-        Translator {
-            machine: machine.clone(),
-            frame: Frame::new(),
-            plane: plane_of(machine),
-            feed_mode: FeedMode::PerMinute,
-            feed: 0.0,
-            spindle: Spindle::new(),
-            path_mode,
-            merges_all: false,
-            path_mode_sent: path_mode,
-            tool: None,
-            mist: false,
-            flood: false,
-            asked: point,
-            point,
-            rest: point,
-            lead: None,
-            held: None,
-            after_thread: false,
-            passes: 0,
-            starts: Starts::default(),
-            notes: Vec::new(),
-            jobs: Vec::new(),
-            last_job: None,
-            merged: None,
-            items: VecDeque::new(),
-            problems: Vec::new(),
-            place: Place { line: 1, ..Place::default() },
-        }
-    }
-
-    pub(crate) fn items(&mut self) -> impl Iterator<Item = Item> + '_ {
-        self.items.drain(..)
-    }
-
-    /// What was found wrong later than at its call.
-    pub(crate) fn problems(&mut self) -> impl Iterator<Item = (Place, Problem)> + use<> {
-        std::mem::take(&mut self.problems).into_iter()
-    }
-
-    /// Where the last call came from.
-    pub(crate) fn place(&self) -> Place {
-        self.place
-    }
-
-    pub(crate) fn notes(&self) -> &[PassNote] {
-        &self.notes
-    }
-
-    /// The program is over, however it ended.
-    pub(crate) fn finish(&mut self) {
-        self.release(None);
-        let line = self.place.line;
-        self.spindle.mode = SpindleMode::Stop;
-        self.end_of_block();
-        self.coolant(line, false, false);
-        self.push(line, Code::End);
-    }
-
-    /// A block is over: what its words ask of the spindle is known.
-    pub(crate) fn end_of_block(&mut self) {
-        if self.held.is_none() {
-            self.settle_spindle(self.place);
-        }
-    }
-
-    /// An item, behind what has to be said before it.
-    pub(crate) fn push(&mut self, line: u32, code: Code) {
-        self.settle_spindle(self.place);
-        if matches!(code, Code::Line { .. } | Code::Arc { .. }) && self.path_mode != self.path_mode_sent {
-            self.path_mode_sent = self.path_mode;
-            self.push_alone(line, Code::PathMode(self.path_mode));
-        }
-        self.push_alone(line, code);
-    }
-
-    /// An item, unless it becomes part of a line that waits for others (G64 Q). Until it has been pushed the axes rest at
-    /// its start.
-    pub(crate) fn push_alone(&mut self, line: u32, code: Code) {
-        let item = Item { line, code };
-        let merge_mm = match self.path_mode_sent {
-            PathMode::Blend { merge_mm, .. } => merge_mm,
-            PathMode::ExactStop | PathMode::ExactPath => 0.0,
-        };
-        if self.merged.as_mut().is_some_and(|merged| merged.take(&item, merge_mm)) {
-            return;
-        }
-        self.items.extend(self.merged.take().map(|merged| merged.item()));
-        let longest = if self.merges_all { f64::INFINITY } else { merge::SHORT_MM };
-        self.merged = Merged::new(self.positions(&self.rest), &item, longest).filter(|_| merge_mm > 0.0);
-        if self.merged.is_none() {
-            self.items.push_back(item);
-        }
-    }
-
-    /// Reports a problem of an earlier call, or a warning.
-    pub(crate) fn report(&mut self, place: Place, problem: Problem) {
-        self.problems.push((place, problem));
-    }
-
-    pub(crate) fn select_tool(&mut self, place: Place, number: i32) -> Done {
-        let number = u32::try_from(number).unwrap_or(0);
-        let tools = &self.machine.tools;
-        if !tools.is_empty() && number != 0 && tools.keys().all(|name| name.parse() != Ok(number)) {
-            let known: Vec<&str> = tools.keys().map(String::as_str).collect();
-            let message = format!("tool {number} is not in the machine file");
-            let help = format!("tools there: {}; add [tools.{number}] for this one", known.join(", "));
-            return Err(Problem::error("unknown-tool", Blame::Word('T'), message, help));
-        }
-        if self.tool != Some(number) {
-            self.tool = Some(number);
-            self.push(place.line, Code::Tool { number });
-        }
-        Ok(())
-    }
-
-    fn dwell(&mut self, place: Place, seconds: f64) -> Done {
-        if !(0.0..=LONGEST_DWELL).contains(&seconds) {
-            let message = format!("G4 cannot wait {} s", short(seconds));
-            let help = format!("give 0 to {LONGEST_DWELL} seconds");
-            return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
-        }
-        self.push(place.line, Code::Dwell { seconds });
-        Ok(())
-    }
-
-    fn set_feed(&mut self, feed: f64) -> Done {
-        let feed = feed * self.frame.unit;
-        if !(0.0..=HIGHEST_FEED).contains(&feed) {
-            self.feed = HIGHEST_FEED; // one mistake, one message: moves do not lack a feed, too
-            let message = format!("F of {} mm is no feed", short(feed));
-            let help = format!("give a feed above 0 and up to {} mm", short(HIGHEST_FEED));
-            return Err(Problem::error("bad-value", Blame::Word('F'), message, help));
-        }
-        self.feed = feed;
-        Ok(())
-    }
-
-    pub(crate) fn coolant(&mut self, line: u32, mist: bool, flood: bool) {
-        if (self.mist, self.flood) != (mist, flood) {
-            (self.mist, self.flood) = (mist, flood);
-            self.push(line, Code::Coolant { mist, flood });
-        }
-    }
-
-    /// A message that only a person can act on.
-    fn unheard(&mut self, place: Place, text: &str) {
-        let message = format!("messages are not shown while the program runs: \"{text}\"");
-        let help = "the program runs without it; leave it out to silence this warning";
-        let problem = Problem::warning("message-not-shown", Blame::Line(place.line), message, help);
-        self.report(place, *problem);
-    }
-
-    fn modal(&mut self, call: &Call<'_>) -> Done {
-        match *call {
-            Call::UseLengthUnits(units) => self.frame.unit = units.mm(),
-            Call::SelectPlane(plane) => self.plane = plane,
-            Call::SetG5xOffset(_, offset) => self.frame.system = self.offset(&offset)?,
-            Call::SetG92Offset(offset) => self.frame.shift = self.offset(&offset)?,
-            Call::UseToolLengthOffset(offset) => self.frame.tool = self.offset(&offset)?,
-            Call::SetXyRotation(degrees) if degrees != 0.0 && !self.machine.axis.contains_key(&Axis::Y) => {
-                let help = "leave R out, or set it to 0";
-                return Err(missing("a coordinate system turned about Z", help));
-            }
-            Call::SetXyRotation(degrees) => self.frame.rotation_deg = degrees,
-            Call::SetFeedMode(mode) => self.set_feed_mode(mode)?,
-            Call::SetFeedRate(feed) => self.set_feed(feed)?,
-            Call::SetMotionControlMode(mode) => {
-                (self.path_mode, self.merges_all) = (self.mode_of_path(mode)?, false);
-            }
-            Call::SetNaivecamTolerance { tolerance, programmed: true } => self.merge_within(tolerance)?,
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// An offset in mm and degrees; refused if it shifts an axis that the machine does not have.
-    fn offset(&self, offset: &gcode::Position) -> Result<gcode::Position, Box<Problem>> {
-        let scaled = self.frame.scaled(offset);
-        let shifts = self.positions(&scaled);
-        let lacks =
-            |axis: &Axis| !self.machine.axis.contains_key(axis) && shifts[axis.index()] != Position(0);
-        match Axis::ALL.into_iter().find(lacks) {
-            Some(axis) => Err(no_axis(&self.machine, axis, shifts[axis.index()].mm())),
-            None => Ok(scaled),
-        }
-    }
-
-    /// Calls that make the machine do something.
-    fn act(&mut self, place: Place, call: &Call<'_>) -> Done {
-        match *call {
-            Call::StraightTraverse(to) => self.straight(place, &to, true)?,
-            Call::StraightFeed(to) => self.straight(place, &to, false)?,
-            Call::ArcFeed(arc) => self.arc(place, &arc)?,
-            Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
-            Call::Job(job, tools) => self.job(place, job, tools)?,
-            Call::Dwell(seconds) => self.dwell(place, seconds)?,
-            Call::SetSpindleMode(highest) => self.spindle_mode(highest)?,
-            Call::SetSpindleSpeed(speed) => self.spindle_speed(speed)?,
-            Call::StartSpindle(Turn::Clockwise) => self.start_spindle(SpindleMode::Clockwise)?,
-            Call::StartSpindle(Turn::Counterclockwise) => {
-                self.start_spindle(SpindleMode::Counterclockwise)?
-            }
-            Call::StopSpindle => self.spindle.mode = SpindleMode::Stop,
-            Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
-                self.select_tool(place, number)?;
-            }
-            Call::MistOn => self.coolant(place.line, true, self.flood),
-            Call::MistOff => self.coolant(place.line, false, self.flood),
-            Call::FloodOn => self.coolant(place.line, self.mist, true),
-            Call::FloodOff => self.coolant(place.line, self.mist, false),
-            Call::ProgramStop | Call::OptionalProgramStop => self.push(place.line, Code::Pause),
-            Call::OrientSpindle(..) | Call::WaitSpindleOrient(_) => {
-                return Err(missing("spindle orientation (M19)", "leave it out: threads find their angle"));
-            }
-            Call::EnableFeedOverride(false)
-            | Call::EnableSpeedOverride(false)
-            | Call::EnableFeedHold(false)
-            | Call::EnableAdaptiveFeed(true) => {
-                let help =
-                    "leave M49 to M53 out; the operator's overrides always count (of G74 and G84, too)";
-                return Err(missing("switching overrides and hold on and off", help));
-            }
-            Call::MoveByHand => {
-                return Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89"));
-            }
-            Call::StraightProbe(..) => return Err(missing("probing (G38)", "measure by other means")),
-            Call::RigidTap(..) => {
-                return Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76"));
-            }
-            Call::SetMotionOutputBit(..)
-            | Call::SetAuxOutputBit(..)
-            | Call::SetMotionOutputValue(..)
-            | Call::SetAuxOutputValue(..)
-            | Call::WaitInput { .. } => {
-                return Err(missing(
-                    "inputs and outputs (M62 to M68)",
-                    "this machine has none: leave it out",
-                ));
-            }
-            _ => {}
-        }
-        Ok(())
-    }
+    machine: Machine,
+    modal: Modal,
+    points: Points,
+    spindle: Spindle,
+    auxiliary: Auxiliary,
+    threads: Threads,
+    jobs: Jobs,
+    output: Output,
 }
 
 impl Sink for Translator {
     /// Takes a call. What the machine cannot do is reported, and the program goes on: its own state is not disturbed,
     /// so that what else is wrong is found, and nothing that is not.
     fn call(&mut self, place: Place, call: Call<'_>) -> Done {
-        self.place = place;
+        self.output.comes_from(place);
         if let Err(problem) = self.take(place, call) {
-            self.report(place, *problem);
+            self.output.report(place, *problem);
         }
         Ok(())
     }
 
     fn after_job(&self) -> Option<gcode::Position> {
-        Some(self.frame.programmed(&self.point))
+        Some(self.modal.frame.programmed(self.points.programmed()))
     }
 }
 
 impl Translator {
+    pub(crate) fn new(machine: &Machine) -> Translator {
+        let modal = Modal::new(machine);
+        Translator {
+            machine: machine.clone(),
+            output: Output::new(modal.path.mode),
+            modal,
+            points: Points::at_home(machine),
+            spindle: Spindle::new(),
+            auxiliary: Auxiliary::default(),
+            threads: Threads::default(),
+            jobs: Jobs::default(),
+        }
+    }
+
+    /// The next item, once it cannot change any more.
+    pub(crate) fn next_item(&mut self) -> Option<Item> {
+        self.output.next_item()
+    }
+
+    /// What was found wrong later than at its call, since it was asked last.
+    pub(crate) fn take_problems(&mut self) -> Vec<(Place, Problem)> {
+        self.output.take_problems()
+    }
+
+    /// Where the last call came from.
+    pub(crate) fn place(&self) -> Place {
+        self.output.place()
+    }
+
+    /// The passes so far.
+    pub(crate) fn passes(&self) -> &[PassNote] {
+        self.threads.notes()
+    }
+
+    /// The jobs so far.
+    pub(crate) fn jobs(&self) -> &[JobNote] {
+        self.jobs.notes()
+    }
+
+    /// The program is over, however it ended.
+    pub(crate) fn finish(&mut self) {
+        self.release(None);
+        let line = self.place().line;
+        self.spindle.stop();
+        self.end_of_block();
+        let coolant = self.auxiliary.coolant(false, false);
+        self.push_some(line, coolant);
+        self.push(line, Code::End);
+    }
+
+    /// A block is over: what its words ask of the spindle is known.
+    pub(crate) fn end_of_block(&mut self) {
+        if !self.threads.waits() {
+            self.settle_spindle();
+        }
+    }
+
+    /// Sends what has changed of the spindle.
+    fn settle_spindle(&mut self) {
+        let place = self.place();
+        let (in_range, code) = self.spindle.settle(&self.modal.frame, &self.machine);
+        if let Err(problem) = in_range {
+            self.output.report(place, *problem);
+        }
+        if let Some(code) = code {
+            self.send(place.line, code);
+        }
+    }
+
+    /// An item, behind what has to be said before it.
+    fn push(&mut self, line: u32, code: Code) {
+        self.settle_spindle();
+        self.send(line, code);
+    }
+
+    fn push_some(&mut self, line: u32, code: Option<Code>) {
+        if let Some(code) = code {
+            self.push(line, code);
+        }
+    }
+
+    fn send(&mut self, line: u32, code: Code) {
+        self.output.push(Item { line, code }, self.points.axes_at_rest(), &self.modal.path);
+    }
+
     fn take(&mut self, place: Place, call: Call<'_>) -> Done {
         match call {
             Call::Comment(_)
@@ -360,40 +160,237 @@ impl Translator {
             | Call::SetFeedMode(_)
             | Call::SetFeedRate(_)
             | Call::SetMotionControlMode(_)
-            | Call::SetNaivecamTolerance { .. } => self.modal(&call),
+            | Call::SetNaivecamTolerance { .. }
+            | Call::StartSpeedFeedSynch { .. }
+            | Call::StopSpeedFeedSynch => self.modal.change(&call, &self.machine),
             Call::Message(text) | Call::Print(text) | Call::Log(_, text) => {
-                self.unheard(place, text);
-                Ok(())
-            }
-            Call::StartSpeedFeedSynch { lead, velocity, start_deg } => {
-                self.lead = (!velocity).then_some((lead * self.frame.unit, start_deg));
-                Ok(())
-            }
-            Call::StopSpeedFeedSynch => {
-                self.lead = None;
+                self.output.report(place, *unheard(place, text));
                 Ok(())
             }
             _ => {
                 // A retract that is part of the pass still ends at its own point, should Z have run beyond it.
-                if self.held.is_some() && !self.retracts(&call) {
-                    self.release(None);
+                if self.threads.waits() {
+                    self.release(self.retract(&call));
                 }
                 self.act(place, &call)
             }
         }
     }
-}
 
-/// What this machine does not have, in words.
-pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
-    let message = format!("{what}: not available on this machine yet");
-    Problem::error("not-available", Blame::Block, message, help)
-}
-
-/// The plane at the start.
-pub(crate) fn plane_of(machine: &Machine) -> Plane {
-    match machine.machine.kinematics {
-        Kinematics::Lathe => Plane::Xz,
-        Kinematics::Mill | Kinematics::Positioner => Plane::Xy,
+    /// Calls that make the machine do something.
+    fn act(&mut self, place: Place, call: &Call<'_>) -> Done {
+        let (line, machine) = (place.line, &self.machine);
+        match *call {
+            Call::StraightTraverse(to) => self.straight(place, &to, true)?,
+            Call::StraightFeed(to) => self.straight(place, &to, false)?,
+            Call::ArcFeed(arc) => self.arc(line, &arc)?,
+            Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
+            Call::Job(job, tools) => self.job(place, job, tools),
+            Call::Dwell(seconds) => self.dwell(line, seconds)?,
+            Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,
+            Call::SetSpindleSpeed(s) => self.spindle.set_speed(s, self.modal.frame.unit, machine)?,
+            Call::StartSpindle(Turn::Clockwise) => self.spindle.start(SpindleMode::Clockwise, machine)?,
+            Call::StartSpindle(Turn::Counterclockwise) => {
+                self.spindle.start(SpindleMode::Counterclockwise, machine)?;
+            }
+            Call::StopSpindle => self.spindle.stop(),
+            Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
+                let number = u32::try_from(number).unwrap_or(0);
+                find_tool(number, machine)?;
+                let tool = self.auxiliary.select_tool(number);
+                self.push_some(line, tool);
+            }
+            Call::MistOn | Call::MistOff => {
+                let coolant = self.auxiliary.mist(matches!(call, Call::MistOn));
+                self.push_some(line, coolant);
+            }
+            Call::FloodOn | Call::FloodOff => {
+                let coolant = self.auxiliary.flood(matches!(call, Call::FloodOn));
+                self.push_some(line, coolant);
+            }
+            Call::ProgramStop | Call::OptionalProgramStop => self.push(line, Code::Pause),
+            _ => refuse_absent(call)?,
+        }
+        Ok(())
     }
+
+    fn dwell(&mut self, line: u32, seconds: f64) -> Done {
+        if !(0.0..=LONGEST_DWELL).contains(&seconds) {
+            let message = format!("G4 cannot wait {} s", short(seconds));
+            let help = format!("give 0 to {LONGEST_DWELL} seconds");
+            return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
+        }
+        self.push(line, Code::Dwell { seconds });
+        Ok(())
+    }
+
+    /// G0, G1, and the moves of canned cycles.
+    fn straight(&mut self, place: Place, to: &gcode::Position, rapid: bool) -> Done {
+        let target = self.modal.frame.machine(to);
+        self.points.target(target, &self.machine)?;
+        if let (false, Some(synchronised)) = (rapid, self.modal.synchronised) {
+            return self.thread_move(place, &target, &synchronised);
+        }
+        if self.points.rests_at(&target) {
+            self.points.program_goes_to(target);
+            return Ok(());
+        }
+        let feed = if rapid {
+            Feed::Rapid
+        } else {
+            self.points.at_programmed_point()?;
+            self.settle_spindle();
+            let way = [self.points.axes_at_rest(), self.points.axes(&target)];
+            self.modal.feed_of_line(way, &self.spindle)?
+        };
+        self.points.program_goes_to(target);
+        self.line_to(place.line, target, feed);
+        Ok(())
+    }
+
+    /// A line, unless the axes rest there already.
+    fn line_to(&mut self, line: u32, target: gcode::Position, feed: Feed) {
+        if !self.points.rests_at(&target) {
+            self.push(line, Code::Line { target: self.points.axes(&target), feed });
+            self.points.axes_go_to(target);
+        }
+    }
+
+    /// G2, G3, helices.
+    fn arc(&mut self, line: u32, arc: &canon::Arc) -> Done {
+        arc::check_plane(&self.modal, &self.machine)?;
+        // A move before that could not be made was reported: this arc would begin where it did not end.
+        let astray = self.points.is_astray();
+        let ends = arc::ends(arc, &self.modal);
+        let [target, _] = ends;
+        self.points.target(target, &self.machine)?;
+        self.points.at_programmed_point()?;
+        self.settle_spindle();
+        let feed = self.modal.feed_of_arc(&self.spindle)?;
+        let (arc, corners) = match arc::on_machine(arc.turns, &ends, self.modal.plane, &self.points) {
+            Err(_) if astray => return Ok(()),
+            made => made?,
+        };
+        arc::check_travel(&corners, &self.machine)?;
+        self.points.program_goes_to(target);
+        self.points.axes_go_to(target);
+        self.push(line, Code::Arc { arc, feed });
+        Ok(())
+    }
+
+    /// G33: it is planned when the next move is known.
+    fn thread_move(&mut self, place: Place, target: &gcode::Position, synchronised: &Synchronised) -> Done {
+        let single = threading::single(target, synchronised, &self.points, &self.spindle, &self.machine)?;
+        self.warn_of_encoder(place, synchronised.lead_mm);
+        self.points.thread_goes_to(*target);
+        self.threads.hold(place, single);
+        Ok(())
+    }
+
+    /// Where X goes if a call is the retract of the G33 that waits.
+    fn retract(&self, call: &Call<'_>) -> Option<f64> {
+        let Call::StraightTraverse(to) = call else { return None };
+        threading::retract(self.points.programmed(), &self.modal.frame.machine(to), &self.machine)
+    }
+
+    /// Plans the G33 that waits.
+    fn release(&mut self, retract_to: Option<f64>) {
+        let rest = self.points.axes_at_rest();
+        let Some(released) = self.threads.release(retract_to, &rest, &self.machine) else { return };
+        let place = released.place;
+        match released.pass {
+            Err(problem) => return self.output.report(place, *problem),
+            Ok(pass) => self.pass(place.line, pass),
+        }
+        if retract_to.is_none() {
+            self.output.report(place, *threading::no_retract(place.line));
+        }
+    }
+
+    /// A threading cycle: every pass of a thread, with the moves between them.
+    fn thread_cycle(&mut self, place: Place, cycle: &ThreadCycle) -> Done {
+        let cycle = threading::cycle_on_machine(cycle, &self.modal.frame, &self.spindle, &self.machine)?;
+        self.warn_of_encoder(place, cycle.lead_mm);
+        let rest = self.points.axes_at_rest();
+        for (from, pass) in self.threads.cycle(place.line, &cycle, &rest, &self.machine)? {
+            self.line_to(place.line, in_plane_of(self.points.rest(), from), Feed::Rapid);
+            self.pass(place.line, pass);
+        }
+        let end = in_plane_of(self.points.rest(), Point { x: cycle.from.x, z: cycle.to_z });
+        if is_apart(self.points.rest(), &end) {
+            self.line_to(place.line, end, Feed::Rapid);
+        }
+        self.points.program_goes_to(end);
+        Ok(())
+    }
+
+    fn pass(&mut self, line: u32, pass: ThreadPass) {
+        let end = Point { x: pass.axis(Axis::X).end.mm(), z: pass.axis(Axis::Z).end.mm() };
+        self.points.axes_go_to(in_plane_of(self.points.rest(), end));
+        self.push(line, Code::Pass(pass));
+    }
+
+    fn warn_of_encoder(&mut self, place: Place, lead_mm: f64) {
+        if let Some(warning) = coarse_encoder(place.line, lead_mm, &self.machine) {
+            self.output.report(place, *warning);
+        }
+    }
+
+    /// A job: what its file sets, moves to the work, the work, moves away.
+    fn job(&mut self, place: Place, source: &job::Job, tools: &ToolTable) {
+        let in_force = InForce {
+            machine: &self.machine,
+            frame: &self.modal.frame,
+            feed_mm_min: self.modal.feed_mm_min(),
+            rest: self.points.axes_at_rest(),
+            spindle_turns: self.spindle.turns(),
+        };
+        let ready = match self.jobs.plan(place, source, tools, &in_force) {
+            Ok(ready) => ready,
+            Err((place, problem)) => return self.output.report(place, problem),
+        };
+        for (place, warning) in ready.warnings {
+            self.output.report(place, warning);
+        }
+        if let Some(setup) = ready.setup {
+            self.set_up(place.line, &setup);
+        }
+        let Planned { approach, formulas, traces, end, retract, .. } = ready.planned;
+        self.go(place.line, &approach);
+        for (slot, formula) in (0..).zip(formulas) {
+            self.push(place.line, Code::Formula { slot, formula });
+        }
+        for trace in traces {
+            self.push(place.line, Code::Trace(trace));
+        }
+        self.points.axes_rest_at(&end);
+        self.go(place.line, &retract);
+        self.points.program_follows_axes();
+    }
+
+    /// Tool, spindle and coolant of a job file.
+    fn set_up(&mut self, line: u32, setup: &Setup) {
+        let tool = setup.tool.and_then(|number| self.auxiliary.select_tool(number));
+        self.push_some(line, tool);
+        if let Some(rpm) = setup.spindle_rpm {
+            self.spindle.turn(rpm);
+        }
+        let coolant = self.auxiliary.coolant(setup.coolant == Coolant::Mist, setup.coolant == Coolant::Flood);
+        self.push_some(line, coolant);
+    }
+
+    /// Moves around the work of a job.
+    fn go(&mut self, line: u32, moves: &[Move]) {
+        for step in moves {
+            self.push(line, Code::Line { target: step.to, feed: step.feed });
+            self.points.axes_rest_at(&step.to);
+        }
+    }
+}
+
+/// A message that only a person can act on.
+fn unheard(place: Place, text: &str) -> Box<Problem> {
+    let message = format!("messages are not shown while the program runs: \"{text}\"");
+    let help = "the program runs without it; leave it out to silence this warning";
+    Problem::warning("message-not-shown", Blame::Line(place.line), message, help)
 }

@@ -26,7 +26,7 @@ use serde::Deserialize;
 use shape::{Correction, Formula};
 
 use row::Row;
-pub(crate) use run::Asked;
+pub(crate) use run::{InForce, Jobs, Setup};
 
 /// What a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]

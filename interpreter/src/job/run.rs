@@ -1,16 +1,17 @@
-//! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force. Out: items, and
-//! where the tool is then.
+//! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force. Out: what a job
+//! file sets before it begins, moves and work, warnings; or what is wrong, by key.
 
+use gcode::Place;
 use gcode::files::ToolTable;
 use gcode::job::Job as Source;
 use gcode::problem::{Blame, Problem, Severity, short};
-use gcode::{Place, canon::FeedMode};
-use protocol::{Code, Machine, PerAxis, Position, SpindleMode, machine::Kinematics};
+use protocol::{Machine, PerAxis, Position, machine::Kinematics};
 
 use super::row::Row;
 use super::text::{self, Text};
-use super::{Coolant, Fault, Header, Job, JobNote, Kind, Move, Planned, contour, seam, surface, within};
-use crate::translate::{Done, Translator};
+use super::{Coolant, Fault, Header, Job, JobNote, Kind, Planned, contour, seam, surface, within};
+use crate::auxiliary::find_tool;
+use crate::frame::Frame;
 
 /// Highest feed, mm/min.
 const HIGHEST_FEED: f64 = 1e6;
@@ -20,170 +21,186 @@ type Plan = Box<dyn FnOnce(&Job) -> Result<Planned, Fault>>;
 
 /// What a plan depends on, but for the machine.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Asked {
+struct Asked {
     text: String,
     origin_mm: [f64; 3],
     feed_mm_min: f64,
     rest: PerAxis<Position>,
 }
 
-impl Translator {
-    /// A job. What is wrong with it is reported with its place in the text.
-    pub(crate) fn job(&mut self, place: Place, source: &Source, tools: &ToolTable) -> Done {
-        match self.planned(place, source, tools) {
-            Ok(planned) => self.begin(place, planned),
-            Err(fault) => self.blame(place, source, fault, Severity::Error),
-        }
-        Ok(())
+/// What is in force where a job stands.
+pub(crate) struct InForce<'a> {
+    pub(crate) machine: &'a Machine,
+    pub(crate) frame: &'a Frame,
+    /// F under G94, mm/min.
+    pub(crate) feed_mm_min: Option<f64>,
+    /// Where the axes rest.
+    pub(crate) rest: PerAxis<Position>,
+    pub(crate) spindle_turns: bool,
+}
+
+/// What only a job file says, to be set before the job begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setup {
+    pub(crate) tool: Option<u32>,
+    /// Speed of the spindle, 1/min; negative counterclockwise.
+    pub(crate) spindle_rpm: Option<f64>,
+    pub(crate) coolant: Coolant,
+}
+
+/// A job that can begin.
+pub(crate) struct Ready {
+    /// Of a job file.
+    pub(crate) setup: Option<Setup>,
+    pub(crate) planned: Planned,
+    /// With their places.
+    pub(crate) warnings: Vec<(Place, Problem)>,
+}
+
+/// The jobs of a program.
+#[derive(Default)]
+pub(crate) struct Jobs {
+    notes: Vec<JobNote>,
+    /// The last one that could be done.
+    last: Option<(Asked, Planned)>,
+}
+
+impl Jobs {
+    /// The jobs so far.
+    pub(crate) fn notes(&self) -> &[JobNote] {
+        &self.notes
     }
 
-    fn planned(&mut self, place: Place, source: &Source, tools: &ToolTable) -> Result<Planned, Fault> {
+    /// Plans a job. What is wrong with it has its place in the text.
+    pub(crate) fn plan(
+        &mut self,
+        place: Place,
+        source: &Source,
+        tools: &ToolTable,
+        in_force: &InForce<'_>,
+    ) -> Result<Ready, (Place, Problem)> {
+        let blamed = |fault, severity| blame(place, source, fault, severity);
+        let (setup, planned, warnings) =
+            self.planned(source, tools, in_force).map_err(|fault| blamed(fault, Severity::Error))?;
+        let warnings = warnings.into_iter().map(|fault| blamed(fault, Severity::Warning)).collect();
+        Ok(Ready { setup, planned, warnings })
+    }
+
+    fn planned(
+        &mut self,
+        source: &Source,
+        tools: &ToolTable,
+        in_force: &InForce<'_>,
+    ) -> Result<(Option<Setup>, Planned, Vec<Fault>), Fault> {
         let text = Text::read(&source.text)?;
         let header = text.header.clone();
-        suits(header.kind, &self.machine)?;
+        let InForce { machine, rest, .. } = *in_force;
+        suits(header.kind, machine)?;
         let other_tool = other_tool(tools, source, &header, text.diameter_mm())?;
         let plan: Plan = match header.kind {
             Kind::Contour => text.keys().map(|keys| Box::new(move |job: &Job| contour::plan(keys, job)) as _),
             Kind::Surface => text.keys().map(|keys| Box::new(move |job: &Job| surface::plan(keys, job)) as _),
             Kind::Seam => text.keys().map(|keys| Box::new(move |job: &Job| seam::plan(keys, job)) as _),
         }?;
-        self.prepare(place, source, &header)?;
+        let setup = setup(source, &header, machine)?;
+        let chord_mm = header.chord_mm.unwrap_or(machine.path.chord_mm);
         let job = Job {
-            machine: &self.machine,
+            machine,
             is_file: source.is_file,
-            origin_mm: self.origin(source, &header)?,
-            feed_mm_min: self.feed_of_job(source, &header)?,
-            chord_mm: within(
-                "chord_mm",
-                header.chord_mm.unwrap_or(self.machine.path.chord_mm),
-                protocol::Trace::CHORD_MM,
-                "mm",
-            )?,
+            origin_mm: origin(source, &header, in_force.frame)?,
+            feed_mm_min: feed(source, &header, in_force.feed_mm_min)?,
+            chord_mm: within("chord_mm", chord_mm, protocol::Trace::CHORD_MM, "mm")?,
             correction: header.correction,
-            rest: self.positions(&self.rest),
+            rest,
         };
-        let asked = Asked {
-            text: source.text.clone(),
-            origin_mm: job.origin_mm,
-            feed_mm_min: job.feed_mm_min,
-            rest: job.rest,
-        };
+        let asked =
+            Asked { text: source.text.clone(), origin_mm: job.origin_mm, feed_mm_min: job.feed_mm_min, rest };
         // The next pass of a loop often asks for the same.
-        let planned = match self.last_job.take() {
+        let planned = match self.last.take() {
             Some((last, planned)) if last == asked => planned,
             _ => plan(&job)?,
         };
-        self.last_job = Some((asked, planned.clone()));
-        for warning in other_tool.into_iter().chain(planned.warnings.iter().cloned()) {
-            self.blame(place, source, warning, Severity::Warning);
-        }
-        if header.kind != Kind::Seam && !self.spindle.turns() {
+        self.last = Some((asked, planned.clone()));
+        let mut warnings: Vec<Fault> = other_tool.into_iter().chain(planned.warnings.clone()).collect();
+        let speed = setup.and_then(|setup| setup.spindle_rpm);
+        if header.kind != Kind::Seam && !speed.map_or(in_force.spindle_turns, |rpm| rpm != 0.0) {
             let help = if source.is_file { "give spindle_rpm" } else { "start it before, as in S8000 M3" };
-            let fault = Fault::new("", "the spindle does not turn while the tool cuts", help);
-            self.blame(place, source, fault, Severity::Warning);
+            warnings.push(Fault::new("", "the spindle does not turn while the tool cuts", help));
         }
         let mut facts = vec![("name", header.name.unwrap_or_default())];
         facts.retain(|(_, name)| !name.is_empty());
         facts.extend(planned.facts.iter().cloned());
-        self.jobs.push(JobNote { line: source.line, facts });
-        Ok(planned)
+        self.notes.push(JobNote { line: source.line, facts });
+        Ok((setup, planned, warnings))
     }
+}
 
-    /// What only a job file says: tool, spindle, coolant.
-    fn prepare(&mut self, place: Place, source: &Source, header: &Header) -> Result<(), Fault> {
-        if !source.is_file {
-            return refuse_in_program(header);
-        }
-        if let Some(number) = header.tool_number {
-            let number = i32::try_from(number).unwrap_or(i32::MAX);
-            let refused = |problem: Box<Problem>| Fault {
-                code: problem.code,
-                ..Fault::new("tool_number", problem.message, problem.help)
-            };
-            self.select_tool(place, number).map_err(refused)?;
-        }
-        if let Some(rpm) = header.spindle_rpm {
-            let highest = self.machine.spindle.max_rpm;
-            if highest <= 0.0 {
-                let message = format!("{} has no spindle", self.machine.machine.name);
-                return Err(Fault::new("spindle_rpm", message, "leave spindle_rpm out"));
-            }
-            within("spindle_rpm", rpm, [-highest, highest], "1/min (spindle.max_rpm)")?;
-            let turn = if rpm < 0.0 { SpindleMode::Counterclockwise } else { SpindleMode::Clockwise };
-            self.spindle.turn(turn, rpm.abs());
-        }
-        let coolant = header.coolant.unwrap_or(Coolant::Off);
-        self.coolant(place.line, coolant == Coolant::Mist, coolant == Coolant::Flood);
-        Ok(())
+/// What a job file sets; a job in a program leaves that to the G-code around it.
+fn setup(source: &Source, header: &Header, machine: &Machine) -> Result<Option<Setup>, Fault> {
+    if !source.is_file {
+        return refuse_in_program(header).map(|()| None);
     }
+    if let Some(number) = header.tool_number {
+        find_tool(number, machine).map_err(|problem| Fault {
+            code: problem.code,
+            ..Fault::new("tool_number", problem.message, problem.help)
+        })?;
+    }
+    if let Some(rpm) = header.spindle_rpm {
+        let highest = machine.spindle.max_rpm;
+        if highest <= 0.0 {
+            let message = format!("{} has no spindle", machine.machine.name);
+            return Err(Fault::new("spindle_rpm", message, "leave spindle_rpm out"));
+        }
+        within("spindle_rpm", rpm, [-highest, highest], "1/min (spindle.max_rpm)")?;
+    }
+    let Header { tool_number: tool, spindle_rpm, .. } = *header;
+    Ok(Some(Setup { tool, spindle_rpm, coolant: header.coolant.unwrap_or(Coolant::Off) }))
+}
 
-    /// Machine position of the zero of the formulas, mm.
-    fn origin(&self, source: &Source, header: &Header) -> Result<[f64; 3], Fault> {
-        // The offsets of a positioner are those of its axes: where the part lies a seam says itself.
-        if source.is_file || header.kind == Kind::Seam {
-            return match header.origin_mm {
-                None if header.kind == Kind::Seam => Ok([0.0; 3]),
-                None => Err(Fault::new(
-                    "",
-                    "origin_mm is missing",
-                    "give the machine position of the zero of the formulas, as in origin_mm = [0.0, 0.0, -50.0]",
-                )),
-                Some(Row(origin)) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
-                Some(_) => Err(Fault::new("origin_mm", "that is no position of a machine", "give it in mm")),
-            };
-        }
-        if self.frame.rotation_deg != 0.0 {
-            let message = "a job in a coordinate system turned about Z";
-            return Err(Fault::new("", message, "turn it back with G10 L2 R0"));
-        }
-        let [x, y, z, ..] = self.frame.machine(&[0.0; 6]);
-        Ok([x, y, z])
+/// Machine position of the zero of the formulas, mm.
+fn origin(source: &Source, header: &Header, frame: &Frame) -> Result<[f64; 3], Fault> {
+    // The offsets of a positioner are those of its axes: where the part lies a seam says itself.
+    if source.is_file || header.kind == Kind::Seam {
+        return match header.origin_mm {
+            None if header.kind == Kind::Seam => Ok([0.0; 3]),
+            None => Err(Fault::new(
+                "",
+                "origin_mm is missing",
+                "give the machine position of the zero of the formulas, as in origin_mm = [0.0, 0.0, -50.0]",
+            )),
+            Some(Row(origin)) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
+            Some(_) => Err(Fault::new("origin_mm", "this is not a position of a machine", "give it in mm")),
+        };
     }
+    if frame.rotation_deg != 0.0 {
+        let message = "a job in a coordinate system turned about Z";
+        return Err(Fault::new("", message, "turn it back with G10 L2 R0"));
+    }
+    let [x, y, z, ..] = frame.machine(&[0.0; 6]);
+    Ok([x, y, z])
+}
 
-    fn feed_of_job(&self, source: &Source, header: &Header) -> Result<f64, Fault> {
-        match header.feed_mm_min {
-            Some(feed) => within("feed_mm_min", feed, [0.001, HIGHEST_FEED], "mm/min"),
-            None if !source.is_file && self.feed_mode == FeedMode::PerMinute && self.feed > 0.0 => {
-                Ok(self.feed)
-            }
-            None => {
-                let help = if source.is_file { "give it" } else { "give it, or an F word under G94 before" };
-                Err(Fault::new("", "feed_mm_min is missing", help))
-            }
+/// Feed of a job, mm/min.
+fn feed(source: &Source, header: &Header, in_force: Option<f64>) -> Result<f64, Fault> {
+    match (header.feed_mm_min, in_force) {
+        (Some(feed), _) => within("feed_mm_min", feed, [0.001, HIGHEST_FEED], "mm/min"),
+        (None, Some(feed)) if !source.is_file => Ok(feed),
+        _ => {
+            let help = if source.is_file { "give it" } else { "give it, or an F word under G94 before" };
+            Err(Fault::new("", "feed_mm_min is missing", help))
         }
     }
+}
 
-    /// Sends the items of a job.
-    fn begin(&mut self, place: Place, planned: Planned) {
-        self.go(place.line, &planned.approach);
-        for (slot, formula) in (0..).zip(planned.formulas) {
-            self.push(place.line, Code::Formula { slot, formula });
-        }
-        for trace in planned.traces {
-            self.push(place.line, Code::Trace(trace));
-        }
-        self.rest = self.machine.machine.kinematics.point(&planned.end.map(Position::mm));
-        self.go(place.line, &planned.retract);
-        (self.point, self.asked, self.after_thread) = (self.rest, self.rest, false);
-    }
-
-    /// Moves around the work.
-    fn go(&mut self, line: u32, moves: &[Move]) {
-        for step in moves {
-            self.push(line, Code::Line { target: step.to, feed: step.feed });
-            self.rest = self.machine.machine.kinematics.point(&step.to.map(Position::mm));
-        }
-    }
-
-    /// Reports a fault of a job where it stands in the text.
-    fn blame(&mut self, place: Place, source: &Source, fault: Fault, severity: Severity) {
-        let bytes = text::bytes(&source.text, &fault);
-        let (line, span) = source.place(bytes.start, bytes.end);
-        let there = Place { line, ..place };
-        let blame = if span.start < span.end { Blame::Part(there, span) } else { Blame::At(there) };
-        let problem = Problem { code: fault.code, severity, blame, message: fault.message, help: fault.help };
-        self.report(there, problem);
-    }
+/// A fault of a job where it stands in the text.
+fn blame(place: Place, source: &Source, fault: Fault, severity: Severity) -> (Place, Problem) {
+    let bytes = text::bytes(&source.text, &fault);
+    let (line, span) = source.place(bytes.start, bytes.end);
+    let there = Place { line, ..place };
+    let blame = if span.start < span.end { Blame::Part(there, span) } else { Blame::At(there) };
+    let problem = Problem { code: fault.code, severity, blame, message: fault.message, help: fault.help };
+    (there, problem)
 }
 
 /// Refuses a tool that the table does not have, if there is one; warns of another diameter than that of the job, mm.

@@ -1,0 +1,51 @@
+//! Tool and coolant. In: what calls and jobs ask for. Out: a code where something changes.
+
+use gcode::Problem;
+use gcode::problem::Blame;
+use protocol::{Code, Machine};
+
+use crate::reach::Done;
+
+/// What is in the spindle and what cools, as it was sent last.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Auxiliary {
+    tool: Option<u32>,
+    mist: bool,
+    flood: bool,
+}
+
+impl Auxiliary {
+    /// T, M6, M61: a tool that has been found in the machine file.
+    pub(crate) fn select_tool(&mut self, number: u32) -> Option<Code> {
+        (self.tool.replace(number) != Some(number)).then_some(Code::Tool { number })
+    }
+
+    /// M7, M9.
+    pub(crate) fn mist(&mut self, on: bool) -> Option<Code> {
+        self.coolant(on, self.flood)
+    }
+
+    /// M8, M9.
+    pub(crate) fn flood(&mut self, on: bool) -> Option<Code> {
+        self.coolant(self.mist, on)
+    }
+
+    /// Both kinds of coolant.
+    pub(crate) fn coolant(&mut self, mist: bool, flood: bool) -> Option<Code> {
+        let before = (self.mist, self.flood);
+        (self.mist, self.flood) = (mist, flood);
+        (before != (mist, flood)).then_some(Code::Coolant { mist, flood })
+    }
+}
+
+/// Refuses a tool that the machine file does not have, if it has any. 0 empties the spindle.
+pub(crate) fn find_tool(number: u32, machine: &Machine) -> Done {
+    let tools = &machine.tools;
+    if tools.is_empty() || number == 0 || tools.keys().any(|name| name.parse() == Ok(number)) {
+        return Ok(());
+    }
+    let known: Vec<&str> = tools.keys().map(String::as_str).collect();
+    let message = format!("tool {number} is not in the machine file");
+    let help = format!("tools there: {}; add [tools.{number}] for this one", known.join(", "));
+    Err(Problem::error("unknown-tool", Blame::Word('T'), message, help))
+}

@@ -1,0 +1,72 @@
+//! What leaves the interpreter: items in the order of the program, and problems that are found later than at their call.
+//!
+//! In: codes, with where the axes rest before them and what the path may do. Out: items. A path mode goes before the
+//! first move that it is for; short lines may become one before they leave.
+
+use std::collections::VecDeque;
+
+use gcode::{Place, Problem};
+use protocol::{Code, Item, PathMode, PerAxis, Position};
+
+use crate::merge::Merger;
+use crate::path_mode::PathAsked;
+
+/// Holds items until they are asked for.
+pub(crate) struct Output {
+    /// Where the last call came from.
+    place: Place,
+    /// What was sent of it last.
+    path_mode: PathMode,
+    merger: Merger,
+    items: VecDeque<Item>,
+    problems: Vec<(Place, Problem)>,
+}
+
+impl Output {
+    /// Nothing has been said yet; the machine begins in a path mode.
+    pub(crate) fn new(path_mode: PathMode) -> Output {
+        Output {
+            place: Place { line: 1, ..Place::default() },
+            path_mode,
+            merger: Merger::default(),
+            items: VecDeque::new(),
+            problems: Vec::new(),
+        }
+    }
+
+    /// What follows comes from here.
+    pub(crate) fn comes_from(&mut self, place: Place) {
+        self.place = place;
+    }
+
+    /// Where the last call came from.
+    pub(crate) fn place(&self) -> Place {
+        self.place
+    }
+
+    /// An item, behind the path mode that it needs; `rest` is where the axes are before it.
+    pub(crate) fn push(&mut self, item: Item, rest: PerAxis<Position>, path: &PathAsked) {
+        if matches!(item.code, Code::Line { .. } | Code::Arc { .. }) && path.mode != self.path_mode {
+            self.path_mode = path.mode;
+            let mode = Item { line: item.line, code: Code::PathMode(path.mode) };
+            self.merger.add(mode, rest, path, &mut self.items);
+        }
+        let sent = PathAsked { mode: self.path_mode, ..*path };
+        self.merger.add(item, rest, &sent, &mut self.items);
+    }
+
+    /// The next item, once it cannot change any more.
+    pub(crate) fn next_item(&mut self) -> Option<Item> {
+        self.items.pop_front()
+    }
+
+    /// Reports a problem of an earlier call, or a warning.
+    pub(crate) fn report(&mut self, place: Place, problem: Problem) {
+        self.problems.push((place, problem));
+    }
+
+    /// What was reported since it was asked last.
+    pub(crate) fn take_problems(&mut self) -> Vec<(Place, Problem)> {
+        std::mem::take(&mut self.problems)
+    }
+}

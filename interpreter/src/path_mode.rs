@@ -1,0 +1,62 @@
+//! What the path may do between moves: G61, G61.1, G64. In: calls. Out: a path mode, and whether all lines are merged.
+
+use gcode::Problem;
+use gcode::canon;
+use gcode::problem::{Blame, short};
+use protocol::PathMode;
+
+use crate::reach::Done;
+
+/// What the program asks of the path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PathAsked {
+    /// G61, G61.1, G64.
+    pub(crate) mode: PathMode,
+    /// Q of G64 says how far lines are merged, whatever their length.
+    pub(crate) merges_all: bool,
+}
+
+impl PathAsked {
+    /// Blends within the tolerance of the machine, mm.
+    pub(crate) fn within(tolerance_mm: f64) -> PathAsked {
+        PathAsked { mode: PathMode::within(tolerance_mm), merges_all: false }
+    }
+
+    /// G61, G61.1, G64 P. Without P, or with P0, the tolerance is that of the machine, mm; `unit`: mm in one of the
+    /// program's.
+    pub(crate) fn asked(
+        mode: canon::PathMode,
+        unit: f64,
+        tolerance_mm: f64,
+    ) -> Result<PathAsked, Box<Problem>> {
+        let exact = |mode| PathAsked { mode, merges_all: false };
+        Ok(match mode {
+            canon::PathMode::ExactPath => exact(PathMode::ExactPath),
+            canon::PathMode::ExactStop => exact(PathMode::ExactStop),
+            canon::PathMode::Continuous(0.0) => PathAsked::within(tolerance_mm),
+            canon::PathMode::Continuous(tolerance) => PathAsked::within(in_range('P', tolerance * unit)?),
+        })
+    }
+
+    /// Q of G64, mm: P is for blends alone.
+    pub(crate) fn merge_within(&mut self, mm: f64) -> Done {
+        let mm = in_range('Q', mm)?;
+        if let PathMode::Blend { tolerance_mm, merge_mm } = &mut self.mode {
+            if !self.merges_all {
+                *tolerance_mm += *merge_mm;
+            }
+            (*merge_mm, self.merges_all) = (mm, true);
+        }
+        Ok(())
+    }
+}
+
+/// A tolerance in mm, of a word.
+fn in_range(letter: char, mm: f64) -> Result<f64, Box<Problem>> {
+    if (0.0..=PathMode::MOST_MM).contains(&mm) {
+        return Ok(mm);
+    }
+    let message = format!("{} mm is not a tolerance of a path", short(mm));
+    let help = format!("give at most {} mm", short(PathMode::MOST_MM));
+    Err(Problem::error("bad-value", Blame::Word(letter), message, help))
+}

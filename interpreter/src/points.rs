@@ -1,0 +1,115 @@
+//! Where the program is, and where the axes are. In: targets of the program, where passes and jobs end. Out: points of
+//! the machine, mm and degrees, X of a lathe a radius; refusals of what lies outside the travel.
+
+use gcode::Problem;
+use gcode::problem::Blame;
+use protocol::machine::Kinematics;
+use protocol::{Axis, Machine, PerAxis, Position};
+
+use crate::reach::{Done, home, letter, within_travel};
+
+/// The points that a move goes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Points {
+    kinematics: Kinematics,
+    /// Where the last move was to go, whether or not it can.
+    asked: gcode::Position,
+    programmed: gcode::Position,
+    rest: gcode::Position,
+    after_thread: bool,
+}
+
+impl Points {
+    /// All axes at home.
+    pub(crate) fn at_home(machine: &Machine) -> Points {
+        let home = home(machine);
+        let kinematics = machine.machine.kinematics;
+        Points { kinematics, asked: home, programmed: home, rest: home, after_thread: false }
+    }
+
+    /// The programmed point.
+    pub(crate) fn programmed(&self) -> &gcode::Position {
+        &self.programmed
+    }
+
+    /// Where the axes rest; differs from the programmed point after a pass that ran beyond it.
+    pub(crate) fn rest(&self) -> &gcode::Position {
+        &self.rest
+    }
+
+    /// The same of each axis.
+    pub(crate) fn axes_at_rest(&self) -> PerAxis<Position> {
+        self.axes(&self.rest)
+    }
+
+    /// Where the axes stand for a point of the machine, as the wire carries it.
+    pub(crate) fn axes(&self, point: &gcode::Position) -> PerAxis<Position> {
+        self.kinematics.axes(point).map(Position::from_mm)
+    }
+
+    /// Whether the last motion was synchronised.
+    pub(crate) fn after_thread(&self) -> bool {
+        self.after_thread
+    }
+
+    /// Whether a move before could not be made: what follows would begin where it did not end.
+    pub(crate) fn is_astray(&self) -> bool {
+        self.axes(&self.asked) != self.axes_at_rest()
+    }
+
+    /// Whether the axes rest at a point.
+    pub(crate) fn rests_at(&self, point: &gcode::Position) -> bool {
+        self.axes(point) == self.axes_at_rest()
+    }
+
+    /// Notes where a move is to go, and refuses it if that lies outside the travel. What has been refused before is not
+    /// refused again before it changes.
+    pub(crate) fn target(&mut self, to: gcode::Position, machine: &Machine) -> Done {
+        let before = std::mem::replace(&mut self.asked, to);
+        let (before, axes) = (self.kinematics.axes(&before), self.kinematics.axes(&to));
+        // First the axes that there are not: travel matters less.
+        let exists = |axis: &Axis| machine.axis.contains_key(axis);
+        let [missing, present] =
+            [false, true].map(|there| Axis::ALL.into_iter().filter(move |axis| exists(axis) == there));
+        for axis in missing.chain(present).filter(|axis| axes[axis.index()] != before[axis.index()]) {
+            within_travel(machine, axis, axes[axis.index()], Blame::Word(letter(axis)))?;
+        }
+        Ok(())
+    }
+
+    /// Refuses to cut from where a thread ran beyond its end.
+    pub(crate) fn at_programmed_point(&self) -> Done {
+        if self.rests_at(&self.programmed) {
+            return Ok(());
+        }
+        let message =
+            "the thread before ran out beyond its end (run_out = \"beyond\"), and this cut would begin there";
+        let help = "let a G0 follow the thread";
+        Err(Problem::error("cut-after-thread", Blame::Block, message, help))
+    }
+
+    /// The program is at a point now, by timed motion; the axes get there with the items of the move.
+    pub(crate) fn program_goes_to(&mut self, point: gcode::Position) {
+        (self.programmed, self.after_thread) = (point, false);
+    }
+
+    /// The program is at a point now, by synchronised motion.
+    pub(crate) fn thread_goes_to(&mut self, point: gcode::Position) {
+        (self.programmed, self.after_thread) = (point, true);
+    }
+
+    /// The axes rest at a point now.
+    pub(crate) fn axes_go_to(&mut self, point: gcode::Position) {
+        self.rest = point;
+    }
+
+    /// The axes rest here now, as the wire carries it.
+    pub(crate) fn axes_rest_at(&mut self, axes: &PerAxis<Position>) {
+        self.rest = self.kinematics.point(&axes.map(Position::mm));
+    }
+
+    /// The program goes on from where the axes rest.
+    pub(crate) fn program_follows_axes(&mut self) {
+        (self.programmed, self.asked, self.after_thread) = (self.rest, self.rest, false);
+    }
+}

@@ -1,0 +1,109 @@
+//! What a machine has and how far it goes. In: a machine, what a program asks of it. Out: refusals by name.
+
+use gcode::canon::Plane;
+use gcode::problem::{Blame, short};
+use gcode::{Call, Problem};
+use protocol::machine::Kinematics;
+use protocol::{Axis, Machine, Position, units::AXES};
+
+/// What a call comes to.
+pub(crate) type Done = Result<(), Box<Problem>>;
+
+/// The plane at the start.
+pub(crate) fn plane_of(machine: &Machine) -> Plane {
+    match machine.machine.kinematics {
+        Kinematics::Lathe => Plane::Xz,
+        Kinematics::Mill | Kinematics::Positioner => Plane::Xy,
+    }
+}
+
+/// The point at which the axes are at home.
+pub(crate) fn home(machine: &Machine) -> gcode::Position {
+    let mut axes = [0.0; AXES];
+    machine.axes().for_each(|(axis, config)| axes[axis.index()] = config.home_mm);
+    machine.machine.kinematics.point(&axes)
+}
+
+/// What this machine does not have, in words.
+pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
+    let message = format!("{what}: not available on this machine yet");
+    Problem::error("not-available", Blame::Block, message, help)
+}
+
+/// Refuses what no machine has yet: orientation, probes, rigid taps, inputs and outputs.
+pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
+    match *call {
+        Call::OrientSpindle(..) | Call::WaitSpindleOrient(_) => {
+            Err(missing("spindle orientation (M19)", "leave it out: threads find their angle"))
+        }
+        Call::EnableFeedOverride(false)
+        | Call::EnableSpeedOverride(false)
+        | Call::EnableFeedHold(false)
+        | Call::EnableAdaptiveFeed(true) => {
+            let help = "leave M49 to M53 out; the operator's overrides always count (of G74 and G84, too)";
+            Err(missing("switching overrides and hold on and off", help))
+        }
+        Call::MoveByHand => Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89")),
+        Call::StraightProbe(..) => Err(missing("probing (G38)", "measure by other means")),
+        Call::RigidTap(..) => Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76")),
+        Call::SetMotionOutputBit(..)
+        | Call::SetAuxOutputBit(..)
+        | Call::SetMotionOutputValue(..)
+        | Call::SetAuxOutputValue(..)
+        | Call::WaitInput { .. } => {
+            Err(missing("inputs and outputs (M62 to M68)", "this machine has none: leave it out"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a word that needs a spindle where there is none.
+pub(crate) fn needs_spindle(machine: &Machine, word: &str, blame: Blame) -> Done {
+    if !machine.spindle.is_none() {
+        return Ok(());
+    }
+    let message = format!("{word}: {} has no spindle", machine.machine.name);
+    Err(Problem::error("no-spindle", blame, message, "leave out S, M3, M4, G95 and G96"))
+}
+
+/// The letter of the words that move an axis.
+pub(crate) fn letter(axis: Axis) -> char {
+    axis.name().chars().next().unwrap_or(' ').to_ascii_uppercase()
+}
+
+/// Refuses a position outside the travel of its axis, and one of an axis that there is not; `at` in mm or degrees.
+pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame) -> Done {
+    let Some(config) = machine.axis.get(&axis) else {
+        let is_origin = Position::from_mm(at) == Position(0);
+        return if is_origin { Ok(()) } else { Err(no_axis(machine, axis, at)) };
+    };
+    let [low, high] = config.travel_mm;
+    if (low..=high).contains(&at) {
+        return Ok(());
+    }
+    let is_radius = axis == Axis::X && machine.machine.kinematics == Kinematics::Lathe;
+    let message = format!(
+        "{axis} at {} {unit}{note} is outside axis.{name}.travel_{unit} = [{}, {}]",
+        short(at),
+        short(low),
+        short(high),
+        note = if is_radius { " (radius)" } else { "" },
+        name = axis.name(),
+        unit = axis.unit(),
+    );
+    let help = "keep the target within the travel; check units (G20, G21), G7, G91 and offsets";
+    Err(Problem::error("travel-limit", blame, message, help))
+}
+
+/// The machine is asked for an axis that it does not have; `at` in mm or degrees.
+pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
+    let kind = match machine.machine.kinematics {
+        Kinematics::Lathe => "lathe",
+        Kinematics::Mill => "mill",
+        Kinematics::Positioner => "positioner",
+    };
+    let axes: Vec<String> = machine.axes().map(|(axis, _)| axis.to_string()).collect();
+    let message = format!("this {kind} has no axis {axis} (it would be at {})", short(at));
+    let help = format!("its axes are {}: leave the word out", axes.join(", "));
+    Problem::error("no-such-axis", Blame::Word(letter(axis)), message, help)
+}
