@@ -35,7 +35,9 @@ fn findings(program: &Program) -> String {
     let mut text = String::new();
     let moves = program.moves;
     let (errors, warnings) = (program.found(Severity::Error), program.found(Severity::Warning));
-    let _ = writeln!(text, "{errors} errors, {warnings} warnings, {moves} moves");
+    let (errors_found, warnings_found) =
+        (counted(errors as u64, "error"), counted(warnings as u64, "warning"));
+    let _ = writeln!(text, "{errors_found}, {warnings_found}, {}", counted(moves, "move"));
     for job in program.check.iter().flat_map(|check| &check.jobs) {
         let _ = writeln!(text, "job       line {}", job.line);
         for (what, value) in &job.facts {
@@ -55,8 +57,16 @@ fn findings(program: &Program) -> String {
             pass.pass, pass.line, pass.depth_mm, pass.start_z_mm, from, to, pass.max_override_pct
         );
     }
+    if !passes.is_empty() {
+        let _ = writeln!(text, "Z is that of the machine: coordinate system and tool offset are added");
+    }
     if errors == 0 {
         let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", program.time_s);
     }
     text
+}
+
+/// A number of things: "1 error", "2 errors".
+fn counted(number: u64, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }

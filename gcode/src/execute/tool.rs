@@ -104,7 +104,7 @@ fn unknown(number: i32, letter: char) -> Box<Problem> {
         "unknown-tool",
         Blame::Word(letter),
         message,
-        "enter it in the table, or name another tool",
+        "enter it in the tool table (--tools FILE), or name another tool",
     )
 }
 

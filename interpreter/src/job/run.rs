@@ -215,7 +215,11 @@ fn other_tool(
         _ if !source.is_file => Some(&tools.in_spindle),
         Some(number) if number != 0 && !tools.is_empty() => Some(tools.find(number).ok_or_else(|| {
             let message = format!("tool {number} is not in the tool table");
-            let fault = Fault::new("tool_number", message, "enter it in the table, or name another tool");
+            let fault = Fault::new(
+                "tool_number",
+                message,
+                "enter it in the tool table (--tools FILE), or name another tool",
+            );
             Fault { code: "unknown-tool", ..fault }
         })?),
         _ => None,
