@@ -124,7 +124,7 @@ fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
             Code::Pass(pass) if !machine.can_follow(pass) => "a pass its axes cannot follow",
             Code::Line { target, .. } if !machine.can_reach(target) => "a move beyond its travel",
             Code::Arc { arc, .. } if !machine.can_turn(&at, arc) => {
-                "an arc that leaves its travel, or is none"
+                "an arc that leaves its travel, or that is not an arc"
             }
             Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => {
                 at = *target;

@@ -206,7 +206,7 @@ fn what_cannot_be_done_is_refused() {
     let mill = include_str!("../examples/machines/small-mill.toml");
     fs::write(place.at("mill.toml"), mill).expect("it can be written");
     let cases: [(&[&str], &[&str]); 11] = [
-        (&["experiment", "positioner", "--machine", "mill.toml"], &["mill.toml", "is no positioner"]),
+        (&["experiment", "positioner", "--machine", "mill.toml"], &["mill.toml", "is not a positioner"]),
         (&["experiment", "approach", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
         (&["experiment", "observer", "--machine", "mill.toml"], &["mill.toml", "lathe"]),
         (&["experiment", "resolution", "--machine", "mill.toml"], &["mill.toml", "lathe"]),

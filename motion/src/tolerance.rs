@@ -129,7 +129,7 @@ impl fmt::Display for ToleranceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ToleranceError::Grade(text) => {
-                write!(f, "\"{text}\" is no grade of ISO 286: write IT01, IT0, IT1 … IT18")
+                write!(f, "\"{text}\" is not a grade of ISO 286: write IT01, IT0, IT1 … IT18")
             }
             ToleranceError::Size(mm) => {
                 write!(f, "ISO 286 has no tolerance for {mm} mm: sizes lie above 0 and up to {LARGEST_MM} mm")

@@ -62,7 +62,9 @@ pub enum CodeFileError {
     #[error("this is not a machine-code file of pitchlock (it does not begin with PLMC)")]
     Foreign,
     /// Of another release.
-    #[error("machine code of version {0}, this is {VERSION}: compile the program again")]
+    #[error(
+        "this is machine code of version {0}, and version {VERSION} is needed: compile the program again"
+    )]
     OtherVersion(u16),
     /// It ends before its end.
     #[error("the machine-code file is cut off: {missing} bytes are missing; compile the program again")]
@@ -93,7 +95,9 @@ pub enum CodeFileError {
         reason: Refused,
     },
     /// Made for another machine.
-    #[error("compiled for machine {compiled:?}, this is {present:?}: compile the program for this machine")]
+    #[error(
+        "compiled for machine {compiled:?}, and this is {present:?}: compile the program for this machine"
+    )]
     OtherMachine {
         /// Machine named in the file, and its cycles.
         compiled: String,

@@ -157,23 +157,23 @@ impl Fault {
             }
             Fault::PassNotFeasible => "the axes cannot follow this pass at its programmed speed",
             Fault::BadMachineCode => "an item of the machine code was damaged or out of order",
-            Fault::IndexNotSeen => "the spindle turns but no index came; check the encoder",
+            Fault::IndexNotSeen => "the spindle turns, but no index came; check the encoder",
             Fault::TravelLimit => "a target lies outside the travel of its axis",
             Fault::MeasurementGap => "a measurement is missing or out of order",
             Fault::EncoderPlausibility => {
-                "the spindle turned back and did not meet its index where it was; check the encoder and its cable"
+                "the spindle turned back and did not meet its index where it had been; check the encoder and its cable"
             }
             Fault::PlanRejected => {
                 "a planned motion did not keep its limits or its target when it was checked; the machine stopped"
             }
             Fault::EncoderPulsesLost => {
-                "fewer counts between two indexes of the spindle than 4 encoder_lines; check that key, the encoder, its cable"
+                "fewer counts than 4 encoder_lines between two indexes of the spindle; check that key, the encoder and its cable"
             }
             Fault::EncoderPulsesGained => {
-                "more counts between two indexes of the spindle than 4 encoder_lines; check that key, the cable and its shield"
+                "more counts than 4 encoder_lines between two indexes of the spindle; check that key, the cable and its shield"
             }
             Fault::EncoderGlitch => {
-                "the spindle encoder's count jumped by more than a spindle can turn; check the encoder, its cable and shield"
+                "the spindle encoder's count jumped by more than a spindle can turn; check the encoder, its cable and the shield"
             }
             Fault::EncoderIndexMissing => {
                 "the spindle turned more than once without an index; check encoder_lines, the encoder's index and its cable"

@@ -31,10 +31,10 @@ pub enum Untraceable {
     #[error("the machine has no axis {0}: choose a machine that has it, or a plane without it")]
     NoAxis(Axis),
     /// The machine is no positioner.
-    #[error("the machine is no positioner: choose a machine file with kinematics = \"positioner\"")]
+    #[error("the machine is not a positioner: choose a machine file with kinematics = \"positioner\"")]
     NoPositioner,
     /// The axes stand elsewhere.
-    #[error("{axis} stands {mm:.6} from the start of the path: lead the axes there first")]
+    #[error("{axis} stands {mm:.6} from the start of the path: move the axes there first")]
     NotAtStart {
         /// The farthest axis.
         axis: Axis,
@@ -45,7 +45,9 @@ pub enum Untraceable {
     #[error("{1}: {0}")]
     NoPath(SpanError, Spot),
     /// A piece that begins there leaves the travel of an axis.
-    #[error("the path leaves the travel of {0} near {1}: move the zero of the work, or end the path before")]
+    #[error(
+        "the path leaves the travel of {0} near {1}: move the zero of the workpiece, or end the path earlier"
+    )]
     BeyondTravel(Axis, Spot),
     /// A retract would end below the tool, or below the start of the next leg.
     #[error("the clearance is {mm:.4} mm below the path at {spot}: raise it above the surface")]

@@ -195,7 +195,10 @@ fn each_kind_of_wrong_file_has_its_message() {
     let mut later = bytes.clone();
     later[4] = 7;
     let error = read(&later).unwrap_err();
-    assert_eq!(error.to_string(), "machine code of version 7, this is 4: compile the program again");
+    assert_eq!(
+        error.to_string(),
+        "this is machine code of version 7, and version 4 is needed: compile the program again"
+    );
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
     assert!(matches!(error, CodeFileError::Truncated { missing: 3 }), "{error}");

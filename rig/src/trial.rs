@@ -66,12 +66,12 @@ pub enum TrialError {
     Value(&'static str, f64),
     /// The way does not fit.
     #[error(
-        "{0} would need {1:.3} mm for a trial pass and has {2:.3} mm: make stroke, lead or number of turns smaller"
+        "a trial pass would need {1:.3} mm of {0}, which has {2:.3} mm: reduce the stroke, the lead or the number of turns"
     )]
     Travel(Axis, f64, f64),
     /// Beyond the limits of an axis.
     #[error(
-        "{0} can follow a trial pass up to {1:.1} % of its spindle speed: lower the speed or the stroke, or let it take \
+        "{0} can follow a trial pass only up to {1:.1} % of its spindle speed: lower the speed or the stroke, or give it \
          a wider angle"
     )]
     TooFast(Axis, f64),

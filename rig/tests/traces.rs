@@ -302,7 +302,7 @@ fn traces_that_cannot_be_followed_are_faults_that_stop_the_axes_before() {
     let (code, reason, end, _) = fault(&[root], 60.0, [0.0; 3], start + 0.02);
     assert!((end[1] - start - 0.02).abs() < 1e-6, "{end:?}");
     assert_eq!((code.as_str(), end[0]), ("bad-machine-code", 60.0));
-    assert_eq!(reason, "Y stands 0.020000 from the start of the path: lead the axes there first");
+    assert_eq!(reason, "Y stands 0.020000 from the start of the path: move the axes there first");
     let (code, reason, end, violations) = fault(&[wave()], -140.0, [-200.0, 0.0, 0.0], 8.0 * libm::sin(4.0));
     assert_eq!((code.as_str(), violations), ("travel-limit", 0));
     assert!(reason.starts_with("the path leaves the travel of X near x = "), "{reason}");

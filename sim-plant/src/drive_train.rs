@@ -105,7 +105,7 @@ impl DriveTrain {
                     key: format!("{section}.{key}"),
                     value: if key.starts_with("screw") { screw_n_m * 1e-3 } else { guide_n_m * 1e-3 },
                     reason: format!(
-                        "with mode_hz and the viscous friction too stiff for a mass of {kg:.1} kg; \
+                        "with mode_hz and the viscous friction this is too stiff for a mass of {kg:.1} kg; \
                          lower one of them or raise the mass"
                     ),
                 });

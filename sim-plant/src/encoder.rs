@@ -58,7 +58,9 @@ impl RawIndexLost {
         let for_s = match self {
             RawIndexLost::Once(true) => None,
             RawIndexLost::Once(false) => {
-                return Err("index_lost: write true, or { for_s }; without the event it is seen".to_owned());
+                return Err(
+                    "index_lost: write true or { for_s }; without an event every index is seen".to_owned()
+                );
             }
             RawIndexLost::Passing(lost) => Some(lost.for_s),
         };

@@ -221,13 +221,13 @@ impl RawLoad {
                 check_duration(KEY, self.for_s)?;
                 Ok(Action::LoadBySpeed { nm_per_rpm, for_s: self.for_s })
             }
-            _ => Err(format!("{KEY} takes one of torque_nm and nm_per_rpm")),
+            _ => Err(format!("{KEY} takes either torque_nm or nm_per_rpm")),
         }
     }
 }
 
 #[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a number of N, or { force_n, for_s }")]
+#[serde(untagged, expecting = "expected a force in N, or { force_n, for_s }")]
 enum RawForce {
     Constant(f64),
     Passing(RawPassingForce),
@@ -337,7 +337,7 @@ impl RawEvent {
                 Some(true) => actions.push(Action::Press(request)),
                 Some(false) => {
                     return Err(format!(
-                        "{key}: a button can only be pressed, write true; cycle_start releases a hold"
+                        "{key}: a button can only be pressed: write true; cycle_start releases a hold"
                     ));
                 }
                 None => {}

@@ -102,7 +102,7 @@ impl ScrewError {
 fn check(train: &AxisTrain, screw_lead_mm: f64, section: &str) -> Result<(), PlantError> {
     let refuse = |key: String, value: f64, reason: String| Err(PlantError::Value { key, value, reason });
     if train.screw_error.len() == 1 || train.screw_error.len() > 256 {
-        let reason = "rows; a table has 2 to 256 of them, or none".into();
+        let reason = "rows were found; a table has 2 to 256 of them, or none".into();
         return refuse(format!("{section}.screw_error"), train.screw_error.len() as f64, reason);
     }
     let key = |row: usize, column: usize| format!("{section}.screw_error[{row}][{column}]");
@@ -113,11 +113,12 @@ fn check(train: &AxisTrain, screw_lead_mm: f64, section: &str) -> Result<(), Pla
     for (row, pair) in train.screw_error.windows(2).enumerate() {
         let [[before_mm, before_um], [mm, um]] = [pair[0], pair[1]];
         if mm - before_mm < CLOSEST_MM {
-            let reason = format!("positions rise by at least {CLOSEST_MM} mm; the one before is {before_mm}");
+            let reason = format!("must be at least {CLOSEST_MM} mm above the row before, {before_mm}");
             return refuse(key(row + 1, 0), mm, reason);
         }
         if (um - before_um).abs() > 1e3 * STEEPEST * (mm - before_mm) {
-            let reason = format!("more than {} µm for each mm from the row before", 1e3 * STEEPEST);
+            let reason =
+                format!("differs by more than {} µm for each mm from the row before", 1e3 * STEEPEST);
             return refuse(key(row + 1, 1), um, reason);
         }
     }
@@ -125,7 +126,7 @@ fn check(train: &AxisTrain, screw_lead_mm: f64, section: &str) -> Result<(), Pla
     let steepness = 1e-3 * train.screw_wobble_um * TAU / screw_lead_mm;
     if steepness > STEEPEST {
         let highest = 1e3 * STEEPEST * screw_lead_mm / TAU;
-        let reason = format!("at most {highest:.1} with a lead of {screw_lead_mm} mm");
+        let reason = format!("must be at most {highest:.1} with a lead of {screw_lead_mm} mm");
         return refuse(format!("{section}.screw_wobble_um"), train.screw_wobble_um, reason);
     }
     Ok(())
@@ -199,11 +200,11 @@ mod tests {
     #[test]
     fn refuses_what_is_no_table() {
         for (rows, wobble_um, expected) in [
-            (&[[0.0, 1.0]][..], 0.0, "plant.axis.z.screw_error = 1: rows; a table has 2 to 256"),
-            (&[[0.0, 1.0], [0.0, 2.0]], 0.0, "plant.axis.z.screw_error[1][0] = 0: positions rise by"),
+            (&[[0.0, 1.0]][..], 0.0, "plant.axis.z.screw_error = 1: rows were found; a table has 2 to 256"),
+            (&[[0.0, 1.0], [0.0, 2.0]], 0.0, "plant.axis.z.screw_error[1][0] = 0: must be at least"),
             (&[[0.0, 1.0], [f64::NAN, 2.0]], 0.0, "plant.axis.z.screw_error[1][0] = NaN: must lie between"),
             (&[[0.0, 1.0], [1.0, 52.0]], 0.0, "plant.axis.z.screw_error[1][1] = 52: more than 50 µm"),
-            (&[], 45.0, "plant.axis.z.screw_wobble_um = 45: at most 39.8 with a lead of 5 mm"),
+            (&[], 45.0, "plant.axis.z.screw_wobble_um = 45: must be at most 39.8 with a lead of 5 mm"),
         ] {
             let message = screw(rows, wobble_um, 0.0).unwrap_err().to_string();
             assert!(message.starts_with(expected), "{message}");

@@ -45,13 +45,13 @@ fn errors_name_event_key_and_remedy() {
         ("at = { cycle = 1 }\nspindle_load = { torque_nm = -1 }", "spindle_load.torque_nm = -1: must lie"),
         (
             "at = { cycle = 1 }\nspindle_load = { for_s = 1 }",
-            "spindle_load takes one of torque_nm and nm_per_rpm",
+            "spindle_load takes either torque_nm or nm_per_rpm",
         ),
         (
             "at = { cycle = 1 }\naxial_force_n = { force_n = 1, for_s = 0 }",
             "axial_force_n.for_s = 0: must lie",
         ),
-        ("at = { cycle = 1 }\nradial_force_n = 'much'", "expected a number of N, or { force_n, for_s }"),
+        ("at = { cycle = 1 }\nradial_force_n = 'much'", "expected a force in N, or { force_n, for_s }"),
         (
             "at = { cycle = 1 }\nkill = 'interpreter'",
             "kill: this action is not available yet; remove the event",

@@ -165,10 +165,10 @@ fn machine(args: &ExperimentArgs) -> Result<Machine, CliError> {
             let machine = args.machine.read()?.0;
             match kind.filter(|kind| *kind != machine.machine.kinematics) {
                 Some(Kinematics::Positioner) => wrong(format!(
-                    "experiment {name} welds a seam, and {file} is no positioner: give a positioner with --machine"
+                    "experiment {name} welds a seam, and {file} is not a positioner: give a positioner with --machine"
                 )),
                 Some(_) => wrong(format!(
-                    "experiment {name} cuts threads, and {file} is no lathe: give a lathe with --machine"
+                    "experiment {name} cuts threads, and {file} is not a lathe: give a lathe with --machine"
                 )),
                 None => Ok(machine),
             }

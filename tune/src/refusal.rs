@@ -13,12 +13,12 @@ pub enum Refusal {
     Travel(Axis, f64, f64),
     /// The drive does not come into operation, or left it.
     #[error(
-        "the drive of {0} is in state {state} at {2:.3} s of the test: clear its fault and see to its supply",
+        "the drive of {0} is in state {state} at {2:.3} s of the test: clear its fault and check its supply",
         state = .1.map_or("unknown".into(), |state| format!("{state:?}"))
     )]
     Drive(Axis, Option<DriveState>, f64),
     /// Torque was commanded and nothing moved.
-    #[error("{0} did not move: it should have gone {1:.3} {unit} and went {2:.3}; see to brake, coupling and encoder", unit = .0.unit())]
+    #[error("{0} did not move: it should have gone {1:.3} {unit} and went {2:.3}; check the brake, the coupling and the encoder", unit = .0.unit())]
     DidNotMove(Axis, f64, f64),
     /// The axis was too far from where it should have been.
     #[error(
@@ -36,13 +36,13 @@ pub enum Refusal {
     TorqueLimited(Axis, f64),
     /// A test move cannot be planned within the limits of the axis.
     #[error(
-        "a test move of {0} over {1:.3} {unit} at {2:.3} {unit}/s cannot be planned: see to its limits of speed, \
+        "a test move of {0} over {1:.3} {unit} at {2:.3} {unit}/s cannot be planned: check its limits of speed, \
          acceleration and jerk",
         unit = .0.unit()
     )]
     Unplanned(Axis, f64, f64),
     /// The test moves do not determine a value.
-    #[error("the test moves of {0} do not tell its {1}: {2}")]
+    #[error("the test moves of {0} do not show its {1}: {2}")]
     Untold(Axis, &'static str, &'static str),
     /// Friction turned with the speed while the frequency response was measured, or noise covered it.
     #[error(

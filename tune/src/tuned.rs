@@ -128,7 +128,7 @@ fn measure<B: Bench>(
     let (lines, speed) = response::measure(stand, config, reach_mm)?;
     let path = torque_path::identify(&lines, cycle_s).ok_or(none(
         "delay of the torque",
-        "the measured torque does not follow the commanded one; see to its unit and sign",
+        "the measured torque does not follow the commanded one; check its unit and sign",
     ))?;
     let mode = mode::identify(&lines, config, &path, cycle_s);
     let body = [rigid.mass_kg.value, rigid.viscous_n_s_mm.value];
@@ -147,7 +147,11 @@ fn measure<B: Bench>(
     plausible(axis, &rigid, &path, &sliding)?;
     // These loops have just moved the axis.
     if !before.stable() {
-        return Err(Refusal::Response(axis, "the loops that moved the axis would be unstable by it", speed));
+        return Err(Refusal::Response(
+            axis,
+            "with it, the loops that moved the axis would be unstable",
+            speed,
+        ));
     }
     proposal::gains(axis, &mut proposal, &lines, cycle_s, goals)?;
     let mut proposal = proposal::rounded(proposal);
@@ -197,9 +201,9 @@ fn plausible(
     path: &torque_path::TorquePath,
     sliding: &presliding::Presliding,
 ) -> Result<(), Refusal> {
-    let weighing = "see whether the axis is free and its torque is measured in N·m at the motor";
-    let timing = "see whether torque is measured in every control cycle, and mass_kg and the loops are those of the drive";
-    let slow = "see whether something else moves or holds the axis";
+    let weighing = "check that the axis is free and that its torque is measured in N·m at the motor";
+    let timing = "check that torque is measured in every control cycle, and that mass_kg and the loops are those of the drive";
+    let slow = "check whether something else moves or holds the axis";
     let mass = rigid.mass_kg;
     let most_sliding = |found: Estimate| ("presliding_n_mm", found, 1e-6, 1e9, 0.5 * found.value, slow);
     let sliding = sliding.stiffness_n_mm.map(most_sliding);

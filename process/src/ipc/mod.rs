@@ -73,7 +73,7 @@ pub enum IpcError {
     },
     /// Sockets of the name space would not fit into 108 bytes.
     #[error(
-        "the folder for temporary files has too long a name, {path}: set TMPDIR to a folder such as /tmp"
+        "the name of the folder for temporary files is too long ({path}): set TMPDIR to a folder such as /tmp"
     )]
     PathTooLong {
         /// The path.
@@ -91,7 +91,7 @@ pub enum IpcError {
         owner: i32,
     },
     /// The other ends of these channels did not appear in time.
-    #[error("nobody at the other end of {}", .0.join(", "))]
+    #[error("nobody is at the other end of {}", .0.join(", "))]
     NotConnected(Vec<String>),
     /// The real-time set-up failed.
     #[error("{what}: {source}")]

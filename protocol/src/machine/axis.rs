@@ -201,7 +201,7 @@ impl AxisConfig {
         for (name, lead_s) in ["velocity_lead_s", "acceleration_lead_s"].into_iter().zip(leads) {
             if beyond(lead_s, reach_s) || beyond(-lead_s, back_s) {
                 let reason = format!(
-                    "must lie between -{back_s} and {reach_s}: setpoints reach no farther back and ahead"
+                    "must lie between -{back_s} and {reach_s}: setpoints reach only so far back and ahead"
                 );
                 return Err(refuse(&key(axis, name), lead_s, &reason));
             }
@@ -238,12 +238,13 @@ impl AxisConfig {
             let ([from_mm, from_um], [mm, um]) = (before, here);
             let (way, rise) = (mm - from_mm, um - from_um);
             if way < CLOSEST_MM {
-                let reason = format!("must rise by at least {CLOSEST_MM} from {from_mm}, the row before");
+                let reason = format!("must be at least {CLOSEST_MM} above {from_mm}, the row before");
                 return Err(refuse(&format!("{key}[{}][0]", row + 1), mm, &reason));
             }
             if rise.abs() > STEEPEST_UM_MM * way {
-                let reason =
-                    format!("must lie within {STEEPEST_UM_MM} for each mm from {from_um}, the row before");
+                let reason = format!(
+                    "may differ from {from_um}, the row before, by at most {STEEPEST_UM_MM} for each mm"
+                );
                 return Err(refuse(&format!("{key}[{}][1]", row + 1), um, &reason));
             }
         }
@@ -263,7 +264,7 @@ fn pairs<'de, D: Deserializer<'de>>(rows: D) -> Result<Vec<[f64; 2]>, D::Error> 
 
 fn two<E: Error>(values: Vec<f64>) -> Result<[f64; 2], E> {
     let found = values.len();
-    values.try_into().map_err(|_| E::custom(format!("{found} numbers where there must be two")))
+    values.try_into().map_err(|_| E::custom(format!("{found} numbers were found, and there must be two")))
 }
 
 /// The path of a key, in the unit of the axis: `axis.x.travel_mm`, `axis.c.travel_deg`.

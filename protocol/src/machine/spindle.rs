@@ -118,7 +118,7 @@ impl Machine {
             (Kinematics::Lathe | Kinematics::Mill, true) => Err(refuse(
                 "spindle",
                 "nothing",
-                "a lathe and a mill need [spindle] with max_rpm and the others",
+                "a lathe or a mill needs [spindle], with max_rpm and its other keys",
             )),
             (Kinematics::Lathe | Kinematics::Mill, false) => self.spindle.check(),
         }

@@ -349,7 +349,8 @@ impl Summary {
         let text = std::fs::read_to_string(path).map_err(|error| SummaryError::new(path, error))?;
         let summary: Summary = serde_json::from_str(&text).map_err(|error| SummaryError::new(path, error))?;
         if summary.version != VERSION {
-            let reason = format!("version {} of the summary, this program reads {VERSION}", summary.version);
+            let reason =
+                format!("the summary is of version {}, and this program reads {VERSION}", summary.version);
             return Err(SummaryError::new(path, reason));
         }
         Ok(summary)
