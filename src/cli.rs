@@ -58,7 +58,7 @@ pub(crate) enum Command {
     /// Turn a program into a machine-code file that `run` takes.
     #[command(
         after_help = "Examples:\n  pitchlock compile examples/m20x2.ngc -o m20x2.mc\n  pitchlock run m20x2.mc\n  \
-                      pitchlock compile wave.toml -o wave.mc --g1 wave.ngc      the job as straight lines, too"
+                      pitchlock compile wave.toml -o wave.mc --g1 wave.ngc      the job also as straight lines"
     )]
     Compile(CompileArgs),
     /// Print what a program means: canonical machining functions, one a line.
@@ -181,7 +181,7 @@ pub(crate) struct RunArgs {
     /// What happens to the machine while it runs (TOML).
     #[arg(long, value_name = "FILE")]
     pub(crate) scenario: Option<PathBuf>,
-    /// Wait for cycle start after each block: the scenario presses it, or nobody for 1 s on the machine.
+    /// Wait for cycle start after each block; if the scenario does not press it, it is pressed after 1 s on the machine.
     #[arg(long)]
     pub(crate) single_block: bool,
     /// Seed of everything random about the plant [default: 1].
@@ -238,7 +238,7 @@ pub(crate) struct CompileArgs {
     /// The machine-code file.
     #[arg(short, long, value_name = "OUT.mc")]
     pub(crate) out: PathBuf,
-    /// Write the same as straight lines, too: G-code of RS274/NGC within the chord error of each job.
+    /// Also write the same as straight lines: G-code of RS274/NGC within the chord error of each job.
     #[arg(long, value_name = "FILE")]
     pub(crate) g1: Option<PathBuf>,
 }

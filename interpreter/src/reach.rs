@@ -40,7 +40,7 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
         | Call::EnableSpeedOverride(false)
         | Call::EnableFeedHold(false)
         | Call::EnableAdaptiveFeed(true) => {
-            let help = "leave M49 to M53 out; the operator's overrides always count (of G74 and G84, too)";
+            let help = "leave M49 to M53 out; the operator's overrides always count (also in G74 and G84)";
             Err(missing("switching overrides and hold on and off", help))
         }
         Call::MoveByHand => Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89")),

@@ -95,7 +95,7 @@ fn compared(beside: &[Beside]) -> Vec<String> {
              of the hold. With the leads of the machine file the approach stays within {} µm and ends at {} µm; with leads \
              that are longer by 0.25 ms, which is by how much a hold of two cycles delays more than one of one, within {} \
              µm and at {} µm; with 0.5 ms more within {} µm and at {} µm. The reference ends at +0.5 µm, so its leads were \
-             longer, too.",
+             also longer.",
             fine(0.0),
             end(0.0),
             fine(0.25e-3),

@@ -35,8 +35,8 @@ pub(super) fn short(computed: &Computed, runs: &[Run]) -> Vec<String> {
             twist(Correction::Mixed)
         ),
         format!(
-            "For a plane curve (13) is printed right: on c1 {} µm become {} µm. Only with the right signs and the \
-             mixed term is the error of one order higher than without a correction on a surface, too.",
+            "For a plane curve (13) is printed right: on c1 {} µm become {} µm. On a surface as well, the error \
+             is of one order higher than without a correction only with the right signs and the mixed term.",
             next("c1", Correction::None),
             next("c1", Correction::PublishedSigns)
         ),
