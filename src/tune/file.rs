@@ -63,7 +63,7 @@ mod tests {
         let changed: Vec<_> =
             SMALL_LATHE.lines().zip(text.lines()).filter(|(before, after)| before != after).collect();
         let expected = [
-            "mass_kg = 2004.9              # as believed: everything that accelerates, screw and rotor too",
+            "mass_kg = 2004.9              # as believed: everything that accelerates, with screw and rotor",
             "coulomb_n = 270.0             # friction as believed,",
             "acceleration_lead_s = 0.001251 # one and a half cycles and the lag of the current",
         ];
