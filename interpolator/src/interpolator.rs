@@ -1,15 +1,21 @@
-//! The upper level: one tick each interpolator cycle.
+//! The upper level: one tick each interpolator cycle. What it is doing is a [`Task`]; a tick finds an event, and the task
+//! goes one step.
 
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisState, AxisStatus, Code, CodePacket, Cycle, DriveState, Fault, Item,
-    Machine, MachineState, MachineStatus, Measurement, Panel, PerAxis, Position, Refused, Setpoint,
-    SpindleCommand, SpindleMode, SpindleSpeed, StatusWord, ThreadPass, frame::SETPOINT_LEAD, units::AXES,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, Machine, MachineState,
+    MachineStatus, Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, StatusWord, ThreadPass,
+    frame::SETPOINT_LEAD, units::AXES,
 };
 
-use crate::{queue::Queue, spindle::Spindle, task::Task, travel::Travel};
-
-/// Longest wait for drives, spindle, rest or index before it is a fault, s; three turns of the spindle are added.
-const PATIENCE_S: f64 = 30.0;
+use crate::{
+    axes::Axes,
+    pass::{self, Ready, Stand},
+    patience::Patience,
+    program::{Next, Program},
+    spindle::Spindle,
+    task::{Event, Moved, Order, Task, Wait},
+    travel::{Hands, Travel},
+};
 
 /// What one tick brings.
 #[derive(Clone, Copy, Debug)]
@@ -34,55 +40,27 @@ pub struct Out {
 /// The interpolator. It holds no clock and allocates nothing after `new`.
 #[derive(Clone, Debug)]
 pub struct Interpolator {
-    pub(crate) machine: Machine,
-    pub(crate) axes: [Option<Axis>; AXES],
-    pub(crate) queue: Queue,
-    pub(crate) spindle: Spindle,
-    pub(crate) task: Task,
-    pub(crate) next: Option<Item>,
-    pub(crate) here: PerAxis<Position>,
-    pub(crate) line: u32,
-    pub(crate) pass: u32,
-    pub(crate) depth_mm: f64,
-    /// Bits of [`MachineStatus::coolant`].
-    pub(crate) coolant: u16,
-    pub(crate) index_not_before: Cycle,
-    pub(crate) travel: Travel,
-    pub(crate) waited: u64,
-    /// Ticks for which the spindle has hardly turned although it shall.
-    stalled: u64,
-    pub(crate) stopped: bool,
-    refused: bool,
-    source_lost: bool,
-    /// Commanded has been taken over from measured.
-    taken_over: bool,
+    machine: Machine,
+    task: Task,
+    program: Program,
+    travel: Travel,
+    spindle: Spindle,
+    patience: Patience,
+    /// Number and depth of the pass in hand, or of the one before.
+    pass: (u32, f64),
 }
 
 impl Interpolator {
     /// An interpolator for a machine.
     pub fn new(machine: &Machine) -> Interpolator {
-        let mut axes = [None; AXES];
-        machine.axes().for_each(|(axis, _)| axes[axis.index()] = Some(axis));
         Interpolator {
             machine: machine.clone(),
-            axes,
-            queue: Queue::default(),
-            spindle: Spindle::new(machine),
-            task: Task::Starting,
-            next: None,
-            here: [Position(0); AXES],
-            line: 0,
-            pass: 0,
-            depth_mm: 0.0,
-            coolant: 0,
-            index_not_before: Cycle(0),
+            task: Task::Enabling,
+            program: Program::default(),
             travel: Travel::new(machine),
-            waited: 0,
-            stalled: 0,
-            stopped: false,
-            refused: false,
-            source_lost: false,
-            taken_over: false,
+            spindle: Spindle::new(machine),
+            patience: Patience::new(machine.machine.interpolator_cycle_s),
+            pass: (0, 0.0),
         }
     }
 
@@ -91,288 +69,248 @@ impl Interpolator {
     /// # Errors
     /// The item is damaged or out of order; once everything before it is done, a fault is latched.
     pub fn push(&mut self, packet: &CodePacket) -> Result<(), Refused> {
-        self.queue.push(packet).inspect_err(|_| self.refused = true)
+        self.program.push(packet)
     }
 
     /// Whether items can still be taken: a tick in virtual time waits until this is false.
     pub fn wants(&self) -> bool {
-        let over = matches!(self.task, Task::Ending | Task::Ended | Task::Fault { .. });
-        !over && !self.refused && !self.source_lost && self.queue.wants()
+        !self.task.is_over() && self.program.queue.wants()
     }
 
     /// Items taken off the wire so far.
     pub fn received(&self) -> u64 {
-        self.queue.received()
+        self.program.queue.received()
     }
 
     /// No more machine code will come although the program has not ended. What is in the queue is still executed,
     /// then it is a fault.
     pub fn lost_source(&mut self) {
-        self.source_lost = true;
+        self.program.queue.lost();
     }
 
     /// Whether everything is at rest and the machine may be switched off.
     pub fn finished(&self) -> bool {
         match self.task {
-            Task::Ended => true,
-            Task::Fault { .. } => self.spindle.stands() && self.waited > 1,
+            Task::Ended { .. } => true,
+            Task::Fault { .. } => self.spindle.stands() && self.patience.waited() > 1,
             _ => false,
         }
     }
 
     /// One interpolator cycle.
     pub fn tick(&mut self, input: &In) -> Out {
-        let cycle = input.measurement.cycle;
         self.spindle.update(input.measurement);
-        // Nobody waits in vain while the operator holds the spindle at 0, or while a pass is cut, however slowly.
-        let cutting = matches!(self.task, Task::Threading { .. }) && self.begun(input);
-        self.waited = if self.spindle.held() || cutting { 0 } else { self.waited + 1 };
-        self.stalled = if self.spindle.stalls() { self.stalled + 1 } else { 0 };
-        self.travel.tracing.cutting = 0;
+        self.patience.tick(&self.spindle, matches!(self.task, Task::Cutting(_)));
+        self.travel.idle();
         let before = self.task.public();
-        match self.fault(input) {
-            // What does not stop the axes by itself stops them on their path.
-            Some(fault) if matches!(self.task, Task::Moving) && fault != Fault::AxisFault => {
-                self.travel.fault.get_or_insert(fault);
-            }
-            Some(fault) => self.enter_fault(fault),
-            None => {}
+        if let Some(fault) = self.fault(input) {
+            self.step(Event::Fault(fault));
         }
-        let (setpoints, command) = self.work(input, cycle);
-        self.spindle.at_x(self.here[Axis::X.index()]);
+        let (setpoints, event) = self.work(input);
+        let order = self.step(event);
+        self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if self.task.public() != before {
-            self.waited = 0;
+            self.patience.begin();
         }
-        self.answer(cycle, &setpoints, command, &input.measurement.panel)
+        self.answer(input.measurement, &setpoints, &order)
     }
 
     /// What ends every task.
     fn fault(&self, input: &In) -> Option<Fault> {
-        if matches!(self.task, Task::Fault { .. } | Task::Ended) {
-            return None;
-        }
-        // What is wrong with the program waits until everything before it is done and the axes rest.
-        let ran_dry = matches!(self.task, Task::Ready) && self.next.is_none() && self.queue.is_empty();
-        if ran_dry && (self.refused || self.source_lost) {
-            return Some(Fault::BadMachineCode);
-        }
-        if self.statuses(input).any(|status| status.state == AxisState::Fault as u32) {
-            return Some(Fault::AxisFault);
-        }
-        let turning = self.spindle.commanded() != 0.0;
-        let turn_s = if turning { 60.0 / self.spindle.commanded().abs() } else { 0.0 };
-        let patience = ((PATIENCE_S + 3.0 * turn_s) / self.machine.machine.interpolator_cycle_s) as u64;
+        let (axes, spindle) = (Axes::new(&self.machine, input.axes), &self.spindle);
+        let turning = spindle.commanded() != 0.0;
+        let in_vain = self.patience.is_over(spindle);
         match self.task {
-            Task::Starting if self.waited > patience => Some(Fault::DriveFault),
-            Task::Ready if self.next.is_some() && self.waited > patience && turning => {
-                Some(if self.spindle.at_speed() {
-                    Fault::AxisNotInPosition
-                } else {
-                    Fault::SpindleNotAtSpeed
-                })
+            Task::Fault { .. } | Task::Ended { .. } => None,
+            // What is wrong with the program waits until everything before it is done and the axes rest.
+            Task::Ready { .. } if self.program.is_broken_off() => Some(Fault::BadMachineCode),
+            _ if axes.in_fault() => Some(Fault::AxisFault),
+            Task::Enabling | Task::Starting if in_vain => Some(Fault::DriveFault),
+            Task::Ready { .. } if in_vain && turning && self.program.in_hand().is_some() => {
+                Some(if spindle.at_speed() { Fault::AxisNotInPosition } else { Fault::SpindleNotAtSpeed })
             }
-            Task::Threading { .. } if self.waited > patience && turning && !self.begun(input) => {
-                Some(Fault::IndexNotSeen)
-            }
-            _ if self.stalled > patience => Some(Fault::SpindleNotAtSpeed),
+            Task::Armed(_) if in_vain && turning && !axes.begun() => Some(Fault::IndexNotSeen),
+            _ if self.patience.stalled(spindle) => Some(Fault::SpindleNotAtSpeed),
             _ => None,
         }
     }
 
-    /// Once every drive holds its axis, commanded is where it was measured; false until then.
-    fn take_over(&mut self, measurement: &Measurement) -> bool {
-        for axis in self.axes.into_iter().flatten() {
-            let measured = &measurement.axes[axis.index()];
-            if StatusWord(measured.status_word as u16).state() != Some(DriveState::OperationEnabled) {
-                return false;
-            }
-            let config = self.machine.axis.get(&axis);
-            self.here[axis.index()] = config.map_or(measured.position, |config| config.position(measured));
+    /// Goes one step, and does what belongs to it.
+    fn step(&mut self, event: Event) -> Order {
+        let (next, order) = self.task.step(event);
+        match (&order, event) {
+            (Order::Arm(arm), _) => self.pass = (arm.pass.pass, arm.pass.depth_mm),
+            (_, Event::Begun) => self.program.queue.done(),
+            (_, Event::Cut | Event::CalledOff) => self.spindle.set_ceiling(f64::INFINITY),
+            _ => {}
         }
-        true
+        if let (Some(arm), Event::Cut) = (self.task.pass(), event) {
+            self.travel.rest_at(std::array::from_fn(|axis| arm.pass.axes[axis].end));
+            if !matches!(self.task, Task::Cutting(_)) {
+                self.program.queue.done();
+            }
+        }
+        if next.is_over() && !self.task.is_over() {
+            self.program.switch_off(&mut self.spindle);
+            self.program.queue.done();
+            self.travel.clear();
+        }
+        self.task = next;
+        order
     }
 
-    pub(crate) fn enter_fault(&mut self, fault: Fault) {
-        let threading = matches!(self.task, Task::Threading { .. });
-        self.switch_off();
-        self.task = Task::Fault { fault, threading };
-    }
-
-    /// Goes on with the task in hand: the setpoints of this tick, and the command that goes with them.
-    fn work(&mut self, input: &In, cycle: Cycle) -> (PerAxis<Setpoint>, AxisCommand) {
+    /// Goes on with the task in hand: the setpoints of this tick, and what came of it.
+    fn work(&mut self, input: &In) -> (PerAxis<Setpoint>, Event) {
+        let cycle = input.measurement.cycle;
         let due = cycle.after(SETPOINT_LEAD * self.machine.cycles_per_tick());
         let panel = &input.measurement.panel;
-        match self.task {
-            Task::Starting => {
-                if !self.taken_over {
-                    self.taken_over = self.take_over(input.measurement);
-                    return (self.rest(due), AxisCommand::Hold);
-                }
-                if self.statuses(input).all(|status| status.state == AxisState::Streaming as u32) {
-                    self.task = Task::Ready;
-                }
-                (self.rest(due), AxisCommand::Stream)
+        let axes = Axes::new(&self.machine, input.axes);
+        let event = match &self.task {
+            Task::Enabling => self.take_over(input.measurement),
+            Task::Starting if axes.stream() => Event::Streaming,
+            Task::Ready { wait } => return self.begin(input, due, wait.after(panel.cycle_starts)),
+            Task::Moving { wait, fault } => {
+                return self.move_on(panel, due, wait.after(panel.cycle_starts), fault.is_some());
             }
-            Task::Ready => self.begin(input, cycle, due),
-            Task::Moving => (self.go_on(panel, due), AxisCommand::Stream),
-            Task::Dwelling { left } => {
-                let over = left <= 1 || ends(panel);
-                self.task = if over { Task::Ready } else { Task::Dwelling { left: left - 1 } };
-                (self.rest(due), AxisCommand::Stream)
+            Task::Dwelling { left } if *left <= 1 || ends(panel) => Event::Over,
+            Task::Paused { cycle_starts } if panel.cycle_starts != *cycle_starts || ends(panel) => {
+                Event::Over
             }
-            Task::Paused { cycle_starts } => {
-                if panel.cycle_starts != cycle_starts || ends(panel) {
-                    self.task = Task::Ready;
-                }
-                (self.rest(due), AxisCommand::Stream)
+            task @ (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff(_) | Task::Cutting(_)) => {
+                let taken_back = panel.pressed(Panel::FEED_HOLD) || ends(panel);
+                pass::watch(task, &axes, cycle, self.machine.cycles_per_tick(), taken_back)
             }
-            Task::Arming { pass, sent } => (self.rest(due), self.watch_arming(input, cycle, pass, sent)),
-            Task::Threading { pass } => (self.rest(due), self.watch_pass(input, &pass)),
-            Task::Ending => {
-                if self.spindle.stands() {
-                    self.task = Task::Ended;
-                }
-                (self.rest(due), AxisCommand::Stream)
-            }
-            Task::Ended => (self.rest(due), AxisCommand::Stream),
-            Task::Fault { fault, threading } => {
-                let command = match (threading, fault) {
-                    (true, Fault::IndexNotSeen) => AxisCommand::CallOff,
-                    (true, _) => AxisCommand::Hold,
-                    (false, Fault::AxisFault) => AxisCommand::Stop,
-                    (false, Fault::PassCalledOff) => AxisCommand::CallOff,
-                    (false, _) => AxisCommand::Hold,
-                };
-                (self.rest(due), command)
-            }
-        }
+            Task::Ending { .. } if self.spindle.stands() => Event::Stands,
+            _ => Event::Nothing,
+        };
+        (self.travel.rest(due), event)
     }
 
-    /// Two ticks after arming every axis must have said so; else the pass is called off everywhere, in time.
-    fn watch_arming(&mut self, input: &In, cycle: Cycle, pass: ThreadPass, sent: Cycle) -> AxisCommand {
-        if cycle < sent.after(2 * self.machine.cycles_per_tick()) {
-            return AxisCommand::Hold;
+    /// Once every drive holds its axis, commanded is where it was measured.
+    fn take_over(&mut self, measurement: &Measurement) -> Event {
+        let mut here = *self.travel.here();
+        for (axis, config) in self.machine.axes() {
+            let measured = &measurement.axes[axis.index()];
+            if StatusWord(measured.status_word as u16).state() != Some(DriveState::OperationEnabled) {
+                return Event::Nothing;
+            }
+            here[axis.index()] = config.position(measured);
         }
-        let armed = |status: &AxisStatus| status.pass == pass.pass && status.state == AxisState::Armed as u32;
-        if self.statuses(input).all(armed) {
-            self.task = Task::Threading { pass };
-            AxisCommand::Hold
-        } else {
-            self.enter_fault(Fault::PassCalledOff);
-            AxisCommand::CallOff
-        }
+        self.travel.rest_at(here);
+        Event::Enabled
     }
 
-    /// Waits for the end of a pass. Until the index is seen, feed hold and stop still take it back: at the earliest an
-    /// axis moves ten control cycles after that index, and the frame that calls the pass off acts before.
-    fn watch_pass(&mut self, input: &In, pass: &ThreadPass) -> AxisCommand {
+    /// At rest: begins what is next.
+    fn begin(&mut self, input: &In, due: Cycle, wait: Wait) -> (PerAxis<Setpoint>, Event) {
         let panel = &input.measurement.panel;
-        if !self.begun(input) && (panel.pressed(Panel::FEED_HOLD) || ends(panel)) {
-            self.next = Some(Item { line: self.line, code: Code::Pass(*pass) });
-            self.task = Task::Ready;
-            return AxisCommand::CallOff;
-        }
-        if self.statuses(input).all(|status| status.state == AxisState::Streaming as u32) {
-            for axis in self.axes.into_iter().flatten() {
-                self.here[axis.index()] = pass.axis(axis).end;
+        let event = if ends(panel) {
+            Event::Ends(true)
+        } else if wait != Wait::No {
+            self.patience.begin();
+            Event::Waits(wait)
+        } else {
+            let held = panel.pressed(Panel::FEED_HOLD);
+            match self.program.next(held, &mut self.spindle, self.travel.route()) {
+                Next::Nothing => Event::Waits(Wait::No),
+                Next::Held => {
+                    self.patience.begin();
+                    Event::Waits(Wait::No)
+                }
+                Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
+                Next::Move(_) => return self.move_on(panel, due, Wait::No, false),
+                Next::Trace(trace) if !self.spindle.lets(Feed::PerMinute(trace.feed_mm_min)) => {
+                    Event::Waits(Wait::No)
+                }
+                Next::Trace(trace) => match self.travel.begin_trace(self.program.line, &trace) {
+                    Ok(()) => return self.move_on(panel, due, Wait::No, false),
+                    Err(fault) => Event::Fault(fault),
+                },
+                Next::Pass(pass) => self.begin_pass(input, &pass),
+                Next::Dwell(seconds) => {
+                    Event::Dwells((seconds / self.machine.machine.interpolator_cycle_s).ceil() as u64)
+                }
+                Next::Pause => Event::Pauses(panel.cycle_starts),
+                Next::End => Event::Ends(false),
             }
-            self.spindle.set_ceiling(f64::INFINITY);
-            self.task = Task::Ready;
+        };
+        (self.travel.rest(due), event)
+    }
+
+    /// A pass is next: leads the axes to its start, waits for speed and rest, then arms every axis.
+    fn begin_pass(&mut self, input: &In, pass: &ThreadPass) -> Event {
+        let stand = Stand {
+            machine: &self.machine,
+            here: self.travel.here(),
+            axes: &Axes::new(&self.machine, input.axes),
+            cycle: input.measurement.cycle,
+            rested: self.patience.waited(),
+        };
+        match pass::prepare(pass, &stand, &mut self.spindle) {
+            Ok(Ready::Arm(arm)) => Event::Pass(arm, input.measurement.cycle),
+            Ok(Ready::Wait) => Event::Waits(Wait::No),
+            Ok(Ready::Lead(start)) => match self.travel.lead_to(self.program.line, &start) {
+                Ok(()) => Event::Moved(Moved::default()),
+                Err(fault) => Event::Fault(fault),
+            },
+            Err(fault) => Event::Fault(fault),
         }
-        AxisCommand::Hold
     }
 
-    /// Whether any axis has seen the index of the pass.
-    fn begun(&self, input: &In) -> bool {
-        self.statuses(input)
-            .any(|status| status.state > AxisState::Armed as u32 && status.state < AxisState::Fault as u32)
-    }
-
-    /// The state as others see it.
-    fn state(&self) -> MachineState {
-        match self.task.public() {
-            MachineState::Moving | MachineState::Ready if self.travel.waits.is_some() => MachineState::Paused,
-            state => state,
+    /// One tick of timed motion.
+    fn move_on(&mut self, panel: &Panel, due: Cycle, wait: Wait, stops: bool) -> (PerAxis<Setpoint>, Event) {
+        if panel.pressed(Panel::ABORT) {
+            self.program.switch_off(&mut self.spindle);
         }
+        let hands = Hands { panel, spindle: &self.spindle, wait, stops };
+        let (setpoints, moved, line) = self.travel.tick(&mut self.program.queue, &hands, due);
+        self.program.line = line.unwrap_or(self.program.line);
+        (setpoints, Event::Moved(moved))
     }
 
-    pub(crate) fn end(&mut self) {
-        self.switch_off();
-        self.task = Task::Ending;
-    }
-
-    /// Spindle and coolant; nothing more begins.
-    fn switch_off(&mut self) {
-        self.spindle_and_coolant_off();
-        self.travel.clear();
-        self.next = None;
-    }
-
-    pub(crate) fn spindle_and_coolant_off(&mut self) {
-        self.spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
-        self.coolant = 0;
-    }
-
-    pub(crate) fn statuses<'a>(&self, input: &In<'a>) -> impl Iterator<Item = &'a AxisStatus> + use<'a> {
-        let (axes, statuses) = (self.axes, input.axes);
-        axes.into_iter().flatten().map(move |axis| &statuses[axis.index()])
-    }
-
-    pub(crate) fn rest(&self, cycle: Cycle) -> PerAxis<Setpoint> {
-        std::array::from_fn(|axis| Setpoint { cycle, position: self.here[axis], ..Setpoint::default() })
-    }
-
-    fn answer(
-        &self,
-        cycle: Cycle,
-        setpoints: &PerAxis<Setpoint>,
-        command: AxisCommand,
-        panel: &Panel,
-    ) -> Out {
+    fn answer(&self, measurement: &Measurement, setpoints: &PerAxis<Setpoint>, order: &Order) -> Out {
+        let (cycle, line) = (measurement.cycle, self.program.line);
         let mut frames = [AxisFrame::default(); AXES];
-        for axis in self.axes.into_iter().flatten() {
-            let mut own = command;
-            if let (AxisCommand::Arm { law, .. }, Some(pass)) = (&mut own, self.task.pass()) {
-                *law = *pass.axis(axis);
-            }
-            frames[axis.index()] = AxisFrame::pack(cycle, self.line, setpoints[axis.index()], &own);
+        for (axis, _) in self.machine.axes() {
+            let i = axis.index();
+            frames[i] = AxisFrame::pack(cycle, line, setpoints[i], &order.of(axis));
         }
-        let pass = self.task.pass();
-        let fault = if let Task::Fault { fault, .. } = self.task { fault as u32 } else { 0 };
+        let (state, arm) = (self.task.public(), self.task.pass());
+        let pass = arm.map(|arm| &arm.pass);
         let spindle = SpindleCommand {
             cycle,
             rpm: self.spindle.commanded(),
             finished: u32::from(self.finished()),
-            line: self.line,
+            line,
             pass: pass.map_or(0, |pass| pass.pass),
-            paused: u32::from(self.state() == MachineState::Paused),
-            index_not_before: self.index_not_before,
+            paused: u32::from(state == MachineState::Paused),
+            index_not_before: arm.map_or(Cycle(0), |arm| arm.not_before),
             direction: pass.map_or(0.0, |pass| pass.direction),
             groove: pass.map(ThreadPass::groove).unwrap_or_default(),
         };
+        let queue = &self.program.queue;
         let status = MachineStatus {
             cycle,
-            state: self.state() as u32,
-            fault,
-            line: self.line,
-            pass: self.pass,
-            moves: self.travel.moves,
-            taken: self.queue.taken().saturating_sub(self.travel.pending(self.next.as_ref())),
+            state: state as u32,
+            fault: self.task.fault().map_or(0, |fault| fault as u32),
+            line,
+            pass: self.pass.0,
+            moves: self.travel.moves(),
+            taken: queue.taken().saturating_sub(self.travel.pending(queue.in_hand())),
             overrides_clamped: self.spindle.clamped(),
-            stopped: u16::from(self.stopped),
-            coolant: self.coolant,
+            stopped: u16::from(self.task.stopped()),
+            coolant: self.program.coolant,
             spindle_rpm: self.spindle.commanded(),
             spindle_override_pct: self.spindle.override_pct(),
-            feed_override_pct: panel.feed_override_pct,
-            depth_mm: self.depth_mm,
-            starved: self.travel.starved,
-            tracing: self.travel.tracing.cutting,
+            feed_override_pct: measurement.panel.feed_override_pct,
+            depth_mm: self.pass.1,
+            starved: self.travel.starved(),
+            tracing: self.travel.cutting(),
         };
         Out { frames, spindle, status }
     }
 }
 
 /// Whether the operator ends the program.
-pub(crate) fn ends(panel: &Panel) -> bool {
+fn ends(panel: &Panel) -> bool {
     panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT)
 }

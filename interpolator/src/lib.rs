@@ -6,18 +6,24 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`queue`] | items waiting, with credit |
-//! | `travel` | timed motion: the chain of moves, overrides, hold, single block |
+//! | [`Interpolator`] | one tick: an event is found, the task goes one step |
+//! | `task` | what the interpolator is doing: every state, every event, one function |
+//! | `program`, [`queue`] | the item in hand, what is executed at rest, items waiting, credit |
+//! | `travel`, `run` | timed motion: moves that run without a stop, overrides, hold, single block |
 //! | `tracing` | the trace in hand, piece by piece |
+//! | `pass` | a pass before it is armed, and while it is watched |
+//! | `axes` | what the regulators say, taken together |
 //! | [`spindle`] | programmed speed, override and its ceiling, at speed |
-//! | `task` | what the interpolator is doing, as one enum |
-//! | `begin` | the next item of the program |
-//! | [`Interpolator`] | one tick |
+//! | `patience` | waits that are too long |
 #![forbid(unsafe_code)]
 
-mod begin;
+mod axes;
 mod interpolator;
+mod pass;
+mod patience;
+mod program;
 pub mod queue;
+mod run;
 pub mod spindle;
 mod task;
 mod tracing;

@@ -1,24 +1,40 @@
-//! Machine-code items waiting to be executed. While there is room, the sender has credit.
+//! Machine-code items waiting to be executed, and the one in hand. While there is room, the sender has credit.
 
 use std::collections::VecDeque;
 
 use protocol::{Code, CodePacket, Item, Refused};
 
-/// How many items wait at most.
+/// How many items wait at most, besides the one in hand.
 pub const DEPTH: usize = 64;
 
-/// The queue. It allocates once, in `new`.
+/// The queue. It allocates once, when it is made.
 #[derive(Clone, Debug)]
 pub struct Queue {
     items: VecDeque<Item>,
+    /// Taken out of the queue and not done yet.
+    hand: Option<Item>,
     received: u64,
     taken: u64,
-    ended: bool,
+    source: Source,
+}
+
+/// What is known of the sender.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    /// More will come.
+    Sends,
+    /// The end of the program has come in.
+    Ended,
+    /// An item was damaged or out of order: what would follow it is not known.
+    Refused,
+    /// The sender is gone before the end of the program.
+    Lost,
 }
 
 impl Default for Queue {
     fn default() -> Self {
-        Queue { items: VecDeque::with_capacity(DEPTH), received: 0, taken: 0, ended: false }
+        let items = VecDeque::with_capacity(DEPTH);
+        Queue { items, hand: None, received: 0, taken: 0, source: Source::Sends }
     }
 }
 
@@ -26,28 +42,58 @@ impl Queue {
     /// Takes an item off the wire.
     ///
     /// # Errors
-    /// The item is damaged, out of order, beyond the credit, or behind the end of the program; nothing changes.
+    /// The item is damaged, out of order, beyond the credit, or behind the end of the program. It is not taken, and
+    /// nothing after it: [`Queue::failed`] says so from then on.
     pub fn push(&mut self, packet: &CodePacket) -> Result<(), Refused> {
-        if self.ended || self.items.len() == DEPTH {
+        let taken = self.take(packet);
+        if taken.is_err() && self.source == Source::Sends {
+            self.source = Source::Refused;
+        }
+        taken
+    }
+
+    fn take(&mut self, packet: &CodePacket) -> Result<(), Refused> {
+        if !self.wants() {
             return Err(Refused::OutOfRange("machine code without credit"));
         }
         let item = packet.unpack(self.received)?;
         self.received += 1;
-        self.ended = matches!(item.code, Code::End);
+        if matches!(item.code, Code::End) {
+            self.source = Source::Ended;
+        }
         self.items.push_back(item);
         Ok(())
     }
 
-    /// The next item.
-    pub fn pop(&mut self) -> Option<Item> {
-        let item = self.items.pop_front()?;
-        self.taken += item.steps();
-        Some(item)
+    /// No more will come although the program has not ended.
+    pub fn lost(&mut self) {
+        if self.source == Source::Sends {
+            self.source = Source::Lost;
+        }
+    }
+
+    /// The item in hand; if there is none, the next one is taken in hand.
+    pub fn head(&mut self) -> Option<Item> {
+        if self.hand.is_none() {
+            self.hand = self.items.pop_front();
+            self.taken += self.hand.as_ref().map_or(0, Item::steps);
+        }
+        self.hand
+    }
+
+    /// The item in hand, without taking another.
+    pub fn in_hand(&self) -> Option<&Item> {
+        self.hand.as_ref()
+    }
+
+    /// The item in hand has been executed, or will not be.
+    pub fn done(&mut self) {
+        self.hand = None;
     }
 
     /// Whether there is room and more may come.
     pub fn wants(&self) -> bool {
-        !self.ended && self.items.len() < DEPTH
+        self.source == Source::Sends && self.items.len() < DEPTH
     }
 
     /// Items taken off the wire so far.
@@ -57,15 +103,20 @@ impl Queue {
 
     /// Whether the end of the program has come in.
     pub fn ended(&self) -> bool {
-        self.ended
+        self.source == Source::Ended
     }
 
-    /// Whether nothing waits.
-    pub fn is_empty(&self) -> bool {
-        self.items.is_empty()
+    /// Whether an item was refused, or the sender was lost: the program cannot go on behind what is here.
+    pub fn failed(&self) -> bool {
+        matches!(self.source, Source::Refused | Source::Lost)
     }
 
-    /// Taken out so far, in steps of progress ([`Item::steps`]).
+    /// Whether nothing waits and nothing is in hand.
+    pub fn is_dry(&self) -> bool {
+        self.hand.is_none() && self.items.is_empty()
+    }
+
+    /// Taken in hand so far, in steps of progress ([`Item::steps`]).
     pub fn taken(&self) -> u64 {
         self.taken
     }

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use motion::SpindleObserver;
-use protocol::{Machine, Measurement, Position, SpindleMode, SpindleSpeed, machine::SpindleConfig};
+use protocol::{Feed, Machine, Measurement, Position, SpindleMode, SpindleSpeed, machine::SpindleConfig};
 
 const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
 const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
@@ -133,6 +133,13 @@ impl Spindle {
     /// Whether it shall turn and hardly does.
     pub fn stalls(&self) -> bool {
         self.observed().abs() < 0.1 * self.commanded().abs()
+    }
+
+    /// Whether a move may begin at a feed: one that cuts waits for the spindle.
+    pub fn lets(&self, feed: Feed) -> bool {
+        let least = (0.5 * self.commanded().abs()).min(1.0);
+        let turns = !matches!(feed, Feed::PerRevolution(_)) || self.observed().abs() >= least;
+        feed == Feed::Rapid || self.at_speed() && turns
     }
 
     /// Whether it stands.

@@ -10,12 +10,12 @@
 
 use motion::chain::Block;
 use protocol::{
-    Code, Fault, Item, Leg, Panel, PerAxis, Position, Route, Stretch, Trace, Traced, Tracer, Untraceable,
+    Code, Fault, Item, Leg, PerAxis, Position, Route, Stretch, Trace, Traced, Tracer, Untraceable,
     units::AXES,
 };
 use shape::{Correction, Plan};
 
-use crate::Interpolator;
+use crate::{queue::Queue, run::Run};
 
 /// Most tries of pieces in one tick, each of at most five evaluations of the curve: that bounds the work of the tick. As a
 /// rule a try is a piece. It is about as long as a third of the radius of its curve (M84), and the axes need more than a
@@ -30,12 +30,12 @@ pub(crate) struct Tracing {
     drawn: u32,
     /// What of the last of them is to be drawn yet.
     tracer: Option<Tracer>,
-    /// A block that was drawn and begins the next chain.
+    /// A block that was drawn and begins the next run.
     ahead: Option<Block<AXES, Leg>>,
     /// Number of the trace in which the axes are, and the share of it that is done; nothing if no trace is in hand.
     here: Option<(u32, f64)>,
     /// The number of the trace, if the setpoints of this tick cut; else 0.
-    pub(crate) cutting: u32,
+    cutting: u32,
     /// A trace whose followers are led by ratios,
     led: Option<Trace>,
     /// and where it was cut in the tick before: exact positions, and the parameter of the leg.
@@ -43,14 +43,46 @@ pub(crate) struct Tracing {
 }
 
 impl Tracing {
+    /// A trace is next, or goes on behind a run.
+    ///
+    /// # Errors
+    /// The fault, if it cannot begin at `here`.
+    pub(crate) fn begin(
+        &mut self,
+        route: &Route,
+        line: u32,
+        trace: &Trace,
+        here: &PerAxis<Position>,
+    ) -> Result<(), Fault> {
+        if self.in_hand() {
+            return Ok(());
+        }
+        let number = self.drawn + 1;
+        let tracer = Tracer::new(route, line, trace, here).map_err(|reason| fault(&reason))?;
+        let led = (trace.correction != Correction::Exact).then_some(*trace);
+        let (tracer, here) = (Some(tracer.numbered(number)), Some((number, 0.0)));
+        *self = Tracing { drawn: number, tracer, here, led, ..Tracing::default() };
+        Ok(())
+    }
+
     /// Whether a trace is in hand.
     pub(crate) fn in_hand(&self) -> bool {
         self.here.is_some()
     }
 
-    /// Whether there is more of it than the chain holds.
+    /// Whether there is more of it than the run holds.
     pub(crate) fn more(&self) -> bool {
         self.tracer.is_some()
+    }
+
+    /// The number of the trace that the setpoints of this tick cut, or 0.
+    pub(crate) fn cutting(&self) -> u32 {
+        self.cutting
+    }
+
+    /// A tick begins: nothing is cut in it yet.
+    pub(crate) fn idle(&mut self) {
+        self.cutting = 0;
     }
 
     /// Steps of progress that are left of the traces in hand.
@@ -85,93 +117,82 @@ impl Tracing {
         before.map_or(exact, |(from, plan, t)| trace.led(route, (&plan, t), &from, &exact))
     }
 
+    /// Takes pieces for as long as they belong to the run; with `single` block it ends with the trace.
+    ///
+    /// # Errors
+    /// The fault, if the path cannot go on and no move is left that leads there.
+    pub(crate) fn fill(
+        &mut self,
+        run: &mut Run,
+        route: &Route,
+        queue: &mut Queue,
+        single: bool,
+    ) -> Result<(), Fault> {
+        for _ in 0..TRIES_PER_TICK {
+            if !run.has_room() {
+                return Ok(());
+            }
+            let Some(block) = self.draw(run, route, queue, single)? else { continue };
+            if !run.push(block) {
+                self.ahead = Some(block);
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// The next block of the trace, if there is one. Behind its last one, and before one that cannot be, the run ends.
+    fn draw(
+        &mut self,
+        run: &mut Run,
+        route: &Route,
+        queue: &mut Queue,
+        single: bool,
+    ) -> Result<Option<Block<AXES, Leg>>, Fault> {
+        if let Some(block) = self.ahead.take() {
+            return Ok(Some(block));
+        }
+        let Some(tracer) = &mut self.tracer else { return Ok(None) };
+        match tracer.next(route) {
+            Ok(Traced::Block(block)) => return Ok(Some(block)),
+            Ok(Traced::Nowhere) => {}
+            Ok(Traced::Over) => self.draw_next(run, route, queue, single),
+            Err(reason) if run.is_new() => return Err(fault(&reason)),
+            Err(_) => run.close(),
+        }
+        Ok(None)
+    }
+
+    /// A trace has been drawn: the next item goes on as its own, or ends the run.
+    fn draw_next(&mut self, run: &mut Run, route: &Route, queue: &mut Queue, single: bool) {
+        queue.done();
+        let next = queue.head();
+        let before = self.tracer.take();
+        if let (Some(Item { line, code: Code::Trace(trace) }), Some(before), Some(last)) =
+            (&next, before, run.last())
+            && !single
+            && let Ok(tracer) = Tracer::new(route, *line, trace, &last.to)
+            && tracer.goes_on(before.trace())
+        {
+            (self.drawn, self.tracer) = (self.drawn + 1, Some(tracer.numbered(self.drawn + 1)));
+        } else {
+            run.close();
+        }
+    }
+
+    /// A run is over: whether that ends the trace in hand.
+    pub(crate) fn end_if_drawn(&mut self) -> bool {
+        let drawn = self.in_hand() && !self.more() && self.ahead.is_none();
+        if drawn {
+            self.end();
+        }
+        drawn
+    }
+
     /// Forgets the trace in hand.
     pub(crate) fn end(&mut self) {
         (self.tracer, self.ahead, self.here) = (None, None, None);
         (self.led, self.before) = (None, None);
-    }
-}
-
-impl Interpolator {
-    /// A trace is next, or goes on behind a chain; false if it cannot begin.
-    pub(crate) fn begin_trace(&mut self, trace: &Trace) -> bool {
-        if self.travel.tracing.in_hand() {
-            return true;
-        }
-        let number = self.travel.tracing.drawn + 1;
-        match Tracer::new(&self.travel.route, self.line, trace, &self.here) {
-            Ok(tracer) => {
-                let led = (trace.correction != Correction::Exact).then_some(*trace);
-                let (tracer, here) = (Some(tracer.numbered(number)), Some((number, 0.0)));
-                self.travel.tracing = Tracing { drawn: number, tracer, here, led, ..Tracing::default() };
-                true
-            }
-            Err(reason) => {
-                self.enter_fault(fault(&reason));
-                false
-            }
-        }
-    }
-
-    /// Takes pieces of the trace in hand for as long as they belong to the chain; with `single` block it ends with the trace.
-    pub(crate) fn take_pieces(&mut self, single: bool) {
-        for _ in 0..TRIES_PER_TICK {
-            if !self.travel.has_room() {
-                return;
-            }
-            let Some(block) = self.draw(single) else { continue };
-            if !self.travel.push(block) {
-                self.travel.tracing.ahead = Some(block);
-                return;
-            }
-        }
-    }
-
-    /// The next block of the trace, if there is one. Behind its last one, and before one that cannot be, the chain ends.
-    fn draw(&mut self, single: bool) -> Option<Block<AXES, Leg>> {
-        let tracing = &mut self.travel.tracing;
-        if let Some(block) = tracing.ahead.take() {
-            return Some(block);
-        }
-        match tracing.tracer.as_mut()?.next(&self.travel.route) {
-            Ok(Traced::Block(block)) => return Some(block),
-            Ok(Traced::Nowhere) => {}
-            Ok(Traced::Over) => self.draw_next(single),
-            Err(reason) => {
-                self.refuse(fault(&reason));
-                self.travel.close();
-            }
-        }
-        None
-    }
-
-    /// A trace has been drawn: the next item goes on as its own, or ends the chain.
-    fn draw_next(&mut self, single: bool) {
-        self.next = self.queue.pop();
-        let tracing = &mut self.travel.tracing;
-        let before = tracing.tracer.take();
-        if let (Some(Item { line, code: Code::Trace(trace) }), Some(before), Some(last)) =
-            (&self.next, before, self.travel.last)
-            && !single
-            && let Ok(tracer) = Tracer::new(&self.travel.route, *line, trace, &last.to)
-            && tracer.goes_on(before.trace())
-        {
-            (tracing.drawn, tracing.tracer) = (tracing.drawn + 1, Some(tracer.numbered(tracing.drawn + 1)));
-        } else {
-            self.travel.close();
-        }
-    }
-
-    /// A chain is over: whether the trace in hand is, too.
-    pub(crate) fn end_trace(&mut self, panel: &Panel) {
-        let tracing = &mut self.travel.tracing;
-        if tracing.in_hand() && !tracing.more() && tracing.ahead.is_none() {
-            tracing.end();
-            self.travel.moves += 1;
-            if panel.pressed(Panel::SINGLE_BLOCK) {
-                self.travel.waits = Some(panel.cycle_starts);
-            }
-        }
     }
 }
 

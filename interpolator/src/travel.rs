@@ -1,107 +1,275 @@
-//! Timed motion: moves go from the queue into the chain that looks ahead, setpoints come out once a tick.
+//! Timed motion: moves go from the queue into a run that looks ahead, setpoints come out once a tick.
 //!
-//! A chain holds moves on which the same override acts. It ends before whatever else the program has: a dwell, the
-//! spindle, a pass, a move of the other kind. It ends, too, when no more machine code comes; the machine then stops on
-//! its path, the status counts it, and the next item begins a new chain.
+//! A run ends before whatever else the program has: a dwell, the spindle, a pass, a move of the other kind. It ends also
+//! when no more machine code comes; the machine then stops on its path, the status counts it, and the next item begins a
+//! new run.
 
-use motion::chain::{Ask, Block, Chain, MOST_RATIO, Ratios};
+use motion::chain::{Ask, MOST_RATIO, Ratios, Step};
 use protocol::{
     Code, Cycle, Fault, Feed, Item, Leg, Machine, Panel, PerAxis, Position, Route, Routed, Setpoint, Trace,
     units::AXES,
 };
 
-use crate::{Interpolator, interpolator::ends, task::Task, tracing::Tracing};
+use crate::{
+    queue::Queue,
+    run::Run,
+    spindle::Spindle,
+    task::{Moved, Wait},
+    tracing::Tracing,
+};
 
-/// Most moves that one tick takes into the chain: more than the chain can leave behind in a tick.
+/// Most moves that one tick takes into the run: more than the run can leave behind in a tick.
 const MOVES_PER_TICK: usize = 32;
 
 /// Share by which the spindle's speed must change before the feed per revolution follows: its ripple and the noise of
 /// its encoder stay out of the axes.
 const SPINDLE_STEP: f64 = 0.01;
 
-/// The chain of moves, and what the operator and the spindle make of its feeds.
+/// Where the axes are led, and along what.
 #[derive(Clone, Debug)]
 pub(crate) struct Travel {
-    chain: Chain<AXES, Leg>,
-    pub(crate) route: Route,
-    /// The last move in the chain.
-    pub(crate) last: Option<Leg>,
-    pub(crate) tracing: Tracing,
+    route: Route,
+    run: Run,
+    tracing: Tracing,
+    /// Commanded position of every axis at the last tick.
+    here: PerAxis<Position>,
     /// Speed of the spindle that feeds per revolution follow, 1/s.
     turns: f64,
     /// How often it was short of machine code.
-    pub(crate) starved: u32,
+    starved: u32,
     /// Moves completed.
-    pub(crate) moves: u64,
-    /// Cycle starts pressed when a single block ended: the next one goes on.
-    pub(crate) waits: Option<u32>,
-    /// What ends the program once the machine stands.
-    pub(crate) fault: Option<Fault>,
+    moves: u64,
+}
+
+/// What acts on the motion of a tick besides the program.
+#[derive(Clone, Copy)]
+pub(crate) struct Hands<'a> {
+    /// The operator's panel.
+    pub(crate) panel: &'a Panel,
+    /// The spindle.
+    pub(crate) spindle: &'a Spindle,
+    /// What single block waits for.
+    pub(crate) wait: Wait,
+    /// A fault waits for the axes to stand.
+    pub(crate) stops: bool,
 }
 
 impl Travel {
     pub(crate) fn new(machine: &Machine) -> Travel {
         Travel {
-            chain: Chain::new(Route::settings(machine)),
             route: Route::new(machine),
-            last: None,
+            run: Run::new(machine),
             tracing: Tracing::default(),
+            here: [Position(0); AXES],
             turns: 0.0,
             starved: 0,
             moves: 0,
-            waits: None,
-            fault: None,
         }
     }
 
-    /// Whether the machine stands, on its path or between chains.
-    pub(crate) fn rests(&self) -> bool {
-        self.chain.is_empty() || self.chain.rests()
+    /// Commanded position of every axis.
+    pub(crate) fn here(&self) -> &PerAxis<Position> {
+        &self.here
     }
 
-    /// What of the program is in hand, in steps of its progress; `next` waits for it to be over.
-    pub(crate) fn pending(&self, next: Option<&Item>) -> u64 {
-        let waits = match next {
+    /// The axes rest here, as others found or led them.
+    pub(crate) fn rest_at(&mut self, here: PerAxis<Position>) {
+        self.here = here;
+    }
+
+    /// Setpoints that keep the axes where they are.
+    pub(crate) fn rest(&self, due: Cycle) -> PerAxis<Setpoint> {
+        std::array::from_fn(|axis| Setpoint { cycle: due, position: self.here[axis], ..Setpoint::default() })
+    }
+
+    /// What path modes and formulas are given to.
+    pub(crate) fn route(&mut self) -> &mut Route {
+        &mut self.route
+    }
+
+    /// What of the program is in hand, in steps of its progress; `head` waits for it to be over.
+    pub(crate) fn pending(&self, head: Option<&Item>) -> u64 {
+        let waits = match head {
             Some(Item { code: Code::Trace(_), .. }) if !self.tracing.more() => Trace::STEPS,
             _ => 0,
         };
-        waits + self.tracing.left().unwrap_or(self.chain.len() as u64)
+        waits + self.tracing.left().unwrap_or(self.run.len() as u64)
     }
 
-    /// Forgets what is left of the chain, and of a trace. The machine stands.
+    /// Moves completed so far.
+    pub(crate) fn moves(&self) -> u64 {
+        self.moves
+    }
+
+    /// How often machine code came too late.
+    pub(crate) fn starved(&self) -> u32 {
+        self.starved
+    }
+
+    /// Number of the trace that the setpoints of the last tick of motion cut, or 0.
+    pub(crate) fn cutting(&self) -> u32 {
+        self.tracing.cutting()
+    }
+
+    /// A tick without motion of its own.
+    pub(crate) fn idle(&mut self) {
+        self.tracing.idle();
+    }
+
+    /// Forgets what is left of the run and of a trace. The machine stands.
     pub(crate) fn clear(&mut self) {
-        self.end_chain();
+        self.run.clear();
         self.tracing.end();
     }
 
-    /// Forgets what is left of the chain.
-    fn end_chain(&mut self) {
-        self.chain.clear();
-        self.last = None;
+    /// A trace is next, or goes on behind a run.
+    ///
+    /// # Errors
+    /// The fault, if it cannot begin here.
+    pub(crate) fn begin_trace(&mut self, line: u32, trace: &Trace) -> Result<(), Fault> {
+        self.tracing.begin(&self.route, line, trace, &self.here)
     }
 
-    /// Whether a block can be appended.
-    pub(crate) fn has_room(&self) -> bool {
-        self.chain.has_room()
+    /// A straight rapid from here, as a run of its own.
+    ///
+    /// # Errors
+    /// The fault, if it cannot be made.
+    pub(crate) fn lead_to(&mut self, line: u32, target: &PerAxis<Position>) -> Result<(), Fault> {
+        let code = Code::Line { target: *target, feed: Feed::Rapid };
+        self.append(line, &code)?;
+        self.run.close();
+        Ok(())
     }
 
-    /// Appends a block, if it can be one chain with those before it; else the chain ends before it.
-    pub(crate) fn push(&mut self, block: Block<AXES, Leg>) -> bool {
-        if self.last.is_some_and(|last| !last.joins(&block.tag)) {
-            self.close();
-            return false;
+    /// One tick of timed motion: the setpoints for `due`, what came of it, and the line that is executed if it is another.
+    pub(crate) fn tick(
+        &mut self,
+        queue: &mut Queue,
+        hands: &Hands,
+        due: Cycle,
+    ) -> (PerAxis<Setpoint>, Moved, Option<u32>) {
+        let panel = hands.panel;
+        let ends = panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT);
+        let single = panel.pressed(Panel::SINGLE_BLOCK);
+        let taken = if hands.stops { Ok(()) } else { self.take(queue, single) };
+        let mut moved = Moved { wait: hands.wait, fault: taken.err(), ends, stands: false };
+        let last = ends || hands.stops || moved.fault.is_some();
+        let feeds = self.run.last().is_some_and(|leg| leg.feed != Feed::Rapid);
+        let ask = Ask {
+            ratios: self.ratios(panel, hands.spindle.observed()),
+            hold: last
+                || panel.pressed(Panel::FEED_HOLD)
+                || hands.wait != Wait::No
+                || feeds && hands.spindle.held(),
+            single: single && !self.tracing.in_hand(),
+            more: !queue.is_dry(),
+        };
+        let Some(step) = self.run.tick(&ask) else {
+            self.arrive(panel, &mut moved);
+            return (self.rest(due), moved, None);
+        };
+        self.count(&step, queue);
+        if step.rejected {
+            moved.fault = moved.fault.or(Some(Fault::PlanRejected));
         }
-        self.last = Some(block.tag);
-        self.chain.push(block);
-        true
+        let stops_single = ask.single && step.completed > 0 && self.run.rests();
+        if stops_single {
+            moved.wait = Wait::CycleStart(panel.cycle_starts);
+        }
+        let setpoints = self.setpoints(&step, due);
+        self.here = setpoints.map(|setpoint| setpoint.position);
+        if self.run.is_over() || last && self.run.rests() {
+            self.arrive(panel, &mut moved);
+        }
+        (setpoints, moved, (!stops_single).then_some(step.tag.line))
     }
 
-    /// Nothing follows in this chain.
-    pub(crate) fn close(&mut self) {
-        self.chain.close();
+    /// What a step completed.
+    fn count(&mut self, step: &Step<AXES, Leg>, queue: &Queue) {
+        self.moves += self.tracing.step(&step.tag);
+        if step.tag.trace.is_none() {
+            self.moves += u64::from(step.completed);
+        }
+        let more = self.tracing.more() || !queue.ended();
+        self.starved += u32::from(step.starved && more);
     }
 
-    /// The overrides of a panel. A value that is no number asks for a stop.
+    /// Where the axes shall be at the end of a step.
+    fn setpoints(&mut self, step: &Step<AXES, Leg>, due: Cycle) -> PerAxis<Setpoint> {
+        let leg = &step.tag;
+        let over = self.run.is_over();
+        let exact = std::array::from_fn(|i| if over { leg.to[i] } else { leg.from[i].moved(step.axes[i].s) });
+        let led = match over {
+            true => exact,
+            false => self.tracing.lead(&self.route, leg, step.along.s, exact),
+        };
+        std::array::from_fn(|i| {
+            let sample = &step.axes[i];
+            let (velocity_mm_s, acceleration_mm_s2) = if over { (0.0, 0.0) } else { (sample.v, sample.a) };
+            Setpoint { cycle: due, position: led[i], velocity_mm_s, acceleration_mm_s2 }
+        })
+    }
+
+    /// The machine stands at the end of its run, or on its path because the operator or a fault ends the program.
+    fn arrive(&mut self, panel: &Panel, moved: &mut Moved) {
+        if self.run.is_over() && self.tracing.end_if_drawn() {
+            self.moves += 1;
+            if panel.pressed(Panel::SINGLE_BLOCK) {
+                moved.wait = Wait::CycleStart(panel.cycle_starts);
+            }
+        }
+        self.run.clear();
+        moved.stands = true;
+    }
+
+    /// Takes moves out of the queue, or pieces of a trace, for as long as they belong to the run.
+    fn take(&mut self, queue: &mut Queue, single: bool) -> Result<(), Fault> {
+        if self.tracing.in_hand() {
+            return self.tracing.fill(&mut self.run, &self.route, queue, single);
+        }
+        for _ in 0..MOVES_PER_TICK {
+            if !self.run.has_room() {
+                return Ok(());
+            }
+            let Some(item) = queue.head() else { return Ok(()) };
+            let taken = match &item.code {
+                code @ (Code::Line { .. } | Code::Arc { .. }) => self.append(item.line, code)?,
+                Code::PathMode(mode) => {
+                    self.route.set_mode(*mode);
+                    true
+                }
+                _ => false,
+            };
+            if !taken {
+                self.run.close();
+                return Ok(());
+            }
+            queue.done();
+        }
+        Ok(())
+    }
+
+    /// Appends a move that begins where the last one ends; false if it has to wait for the end of the run.
+    ///
+    /// # Errors
+    /// The fault of a move that cannot be made. In the middle of a run it waits; at its beginning it is said.
+    fn append(&mut self, line: u32, code: &Code) -> Result<bool, Fault> {
+        let from = self.run.end(&self.here);
+        let fault = match self.route.block(line, code, &from) {
+            Ok(Routed::Block(block)) => return Ok(self.run.push(block)),
+            Ok(Routed::Nowhere) => {
+                if let (true, Code::Line { target, .. }) = (self.run.is_new(), code) {
+                    self.here = *target;
+                }
+                return Ok(true);
+            }
+            Ok(Routed::BeyondTravel) => Fault::TravelLimit,
+            Err(_) => Fault::BadMachineCode,
+        };
+        if self.run.is_new() { Err(fault) } else { Ok(false) }
+    }
+
+    /// The overrides of a panel. A value that is not a number asks for a stop.
     fn ratios(&mut self, panel: &Panel, rpm: f64) -> Ratios {
         let share = |pct: f64, top: f64| if pct.is_finite() { (pct / 100.0).clamp(0.0, top) } else { 0.0 };
         let turns = rpm.abs() / 60.0;
@@ -110,160 +278,5 @@ impl Travel {
         }
         let feed = share(panel.feed_override_pct, MOST_RATIO);
         Ratios { rapid: share(panel.rapid_override_pct, 1.0), feed, turns: self.turns * feed }
-    }
-
-    /// Whether single block waits for cycle start.
-    pub(crate) fn waits(&mut self, panel: &Panel) -> bool {
-        let waits = self.waits == Some(panel.cycle_starts);
-        if !waits {
-            self.waits = None;
-        }
-        waits
-    }
-}
-
-impl Interpolator {
-    /// Appends a move that begins where the last one ends; false if it has to wait, or cannot be made.
-    pub(crate) fn append(&mut self, line: u32, code: &Code) -> bool {
-        let from = self.travel.last.map_or(self.here, |last| last.to);
-        match self.travel.route.block(line, code, &from) {
-            Ok(Routed::Block(block)) => self.travel.push(block),
-            Ok(Routed::Nowhere) => {
-                if self.travel.last.is_none()
-                    && let Code::Line { target, .. } = code
-                {
-                    self.here = *target;
-                }
-                true
-            }
-            Ok(Routed::BeyondTravel) => self.refuse(Fault::TravelLimit),
-            Err(_) => self.refuse(Fault::BadMachineCode),
-        }
-    }
-
-    /// A move cannot be made: a fault once everything before it is done.
-    pub(crate) fn refuse(&mut self, fault: Fault) -> bool {
-        if self.travel.last.is_none() {
-            self.travel.fault = Some(fault);
-        }
-        false
-    }
-
-    /// Takes moves out of the queue, or pieces of a trace, for as long as they belong to the chain.
-    fn take_moves(&mut self, single: bool) {
-        if self.travel.tracing.in_hand() {
-            return self.take_pieces(single);
-        }
-        for _ in 0..MOVES_PER_TICK {
-            if !self.travel.has_room() {
-                return;
-            }
-            self.next = self.next.or_else(|| self.queue.pop());
-            let Some(item) = self.next else { return };
-            let taken = match item.code {
-                Code::Line { .. } | Code::Arc { .. } => self.append(item.line, &item.code),
-                Code::PathMode(mode) => {
-                    self.travel.route.set_mode(mode);
-                    true
-                }
-                _ => false,
-            };
-            if !taken {
-                return self.travel.close();
-            }
-            self.next = None;
-        }
-    }
-
-    /// One tick of timed motion.
-    pub(crate) fn go_on(&mut self, panel: &Panel, due: Cycle) -> PerAxis<Setpoint> {
-        if self.travel.fault.is_none() {
-            self.take_moves(panel.pressed(Panel::SINGLE_BLOCK));
-        }
-        let last = ends(panel) || self.travel.fault.is_some();
-        if panel.pressed(Panel::ABORT) {
-            self.spindle_and_coolant_off();
-        }
-        let ask = Ask {
-            ratios: self.travel.ratios(panel, self.spindle.observed()),
-            hold: last
-                || panel.pressed(Panel::FEED_HOLD)
-                || self.travel.waits(panel)
-                || self.travel.last.is_some_and(|leg| leg.feed != Feed::Rapid) && self.spindle.held(),
-            single: panel.pressed(Panel::SINGLE_BLOCK) && !self.travel.tracing.in_hand(),
-            more: self.next.is_some() || !self.queue.is_empty(),
-        };
-        let Some(step) = self.travel.chain.tick(&ask) else {
-            self.arrive(panel);
-            return self.rest(due);
-        };
-        let leg = step.tag;
-        self.travel.moves += self.travel.tracing.step(&leg);
-        if leg.trace.is_none() {
-            self.travel.moves += u64::from(step.completed);
-        }
-        let more = self.travel.tracing.more() || !self.queue.ended();
-        self.travel.starved += u32::from(step.starved && more);
-        if step.rejected {
-            self.travel.fault = Some(Fault::PlanRejected);
-        }
-        let stops_single = ask.single && step.completed > 0 && self.travel.rests();
-        if !stops_single {
-            self.line = leg.line;
-        }
-        let over = self.travel.chain.is_empty();
-        let exact = std::array::from_fn(|i| if over { leg.to[i] } else { leg.from[i].moved(step.axes[i].s) });
-        let led = match over {
-            true => exact,
-            false => self.travel.tracing.lead(&self.travel.route, &leg, step.along.s, exact),
-        };
-        let axis = |i: usize| {
-            let sample = &step.axes[i];
-            let (velocity_mm_s, acceleration_mm_s2) = if over { (0.0, 0.0) } else { (sample.v, sample.a) };
-            Setpoint { cycle: due, position: led[i], velocity_mm_s, acceleration_mm_s2 }
-        };
-        let setpoints: PerAxis<Setpoint> = std::array::from_fn(axis);
-        self.here = setpoints.map(|setpoint| setpoint.position);
-        if stops_single {
-            self.travel.waits = Some(panel.cycle_starts);
-        }
-        if over || last && self.travel.rests() {
-            self.arrive(panel);
-        }
-        setpoints
-    }
-
-    /// The machine stands at the end of its chain, or on its path because the operator or a fault ends the program.
-    fn arrive(&mut self, panel: &Panel) {
-        if self.travel.chain.is_empty() {
-            self.end_trace(panel);
-        }
-        self.travel.end_chain();
-        if let Some(fault) = self.travel.fault.take() {
-            self.enter_fault(fault);
-        } else if ends(panel) {
-            self.stopped = true;
-            self.end();
-        } else {
-            self.task = Task::Ready;
-        }
-    }
-
-    /// Whether a move may begin: a feed waits for the spindle.
-    pub(crate) fn may_feed(&self, feed: Feed) -> bool {
-        let least = (0.5 * self.spindle.commanded().abs()).min(1.0);
-        let turns = !matches!(feed, Feed::PerRevolution(_)) || self.spindle.observed().abs() >= least;
-        feed == Feed::Rapid || self.spindle.at_speed() && turns
-    }
-
-    /// Where the machine would be led from here in a straight rapid, as the first move of a chain.
-    pub(crate) fn lead_to(&mut self, target: &PerAxis<Position>) {
-        let code = Code::Line { target: *target, feed: Feed::Rapid };
-        if self.append(self.line, &code) {
-            self.travel.close();
-            self.task = Task::Moving;
-        } else {
-            self.enter_fault(Fault::TravelLimit);
-        }
     }
 }

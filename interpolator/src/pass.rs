@@ -1,0 +1,129 @@
+//! A pass that is next: whether it may be armed here and now. In: the pass, where the axes rest, what they and the spindle
+//! say. Out: what to do about it in this tick.
+//!
+//! Nothing has moved when a pass is called off, whatever the moment. Tick n looks at the statuses of cycle n − 1. While
+//! they say that no index has been seen, the index comes at cycle n at the earliest, and a frame that calls the pass off is
+//! in force at n + K, with K control cycles to a tick. [`Machine::can_follow`] proves that no axis moves so early.
+
+use protocol::{
+    Axis, AxisCommand, Cycle, Fault, Machine, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD,
+};
+
+use crate::{
+    axes::Axes,
+    spindle::Spindle,
+    task::{Event, InHand, Order, Task},
+};
+
+/// Interpolator cycles from arming to the first index that counts: one for the way there, one for the status to come
+/// back, one for calling off, one to spare.
+pub(crate) const ARMING_TICKS: u64 = 4;
+
+/// Ticks after arming at which every axis must have said that it is armed.
+pub(crate) const ARMED_TICKS: u64 = 2;
+
+/// The regulators have watched the spindle for so many periods of their observer before a pass: what they did not know of
+/// its speed when they began is forgotten then.
+const WATCHED_PERIODS: f64 = 10.0;
+
+/// Farthest the axes may be from the start of a pass and still be led there by a move of its own, mm.
+const START_REACH_MM: f64 = 0.01;
+
+/// What becomes of a pass that is next.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant)] // lives on the stack for one tick
+pub(crate) enum Ready {
+    /// The axes have to be led there first: they are a little beside its start.
+    Lead(PerAxis<Position>),
+    /// Axes or spindle are not ready.
+    Wait,
+    /// It is armed.
+    Arm(InHand),
+}
+
+/// What the machine is for a pass: what it can do, what its axes and its spindle say.
+pub(crate) struct Stand<'a> {
+    /// The machine.
+    pub(crate) machine: &'a Machine,
+    /// Commanded position of every axis.
+    pub(crate) here: &'a PerAxis<Position>,
+    /// What the axes say.
+    pub(crate) axes: &'a Axes<'a>,
+    /// The tick.
+    pub(crate) cycle: Cycle,
+    /// For how many ticks the axes have been told to rest.
+    pub(crate) rested: u64,
+}
+
+/// What becomes of a pass that is next. From here on the spindle keeps below its ceiling.
+///
+/// # Errors
+/// The fault, if it cannot be cut from here.
+pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -> Result<Ready, Fault> {
+    let Stand { machine, here, axes, cycle, rested } = stand;
+    let mut start = **here;
+    machine.axes().for_each(|(axis, _)| start[axis.index()] = pass.axis(axis).start);
+    let beside_mm = |axis: Axis| start[axis.index()].mm_from(here[axis.index()]).abs();
+    if machine.axes().any(|(axis, _)| beside_mm(axis) > START_REACH_MM) {
+        return Err(Fault::BadMachineCode);
+    }
+    if start != **here {
+        return Ok(Ready::Lead(start));
+    }
+    if !machine.can_follow(pass) {
+        return Err(Fault::PassNotFeasible);
+    }
+    if (pass.direction * pass.s_rpm - spindle.programmed()).abs() > 1e-9 * pass.s_rpm {
+        return Err(Fault::BadMachineCode);
+    }
+    // The ceiling of this pass holds from here on, so that the spindle settles below it before arming.
+    spindle.set_ceiling(pass.max_ratio * 100.0);
+    // A status tells of rest only when the last setpoint, which lies ahead, has been reached.
+    let at_rest = *rested > SETPOINT_LEAD && axes.in_position();
+    let watched_s = cycle.0 as f64 * machine.machine.cycle_s;
+    let watched = watched_s * machine.spindle.slowest_observer_hz() >= WATCHED_PERIODS;
+    if !at_rest || !watched || !spindle.at_speed() {
+        return Ok(Ready::Wait);
+    }
+    let not_before = cycle.after(ARMING_TICKS * machine.cycles_per_tick());
+    Ok(Ready::Arm(InHand { pass: *pass, not_before }))
+}
+
+/// What a pass in hand finds in a tick: `task` is one of those that have one.
+pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, ticks: u64, taken_back: bool) -> Event {
+    match task {
+        Task::Arming { sent, .. } if cycle < sent.after(ARMED_TICKS * ticks) => Event::Nothing,
+        Task::Arming { pass, .. } if axes.armed_with(pass.pass.pass) => Event::Armed,
+        Task::Arming { .. } => Event::Fault(Fault::PassCalledOff),
+        Task::Armed(_) | Task::CallingOff(_) if axes.begun() => Event::Begun,
+        Task::Armed(pass) | Task::CallingOff(pass) | Task::Cutting(pass) if axes.stream() => {
+            let calling_off = matches!(task, Task::CallingOff(_));
+            match () {
+                () if axes.at_end_of(&pass.pass) => Event::Cut,
+                () if calling_off && axes.at_start_of(&pass.pass) => Event::CalledOff,
+                () => Event::Fault(Fault::PassCalledOff),
+            }
+        }
+        Task::Armed(_) if taken_back => Event::TakenBack,
+        _ => Event::Nothing,
+    }
+}
+
+impl Order {
+    /// The command of one axis.
+    pub(crate) fn of(&self, axis: Axis) -> AxisCommand {
+        match self {
+            Order::Stream => AxisCommand::Stream,
+            Order::Hold => AxisCommand::Hold,
+            Order::CallOff => AxisCommand::CallOff,
+            Order::Stop => AxisCommand::Stop,
+            Order::Arm(InHand { pass, not_before }) => AxisCommand::Arm {
+                pass: pass.pass,
+                s_rpm: pass.s_rpm,
+                direction: pass.direction,
+                not_before: *not_before,
+                law: *pass.axis(axis),
+            },
+        }
+    }
+}

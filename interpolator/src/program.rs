@@ -1,0 +1,98 @@
+//! The program at rest: what is executed without motion, and what takes time next.
+
+use protocol::{
+    Code, CodePacket, Feed, Item, MachineStatus, Refused, Route, SpindleMode, SpindleSpeed, ThreadPass, Trace,
+};
+
+use crate::{queue::Queue, spindle::Spindle};
+
+/// Items without motion that one tick may work off.
+const ITEMS_PER_TICK: usize = 8;
+
+/// The machine code, how far it has been executed, and what it has switched on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Program {
+    /// What waits, and what is in hand.
+    pub(crate) queue: Queue,
+    /// Line of the part program that is executed.
+    pub(crate) line: u32,
+    /// Bits of [`MachineStatus::coolant`].
+    pub(crate) coolant: u16,
+}
+
+/// What of a program takes time next. A dwell and a pause are done with that; all others stay in hand.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant)] // lives on the stack for one tick
+pub(crate) enum Next {
+    /// Nothing is at hand yet.
+    Nothing,
+    /// Motion is next, and the operator holds it.
+    Held,
+    /// A line or an arc.
+    Move(Feed),
+    /// A contour, a surface or a seam.
+    Trace(Trace),
+    /// A pass of a thread.
+    Pass(ThreadPass),
+    /// So many seconds of rest.
+    Dwell(f64),
+    /// Cycle start is wanted.
+    Pause,
+    /// The program is over.
+    End,
+}
+
+impl Program {
+    /// Takes an item of machine code.
+    pub(crate) fn push(&mut self, packet: &CodePacket) -> Result<(), Refused> {
+        self.queue.push(packet)
+    }
+
+    /// Executes what needs no time, as far as one tick goes, and says what is next.
+    pub(crate) fn next(&mut self, held: bool, spindle: &mut Spindle, route: &mut Route) -> Next {
+        for _ in 0..ITEMS_PER_TICK {
+            let Some(item) = self.queue.head() else { return Next::Nothing };
+            if held && (item.is_move() || matches!(item.code, Code::Pass(_))) {
+                return Next::Held;
+            }
+            self.line = item.line;
+            match item.code {
+                Code::Line { feed, .. } | Code::Arc { feed, .. } => return Next::Move(feed),
+                Code::Trace(trace) => return Next::Trace(trace),
+                Code::Pass(pass) => return Next::Pass(pass),
+                Code::End => return Next::End,
+                Code::Dwell { seconds } => {
+                    self.queue.done();
+                    return Next::Dwell(seconds);
+                }
+                Code::Pause => {
+                    self.queue.done();
+                    return Next::Pause;
+                }
+                Code::PathMode(mode) => route.set_mode(mode),
+                Code::Spindle { mode, speed } => spindle.program(mode, speed),
+                Code::Tool { .. } => {}
+                Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
+                Code::Formula { slot, formula } => route.set_formula(slot, formula),
+            }
+            self.queue.done();
+        }
+        Next::Nothing
+    }
+
+    /// Spindle and coolant off, whatever the program said.
+    pub(crate) fn switch_off(&mut self, spindle: &mut Spindle) {
+        spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
+        self.coolant = 0;
+    }
+
+    /// Whether nothing is left although the program has not ended, and nothing more can come.
+    pub(crate) fn is_broken_off(&self) -> bool {
+        self.queue.is_dry() && self.queue.failed()
+    }
+
+    /// The item in hand.
+    pub(crate) fn in_hand(&self) -> Option<&Item> {
+        self.queue.in_hand()
+    }
+}

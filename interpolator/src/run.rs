@@ -1,0 +1,82 @@
+//! Moves that run without a stop between them unless their path needs one: the chain that looks ahead, and its last leg.
+//!
+//! All moves of a run are of one kind, so that the same override acts on them. A move of the other kind ends the run; it
+//! begins the next one.
+
+use motion::chain::{Ask, Block, Chain, Step};
+use protocol::{Leg, Machine, PerAxis, Position, Route, units::AXES};
+
+/// The moves under way.
+#[derive(Clone, Debug)]
+pub(crate) struct Run {
+    chain: Chain<AXES, Leg>,
+    last: Option<Leg>,
+}
+
+impl Run {
+    pub(crate) fn new(machine: &Machine) -> Run {
+        Run { chain: Chain::new(Route::settings(machine)), last: None }
+    }
+
+    /// Moves that are not completed.
+    pub(crate) fn len(&self) -> usize {
+        self.chain.len()
+    }
+
+    /// Whether no move is under way.
+    pub(crate) fn is_over(&self) -> bool {
+        self.chain.is_empty()
+    }
+
+    /// Whether the machine stands, on its path or between runs.
+    pub(crate) fn rests(&self) -> bool {
+        self.chain.is_empty() || self.chain.rests()
+    }
+
+    /// Whether nothing has been appended since the run before ended.
+    pub(crate) fn is_new(&self) -> bool {
+        self.last.is_none()
+    }
+
+    /// Where the next move begins, if the axes rest at `here` between runs.
+    pub(crate) fn end(&self, here: &PerAxis<Position>) -> PerAxis<Position> {
+        self.last.map_or(*here, |last| last.to)
+    }
+
+    /// The last move.
+    pub(crate) fn last(&self) -> Option<&Leg> {
+        self.last.as_ref()
+    }
+
+    /// Whether a move can be appended.
+    pub(crate) fn has_room(&self) -> bool {
+        self.chain.has_room()
+    }
+
+    /// Appends a move if it is of the same kind as those before it; else the run ends before it.
+    pub(crate) fn push(&mut self, block: Block<AXES, Leg>) -> bool {
+        if self.last.is_some_and(|last| !last.joins(&block.tag)) {
+            self.close();
+            return false;
+        }
+        self.last = Some(block.tag);
+        self.chain.push(block);
+        true
+    }
+
+    /// Nothing follows in this run.
+    pub(crate) fn close(&mut self) {
+        self.chain.close();
+    }
+
+    /// One interpolator cycle; nothing if no move is under way.
+    pub(crate) fn tick(&mut self, ask: &Ask) -> Option<Step<AXES, Leg>> {
+        self.chain.tick(ask)
+    }
+
+    /// Forgets what is left. The machine stands.
+    pub(crate) fn clear(&mut self) {
+        self.chain.clear();
+        self.last = None;
+    }
+}
