@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
-use gcode::{Call, Diagnostic, Dialect, Options, Place, Problem, Program, Severity, Sink, Step};
+use gcode::{Call, Diagnostic, Dialect, Job, Options, Place, Pose, Problem, Program, Severity, Sink, Step};
 
 use crate::{cli, error::CliError};
 
@@ -302,6 +302,13 @@ impl Sink for Printer {
         match self {
             Printer::Plain(printer) => printer.call(place, call),
             Printer::Linuxcnc(printer) => printer.call(place, call),
+        }
+    }
+
+    fn job(&mut self, place: Place, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
+        match self {
+            Printer::Plain(printer) => printer.job(place, job, tools),
+            Printer::Linuxcnc(printer) => printer.job(place, job, tools),
         }
     }
 }

@@ -7,7 +7,9 @@ use std::io;
 
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{Tool, ToolTable};
-use gcode::{Call, Diagnostic, Dialect, Limits, Options, Place, Problem, Program, Sink, Step, alone};
+use gcode::{
+    Call, Diagnostic, Dialect, Job, Limits, Options, Place, Pose, Problem, Program, Sink, Step, alone,
+};
 use protocol::code_file::{CodeFile, VERSION};
 use shape::{Formula, Gradient, Number, Series};
 
@@ -159,6 +161,11 @@ impl Sink for Printers {
             }
             _ => Ok(()),
         }
+    }
+
+    fn job(&mut self, place: Place, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
+        self.linuxcnc.job(place, job, tools)?;
+        self.plain.job(place, job, tools)
     }
 }
 

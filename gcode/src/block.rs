@@ -2,7 +2,7 @@
 //!
 //! One block is filled again and again, so that reading allocates nothing.
 
-use crate::canon::Position;
+use crate::canon::Place;
 use crate::codes::{G, G_GROUPS, M, M_GROUPS};
 use crate::problem::{Blame, Problem, Span};
 
@@ -87,11 +87,11 @@ pub enum Assigned {
 pub struct Block {
     /// Line, from 1.
     pub line: u32,
-    /// File, see [`crate::Place`].
+    /// File, see [`Place`].
     pub file: u16,
     /// N word.
     pub n: Option<u32>,
-    /// How many digits N was written with, see [`crate::Place`].
+    /// How many digits N was written with, see [`Place`].
     pub n_digits: u8,
     present: u32,
     values: [f64; WORDS],
@@ -149,8 +149,8 @@ impl Block {
     }
 
     /// Where its calls come from.
-    pub fn place(&self) -> crate::Place {
-        crate::Place { file: self.file, line: self.line, n: self.n, n_digits: self.n_digits }
+    pub fn place(&self) -> Place {
+        Place { file: self.file, line: self.line, n: self.n, n_digits: self.n_digits }
     }
 
     /// Adds the word of a letter.
@@ -215,6 +215,13 @@ impl Block {
         self.has(letter).then(|| self.values[slot(letter)])
     }
 
+    /// The word of a letter as a whole number, if it is near one.
+    pub(crate) fn integer(&self, letter: char) -> Option<i64> {
+        let value = self.get(letter)?;
+        let rounded = value.round();
+        ((value - rounded).abs() < 1e-4 && rounded.abs() < 1e9).then_some(rounded as i64)
+    }
+
     /// The letters of its words (no G, no M, no N), in the order of the alphabet.
     pub fn letters(&self) -> impl Iterator<Item = char> + use<> {
         letters_of(self.present)
@@ -268,15 +275,6 @@ impl Block {
             }
             Blame::Block | Blame::Line(_) | Blame::At(_) | Blame::Part(..) => None,
         }
-    }
-
-    /// The position that its axis words alone give: those that it lacks are those of `from`.
-    pub fn axes_or(&self, from: &Position) -> Position {
-        let mut point = *from;
-        for (value, axis) in point.iter_mut().zip(self.axes()) {
-            *value = axis.unwrap_or(*value);
-        }
-        point
     }
 }
 

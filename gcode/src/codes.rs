@@ -149,3 +149,11 @@ pub fn m_group(code: M) -> Option<usize> {
         _ => return None,
     })
 }
+
+/// The code of a coordinate system: 1 is G54, 9 is G59.3.
+pub(crate) fn system_code(system: u8) -> G {
+    match u16::from(system) {
+        system @ 1..=6 => G(530 + 10 * system),
+        system => G(584 + system),
+    }
+}

@@ -1,42 +1,84 @@
-//! G-code to canonical machining functions: the language of pitchlock.
+//! G-code to canonical machining functions: RS274/NGC as lathes and mills speak it, and FANUC lathe programs.
 //!
-//! In: part programs as they exist on disks (RS274/NGC as lathes and mills speak it, or FANUC lathe programs), a tool
-//! table, a parameter file. Out: a stream of [`Call`]s, each with the line it comes from, and [`Diagnostic`]s. Nothing
-//! here knows a machine: limits, axes and threads are the business of whoever receives the calls.
+//! In: part programs as they exist on disks, a tool table, a parameter file. Out: a stream of [`Call`]s, each with the
+//! line it comes from, and [`Diagnostic`]s. Nothing here knows a machine: limits, axes and threads are the business of
+//! whoever receives the calls.
 //!
-//! | module | from | to |
+//! # Text in, calls out
+//!
+//! ```
+//! use gcode::{Call, Options, Place, Problem, Program, Sink, Step};
+//!
+//! /// Writes down where the tool goes.
+//! struct Moves(Vec<String>);
+//!
+//! impl Sink for Moves {
+//!     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+//!         if let Call::StraightTraverse(to) | Call::StraightFeed(to) = call {
+//!             self.0.push(format!("line {}: X{} Z{}", place.line, to[0], to[2]));
+//!         }
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let text = "G21 G18 G90 F100\n#1 = 4\nG0 X10 Z2\nG1 Z[2 - 3*#1]\nM2\n";
+//! let mut program = Program::from_text("part.ngc", text, &Options::default());
+//! let mut moves = Moves(Vec::new());
+//! while program.step(&mut moves)? == Step::More {}
+//! assert_eq!(moves.0, ["line 3: X10 Z2", "line 4: X10 Z-10"]);
+//! # Ok::<(), Box<gcode::Diagnostic>>(())
+//! ```
+//!
+//! What is wrong with a program comes with its place and a remedy:
+//!
+//! ```
+//! # use gcode::{Call, Options, Place, Problem, Program, Sink};
+//! # struct Nowhere;
+//! # impl Sink for Nowhere {
+//! #     fn call(&mut self, _: Place, _: Call<'_>) -> Result<(), Box<Problem>> { Ok(()) }
+//! # }
+//! let mut program = Program::from_text("part.ngc", "G1 X5\n", &Options::default());
+//! let diagnostic = program.step(&mut Nowhere).unwrap_err();
+//! assert_eq!(diagnostic.headline(), "part.ngc:1:1: error[no-feed]: there is no feed for a move that cuts");
+//! println!("{}", diagnostic.render(false)); // the line, a caret, and what to do about it
+//! ```
+//!
+//! # How it is built
+//!
+//! Every room depends on those below it only.
+//!
+//! | room | from | to |
 //! |---|---|---|
-//! | [`source`] | a file, standard input, a text | lines, in constant memory, with a way back for loops |
-//! | [`words`] | a line | a [`Block`]: words with values (expressions, parameters, comments) |
-//! | `flow` | O-words, M98, M99 | the line that comes next |
-//! | `execute` | a block and the [`State`] | calls, in the order of RS274/NGC |
-//! | `fanuc` | a FANUC lathe program | the same calls |
-//! | [`job`] | lines with `;@`, a job file | the text of a job |
+//! | `program` | text and [`Options`] | calls and diagnostics, line by line |
+//! | `ngc`, `fanuc` | lines of a dialect | blocks, and the line that comes next |
+//! | `execute` | a block and the state | calls, in the order of RS274/NGC |
+//! | `state` | | what stays in force from block to block |
+//! | `geometry` | contours, tools | passes, the way of a tool's centre |
+//! | `text` | a file, standard input, a text | lines in constant memory, characters, numbers, comments |
 //! | [`canon`] | calls | text, as LinuxCNC's `rs274` prints it or tidier |
-//! | [`alone`] | one line, one value | a [`Block`], a number |
 //! | [`files`] | tool table, parameter file, machine file | values |
+//! | [`alone`] | one line, one value | a [`Block`], a number |
+//!
+//! Lines that begin with `;@` are a [`Job`]: text for a receiver that knows what to do with it, see [`Sink::job`].
 #![forbid(unsafe_code)]
 
 pub mod alone;
 pub mod block;
 pub mod canon;
 pub mod codes;
-pub mod execute;
+mod execute;
 mod fanuc;
 pub mod files;
-mod flow;
-pub mod job;
+mod geometry;
+mod ngc;
 mod options;
 pub mod problem;
 mod program;
-pub mod source;
-pub mod state;
-mod watch;
-pub mod words;
+mod state;
+mod text;
 
 pub use block::Block;
-pub use canon::{Call, Place, Position, Sink};
+pub use canon::{Call, Job, Place, Pose, Sink};
 pub use options::{Dialect, Limits, Options};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Program, Step};
-pub use state::State;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::canon::{Plane, Position, Units};
+use crate::canon::{Plane, Pose, Units};
 use crate::files::ToolTable;
 
 /// Which language a program is written in.
@@ -58,7 +58,7 @@ pub struct Options {
     /// G7 at the start.
     pub diameter: bool,
     /// Programmed point at the start, in the units in force.
-    pub position: Position,
+    pub position: Pose,
     /// Lines that begin with `/` are left out.
     pub block_delete: bool,
     /// Tools.

@@ -32,7 +32,7 @@ pub(crate) fn check_plane(modal: &Modal, machine: &Machine) -> Done {
 }
 
 /// End and centre of an arc on the machine.
-pub(crate) fn ends(arc: &canon::Arc, modal: &Modal) -> [gcode::Position; 2] {
+pub(crate) fn ends(arc: &canon::Arc, modal: &Modal) -> [gcode::Pose; 2] {
     let (first, second, across) = modal.plane.axes();
     let [a, b, c] = arc.rotary;
     [arc.end, arc.center].map(|[one, other]| {
@@ -45,7 +45,7 @@ pub(crate) fn ends(arc: &canon::Arc, modal: &Modal) -> [gcode::Position; 2] {
 /// The arc from where the axes rest, and the lowest and highest corner of its box.
 pub(crate) fn on_machine(
     turns: i32,
-    [end, center]: &[gcode::Position; 2],
+    [end, center]: &[gcode::Pose; 2],
     plane: Plane,
     points: &Points,
 ) -> Result<(protocol::Arc, [PerAxis<Position>; 2]), Box<Problem>> {

@@ -6,7 +6,7 @@
 //! ```
 //! R turns X and Y by the angle of the coordinate system.
 
-use gcode::canon::{Position, Units, X, Y};
+use gcode::canon::{Pose, Units, X, Y};
 
 /// Units and offsets in force; offsets in mm and degrees.
 #[derive(Clone, Copy, Debug)]
@@ -14,13 +14,13 @@ pub(crate) struct Frame {
     /// mm in one unit.
     pub(crate) unit: f64,
     /// Offset of the coordinate system.
-    pub(crate) system: Position,
+    pub(crate) system: Pose,
     /// Its rotation about Z, degrees.
     pub(crate) rotation_deg: f64,
     /// G52 and G92.
-    pub(crate) shift: Position,
+    pub(crate) shift: Pose,
     /// Offset of the tool.
-    pub(crate) tool: Position,
+    pub(crate) tool: Pose,
 }
 
 impl Frame {
@@ -30,13 +30,13 @@ impl Frame {
     }
 
     /// A vector of the program in mm and degrees.
-    pub(crate) fn scaled(&self, vector: &Position) -> Position {
+    pub(crate) fn scaled(&self, vector: &Pose) -> Pose {
         let [x, y, z, a, b, c] = *vector;
         [x * self.unit, y * self.unit, z * self.unit, a, b, c]
     }
 
     /// A programmed position on the machine.
-    pub(crate) fn machine(&self, position: &Position) -> Position {
+    pub(crate) fn machine(&self, position: &Pose) -> Pose {
         let mut at = sum(self.scaled(position), &self.shift);
         if self.rotation_deg != 0.0 {
             let (sin, cos) = libm::sincos(self.rotation_deg.to_radians());
@@ -46,8 +46,8 @@ impl Frame {
     }
 
     /// A position of the machine as it is programmed: the inverse of [`Frame::machine`].
-    pub(crate) fn programmed(&self, at: &Position) -> Position {
-        let mut from: Position = std::array::from_fn(|axis| at[axis] - self.system[axis] - self.tool[axis]);
+    pub(crate) fn programmed(&self, at: &Pose) -> Pose {
+        let mut from: Pose = std::array::from_fn(|axis| at[axis] - self.system[axis] - self.tool[axis]);
         if self.rotation_deg != 0.0 {
             let (sin, cos) = libm::sincos(self.rotation_deg.to_radians());
             (from[X], from[Y]) = (from[X] * cos + from[Y] * sin, from[Y] * cos - from[X] * sin);
@@ -57,6 +57,6 @@ impl Frame {
     }
 }
 
-fn sum(one: Position, other: &Position) -> Position {
+fn sum(one: Pose, other: &Pose) -> Pose {
     std::array::from_fn(|axis| one[axis] + other[axis])
 }

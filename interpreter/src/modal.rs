@@ -85,7 +85,7 @@ impl Modal {
     }
 
     /// An offset in mm and degrees; refused if it shifts an axis that the machine does not have.
-    fn offset(&self, offset: &gcode::Position, machine: &Machine) -> Result<gcode::Position, Box<Problem>> {
+    fn offset(&self, offset: &gcode::Pose, machine: &Machine) -> Result<gcode::Pose, Box<Problem>> {
         let scaled = self.frame.scaled(offset);
         let shifts = machine.machine.kinematics.axes(&scaled).map(Position::from_mm);
         let lacks = |axis: &Axis| !machine.axis.contains_key(axis) && shifts[axis.index()] != Position(0);

@@ -13,9 +13,9 @@ use crate::reach::{Done, home, letter, within_travel};
 pub(crate) struct Points {
     kinematics: Kinematics,
     /// Where the last move was to go, whether or not it can.
-    asked: gcode::Position,
-    programmed: gcode::Position,
-    rest: gcode::Position,
+    asked: gcode::Pose,
+    programmed: gcode::Pose,
+    rest: gcode::Pose,
     after_thread: bool,
 }
 
@@ -28,12 +28,12 @@ impl Points {
     }
 
     /// The programmed point.
-    pub(crate) fn programmed(&self) -> &gcode::Position {
+    pub(crate) fn programmed(&self) -> &gcode::Pose {
         &self.programmed
     }
 
     /// Where the axes rest; differs from the programmed point after a pass that ran beyond it.
-    pub(crate) fn rest(&self) -> &gcode::Position {
+    pub(crate) fn rest(&self) -> &gcode::Pose {
         &self.rest
     }
 
@@ -43,7 +43,7 @@ impl Points {
     }
 
     /// Where the axes stand for a point of the machine, as the wire carries it.
-    pub(crate) fn axes(&self, point: &gcode::Position) -> PerAxis<Position> {
+    pub(crate) fn axes(&self, point: &gcode::Pose) -> PerAxis<Position> {
         self.kinematics.axes(point).map(Position::from_mm)
     }
 
@@ -58,13 +58,13 @@ impl Points {
     }
 
     /// Whether the axes rest at a point.
-    pub(crate) fn rests_at(&self, point: &gcode::Position) -> bool {
+    pub(crate) fn rests_at(&self, point: &gcode::Pose) -> bool {
         self.axes(point) == self.axes_at_rest()
     }
 
     /// Notes where a move is to go, and refuses it if that lies outside the travel. What has been refused before is not
     /// refused again before it changes.
-    pub(crate) fn target(&mut self, to: gcode::Position, machine: &Machine) -> Done {
+    pub(crate) fn target(&mut self, to: gcode::Pose, machine: &Machine) -> Done {
         let before = std::mem::replace(&mut self.asked, to);
         let (before, axes) = (self.kinematics.axes(&before), self.kinematics.axes(&to));
         // First the axes that there are not: travel matters less.
@@ -89,17 +89,17 @@ impl Points {
     }
 
     /// The program is at a point now, by timed motion; the axes get there with the items of the move.
-    pub(crate) fn program_goes_to(&mut self, point: gcode::Position) {
+    pub(crate) fn program_goes_to(&mut self, point: gcode::Pose) {
         (self.programmed, self.after_thread) = (point, false);
     }
 
     /// The program is at a point now, by synchronised motion.
-    pub(crate) fn thread_goes_to(&mut self, point: gcode::Position) {
+    pub(crate) fn thread_goes_to(&mut self, point: gcode::Pose) {
         (self.programmed, self.after_thread) = (point, true);
     }
 
     /// The axes rest at a point now.
-    pub(crate) fn axes_go_to(&mut self, point: gcode::Position) {
+    pub(crate) fn axes_go_to(&mut self, point: gcode::Pose) {
         self.rest = point;
     }
 

@@ -18,7 +18,7 @@ pub(crate) fn plane_of(machine: &Machine) -> Plane {
 }
 
 /// The point at which the axes are at home.
-pub(crate) fn home(machine: &Machine) -> gcode::Position {
+pub(crate) fn home(machine: &Machine) -> gcode::Pose {
     let mut axes = [0.0; AXES];
     machine.axes().for_each(|(axis, config)| axes[axis.index()] = config.home_mm);
     machine.machine.kinematics.point(&axes)

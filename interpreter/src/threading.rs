@@ -180,7 +180,7 @@ pub(crate) fn no_retract(line: u32) -> Box<Problem> {
 }
 
 /// Where X goes if a rapid to `to` moves X alone, within its travel: it is the retract of a G33 then.
-pub(crate) fn retract(from: &gcode::Position, to: &gcode::Position, machine: &Machine) -> Option<f64> {
+pub(crate) fn retract(from: &gcode::Pose, to: &gcode::Pose, machine: &Machine) -> Option<f64> {
     let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
     let only_x = (0..to.len()).all(|coordinate| stays(coordinate) != (coordinate == X))
         && within_travel(machine, Axis::X, to[X], Blame::Block).is_ok();
@@ -189,7 +189,7 @@ pub(crate) fn retract(from: &gcode::Position, to: &gcode::Position, machine: &Ma
 
 /// G33: one pass along the path to the target.
 pub(crate) fn single(
-    target: &gcode::Position,
+    target: &gcode::Pose,
     synchronised: &Synchronised,
     points: &Points,
     spindle: &Spindle,
@@ -284,12 +284,12 @@ pub(crate) fn coarse_encoder(line: u32, lead_mm: f64, machine: &Machine) -> Opti
 }
 
 /// X and Z of a point.
-fn in_plane(point: &gcode::Position) -> Point {
+fn in_plane(point: &gcode::Pose) -> Point {
     Point { x: point[X], z: point[Z] }
 }
 
 /// A point with other X and Z.
-pub(crate) fn in_plane_of(point: &gcode::Position, Point { x, z }: Point) -> gcode::Position {
+pub(crate) fn in_plane_of(point: &gcode::Pose, Point { x, z }: Point) -> gcode::Pose {
     let mut moved = *point;
     (moved[X], moved[Z]) = (x, z);
     moved
@@ -307,6 +307,6 @@ fn check_lead(mm: f64, letter: char) -> Done {
 }
 
 /// Whether two points are so far apart in X or Z that a move between them is worth making.
-pub(crate) fn is_apart(one: &gcode::Position, other: &gcode::Position) -> bool {
+pub(crate) fn is_apart(one: &gcode::Pose, other: &gcode::Pose) -> bool {
     (one[Z] - other[Z]).abs().max((one[X] - other[X]).abs()) > ROUNDING
 }

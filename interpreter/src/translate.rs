@@ -6,7 +6,7 @@
 use gcode::canon::{self, ThreadCycle, Turn};
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
-use gcode::{Call, Place, Problem, Sink, job};
+use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, ThreadPass};
 
 use crate::arc;
@@ -46,8 +46,11 @@ impl Sink for Translator {
         Ok(())
     }
 
-    fn after_job(&self) -> Option<gcode::Position> {
-        Some(self.modal.frame.programmed(self.points.programmed()))
+    fn job(&mut self, place: Place, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
+        self.output.comes_from(place);
+        self.release(None);
+        self.take_job(place, job, tools);
+        Ok(Some(self.modal.frame.programmed(self.points.programmed())))
     }
 }
 
@@ -185,7 +188,6 @@ impl Translator {
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
             Call::ArcFeed(arc) => self.arc(line, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
-            Call::Job(job, tools) => self.job(place, job, tools),
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,
             Call::SetSpindleSpeed(s) => self.spindle.set_speed(s, self.modal.frame.unit, machine)?,
@@ -225,7 +227,7 @@ impl Translator {
     }
 
     /// G0, G1, and the moves of canned cycles.
-    fn straight(&mut self, place: Place, to: &gcode::Position, rapid: bool) -> Done {
+    fn straight(&mut self, place: Place, to: &Pose, rapid: bool) -> Done {
         let target = self.modal.frame.machine(to);
         self.points.target(target, &self.machine)?;
         if let (false, Some(synchronised)) = (rapid, self.modal.synchronised) {
@@ -249,7 +251,7 @@ impl Translator {
     }
 
     /// A line, unless the axes rest there already.
-    fn line_to(&mut self, line: u32, target: gcode::Position, feed: Feed) {
+    fn line_to(&mut self, line: u32, target: Pose, feed: Feed) {
         if !self.points.rests_at(&target) {
             self.push(line, Code::Line { target: self.points.axes(&target), feed });
             self.points.axes_go_to(target);
@@ -279,7 +281,7 @@ impl Translator {
     }
 
     /// G33: it is planned when the next move is known.
-    fn thread_move(&mut self, place: Place, target: &gcode::Position, synchronised: &Synchronised) -> Done {
+    fn thread_move(&mut self, place: Place, target: &Pose, synchronised: &Synchronised) -> Done {
         let single = threading::single(target, synchronised, &self.points, &self.spindle, &self.machine)?;
         self.warn_of_encoder(place, synchronised.lead_mm);
         self.points.thread_goes_to(*target);
@@ -337,7 +339,7 @@ impl Translator {
     }
 
     /// A job: what its file sets, moves to the work, the work, moves away.
-    fn job(&mut self, place: Place, source: &job::Job, tools: &ToolTable) {
+    fn take_job(&mut self, place: Place, source: &Job, tools: &ToolTable) {
         let in_force = InForce {
             machine: &self.machine,
             frame: &self.modal.frame,

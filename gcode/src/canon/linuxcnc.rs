@@ -10,7 +10,7 @@
 use std::io::{self, Write};
 
 use super::printer::Lines;
-use super::{Arc, Call, FeedMode, PathMode, Place, Position, Sink};
+use super::{Arc, Call, FeedMode, PathMode, Place, Pose, Sink};
 use crate::files::Tool;
 use crate::problem::Problem;
 
@@ -57,7 +57,7 @@ impl<W: Write> LinuxcncPrinter<W> {
         (own.max(digits)..6).for_each(|_| self.lines.text(" "));
     }
 
-    fn position(&mut self, name: &str, position: &Position) {
+    fn position(&mut self, name: &str, position: &Pose) {
         self.lines.text(name);
         let (lengths, angles) = position.split_at(3);
         self.lines.fours(lengths, ", ");
@@ -93,7 +93,7 @@ impl<W: Write> LinuxcncPrinter<W> {
     }
 
     /// Nine offsets in three groups; `between` parts the groups.
-    fn nine(&mut self, offset: &Position, uvw: &[f64; 3], between: &str) {
+    fn nine(&mut self, offset: &Pose, uvw: &[f64; 3], between: &str) {
         let (lengths, angles) = offset.split_at(3);
         self.lines.fours(lengths, " ");
         self.lines.text(between);
@@ -178,9 +178,6 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
         match call {
             Call::WaitInput { .. } | Call::MoveByHand => return Ok(()),
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.call(place, call)),
-            Call::Job(job, _) => {
-                return job.comments(|line, text| self.call(Place { line, ..place }, Call::Comment(text)));
-            }
             Call::Print(text) => {
                 self.lines.text(text);
                 return self.lines.end();

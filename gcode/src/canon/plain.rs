@@ -12,9 +12,8 @@
 use std::io::{self, Write};
 
 use super::printer::Lines;
-use super::{Arc, Call, FeedMode, PathMode, Place, Plane, Position, Sink, Units};
-use crate::files::Tool;
-use crate::job::Job;
+use super::{Arc, Call, FeedMode, Job, PathMode, Place, Plane, Pose, Sink, Units};
+use crate::files::{Tool, ToolTable};
 use crate::problem::Problem;
 
 /// m/min in one ft/min.
@@ -35,8 +34,8 @@ pub struct PlainPrinter<W: Write> {
     feed_mode: FeedMode,
     plane: Plane,
     /// Coordinate system in force and its offset, that of G92, and the rotation.
-    system: (u8, Position),
-    g92: Position,
+    system: (u8, Pose),
+    g92: Pose,
     rotation: f64,
 }
 
@@ -94,7 +93,7 @@ impl<W: Write> PlainPrinter<W> {
         }
     }
 
-    fn in_mm(&self, position: &Position) -> Position {
+    fn in_mm(&self, position: &Pose) -> Pose {
         let [x, y, z, a, b, c] = *position;
         [x * self.mm, y * self.mm, z * self.mm, a, b, c]
     }
@@ -108,7 +107,7 @@ impl<W: Write> PlainPrinter<W> {
     }
 
     /// The rest of a call behind its name and, for offsets, the number of the system.
-    fn position(&mut self, begin: &str, position: &Position) {
+    fn position(&mut self, begin: &str, position: &Pose) {
         let position = self.in_mm(position);
         self.lines.text(begin);
         self.rotary |= position.iter().skip(3).any(|angle| *angle != 0.0);
@@ -155,14 +154,6 @@ impl<W: Write> PlainPrinter<W> {
         self.lines.text(", ");
         self.lines.four(value);
         self.lines.text(")");
-    }
-
-    /// A line for each that the job has.
-    fn job(&mut self, job: &Job) -> Result<(), Box<Problem>> {
-        job.lines().try_for_each(|line| {
-            self.lines.quoted("JOB", line);
-            self.lines.end()
-        })
     }
 
     fn wait_input(&mut self, index: u32, analog: bool, wait: u8, timeout: f64) {
@@ -226,21 +217,36 @@ impl<W: Write> Sink for PlainPrinter<W> {
     fn call(&mut self, _: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
         self.print(call)
     }
+
+    /// A line for each that the job has.
+    fn job(&mut self, _: Place, job: &Job, _: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
+        self.begin()?;
+        for line in job.lines() {
+            self.lines.quoted("JOB", line);
+            self.lines.end()?;
+        }
+        Ok(None)
+    }
 }
 
 impl<W: Write> PlainPrinter<W> {
-    fn print(&mut self, call: Call<'_>) -> Result<(), Box<Problem>> {
-        if !self.begun {
-            self.begun = true;
-            self.lines.text("USE_LENGTH_UNITS(CANON_UNITS_MM)");
-            self.lines.end()?;
+    /// The first line, before anything else.
+    fn begin(&mut self) -> Result<(), Box<Problem>> {
+        if self.begun {
+            return Ok(());
         }
+        self.begun = true;
+        self.lines.text("USE_LENGTH_UNITS(CANON_UNITS_MM)");
+        self.lines.end()
+    }
+
+    fn print(&mut self, call: Call<'_>) -> Result<(), Box<Problem>> {
+        self.begin()?;
         if !self.is_news(&call) {
             return Ok(());
         }
         match call {
             Call::ThreadCycle(cycle) => return cycle.expand(&mut |call| self.print(call)),
-            Call::Job(job, _) => return self.job(job),
             Call::StraightFeed(end) => self.position("STRAIGHT_FEED(", &end),
             Call::StraightTraverse(end) => self.position("STRAIGHT_TRAVERSE(", &end),
             Call::ArcFeed(arc) => self.arc(&arc),

@@ -14,7 +14,7 @@
 
 use std::iter::{repeat_n, successors};
 
-use super::{Call, Position, X, Z};
+use super::{Call, Pose, X, Z};
 
 /// How the depth grows from pass to pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub struct Degression {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadCycle {
     /// Where the tool stands: X is the drive line.
-    pub from: super::Position,
+    pub from: super::Pose,
     /// Z of the end of the full depth thread.
     pub end_z: f64,
     /// X at the end minus X at the start of the thread: a tapered thread; 0 for a straight one.
@@ -130,12 +130,12 @@ impl ThreadCycle {
     }
 
     /// `infeed` away from the drive line.
-    fn point(&self, infeed: f64, z: f64) -> Position {
+    fn point(&self, infeed: f64, z: f64) -> Pose {
         self.clear(infeed, 0.0, z)
     }
 
     /// `infeed` away from the drive line, and `back` towards it.
-    fn clear(&self, infeed: f64, back: f64, z: f64) -> Position {
+    fn clear(&self, infeed: f64, back: f64, z: f64) -> Pose {
         let outwards = if self.crest > 0.0 { 1.0 } else { -1.0 };
         let mut point = self.from;
         point[X] = point[X] + outwards * infeed - outwards * back;

@@ -16,12 +16,12 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use crate::block::{AXES, Block};
-use crate::canon::{A, Arc, B, C, Call, Plane, Position, Units};
+use crate::canon::{A, Arc, B, C, Call, Plane, Pose, Units};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
-use super::{Done, Output, compensation, feed, integer, straight};
+use super::{Done, Output, compensation, feed, straight};
 
 /// What an arc may be too short by, mm.
 const RADIUS_TOLERANCE: f64 = 0.00005 * 25.4;
@@ -39,18 +39,18 @@ pub(super) fn arc(code: G, block: &Block, state: &mut State, out: &mut Output) -
     compensation::arc_allowed(block, state)?;
     feed::ready(block, state)?;
     let arc = programmed(code, block, state, out)?;
-    let plane = state.plane;
+    let plane = state.modes.plane;
     feed::inverse_time(|from| length(&arc, plane, from), block, state, out)?;
     if state.compensation.is_on() {
         return compensation::arc(arc, block, state, out);
     }
     out.call(Call::ArcFeed(arc))?;
-    state.position = end(&arc, state.plane);
+    state.axes.position = end(&arc, state.modes.plane);
     Ok(())
 }
 
 /// Where an arc ends.
-fn end(arc: &Arc, plane: Plane) -> Position {
+fn end(arc: &Arc, plane: Plane) -> Pose {
     let (first, second, along) = plane.axes();
     let mut end = [0.0; 6];
     [end[first], end[second], end[along]] = [arc.end[0], arc.end[1], arc.along];
@@ -60,7 +60,7 @@ fn end(arc: &Arc, plane: Plane) -> Position {
 
 /// The arc as it is programmed, from the programmed point.
 fn programmed(code: G, block: &Block, state: &State, out: &mut Output) -> Result<Arc, Box<Problem>> {
-    let (first, second, along) = state.plane.axes();
+    let (first, second, along) = state.modes.plane.axes();
     let by_center = CENTERS.into_iter().any(|letter| block.has(letter));
     match (by_center, block.has('R')) {
         (false, false) => {
@@ -76,7 +76,8 @@ fn programmed(code: G, block: &Block, state: &State, out: &mut Output) -> Result
     }
     let turns = turns(block)?;
     let target = straight::target(block, state)?;
-    let (start, end) = ([state.position[first], state.position[second]], [target[first], target[second]]);
+    let (start, end) =
+        ([state.axes.position[first], state.axes.position[second]], [target[first], target[second]]);
     let center = if by_center {
         let center = center_of_words(code, block, state)?;
         check_radii(start, center, end, block, state, out)?;
@@ -91,7 +92,7 @@ fn programmed(code: G, block: &Block, state: &State, out: &mut Output) -> Result
 /// P.
 fn turns(block: &Block) -> Result<i32, Box<Problem>> {
     let Some(value) = block.get('P') else { return Ok(1) };
-    let turns = integer(block, 'P').filter(|turns| (1..=i64::from(i32::MAX)).contains(turns));
+    let turns = block.integer('P').filter(|turns| (1..=i64::from(i32::MAX)).contains(turns));
     turns.and_then(|turns| i32::try_from(turns).ok()).ok_or_else(|| {
         let message = format!("P{} is no number of turns", short(value));
         Problem::error(
@@ -105,19 +106,19 @@ fn turns(block: &Block) -> Result<i32, Box<Problem>> {
 
 /// The centre that I, J, K name.
 fn center_of_words(code: G, block: &Block, state: &State) -> Result<[f64; 2], Box<Problem>> {
-    let (first, second, along) = state.plane.axes();
+    let (first, second, along) = state.modes.plane.axes();
     if block.has(CENTERS[along]) {
         let letter = CENTERS[along];
-        let message = format!("{letter} is no centre of an arc in the plane {}", name(state.plane));
+        let message = format!("{letter} is no centre of an arc in the plane {}", name(state.modes.plane));
         let help = format!("use {} and {}, or select another plane", CENTERS[first], CENTERS[second]);
         return Err(Problem::error("unused-word", Blame::Word(letter), message, help));
     }
     let mut center = [0.0; 2];
     for (value, axis) in center.iter_mut().zip([first, second]) {
         let word = block.get(CENTERS[axis]);
-        *value = match (word, state.absolute_centers) {
+        *value = match (word, state.modes.absolute_centers) {
             (Some(word), true) => word,
-            (word, false) => state.position[axis] + word.unwrap_or(0.0),
+            (word, false) => state.axes.position[axis] + word.unwrap_or(0.0),
             (None, true) => {
                 let message = format!("{code} lacks {}: with G90.1 the centre is a point", CENTERS[axis]);
                 return Err(Problem::error("missing-word", Blame::G(code), message, "add it, or use G91.1"));
@@ -145,12 +146,12 @@ fn check_radii(
         return Err(Problem::error("arc-radius", blame, message, "put the centre away from both"));
     }
     let miss = (r1 - r2).abs();
-    let tolerance = match state.units {
+    let tolerance = match state.units.program() {
         Units::Millimetre => 2.0 * 0.01 * SQRT_2,
         Units::Inch => 2.0 * 0.001 * SQRT_2,
     };
     let message = || {
-        let [start, end, center] = [start, end, center].map(|point| at(point, state.plane));
+        let [start, end, center] = [start, end, center].map(|point| at(point, state.modes.plane));
         let [r1, r2, miss] = [r1, r2, miss].map(short);
         format!(
             "the centre {center} is {r1} from the start {start} and {r2} from the end {end}: {miss} off the circle"
@@ -177,11 +178,11 @@ fn center_of_radius(
     let radius = block.get('R').unwrap_or(0.0);
     let refuse =
         |message: String, help: &str| Err(Problem::error("arc-radius", Blame::Word('R'), message, help));
-    let (first, second, _) = state.plane.axes();
+    let (first, second, _) = state.modes.plane.axes();
     if start == end {
         let message = format!(
             "the arc ends where it starts, {}: R{} names no circle",
-            at(end, state.plane),
+            at(end, state.modes.plane),
             short(radius)
         );
         return refuse(message, "give the centre for a full circle, or another end");
@@ -204,7 +205,7 @@ fn center_of_radius(
 }
 
 /// Equation 4.
-fn length(arc: &Arc, plane: Plane, start: &Position) -> f64 {
+fn length(arc: &Arc, plane: Plane, start: &Pose) -> f64 {
     let (first, second, along) = plane.axes();
     let from = [start[first], start[second]];
     let way = distance(arc.center, from) * sweep(arc, from);

@@ -9,8 +9,8 @@ use crate::codes::{G, M, group, m_group};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
+use super::Done;
 use super::words::{self, AXES, CYCLES, POLAR, Words};
-use super::{Done, integer};
 
 /// Words that a block may always have: F, S, T, and the $ of S.
 const ALWAYS: u32 = letter_bit('F') | letter_bit('S') | letter_bit('T');
@@ -41,15 +41,15 @@ fn motion(block: &Block, state: &State) -> Result<Option<G>, Box<Problem>> {
     }
     let taken = axis_user(block).is_some();
     if block.present() & (AXES | POLAR) == 0 {
-        let arc = matches!(state.motion, Some(G(20 | 30)));
+        let arc = matches!(state.modes.motion, Some(G(20 | 30)));
         let center = ['I', 'J', 'K'].into_iter().any(|letter| block.has(letter));
-        return Ok(state.motion.filter(|_| arc && center && !taken));
+        return Ok(state.modes.motion.filter(|_| arc && center && !taken));
     }
     if taken {
         return Ok(None);
     }
     let letter = letters_of(block.present() & (AXES | POLAR)).next().unwrap_or('X');
-    match state.motion {
+    match state.modes.motion {
         Some(code) => Ok(Some(code)),
         None => {
             let message = format!("{letter} moves nothing: no motion code is in force");
@@ -153,7 +153,7 @@ fn values(block: &Block) -> Done {
 /// G10 L P.
 fn ten(block: &Block) -> Done {
     let lengths = ['X', 'Y', 'Z', 'A', 'B', 'C'];
-    let (letters, least, greatest): (&[char], f64, f64) = match integer(block, 'L') {
+    let (letters, least, greatest): (&[char], f64, f64) = match block.integer('L') {
         Some(1) => (&['R', 'I', 'J', 'Q'], 1.0, 1e9),
         Some(10 | 11) => (&['R', 'I', 'J', 'Q'], 1.0, 1e9),
         Some(2) => (&['R'], 0.0, 9.0),
@@ -199,7 +199,7 @@ fn ten(block: &Block) -> Done {
 }
 
 fn whole(block: &Block, letter: char) -> Done {
-    match (block.get(letter), integer(block, letter)) {
+    match (block.get(letter), block.integer(letter)) {
         (Some(_), None) => Err(bad(block, letter, "give a whole number")),
         _ => Ok(()),
     }
@@ -250,7 +250,7 @@ fn machine_coordinates(block: &Block, motion: Option<G>, state: &State) -> Done 
         let message = "G53 needs a straight move: neither G0 nor G1 is executed in this block";
         return Err(Problem::error("missing-word", blame, message, "add G0 or G1 and axis words"));
     }
-    let incremental = block.g(group::DISTANCE).map_or(state.incremental, |code| code == G(910));
+    let incremental = block.g(group::DISTANCE).map_or(state.modes.incremental, |code| code == G(910));
     if incremental {
         let message = "G53 names points of the machine, G91 distances";
         return Err(Problem::error("modal-group", blame, message, "switch to G90 first"));

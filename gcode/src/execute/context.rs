@@ -4,63 +4,19 @@
 
 use crate::block::Block;
 use crate::canon::{FeedMode, PathMode, Plane, Turn, Units};
-use crate::codes::{G, M, g_group, group, m_group};
+use crate::codes::{G, M, g_group, group, m_group, system_code};
 use crate::problem::{Blame, Problem, Span};
-use crate::state::{G92_APPLIED, Overrides, Spindle, State};
+use crate::state::{Context, G92_APPLIED, Saved, State};
 
 use super::{Done, Output, execute};
 
-/// What M70 and M73 saved, by level of subroutine calls.
-#[derive(Clone, Debug, Default)]
-pub struct Contexts {
-    levels: Vec<Context>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Context {
-    saved: Option<Saved>,
-    /// M73: restored by the return.
-    on_return: bool,
-}
-
-/// The modes that M70 saves. Motion code, position and offsets are not among them.
-#[derive(Clone, Copy, Debug)]
-struct Saved {
-    feed: f64,
-    spindle: Spindle,
-    path: PathMode,
-    naivecam: f64,
-    naivecam_programmed: bool,
-    mist: bool,
-    flood: bool,
-    overrides: Overrides,
-    g: [G; 12],
-}
-
-impl Saved {
-    fn of(state: &State) -> Saved {
-        Saved {
-            feed: state.feed,
-            spindle: state.spindle,
-            path: state.path,
-            naivecam: state.naivecam,
-            naivecam_programmed: state.naivecam_programmed,
-            mist: state.mist,
-            flood: state.flood,
-            overrides: state.overrides,
-            g: g_codes_of(state),
-        }
-    }
-}
-
 /// M70 saves, M71 forgets, M72 restores, M73 saves and has the return restore.
 pub(super) fn save_or_restore(code: M, state: &mut State, out: &mut Output) -> Done {
-    let level = state.call_level as usize;
-    let context = at_level(state, level);
+    let level = state.progress.call_level;
     match code.0 {
-        71 => *context = Context::default(),
+        71 => state.contexts.set(level, Context::default()),
         72 => {
-            let Some(saved) = context.saved else {
+            let Some(saved) = state.contexts.at(level).copied() else {
                 let message = "M72 has nothing to restore: nothing was saved in this subroutine";
                 return Err(Problem::error(
                     "nothing-saved",
@@ -82,37 +38,35 @@ pub(super) fn save_or_restore(code: M, state: &mut State, out: &mut Output) -> D
                     "use M70, and M72 to restore",
                 ));
             }
-            let saved = Saved::of(state);
-            *at_level(state, level) = Context { saved: Some(saved), on_return: on_return && level > 0 };
+            let context = Context { saved: Some(saved(state)), on_return: on_return && level > 0 };
+            state.contexts.set(level, context);
         }
     }
     Ok(())
 }
 
-fn at_level(state: &mut State, level: usize) -> &mut Context {
-    let levels = &mut state.contexts.levels;
-    if levels.len() <= level {
-        levels.resize(level + 1, Context::default());
+fn saved(state: &State) -> Saved {
+    Saved {
+        feed: state.modes.feed,
+        spindle: state.spindle,
+        path: state.modes.path,
+        coolant: state.coolant,
+        overrides: state.overrides,
+        g: g_codes_of(state),
     }
-    &mut levels[level]
 }
 
-/// A subroutine has been entered; [`State::call_level`] is its level.
+/// A subroutine has been entered, which made `call_level` its level.
 pub(crate) fn on_call(state: &mut State) {
-    let level = state.call_level as usize;
-    if let Some(context) = state.contexts.levels.get_mut(level) {
-        *context = Context::default();
-    }
+    state.contexts.take(state.progress.call_level);
 }
 
-/// A subroutine is left; [`State::call_level`] is still its level.
+/// A subroutine is left; `call_level` is still its level.
 ///
 /// # Errors
 /// A saved mode cannot be restored.
 pub(crate) fn on_return(state: &mut State, out: &mut Output) -> Done {
-    let level = state.call_level as usize;
-    let Some(context) = state.contexts.levels.get_mut(level) else { return Ok(()) };
-    match std::mem::take(context) {
+    match state.contexts.take(state.progress.call_level) {
         Context { saved: Some(saved), on_return: true } => restore(&saved, state, out),
         _ => Ok(()),
     }
@@ -122,35 +76,27 @@ pub(crate) fn on_return(state: &mut State, out: &mut Output) -> Done {
 fn g_codes_of(state: &State) -> [G; 12] {
     let pick = |first: bool, codes: [u16; 2]| G(codes[usize::from(!first)]);
     [
-        G(match state.plane {
+        G(match state.modes.plane {
             Plane::Xy => 170,
             Plane::Xz => 180,
             Plane::Yz => 190,
         }),
         state.compensation.code(),
-        pick(state.units == Units::Inch, [200, 210]),
-        pick(state.incremental, [910, 900]),
-        G(match state.feed_mode {
+        pick(state.units.program() == Units::Inch, [200, 210]),
+        pick(state.modes.incremental, [910, 900]),
+        G(match state.modes.feed_mode {
             FeedMode::InverseTime => 930,
             FeedMode::PerMinute => 940,
             FeedMode::PerRevolution => 950,
         }),
-        system_code(state.system),
-        pick(state.tool_offset == [0.0; 6], [490, 430]),
-        pick(state.retract_to_start, [980, 990]),
+        system_code(state.axes.system()),
+        pick(state.axes.tool_offset() == [0.0; 6], [490, 430]),
+        pick(state.modes.retract_to_start, [980, 990]),
         pick(state.spindle.constant_surface.is_some(), [960, 970]),
-        pick(state.absolute_centers, [901, 911]),
-        pick(state.diameter, [70, 80]),
+        pick(state.modes.absolute_centers, [901, 911]),
+        pick(state.modes.diameter, [70, 80]),
         pick(state.parameter(G92_APPLIED) != 0.0, [923, 922]),
     ]
-}
-
-/// G54 to G59.3.
-pub(super) fn system_code(system: u8) -> G {
-    match u16::from(system) {
-        system @ 1..=6 => G(530 + 10 * system),
-        system => G(584 + system),
-    }
 }
 
 /// The M codes, some with P, that bring spindle, coolant and overrides back.
@@ -164,14 +110,14 @@ fn m_codes_for(saved: &Saved, state: &State) -> Vec<(M, Option<bool>)> {
         };
         codes.push((code, None));
     }
-    let off = state.mist && !saved.mist || state.flood && !saved.flood;
+    let off = state.coolant.mist && !saved.coolant.mist || state.coolant.flood && !saved.coolant.flood;
     if off {
         codes.push((M(9), None));
     }
-    if saved.mist && (off || !state.mist) {
+    if saved.coolant.mist && (off || !state.coolant.mist) {
         codes.push((M(7), None));
     }
-    if saved.flood && (off || !state.flood) {
+    if saved.coolant.flood && (off || !state.coolant.flood) {
         codes.push((M(8), None));
     }
     let (then, now) = (saved.overrides, state.overrides);
@@ -231,22 +177,23 @@ fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
     if let (Some(G(960)), Some(highest)) = (mode, saved.spindle.constant_surface) {
         block.add('D', highest, nowhere)?;
     }
-    let changed = saved.path != state.path || saved.naivecam != state.naivecam;
+    let changed =
+        saved.path.mode != state.modes.path.mode || saved.path.naivecam != state.modes.path.naivecam;
     if !changed && state.compensation.is_on() {
         return Ok(());
     }
-    let path = match saved.path {
+    let path = match saved.path.mode {
         PathMode::ExactPath => G(610),
         PathMode::ExactStop => G(611),
         PathMode::Continuous(tolerance) => {
             block.add('P', tolerance, nowhere)?;
-            if saved.naivecam_programmed {
-                block.add('Q', saved.naivecam, nowhere)?;
+            if saved.path.naivecam_programmed {
+                block.add('Q', saved.path.naivecam, nowhere)?;
             }
             G(640)
         }
     };
-    if path == G(640) || saved.path != state.path {
+    if path == G(640) || saved.path.mode != state.modes.path.mode {
         block.add_g(group::PATH, path, nowhere)?;
     }
     Ok(())

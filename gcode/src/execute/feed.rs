@@ -3,7 +3,7 @@
 //! In: a block and the state. Out: nothing, or the feed in units per minute of a move that is to take `1/F` minutes.
 
 use crate::block::Block;
-use crate::canon::{Call, FeedMode, Position};
+use crate::canon::{Call, FeedMode, Pose};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
@@ -14,7 +14,7 @@ use super::{Done, Output};
 /// # Errors
 /// No F, no F greater than 0 in this block (G93), no S (G95).
 pub(super) fn ready(block: &Block, state: &State) -> Done {
-    match state.feed_mode {
+    match state.modes.feed_mode {
         FeedMode::InverseTime if !block.has('F') => {
             let message = "under G93 every block that cuts needs an F of its own";
             let help = "add F: one divided by the minutes that the move takes; or return to G94";
@@ -27,7 +27,7 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
             }
             _ => Ok(()),
         },
-        _ if state.feed == 0.0 => {
+        _ if state.modes.feed == 0.0 => {
             let message = "there is no feed for a move that cuts";
             let help = "program F in this block or before; G94 and G95 forget the F before them";
             Err(Problem::error("no-feed", Blame::Block, message, help))
@@ -42,15 +42,15 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
 
 /// Under G93, sends the feed of a move, whose `length` from the programmed point on is asked for only then.
 pub(super) fn inverse_time(
-    length: impl FnOnce(&Position) -> f64,
+    length: impl FnOnce(&Pose) -> f64,
     block: &Block,
     state: &mut State,
     out: &mut Output,
 ) -> Done {
-    if state.feed_mode != FeedMode::InverseTime {
+    if state.modes.feed_mode != FeedMode::InverseTime {
         return Ok(());
     }
-    let feed = length(&state.position) * block.get('F').unwrap_or(0.0);
-    state.feed = feed;
+    let feed = length(&state.axes.position) * block.get('F').unwrap_or(0.0);
+    state.modes.feed = feed;
     out.call(Call::SetFeedRate(feed))
 }

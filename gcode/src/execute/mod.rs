@@ -12,7 +12,6 @@
 //! | `modes.rs`, `context.rs` | planes, units, distance, feed, path, retract modes; M70 to M73 |
 //! | `spindle.rs`, `tool.rs`, `outputs.rs` | S M3-M5 M19 G96 G97; T M6 M61 G43 G49 G10 L1; coolant, M48-M53, M62-M68 |
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
-//! | `system.rs` | parameters that tell the state (#5400.., #<_x>, ...) |
 //! | `straight.rs`, `arc.rs`, `feed.rs` | G0 G1 G53 polar points; G2 G3; the F they need |
 //! | `threading.rs` | G33 G33.1 G76 |
 //! | `probe.rs` | G38.2 to G38.5 |
@@ -23,20 +22,21 @@
 
 mod arc;
 mod check;
-pub mod compensation;
-pub mod context;
+pub(crate) mod compensation;
+pub(crate) mod context;
 mod coordinates;
-pub mod cycles;
+mod cycles;
 mod feed;
+mod job;
+mod kind;
 mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
-pub mod roughing;
+pub(crate) mod roughing;
 mod spindle;
 mod stop;
 pub(crate) mod straight;
-pub(crate) mod system;
 pub(crate) mod threading;
 mod tool;
 mod words;
@@ -47,15 +47,17 @@ use crate::codes::{G, group, m_group};
 use crate::problem::{Blame, Problem};
 use crate::state::State;
 
+pub(crate) use job::job;
+pub(crate) use kind::Kind;
 pub(crate) use output::{Done, Output};
 pub(crate) use stop::finish;
 
 /// What a control says before the first block: units, offsets, feed reference.
 pub(crate) fn start(state: &State, out: &mut Output) -> Done {
-    out.call(Call::UseLengthUnits(state.units))?;
-    out.call(Call::SetG5xOffset(state.system, state.g5x))?;
-    out.call(Call::SetG92Offset(state.g92))?;
-    out.call(Call::SetXyRotation(state.rotation))?;
+    out.call(Call::UseLengthUnits(state.units.program()))?;
+    out.call(Call::SetG5xOffset(state.axes.system(), state.axes.g5x()))?;
+    out.call(Call::SetG92Offset(state.axes.g92()))?;
+    out.call(Call::SetXyRotation(state.axes.rotation()))?;
     out.call(Call::SetFeedReference)?;
     out.call(Call::OnReset)
 }
@@ -84,7 +86,7 @@ pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Don
     }
     if let Some(code) = motion {
         move_by(code, block, state, out)?;
-        state.unseen = [0.0; 6];
+        state.axes.moved();
     }
     if block.m(m_group::TOOL).is_some() {
         tool::after_change(state);
@@ -167,7 +169,7 @@ fn g_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
         }
     }
     match once {
-        Some(G(100)) if matches!(integer(block, 'L'), Some(1 | 10 | 11)) => {
+        Some(G(100)) if matches!(block.integer('L'), Some(1 | 10 | 11)) => {
             tool::set_entry(block, state, out)?
         }
         Some(G(100)) => coordinates::set_offset(block, state, out)?,
@@ -188,13 +190,13 @@ fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done 
         state.cycle.end();
     }
     if code == G(800) {
-        state.motion = None;
+        state.modes.motion = None;
         return out.call(Call::Note("motion mode set to none"));
     }
-    if state.feed_mode == FeedMode::PerRevolution && matches!(code.0, 10 | 20 | 30) {
+    if state.modes.feed_mode == FeedMode::PerRevolution && matches!(code.0, 10 | 20 | 30) {
         spindle::must_turn(code, state, out);
     }
-    state.motion = Some(code);
+    state.modes.motion = Some(code);
     run_motion(code, block, state, out)
 }
 
@@ -211,11 +213,4 @@ fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Do
             Err(Problem::error("not-available", Blame::G(code), message, "write the moves it stands for"))
         }
     }
-}
-
-/// The word of a letter as a whole number, if it is near one.
-pub(crate) fn integer(block: &Block, letter: char) -> Option<i64> {
-    let value = block.get(letter)?;
-    let rounded = value.round();
-    ((value - rounded).abs() < 1e-4 && rounded.abs() < 1e9).then_some(rounded as i64)
 }

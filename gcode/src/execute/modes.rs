@@ -4,7 +4,7 @@ use crate::block::Block;
 use crate::canon::{Call, FeedMode, PathMode, Plane, Units};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
-use crate::state::{State, scaled};
+use crate::state::State;
 
 use super::{Done, Output, check, compensation};
 
@@ -18,9 +18,9 @@ pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
     };
     out.call(Call::Note(note))?;
     out.call(Call::SetFeedMode(mode))?;
-    state.feed_mode = mode;
+    state.modes.feed_mode = mode;
     if mode != FeedMode::InverseTime {
-        state.feed = 0.0;
+        state.modes.feed = 0.0;
         out.call(Call::SetFeedRate(0.0))?;
     }
     Ok(())
@@ -29,7 +29,7 @@ pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
 /// F. Under G93 it belongs to the move of the block, which `motion` is if there is one.
 pub(super) fn feed(block: &Block, motion: Option<G>, state: &mut State, out: &mut Output) -> Done {
     let Some(feed) = block.get('F') else { return Ok(()) };
-    if state.feed_mode == FeedMode::InverseTime {
+    if state.modes.feed_mode == FeedMode::InverseTime {
         if matches!(motion, None | Some(G(0 | 800))) {
             let message = "F does nothing here: under G93 it is for the move of its block alone";
             let help = "write it into the block of the move";
@@ -41,7 +41,7 @@ pub(super) fn feed(block: &Block, motion: Option<G>, state: &mut State, out: &mu
         let message = format!("the feed F{} is negative", short(feed));
         return Err(Problem::error("bad-value", Blame::Word('F'), message, "give a feed greater than 0"));
     }
-    state.feed = feed;
+    state.modes.feed = feed;
     out.call(Call::SetFeedRate(feed))
 }
 
@@ -54,11 +54,11 @@ pub(super) fn set(code: G, block: &Block, state: &mut State, out: &mut Output) -
         610 | 611 | 640 => path(code, block, state, out),
         900 | 910 => {
             let notes = ["distance mode changed to absolute", "distance mode changed to incremental"];
-            switch(&mut state.incremental, code.0 == 910, notes, out)
+            switch(&mut state.modes.incremental, code.0 == 910, notes, out)
         }
         901 | 911 => {
             let notes = ["IJK distance mode changed to incremental", "IJK distance mode changed to absolute"];
-            switch(&mut state.absolute_centers, code.0 == 901, notes, out)
+            switch(&mut state.modes.absolute_centers, code.0 == 901, notes, out)
         }
         _ => retract(code, state, out),
     }
@@ -74,7 +74,7 @@ fn switch(mode: &mut bool, on: bool, notes: [&str; 2], out: &mut Output) -> Done
 
 fn diameter(on: bool, state: &mut State, out: &mut Output) -> Done {
     let notes = ["Lathe diameter mode changed to radius", "Lathe diameter mode changed to diameter"];
-    switch(&mut state.diameter, on, notes, out)
+    switch(&mut state.modes.diameter, on, notes, out)
 }
 
 fn plane(code: G, state: &mut State, out: &mut Output) -> Done {
@@ -87,36 +87,27 @@ fn plane(code: G, state: &mut State, out: &mut Output) -> Done {
             return Err(Problem::error("not-available", Blame::G(code), message, "use G17, G18 or G19"));
         }
     };
-    if plane != state.plane {
+    if plane != state.modes.plane {
         check::compensation_off(Blame::G(code), "change the plane", state)?;
     }
-    state.plane = plane;
+    state.modes.plane = plane;
     out.call(Call::SelectPlane(plane))
 }
 
 /// G20 and G21: positions and offsets keep their place.
 fn units(code: G, state: &mut State, out: &mut Output) -> Done {
     let units = if code.0 == 200 { Units::Inch } else { Units::Millimetre };
-    let factor = state.units.mm() / units.mm();
     out.call(Call::UseLengthUnits(units))?;
-    if units == state.units {
+    if units == state.units.program() {
         return Ok(());
     }
-    state.units = units;
-    for lengths in [&mut state.position, &mut state.g5x, &mut state.g92, &mut state.unseen] {
-        *lengths = scaled(lengths, factor);
-    }
+    let factor = state.units.change(units);
+    let whole = !state.settings.stand_alone;
+    state.axes.scale(factor, whole);
     compensation::scale(factor, state, out);
     state.cycle.scale(factor);
-    if !state.stand_alone {
-        state.tool_offset = scaled(&state.tool_offset, factor);
-        if state.feed_mode != FeedMode::InverseTime {
-            state.feed *= factor;
-        }
-        state.naivecam *= factor;
-        if let PathMode::Continuous(tolerance) = &mut state.path {
-            *tolerance *= factor;
-        }
+    if whole {
+        state.modes.scale(factor);
     }
     Ok(())
 }
@@ -130,11 +121,11 @@ fn path(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
         611 => PathMode::ExactStop,
         _ => PathMode::Continuous(given('P').unwrap_or(0.0)),
     };
-    state.path = mode;
+    state.modes.path.mode = mode;
     out.call(Call::SetMotionControlMode(mode))?;
     if let PathMode::Continuous(tolerance) = mode {
-        state.naivecam = given('Q').unwrap_or(tolerance);
-        state.naivecam_programmed = given('Q').is_some();
+        state.modes.path.naivecam = given('Q').unwrap_or(tolerance);
+        state.modes.path.naivecam_programmed = given('Q').is_some();
         out.call(merge(state))?;
     }
     Ok(())
@@ -142,13 +133,16 @@ fn path(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
 
 /// What is in force of G64 Q.
 pub(super) fn merge(state: &State) -> Call<'static> {
-    Call::SetNaivecamTolerance { tolerance: state.naivecam, programmed: state.naivecam_programmed }
+    Call::SetNaivecamTolerance {
+        tolerance: state.modes.path.naivecam,
+        programmed: state.modes.path.naivecam_programmed,
+    }
 }
 
 fn retract(code: G, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::G(code), "change the retract mode", state)?;
-    state.retract_to_start = code.0 == 980;
-    out.call(Call::Note(match state.retract_to_start {
+    state.modes.retract_to_start = code.0 == 980;
+    out.call(Call::Note(match state.modes.retract_to_start {
         true => "retract mode set to old_z",
         false => "retract mode set to r_plane",
     }))

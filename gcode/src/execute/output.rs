@@ -1,7 +1,8 @@
 //! Where calls and warnings of a block go.
 
 use super::compensation::Waiting;
-use crate::canon::{Call, Place, Position, Sink};
+use crate::canon::{Call, Job, Place, Pose, Sink};
+use crate::files::ToolTable;
 use crate::problem::Problem;
 
 /// What executing functions return.
@@ -36,9 +37,9 @@ impl<'a> Output<'a> {
         self.sink.call(self.place, call)
     }
 
-    /// Where the last job left the tool, see [`Sink::after_job`].
-    pub(crate) fn after_job(&self) -> Option<Position> {
-        self.sink.after_job()
+    /// Hands a job to the receiver; the answer is where the tool is behind it, see [`Sink::job`].
+    pub(crate) fn job(&mut self, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
+        self.sink.job(self.place, job, tools)
     }
 
     /// Sends all calls that wait. They keep the place of their blocks, but for N: that is what is read now.
@@ -54,5 +55,13 @@ impl<'a> Output<'a> {
     #[allow(clippy::boxed_local)] // problems travel boxed
     pub(crate) fn warn(&mut self, problem: Box<Problem>) {
         self.warnings.push(*problem);
+    }
+
+    /// Notes what the reader of a line has warned of.
+    #[inline]
+    pub(crate) fn warn_all(&mut self, warnings: &mut Vec<Problem>) {
+        if !warnings.is_empty() {
+            self.warnings.append(warnings);
+        }
     }
 }

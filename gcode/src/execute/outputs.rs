@@ -11,16 +11,16 @@ use super::{Done, Output, check};
 /// M7, M8, M9.
 pub(super) fn coolant(block: &Block, state: &mut State, out: &mut Output) -> Done {
     if block.m(m_group::MIST).is_some() {
-        state.mist = true;
+        state.coolant.mist = true;
         out.call(Call::MistOn)?;
     }
     match block.m(m_group::FLOOD) {
         Some(M(8)) => {
-            state.flood = true;
+            state.coolant.flood = true;
             out.call(Call::FloodOn)
         }
         Some(_) => {
-            (state.mist, state.flood) = (false, false);
+            (state.coolant.mist, state.coolant.flood) = (false, false);
             out.call(Call::MistOff)?;
             out.call(Call::FloodOff)
         }

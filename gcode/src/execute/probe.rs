@@ -25,14 +25,14 @@ pub(super) fn probe(code: G, block: &Block, state: &mut State, out: &mut Output)
     if state.compensation.is_on() {
         return refuse("not-available", "no probing while G41 or G42 is on", "switch it off with G40 before");
     }
-    if state.feed_mode == FeedMode::PerRevolution {
+    if state.modes.feed_mode == FeedMode::PerRevolution {
         return refuse("bad-value", "no probing with a feed per revolution (G95)", "select G94 and give F");
     }
-    if state.feed == 0.0 {
+    if state.modes.feed == 0.0 {
         return refuse("no-feed", "there is no feed to probe with", "program F in this block or before");
     }
     let target = straight::target(block, state)?;
-    if code.0.is_multiple_of(2) && target == state.position {
+    if code.0.is_multiple_of(2) && target == state.axes.position {
         return refuse("bad-value", "the tool stands at the end of the probing move", "move it away before");
     }
     out.call(Call::StraightProbe((code.0 % 10) as u8, target))?;
@@ -40,12 +40,12 @@ pub(super) fn probe(code: G, block: &Block, state: &mut State, out: &mut Output)
         state.set_parameter(index, value);
     }
     state.set_parameter(FOUND, 0.0);
-    let way = [X, Y, Z].map(|axis| state.position[axis] - target[axis]);
+    let way = [X, Y, Z].map(|axis| state.axes.position[axis] - target[axis]);
     let length = way.iter().map(|way| way * way).sum::<f64>().sqrt();
-    state.position = target;
+    state.axes.position = target;
     if length > 0.0 {
         for axis in [X, Y, Z] {
-            state.position[axis] += BACK / state.units.mm() * way[axis] / length;
+            state.axes.position[axis] += BACK / state.units.mm() * way[axis] / length;
         }
     }
     Ok(())

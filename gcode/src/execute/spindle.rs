@@ -73,7 +73,7 @@ fn begin(turn: Turn, code: M, state: &mut State, out: &mut Output) -> Done {
 /// Warns, once until the spindle is started, of a feed per revolution while it stands.
 pub(super) fn must_turn(code: G, state: &mut State, out: &mut Output) {
     let standing = state.spindle.turning.is_none();
-    if standing && !state.standing_feed {
+    if standing && !state.spindle.standing_feed {
         let message = format!("{code} feeds per revolution (G95), and the spindle does not turn");
         out.warn(Problem::warning(
             "spindle-not-turning",
@@ -82,16 +82,16 @@ pub(super) fn must_turn(code: G, state: &mut State, out: &mut Output) {
             "start it with M3 or M4 before",
         ));
     }
-    state.standing_feed = standing;
+    state.spindle.standing_feed = standing;
 }
 
 /// M19 R (angle, 0 if left out) P (direction) Q (time to wait). LinuxCNC's stand-alone interpreter sends nothing where
 /// both R and P are left out.
 fn orient(block: &Block, state: &mut State, out: &mut Output) -> Done {
     state.spindle.turning = None;
-    if !state.stand_alone || block.has('R') || block.has('P') {
+    if !state.settings.stand_alone || block.has('R') || block.has('P') {
         let direction = block.get('P').unwrap_or(0.0).round();
-        let angle = block.get('R').unwrap_or(0.0) + state.orient_offset;
+        let angle = block.get('R').unwrap_or(0.0) + state.settings.orient_offset;
         out.call(Call::OrientSpindle(angle % 360.0, direction as u8))?;
     }
     match block.get('Q') {

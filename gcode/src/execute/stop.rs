@@ -2,7 +2,7 @@
 
 use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M};
-use crate::state::{SYSTEM, State};
+use crate::state::{Compensation, SYSTEM, State};
 
 use super::{Done, Output, compensation, coordinates};
 
@@ -24,13 +24,13 @@ pub(super) fn stop(code: M, state: &mut State, out: &mut Output) -> Done {
 fn end(code: M, state: &mut State, out: &mut Output) -> Done {
     state.set_parameter(SYSTEM, 1.0);
     coordinates::enter(1, state);
-    out.call(Call::SetG5xOffset(1, state.g5x))?;
-    out.call(Call::SetXyRotation(state.rotation))?;
-    if state.plane != Plane::Xy {
-        state.plane = Plane::Xy;
+    out.call(Call::SetG5xOffset(1, state.axes.g5x()))?;
+    out.call(Call::SetXyRotation(state.axes.rotation()))?;
+    if state.modes.plane != Plane::Xy {
+        state.modes.plane = Plane::Xy;
         out.call(Call::SelectPlane(Plane::Xy))?;
     }
-    (state.incremental, state.feed_mode, state.feed) = (false, FeedMode::PerMinute, 0.0);
+    (state.modes.incremental, state.modes.feed_mode, state.modes.feed) = (false, FeedMode::PerMinute, 0.0);
     out.call(Call::SetFeedMode(FeedMode::PerMinute))?;
     out.call(Call::SetFeedRate(0.0))?;
     if !state.overrides.feed {
@@ -40,21 +40,21 @@ fn end(code: M, state: &mut State, out: &mut Output) -> Done {
         out.call(Call::EnableSpeedOverride(true))?;
     }
     (state.overrides.feed, state.overrides.speed) = (true, true);
-    state.compensation = compensation::Compensation::default();
+    state.compensation = Compensation::default();
     (state.spindle.turning, state.spindle.constant_surface) = (None, None);
     out.call(Call::StopSpindle)?;
     out.call(Call::SetSpindleMode(0.0))?;
-    state.motion = Some(G(10));
-    if std::mem::take(&mut state.mist) {
+    state.modes.motion = Some(G(10));
+    if std::mem::take(&mut state.coolant.mist) {
         out.call(Call::MistOff)?;
     }
-    if std::mem::take(&mut state.flood) {
+    if std::mem::take(&mut state.coolant.flood) {
         out.call(Call::FloodOff)?;
     }
     if code == M(30) {
         out.call(Call::PalletShuttle)?;
     }
-    state.ended = true;
+    state.progress.ended = true;
     out.call(Call::ProgramEnd)?;
     out.call(Call::OnReset)
 }
@@ -62,7 +62,7 @@ fn end(code: M, state: &mut State, out: &mut Output) -> Done {
 /// The second `%` of a tape: the text ends without M2.
 pub(crate) fn finish(state: &mut State, out: &mut Output) -> Done {
     compensation::flush(state, out)?;
-    state.ended = true;
+    state.progress.ended = true;
     out.call(Call::Finish)?;
     out.call(Call::OnReset)
 }

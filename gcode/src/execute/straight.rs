@@ -12,31 +12,12 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::block::{AXES, Block};
-use crate::canon::{A, Call, Plane, Position, X, Y, Z};
+use crate::canon::{A, Plane, Pose, X, Y, Z};
 use crate::codes::{G, group};
 use crate::problem::{Blame, Problem};
 use crate::state::State;
 
-use super::{Done, Output, compensation, feed};
-
-/// Whether a move cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// As fast as the machine can.
-    Traverse,
-    /// At the feed.
-    Feed,
-}
-
-impl Kind {
-    /// The call of a move to a point.
-    pub(crate) fn call(self, target: Position) -> Call<'static> {
-        match self {
-            Kind::Traverse => Call::StraightTraverse(target),
-            Kind::Feed => Call::StraightFeed(target),
-        }
-    }
-}
+use super::{Done, Kind, Output, compensation, feed};
 
 /// G0 and G1.
 pub(super) fn straight(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -48,24 +29,18 @@ pub(super) fn straight(code: G, block: &Block, state: &mut State, out: &mut Outp
     if kind == Kind::Feed {
         feed::inverse_time(|from| length(from, &target), block, state, out)?;
     }
-    compensation::straight_made(state);
+    state.compensation.straight_made();
     move_to(kind, target, block, state, out)
 }
 
 /// Moves to a programmed point, with compensation if it is on.
-pub(crate) fn move_to(
-    kind: Kind,
-    target: Position,
-    block: &Block,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
-    compensation::straight_made(state);
+pub(crate) fn move_to(kind: Kind, target: Pose, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    state.compensation.straight_made();
     if state.compensation.is_on() {
         return compensation::straight(kind, target, block, state, out);
     }
     out.call(kind.call(target))?;
-    state.position = target;
+    state.axes.position = target;
     Ok(())
 }
 
@@ -73,14 +48,14 @@ pub(crate) fn move_to(
 ///
 /// # Errors
 /// Polar words that name no point.
-pub(crate) fn target(block: &Block, state: &State) -> Result<Position, Box<Problem>> {
+pub(crate) fn target(block: &Block, state: &State) -> Result<Pose, Box<Problem>> {
     if block.g(group::ONCE) == Some(G(530)) {
         return machine_target(block, state);
     }
-    let mut target = state.position;
+    let mut target = state.axes.position;
     for (axis, letter) in AXES.into_iter().enumerate() {
         let Some(value) = word(letter, block, state) else { continue };
-        target[axis] = if state.incremental { target[axis] + value } else { value };
+        target[axis] = if state.modes.incremental { target[axis] + value } else { value };
     }
     if block.has('@') || block.has('^') {
         polar(block, state, &mut target)?;
@@ -91,29 +66,30 @@ pub(crate) fn target(block: &Block, state: &State) -> Result<Position, Box<Probl
 /// The word of an axis; X as a radius.
 pub(super) fn word(letter: char, block: &Block, state: &State) -> Option<f64> {
     let value = block.get(letter)?;
-    Some(if letter == 'X' && state.diameter { value / 2.0 } else { value })
+    Some(if letter == 'X' && state.modes.diameter { value / 2.0 } else { value })
 }
 
 /// G53: the words are those of the machine.
-fn machine_target(block: &Block, state: &State) -> Result<Position, Box<Problem>> {
+fn machine_target(block: &Block, state: &State) -> Result<Pose, Box<Problem>> {
     if let Some(letter) = ['@', '^'].into_iter().find(|letter| block.has(*letter)) {
         let message = format!("{letter} is no coordinate of the machine, which G53 asks for");
         return Err(Problem::error("bad-value", Blame::Word(letter), message, "give X and Y"));
     }
-    let mut target = state.position;
-    let mut point = turned([X, Y].map(|axis| target[axis] + state.g92[axis]), state.rotation);
+    let mut target = state.axes.position;
+    let mut point = turned([X, Y].map(|axis| target[axis] + state.axes.g92()[axis]), state.axes.rotation());
     for axis in [X, Y] {
         if let Some(value) = word(AXES[axis], block, state) {
-            point[axis] = value - state.g5x[axis] - state.tool_offset[axis];
+            point[axis] = value - state.axes.g5x()[axis] - state.axes.tool_offset()[axis];
         }
     }
-    let point = turned(point, -state.rotation);
+    let point = turned(point, -state.axes.rotation());
     for axis in [X, Y] {
-        target[axis] = point[axis] - state.g92[axis];
+        target[axis] = point[axis] - state.axes.g92()[axis];
     }
     for axis in Z..AXES.len() {
         if let Some(value) = word(AXES[axis], block, state) {
-            target[axis] = value - state.g5x[axis] - state.g92[axis] - state.tool_offset[axis];
+            target[axis] =
+                value - state.axes.g5x()[axis] - state.axes.g92()[axis] - state.axes.tool_offset()[axis];
         }
     }
     Ok(target)
@@ -135,7 +111,7 @@ pub(super) fn some_axis(code: G, block: &Block) -> Done {
 }
 
 /// `@` and `^`.
-fn polar(block: &Block, state: &State, target: &mut Position) -> Done {
+fn polar(block: &Block, state: &State, target: &mut Pose) -> Done {
     check_polar(block, state)?;
     let point = polar_point([target[X], target[Y]], block, state).ok_or_else(|| at_origin(block, state))?;
     [target[X], target[Y]] = point;
@@ -153,7 +129,7 @@ pub(super) fn check_polar(block: &Block, state: &State) -> Done {
             "leave one of the two out",
         ));
     }
-    if state.plane != Plane::Xy {
+    if state.modes.plane != Plane::Xy {
         let message = "polar words name a point of the XY plane, and another plane is in force";
         let blame = Blame::Word(if block.has('@') { '@' } else { '^' });
         return Err(Problem::error("bad-value", blame, message, "select G17, or give the coordinates"));
@@ -164,7 +140,7 @@ pub(super) fn check_polar(block: &Block, state: &State) -> Done {
 /// The problem of polar words that lack an angle.
 pub(super) fn at_origin(block: &Block, state: &State) -> Box<Problem> {
     let message = "at the origin no angle is defined that a polar word could start from";
-    let help = if state.incremental { "move away from X0 Y0 before" } else { "give the angle, too: ^" };
+    let help = if state.modes.incremental { "move away from X0 Y0 before" } else { "give the angle, too: ^" };
     let blame = Blame::Word(if block.has('@') { '@' } else { '^' });
     Problem::error("bad-value", blame, message, help)
 }
@@ -174,7 +150,7 @@ pub(super) fn polar_point([x, y]: [f64; 2], block: &Block, state: &State) -> Opt
     let (distance, angle) = (block.get('@'), block.get('^'));
     let at_origin = x == 0.0 && y == 0.0;
     let (here, beyond) = (libm::hypot(y, x), libm::atan2(y, x));
-    if !state.incremental {
+    if !state.modes.incremental {
         if at_origin && angle.is_none() {
             return None;
         }
@@ -216,10 +192,10 @@ pub(super) fn minus_quarter(angle: f64) -> f64 {
 }
 
 /// Length of a straight move: along X, Y, Z; in degrees if only rotary axes move.
-fn length(from: &Position, to: &Position) -> f64 {
+fn length(from: &Pose, to: &Pose) -> f64 {
     /// A way that counts as none, units.
     const NONE: f64 = 1e-7;
-    let way: Position = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let way: Pose = std::array::from_fn(|axis| to[axis] - from[axis]);
     let (lengths, angles) = way.split_at(A);
     let moving = if lengths.iter().any(|way| way.abs() > NONE) { lengths } else { angles };
     moving.iter().map(|way| way * way).sum::<f64>().sqrt()

@@ -4,12 +4,12 @@
 //! of G33 and G33.1 between start and stop of synchronisation, G76 as one [`ThreadCycle`].
 
 use crate::block::Block;
-use crate::canon::{Call, Degression, Plane, Position, ThreadCycle, X, Y, Z};
+use crate::canon::{Call, Degression, Plane, Pose, ThreadCycle, X, Y, Z};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
-use super::{Done, Output, compensation, integer, straight};
+use super::{Done, Output, straight};
 
 /// Passes of a threading cycle, springs not counted, at most.
 const MOST_PASSES: f64 = 10_000.0;
@@ -21,7 +21,7 @@ pub(super) fn threading(code: G, block: &Block, state: &mut State, out: &mut Out
     straight::some_axis(code, block)?;
     ready(code, state, out)?;
     let target = straight::target(block, state)?;
-    compensation::straight_made(state);
+    state.compensation.straight_made();
     match code.0 {
         330 => thread(target, block, state, out),
         331 => tap(target, block, out),
@@ -73,17 +73,17 @@ fn positive(letter: char, what: &str, block: &Block) -> Result<f64, Box<Problem>
 }
 
 /// G33: a straight move, K per revolution along it.
-fn thread(target: Position, block: &Block, state: &mut State, out: &mut Output) -> Done {
+fn thread(target: Pose, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let lead = positive('K', "distance per revolution", block)?;
     out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
     out.call(Call::StraightFeed(target))?;
     out.call(Call::StopSpeedFeedSynch)?;
-    state.position = target;
+    state.axes.position = target;
     Ok(())
 }
 
 /// G33.1: in, and out again with the spindle reversed, I times as fast.
-fn tap(target: Position, block: &Block, out: &mut Output) -> Done {
+fn tap(target: Pose, block: &Block, out: &mut Output) -> Done {
     let lead = positive('K', "distance per revolution", block)?;
     if let Some(letter) = ['A', 'B', 'C'].into_iter().find(|letter| block.has(*letter)) {
         let message = format!("G33.1 does not turn {letter}");
@@ -111,25 +111,25 @@ fn tap(target: Position, block: &Block, out: &mut Output) -> Done {
 }
 
 /// G76.
-fn cycle(target: Position, block: &Block, state: &mut State, out: &mut Output) -> Done {
+fn cycle(target: Pose, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let cycle = programmed(target, block, state, out)?;
     out.call(Call::ThreadCycle(&cycle))?;
-    state.position[Z] = cycle.end_z;
+    state.axes.position[Z] = cycle.end_z;
     Ok(())
 }
 
 fn programmed(
-    target: Position,
+    target: Pose,
     block: &Block,
     state: &State,
     out: &mut Output,
 ) -> Result<ThreadCycle, Box<Problem>> {
     let lead = positive('P', "lead", block)?;
-    if state.plane != Plane::Xz {
+    if state.modes.plane != Plane::Xz {
         let message = "G76 cuts along Z and feeds in along X, and their plane is not in force";
         return Err(Problem::error("not-available", Blame::G(G(760)), message, "select G18 before"));
     }
-    let from = state.position;
+    let from = state.axes.position;
     for (axis, letter) in [(X, 'X'), (Y, 'Y')] {
         if target[axis] != from[axis] {
             let message =
@@ -142,7 +142,7 @@ fn programmed(
         let message = format!("the thread has no length: it begins and ends at Z{}", short(from[Z]));
         return Err(Problem::error("bad-value", Blame::Word('Z'), message, "give Z of its end"));
     }
-    let half = if state.diameter { 0.5 } else { 1.0 };
+    let half = if state.modes.diameter { 0.5 } else { 1.0 };
     let crest = block.get('I').unwrap_or(0.0) * half;
     if crest == 0.0 {
         let message = "I0: the crest of the thread lies on the drive line, so no side is in and none is out";
@@ -224,7 +224,7 @@ fn infeed(block: &Block) -> Result<f64, Box<Problem>> {
 /// H.
 fn springs(block: &Block) -> Result<u32, Box<Problem>> {
     let Some(value) = block.get('H') else { return Ok(0) };
-    let springs = integer(block, 'H').filter(|count| (0..=MOST_SPRINGS).contains(count));
+    let springs = block.integer('H').filter(|count| (0..=MOST_SPRINGS).contains(count));
     springs.and_then(|count| u32::try_from(count).ok()).ok_or_else(|| {
         let message = format!("H{} is no number of springs", short(value));
         Problem::error(
@@ -238,7 +238,7 @@ fn springs(block: &Block) -> Result<u32, Box<Problem>> {
 
 /// E and L; `way` is that of the thread along Z. Length, at the start, at the end.
 fn chamfers(way: f64, block: &Block, out: &mut Output) -> Result<(f64, [bool; 2]), Box<Problem>> {
-    let ends = match (integer(block, 'L'), block.get('L')) {
+    let ends = match (block.integer('L'), block.get('L')) {
         (Some(ends @ 0..=3), _) => [ends & 1 != 0, ends & 2 != 0],
         (_, None) => [false; 2],
         (_, Some(value)) => {

@@ -1,13 +1,13 @@
 //! T, M6, M61; G43 G43.1 G43.2 G49; G10 L1 L10 L11.
 
 use crate::block::Block;
-use crate::canon::{Call, Position, X, Y};
+use crate::canon::{Call, Pose, X, Y};
 use crate::codes::{G, M};
 use crate::files::Tool;
 use crate::problem::{Blame, Problem, short};
-use crate::state::{G92_APPLIED, G92_OFFSET, State, offset_of_system, rotation_of_system, turn};
+use crate::state::{State, turn};
 
-use super::{Done, Output, check, integer};
+use super::{Done, Output, check};
 
 /// T.
 pub(super) fn select(block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -15,12 +15,12 @@ pub(super) fn select(block: &Block, state: &mut State, out: &mut Output) -> Done
         return Ok(());
     }
     let number = tool_number(block, 'T')?;
-    if number != 0 && !state.tools.is_empty() && state.tools.find(number).is_none() {
+    if number != 0 && !state.tools.table.is_empty() && state.tools.table.find(number).is_none() {
         let message = format!("T{number} is not in the tool table");
         let help = "it is taken to have no offset and no radius; enter it in the table";
         out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
     }
-    state.selected = Some(number);
+    state.tools.selected = Some(number);
     out.call(Call::SelectTool(number))
 }
 
@@ -30,7 +30,7 @@ pub(super) fn change(code: M, block: &Block, state: &mut State, out: &mut Output
         return change_number(block, state, out);
     }
     check::compensation_off(Blame::M(code), "change the tool", state)?;
-    let number = state.selected.unwrap_or_else(|| {
+    let number = state.tools.selected.unwrap_or_else(|| {
         let message = "M6 without T in this block or before it: the spindle is left empty";
         out.warn(Problem::warning("no-tool", Blame::M(code), message, "name the tool, such as T1 M6"));
         0
@@ -57,24 +57,21 @@ fn change_number(block: &Block, state: &mut State, out: &mut Output) -> Done {
 /// Behind a block with a tool change, LinuxCNC's stand-alone driver says where the tool stands. It does not follow
 /// offsets of tools.
 pub(super) fn after_change(state: &mut State) {
-    if state.stand_alone {
-        for (value, unseen) in state.position.iter_mut().zip(state.unseen) {
-            *value -= unseen;
-        }
-        state.unseen = [0.0; 6];
+    if state.settings.stand_alone {
+        state.axes.back_to_last_move();
     }
 }
 
 /// Puts a copy of the tool into the spindle.
 fn load(number: i32, state: &mut State) {
-    state.tool = number;
+    state.tools.number = number;
     let bare = || Tool { number, ..Tool::default() };
-    let tool = state.tools.find(number).cloned().unwrap_or_else(bare);
-    state.tools.in_spindle = Tool { index: 0, ..tool };
+    let tool = state.tools.table.find(number).cloned().unwrap_or_else(bare);
+    state.tools.table.in_spindle = Tool { index: 0, ..tool };
 }
 
 fn tool_number(block: &Block, letter: char) -> Result<i32, Box<Problem>> {
-    match integer(block, letter) {
+    match block.integer(letter) {
         Some(number) if (0..1_000_000_000).contains(&number) => Ok(number as i32),
         _ => {
             let message =
@@ -91,11 +88,11 @@ fn tool_number(block: &Block, letter: char) -> Result<i32, Box<Problem>> {
 
 /// A tool that must be in the table; 0 is the one in the spindle.
 fn entry(number: i32, letter: char, state: &State) -> Result<&Tool, Box<Problem>> {
-    let number = if number == 0 { state.tool } else { number };
+    let number = if number == 0 { state.tools.number } else { number };
     if number == 0 {
-        return Ok(&state.tools.in_spindle);
+        return Ok(&state.tools.table.in_spindle);
     }
-    state.tools.find(number).ok_or_else(|| unknown(number, letter))
+    state.tools.table.find(number).ok_or_else(|| unknown(number, letter))
 }
 
 fn unknown(number: i32, letter: char) -> Box<Problem> {
@@ -111,12 +108,12 @@ fn unknown(number: i32, letter: char) -> Box<Problem> {
 /// G43 H, G43.1 (axis words), G43.2 H or axis words, G49.
 pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::G(code), "change the tool offset", state)?;
-    let words = state.axes(block);
-    let mut offset = state.tool_offset;
+    let words = state.modes.axes(block);
+    let mut offset = state.axes.tool_offset();
     match code.0 {
         430 => {
             let number = if block.has('H') { tool_number(block, 'H')? } else { 0 };
-            offset = state.to_program(&entry(number, 'H', state)?.offset);
+            offset = state.units.to_program(&entry(number, 'H', state)?.offset);
         }
         431 => {
             for (value, word) in offset.iter_mut().zip(words) {
@@ -125,7 +122,7 @@ pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output
         }
         432 => {
             let added = match block.has('H') {
-                true => state.to_program(&entry(tool_number(block, 'H')?, 'H', state)?.offset),
+                true => state.units.to_program(&entry(tool_number(block, 'H')?, 'H', state)?.offset),
                 false => words.map(|word| word.unwrap_or(0.0)),
             };
             for (value, added) in offset.iter_mut().zip(added) {
@@ -134,23 +131,18 @@ pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output
         }
         _ => offset = [0.0; 6],
     }
-    let (point, place) = (state.position, state.absolute(&state.position));
-    state.tool_offset = offset;
-    state.position = state.relative(&place);
-    for (axis, unseen) in state.unseen.iter_mut().enumerate() {
-        *unseen += state.position[axis] - point[axis];
-    }
+    state.axes.set_tool_offset(offset);
     out.call(Call::UseToolLengthOffset(offset))
 }
 
 /// G10 L1 (offsets as given), L10 (so that the tool is at the given place of the system in force), L11 (of G59.3).
 pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> Done {
     let number = tool_number(block, 'P')?;
-    let words = state.axes(block);
-    let direct = integer(block, 'L') == Some(1);
-    let to_fixture = integer(block, 'L') == Some(11);
-    let mut tool = state.tools.find(number).cloned().ok_or_else(|| unknown(number, 'P'))?;
-    let mut offset = state.to_program(&tool.offset);
+    let words = state.modes.axes(block);
+    let direct = block.integer('L') == Some(1);
+    let to_fixture = block.integer('L') == Some(11);
+    let mut tool = state.tools.table.find(number).cloned().ok_or_else(|| unknown(number, 'P'))?;
+    let mut offset = state.units.to_program(&tool.offset);
     if direct {
         for (value, word) in offset.iter_mut().zip(words) {
             *value = word.unwrap_or(*value);
@@ -158,39 +150,38 @@ pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> D
     } else {
         measure(&mut offset, &words, to_fixture, state);
     }
-    tool.offset = state.to_machine(&offset);
+    tool.offset = state.units.to_machine(&offset);
     if let Some(radius) = block.get('R') {
-        tool.diameter = 2.0 * radius / state.per_machine_unit();
+        tool.diameter = 2.0 * radius / state.units.per_machine_unit();
     }
     tool.front_angle = block.get('I').unwrap_or(tool.front_angle);
     tool.back_angle = block.get('J').unwrap_or(tool.back_angle);
-    if let Some(orientation) = integer(block, 'Q') {
+    if let Some(orientation) = block.integer('Q') {
         tool.orientation = orientation as u8;
     }
     out.call(Call::SetToolTableEntry(&tool))?;
-    if state.stand_alone && state.tool == 0 && tool.index == 1 {
+    if state.settings.stand_alone && state.tools.number == 0 && tool.index == 1 {
         out.call(Call::SetToolTableEntry(&Tool { index: 0, ..tool.clone() }))?;
     }
-    state.tools.set(tool);
-    if state.tool == number {
+    state.tools.table.set(tool);
+    if state.tools.number == number {
         load(number, state);
-        out.call(Call::SetToolTableEntry(&state.tools.in_spindle))?;
+        out.call(Call::SetToolTableEntry(&state.tools.table.in_spindle))?;
     }
     Ok(())
 }
 
 /// The offset with which the place of the machine reads the given values.
-fn measure(offset: &mut Position, words: &[Option<f64>; 6], to_fixture: bool, state: &State) {
-    let system = if to_fixture { 9 } else { state.system };
-    let rotation = state.parameter(rotation_of_system(system));
-    let origin = state.lengths_at(offset_of_system(system));
-    let mut place = state.absolute(&state.position);
+fn measure(offset: &mut Pose, words: &[Option<f64>; 6], to_fixture: bool, state: &State) {
+    let system = if to_fixture { 9 } else { state.axes.system() };
+    let (origin, rotation) = state.origin_of(system);
+    let mut place = state.axes.machine_point();
     for (value, origin) in place.iter_mut().zip(origin) {
         *value -= origin;
     }
     turn(&mut place, -rotation);
-    if !to_fixture && state.parameter(G92_APPLIED) != 0.0 {
-        for (value, shift) in place.iter_mut().zip(state.lengths_at(G92_OFFSET)) {
+    if !to_fixture {
+        for (value, shift) in place.iter_mut().zip(state.shift()) {
             *value -= shift;
         }
     }

@@ -10,18 +10,20 @@
 //! the contour if that stands behind the cycle.
 
 use super::codes::{self, Deed};
+use super::execution::Execution;
 use super::line::{Line, Statement};
-use super::{Control, Done, Machine, block, corner, output};
+use super::modal::Modal;
+use super::{Control, block, corner};
 use crate::canon::{Arc, Call, Place, Sink, X, Z};
 use crate::codes::{G, group, m_group};
-use crate::execute;
-use crate::execute::compensation::Compensation;
-use crate::execute::roughing::contour::{Point, Segment};
-use crate::execute::roughing::frame::Frame;
-use crate::execute::roughing::passes::{Move, repeat, turn, walled};
+use crate::execute::compensation::Waiting;
+use crate::execute::{Done, Output};
+use crate::geometry::contour::{Point, Segment};
+use crate::geometry::frame::Frame;
+use crate::geometry::passes::{Move, repeat, turn, walled};
 use crate::problem::{Blame, Problem, Span, short};
-use crate::source::Mark;
-use crate::state::State;
+use crate::state::{Compensation, State};
+use crate::text::Mark;
 
 /// Blocks of a contour at most.
 const MOST_BLOCKS: u32 = 10_000;
@@ -40,28 +42,28 @@ impl Control {
     ///
     /// # Errors
     /// A word is missing, there is no such contour, or it cannot be cut like that.
-    pub(super) fn contour_cycle(&mut self, code: G, machine: &mut Machine) -> Done {
+    pub(super) fn contour_cycle(&mut self, code: G, state: &mut State, out: &mut Output) -> Done {
         if code != G(700) && !self.line.has_any("PQ") {
             return first_line(code, &self.line, &mut self.modal);
         }
         let cycle = self.line.clone();
-        let range = self.range(code, machine)?;
-        let behind = machine.files.mark();
+        let range = self.range(code)?;
+        let behind = self.flow.files.mark();
         let done = match code {
-            G(700) => self.finish(&range, machine),
-            _ => self.rough(code, &cycle, &range, machine),
+            G(700) => self.finish(&range, state, out),
+            _ => self.rough(code, &cycle, &range, state, out),
         };
         // Roughing goes on behind the contour, or where the cycle stands if that is farther on; G70 behind itself.
         let finished = code == G(700);
-        if finished || machine.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
-            machine.files.go(machine.files.current(), behind)?;
+        if finished || self.flow.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
+            self.flow.files.go(self.flow.files.current(), behind)?;
         }
         done?;
         self.line = cycle;
         Ok(())
     }
 
-    fn range(&mut self, code: G, machine: &mut Machine) -> Result<Range, Box<Problem>> {
+    fn range(&mut self, code: G) -> Result<Range, Box<Problem>> {
         let number = |letter: char| match self.line.whole(letter)? {
             Some(number) if number > 0 => Ok(number as u32),
             _ => {
@@ -71,38 +73,39 @@ impl Control {
             }
         };
         let (first, last) = (number('P')?, number('Q')?);
-        let begin = self.flow.label(machine.files, first)?;
+        let begin = self.flow.label(first)?;
         Ok(Range { first, last, begin })
     }
 
     /// G70: the blocks of the contour, and back.
-    fn finish(&mut self, range: &Range, machine: &mut Machine) -> Done {
-        let start = machine.state.position;
+    fn finish(&mut self, range: &Range, state: &mut State, out: &mut Output) -> Done {
+        let start = state.axes.position;
         let place = self.line.block.place();
-        self.replay(range, machine)?;
-        let mut out = output(machine.sink, place, machine.problems, machine.waiting);
+        self.replay(range, state, out)?;
+        out.place = place;
+        let mut run = self.execution(state, out);
         let back = [start[Z], start[X]];
-        if !machine.state.compensation.is_on() {
-            return block::go(G(0), back, None, place, &mut self.equivalent, machine.state, &mut out);
+        if !run.state.compensation.is_on() {
+            return run.go(G(0), back, None, place);
         }
         // The way back is no part of the contour: compensated, it would lead through the part.
         let nowhere = Span::default();
-        self.equivalent.clear(place.file, place.line);
-        self.equivalent.add_g(group::COMPENSATION, G(400), nowhere)?;
-        self.equivalent.add_g(group::MOTION, G(0), nowhere)?;
-        self.equivalent.add('X', 2.0 * back[1], nowhere)?;
-        self.equivalent.add('Z', back[0], nowhere)?;
-        execute::execute(&self.equivalent, machine.state, &mut out)
+        run.equivalent.clear(place.file, place.line);
+        run.equivalent.add_g(group::COMPENSATION, G(400), nowhere)?;
+        run.equivalent.add_g(group::MOTION, G(0), nowhere)?;
+        run.equivalent.add('X', 2.0 * back[1], nowhere)?;
+        run.equivalent.add('Z', back[0], nowhere)?;
+        run.execute()
     }
 
     /// Executes the blocks of a contour.
-    fn replay(&mut self, range: &Range, machine: &mut Machine) -> Done {
-        machine.files.go(machine.files.current(), range.begin)?;
+    fn replay(&mut self, range: &Range, state: &mut State, out: &mut Output) -> Done {
+        self.flow.files.go(self.flow.files.current(), range.begin)?;
         for _ in 0..MOST_BLOCKS {
-            let Some(statement) = self.read(machine)? else { break };
+            let Some(statement) = self.read(state, out)? else { break };
             match statement {
                 Statement::Nothing => {}
-                Statement::Block => self.contour_block(machine)?,
+                Statement::Block => self.contour_block(state, out)?,
                 _ => {
                     let message = "a contour is made of moves: nothing can be called or repeated in it";
                     let help = "write its blocks one after the other";
@@ -121,7 +124,7 @@ impl Control {
         Err(Problem::error("bad-contour", Blame::Block, message, help))
     }
 
-    fn contour_block(&mut self, machine: &mut Machine) -> Done {
+    fn contour_block(&mut self, state: &mut State, out: &mut Output) -> Done {
         let deed = codes::deed(&self.line, self.modal.motion)?;
         if let Some(code) = self.line.block.m(m_group::STOP) {
             let message = format!("{code} stands in a contour");
@@ -141,43 +144,34 @@ impl Control {
             let message = format!("{what} cannot stand in a contour");
             return Err(Problem::error("bad-contour", Blame::Block, message, "use G00, G01, G02 and G03"));
         }
-        let Control { line, modal, equivalent, .. } = self;
-        let mut out = output(machine.sink, line.block.place(), machine.problems, machine.waiting);
-        block::run(line, deed, modal, equivalent, machine.state, &mut out)?;
-        block::last(line, modal, equivalent, machine.state, &mut out)
+        let mut run = self.execution(state, out);
+        block::run(deed, &mut run)?;
+        block::last(&mut run)
     }
 
     /// The contour as it is, with the move that leads to it. Variables that it sets stay set.
-    fn shape(&mut self, range: &Range, machine: &mut Machine) -> Result<Vec<Segment>, Box<Problem>> {
-        let mut state = machine.state.clone();
+    fn shape(&mut self, range: &Range, state: &State) -> Result<Vec<Segment>, Box<Problem>> {
+        let mut state = state.clone();
         state.compensation = Compensation::default();
-        let at = point(&state);
-        let mut shape = Shape { at, segments: Vec::new() };
+        let mut shape = Shape { at: point(&state), segments: Vec::new() };
         let modal = self.modal.clone();
         self.modal.shape_only = true;
-        let done = self.replay(
-            range,
-            &mut Machine {
-                files: machine.files,
-                state: &mut state,
-                sink: &mut shape,
-                problems: &mut Vec::new(),
-                waiting: &mut Default::default(),
-            },
-        );
+        let (mut warnings, mut waiting) = (Vec::new(), Waiting::default());
+        let mut out = Output::new(&mut shape, self.line.block.place(), &mut warnings, &mut waiting);
+        let done = self.replay(range, &mut state, &mut out);
         self.modal = modal;
         done?;
         Ok(shape.segments)
     }
 
     /// G71, G72, G73.
-    fn rough(&mut self, code: G, cycle: &Line, range: &Range, machine: &mut Machine) -> Done {
+    fn rough(&mut self, code: G, cycle: &Line, range: &Range, state: &mut State, out: &mut Output) -> Done {
         let facing = code == G(720);
         let first = &self.modal.first;
         let (depth, pattern) = (first.rough[usize::from(facing)], first.pattern);
         let missing = if code == G(730) { pattern.is_none() } else { depth.is_none() };
-        can_rough(code, cycle, missing, machine.state)?;
-        let contour = self.shape(range, machine)?;
+        can_rough(code, cycle, missing, state)?;
+        let contour = self.shape(range, state)?;
         self.line.clone_from(cycle);
         if contour.len() < 2 || contour.first().is_some_and(|lead| lead.bend.is_some()) {
             let message = format!("N{} to N{} is no contour for {code}", range.first, range.last);
@@ -187,14 +181,12 @@ impl Control {
         let contour = contour.get(1..).unwrap_or(&[]);
         let place = cycle.block.place();
         let allowance = Point::new(cycle.length('W').unwrap_or(0.0), cycle.length('U').unwrap_or(0.0) / 2.0);
-        let start = point(machine.state);
+        let start = point(state);
         let frame = match code {
             G(730) => Frame { facing: false, z: 1.0, x: 1.0 },
             _ => Frame::of(contour, start, facing),
         };
-        let equivalent = &mut self.equivalent;
-        let mut out = output(machine.sink, place, machine.problems, machine.waiting);
-        let state = &mut *machine.state;
+        out.place = place;
         if code != G(730) && frame.enter(allowance).x < 0.0 {
             let letter = if facing { 'W' } else { 'U' };
             let message =
@@ -202,7 +194,8 @@ impl Control {
             let help = "its sign says on which side the tool stays: U+ outside, U- in a bore";
             out.warn(Problem::warning("allowance-sign", Blame::Word(letter), message, help));
         }
-        let mut send = |next| send(next, &frame, place, equivalent, state, &mut out);
+        let mut run = self.execution(state, out);
+        let mut send = |next| send(next, &frame, place, &mut run);
         if let (G(730), Some((x, z, passes))) = (code, pattern) {
             return repeat(start, contour, (Point::new(z, x), allowance), passes, &mut send);
         }
@@ -256,7 +249,7 @@ fn framed(contour: &[Segment], allowance: Point, frame: &Frame) -> Result<Vec<Se
 }
 
 /// `G71 U R`, `G72 W R`, `G73 U W R`.
-fn first_line(code: G, line: &Line, modal: &mut block::Modal) -> Done {
+fn first_line(code: G, line: &Line, modal: &mut Modal) -> Done {
     let bad = |letter, message: String, help: &str| {
         Err(Problem::error("bad-value", Blame::Word(letter), message, help))
     };
@@ -302,18 +295,11 @@ fn first_line(code: G, line: &Line, modal: &mut block::Modal) -> Done {
 }
 
 fn point(state: &State) -> Point {
-    Point::new(state.position[Z], state.position[X])
+    Point::new(state.axes.position[Z], state.axes.position[X])
 }
 
 /// A move of the passes.
-fn send(
-    next: Move,
-    frame: &Frame,
-    place: Place,
-    equivalent: &mut crate::Block,
-    state: &mut State,
-    out: &mut crate::execute::Output,
-) -> Done {
+fn send(next: Move, frame: &Frame, place: Place, run: &mut Execution) -> Done {
     let at = |point| {
         let Point { z, x } = frame.leave(point);
         [z, x]
@@ -323,11 +309,11 @@ fn send(
         Move::Feed(end) => (G(10), at(end), None),
         Move::Arc { end, center, ccw } => {
             let code = if ccw != frame.mirrors() { G(30) } else { G(20) };
-            let ([z, x], here) = (at(center), point(state));
+            let ([z, x], here) = (at(center), point(run.state));
             (code, at(end), Some([z - here.z, x - here.x]))
         }
     };
-    block::go(code, end, center, place, equivalent, state, out)
+    run.go(code, end, center, place)
 }
 
 /// Keeps the moves of a contour.

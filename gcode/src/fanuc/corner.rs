@@ -14,43 +14,23 @@
 //!           centre P − t u + r n, n normal to u on the side of v              (3)
 //! ```
 
-use super::Done;
 use super::codes::Deed;
-use super::{block, line::Line};
-use crate::block::Block;
-use crate::canon::{Place, Position, X, Z};
+use super::execution::Execution;
+use super::line::Line;
+use super::modal::{Cut, Pending};
+use crate::canon::{Pose, X, Z};
 use crate::codes::{G, M, group};
-use crate::execute::Output;
+use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
 
 /// Lengths below this are none.
 const NEAR: f64 = 1e-9;
-
-/// What becomes of a corner.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cut {
-    /// c of a chamfer, r of a rounding, > 0.
-    size: f64,
-    round: bool,
-    /// C R I K without a comma: the direction along the other axis that the next move must take.
-    next: Option<(usize, f64)>,
-}
-
-/// A move that waits for the next one.
-#[derive(Clone, Debug)]
-pub(super) struct Pending {
-    /// Its programmed end.
-    pub(super) end: Position,
-    pub(super) cut: Cut,
-    pub(super) place: Place,
-}
 
 /// What a G01 block says about the corner at its end.
 ///
 /// # Errors
 /// Two words say different things, or a word does not fit the move.
-pub(super) fn of(line: &Line, from: &Position, end: &Position) -> Result<Option<Cut>, Box<Problem>> {
+pub(super) fn of(line: &Line, from: &Pose, end: &Pose) -> Result<Option<Cut>, Box<Problem>> {
     let words: Vec<char> =
         ['c', 'r', 'C', 'R', 'I', 'K'].into_iter().filter(|letter| line.has(*letter)).collect();
     let (letter, value) = match words.as_slice() {
@@ -139,32 +119,19 @@ fn cuts(pending: &Pending) -> &'static str {
 ///
 /// # Errors
 /// The next block is no straight move, or the corner does not fit between the two.
-pub(super) fn close(
-    pending: &Pending,
-    deed: Deed,
-    next: Position,
-    equivalent: &mut Block,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
+pub(super) fn close(pending: &Pending, deed: Deed, next: Pose, run: &mut Execution) -> Done {
     let moves = (next[Z] - pending.end[Z]).abs() > NEAR || (next[X] - pending.end[X]).abs() > NEAR;
     if deed != Deed::G(G(10)) || !moves {
         return Err(alone(pending, "this block"));
     }
-    let place = std::mem::replace(&mut out.place, pending.place);
-    let done = send(pending, next, equivalent, state, out);
-    out.place = place;
+    let place = std::mem::replace(&mut run.out.place, pending.place);
+    let done = send(pending, next, run);
+    run.out.place = place;
     done
 }
 
-fn send(
-    pending: &Pending,
-    next: Position,
-    equivalent: &mut Block,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
-    let [from, corner, to] = [state.position, pending.end, next].map(|point| [point[Z], point[X]]);
+fn send(pending: &Pending, next: Pose, run: &mut Execution) -> Done {
+    let [from, corner, to] = [run.state.axes.position, pending.end, next].map(|point| [point[Z], point[X]]);
     let Cut { size, round, next } = pending.cut;
     let ((u, before), (v, behind)) = (way(from, corner), way(corner, to));
     if let Some((axis, sign)) = next {
@@ -192,15 +159,15 @@ fn send(
     }
     let start = [corner[0] - t * u[0], corner[1] - t * u[1]];
     let end = [corner[0] + t * v[0], corner[1] + t * v[1]];
-    block::go(G(10), start, None, pending.place, equivalent, state, out)?;
+    run.go(G(10), start, None, pending.place)?;
     if !round {
-        return block::go(G(10), end, None, pending.place, equivalent, state, out);
+        return run.go(G(10), end, None, pending.place);
     }
     // left of u is counterclockwise with Z to the right and X up
     let side = if turn > 0.0 { size } else { -size };
     let center = [-side * u[1], side * u[0]];
     let code = if turn > 0.0 { G(30) } else { G(20) };
-    block::go(code, end, Some(center), pending.place, equivalent, state, out)
+    run.go(code, end, Some(center), pending.place)
 }
 
 /// Direction and length from one point to another.

@@ -8,7 +8,7 @@
 use super::variables::Variables;
 use crate::problem::{Problem, Span, short};
 use crate::state::State;
-use crate::words::{Cursor, degrees, number};
+use crate::text::{Cursor, degrees, number};
 
 /// A value; `None` is vacant.
 pub(super) type Value = Result<Option<f64>, Box<Problem>>;

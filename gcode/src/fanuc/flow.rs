@@ -6,12 +6,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::flow::Files;
+use crate::execute::Done;
 use crate::problem::{Blame, Problem};
-use crate::source::Mark;
-use crate::words::{Cursor, number};
-
-type Done = Result<(), Box<Problem>>;
+use crate::text::{Cursor, Files, Mark, number};
 
 /// Endings of the files of subprograms.
 const ENDINGS: [&str; 4] = [".nc", ".ngc", ".NC", ""];
@@ -53,6 +50,7 @@ enum Wanted {
 
 /// Where a program is.
 pub(super) struct Flow {
+    pub(super) files: Files,
     levels: Vec<Level>,
     loops: Vec<Loop>,
     /// Lines that were searched for: from a file and a line.
@@ -81,8 +79,9 @@ pub(super) enum Left {
 }
 
 impl Flow {
-    pub(super) fn new(deepest: u32) -> Flow {
+    pub(super) fn new(files: Files, deepest: u32) -> Flow {
         Flow {
+            files,
             levels: Vec::new(),
             loops: Vec::new(),
             found: BTreeMap::new(),
@@ -98,18 +97,23 @@ impl Flow {
         self.levels.len()
     }
 
+    /// Whether a file begins here: its O may come.
+    pub(super) fn at_beginning(&self) -> bool {
+        self.files.mark() == beginning_of(&self.files, self.files.current())
+    }
+
     /// The beginning of the program that is being run.
-    fn beginning(&self, files: &Files) -> Mark {
-        self.levels.last().map_or_else(|| beginning_of(files, 0), |level| level.beginning)
+    fn beginning(&self) -> Mark {
+        self.levels.last().map_or_else(|| beginning_of(&self.files, 0), |level| level.beginning)
     }
 
     /// GOTO: the next line with this N, else the first one of the program.
     ///
     /// # Errors
     /// The program has none.
-    pub(super) fn goto(&mut self, files: &mut Files, label: u32) -> Done {
-        let target = self.label(files, label)?;
-        if !self.repeats && target.lines < files.mark().lines {
+    pub(super) fn goto(&mut self, label: u32) -> Done {
+        let target = self.label(label)?;
+        if !self.repeats && target.lines < self.files.mark().lines {
             return Ok(());
         }
         let base = self.levels.last().map_or(0, |level| level.loops);
@@ -118,20 +122,20 @@ impl Flow {
         if let Some(first) = self.loops.iter().skip(base).position(outside) {
             self.loops.truncate(base + first);
         }
-        files.go(files.current(), target)
+        self.files.go(self.files.current(), target)
     }
 
     /// Where the line with an N begins, looked for as GOTO does. The program stays where it is.
     ///
     /// # Errors
     /// The program has none.
-    pub(super) fn label(&mut self, files: &mut Files, label: u32) -> Result<Mark, Box<Problem>> {
-        let here = files.mark();
-        if let Some(mark) = self.search(files, here, None, Wanted::Label(label))? {
+    pub(super) fn label(&mut self, label: u32) -> Result<Mark, Box<Problem>> {
+        let here = self.files.mark();
+        if let Some(mark) = self.search(here, None, Wanted::Label(label))? {
             return Ok(mark);
         }
-        let beginning = self.beginning(files);
-        self.search(files, beginning, Some(here), Wanted::Label(label))?.ok_or_else(|| {
+        let beginning = self.beginning();
+        self.search(beginning, Some(here), Wanted::Label(label))?.ok_or_else(|| {
             let help = "write this N in front of a block of the same program";
             Problem::error(
                 "unknown-label",
@@ -146,7 +150,7 @@ impl Flow {
     ///
     /// # Errors
     /// The loop has no end, or loops cross.
-    pub(super) fn begin(&mut self, files: &mut Files, number: u8, at: Mark, enter: bool) -> Done {
+    pub(super) fn begin(&mut self, number: u8, at: Mark, enter: bool) -> Done {
         let base = self.levels.last().map_or(0, |level| level.loops);
         if let Some(open) = self.loops.iter().skip(base).position(|open| open.number == number) {
             let same = self.loops.get(base + open).is_some_and(|open| open.at == at);
@@ -161,8 +165,8 @@ impl Flow {
             }
             self.loops.truncate(base + open);
         }
-        let here = files.mark();
-        let Some(end) = self.search(files, here, None, Wanted::End(number))? else {
+        let here = self.files.mark();
+        let Some(end) = self.search(here, None, Wanted::End(number))? else {
             let message = format!("DO {number} has no END {number} behind it");
             return Err(Problem::error(
                 "bad-loop",
@@ -186,15 +190,15 @@ impl Flow {
             self.loops.push(Loop { number, at, end });
             return Ok(());
         }
-        files.go(files.current(), end)?;
-        files.take().map(|_| ())
+        self.files.go(self.files.current(), end)?;
+        self.files.take().map(|_| ())
     }
 
     /// END: back to the beginning of the loop.
     ///
     /// # Errors
     /// No such loop is open.
-    pub(super) fn end(&mut self, files: &mut Files, number: u8) -> Done {
+    pub(super) fn end(&mut self, number: u8) -> Done {
         let base = self.levels.last().map_or(0, |level| level.loops);
         let open = self.loops.iter().skip(base).position(|open| open.number == number);
         let Some(open) = open.and_then(|open| self.loops.get(base + open).copied()) else {
@@ -209,20 +213,14 @@ impl Flow {
         if !self.repeats {
             return Ok(());
         }
-        files.go(files.current(), open.at)
+        self.files.go(self.files.current(), open.at)
     }
 
     /// M98 and G65. Whether the program is entered.
     ///
     /// # Errors
     /// There is no such program, or calls are too deep.
-    pub(super) fn call(
-        &mut self,
-        files: &mut Files,
-        program: u32,
-        times: u32,
-        macro_call: bool,
-    ) -> Result<bool, Box<Problem>> {
+    pub(super) fn call(&mut self, program: u32, times: u32, macro_call: bool) -> Result<bool, Box<Problem>> {
         if times == 0 || !self.repeats && !self.looked.insert(program) {
             return Ok(false);
         }
@@ -235,9 +233,9 @@ impl Flow {
                 "check whether the program calls itself",
             ));
         }
-        let back = (files.current(), files.mark());
-        let (file, mark) = self.program(files, program)?;
-        files.go(file, mark)?;
+        let back = (self.files.current(), self.files.mark());
+        let (file, mark) = self.program(program)?;
+        self.files.go(file, mark)?;
         let beginning = mark;
         let loops = self.loops.len();
         self.levels.push(Level { file, beginning, back, repeats: times - 1, macro_call, loops });
@@ -248,43 +246,43 @@ impl Flow {
     ///
     /// # Errors
     /// The caller has no such block.
-    pub(super) fn leave(&mut self, files: &mut Files, label: Option<u32>) -> Result<Left, Box<Problem>> {
+    pub(super) fn leave(&mut self, label: Option<u32>) -> Result<Left, Box<Problem>> {
         let Some(level) = self.levels.last_mut() else { return Ok(Left::Main) };
         self.loops.truncate(level.loops);
         if level.repeats > 0 && self.repeats {
             level.repeats -= 1;
             let (file, mark, macro_call) = (level.file, level.beginning, level.macro_call);
-            files.go(file, mark)?;
+            self.files.go(file, mark)?;
             return Ok(if macro_call { Left::MacroAgain } else { Left::Again });
         }
         let ((file, mark), macro_call) = (level.back, level.macro_call);
         self.levels.pop();
-        files.go(file, mark)?;
+        self.files.go(file, mark)?;
         if let Some(label) = label {
-            self.goto(files, label)?;
+            self.goto(label)?;
         }
         Ok(if macro_call { Left::Macro } else { Left::Subprogram })
     }
 
     /// Where a program begins: in the main file, in the file of the caller, or in one of its own.
-    fn program(&mut self, files: &mut Files, program: u32) -> Result<(usize, Mark), Box<Problem>> {
+    fn program(&mut self, program: u32) -> Result<(usize, Mark), Box<Problem>> {
         if let Some(place) = self.programs.get(&program) {
             return Ok(*place);
         }
-        let back = (files.current(), files.mark());
+        let back = (self.files.current(), self.files.mark());
         let mut found = None;
         for file in [0, back.0] {
-            files.go(file, beginning_of(files, file))?;
-            let from = files.mark();
-            let line = self.search(files, from, None, Wanted::Program(program))?;
+            self.files.go(file, beginning_of(&self.files, file))?;
+            let from = self.files.mark();
+            let line = self.search(from, None, Wanted::Program(program))?;
             if let Some(mark) = line {
-                files.go(file, mark)?;
-                files.take()?;
-                found = Some((file, files.mark()));
+                self.files.go(file, mark)?;
+                self.files.take()?;
+                found = Some((file, self.files.mark()));
                 break;
             }
         }
-        files.go(back.0, back.1)?;
+        self.files.go(back.0, back.1)?;
         let names = [
             format!("O{program:04}"),
             format!("o{program:04}"),
@@ -294,8 +292,8 @@ impl Flow {
         for name in names.iter().flat_map(|stem| ENDINGS.iter().map(move |ending| format!("{stem}{ending}")))
         {
             if found.is_none() {
-                let file = files.open_file(&name)?;
-                found = file.map(|file| (file, beginning_of(files, file)));
+                let file = self.files.open_file(&name)?;
+                found = file.map(|file| (file, beginning_of(&self.files, file)));
             }
         }
         let Some(place) = found else {
@@ -310,32 +308,26 @@ impl Flow {
 
     /// The first line from a mark (to another) that holds what is wanted. Labels and END are looked for up to the next
     /// program.
-    fn search(
-        &mut self,
-        files: &mut Files,
-        from: Mark,
-        to: Option<Mark>,
-        wanted: Wanted,
-    ) -> Result<Option<Mark>, Box<Problem>> {
-        let file = files.current();
+    fn search(&mut self, from: Mark, to: Option<Mark>, wanted: Wanted) -> Result<Option<Mark>, Box<Problem>> {
+        let file = self.files.current();
         let key = (file, from.lines, wanted);
         if let Some(mark) = self.found.get(&key) {
             return Ok(Some(*mark));
         }
-        let back = files.mark();
-        files.go(file, from)?;
+        let back = self.files.mark();
+        self.files.go(file, from)?;
         let mut found = None;
         // The O of the program itself may stand on its first line.
-        let mut inside = from != beginning_of(files, file);
-        while to.is_none_or(|to| files.mark().lines < to.lines) {
+        let mut inside = from != beginning_of(&self.files, file);
+        while to.is_none_or(|to| self.files.mark().lines < to.lines) {
             // A line that is too long is reported when it is executed.
-            let before = files.mark();
-            let line = match files.take() {
+            let before = self.files.mark();
+            let line = match self.files.take() {
                 Ok(Some(line)) => line,
-                Err(_) if files.mark() != before => continue,
+                Err(_) if self.files.mark() != before => continue,
                 _ => break,
             };
-            let heading = Heading::of(files.bytes(&line));
+            let heading = Heading::of(self.files.bytes(&line));
             if heading.is(wanted) {
                 found = Some(line.mark);
                 break;
@@ -345,17 +337,12 @@ impl Flow {
             }
             inside |= heading.program.is_some();
         }
-        files.go(file, back)?;
+        self.files.go(file, back)?;
         if let Some(mark) = found {
             self.found.insert(key, mark);
         }
         Ok(found)
     }
-}
-
-/// Whether a file begins here: its O may come.
-pub(super) fn at_beginning(files: &Files) -> bool {
-    files.mark() == beginning_of(files, files.current())
 }
 
 fn beginning_of(files: &Files, file: usize) -> Mark {

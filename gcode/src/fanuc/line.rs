@@ -3,9 +3,8 @@
 use super::variables::Locals;
 use crate::block::{Block, letter_bit};
 use crate::canon::Units;
+use crate::execute::Done;
 use crate::problem::{Blame, Problem, Span, short};
-
-type Done = Result<(), Box<Problem>>;
 
 /// What a line asks for.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,9 +18,11 @@ mod block;
 mod codes;
 mod contour;
 mod corner;
+mod execution;
 mod expression;
 mod flow;
 mod line;
+mod modal;
 mod once;
 mod pecks;
 mod rates;
@@ -32,24 +34,22 @@ mod tool;
 mod variables;
 
 use crate::block::Block;
-use crate::canon::{Call, FeedMode, Place, Plane, Sink};
+use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M, m_group};
-use crate::execute::compensation::Waiting;
-use crate::execute::{self, Output};
-use crate::flow::Files;
+use crate::execute::{Done, Output};
 use crate::options::Options;
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
-use crate::words::Cursor;
+use crate::text::{Cursor, Files};
 
 use codes::Deed;
+use execution::Execution;
 use expression::Values;
 use flow::{Flow, Left};
 use line::{Line, Statement};
+use modal::Modal;
 use reading::Reading;
 use variables::Variables;
-
-type Done = Result<(), Box<Problem>>;
 
 /// A FANUC program that is being run.
 pub(crate) struct Control {
@@ -58,7 +58,7 @@ pub(crate) struct Control {
     text: Vec<u8>,
     variables: Variables,
     flow: Flow,
-    modal: block::Modal,
+    modal: Modal,
     /// The block of RS274/NGC that is executed in place of this one.
     equivalent: Block,
     block_delete: bool,
@@ -66,24 +66,6 @@ pub(crate) struct Control {
     started: bool,
     /// Nothing of the program was executed so far: its O may come.
     fresh: bool,
-}
-
-/// What a line acts on.
-pub(crate) struct Machine<'a> {
-    pub(crate) files: &'a mut Files,
-    pub(crate) state: &'a mut State,
-    pub(crate) sink: &'a mut dyn Sink,
-    pub(crate) problems: &'a mut Vec<Problem>,
-    pub(crate) waiting: &'a mut Waiting,
-}
-
-fn output<'a>(
-    sink: &'a mut dyn Sink,
-    place: Place,
-    problems: &'a mut Vec<Problem>,
-    waiting: &'a mut Waiting,
-) -> Output<'a> {
-    Output::new(sink, place, problems, waiting)
 }
 
 /// Reads one line at the start of a program, see [`crate::alone::line`].
@@ -114,13 +96,13 @@ pub(crate) fn value_alone(
 
 impl Control {
     /// At the beginning of a program.
-    pub(crate) fn new(options: &Options) -> Control {
+    pub(crate) fn new(files: Files, options: &Options) -> Control {
         Control {
             line: Line::default(),
             text: Vec::new(),
             variables: Variables::new(&options.parameters),
-            flow: Flow::new(options.limits.call_depth),
-            modal: block::Modal::default(),
+            flow: Flow::new(files, options.limits.call_depth),
+            modal: Modal::default(),
             equivalent: Block::default(),
             block_delete: options.block_delete,
             deepest: options.limits.expression_depth,
@@ -130,8 +112,18 @@ impl Control {
     }
 
     /// The block that was read last, to find the place of a problem.
-    pub(crate) fn block_mut(&mut self) -> &mut Block {
-        &mut self.line.block
+    pub(crate) fn block(&self) -> &Block {
+        &self.line.block
+    }
+
+    /// The files of the program.
+    pub(crate) fn files(&self) -> &Files {
+        &self.flow.files
+    }
+
+    /// The files of the program, to read a line again.
+    pub(crate) fn files_mut(&mut self) -> &mut Files {
+        &mut self.flow.files
     }
 
     /// The value of a common variable, #100 to #199 and #500 to #999: `None` for other numbers, `Some(None)` if it is
@@ -145,119 +137,118 @@ impl Control {
         self.flow.repeats = false;
     }
 
-    /// Reads and executes the next line. [`State::ended`] tells whether it was the last.
+    /// Reads and executes the next line. The state tells whether it was the last.
     ///
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
-    pub(crate) fn next(&mut self, machine: &mut Machine) -> Done {
+    pub(crate) fn next(&mut self, state: &mut State, out: &mut Output) -> Done {
         if !self.started {
             self.started = true;
-            self.start(machine)?;
+            self.start(state, out)?;
         }
-        let at = machine.files.mark();
-        let Some(statement) = self.read(machine)? else { return self.end_of_text(machine) };
+        let at = self.flow.files.mark();
+        let Some(statement) = self.read(state, out)? else { return self.end_of_text(state) };
         let fresh = self.fresh;
         self.fresh &= statement == Statement::Nothing;
         match statement {
-            Statement::Nothing => self.comment(machine),
-            Statement::Program(_) if fresh => self.comment(machine),
-            Statement::Program(_) => self.end_of_text(machine),
-            Statement::Block => self.execute(machine),
-            Statement::Goto(label) => self.flow.goto(machine.files, label),
-            Statement::While(number, holds) => self.flow.begin(machine.files, number, at, holds),
-            Statement::End(number) => self.flow.end(machine.files, number),
-            Statement::Alarm(number) => Err(self.alarm(number, machine.state)),
+            Statement::Nothing => self.comment(out),
+            Statement::Program(_) if fresh => self.comment(out),
+            Statement::Program(_) => self.end_of_text(state),
+            Statement::Block => self.execute(state, out),
+            Statement::Goto(label) => self.flow.goto(label),
+            Statement::While(number, holds) => self.flow.begin(number, at, holds),
+            Statement::End(number) => self.flow.end(number),
+            Statement::Alarm(number) => Err(self.alarm(number, state)),
             Statement::Message => {
                 if let Some(pending) = self.modal.pending.take() {
                     return Err(corner::alone(&pending, "#3006"));
                 }
                 let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
-                let mut out = self.output(machine);
                 out.call(Call::Message(&text))?;
                 out.call(Call::ProgramStop)
             }
         }
     }
 
-    fn output<'a>(&self, machine: &'a mut Machine) -> Output<'a> {
-        output(machine.sink, self.line.block.place(), machine.problems, machine.waiting)
-    }
-
     /// G18, X as a diameter, G99: what a lathe with G-code system A begins with.
-    fn start(&mut self, machine: &mut Machine) -> Done {
-        machine.state.plane = Plane::Xz;
-        machine.state.diameter = true;
-        machine.state.feed_mode = FeedMode::PerRevolution;
-        let mut out = self.output(machine);
+    fn start(&mut self, state: &mut State, out: &mut Output) -> Done {
+        state.modes.plane = Plane::Xz;
+        state.modes.diameter = true;
+        state.modes.feed_mode = FeedMode::PerRevolution;
         out.call(Call::SelectPlane(Plane::Xz))?;
         out.call(Call::SetFeedMode(FeedMode::PerRevolution))
     }
 
     /// Reads the next line; `None` at the end of the text.
-    fn read(&mut self, machine: &mut Machine) -> Result<Option<Statement>, Box<Problem>> {
-        let file = machine.files.current() as u16;
-        let line = match machine.files.take() {
+    fn read(&mut self, state: &State, out: &mut Output) -> Result<Option<Statement>, Box<Problem>> {
+        let file = self.flow.files.current() as u16;
+        let line = match self.flow.files.take() {
             Ok(line) => line,
             Err(problem) => {
-                self.line.block.clear(file, machine.files.mark().lines);
+                self.line.block.clear(file, self.flow.files.mark().lines);
                 return Err(problem);
             }
         };
         let Some(line) = line else { return Ok(None) };
         self.text.clear();
-        self.text.extend_from_slice(machine.files.bytes(&line));
+        self.text.extend_from_slice(self.flow.files.bytes(&line));
         let mut reading = Reading {
             text: &self.text,
             variables: &mut self.variables,
-            state: machine.state,
+            state,
             block_delete: self.block_delete,
             deepest: self.deepest,
         };
-        reading.statement(file, line.number(), &mut self.line).map(Some)
+        let statement = reading.statement(file, line.number(), &mut self.line);
+        out.place = self.line.block.place();
+        statement.map(Some)
     }
 
-    fn comment(&mut self, machine: &mut Machine) -> Done {
+    fn comment(&mut self, out: &mut Output) -> Done {
         match self.line.block.comment.take() {
-            Some(comment) => self.output(machine).call(Call::Comment(&comment.text)),
+            Some(comment) => out.call(Call::Comment(&comment.text)),
             None => Ok(()),
         }
     }
 
+    /// The block with all that it acts on.
+    fn execution<'a, 'b>(&'a mut self, state: &'a mut State, out: &'a mut Output<'b>) -> Execution<'a, 'b> {
+        let Control { line, modal, equivalent, .. } = self;
+        Execution { line, modal, equivalent, state, out }
+    }
+
     /// The block, and what it does to the flow.
-    fn execute(&mut self, machine: &mut Machine) -> Done {
+    fn execute(&mut self, state: &mut State, out: &mut Output) -> Done {
         let deed = codes::deed(&self.line, self.modal.motion)?;
-        let Control { line, modal, equivalent, .. } = self;
-        let mut out = output(machine.sink, line.block.place(), machine.problems, machine.waiting);
-        block::run(line, deed, modal, equivalent, machine.state, &mut out)?;
+        block::run(deed, &mut self.execution(state, out))?;
         if let Deed::G(code @ G(700 | 710 | 720 | 730)) = deed {
-            self.contour_cycle(code, machine)?;
+            self.contour_cycle(code, state, out)?;
+            out.place = self.line.block.place();
         }
-        let Control { line, modal, equivalent, .. } = self;
-        let mut out = output(machine.sink, line.block.place(), machine.problems, machine.waiting);
-        block::last(line, modal, equivalent, machine.state, &mut out)?;
+        block::last(&mut self.execution(state, out))?;
         match deed {
-            Deed::M(M(98)) => self.subprogram(machine),
-            Deed::M(_) => self.leave(machine),
-            Deed::G(G(650)) => self.macro_call(machine),
+            Deed::M(M(98)) => self.subprogram(state),
+            Deed::M(_) => self.leave(state, out),
+            Deed::G(G(650)) => self.macro_call(state),
             _ => Ok(()),
         }
     }
 
     /// M98 P L: four digits of P are the program, those before them how often, unless L tells.
-    fn subprogram(&mut self, machine: &mut Machine) -> Done {
+    fn subprogram(&mut self, state: &mut State) -> Done {
         let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
         let (program, times) = match (program, times) {
             (Some(word @ 10_000..), None) => (word % 10_000, word / 10_000),
             (Some(program), times) => (program, times.unwrap_or(1)),
             (None, _) => (0, 1),
         };
-        self.call(program, times, false, machine).map(|_| ())
+        self.call(program, times, false, state).map(|_| ())
     }
 
     /// G65 P L with arguments.
-    fn macro_call(&mut self, machine: &mut Machine) -> Done {
+    fn macro_call(&mut self, state: &mut State) -> Done {
         let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
-        if self.call(program.unwrap_or(0), times.unwrap_or(1), true, machine)? {
+        if self.call(program.unwrap_or(0), times.unwrap_or(1), true, state)? {
             self.variables.enter(self.line.arguments.take().map_or([None; 34], |arguments| *arguments));
         }
         Ok(())
@@ -269,38 +260,36 @@ impl Control {
         program: i64,
         times: i64,
         is_macro: bool,
-        machine: &mut Machine,
+        state: &mut State,
     ) -> Result<bool, Box<Problem>> {
         let (Ok(program @ 1..), Ok(times @ 0..=9999)) = (u32::try_from(program), u32::try_from(times)) else {
             let message = "this calls no program";
             let help = "P is the number of the program, L (up to 9999) how often it is run: M98 P1000 L2";
             return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
         };
-        let entered = self.flow.call(machine.files, program, times, is_macro)?;
-        self.fresh = flow::at_beginning(machine.files);
-        machine.state.call_level = self.flow.depth() as u32;
+        let entered = self.flow.call(program, times, is_macro)?;
+        self.fresh = self.flow.at_beginning();
+        state.progress.call_level = self.flow.depth() as u32;
         Ok(entered)
     }
 
     /// M99, with P: back to that block of the caller. In the main program it begins anew, which is done once.
-    fn leave(&mut self, machine: &mut Machine) -> Done {
+    fn leave(&mut self, state: &mut State, out: &mut Output) -> Done {
         let label = self.line.whole('P')?.and_then(|label| u32::try_from(label).ok());
-        let left = self.flow.leave(machine.files, label)?;
-        machine.state.call_level = self.flow.depth() as u32;
-        self.fresh = flow::at_beginning(machine.files);
+        let left = self.flow.leave(label)?;
+        state.progress.call_level = self.flow.depth() as u32;
+        self.fresh = self.flow.at_beginning();
         match left {
             Left::MacroAgain => self.variables.again(),
             Left::Macro => self.variables.leave(),
             Left::Again | Left::Subprogram => {}
             Left::Main => {
-                let mut out = self.output(machine);
                 let message = "M99 repeats the main program for ever: it is run once here";
                 out.warn(Problem::warning("no-effect", Blame::M(M(99)), message, "end it with M30"));
-                block::begin(&self.line, &mut self.equivalent);
-                self.equivalent.add_m(m_group::STOP, M(2), Span::default())?;
-                let mut out =
-                    output(machine.sink, self.line.block.place(), machine.problems, machine.waiting);
-                return execute::execute(&self.equivalent, machine.state, &mut out);
+                let mut run = self.execution(state, out);
+                run.begin();
+                run.equivalent.add_m(m_group::STOP, M(2), Span::default())?;
+                return run.execute();
             }
         }
         Ok(())
@@ -308,20 +297,20 @@ impl Control {
 
     /// #3000: the program ends with an error of its own.
     fn alarm(&mut self, number: f64, state: &mut State) -> Box<Problem> {
-        state.ended = true;
+        state.progress.ended = true;
         let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
         let message = format!("the program gives alarm {}: {text}", short(3000.0 + number));
         Problem::error("alarm", Blame::Block, message, "see what the program says before #3000")
     }
 
     /// The text ends, or another program begins.
-    fn end_of_text(&mut self, machine: &mut Machine) -> Done {
-        machine.state.ended = true;
+    fn end_of_text(&mut self, state: &mut State) -> Done {
+        state.progress.ended = true;
         if !self.flow.repeats {
             // The block that ends the program may have been wrong itself.
             return Ok(());
         }
-        self.line.block.clear(machine.files.current() as u16, machine.files.mark().lines);
+        self.line.block.clear(self.flow.files.current() as u16, self.flow.files.mark().lines);
         let (message, help) = match self.flow.depth() {
             0 => ("the program ends without M30", "write M30 (or M02) as its last block"),
             _ => ("the subprogram ends without M99", "write M99 as its last block"),

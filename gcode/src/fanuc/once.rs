@@ -2,29 +2,27 @@
 //!
 //! In: a line. Out: the words of the equivalent block.
 
-use super::Done;
-use super::block::{Modal, add_point, span_of, target};
+use super::execution::{Execution, target};
 use super::line::Line;
-use crate::block::Block;
 use crate::codes::{G, group};
+use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
 
 /// Codes that act in their own block only.
-pub(super) fn once(code: G, line: &Line, modal: &mut Modal, equivalent: &mut Block, state: &State) -> Done {
-    let span = span_of(line, Blame::G(code));
-    let end = target(line, state.position)?;
+pub(super) fn once(code: G, run: &mut Execution) -> Done {
+    let span = run.span_of(Blame::G(code));
+    let end = target(run.line, run.state.axes.position)?;
     match code.0 {
         40 => {
-            equivalent.add_g(group::ONCE, G(40), span)?;
-            return equivalent.add('P', dwell(line)?, span);
+            run.equivalent.add_g(group::ONCE, G(40), span)?;
+            return run.equivalent.add('P', dwell(run.line)?, span);
         }
-        100 => return origin(line, equivalent),
+        100 => return origin(run),
         500 => {
-            modal.preset = true;
-            equivalent.add_g(group::ONCE, G(920), span)?;
+            run.modal.preset = true;
+            run.equivalent.add_g(group::ONCE, G(920), span)?;
         }
-        520 if modal.preset => {
+        520 if run.modal.preset => {
             let message = "G52 behind G50 X Z: one shift would take the place of the other";
             return Err(Problem::error(
                 "not-available",
@@ -33,29 +31,29 @@ pub(super) fn once(code: G, line: &Line, modal: &mut Modal, equivalent: &mut Blo
                 "use G54 to G59, or G50 alone",
             ));
         }
-        520 | 530 if line.has_any("UW") => {
+        520 | 530 if run.line.has_any("UW") => {
             let message = format!("{code} takes X and Z as they are, not U or W");
             return Err(Problem::error("unused-word", Blame::G(code), message, "use X and Z"));
         }
-        300 if line.whole('P')?.is_some_and(|p| p != 2) => {
+        300 if run.line.whole('P')?.is_some_and(|p| p != 2) => {
             let message = "there are two reference points: G28, and G30 or G30 P2";
             return Err(Problem::error("not-available", Blame::Word('P'), message, "leave P out"));
         }
         530 => {
-            equivalent.add_g(group::MOTION, G(0), span)?;
-            equivalent.add_g(group::ONCE, code, span)?;
+            run.equivalent.add_g(group::MOTION, G(0), span)?;
+            run.equivalent.add_g(group::ONCE, code, span)?;
         }
-        _ => equivalent.add_g(group::ONCE, code, span)?,
+        _ => run.equivalent.add_g(group::ONCE, code, span)?,
     }
     if code == G(520) {
-        for (letter, value) in [('X', line.length('X')), ('Z', line.length('Z'))] {
+        for (letter, value) in [('X', run.line.length('X')), ('Z', run.line.length('Z'))] {
             if let Some(value) = value {
-                equivalent.add(letter, value, span)?;
+                run.equivalent.add(letter, value, span)?;
             }
         }
         return Ok(());
     }
-    if !line.has_any("XZUW") {
+    if !run.line.has_any("XZUW") {
         let message = format!("{code} needs the axes that it is for");
         return Err(Problem::error(
             "missing-word",
@@ -64,7 +62,7 @@ pub(super) fn once(code: G, line: &Line, modal: &mut Modal, equivalent: &mut Blo
             "add X, Z, U or W, such as U0 W0",
         ));
     }
-    add_point(line, &end, equivalent)
+    run.add_point(&end)
 }
 
 /// G04: seconds. P counts milliseconds.
@@ -93,18 +91,18 @@ fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
 }
 
 /// G10 L2 P X Z.
-fn origin(line: &Line, equivalent: &mut Block) -> Done {
-    let (Some(2), Some(system @ 1..=6)) = (line.whole('L')?, line.whole('P')?) else {
+fn origin(run: &mut Execution) -> Done {
+    let (Some(2), Some(system @ 1..=6)) = (run.line.whole('L')?, run.line.whole('P')?) else {
         let message = "of G10 there is L2 P1 to P6, which sets the offset of G54 to G59";
         let help = "keep the offsets of tools in the tool table";
         return Err(Problem::error("not-available", Blame::G(G(100)), message, help));
     };
-    equivalent.add_g(group::ONCE, G(100), span_of(line, Blame::G(G(100))))?;
-    equivalent.add('L', 2.0, span_of(line, Blame::Word('L')))?;
-    equivalent.add('P', system as f64, span_of(line, Blame::Word('P')))?;
+    run.add_g(group::ONCE, G(100))?;
+    run.add('L', 2.0)?;
+    run.add('P', system as f64)?;
     for letter in ['X', 'Z'] {
-        if let Some(value) = line.length(letter) {
-            equivalent.add(letter, value, span_of(line, Blame::Word(letter)))?;
+        if let Some(value) = run.line.length(letter) {
+            run.add(letter, value)?;
         }
     }
     Ok(())

@@ -4,12 +4,11 @@
 //! increments. Out: for each column, pecks that go back by e, the way out, and the step to the next column. At the bottom
 //! the tool moves aside by Δd before it goes back.
 
+use super::execution::{Execution, target};
 use super::line::Line;
-use super::{Done, block};
-use crate::block::Block;
 use crate::canon::{X, Z};
 use crate::codes::G;
-use crate::execute::Output;
+use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
@@ -44,14 +43,14 @@ impl Way {
 
 /// The way of the cut and the way across it.
 fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>> {
-    let end = block::target(line, state.position)?;
+    let end = target(line, state.axes.position)?;
     let [x, z] = [('P', X), ('Q', Z)].map(|(letter, axis)| {
         let step = line.increments(letter)?.unwrap_or(0.0);
         if step < 0.0 {
             let message = format!("{letter} is {}", short(step));
             return Err(Problem::error("bad-value", Blame::Word(letter), message, "give 0 or more"));
         }
-        Ok(Way { from: state.position[axis], to: end[axis], step })
+        Ok(Way { from: state.axes.position[axis], to: end[axis], step })
     });
     let along_z = code == G(740);
     let (cut, beside) = if along_z { (z?, x?) } else { (x?, z?) };
@@ -72,47 +71,40 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
 ///
 /// # Errors
 /// A word is missing or makes no sense; what the moves refuse.
-pub(super) fn cycle(
-    code: G,
-    line: &Line,
-    modal: &mut block::Modal,
-    equivalent: &mut Block,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
-    let retract = line.length('R');
-    if !line.has_any("XZUWPQ") {
+pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
+    let retract = run.line.length('R');
+    if !run.line.has_any("XZUWPQ") {
         let Some(retract) = retract.filter(|retract| *retract >= 0.0) else {
             let message = format!("the first line of {code} needs R, how far a peck goes back");
             return Err(Problem::error("missing-word", Blame::G(code), message, "add R, such as R0.5"));
         };
-        modal.first.retract = Some(retract);
+        run.modal.first.retract = Some(retract);
         return Ok(());
     }
-    let Some(back) = modal.first.retract else {
+    let Some(back) = run.modal.first.retract else {
         let message = format!("the first line of {code} is missing");
         let help = format!("write {code} R0.5 before it: how far a peck goes back");
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     };
     let along_z = code == G(740);
-    let (cut, beside) = ways(code, line, state)?;
+    let (cut, beside) = ways(code, run.line, run.state)?;
     let (axes, step, help) = match along_z {
         true => ("XU", 'P', "leave P out, or add X or U"),
         false => ("ZW", 'Q', "leave Q out, or add Z or W"),
     };
-    if line.has(step) && !line.has_any(axes) && beside.step > 0.0 {
+    if run.line.has(step) && !run.line.has_any(axes) && beside.step > 0.0 {
         let message = format!("{step} does nothing here: the block has one cut, and goes nowhere beside it");
-        out.warn(Problem::warning("no-effect", Blame::Word(step), message, help));
+        run.out.warn(Problem::warning("no-effect", Blame::Word(step), message, help));
     }
     let aside = if beside.to == beside.from {
         retract.unwrap_or(0.0)
     } else {
         -beside.sign() * retract.unwrap_or(0.0)
     };
-    let place = line.block.place();
+    let place = run.line.block.place();
     let mut go = |kind, along: f64, across: f64| {
         let end = if along_z { [along, across] } else { [across, along] };
-        block::go(kind, end, None, place, equivalent, state, out)
+        run.go(kind, end, None, place)
     };
     let (rapid, feed) = (G(0), G(10));
     let mut column = 0.0;

@@ -8,7 +8,6 @@
 //! IF [c] GOTO 20 · IF [c] THEN #1=2 · GOTO 20 · WHILE [c] DO 1 · DO 1 · END 1
 //! ```
 
-use super::Done;
 use super::codes;
 use super::expression::Values;
 use super::line::{Kind, Line, Statement};
@@ -16,9 +15,10 @@ use super::variables::Variables;
 use crate::block::{Comment, CommentKind};
 use crate::canon::Units;
 use crate::codes::{G, M};
+use crate::execute::Done;
 use crate::problem::{Blame, Problem, Span};
 use crate::state::State;
-use crate::words::{Cursor, number, parentheses, whole};
+use crate::text::{Cursor, number, parentheses, whole};
 
 /// Reads a line.
 pub(super) struct Reading<'a> {
@@ -58,7 +58,7 @@ impl Reading<'_> {
         number: u32,
         line: &mut Line,
     ) -> Result<Statement, Box<Problem>> {
-        line.clear(file, number, self.state.units);
+        line.clear(file, number, self.state.units.program());
         let mut cursor = Cursor::new(self.text);
         let optional = self.optional(&mut cursor)?;
         (line.block.n, line.block.n_digits) = sequence_number(&mut cursor)?;

@@ -2,12 +2,12 @@
 //!
 //! In: a line. Out: calls of the path mode. They take their turn where compensation keeps moves back.
 
-use super::Done;
-use super::block::Modal;
 use super::codes::{Deed, EXACT_STOP};
+use super::execution::Execution;
 use super::line::Line;
 use crate::canon::{Call, PathMode};
 use crate::codes::{G, group};
+use crate::execute::Done;
 use crate::execute::Output;
 use crate::problem::{Blame, Problem};
 use crate::state::State;
@@ -15,8 +15,8 @@ use crate::state::State;
 /// G61, G64.
 pub(super) fn modal(line: &Line, state: &mut State, out: &mut Output) -> Done {
     let Some(code) = line.block.g(group::PATH) else { return Ok(()) };
-    state.path = if code == G(610) { PathMode::ExactStop } else { PathMode::Continuous(0.0) };
-    out.call(Call::SetMotionControlMode(state.path))
+    state.modes.path.mode = if code == G(610) { PathMode::ExactStop } else { PathMode::Continuous(0.0) };
+    out.call(Call::SetMotionControlMode(state.modes.path.mode))
 }
 
 /// G09, before the move.
@@ -37,19 +37,19 @@ pub(super) fn begin(line: &Line, deed: Deed, state: &State, out: &mut Output) ->
 ///
 /// # Errors
 /// The end of the move is a corner that is cut off or rounded.
-pub(super) fn end(line: &Line, modal: &Modal, state: &State, out: &mut Output) -> Done {
-    let Some(code) = line.block.g(EXACT_STOP) else { return Ok(()) };
-    if modal.pending.is_some() {
+pub(super) fn end(run: &mut Execution) -> Done {
+    let Some(code) = run.line.block.g(EXACT_STOP) else { return Ok(()) };
+    if run.modal.pending.is_some() {
         let message = format!("{code} would stop at a corner that is cut off or rounded");
         let help = "leave G09 out, or write the corner as moves";
         return Err(Problem::error("not-available", Blame::G(code), message, help));
     }
-    change(state.path, state, out)
+    change(run.state.modes.path.mode, run.state, run.out)
 }
 
 /// Nothing under G61, where every move stops.
 fn change(mode: PathMode, state: &State, out: &mut Output) -> Done {
-    match state.path {
+    match state.modes.path.mode {
         PathMode::ExactStop => Ok(()),
         _ => out.call(Call::SetMotionControlMode(mode)),
     }

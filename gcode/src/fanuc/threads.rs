@@ -13,47 +13,25 @@
 //! ```
 //! G92 pulls out over as long a chamfer as G76 was last told, one lead if it never was.
 
+use super::execution::{Execution, target};
 use super::line::Line;
-use super::{Done, block};
-use crate::canon::{Call, Degression, Position, ThreadCycle, X, Z};
+use super::modal::{Modal, ThreadFirst};
+use crate::canon::{Call, Degression, Pose, ThreadCycle, X, Z};
 use crate::codes::G;
-use crate::execute::{self, Output};
+use crate::execute;
+use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
 
 /// Angles of the tool that P of G76 may name, degrees.
 const ANGLES: [i64; 6] = [0, 29, 30, 55, 60, 80];
 /// Passes of a cycle at most.
 const MOST_PASSES: f64 = 10_000.0;
 
-/// The first line of G76.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct First {
-    /// m: finishing passes.
-    finishing: u32,
-    /// r: chamfer, tenths of the lead.
-    chamfer: f64,
-    /// a: angle of the tool, degrees.
-    angle: f64,
-    /// Q.
-    least: f64,
-    /// R.
-    finish: f64,
-}
-
-impl First {
-    /// The units change: lengths times a factor.
-    pub(super) fn convert(&mut self, factor: f64) {
-        self.least *= factor;
-        self.finish *= factor;
-    }
-}
-
 /// What is the same for all cycles.
 struct Shape {
     /// G76 or G92.
     code: G,
-    end: Position,
+    end: Pose,
     /// i.
     taper: f64,
     lead: f64,
@@ -62,58 +40,66 @@ struct Shape {
     start_deg: f64,
 }
 
+/// How a thread is cut to its height.
+struct Depths {
+    height: f64,
+    degression: Degression,
+    infeed_deg: f64,
+    springs: u32,
+}
+
 /// G32.
-pub(super) fn single_move(line: &Line, modal: &block::Modal, state: &mut State, out: &mut Output) -> Done {
-    let end = block::target(line, state.position)?;
-    let lead = lead(modal)?;
-    let start_deg = start_angle(line)?;
-    execute::threading::ready(G(320), state, out)?;
-    let (dx, dz) = ((end[X] - state.position[X]).abs(), (end[Z] - state.position[Z]).abs());
+pub(super) fn single_move(run: &mut Execution) -> Done {
+    let end = target(run.line, run.state.axes.position)?;
+    let lead = lead(run.modal)?;
+    let start_deg = start_angle(run.line)?;
+    execute::threading::ready(G(320), run.state, run.out)?;
+    let (dx, dz) = ((end[X] - run.state.axes.position[X]).abs(), (end[Z] - run.state.axes.position[Z]).abs());
     if dx.max(dz) == 0.0 {
         let message = "the thread has no length";
         return Err(Problem::error("bad-value", Blame::G(G(320)), message, "give X or Z of its end"));
     }
     let lead = lead * (libm::hypot(dx, dz) / dx.max(dz));
-    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg })?;
-    out.call(Call::StraightFeed(end))?;
-    out.call(Call::StopSpeedFeedSynch)?;
-    state.position = end;
+    run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg })?;
+    run.out.call(Call::StraightFeed(end))?;
+    run.out.call(Call::StopSpeedFeedSynch)?;
+    run.state.axes.position = end;
     Ok(())
 }
 
 /// G76: its first line, its second, or the one that says it all.
-pub(super) fn cycle(line: &Line, modal: &mut block::Modal, state: &mut State, out: &mut Output) -> Done {
-    if !line.has_any("XZUW") {
-        if let Some(letter) = ['I', 'K', 'D', 'A'].into_iter().find(|letter| line.has(*letter)) {
+pub(super) fn cycle(run: &mut Execution) -> Done {
+    if !run.line.has_any("XZUW") {
+        if let Some(letter) = ['I', 'K', 'D', 'A'].into_iter().find(|letter| run.line.has(*letter)) {
             let help = "X and Z name the end of the thread";
             return Err(Problem::error("missing-word", Blame::Word(letter), "G76 without X and Z", help));
         }
-        modal.first.thread = Some(first_line(line, modal.first.thread)?);
+        run.modal.first.thread = Some(first_line(run.line, run.modal.first.thread)?);
         return Ok(());
     }
     for (absolute, incremental) in [('X', 'U'), ('Z', 'W')] {
-        if !line.has(absolute) && !line.has(incremental) {
+        if !run.line.has(absolute) && !run.line.has(incremental) {
             let message = format!("G76 needs {absolute} of the end of the thread");
             let help = format!("add {absolute} or {incremental}");
             return Err(Problem::error("missing-word", Blame::G(G(760)), message, help));
         }
     }
-    let end = block::target(line, state.position)?;
-    let lead = lead(modal)?;
-    if line.has_any("KDAI") {
-        return one_line(line, end, lead, state, out);
+    let end = target(run.line, run.state.axes.position)?;
+    let lead = lead(run.modal)?;
+    if run.line.has_any("KDAI") {
+        return one_line(end, lead, run);
     }
-    let Some(first) = modal.first.thread else {
+    let Some(first) = run.modal.first.thread else {
         let message = "the first line of G76 is missing";
         let help =
             "write it before: G76 P021060 Q100 R0.05 (finishing passes, chamfer, angle; least cut; finish)";
         return Err(Problem::error("missing-word", Blame::G(G(760)), message, help));
     };
     let height =
-        needed(line.increments('P')?, 'P', "the height of the thread, in steps of 0.001 mm", "P900")?;
+        needed(run.line.increments('P')?, 'P', "the height of the thread, in steps of 0.001 mm", "P900")?;
     let depth =
-        needed(line.increments('Q')?, 'Q', "the depth of the first pass, in steps of 0.001 mm", "Q250")?;
-    let taper = line.length('R').unwrap_or(0.0);
+        needed(run.line.increments('Q')?, 'Q', "the depth of the first pass, in steps of 0.001 mm", "Q250")?;
+    let taper = run.line.length('R').unwrap_or(0.0);
     let shape =
         Shape { code: G(760), end, taper, lead, chamfer: first.chamfer * lead / 10.0, start_deg: 0.0 };
     if first.finish >= height {
@@ -129,7 +115,7 @@ pub(super) fn cycle(line: &Line, modal: &mut block::Modal, state: &mut State, ou
     let degression = Degression { first: depth, exponent: 2.0, least: first.least, finish: first.finish };
     // With an allowance the first finishing pass takes it off; without one, all of them come on top.
     let springs = first.finishing - u32::from(first.finish > 0.0);
-    send(&shape, height, degression, first.angle / 2.0, springs, state, out)
+    send(&shape, Depths { height, degression, infeed_deg: first.angle / 2.0, springs }, run)
 }
 
 fn needed(value: Option<f64>, letter: char, what: &str, example: &str) -> Result<f64, Box<Problem>> {
@@ -151,9 +137,9 @@ fn needed(value: Option<f64>, letter: char, what: &str, example: &str) -> Result
     }
 }
 
-fn first_line(line: &Line, before: Option<First>) -> Result<First, Box<Problem>> {
+fn first_line(line: &Line, before: Option<ThreadFirst>) -> Result<ThreadFirst, Box<Problem>> {
     let mut first =
-        before.unwrap_or(First { finishing: 1, chamfer: 10.0, angle: 60.0, least: 0.0, finish: 0.0 });
+        before.unwrap_or(ThreadFirst { finishing: 1, chamfer: 10.0, angle: 60.0, least: 0.0, finish: 0.0 });
     if let Some(word) = line.whole('P')? {
         let (m, r, a) = (word / 10_000, word / 100 % 100, word % 100);
         if !(1..=99).contains(&m) || !ANGLES.contains(&a) {
@@ -178,14 +164,14 @@ fn first_line(line: &Line, before: Option<First>) -> Result<First, Box<Problem>>
 }
 
 /// `G76 X Z I K D A F P Q`.
-fn one_line(line: &Line, end: Position, lead: f64, state: &mut State, out: &mut Output) -> Done {
-    if line.has('R') {
+fn one_line(end: Pose, lead: f64, run: &mut Execution) -> Done {
+    if run.line.has('R') {
         let help = "I is the taper when all of G76 stands in one line";
         return Err(Problem::error("unused-word", Blame::Word('R'), "G76 in one line does not use R", help));
     }
-    let height = needed(line.length('K'), 'K', "the height of the thread", "K0.9")?;
-    let depth = needed(line.length('D'), 'D', "the depth of the first pass", "D250")?;
-    let exponent = match line.whole('P')?.unwrap_or(1) {
+    let height = needed(run.line.length('K'), 'K', "the height of the thread", "K0.9")?;
+    let depth = needed(run.line.length('D'), 'D', "the depth of the first pass", "D250")?;
+    let exponent = match run.line.whole('P')?.unwrap_or(1) {
         1 => 2.0,
         3 => 1.0,
         other => {
@@ -203,48 +189,36 @@ fn one_line(line: &Line, end: Position, lead: f64, state: &mut State, out: &mut 
             ));
         }
     };
-    let angle = line.plain('A').unwrap_or(0.0);
+    let angle = run.line.plain('A').unwrap_or(0.0);
     if !(0.0..=120.0).contains(&angle) {
         let message = format!("A{} is no angle of a tool", short(angle));
         return Err(Problem::error("bad-value", Blame::Word('A'), message, "give 0 to 120 degrees"));
     }
-    let taper = line.length('I').unwrap_or(0.0);
-    let shape = Shape { code: G(760), end, taper, lead, chamfer: 0.0, start_deg: start_angle(line)? };
+    let taper = run.line.length('I').unwrap_or(0.0);
+    let shape = Shape { code: G(760), end, taper, lead, chamfer: 0.0, start_deg: start_angle(run.line)? };
     let degression = Degression { first: depth, exponent, least: 0.0, finish: 0.0 };
-    send(&shape, height, degression, angle / 2.0, 0, state, out)
+    send(&shape, Depths { height, degression, infeed_deg: angle / 2.0, springs: 0 }, run)
 }
 
 /// G92: one pass with the words that are in force.
-pub(super) fn box_cycle(
-    (end, taper): (Position, f64),
-    modal: &block::Modal,
-    start_deg: f64,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
-    let lead = lead(modal)?;
-    let tenths = modal.first.thread.map_or(10.0, |first| first.chamfer);
-    let way = (end[Z] - state.position[Z]).abs();
+pub(super) fn box_cycle(end: Pose, taper: f64, run: &mut Execution) -> Done {
+    let start_deg = start_angle(run.line)?;
+    let lead = lead(run.modal)?;
+    let tenths = run.modal.first.thread.map_or(10.0, |first| first.chamfer);
+    let way = (end[Z] - run.state.axes.position[Z]).abs();
     let chamfer = (tenths * lead / 10.0).min(way);
-    let depth = (end[X] + taper - state.position[X]).abs();
-    // The pull-out rises at 45 degrees, but by no more than half of the way out.
+    let depth = (end[X] + taper - run.state.axes.position[X]).abs();
+    // The pull-out rises at 45 degrees, but by no more than half of the way run.out.
     let height = if chamfer > 0.0 { chamfer.min(depth / 2.0) } else { depth / 2.0 };
     let shape = Shape { code: G(920), end, taper, lead, chamfer, start_deg };
     let degression = Degression { first: height, exponent: 1.0, least: 0.0, finish: 0.0 };
-    send(&shape, height, degression, 0.0, 0, state, out)
+    send(&shape, Depths { height, degression, infeed_deg: 0.0, springs: 0 }, run)
 }
 
-fn send(
-    shape: &Shape,
-    height: f64,
-    degression: Degression,
-    infeed_deg: f64,
-    springs: u32,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
-    let from = state.position;
-    execute::threading::ready(shape.code, state, out)?;
+fn send(shape: &Shape, depths: Depths, run: &mut Execution) -> Done {
+    let Depths { height, degression, infeed_deg, springs } = depths;
+    let from = run.state.axes.position;
+    execute::threading::ready(shape.code, run.state, run.out)?;
     let wrong = |letter, message: String, help: &str| {
         Err(Problem::error("bad-value", Blame::Word(letter), message, help))
     };
@@ -287,7 +261,7 @@ fn send(
             format!("the chamfer, {}, is longer than the thread, {}", short(shape.chamfer), short(way));
         return wrong('Z', message, "give a shorter chamfer in the first line of G76, digits 3 and 4 of P");
     }
-    out.call(Call::ThreadCycle(&ThreadCycle {
+    run.out.call(Call::ThreadCycle(&ThreadCycle {
         from,
         end_z: shape.end[Z],
         taper_x: 0.0 - shape.taper,
@@ -302,11 +276,11 @@ fn send(
         chamfer_out: shape.chamfer > 0.0,
         start_deg: shape.start_deg,
     }))?;
-    out.call(Call::StraightTraverse(from))
+    run.out.call(Call::StraightTraverse(from))
 }
 
 /// F, or that of the thread before.
-fn lead(modal: &block::Modal) -> Result<f64, Box<Problem>> {
+fn lead(modal: &Modal) -> Result<f64, Box<Problem>> {
     match modal.lead {
         Some(lead) if lead > 0.0 => Ok(lead),
         Some(lead) => {
@@ -320,7 +294,7 @@ fn lead(modal: &block::Modal) -> Result<f64, Box<Problem>> {
 }
 
 /// Q: thousandths of a degree.
-pub(super) fn start_angle(line: &Line) -> Result<f64, Box<Problem>> {
+fn start_angle(line: &Line) -> Result<f64, Box<Problem>> {
     let angle = line.whole('Q')?.unwrap_or(0);
     if (0..=360_000).contains(&angle) {
         return Ok(angle as f64 / 1000.0);

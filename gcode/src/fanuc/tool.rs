@@ -1,9 +1,9 @@
 //! T: tool and offset. In: `T0102`, tool 1 with offset 2. Out: the change and the offset in force. The turret turns
 //! without stopping the spindle.
 
-use super::Done;
 use super::line::Line;
 use crate::canon::Call;
+use crate::execute::Done;
 use crate::execute::Output;
 use crate::files::Tool;
 use crate::problem::{Blame, Problem};
@@ -32,32 +32,31 @@ pub(super) fn call(line: &Line, state: &mut State, out: &mut Output) -> Done {
         let help = "write two digits for the tool and two for the offset, such as T0101";
         out.warn(Problem::warning("no-tool", Blame::Word('T'), message, help));
     }
-    let changes = tool != 0 && tool != state.tool;
+    let changes = tool != 0 && tool != state.tools.number;
     if changes {
-        (state.selected, state.tool) = (Some(tool), tool);
+        (state.tools.selected, state.tools.number) = (Some(tool), tool);
         out.call(Call::SelectTool(tool))?;
         out.call(Call::ChangeTool(tool))?;
     }
     load(offset, state, out);
-    let offset = if offset == 0 { [0.0; 6] } else { state.to_program(&state.tools.in_spindle.offset) };
-    let place = state.absolute(&state.position);
-    state.tool_offset = offset;
-    state.position = state.relative(&place);
+    let offset =
+        if offset == 0 { [0.0; 6] } else { state.units.to_program(&state.tools.table.in_spindle.offset) };
+    state.axes.set_tool_offset(offset);
     out.call(Call::UseToolLengthOffset(offset))
 }
 
 /// The entry of an offset: its lengths and its nose are those of the tool at work.
 fn load(offset: i32, state: &mut State, out: &mut Output) {
-    let number = state.tool;
+    let number = state.tools.number;
     if offset == 0 {
-        state.tools.in_spindle = Tool { number, ..Tool::default() };
+        state.tools.table.in_spindle = Tool { number, ..Tool::default() };
         return;
     }
-    let entry = state.tools.find(offset).cloned();
-    if entry.is_none() && !state.tools.is_empty() {
+    let entry = state.tools.table.find(offset).cloned();
+    if entry.is_none() && !state.tools.table.is_empty() {
         let message = format!("offset {offset} is not in the tool table");
         let help = "it is taken to be 0 with a sharp nose; enter it in the table as the tool of this number";
         out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
     }
-    state.tools.in_spindle = Tool { index: 0, number, ..entry.unwrap_or_default() };
+    state.tools.table.in_spindle = Tool { index: 0, number, ..entry.unwrap_or_default() };
 }

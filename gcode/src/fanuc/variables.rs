@@ -114,19 +114,19 @@ fn is_shared(index: u32) -> bool {
 
 /// What the control tells about itself.
 fn system(index: u32, state: &State) -> Option<f64> {
-    let lengths = |place: &crate::Position, axis: u32| match axis {
+    let lengths = |place: &crate::Pose, axis: u32| match axis {
         1 => Some(2.0 * place[X]),
         2 => Some(place[Z]),
         _ => None,
     };
     match index {
-        4109 => Some(state.feed),
+        4109 => Some(state.modes.feed),
         4119 => Some(state.spindle.speed),
-        4120 => Some(f64::from(state.tool)),
-        5001..=5002 => lengths(&state.position, index - 5000),
-        5021..=5022 => lengths(&state.absolute(&state.position), index - 5020),
-        5041..=5042 => lengths(&state.position, index - 5040),
-        5081..=5082 => lengths(&state.tool_offset, index - 5080),
+        4120 => Some(f64::from(state.tools.number)),
+        5001..=5002 => lengths(&state.axes.position, index - 5000),
+        5021..=5022 => lengths(&state.axes.machine_point(), index - 5020),
+        5041..=5042 => lengths(&state.axes.position, index - 5040),
+        5081..=5082 => lengths(&state.axes.tool_offset(), index - 5080),
         5221..=5322 => {
             let (system, axis) = ((index - 5221) / 20 + 1, (index - 5221) % 20 + 1);
             lengths(&state.lengths_at(offset_of_system(system as u8)), axis)

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::{FileError, replace, words::Words};
-use crate::canon::Position;
+use crate::canon::Pose;
 use crate::problem::Diagnostic;
 
 /// A tool: lengths in units of the machine, X a radius, angles in degrees.
@@ -24,7 +24,7 @@ pub struct Tool {
     /// P: its pocket.
     pub pocket: i32,
     /// Offset in every axis.
-    pub offset: Position,
+    pub offset: Pose,
     /// Offsets of U, V, W: kept for machines that have these axes.
     pub uvw: [f64; 3],
     /// D: diameter; of a turning tool twice the radius of its nose.

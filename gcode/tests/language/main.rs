@@ -1,18 +1,9 @@
-//! The language, from text to calls.
+//! The language as its manual has it: programs in, calls and diagnostics out.
 
-mod again;
-mod arcs;
-mod check;
-mod coordinates;
-mod cycles;
-mod expressions;
-mod flow;
-mod lines;
-mod modes;
-mod parameters;
-mod printed;
-mod recorded;
-mod source;
-mod threading;
-mod tools;
-mod words;
+mod compensation;
+mod driven;
+mod fanuc;
+mod files;
+mod ngc;
+mod printing;
+mod roughing;

@@ -1,9 +1,9 @@
 //! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force. Out: what a job
 //! file sets before it begins, moves and work, warnings; or what is wrong, by key.
 
+use gcode::Job as Source;
 use gcode::Place;
 use gcode::files::ToolTable;
-use gcode::job::Job as Source;
 use gcode::problem::{Blame, Problem, Severity, short};
 use protocol::{Machine, PerAxis, Position, machine::Kinematics};
 

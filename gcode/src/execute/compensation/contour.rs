@@ -10,40 +10,32 @@
 //! the rotary axes move with the move they are programmed in; around an outside corner the rotary axes turn
 //! already.
 
-use super::geometry::{Corner, Element, Point, Side, Track, distance, meet};
-use super::{Compensation, Cutter};
 use crate::block::Block;
-use crate::canon::{Arc, Call, Position};
-use crate::execute::straight::Kind;
-use crate::execute::{Done, Output};
+use crate::canon::{Arc, Call, Pose};
+use crate::execute::{Done, Kind, Output};
+use crate::geometry::track::{Corner, Element, Point, Side, Track, distance, meet};
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
+use crate::state::{Compensation, Cutter, State};
 
 /// What a move of the contour ends at, beside the plane.
 #[derive(Clone, Copy)]
 struct Move {
     kind: Kind,
-    target: Position,
+    target: Pose,
 }
 
 /// A straight move while compensation is on.
 ///
 /// # Errors
 /// The entry is too short, or the tool does not fit into the corner.
-pub(crate) fn straight(
-    kind: Kind,
-    target: Position,
-    block: &Block,
-    state: &mut State,
-    out: &mut Output,
-) -> Done {
+pub(crate) fn straight(kind: Kind, target: Pose, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let Compensation { tool: Some(cutter), normal, .. } = state.compensation else { return Ok(()) };
     if cutter.radius == 0.0 {
         out.call(kind.call(target))?;
-        state.position = target;
+        state.axes.position = target;
         return Ok(());
     }
-    let (from, to) = (in_plane(&state.position, state), in_plane(&target, state));
+    let (from, to) = (in_plane(&state.axes.position, state), in_plane(&target, state));
     computable(&[from, to], &cutter)?;
     let (track, joined) = match normal {
         None if distance(from, to) <= cutter.radius => return Err(short_entry(from, to, &cutter)),
@@ -51,7 +43,7 @@ pub(crate) fn straight(
         Some(n) if from == to => {
             let point = cutter.tip_at(from, n);
             out.waiting.push(out.place, kind.call(with_plane(target, point, state)));
-            state.position = target;
+            state.axes.position = target;
             return Ok(());
         }
         Some(n) => {
@@ -77,10 +69,10 @@ pub(crate) fn arc(arc: Arc, block: &Block, state: &mut State, out: &mut Output) 
     let target = target_of(&arc, state);
     if cutter.radius == 0.0 {
         out.call(Call::ArcFeed(arc))?;
-        state.position = target;
+        state.axes.position = target;
         return Ok(());
     }
-    let from = in_plane(&state.position, state);
+    let from = in_plane(&state.axes.position, state);
     computable(&[from, arc.end, arc.center], &cutter)?;
     let element = Element { from, to: arc.end, arc: Some((arc.center, arc.turns)) };
     let (track, center, joined) = match normal {
@@ -140,7 +132,7 @@ fn cut(
     let Some(before) = before else { return Err(stopped_in_corner()) };
     let corner = meet(before, track, p, cutter.side, cutter.radius);
     let Some(corner) = corner else { return Err(no_corner(cutter)) };
-    if !out.waiting.end_at(corner, cutter.tip_of(corner), state.plane) {
+    if !out.waiting.end_at(corner, cutter.tip_of(corner), state.modes.plane) {
         return Err(too_short_before(cutter, out));
     }
     if track.begin_at(corner) { Ok(()) } else { Err(too_short(Blame::Block, "the move before", cutter)) }
@@ -148,16 +140,16 @@ fn cut(
 
 /// The way around an outside corner.
 fn around(p: Point, n: Point, to: Move, cutter: &Cutter, state: &State) -> Call<'static> {
-    let (_, _, across) = state.plane.axes();
+    let (_, _, across) = state.modes.plane.axes();
     let [_, _, _, a, b, c] = to.target;
     let end = cutter.tip_at(p, n);
     if to.kind == Kind::Traverse {
         let mut target = with_plane(to.target, end, state);
-        target[across] = state.position[across];
+        target[across] = state.axes.position[across];
         return Call::StraightTraverse(target);
     }
     let turns = if cutter.side == Side::Left { -1 } else { 1 };
-    let along = state.position[across];
+    let along = state.axes.position[across];
     Call::ArcFeed(Arc { end, center: cutter.tip_of(p), turns, along, rotary: [a, b, c] })
 }
 
@@ -183,48 +175,35 @@ fn enter_by_arc(element: &Element, block: &Block, cutter: &Cutter) -> Result<(Tr
 }
 
 /// The measured point of a turning tool goes where the entry arc has it begin: else it would be no arc.
-fn lead_to_tip(from: Point, target: &Position, cutter: &Cutter, state: &State, out: &mut Output) -> Done {
+fn lead_to_tip(from: Point, target: &Pose, cutter: &Cutter, state: &State, out: &mut Output) -> Done {
     if matches!(cutter.orientation, 0 | 9) {
         return Ok(());
     }
-    let (_, _, across) = state.plane.axes();
+    let (_, _, across) = state.modes.plane.axes();
     let mut start = with_plane(*target, cutter.tip_of(from), state);
-    start[across] = state.position[across];
+    start[across] = state.axes.position[across];
     out.call(Call::StraightFeed(start))
 }
 
-fn arrive(target: Position, track: &Track, state: &mut State) {
-    state.position = target;
+fn arrive(target: Pose, track: &Track, state: &mut State) {
+    state.axes.position = target;
     state.compensation.normal = Some(track.normals[1]);
 }
 
-impl Cutter {
-    /// The measured point when the centre of the tool is at `center`.
-    fn tip_of(&self, center: Point) -> Point {
-        let tip = self.tip();
-        [center[0] + self.radius * tip[0], center[1] + self.radius * tip[1]]
-    }
-
-    /// The measured point when the tool touches the contour at `p` from `n`.
-    fn tip_at(&self, p: Point, n: Point) -> Point {
-        self.tip_of([p[0] + self.radius * n[0], p[1] + self.radius * n[1]])
-    }
-}
-
-fn in_plane(point: &Position, state: &State) -> Point {
-    let (first, second, _) = state.plane.axes();
+fn in_plane(point: &Pose, state: &State) -> Point {
+    let (first, second, _) = state.modes.plane.axes();
     [point[first], point[second]]
 }
 
-fn with_plane(mut position: Position, point: Point, state: &State) -> Position {
-    let (first, second, _) = state.plane.axes();
+fn with_plane(mut position: Pose, point: Point, state: &State) -> Pose {
+    let (first, second, _) = state.modes.plane.axes();
     (position[first], position[second]) = (point[0], point[1]);
     position
 }
 
-fn target_of(arc: &Arc, state: &State) -> Position {
-    let (_, _, across) = state.plane.axes();
-    let mut target = with_plane(state.position, arc.end, state);
+fn target_of(arc: &Arc, state: &State) -> Pose {
+    let (_, _, across) = state.modes.plane.axes();
+    let mut target = with_plane(state.axes.position, arc.end, state);
     target[across] = arc.along;
     target[3..].copy_from_slice(&arc.rotary);
     target

@@ -18,84 +18,19 @@
 //! the contour further away are not.
 
 mod contour;
-pub mod geometry;
 mod queue;
 
 use crate::block::Block;
-use crate::canon::{Call, Plane, Position};
+use crate::canon::{Call, Plane};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
+use crate::state::{Compensation, Cutter, State};
 
+use crate::geometry::track::Side;
 pub(crate) use contour::{arc, straight};
-use geometry::{Point, Side};
-pub use queue::Waiting;
+pub(crate) use queue::Waiting;
 
 use super::{Done, Output};
-
-/// G40, G41, G42.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Compensation {
-    tool: Option<Cutter>,
-    /// From the programmed point to the centre of the tool, as a unit vector; `None` before the entry move.
-    normal: Option<Point>,
-    /// G40 has ended a contour: the next move must be straight.
-    leaving: bool,
-}
-
-/// What is at work.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Cutter {
-    side: Side,
-    /// ≥ 0, program units.
-    radius: f64,
-    /// 0 for a mill, else where the tip of a turning tool lies (9: in its centre).
-    orientation: u8,
-}
-
-impl Cutter {
-    /// From the centre of the nose to the point that the offsets of the tool measure, in radii: Z and X.
-    fn tip(&self) -> Point {
-        match self.orientation {
-            1 => [1.0, -1.0],
-            2 => [-1.0, -1.0],
-            3 => [-1.0, 1.0],
-            4 => [1.0, 1.0],
-            5 => [1.0, 0.0],
-            6 => [0.0, -1.0],
-            7 => [-1.0, 0.0],
-            8 => [0.0, 1.0],
-            _ => [0.0, 0.0],
-        }
-    }
-}
-
-impl Compensation {
-    /// Whether G41 or G42 is in force, also with a radius of 0.
-    pub fn is_on(&self) -> bool {
-        self.tool.is_some()
-    }
-
-    /// G40, G41 or G42. A negative diameter changes sides.
-    pub fn code(&self) -> G {
-        match self.tool {
-            None => G(400),
-            Some(Cutter { side: Side::Left, .. }) => G(410),
-            Some(Cutter { side: Side::Right, .. }) => G(420),
-        }
-    }
-}
-
-/// Where the centre of the tool is: the programmed point while compensation is off.
-pub(crate) fn center(state: &State) -> Position {
-    let mut center = state.position;
-    if let Compensation { tool: Some(cutter), normal: Some(n), .. } = state.compensation {
-        let (first, second, _) = state.plane.axes();
-        center[first] += cutter.radius * n[0];
-        center[second] += cutter.radius * n[1];
-    }
-    center
-}
 
 /// G40 to G42.1.
 ///
@@ -109,7 +44,7 @@ pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output
         let message = format!("{code} begins what {} has begun already", state.compensation.code());
         return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 first"));
     }
-    if state.plane == Plane::Yz {
+    if state.modes.plane == Plane::Yz {
         let message = "the radius of the tool can be compensated in the XY and the XZ plane only";
         return Err(Problem::error(
             "compensation-plane",
@@ -148,7 +83,7 @@ fn from_block(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     };
     let Some(l) = block.get('L') else { return Ok((diameter / 2.0, 0)) };
-    if state.plane != Plane::Xz {
+    if state.modes.plane != Plane::Xz {
         let message = "L is the orientation of a turning tool, and the plane is not XZ";
         return Err(Problem::error(
             "compensation-plane",
@@ -157,7 +92,7 @@ fn from_block(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
             "select G18, or leave L out",
         ));
     }
-    match super::integer(block, 'L') {
+    match block.integer('L') {
         Some(orientation @ 0..=9) => Ok((diameter / 2.0, orientation as u8)),
         _ => {
             let message = format!("L{} is no orientation of a turning tool", short(l));
@@ -168,22 +103,22 @@ fn from_block(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
 
 /// G41, G42: the tool in the spindle, or tool D of the table.
 fn from_table(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Problem>> {
-    let tool = match (block.get('D'), super::integer(block, 'D')) {
-        (None, _) | (_, Some(0)) => &state.tools.in_spindle,
+    let tool = match (block.get('D'), block.integer('D')) {
+        (None, _) | (_, Some(0)) => &state.tools.table.in_spindle,
         (Some(d), number) => {
             let number = number.and_then(|number| i32::try_from(number).ok());
-            number.and_then(|number| state.tools.find(number)).ok_or_else(|| {
+            number.and_then(|number| state.tools.table.find(number)).ok_or_else(|| {
                 let message = format!("D{} is no tool of the tool table", short(d));
                 let help = "D is the number of a tool; without D the tool in the spindle counts";
                 Problem::error("unknown-tool", Blame::Word('D'), message, help)
             })?
         }
     };
-    if state.plane != Plane::Xz && !matches!(tool.orientation, 0 | 9) {
+    if state.modes.plane != Plane::Xz && !matches!(tool.orientation, 0 | 9) {
         let message = format!("T{} is a turning tool, and the plane is not XZ", tool.number);
         return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G18 before"));
     }
-    Ok((tool.diameter * state.per_machine_unit() / 2.0, tool.orientation))
+    Ok((tool.diameter * state.units.per_machine_unit() / 2.0, tool.orientation))
 }
 
 /// Sends all that waits: the contour is held up here, or at its end.
@@ -196,12 +131,7 @@ pub(crate) fn scale(factor: f64, state: &mut State, out: &mut Output) {
     if let Some(cutter) = &mut state.compensation.tool {
         cutter.radius *= factor;
     }
-    out.waiting.scale(factor, !state.stand_alone);
-}
-
-/// A straight move has been made: arcs may follow.
-pub(crate) fn straight_made(state: &mut State) {
-    state.compensation.leaving = false;
+    out.waiting.scale(factor, !state.settings.stand_alone);
 }
 
 /// Refuses an arc right behind G40.

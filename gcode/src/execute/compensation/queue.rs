@@ -5,8 +5,8 @@
 //! coolant, dwell, comments. What else may be called while compensation is on goes at once, as in LinuxCNC:
 //! messages, units, T.
 
-use super::geometry::{Point, Track};
-use crate::canon::{Call, Place, Plane, Position};
+use crate::canon::{Call, Place, Plane, Pose};
+use crate::geometry::track::{Point, Track};
 
 /// A call that owns its text.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl Held {
 
 /// The last move of a contour and what was called behind it.
 #[derive(Clone, Debug, Default)]
-pub struct Waiting {
+pub(crate) struct Waiting {
     calls: Vec<(Place, Held)>,
     track: Option<Track>,
 }
@@ -134,7 +134,7 @@ impl Waiting {
     }
 }
 
-fn scale_lengths(position: &mut Position, factor: f64) {
+fn scale_lengths(position: &mut Pose, factor: f64) {
     for length in &mut position[..3] {
         *length *= factor;
     }

@@ -16,7 +16,7 @@
 //! | G88 | feed | dwell, stop the spindle and the program | by hand, start |
 //! | G89 | feed | dwell | feed to clear |
 
-use crate::canon::{Call, Plane, Position, Turn};
+use crate::canon::{Call, Plane, Pose, Turn};
 use crate::codes::G;
 use crate::problem::{Blame, Problem};
 use crate::state::{Overrides, State};
@@ -35,8 +35,8 @@ pub(super) struct Bar {
 impl Bar {
     /// I, J, K: two are distances in the plane, the one of the axis across it is the shoulder, under G91 from the bottom.
     pub(super) fn new(offset: [f64; 3], bottom: f64, state: &State) -> Bar {
-        let (first, second, along) = state.plane.axes();
-        let shoulder = if state.incremental { bottom + offset[along] } else { offset[along] };
+        let (first, second, along) = state.modes.plane.axes();
+        let shoulder = if state.modes.incremental { bottom + offset[along] } else { offset[along] };
         Bar { beside: [offset[first], offset[second]], shoulder }
     }
 }
@@ -73,13 +73,13 @@ pub(super) struct Strokes<'a, 'o> {
     /// The hole, along first and second axis.
     pub(super) at: [f64; 2],
     /// Where the tool is.
-    pub(super) position: &'a Position,
+    pub(super) position: &'a Pose,
     /// Receiver.
     pub(super) out: &'a mut Output<'o>,
 }
 
 impl Strokes<'_, '_> {
-    fn point(&self, at: [f64; 2], height: f64) -> Position {
+    fn point(&self, at: [f64; 2], height: f64) -> Pose {
         let (first, second, along) = self.plane.axes();
         let mut point = *self.position;
         [point[first], point[second], point[along]] = [at[0], at[1], height];

@@ -17,48 +17,10 @@ use crate::block::{AXES, Block};
 use crate::canon::{Call, FeedMode, PathMode, Plane};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
+use crate::state::{State, Sticky};
 
-use super::{Done, Output, feed, integer, modes, straight};
+use super::{Done, Output, feed, modes, straight};
 use hole::{Bar, Hole, Strokes};
-
-/// What canned cycles keep from block to block.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sticky {
-    /// The cycle in force, and its plane.
-    code: Option<(G, Plane)>,
-    /// The axis across the plane where the first cycle in a row began.
-    level: Option<f64>,
-    /// R.
-    r: f64,
-    /// The word of the axis across the plane.
-    depth: f64,
-    /// P, s.
-    dwell: f64,
-    /// Q.
-    peck: f64,
-    /// I, J, K of G87.
-    offset: [f64; 3],
-}
-
-impl Sticky {
-    /// Another motion code is executed.
-    pub(super) fn end(&mut self) {
-        if self.code.is_some() {
-            *self = Sticky::default();
-        }
-    }
-
-    /// Converts its lengths: program units have changed.
-    pub(super) fn scale(&mut self, factor: f64) {
-        if let Some(level) = &mut self.level {
-            *level *= factor;
-        }
-        for length in [&mut self.r, &mut self.depth, &mut self.peck].into_iter().chain(&mut self.offset) {
-            *length *= factor;
-        }
-    }
-}
 
 /// Whether a code is one of them.
 pub(super) fn is_cycle(code: G) -> bool {
@@ -68,7 +30,7 @@ pub(super) fn is_cycle(code: G) -> bool {
 /// Executes a cycle.
 pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     straight::some_axis(code, block)?;
-    if state.feed_mode == FeedMode::InverseTime {
+    if state.modes.feed_mode == FeedMode::InverseTime {
         let message = format!("{code} makes several moves, and under G93 every move needs an F of its own");
         return Err(Problem::error("bad-value", Blame::G(code), message, "use G94 or G95 and a feed"));
     }
@@ -78,21 +40,23 @@ pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output)
         return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 before"));
     }
     let before = match state.cycle.code {
-        Some((other, plane)) if plane == state.plane && other == code => state.cycle,
-        Some((_, plane)) if plane == state.plane => Sticky { level: state.cycle.level, ..Sticky::default() },
+        Some((other, plane)) if plane == state.modes.plane && other == code => state.cycle,
+        Some((_, plane)) if plane == state.modes.plane => {
+            Sticky { level: state.cycle.level, ..Sticky::default() }
+        }
         _ => Sticky::default(),
     };
     let words = words(code, block, state, before)?;
     let repeats = repeats(block)?;
     let pattern = Pattern::new(code, block, state, &words)?;
     pattern.bound(repeats, block, state)?;
-    state.cycle = Sticky { code: Some((code, state.plane)), level: Some(pattern.level), ..words };
+    state.cycle = Sticky { code: Some((code, state.modes.plane)), level: Some(pattern.level), ..words };
     pattern.drill(repeats, block, state, out)
 }
 
 /// The words of the block, or those that stick. `level` and `code` are those of `before`.
 fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky, Box<Problem>> {
-    let (.., along) = state.plane.axes();
+    let (.., along) = state.modes.plane.axes();
     let sticks = before.code.is_some();
     let missing = |letter: char, what: &str| {
         let message = format!("{code} lacks {letter}, {what}");
@@ -137,7 +101,7 @@ fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky
 /// L.
 fn repeats(block: &Block) -> Result<i64, Box<Problem>> {
     let Some(value) = block.get('L') else { return Ok(1) };
-    integer(block, 'L').filter(|count| *count >= 1).ok_or_else(|| {
+    block.integer('L').filter(|count| *count >= 1).ok_or_else(|| {
         let message = format!("L{} is no number of holes", short(value));
         Problem::error("bad-value", Blame::Word('L'), message, "give a whole number from 1 on")
     })
@@ -162,10 +126,10 @@ struct Pattern {
 
 impl Pattern {
     fn new(code: G, block: &Block, state: &State, words: &Sticky) -> Result<Pattern, Box<Problem>> {
-        let (first, second, along) = state.plane.axes();
-        let height = state.position[along];
+        let (first, second, along) = state.modes.plane.axes();
+        let height = state.axes.position[along];
         let level = words.level.unwrap_or(height);
-        let (r, bottom) = match state.incremental {
+        let (r, bottom) = match state.modes.incremental {
             true => (words.r + level, words.r + level + words.depth),
             false => (words.r, words.depth),
         };
@@ -177,22 +141,23 @@ impl Pattern {
             );
             return Err(Problem::error("bad-value", Blame::Word('R'), message, "put R above the bottom"));
         }
-        let here = [state.position[first], state.position[second]];
+        let here = [state.axes.position[first], state.axes.position[second]];
         let given = [first, second].map(|axis| straight::word(AXES[axis], block, state));
         let mut pattern = Pattern {
             hole: Hole {
                 code,
                 r,
                 bottom,
-                clear: if state.retract_to_start { level.max(r) } else { r },
+                clear: if state.modes.retract_to_start { level.max(r) } else { r },
                 dwell: words.dwell,
                 peck: words.peck,
-                back: state.peck_clearances[usize::from(code == G(830))] * state.per_machine_unit(),
+                back: state.settings.peck_clearances[usize::from(code == G(830))]
+                    * state.units.per_machine_unit(),
                 bar: Bar::new(words.offset, bottom, state),
                 turning: state.spindle.turning,
                 overrides: state.overrides,
             },
-            plane: state.plane,
+            plane: state.modes.plane,
             level,
             height: if level < r { r } else { height },
             at: here,
@@ -203,7 +168,7 @@ impl Pattern {
         if block.has('@') || block.has('^') {
             straight::check_polar(block, state)?;
         }
-        if state.incremental {
+        if state.modes.incremental {
             pattern.step = given.map(|word| word.unwrap_or(0.0));
             pattern.polar_step = ['@', '^'].map(|letter| block.get(letter).unwrap_or(0.0));
         } else if block.has('@') || block.has('^') {
@@ -217,7 +182,7 @@ impl Pattern {
 
     /// Refuses what would hardly ever end.
     fn bound(&self, repeats: i64, block: &Block, state: &State) -> Done {
-        let (holes, most) = (repeats as f64, state.moves_of_block);
+        let (holes, most) = (repeats as f64, state.settings.moves_of_block);
         if holes * (2.0 + self.hole.moves()) <= most as f64 {
             return Ok(());
         }
@@ -244,21 +209,21 @@ impl Pattern {
             out.warn(Problem::warning("slanting-rapid", Blame::Word('R'), message, help));
         }
         if self.level < r {
-            state.position[along] = r;
-            out.call(Call::StraightTraverse(state.position))?;
+            state.axes.position[along] = r;
+            out.call(Call::StraightTraverse(state.axes.position))?;
         }
         if self.hole.code == G(880) {
             let message = "G88 stops in the hole, and what follows takes the tool to be out of it";
             let help = "move the tool out by hand at the stop, or use G86";
             out.warn(Problem::warning("retract-by-hand", Blame::G(G(880)), message, help));
         }
-        let exact = state.path == PathMode::ExactPath;
+        let exact = state.modes.path.mode == PathMode::ExactPath;
         if !exact {
             out.call(Call::SetMotionControlMode(PathMode::ExactPath))?;
         }
         for n in 0..repeats {
             self.at = self.next().ok_or_else(|| straight::at_origin(block, state))?;
-            let mut strokes = Strokes { plane: self.plane, at: self.at, position: &state.position, out };
+            let mut strokes = Strokes { plane: self.plane, at: self.at, position: &state.axes.position, out };
             let over = if n == 0 && self.height > r { self.height } else { self.hole.clear };
             strokes.rapid(over)?;
             if over > r {
@@ -266,10 +231,10 @@ impl Pattern {
             }
             self.hole.make(&mut strokes)?;
         }
-        [state.position[first], state.position[second]] = self.at;
-        state.position[along] = self.hole.clear;
+        [state.axes.position[first], state.axes.position[second]] = self.at;
+        state.axes.position[along] = self.hole.clear;
         if !exact {
-            out.call(Call::SetMotionControlMode(state.path))?;
+            out.call(Call::SetMotionControlMode(state.modes.path.mode))?;
             out.call(modes::merge(state))?;
         }
         Ok(())

@@ -26,92 +26,38 @@
 //!
 //! What the words mean, and the default values: manual of LinuxCNC, G70 and G71 G72.
 
-pub mod contour;
-pub mod corner;
-pub mod frame;
-pub mod offset;
-pub mod passes;
 mod record;
-mod walk;
 
 use crate::block::Block;
-use crate::canon::{Arc, Call, FeedMode, Place, Plane, Position, X, Y, Z};
+use crate::canon::{Arc, Call, FeedMode, Place, Plane, X, Y, Z};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
+use crate::state::{Cycle, State};
 
 use super::check::compensation_off;
-use super::straight::{self, Kind};
-use super::{Done, Output, compensation, feed, integer};
-use contour::{NEAR, Point, Segment};
-use frame::Frame;
-use offset::raised;
-use passes::{Move, Pockets, Roughing, finish, rough, walled};
-use record::Piece;
+use super::{Done, Kind, Output, compensation, feed, straight};
+use crate::geometry::contour::{NEAR, Point, Segment};
+use crate::geometry::frame::Frame;
+use crate::geometry::offset::raised;
+use crate::geometry::passes::{Move, Pockets, Roughing, finish, rough, walled};
 
 pub(crate) use record::record;
 
-/// The cycle whose contour is being read, if there is one.
-#[derive(Clone, Debug, Default)]
-pub struct Recorder(Option<Box<Cycle>>);
-
-/// A cycle between its block and its passes.
-#[derive(Clone, Debug)]
-struct Cycle {
-    code: G,
-    subroutine: u32,
-    place: Place,
-    /// Depth of calls outside of the subroutine.
-    level: u32,
-    /// The subroutine was called.
-    called: bool,
-    /// A block of the contour was wrong.
-    broken: bool,
-    /// Where the passes start, and the same as a point of the machine's axes.
-    start: Point,
-    position: Position,
-    distance: f64,
-    ending_distance: f64,
-    passes: u32,
-    infeed: f64,
-    escape: f64,
-    pieces: Vec<Piece>,
-}
-
-impl Recorder {
-    /// Whether blocks are read for their contour.
-    pub(crate) fn is_on(&self) -> bool {
-        self.0.is_some()
-    }
-
-    /// The subroutine that has to be called now. It is named once.
-    pub(crate) fn take_call(&mut self) -> Option<u32> {
-        let cycle = self.0.as_mut().filter(|cycle| !cycle.called)?;
-        cycle.called = true;
-        Some(cycle.subroutine)
-    }
-
-    /// Forgets the cycle: its subroutine cannot be called.
-    pub(crate) fn cancel(&mut self) {
-        self.0 = None;
-    }
-}
-
 /// The block of a cycle: goes to the start, and has the subroutine called.
 pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
-    if state.plane != Plane::Xz {
+    if state.modes.plane != Plane::Xz {
         let message = format!("{code} works in the ZX plane only");
         return Err(Problem::error("bad-value", Blame::G(code), message, "select G18 before"));
     }
     if code != G(700) {
         compensation_off(Blame::G(code), "rough", state)?;
     }
-    if state.feed_mode == FeedMode::InverseTime {
+    if state.modes.feed_mode == FeedMode::InverseTime {
         let message = format!("{code} makes many moves: F cannot be the inverse of the time of each (G93)");
         return Err(Problem::error("bad-value", Blame::G(code), message, "select G94 or G95 before"));
     }
     feed::ready(block, state)?;
-    let whole = |letter: char, least: i64, help: &str| match integer(block, letter) {
+    let whole = |letter: char, least: i64, help: &str| match block.integer(letter) {
         Some(value) if value >= least => u32::try_from(value).map_err(|_| bad(block, letter, help)),
         _ => Err(bad(block, letter, help)),
     };
@@ -134,12 +80,12 @@ pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output)
     }
     let position = straight::target(block, state)?;
     straight::move_to(Kind::Traverse, position, block, state, out)?;
-    state.motion = Some(G(0));
-    state.recorder.0 = Some(Box::new(Cycle {
+    state.modes.motion = Some(G(0));
+    state.recorder.begin(Cycle {
         code,
         subroutine,
         place: out.place,
-        level: state.call_level,
+        level: state.progress.call_level,
         called: false,
         broken: false,
         start: Point::new(position[Z], position[X]),
@@ -150,7 +96,7 @@ pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output)
         infeed,
         escape,
         pieces: Vec::new(),
-    }));
+    });
     Ok(())
 }
 
@@ -161,37 +107,43 @@ fn bad(block: &Block, letter: char, help: &str) -> Box<Problem> {
 
 /// Makes the passes if the subroutine of the contour has returned. `done` is what the O word that was executed says.
 pub(crate) fn end(done: Done, state: &mut State, out: &mut Output) -> Done {
-    if let Some(cycle) = state.recorder.0.as_mut().filter(|_| done.is_err()) {
+    if let Some(cycle) = state.recorder.cycle_mut().filter(|_| done.is_err()) {
         cycle.broken = true;
     }
-    let level = state.call_level;
-    let Some(cycle) = state.recorder.0.take_if(|cycle| level <= cycle.level) else { return done };
-    state.position = cycle.position;
+    let level = state.progress.call_level;
+    let Some(cycle) = state.recorder.take_ended(level) else { return done };
+    state.axes.position = cycle.position;
     if cycle.broken {
         return done;
     }
     let Place { n, n_digits, .. } = out.place;
     out.place = Place { n, n_digits, ..cycle.place };
-    cycle.cut(state, out).map_err(|mut problem| {
+    Passes { cycle: &cycle }.cut(state, out).map_err(|mut problem| {
         problem.blame = Blame::At(cycle.place);
         problem
     })
 }
 
-impl Cycle {
+/// A cycle that is being cut.
+struct Passes<'a> {
+    cycle: &'a Cycle,
+}
+
+impl Passes<'_> {
     fn cut(&self, state: &mut State, out: &mut Output) -> Done {
-        let contour = record::contour(&self.pieces).map_err(|(what, at)| self.refuse(&what, at))?;
+        let contour = record::contour(&self.cycle.pieces).map_err(|(what, at)| self.refuse(&what, at))?;
         if contour.is_empty() {
-            let message = format!("there is no line or arc behind the first move of o{}", self.subroutine);
+            let message =
+                format!("there is no line or arc behind the first move of o{}", self.cycle.subroutine);
             let help = "the first move of a contour leads to its beginning: add the contour behind it";
             return Err(Problem::error("bad-contour", Blame::Block, message, help));
         }
         let (frame, contour) = self.framed(&contour)?;
-        let mut start = frame.enter(self.start);
+        let mut start = frame.enter(self.cycle.start);
         if let Some(first) = contour.first() {
             start.z = start.z.max(first.start.z);
         }
-        let (most, mut count) = (state.moves_of_block, 0);
+        let (most, mut count) = (state.settings.moves_of_block, 0);
         self.passes(start, &contour, &mut |_| {
             count += 1;
             if count > most { Err(self.endless(most)) } else { Ok(()) }
@@ -201,33 +153,33 @@ impl Cycle {
 
     /// All the moves, along a contour in the frame of its cuts.
     fn passes(&self, start: Point, contour: &[Segment], send: &mut dyn FnMut(Move) -> Done) -> Done {
-        if self.code == G(700) {
-            let step = (self.distance - self.ending_distance) / f64::from(self.passes);
-            for pass in (0..self.passes).rev() {
-                let contour = self.raised(contour, self.ending_distance + f64::from(pass) * step)?;
+        if self.cycle.code == G(700) {
+            let step = (self.cycle.distance - self.cycle.ending_distance) / f64::from(self.cycle.passes);
+            for pass in (0..self.cycle.passes).rev() {
+                let contour = self.raised(contour, self.cycle.ending_distance + f64::from(pass) * step)?;
                 finish(start, &contour, send)?;
             }
             return Ok(());
         }
-        let pockets = match self.code.0 % 10 {
+        let pockets = match self.cycle.code.0 % 10 {
             0 => Pockets::Cut,
             1 => Pockets::Bridge,
             _ => Pockets::Only,
         };
-        let how = Roughing { infeed: self.infeed, escape: self.escape, pockets };
-        rough(start, &self.raised(&walled(start, contour), self.distance)?, &how, send)
+        let how = Roughing { infeed: self.cycle.infeed, escape: self.cycle.escape, pockets };
+        rough(start, &self.raised(&walled(start, contour), self.cycle.distance)?, &how, send)
     }
 
     /// The contour in the frame of its cuts. G70 takes the one that the contour is monotone in.
     fn framed(&self, contour: &[Segment]) -> Result<(Frame, Vec<Segment>), Box<Problem>> {
-        let directions: &[bool] = match self.code.0 {
+        let directions: &[bool] = match self.cycle.code.0 {
             700 => &[false, true],
             710..=712 => &[false],
             _ => &[true],
         };
         let mut turns_back = None;
         for facing in directions {
-            let frame = Frame::of(contour, self.start, *facing);
+            let frame = Frame::of(contour, self.cycle.start, *facing);
             let framed: Vec<Segment> = contour.iter().map(|segment| frame.enter_segment(segment)).collect();
             match framed.iter().find(|segment| !segment.is_monotone()) {
                 None => return Ok((frame, framed)),
@@ -240,58 +192,60 @@ impl Cycle {
             _ => "X does not go",
         };
         let what = format!("{axis} in one direction all along the contour");
-        Err(self.refuse(&what, turns_back.unwrap_or(self.start)))
+        Err(self.refuse(&what, turns_back.unwrap_or(self.cycle.start)))
     }
 
     fn raised(&self, contour: &[Segment], distance: f64) -> Result<Vec<Segment>, Box<Problem>> {
         raised(contour, distance).ok_or_else(|| {
             let what = format!("nothing is left of the contour at a distance of {}", short(distance));
-            self.refuse(&what, self.start)
+            self.refuse(&what, self.cycle.start)
         })
     }
 
     fn endless(&self, most: u64) -> Box<Problem> {
-        let message = format!("{} would make more than {most} moves: the limit moves_of_block", self.code);
-        let help = if self.code == G(700) { "give fewer passes (P)" } else { "give a greater infeed (I)" };
+        let message =
+            format!("{} would make more than {most} moves: the limit moves_of_block", self.cycle.code);
+        let help =
+            if self.cycle.code == G(700) { "give fewer passes (P)" } else { "give a greater infeed (I)" };
         Problem::error("bad-value", Blame::Block, message, help)
     }
 
     fn refuse(&self, what: &str, at: Point) -> Box<Problem> {
-        let message = format!("{what}: o{}, at X{} Z{}", self.subroutine, short(at.x), short(at.z));
+        let message = format!("{what}: o{}, at X{} Z{}", self.cycle.subroutine, short(at.x), short(at.z));
         let help = "correct the contour, or take the distance, fillets and chamfers smaller";
         Problem::error("bad-contour", Blame::Block, message, help)
     }
 
     fn send(&self, next: Move, frame: &Frame, state: &mut State, out: &mut Output) -> Done {
         let mut block = Block::default();
-        block.clear(self.place.file, self.place.line);
+        block.clear(self.cycle.place.file, self.cycle.place.line);
         let position = |at: Point, state: &State| {
-            let (at, mut position) = (frame.leave(at), state.position);
+            let (at, mut position) = (frame.leave(at), state.axes.position);
             (position[Z], position[X]) = (at.z, at.x);
             position
         };
         match next {
             Move::Rapid(to) => {
-                state.motion = Some(G(0));
+                state.modes.motion = Some(G(0));
                 straight::move_to(Kind::Traverse, position(to, state), &block, state, out)
             }
             Move::Feed(to) => {
-                state.motion = Some(G(10));
+                state.modes.motion = Some(G(10));
                 straight::move_to(Kind::Feed, position(to, state), &block, state, out)
             }
             Move::Arc { end, center, ccw } => {
                 let (end, center, ccw) = (position(end, state), frame.leave(center), ccw != frame.mirrors());
-                let from = Point::new(state.position[Z], state.position[X]);
+                let from = Point::new(state.axes.position[Z], state.axes.position[X]);
                 if from.distance(Point::new(end[Z], end[X])) < NEAR {
                     return Ok(());
                 }
-                state.motion = Some(if ccw { G(30) } else { G(20) });
-                let [.., a, b, c] = state.position;
+                state.modes.motion = Some(if ccw { G(30) } else { G(20) });
+                let [.., a, b, c] = state.axes.position;
                 let arc = Arc {
                     end: [end[Z], end[X]],
                     center: [center.z, center.x],
                     turns: if ccw { 1 } else { -1 },
-                    along: state.position[Y],
+                    along: state.axes.position[Y],
                     rotary: [a, b, c],
                 };
                 if state.compensation.is_on() {
@@ -299,7 +253,7 @@ impl Cycle {
                     return compensation::arc(arc, &block, state, out);
                 }
                 out.call(Call::ArcFeed(arc))?;
-                state.position = end;
+                state.axes.position = end;
                 Ok(())
             }
         }

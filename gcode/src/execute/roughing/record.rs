@@ -8,31 +8,24 @@ use crate::block::Block;
 use crate::canon::{X, Z};
 use crate::codes::{G, group};
 use crate::problem::{Blame, Problem, short};
-use crate::state::State;
+use crate::state::{Piece, State};
 
 use super::super::straight;
-use super::contour::{NEAR, Point, ROUNDING, Segment};
-use super::corner::{Corner, blend};
 use super::{Done, Output};
-
-/// A segment as programmed, and what stands at its end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    segment: Segment,
-    corner: Corner,
-}
+use crate::geometry::contour::{NEAR, Point, ROUNDING, Segment};
+use crate::geometry::corner::{Corner, blend};
 
 /// Takes a block of the contour.
 pub(crate) fn record(block: &Block, state: &mut State, out: &mut Output) -> Done {
     let piece = piece(block, state, out);
-    let Some(cycle) = state.recorder.0.as_mut() else { return Ok(()) };
+    let Some(cycle) = state.recorder.cycle_mut() else { return Ok(()) };
     match piece {
         Ok(Some(piece)) => {
             // the first piece leads to the contour, even if that is no way
             if cycle.pieces.is_empty() || piece.segment.chord() > 0.0 {
                 cycle.pieces.push(piece);
             }
-            (state.position[Z], state.position[X]) = (piece.segment.end.z, piece.segment.end.x);
+            (state.axes.position[Z], state.axes.position[X]) = (piece.segment.end.z, piece.segment.end.x);
             Ok(())
         }
         Ok(None) => Ok(()),
@@ -46,7 +39,7 @@ pub(crate) fn record(block: &Block, state: &mut State, out: &mut Output) -> Done
 fn piece(block: &Block, state: &mut State, out: &mut Output) -> Result<Option<Piece>, Box<Problem>> {
     match block.g(group::MOTION) {
         None => {}
-        Some(code @ G(0 | 10 | 20 | 30)) => state.motion = Some(code),
+        Some(code @ G(0 | 10 | 20 | 30)) => state.modes.motion = Some(code),
         Some(code) => {
             let message = format!("{code} cannot be part of a contour");
             let help = "a contour consists of G0, G1, G2 and G3";
@@ -55,11 +48,11 @@ fn piece(block: &Block, state: &mut State, out: &mut Output) -> Result<Option<Pi
     }
     warn_of_the_rest(block, out);
     let Some(code) =
-        state.motion.filter(|_| ['X', 'Z', 'U', 'W'].into_iter().any(|letter| block.has(letter)))
+        state.modes.motion.filter(|_| ['X', 'Z', 'U', 'W'].into_iter().any(|letter| block.has(letter)))
     else {
         return Ok(None);
     };
-    let start = Point::new(state.position[Z], state.position[X]);
+    let start = Point::new(state.axes.position[Z], state.axes.position[X]);
     let end = Point::new(
         coordinate(start.z, ('Z', block.get('Z')), ('W', block.get('W')), state)?,
         coordinate(start.x, ('X', straight::word('X', block, state)), ('U', half('U', block, state)), state)?,
@@ -89,7 +82,7 @@ fn piece(block: &Block, state: &mut State, out: &mut Output) -> Result<Option<Pi
 
 /// A word as a radius.
 fn half(letter: char, block: &Block, state: &State) -> Option<f64> {
-    block.get(letter).map(|value| if state.diameter { value / 2.0 } else { value })
+    block.get(letter).map(|value| if state.modes.diameter { value / 2.0 } else { value })
 }
 
 /// Where a block leads to along one axis.
@@ -101,8 +94,8 @@ fn coordinate(
 ) -> Result<f64, Box<Problem>> {
     match (point, step) {
         (None, None) => Ok(here),
-        (Some(value), None) => Ok(if state.incremental { here + value } else { value }),
-        (None, Some(step)) if !state.incremental => Ok(here + step),
+        (Some(value), None) => Ok(if state.modes.incremental { here + value } else { value }),
+        (None, Some(step)) if !state.modes.incremental => Ok(here + step),
         _ => {
             let message = format!("{step_letter} is a distance along {letter}, which {letter} gives, too");
             let message =
@@ -139,7 +132,7 @@ fn arc(code: G, start: Point, end: Point, block: &Block, state: &State) -> Resul
         return Err(Problem::error("missing-word", Blame::G(code), message, "add the one or the other"));
     }
     let words = Point::new(k.unwrap_or(0.0), i.unwrap_or(0.0));
-    let center = if state.absolute_centers { words } else { start + words };
+    let center = if state.modes.absolute_centers { words } else { start + words };
     let (r1, r2) = (center.distance(start), center.distance(end));
     if (r1 - r2).abs() > (ROUNDING * r1).max(10.0 * ROUNDING) || r1.min(r2) < NEAR {
         let message =

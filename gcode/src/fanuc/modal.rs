@@ -1,0 +1,134 @@
+//! What stays in force from block to block, beyond the state that both dialects share.
+
+use crate::canon::{Place, Pose};
+use crate::codes::G;
+
+/// What stays in force from block to block.
+#[derive(Clone, Debug)]
+pub(super) struct Modal {
+    /// The code of group 01 in force.
+    pub(super) motion: G,
+    /// G50 S: highest speed of the spindle at G96, 1/min.
+    pub(super) highest: Option<f64>,
+    /// The last S of G96.
+    pub(super) surface: Option<f64>,
+    /// The last F of a thread.
+    pub(super) lead: Option<f64>,
+    /// G50 has set coordinates: G52 would lose them.
+    pub(super) preset: bool,
+    /// Words of G90, G92 and G94.
+    pub(super) single: SingleWords,
+    /// First lines of the cycles.
+    pub(super) first: FirstLines,
+    /// A contour is read for its shape: tools and compensation wait for G70.
+    pub(super) shape_only: bool,
+    /// A move whose end is a corner that is cut off or rounded: it waits for the next move.
+    pub(super) pending: Option<Pending>,
+}
+
+/// What the first of two lines said, until it says something else.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FirstLines {
+    /// G71, G72: depth of cut (U, W) and retract (R).
+    pub(super) rough: [Option<(f64, f64)>; 2],
+    /// G73: U, W, R.
+    pub(super) pattern: Option<(f64, f64, u32)>,
+    /// G74 and G75: R.
+    pub(super) retract: Option<f64>,
+    /// G76.
+    pub(super) thread: Option<ThreadFirst>,
+}
+
+impl Default for Modal {
+    fn default() -> Modal {
+        Modal {
+            motion: G(0),
+            highest: None,
+            surface: None,
+            lead: None,
+            preset: false,
+            single: SingleWords::default(),
+            first: FirstLines::default(),
+            shape_only: false,
+            pending: None,
+        }
+    }
+}
+
+impl Modal {
+    /// The units change: lengths times a factor. The surface speed is forgotten, it has other units than lengths.
+    pub(super) fn convert(&mut self, factor: f64) {
+        self.lead = self.lead.map(|lead| lead * factor);
+        self.surface = None;
+        self.single.convert(factor);
+        let first = &mut self.first;
+        for rough in &mut first.rough {
+            *rough = rough.map(|(depth, retract)| (depth * factor, retract * factor));
+        }
+        first.pattern = first.pattern.map(|(x, z, passes)| (x * factor, z * factor, passes));
+        first.retract = first.retract.map(|retract| retract * factor);
+        if let Some(thread) = &mut first.thread {
+            thread.convert(factor);
+        }
+    }
+}
+
+/// Words of G90, G92 and G94 in force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SingleWords {
+    /// X of the far corner, a radius.
+    pub(super) x: Option<f64>,
+    pub(super) z: Option<f64>,
+    pub(super) taper: f64,
+}
+
+impl SingleWords {
+    /// The units change: lengths times a factor.
+    fn convert(&mut self, factor: f64) {
+        self.x = self.x.map(|x| x * factor);
+        self.z = self.z.map(|z| z * factor);
+        self.taper *= factor;
+    }
+}
+
+/// The first line of G76.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ThreadFirst {
+    /// m: finishing passes.
+    pub(super) finishing: u32,
+    /// r: chamfer, tenths of the lead.
+    pub(super) chamfer: f64,
+    /// a: angle of the tool, degrees.
+    pub(super) angle: f64,
+    /// Q.
+    pub(super) least: f64,
+    /// R.
+    pub(super) finish: f64,
+}
+
+impl ThreadFirst {
+    /// The units change: lengths times a factor.
+    fn convert(&mut self, factor: f64) {
+        self.least *= factor;
+        self.finish *= factor;
+    }
+}
+
+/// What becomes of a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cut {
+    /// c of a chamfer, r of a rounding, > 0.
+    pub(super) size: f64,
+    pub(super) round: bool,
+    /// C R I K without a comma: the direction along the other axis that the next move must take.
+    pub(super) next: Option<(usize, f64)>,
+}
+
+/// A move that waits for the next one.
+#[derive(Clone, Debug)]
+pub(super) struct Pending {
+    /// Its programmed end.
+    pub(super) end: Pose,
+    pub(super) cut: Cut,
+    pub(super) place: Place,
+}

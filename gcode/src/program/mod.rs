@@ -1,0 +1,216 @@
+//! A program that runs: lines become blocks, blocks become calls.
+//!
+//! In: a text and [`Options`]. Out: calls to a [`Sink`], and [`Diagnostic`]s with the place of what is wrong. One
+//! [`Program::step`] is one line:
+//!
+//! ```text
+//! text ─ line ─► reader of the dialect ─ block ─► execute ─ calls ─► sink
+//! ```
+
+mod findings;
+mod reader;
+mod watch;
+
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+use findings::{Findings, diagnostic};
+use reader::Reader;
+use watch::Watch;
+
+use crate::canon::{Place, Sink};
+use crate::execute::compensation::Waiting;
+use crate::execute::{self, Done, Output};
+use crate::options::{Dialect, Options};
+use crate::problem::{Blame, Diagnostic, Problem};
+use crate::state::State;
+use crate::text::{Files, Source, job};
+
+/// Whether there is more to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Another line may follow.
+    More,
+    /// The program is over.
+    Ended,
+}
+
+/// A program that is being run.
+pub struct Program {
+    reader: Reader,
+    state: State,
+    stage: Stage,
+    /// Lines since the last move, and how many there may be.
+    idle: u64,
+    longest_idle: u64,
+    /// Moves of a compensated contour that wait for the next one.
+    waiting: Waiting,
+    /// Warnings of the line that is being executed.
+    problems: Vec<Problem>,
+    findings: Findings,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Fresh,
+    Running,
+    Ended,
+}
+
+impl Program {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// It cannot be opened or read.
+    pub fn open(path: &Path, options: &Options) -> io::Result<Program> {
+        let files = open(path, options)?;
+        Ok(Program::new(Reader::new(files, options), options))
+    }
+
+    /// Takes a text, UTF-8 or not. `name` is shown in diagnostics.
+    pub fn from_text(name: &str, text: impl Into<Vec<u8>>, options: &Options) -> Program {
+        let source = Source::from_text(name, text.into(), options.limits.line_length);
+        Program::new(Reader::new(files(source, None, options), options), options)
+    }
+
+    /// Takes what a reader gives until its end, such as standard input.
+    ///
+    /// # Errors
+    /// It cannot be read, or not be spooled to a temporary file.
+    pub fn from_reader(name: &str, reader: impl Read, options: &Options) -> io::Result<Program> {
+        let source = Source::from_reader(name, reader, options.limits.line_length)?;
+        Ok(Program::new(Reader::new(files(source, None, options), options), options))
+    }
+
+    /// Opens a file that is a [`Job`](crate::Job).
+    ///
+    /// # Errors
+    /// It cannot be opened or read.
+    pub fn open_job(path: &Path, options: &Options) -> io::Result<Program> {
+        let options = of_job(options);
+        let files = open(path, &options)?;
+        Ok(Program::new(Reader::of_job(files), &options))
+    }
+
+    /// Takes a text that is a [`Job`](crate::Job).
+    pub fn from_job(name: &str, text: impl Into<Vec<u8>>, options: &Options) -> Program {
+        let options = of_job(options);
+        let source = Source::from_text(name, text.into(), options.limits.line_length);
+        Program::new(Reader::of_job(files(source, None, &options)), &options)
+    }
+
+    fn new(reader: Reader, options: &Options) -> Program {
+        Program {
+            reader,
+            state: State::new(options),
+            stage: Stage::Fresh,
+            idle: 0,
+            longest_idle: options.limits.blocks_without_motion,
+            waiting: Waiting::default(),
+            problems: Vec::new(),
+            findings: Findings::default(),
+        }
+    }
+
+    /// Executes the next line. After an error it can be called again and goes on behind the faulty line, so that
+    /// other errors are found; from then on nothing is repeated, and no line is reported twice.
+    ///
+    /// # Errors
+    /// What is wrong with the line, or what the sink refuses.
+    pub fn step(&mut self, sink: &mut dyn Sink) -> Result<Step, Box<Diagnostic>> {
+        let mut watch = Watch::new(sink);
+        let done = self.line(&mut watch);
+        self.idle = if watch.moved { 0 } else { self.idle + 1 };
+        if !self.problems.is_empty() {
+            self.findings.keep_warnings(&mut self.problems, &mut self.reader);
+        }
+        if let Err(problem) = done {
+            self.reader.only_look(&mut self.state);
+            if let Some(diagnostic) = self.findings.error(*problem, watch.refused, &mut self.reader) {
+                return Err(Box::new(diagnostic));
+            }
+        }
+        Ok(if self.stage == Stage::Ended { Step::Ended } else { Step::More })
+    }
+
+    fn line(&mut self, sink: &mut Watch) -> Done {
+        if self.stage == Stage::Ended {
+            return Ok(());
+        }
+        let place = self.reader.block().place();
+        let mut out = Output::new(sink, place, &mut self.problems, &mut self.waiting);
+        if self.stage == Stage::Fresh {
+            self.stage = Stage::Running;
+            execute::start(&self.state, &mut out)?;
+        }
+        if self.idle >= self.longest_idle {
+            self.stage = Stage::Ended;
+            return Err(endless(self.longest_idle));
+        }
+        let done = self.reader.next(&mut self.state, &mut out);
+        if self.state.progress.ended {
+            self.stage = Stage::Ended;
+        }
+        done
+    }
+
+    /// Puts what the receiver of the calls finds wrong, later than at the call, at the place the call came from.
+    pub fn diagnose(&mut self, place: Place, problem: Problem) -> Diagnostic {
+        diagnostic(problem, Some(place), &mut self.reader).1
+    }
+
+    /// The warnings since the last call; each line warns once.
+    pub fn take_warnings(&mut self) -> Vec<Diagnostic> {
+        self.findings.take_warnings()
+    }
+
+    /// Name of a file, see [`Place::file`].
+    pub fn file_name(&self, file: u16) -> Option<&Arc<str>> {
+        self.reader.files().get(usize::from(file)).map(Source::name)
+    }
+
+    /// The value of a parameter, offsets in machine units. `None`: a common variable of FANUC, #100 to #199 or #500 to
+    /// #999, that is vacant.
+    pub fn parameter(&self, number: u32) -> Option<f64> {
+        self.reader.common(number).unwrap_or_else(|| Some(self.state.parameter(number)))
+    }
+
+    /// Whether the `%` that ends the program was met, if only on the search for a subroutine.
+    pub fn is_read_to_end(&self) -> bool {
+        self.reader.files().get(0).is_some_and(Source::is_closed)
+    }
+
+    /// Whether the program is over.
+    pub fn is_ended(&self) -> bool {
+        self.stage == Stage::Ended
+    }
+}
+
+/// Opens a file, and the folder that it is in for subroutine files.
+fn open(path: &Path, options: &Options) -> io::Result<Files> {
+    if path.is_dir() {
+        return Err(io::Error::from(io::ErrorKind::IsADirectory));
+    }
+    let source = Source::open(path, options.limits.line_length)?;
+    Ok(files(source, path.parent(), options))
+}
+
+fn files(source: Source, folder: Option<&Path>, options: &Options) -> Files {
+    let folders = folder.map(Path::to_owned).into_iter().chain(options.subroutine_folders.iter().cloned());
+    Files::new(source, folders.collect(), options.limits.subroutine_bytes, options.limits.line_length)
+}
+
+/// The options of a file that is a job: a line may be as long as the job, for all of its points.
+fn of_job(options: &Options) -> Options {
+    let mut options = Options { dialect: Dialect::Linuxcnc, ..options.clone() };
+    options.limits.line_length = job::LONGEST;
+    options
+}
+
+fn endless(longest: u64) -> Box<Problem> {
+    let message =
+        format!("{longest} lines without a move: the limit blocks_without_motion, which ends endless loops");
+    let help = "check the condition of the loop that this line is in";
+    Problem::error("endless-loop", Blame::Block, message, help)
+}

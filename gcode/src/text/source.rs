@@ -1,0 +1,348 @@
+//! The lines of a part program.
+//!
+//! In: a file, standard input or a text. Out: its lines as bytes, without their ends, each with its number; and a way
+//! back to any of them. A file is never in memory as a whole: one buffer moves over it, and a jump within the buffer
+//! costs no system call. What cannot seek is spooled to an unnamed temporary file first.
+//!
+//! If the first line that is not blank holds a `%` alone, the program stands between it and the next such line.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::problem::{Blame, Problem, Span};
+
+/// Bytes that are read at once.
+const BUFFER: usize = 1 << 16;
+/// Lines between the places that are kept to find a line again.
+const FAR: u32 = 256;
+
+/// What lines can be read from.
+trait Input: Read + Seek {}
+impl<T: Read + Seek> Input for T {}
+
+/// The beginning of a line, to come back to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Mark {
+    /// Bytes before it.
+    pub(crate) offset: u64,
+    /// Lines before it.
+    pub(crate) lines: u32,
+}
+
+/// A line that was taken: its bytes are [`Source::bytes`] until the next one is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Line {
+    /// Where it begins.
+    pub(crate) mark: Mark,
+    start: usize,
+    end: usize,
+}
+
+impl Line {
+    /// Its number, from 1.
+    pub(crate) fn number(&self) -> u32 {
+        self.mark.lines + 1
+    }
+}
+
+/// A program, line by line.
+pub(crate) struct Source {
+    name: Arc<str>,
+    input: Box<dyn Input>,
+    buffer: Vec<u8>,
+    /// Bytes of the buffer that hold text, and the place of the first of them in the input.
+    filled: usize,
+    base: u64,
+    /// The byte of the buffer at which the next line begins, and the lines before it.
+    next: usize,
+    lines: u32,
+    longest: usize,
+    /// The program stands between two % lines.
+    tape: bool,
+    /// Its second % was met.
+    closed: bool,
+    beginning: Mark,
+    /// Two lines that were taken not long ago, [`FAR`] lines apart: a text that is asked for again is near.
+    recent: [Mark; 2],
+}
+
+impl Source {
+    /// Opens a file. `longest`: bytes that a line may have.
+    ///
+    /// # Errors
+    /// The file cannot be opened or read.
+    pub(crate) fn open(path: &Path, longest: usize) -> io::Result<Source> {
+        Ok(Source::new(&path.display().to_string(), Box::new(File::open(path)?), longest, usize::MAX))
+    }
+
+    /// Reads a text.
+    pub(crate) fn from_text(name: &str, text: Vec<u8>, longest: usize) -> Source {
+        let room = text.len() + 1;
+        Source::new(name, Box::new(Cursor::new(text)), longest, room)
+    }
+
+    /// Reads what cannot seek to its end and goes on from a temporary file that has no name.
+    ///
+    /// # Errors
+    /// The input cannot be read, or the temporary file cannot be made or written.
+    pub(crate) fn from_reader(name: &str, mut reader: impl Read, longest: usize) -> io::Result<Source> {
+        let mut file = unnamed_file()?;
+        io::copy(&mut reader, &mut file)?;
+        file.flush()?;
+        file.rewind()?;
+        Ok(Source::new(name, Box::new(file), longest, usize::MAX))
+    }
+
+    /// `room`: no larger buffer is needed.
+    fn new(name: &str, input: Box<dyn Input>, longest: usize, room: usize) -> Source {
+        let mut source = Source {
+            name: name.into(),
+            input,
+            buffer: vec![0; BUFFER.max(2 * longest + 2).min(room)],
+            filled: 0,
+            base: 0,
+            next: 0,
+            lines: 0,
+            longest,
+            tape: false,
+            closed: false,
+            beginning: Mark::default(),
+            recent: [Mark::default(); 2],
+        };
+        if source.find_tape().is_err() {
+            // What cannot be read is reported when the first line is taken.
+            (source.next, source.lines) = (0, 0);
+        }
+        source
+    }
+
+    /// Looks for the `%` that may come first, and stands behind it or at the beginning.
+    fn find_tape(&mut self) -> io::Result<()> {
+        while let Some(line) = self.raw_line()? {
+            let text = self.bytes(&line).trim_ascii();
+            if text.is_empty() {
+                continue;
+            }
+            if text == b"%" {
+                self.tape = true;
+                self.beginning = self.mark();
+            }
+            break;
+        }
+        self.go(self.beginning)
+    }
+
+    /// Name of the file.
+    pub(crate) fn name(&self) -> &Arc<str> {
+        &self.name
+    }
+
+    /// Whether the program stands between `%` lines.
+    pub(crate) fn is_tape(&self) -> bool {
+        self.tape
+    }
+
+    /// Whether the `%` that ends the program was met.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// Where the program begins: behind the first `%`, if there is one.
+    pub(crate) fn beginning(&self) -> Mark {
+        self.beginning
+    }
+
+    /// Where the next line begins.
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { offset: self.base + self.next as u64, lines: self.lines }
+    }
+
+    /// Goes to a place where a line begins; it is taken next.
+    ///
+    /// # Errors
+    /// The input cannot seek.
+    pub(crate) fn go(&mut self, mark: Mark) -> io::Result<()> {
+        self.lines = mark.lines;
+        match mark.offset.checked_sub(self.base).map(usize::try_from) {
+            Some(Ok(next)) if next <= self.filled => self.next = next,
+            _ => {
+                self.input.seek(SeekFrom::Start(mark.offset))?;
+                (self.base, self.next, self.filled) = (mark.offset, 0, 0);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the next line; `None` at the end of the program (of the file, or at its second `%`).
+    ///
+    /// # Errors
+    /// The line is longer than may be, or the file cannot be read. The next call goes on behind it.
+    pub(crate) fn take(&mut self) -> Result<Option<Line>, Box<Problem>> {
+        let number = self.lines + 1;
+        let line = self.raw_line().map_err(|error| unreadable(number, &error))?;
+        let Some(line) = line else { return Ok(None) };
+        let last = self.recent[1];
+        if last.lines.abs_diff(line.mark.lines) >= FAR {
+            self.recent = [last, line.mark];
+        }
+        if line.end - line.start > self.longest {
+            return Err(too_long(number, self.longest));
+        }
+        let text = self.bytes(&line);
+        if self.tape && text.trim_ascii() == b"%" {
+            self.closed = true;
+            return self.go(line.mark).map(|()| None).map_err(|error| unreadable(number, &error));
+        }
+        Ok(Some(line))
+    }
+
+    /// The bytes of the line taken last.
+    pub(crate) fn bytes(&self, line: &Line) -> &[u8] {
+        self.buffer.get(line.start..line.end).unwrap_or(&[])
+    }
+
+    /// The text of a line of any number, read again; bytes that are no text become `?`.
+    pub(crate) fn text(&mut self, number: u32) -> String {
+        let back = self.mark();
+        let text = self.text_at(number).unwrap_or_default();
+        match self.go(back) {
+            Ok(()) => text,
+            Err(_) => String::new(),
+        }
+    }
+
+    fn text_at(&mut self, number: u32) -> io::Result<String> {
+        let before = self.recent.into_iter().filter(|mark| mark.lines < number);
+        self.go(before.max_by_key(|mark| mark.lines).unwrap_or_default())?;
+        while let Some(line) = self.raw_line()? {
+            if line.number() == number {
+                return Ok(printable(self.bytes(&line)));
+            }
+        }
+        Ok(String::new())
+    }
+
+    /// The next line of the file; one that is too long is cut right behind its limit.
+    fn raw_line(&mut self) -> io::Result<Option<Line>> {
+        let mut searched = 0;
+        loop {
+            let unread = self.buffer.get(self.next..self.filled).unwrap_or(&[]);
+            if let Some(length) = line_end(unread.get(searched..).unwrap_or(&[])) {
+                let length = searched + length;
+                return Ok(Some(self.cut(length, length + 1)));
+            }
+            searched = unread.len();
+            if searched > self.longest + 1 {
+                let line = self.cut(self.longest + 1, 0);
+                self.skip_rest()?;
+                return Ok(Some(line));
+            }
+            if self.refill()? == 0 {
+                let last = self.filled - self.next;
+                return Ok((last > 0).then(|| self.cut(last, last)));
+            }
+        }
+    }
+
+    /// Makes the next `length` bytes a line and goes on behind `whole` bytes.
+    fn cut(&mut self, length: usize, whole: usize) -> Line {
+        let (mark, start) = (self.mark(), self.next);
+        let ends_in_return = length > 0 && self.buffer.get(start + length - 1) == Some(&b'\r');
+        self.next += whole;
+        self.lines += 1;
+        Line { mark, start, end: start + length - usize::from(ends_in_return) }
+    }
+
+    /// Goes behind the end of the line, keeping the bytes before it in the buffer.
+    fn skip_rest(&mut self) -> io::Result<()> {
+        let lines = self.lines;
+        let mut offset = self.base + self.next as u64;
+        let mut chunk = [0; 4096];
+        self.input.seek(SeekFrom::Start(offset))?;
+        loop {
+            let read = self.input.read(&mut chunk)?;
+            let end = line_end(chunk.get(..read).unwrap_or(&[]));
+            offset += end.map_or(read, |end| end + 1) as u64;
+            if end.is_some() || read == 0 {
+                break;
+            }
+        }
+        // The buffer still shows the line that is refused; the next one is read anew.
+        self.input.seek(SeekFrom::Start(offset))?;
+        (self.base, self.lines) = (offset, lines);
+        (self.next, self.filled) = (0, 0);
+        Ok(())
+    }
+
+    /// Moves what is not taken yet to the front of the buffer and reads more behind it.
+    fn refill(&mut self) -> io::Result<usize> {
+        self.buffer.copy_within(self.next..self.filled, 0);
+        (self.base, self.filled) = (self.base + self.next as u64, self.filled - self.next);
+        self.next = 0;
+        let Some(room) = self.buffer.get_mut(self.filled..) else { return Ok(0) };
+        let read = loop {
+            match self.input.read(room) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                other => break other?,
+            }
+        };
+        self.filled += read;
+        Ok(read)
+    }
+}
+
+/// Pose of the first line feed: eight bytes at a time, a byte of `word` is zero where there is one.
+fn line_end(text: &[u8]) -> Option<usize> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    let (chunks, rest) = text.as_chunks::<8>();
+    for (index, chunk) in chunks.iter().enumerate() {
+        let word = u64::from_le_bytes(*chunk) ^ (ONES * b'\n' as u64);
+        let zero = word.wrapping_sub(ONES) & !word & (ONES << 7);
+        if zero != 0 {
+            return Some(8 * index + zero.trailing_zeros() as usize / 8);
+        }
+    }
+    let searched = text.len() - rest.len();
+    rest.iter().position(|byte| *byte == b'\n').map(|at| searched + at)
+}
+
+/// A line as text for a diagnostic, byte for byte: what is not printable becomes `?`.
+fn printable(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        text.extend(chunk.valid().chars().map(|c| if c.is_ascii_control() && c != '\t' { '?' } else { c }));
+        text.extend(chunk.invalid().iter().map(|_| '?'));
+    }
+    text
+}
+
+/// A file that is gone when it is closed.
+fn unnamed_file() -> io::Result<File> {
+    let folder = std::env::temp_dir();
+    for attempt in 0..1000 {
+        let path = folder.join(format!("pitchlock-{}-{attempt}.ngc", std::process::id()));
+        match File::options().read(true).write(true).create_new(true).open(&path) {
+            Ok(file) => {
+                std::fs::remove_file(&path)?;
+                return Ok(file);
+            }
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("no free name in {}", folder.display())))
+}
+
+fn too_long(number: u32, longest: usize) -> Box<Problem> {
+    let message = format!("line {number} has more than {longest} bytes, the limit line_length");
+    let start = longest as u32;
+    let blame = Blame::Span(Span { start, end: start + 1 });
+    Problem::error("line-too-long", blame, message, "divide it into several lines")
+}
+
+fn unreadable(number: u32, error: &io::Error) -> Box<Problem> {
+    let help = "copy the program to a disk that can be read";
+    Problem::error("unreadable", Blame::Line(number), format!("the file cannot be read here: {error}"), help)
+}
