@@ -9,9 +9,8 @@ use std::{hint::black_box, process::Command, time::Duration};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use interpolator::Interpolator;
-use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, DriveCommand, Item, Machine, PerAxis, SpindleCommand, Truth,
-};
+use machine::Machine;
+use protocol::{Axis, AxisFrame, AxisStatus, CodePacket, DriveCommand, Item, PerAxis, SpindleCommand, Truth};
 use regulator::Regulator;
 use rig::{Exchange, Rig, observe::Observer};
 use sim_plant::{Plant, Scenario};

@@ -10,7 +10,8 @@
 
 use std::{f64::consts::TAU, hint::black_box, time::Instant};
 
-use protocol::{Axis, Code, Cycle, Feed, Item, Machine, Measurement, Panel, PerAxis, Position, Trace, Work};
+use machine::Machine;
+use protocol::{Axis, Code, Cycle, Feed, Item, Measurement, Panel, PerAxis, Position, Shape, Work};
 use rig::Rig;
 use rig::wires::Wires;
 use shape::{Correction, Curve, Formula, Function, Leg, Op, Pattern, Surface, Tool};
@@ -139,17 +140,17 @@ fn surface() -> Vec<Item> {
         *at = Position::from_mm(tip.value());
     }
     let down = Position::from_mm(-150.0);
-    let (work, origin) = (Work::Surface(surface), [Position(0), Position(0), down]);
+    let (work, origin) = (Shape::Surface(surface), [Position(0), Position(0), down]);
     let correction = Correction::Exact;
-    let trace = Trace { work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction };
+    let trace = Work { shape: work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction };
     target[Axis::Z.index()] = target[Axis::Z.index()].moved(down.mm());
     let codes =
-        [Code::Line { target, feed: Feed::Rapid }, Code::Formula { slot: 0, formula }, Code::Trace(trace)];
+        [Code::Line { target, feed: Feed::Rapid }, Code::Formula { slot: 0, formula }, Code::Work(trace)];
     codes.map(|code| Item { line: 1, code }).into()
 }
 
 fn main() {
-    let mill = Machine::from_toml(protocol::machine::SMALL_MILL).unwrap();
+    let mill = Machine::from_toml(machine::SMALL_MILL).unwrap();
     let lathe = Machine::default();
     let runs =
         [("smooth", &lathe, turn(smooth)), ("star", &lathe, turn(star)), ("surface", &mill, surface())];

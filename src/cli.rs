@@ -3,8 +3,8 @@
 use std::{io::Write, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use machine::{Kinematics, Machine};
 use process::shell::{Clock, LanguageArgs, Named, one_of};
-use protocol::{Machine, machine::Kinematics};
 
 use crate::error::CliError;
 
@@ -151,7 +151,7 @@ impl MachineArgs {
     /// The machine and the text of its file.
     pub(crate) fn read(&self) -> Result<(Machine, String), CliError> {
         let text = match &self.machine {
-            None => protocol::machine::SMALL_LATHE.to_owned(),
+            None => machine::SMALL_LATHE.to_owned(),
             Some(path) => std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?,
         };
         let machine = Machine::from_toml(&text)

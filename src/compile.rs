@@ -9,7 +9,8 @@ use std::{
 };
 
 use interpreter::g1::{self, NoLines, Size};
-use protocol::{Code, Item, Machine, Work, code_file::CodeFile};
+use machine::Machine;
+use protocol::{Code, Item, Shape, code_file::CodeFile};
 
 use crate::{
     cli::{self, CompileArgs},
@@ -30,7 +31,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
     let items: Vec<Item> =
         program.items(&args.input.program, &args.input.language.language(), &machine)?.collect();
-    let file = CodeFile::new(&name, &machine, items);
+    let file = CodeFile::new(&name, &machine.identity(), items);
     let mut bytes = Vec::new();
     file.write(&mut bytes)
         .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
@@ -45,7 +46,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     if let Some(lines) = lines {
         cli::print(&compared(bytes.len() as u64, lines));
     }
-    if args.g1.is_some() && traces(&file.items, |work| matches!(work, Work::Seam(_))) {
+    if args.g1.is_some() && traces(&file.items, |work| matches!(work, Shape::Seam(_))) {
         cli::print(
             "the lines of a seam are for size and for other controls: this machine is slower along them\n",
         );
@@ -54,8 +55,8 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
 }
 
 /// Whether there is a trace of such work.
-fn traces(items: &[Item], is: impl Fn(&Work) -> bool) -> bool {
-    items.iter().any(|item| matches!(&item.code, Code::Trace(trace) if is(&trace.work)))
+fn traces(items: &[Item], is: impl Fn(&Shape) -> bool) -> bool {
+    items.iter().any(|item| matches!(&item.code, Code::Work(trace) if is(&trace.shape)))
 }
 
 /// Writes the same as straight lines to a file.

@@ -51,8 +51,8 @@ pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
         Ok(()) => writeln!(text, "ok    memory can be locked"),
         Err(error) => writeln!(text, "note  {error}: real time needs `ulimit -l unlimited`"),
     };
-    let late = wake_up_lateness_us(machine.machine.cycle_s);
-    let cycle_us = machine.machine.cycle_s * 1e6;
+    let late = wake_up_lateness_us(machine.general.cycle_s);
+    let cycle_us = machine.general.cycle_s * 1e6;
     let verdict = if late[1] < cycle_us / 4.0 { "ok  " } else { "note" };
     let _ = writeln!(
         text,

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
-use protocol::{Arc, Code, Item, Machine, Route, Tracer, code_file::CodeFile};
+use machine::Machine;
+use protocol::{Arc, Code, Item, code_file::CodeFile};
 use rig::observe::Watch;
+use route::{Course, Route};
 
 use crate::{cli, error::CliError};
 
@@ -45,7 +47,8 @@ impl Program {
     /// The file cannot be read, or is damaged.
     pub(crate) fn judge(path: &Path, language: &Language, machine: &Machine) -> Result<Program, CliError> {
         if CodeFile::is_named(path) {
-            let file = CodeFile::open(path, machine).map_err(|error| CliError::file(path, error))?;
+            let file =
+                CodeFile::open(path, &machine.identity()).map_err(|error| CliError::file(path, error))?;
             if let Some(text) = not_for(machine, &file.items) {
                 return Err(CliError::file(path, text));
             }
@@ -138,8 +141,8 @@ fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
                 route.set_formula(*slot, *formula);
                 continue;
             }
-            Code::Trace(trace) => {
-                let tracer = Tracer::new(&route, *line, trace, &at).ok()?;
+            Code::Work(trace) => {
+                let tracer = Course::new(&route, *line, trace, &at).ok()?;
                 at = tracer.end(&route).ok()?;
                 continue;
             }
@@ -156,9 +159,8 @@ fn changed(what: &str, line: u32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use protocol::{
-        Arc, Axis, Code, Feed, Item, Machine, PerAxis, Plane, Position, Trace, Work, machine::SMALL_MILL,
-    };
+    use machine::{Machine, SMALL_MILL};
+    use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, Shape, Work};
     use shape::{Contour, Correction, Formula, Op, Side};
 
     use super::not_for;
@@ -180,12 +182,12 @@ mod tests {
         };
         let origin = [10.0, 10.0, 0.0].map(Position::from_mm);
         let work =
-            Work::Contour(Contour { x: [0.0, 20.0], radius_mm: 0.0, side: Side::On }, [Axis::X, Axis::Y]);
+            Shape::Contour(Contour { x: [0.0, 20.0], radius_mm: 0.0, side: Side::On }, [Axis::X, Axis::Y]);
         let trace =
-            Trace { work, origin, feed_mm_min: 1000.0, chord_mm: 0.001, correction: Correction::Exact };
+            Work { shape: work, origin, feed_mm_min: 1000.0, chord_mm: 0.001, correction: Correction::Exact };
         let codes = |x: f64| {
             let start = Code::Line { target: at(10.0, 10.0), feed: Feed::Rapid };
-            let codes = [start, Code::Formula { slot: 0, formula }, Code::Trace(trace), half(x)];
+            let codes = [start, Code::Formula { slot: 0, formula }, Code::Work(trace), half(x)];
             (1..).zip(codes).map(|(line, code)| Item { line, code }).collect::<Vec<_>>()
         };
         assert_eq!(not_for(&machine, &codes(30.0)), None);

@@ -10,8 +10,8 @@ mod recorder;
 
 use std::{fmt::Write as _, process::ExitCode};
 
+use machine::Machine;
 use process::shell::Clock;
-use protocol::Machine;
 use rig::observe::{Outcome, Summary, WorkKind};
 
 use crate::{

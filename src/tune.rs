@@ -15,7 +15,8 @@ mod trial;
 use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use tune::{Goals, Tuned};
 
 use crate::{

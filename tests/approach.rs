@@ -3,7 +3,8 @@
 
 mod shop;
 
-use protocol::{Axis, Machine, machine::Feedforward};
+use machine::{Feedforward, Machine};
+use protocol::Axis;
 use rig::{
     observe::{Outcome, ServoError},
     trial::{Trial, program, run},

@@ -1,7 +1,8 @@
 //! One axis faults in a thread while the other is sound: the spindle runs down, and the run ends.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use rig::{observe::Outcome, trial};
 use sim_plant::Scenario;
 

@@ -5,7 +5,8 @@ mod shop;
 
 use std::fs;
 
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use rig::observe::{Outcome, PassReport, ServoError};
 use rig::trial::{self, Trial};
 use shop::{Place, example, project};

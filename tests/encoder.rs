@@ -2,7 +2,8 @@
 //! faults are found within one revolution and named; that nothing a spindle does is taken for one.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Fault, Machine, SpindleCommand};
+use machine::Machine;
+use protocol::{Fault, SpindleCommand};
 use regulator::encoder::Encoder;
 use rig::{
     observe::{Observation, Outcome, PassReport},
@@ -216,7 +217,7 @@ fn sound(machine: &Machine, loads: &str, seconds: f64, rpm: impl Fn(f64) -> f64)
     let lines = machine.spindle.encoder_lines;
     let mut plant = Plant::new(&machine, Scenario::from_toml(loads).unwrap(), 3).unwrap();
     let mut encoder = Encoder::new(&machine);
-    let cycle_s = machine.machine.cycle_s;
+    let cycle_s = machine.general.cycle_s;
     for cycle in 0..(seconds / cycle_s) as u32 {
         let rpm = rpm(f64::from(cycle) * cycle_s);
         plant.tick(&Default::default(), &SpindleCommand { rpm, ..SpindleCommand::default() }, None);

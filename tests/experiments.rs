@@ -137,7 +137,7 @@ fn a_row_of_observer_has_its_inputs_and_figures() {
         assert!(row["helix_max_abs_um"].is_f64() || (may_miss && row["helix_max_abs_um"].is_null()), "{row}");
     }
     // With the machine's own encoder and observer every case was cut.
-    let own_hz = protocol::Machine::default().spindle.observer_hz;
+    let own_hz = machine::Machine::default().spindle.observer_hz;
     let own: Vec<_> =
         rows.iter().filter(|row| row["lines"] == 2500 && row["bandwidth_hz"] == own_hz).collect();
     assert_eq!(own.len(), 5);

@@ -6,7 +6,8 @@ mod shop;
 use std::fs;
 
 use allocation_counter::measure;
-use protocol::{Item, Machine};
+use machine::Machine;
+use protocol::Item;
 use rig::Rig;
 use sim_plant::Scenario;
 

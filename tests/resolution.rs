@@ -5,7 +5,7 @@ mod shop;
 
 use std::fs;
 
-use protocol::machine::{SMALL_LATHE, SMALL_MILL};
+use machine::{SMALL_LATHE, SMALL_MILL};
 use serde_json::Value;
 use shop::{Place, project};
 

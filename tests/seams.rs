@@ -8,7 +8,8 @@ mod shop;
 
 use std::f64::consts::TAU;
 
-use protocol::{Axis, Item, Machine, machine::POSITIONER};
+use machine::{Machine, POSITIONER};
+use protocol::{Axis, Item};
 use rig::observe::{Observation, Record, TraceReport};
 
 /// Farthest that the beam may be from its seam, µm, and the direction from the beam, degrees.

@@ -8,7 +8,8 @@ mod shop;
 
 use std::path::{Path, PathBuf};
 
-use protocol::{Axis, Item, Machine, machine::SMALL_MILL};
+use machine::{Machine, SMALL_MILL};
+use protocol::{Axis, Item};
 use rig::observe::{Observation, Record, TraceReport};
 
 /// Farthest that tools may be from their surface, µm.

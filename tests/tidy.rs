@@ -13,18 +13,33 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 11] = [
+const CRATES: [(&str, &[&str]); 13] = [
     ("motion", &[]),
     ("shape", &["motion"]),
-    ("protocol", &["motion", "shape"]),
     ("gcode", &[]),
-    ("interpreter", &["gcode", "protocol", "motion", "shape"]),
-    ("interpolator", &["protocol", "motion", "shape"]),
-    ("regulator", &["protocol", "motion"]),
-    ("sim-plant", &["protocol", "motion"]),
-    ("tune", &["protocol", "motion"]),
-    ("rig", &["protocol", "motion", "shape", "interpreter", "interpolator", "regulator", "sim-plant"]),
-    ("process", &["protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
+    ("protocol", &["motion", "shape"]),
+    ("machine", &["protocol", "motion"]),
+    ("route", &["machine", "protocol", "motion", "shape"]),
+    ("interpreter", &["gcode", "route", "machine", "protocol", "motion", "shape"]),
+    ("interpolator", &["route", "machine", "protocol", "motion", "shape"]),
+    ("regulator", &["machine", "protocol", "motion"]),
+    ("sim-plant", &["machine", "protocol", "motion"]),
+    ("tune", &["machine", "protocol", "motion"]),
+    (
+        "rig",
+        &[
+            "route",
+            "machine",
+            "protocol",
+            "motion",
+            "shape",
+            "interpreter",
+            "interpolator",
+            "regulator",
+            "sim-plant",
+        ],
+    ),
+    ("process", &["machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
 ];
 
 /// What only one crate may name: the channels and clocks of the operating system.

@@ -4,8 +4,9 @@ mod shop;
 
 use std::path::{Path, PathBuf};
 
+use machine::Machine;
 use motion::{FeedBlock, Limits};
-use protocol::{Axis, Machine};
+use protocol::Axis;
 use shop::{Place, project};
 
 /// A machine file with travel for programs that were written for other machines: that of the lathe, or of the mill.

@@ -5,7 +5,8 @@ mod shop;
 
 use std::fs;
 
-use protocol::{Axis, Machine, machine::SMALL_LATHE};
+use machine::{Machine, SMALL_LATHE};
+use protocol::Axis;
 use serde_json::Value;
 use shop::{Place, project};
 

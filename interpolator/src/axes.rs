@@ -1,6 +1,7 @@
 //! What the regulators say, taken together. In: the status of every axis. Out: one answer for all axes that exist.
 
-use protocol::{Axis, AxisState, AxisStatus, Machine, PerAxis, ThreadPass};
+use machine::Machine;
+use protocol::{Axis, AxisState, AxisStatus, PerAxis, ThreadPass};
 
 /// Two ways of computing one position differ by less, mm: what the wire rounds to, and a sum of two strokes.
 const SAME_MM: f64 = 1e-6;

@@ -1,9 +1,10 @@
 //! The upper level: one tick each interpolator cycle. What it is doing is a [`Task`]; a tick finds an event, and the task
 //! goes one step.
 
+use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, Machine, MachineState,
-    MachineStatus, Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, StatusWord, ThreadPass,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineState, MachineStatus,
+    Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, StatusWord, ThreadPass,
     frame::SETPOINT_LEAD, units::AXES,
 };
 
@@ -59,7 +60,7 @@ impl Interpolator {
             program: Program::default(),
             travel: Travel::new(machine),
             spindle: Spindle::new(machine),
-            patience: Patience::new(machine.machine.interpolator_cycle_s),
+            patience: Patience::new(machine.general.interpolator_cycle_s),
             pass: (0, 0.0),
         }
     }
@@ -218,16 +219,16 @@ impl Interpolator {
                 }
                 Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
                 Next::Move(_) => return self.move_on(panel, due, Wait::No, false),
-                Next::Trace(trace) if !self.spindle.lets(Feed::PerMinute(trace.feed_mm_min)) => {
+                Next::Work(trace) if !self.spindle.lets(Feed::PerMinute(trace.feed_mm_min)) => {
                     Event::Waits(Wait::No)
                 }
-                Next::Trace(trace) => match self.travel.begin_trace(self.program.line, &trace) {
+                Next::Work(trace) => match self.travel.begin_trace(self.program.line, &trace) {
                     Ok(()) => return self.move_on(panel, due, Wait::No, false),
                     Err(fault) => Event::Fault(fault),
                 },
                 Next::Pass(pass) => self.begin_pass(input, &pass),
                 Next::Dwell(seconds) => {
-                    Event::Dwells((seconds / self.machine.machine.interpolator_cycle_s).ceil() as u64)
+                    Event::Dwells((seconds / self.machine.general.interpolator_cycle_s).ceil() as u64)
                 }
                 Next::Pause => Event::Pauses(panel.cycle_starts),
                 Next::End => Event::Ends(false),

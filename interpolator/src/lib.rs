@@ -10,7 +10,7 @@
 //! | `task` | what the interpolator is doing: every state, every event, one function |
 //! | `program`, [`queue`] | the item in hand, what is executed at rest, items waiting, credit |
 //! | `travel`, `run` | timed motion: moves that run without a stop, overrides, hold, single block |
-//! | `tracing` | the trace in hand, piece by piece |
+//! | `working` | the work in hand, piece by piece |
 //! | `pass` | a pass before it is armed, and while it is watched |
 //! | `axes` | what the regulators say, taken together |
 //! | [`spindle`] | programmed speed, override and its ceiling, at speed |
@@ -26,7 +26,7 @@ pub mod queue;
 mod run;
 pub mod spindle;
 mod task;
-mod tracing;
 mod travel;
+mod working;
 
 pub use interpolator::{In, Interpolator, Out};

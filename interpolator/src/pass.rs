@@ -5,9 +5,8 @@
 //! they say that no index has been seen, the index comes at cycle n at the earliest, and a frame that calls the pass off is
 //! in force at n + K, with K control cycles to a tick. [`Machine::can_follow`] proves that no axis moves so early.
 
-use protocol::{
-    Axis, AxisCommand, Cycle, Fault, Machine, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD,
-};
+use machine::Machine;
+use protocol::{Axis, AxisCommand, Cycle, Fault, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
 
 use crate::{
     axes::Axes,
@@ -80,7 +79,7 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     spindle.set_ceiling(pass.max_ratio * 100.0);
     // A status tells of rest only when the last setpoint, which lies ahead, has been reached.
     let at_rest = *rested > SETPOINT_LEAD && axes.in_position();
-    let watched_s = cycle.0 as f64 * machine.machine.cycle_s;
+    let watched_s = cycle.0 as f64 * machine.general.cycle_s;
     let watched = watched_s * machine.spindle.slowest_observer_hz() >= WATCHED_PERIODS;
     if !at_rest || !watched || !spindle.at_speed() {
         return Ok(Ready::Wait);

@@ -1,8 +1,9 @@
 //! The program at rest: what is executed without motion, and what takes time next.
 
 use protocol::{
-    Code, CodePacket, Feed, Item, MachineStatus, Refused, Route, SpindleMode, SpindleSpeed, ThreadPass, Trace,
+    Code, CodePacket, Feed, Item, MachineStatus, Refused, SpindleMode, SpindleSpeed, ThreadPass, Work,
 };
+use route::Route;
 
 use crate::{queue::Queue, spindle::Spindle};
 
@@ -31,7 +32,7 @@ pub(crate) enum Next {
     /// A line or an arc.
     Move(Feed),
     /// A contour, a surface or a seam.
-    Trace(Trace),
+    Work(Work),
     /// A pass of a thread.
     Pass(ThreadPass),
     /// So many seconds of rest.
@@ -58,7 +59,7 @@ impl Program {
             self.line = item.line;
             match item.code {
                 Code::Line { feed, .. } | Code::Arc { feed, .. } => return Next::Move(feed),
-                Code::Trace(trace) => return Next::Trace(trace),
+                Code::Work(trace) => return Next::Work(trace),
                 Code::Pass(pass) => return Next::Pass(pass),
                 Code::End => return Next::End,
                 Code::Dwell { seconds } => {

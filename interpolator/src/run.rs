@@ -3,14 +3,16 @@
 //! All moves of a run are of one kind, so that the same override acts on them. A move of the other kind ends the run; it
 //! begins the next one.
 
+use machine::Machine;
 use motion::chain::{Ask, Block, Chain, Step};
-use protocol::{Leg, Machine, PerAxis, Position, Route, units::AXES};
+use protocol::{PerAxis, Position, units::AXES};
+use route::{Move, Route};
 
 /// The moves under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
-    chain: Chain<AXES, Leg>,
-    last: Option<Leg>,
+    chain: Chain<AXES, Move>,
+    last: Option<Move>,
 }
 
 impl Run {
@@ -44,7 +46,7 @@ impl Run {
     }
 
     /// The last move.
-    pub(crate) fn last(&self) -> Option<&Leg> {
+    pub(crate) fn last(&self) -> Option<&Move> {
         self.last.as_ref()
     }
 
@@ -54,7 +56,7 @@ impl Run {
     }
 
     /// Appends a move if it is of the same kind as those before it; else the run ends before it.
-    pub(crate) fn push(&mut self, block: Block<AXES, Leg>) -> bool {
+    pub(crate) fn push(&mut self, block: Block<AXES, Move>) -> bool {
         if self.last.is_some_and(|last| !last.joins(&block.tag)) {
             self.close();
             return false;
@@ -70,7 +72,7 @@ impl Run {
     }
 
     /// One interpolator cycle; nothing if no move is under way.
-    pub(crate) fn tick(&mut self, ask: &Ask) -> Option<Step<AXES, Leg>> {
+    pub(crate) fn tick(&mut self, ask: &Ask) -> Option<Step<AXES, Move>> {
         self.chain.tick(ask)
     }
 

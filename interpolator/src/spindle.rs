@@ -9,8 +9,9 @@
 
 use std::f64::consts::TAU;
 
+use machine::{Machine, SpindleConfig};
 use motion::SpindleObserver;
-use protocol::{Feed, Machine, Measurement, Position, SpindleMode, SpindleSpeed, machine::SpindleConfig};
+use protocol::{Feed, Measurement, Position, SpindleMode, SpindleSpeed};
 
 const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
 const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
@@ -42,9 +43,9 @@ impl Spindle {
     /// The spindle of a machine file, standing.
     pub fn new(machine: &Machine) -> Spindle {
         Spindle {
-            observer: SpindleObserver::new(WATCH_HZ, machine.machine.interpolator_cycle_s),
+            observer: SpindleObserver::new(WATCH_HZ, machine.general.interpolator_cycle_s),
             rpm_per_count_s: 60.0 / machine.spindle_counts(),
-            tick_s: machine.machine.interpolator_cycle_s,
+            tick_s: machine.general.interpolator_cycle_s,
             ramp_rpm_s: machine.spindle.ramp_rpm_s,
             mode: SpindleMode::Stop,
             speed: SpindleSpeed::Rpm(0.0),

@@ -4,18 +4,17 @@
 //! when no more machine code comes; the machine then stops on its path, the status counts it, and the next item begins a
 //! new run.
 
+use machine::Machine;
 use motion::chain::{Ask, MOST_RATIO, Ratios, Step};
-use protocol::{
-    Code, Cycle, Fault, Feed, Item, Leg, Machine, Panel, PerAxis, Position, Route, Routed, Setpoint, Trace,
-    units::AXES,
-};
+use protocol::{Code, Cycle, Fault, Feed, Item, Panel, PerAxis, Position, Setpoint, Work, units::AXES};
+use route::{Move, Route, Routed};
 
 use crate::{
     queue::Queue,
     run::Run,
     spindle::Spindle,
     task::{Moved, Wait},
-    tracing::Tracing,
+    working::Working,
 };
 
 /// Most moves that one tick takes into the run: more than the run can leave behind in a tick.
@@ -30,7 +29,7 @@ const SPINDLE_STEP: f64 = 0.01;
 pub(crate) struct Travel {
     route: Route,
     run: Run,
-    tracing: Tracing,
+    working: Working,
     /// Commanded position of every axis at the last tick.
     here: PerAxis<Position>,
     /// Speed of the spindle that feeds per revolution follow, 1/s.
@@ -59,7 +58,7 @@ impl Travel {
         Travel {
             route: Route::new(machine),
             run: Run::new(machine),
-            tracing: Tracing::default(),
+            working: Working::default(),
             here: [Position(0); AXES],
             turns: 0.0,
             starved: 0,
@@ -90,10 +89,10 @@ impl Travel {
     /// What of the program is in hand, in steps of its progress; `head` waits for it to be over.
     pub(crate) fn pending(&self, head: Option<&Item>) -> u64 {
         let waits = match head {
-            Some(Item { code: Code::Trace(_), .. }) if !self.tracing.more() => Trace::STEPS,
+            Some(Item { code: Code::Work(_), .. }) if !self.working.more() => Work::STEPS,
             _ => 0,
         };
-        waits + self.tracing.left().unwrap_or(self.run.len() as u64)
+        waits + self.working.left().unwrap_or(self.run.len() as u64)
     }
 
     /// Moves completed so far.
@@ -108,26 +107,26 @@ impl Travel {
 
     /// Number of the trace that the setpoints of the last tick of motion cut, or 0.
     pub(crate) fn cutting(&self) -> u32 {
-        self.tracing.cutting()
+        self.working.cutting()
     }
 
     /// A tick without motion of its own.
     pub(crate) fn idle(&mut self) {
-        self.tracing.idle();
+        self.working.idle();
     }
 
     /// Forgets what is left of the run and of a trace. The machine stands.
     pub(crate) fn clear(&mut self) {
         self.run.clear();
-        self.tracing.end();
+        self.working.end();
     }
 
     /// A trace is next, or goes on behind a run.
     ///
     /// # Errors
     /// The fault, if it cannot begin here.
-    pub(crate) fn begin_trace(&mut self, line: u32, trace: &Trace) -> Result<(), Fault> {
-        self.tracing.begin(&self.route, line, trace, &self.here)
+    pub(crate) fn begin_trace(&mut self, line: u32, trace: &Work) -> Result<(), Fault> {
+        self.working.begin(&self.route, line, trace, &self.here)
     }
 
     /// A straight rapid from here, as a run of its own.
@@ -161,7 +160,7 @@ impl Travel {
                 || panel.pressed(Panel::FEED_HOLD)
                 || hands.wait != Wait::No
                 || feeds && hands.spindle.held(),
-            single: single && !self.tracing.in_hand(),
+            single: single && !self.working.in_hand(),
             more: !queue.is_dry(),
         };
         let Some(step) = self.run.tick(&ask) else {
@@ -185,23 +184,23 @@ impl Travel {
     }
 
     /// What a step completed.
-    fn count(&mut self, step: &Step<AXES, Leg>, queue: &Queue) {
-        self.moves += self.tracing.step(&step.tag);
-        if step.tag.trace.is_none() {
+    fn count(&mut self, step: &Step<AXES, Move>, queue: &Queue) {
+        self.moves += self.working.step(&step.tag);
+        if step.tag.work.is_none() {
             self.moves += u64::from(step.completed);
         }
-        let more = self.tracing.more() || !queue.ended();
+        let more = self.working.more() || !queue.ended();
         self.starved += u32::from(step.starved && more);
     }
 
     /// Where the axes shall be at the end of a step.
-    fn setpoints(&mut self, step: &Step<AXES, Leg>, due: Cycle) -> PerAxis<Setpoint> {
+    fn setpoints(&mut self, step: &Step<AXES, Move>, due: Cycle) -> PerAxis<Setpoint> {
         let leg = &step.tag;
         let over = self.run.is_over();
         let exact = std::array::from_fn(|i| if over { leg.to[i] } else { leg.from[i].moved(step.axes[i].s) });
         let led = match over {
             true => exact,
-            false => self.tracing.lead(&self.route, leg, step.along.s, exact),
+            false => self.working.lead(&self.route, leg, step.along.s, exact),
         };
         std::array::from_fn(|i| {
             let sample = &step.axes[i];
@@ -212,7 +211,7 @@ impl Travel {
 
     /// The machine stands at the end of its run, or on its path because the operator or a fault ends the program.
     fn arrive(&mut self, panel: &Panel, moved: &mut Moved) {
-        if self.run.is_over() && self.tracing.end_if_drawn() {
+        if self.run.is_over() && self.working.end_if_drawn() {
             self.moves += 1;
             if panel.pressed(Panel::SINGLE_BLOCK) {
                 moved.wait = Wait::CycleStart(panel.cycle_starts);
@@ -224,8 +223,8 @@ impl Travel {
 
     /// Takes moves out of the queue, or pieces of a trace, for as long as they belong to the run.
     fn take(&mut self, queue: &mut Queue, single: bool) -> Result<(), Fault> {
-        if self.tracing.in_hand() {
-            return self.tracing.fill(&mut self.run, &self.route, queue, single);
+        if self.working.in_hand() {
+            return self.working.fill(&mut self.run, &self.route, queue, single);
         }
         for _ in 0..MOVES_PER_TICK {
             if !self.run.has_room() {

@@ -4,7 +4,8 @@
 use gcode::Problem;
 use gcode::canon::{self, Plane};
 use gcode::problem::Blame;
-use protocol::{Machine, PerAxis, Position};
+use machine::Machine;
+use protocol::{PerAxis, Position};
 
 use crate::modal::Modal;
 use crate::points::Points;
@@ -14,7 +15,7 @@ use crate::reach::{Done, missing, within_travel};
 pub(crate) fn check_plane(modal: &Modal, machine: &Machine) -> Done {
     let (first, second, _) = modal.plane.axes();
     let lacks = |coordinate: usize| {
-        let axis = protocol::kinematics::COORDINATES.get(coordinate);
+        let axis = machine::kinematics::COORDINATES.get(coordinate);
         axis.is_some_and(|axis| !machine.axis.contains_key(axis))
     };
     if lacks(first) || lacks(second) {

@@ -2,7 +2,8 @@
 
 use gcode::Problem;
 use gcode::problem::Blame;
-use protocol::{Code, Machine};
+use machine::Machine;
+use protocol::Code;
 
 use crate::reach::Done;
 

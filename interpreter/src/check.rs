@@ -4,7 +4,9 @@
 use std::path::PathBuf;
 
 use gcode::{Diagnostic, Program, Severity};
-use protocol::{Item, Machine, Untraceable};
+use machine::Machine;
+use protocol::Item;
+use route::Unworkable;
 
 use crate::threading::PassNote;
 use crate::time::{Clock, LONGEST_S};
@@ -109,7 +111,7 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
 pub fn time_s<'a>(
     items: impl IntoIterator<Item = &'a Item>,
     machine: &Machine,
-) -> Result<f64, (u32, Untraceable)> {
+) -> Result<f64, (u32, Unworkable)> {
     let mut clock = Clock::new(machine);
     items.into_iter().for_each(|item| clock.add(item.line, &item.code));
     clock.finish();

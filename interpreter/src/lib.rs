@@ -55,7 +55,9 @@ use std::collections::{BTreeSet, VecDeque};
 
 use gcode::problem::Blame;
 use gcode::{Place, Problem, Program, Step};
-use protocol::{Item, Machine, Untraceable};
+use machine::Machine;
+use protocol::Item;
+use route::Unworkable;
 
 pub use check::{Check, check, check_job, check_program, time_s};
 pub use gcode::{Diagnostic, Severity};
@@ -126,7 +128,7 @@ impl Interpreter {
     }
 
     /// What to say of a trace that cannot be followed to its end.
-    pub(crate) fn untraceable(&mut self, line: u32, reason: &Untraceable) -> Diagnostic {
+    pub(crate) fn untraceable(&mut self, line: u32, reason: &Unworkable) -> Diagnostic {
         let place = Place { line, ..self.translator.place() };
         let help = "change the formula or the domain, or where the work lies on the machine";
         self.program.diagnose(place, *Problem::error("job", Blame::Block, reason.to_string(), help))

@@ -4,7 +4,8 @@
 use gcode::canon::{FeedMode, Plane};
 use gcode::problem::{Blame, short};
 use gcode::{Call, Problem};
-use protocol::{Axis, Feed, Machine, PerAxis, Position};
+use machine::Machine;
+use protocol::{Axis, Feed, PerAxis, Position};
 
 use crate::frame::Frame;
 use crate::path_mode::PathAsked;
@@ -87,7 +88,7 @@ impl Modal {
     /// An offset in mm and degrees; refused if it shifts an axis that the machine does not have.
     fn offset(&self, offset: &gcode::Pose, machine: &Machine) -> Result<gcode::Pose, Box<Problem>> {
         let scaled = self.frame.scaled(offset);
-        let shifts = machine.machine.kinematics.axes(&scaled).map(Position::from_mm);
+        let shifts = machine.general.kinematics.axes(&scaled).map(Position::from_mm);
         let lacks = |axis: &Axis| !machine.axis.contains_key(axis) && shifts[axis.index()] != Position(0);
         match Axis::ALL.into_iter().find(lacks) {
             Some(axis) => Err(no_axis(machine, axis, shifts[axis.index()].mm())),

@@ -6,11 +6,8 @@ use std::path::{Path, PathBuf};
 
 use gcode::files::ToolTable;
 use gcode::{Dialect, Options, Program};
-use protocol::{
-    Machine,
-    code_file::{CodeFile, MAGIC},
-    machine,
-};
+use machine::{self, Machine};
+use protocol::code_file::{CodeFile, MAGIC};
 use serde::{Deserialize, Serialize};
 
 use crate::reach::{home, plane_of};
@@ -76,7 +73,7 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     if let Some(dialect) = language.dialect {
         options.dialect = of_program(dialect);
     }
-    if options.dialect == Dialect::Fanuc && machine.machine.kinematics != machine::Kinematics::Lathe {
+    if options.dialect == Dialect::Fanuc && machine.general.kinematics != machine::Kinematics::Lathe {
         return Err(OpenError::Dialect);
     }
     options.block_delete = language.block_delete;
@@ -144,7 +141,7 @@ pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
 pub(crate) fn options(machine: &Machine) -> Options {
     let position = home(machine);
     let mut options = Options { plane: plane_of(machine), position, ..Options::default() };
-    options.dialect = of_program(machine.machine.dialect);
+    options.dialect = of_program(machine.general.dialect);
     options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
 }

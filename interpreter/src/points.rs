@@ -3,8 +3,8 @@
 
 use gcode::Problem;
 use gcode::problem::Blame;
-use protocol::machine::Kinematics;
-use protocol::{Axis, Machine, PerAxis, Position};
+use machine::{Kinematics, Machine};
+use protocol::{Axis, PerAxis, Position};
 
 use crate::reach::{Done, home, letter, within_travel};
 
@@ -23,7 +23,7 @@ impl Points {
     /// All axes at home.
     pub(crate) fn at_home(machine: &Machine) -> Points {
         let home = home(machine);
-        let kinematics = machine.machine.kinematics;
+        let kinematics = machine.general.kinematics;
         Points { kinematics, asked: home, programmed: home, rest: home, after_thread: false }
     }
 

@@ -3,15 +3,15 @@
 use gcode::canon::Plane;
 use gcode::problem::{Blame, short};
 use gcode::{Call, Problem};
-use protocol::machine::Kinematics;
-use protocol::{Axis, Machine, Position, units::AXES};
+use machine::{Kinematics, Machine};
+use protocol::{Axis, Position, units::AXES};
 
 /// What a call comes to.
 pub(crate) type Done = Result<(), Box<Problem>>;
 
 /// The plane at the start.
 pub(crate) fn plane_of(machine: &Machine) -> Plane {
-    match machine.machine.kinematics {
+    match machine.general.kinematics {
         Kinematics::Lathe => Plane::Xz,
         Kinematics::Mill | Kinematics::Positioner => Plane::Xy,
     }
@@ -21,7 +21,7 @@ pub(crate) fn plane_of(machine: &Machine) -> Plane {
 pub(crate) fn home(machine: &Machine) -> gcode::Pose {
     let mut axes = [0.0; AXES];
     machine.axes().for_each(|(axis, config)| axes[axis.index()] = config.home_mm);
-    machine.machine.kinematics.point(&axes)
+    machine.general.kinematics.point(&axes)
 }
 
 /// What this machine does not have, in words.
@@ -62,7 +62,7 @@ pub(crate) fn needs_spindle(machine: &Machine, word: &str, blame: Blame) -> Done
     if !machine.spindle.is_none() {
         return Ok(());
     }
-    let message = format!("{word}: {} has no spindle", machine.machine.name);
+    let message = format!("{word}: {} has no spindle", machine.general.name);
     Err(Problem::error("no-spindle", blame, message, "leave out S, M3, M4, G95 and G96"))
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame
     if (low..=high).contains(&at) {
         return Ok(());
     }
-    let is_radius = axis == Axis::X && machine.machine.kinematics == Kinematics::Lathe;
+    let is_radius = axis == Axis::X && machine.general.kinematics == Kinematics::Lathe;
     let message = format!(
         "{axis} at {} {unit}{note} is outside axis.{name}.travel_{unit} = [{}, {}]",
         short(at),
@@ -97,7 +97,7 @@ pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame
 
 /// The machine is asked for an axis that it does not have; `at` in mm or degrees.
 pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
-    let kind = match machine.machine.kinematics {
+    let kind = match machine.general.kinematics {
         Kinematics::Lathe => "lathe",
         Kinematics::Mill => "mill",
         Kinematics::Positioner => "positioner",

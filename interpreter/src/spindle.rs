@@ -4,7 +4,8 @@
 use gcode::Problem;
 use gcode::canon::{FeedMode, X};
 use gcode::problem::{Blame, short};
-use protocol::{Code, Machine, Position, SpindleMode, SpindleSpeed};
+use machine::Machine;
+use protocol::{Code, Position, SpindleMode, SpindleSpeed};
 
 use crate::frame::Frame;
 use crate::reach::{Done, needs_spindle};

@@ -7,8 +7,8 @@
 use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
-use protocol::machine::Kinematics;
-use protocol::{Axis, AxisLaw, Machine, PerAxis, Position, ThreadPass};
+use machine::{Kinematics, Machine};
+use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass};
 
 use crate::frame::Frame;
 use crate::modal::Synchronised;
@@ -252,7 +252,7 @@ pub(crate) fn cycle_on_machine(
 
 /// Speed and direction of a spindle that turns at a constant speed, as threads need it, on a lathe.
 fn spindle_of_thread(spindle: &Spindle, machine: &Machine) -> Result<(f64, f64), Box<Problem>> {
-    if machine.machine.kinematics != Kinematics::Lathe {
+    if machine.general.kinematics != Kinematics::Lathe {
         return Err(missing("a thread (G33, G76) on a mill", "mill it with G2 or G3 and Z, or use a lathe"));
     }
     if spindle.is_surface() {

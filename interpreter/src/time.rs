@@ -6,11 +6,10 @@
 //! the mean, the others a whole number of turns after the one before. A program is over when the spindle stands. How long
 //! a pause lasts is up to the operator; it counts as nothing.
 
+use machine::{Machine, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
-use protocol::{
-    Axis, Code, Feed, Leg, Machine, PerAxis, Position, Route, Routed, SpindleMode, SpindleSpeed, Trace,
-    Traced, Tracer, Untraceable, machine::SpindleConfig, units::AXES,
-};
+use protocol::{Axis, Code, Feed, PerAxis, Position, SpindleMode, SpindleSpeed, Work, units::AXES};
+use route::{Advance, Course, Move, Route, Routed, Unworkable};
 
 /// Interpolator cycles until the drives are on, and setpoints act.
 const START_CYCLES: f64 = 7.0;
@@ -26,8 +25,8 @@ pub(crate) const LONGEST_S: f64 = 30.0 * 86_400.0;
 pub(crate) struct Clock<'m> {
     machine: &'m Machine,
     route: Route,
-    chain: Chain<AXES, Leg>,
-    last: Option<Leg>,
+    chain: Chain<AXES, Move>,
+    last: Option<Move>,
     /// X within the chain, where the spindle follows it.
     x: Option<Position>,
     at: PerAxis<Position>,
@@ -41,9 +40,9 @@ pub(crate) struct Clock<'m> {
     moved: f64,
     seconds: f64,
     /// The trace that the chain in hand ends with.
-    traced: Option<Trace>,
+    traced: Option<Work>,
     /// The first trace that cannot be followed: its line, and why.
-    trouble: Option<(u32, Untraceable)>,
+    trouble: Option<(u32, Unworkable)>,
 }
 
 impl<'m> Clock<'m> {
@@ -60,7 +59,7 @@ impl<'m> Clock<'m> {
             rpm: 0.0,
             index: None,
             moved: 0.0,
-            seconds: START_CYCLES * machine.machine.interpolator_cycle_s,
+            seconds: START_CYCLES * machine.general.interpolator_cycle_s,
             traced: None,
             trouble: None,
         }
@@ -71,7 +70,7 @@ impl<'m> Clock<'m> {
     }
 
     /// The first trace that cannot be followed, if there is one: its line, and why.
-    pub(crate) fn trouble(&self) -> Option<(u32, Untraceable)> {
+    pub(crate) fn trouble(&self) -> Option<(u32, Unworkable)> {
         self.trouble
     }
 
@@ -89,7 +88,7 @@ impl<'m> Clock<'m> {
                 }
                 return self.route.set_mode(*mode);
             }
-            Code::Trace(trace) if self.goes_on(trace) => {}
+            Code::Work(trace) if self.goes_on(trace) => {}
             _ => self.finish(),
         }
         match code {
@@ -101,7 +100,7 @@ impl<'m> Clock<'m> {
                     self.at[axis.index()] = pass.axis(axis).end;
                 }
                 let turn = 60.0 / pass.s_rpm;
-                let armed = self.seconds + ARMING_CYCLES * self.machine.machine.interpolator_cycle_s;
+                let armed = self.seconds + ARMING_CYCLES * self.machine.general.interpolator_cycle_s;
                 let index = match self.index {
                     Some(before) => before + ((armed - before) / turn).ceil() * turn,
                     None => armed + 0.5 * turn,
@@ -110,7 +109,7 @@ impl<'m> Clock<'m> {
                 self.pass_time(index - self.seconds + pass.done_deg() / (6.0 * pass.s_rpm));
             }
             Code::Formula { slot, formula } => self.route.set_formula(*slot, *formula),
-            Code::Trace(trace) => {
+            Code::Work(trace) => {
                 if let Err(reason) = self.follow(line, trace) {
                     self.trouble = self.trouble.or(Some((line, reason)));
                 }
@@ -138,26 +137,26 @@ impl<'m> Clock<'m> {
     }
 
     /// A trace from where the axes rest, to its end, or to where a program has no end.
-    fn follow(&mut self, line: u32, trace: &Trace) -> Result<(), Untraceable> {
+    fn follow(&mut self, line: u32, trace: &Work) -> Result<(), Unworkable> {
         let from = self.last.map_or(self.at, |last| last.to);
-        let mut tracer = Tracer::new(&self.route, line, trace, &from)?;
+        let mut tracer = Course::new(&self.route, line, trace, &from)?;
         while self.seconds() < LONGEST_S {
             match tracer.next(&self.route)? {
-                Traced::Block(block) => self.append(block),
-                Traced::Nowhere => {}
-                Traced::Over => break,
+                Advance::Block(block) => self.append(block),
+                Advance::Nowhere => {}
+                Advance::Over => break,
             }
         }
         Ok(())
     }
 
     /// Whether a trace goes on where the chain in hand ends.
-    fn goes_on(&self, trace: &Trace) -> bool {
+    fn goes_on(&self, trace: &Work) -> bool {
         let (Some(before), Some(last)) = (&self.traced, &self.last) else { return false };
-        Tracer::new(&self.route, 0, trace, &last.to).is_ok_and(|tracer| tracer.goes_on(before))
+        Course::new(&self.route, 0, trace, &last.to).is_ok_and(|tracer| tracer.goes_on(before))
     }
 
-    fn append(&mut self, block: Block<AXES, Leg>) {
+    fn append(&mut self, block: Block<AXES, Move>) {
         if self.last.is_some_and(|last| !last.joins(&block.tag)) {
             self.finish();
         }
@@ -178,7 +177,7 @@ impl<'m> Clock<'m> {
         self.traced = None;
         self.chain.close();
         while self.leap() {}
-        let cycle = self.machine.machine.interpolator_cycle_s;
+        let cycle = self.machine.general.interpolator_cycle_s;
         let moved = (self.moved / cycle).ceil() * cycle;
         let turned = self.x.take().is_some();
         self.moved = 0.0;
@@ -207,7 +206,7 @@ impl<'m> Clock<'m> {
             // A chain that stays at rest has a feed that is none: it takes no time here, and for ever on the machine.
             return !(rested && time == 0.0 && self.chain.rests());
         }
-        let cycle = self.machine.machine.interpolator_cycle_s;
+        let cycle = self.machine.general.interpolator_cycle_s;
         self.turn_towards(self.speed.rpm(x), cycle);
         let rpm = self.rpm.abs();
         let Some(step) = self.chain.tick(&at(rpm)) else { return false };

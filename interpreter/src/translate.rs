@@ -7,7 +7,8 @@ use gcode::canon::{self, ThreadCycle, Turn};
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
 use gcode::{Call, Job, Place, Pose, Problem, Sink};
-use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, ThreadPass};
+use machine::Machine;
+use protocol::{Axis, Code, Feed, Item, SpindleMode, ThreadPass};
 
 use crate::arc;
 use crate::auxiliary::{Auxiliary, find_tool};
@@ -363,7 +364,7 @@ impl Translator {
             self.push(place.line, Code::Formula { slot, formula });
         }
         for trace in traces {
-            self.push(place.line, Code::Trace(trace));
+            self.push(place.line, Code::Work(trace));
         }
         self.points.axes_rest_at(&end);
         self.go(place.line, &retract);

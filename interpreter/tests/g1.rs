@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use interpreter::{Interpreter, Language, g1};
-use protocol::{Axis, Code, Feed, Item, Machine, Trace, Work};
+use machine::Machine;
+use protocol::{Axis, Code, Feed, Item, Shape, Work};
+use route::positioner;
 use shape::{Curve, Drives, Formula, Leg, Plan, Surface};
 
 fn mill() -> Machine {
@@ -31,8 +33,8 @@ fn lines(items: &[Item], machine: &Machine) -> (Vec<String>, g1::Size) {
     (lines, size)
 }
 
-fn trace(items: &[Item]) -> Trace {
-    let trace = |item: &Item| if let Code::Trace(trace) = item.code { Some(trace) } else { None };
+fn trace(items: &[Item]) -> Work {
+    let trace = |item: &Item| if let Code::Work(trace) = item.code { Some(trace) } else { None };
     items.iter().find_map(trace).expect("there is a trace")
 }
 
@@ -110,9 +112,9 @@ fn compared(job: &[Item], program: &[Item]) -> (f64, f64) {
     let trace = trace(job);
     let [psi, x, y, ..] = formulas(job);
     let origin = trace.origin.map(|axis| axis.mm());
-    let places = match trace.work {
-        Work::Surface(surface) => true_path(&surface, [&psi, &x, &y], origin, 0.05),
-        Work::Contour(contour, [Axis::X, Axis::Y]) => {
+    let places = match trace.shape {
+        Shape::Surface(surface) => true_path(&surface, [&psi, &x, &y], origin, 0.05),
+        Shape::Contour(contour, [Axis::X, Axis::Y]) => {
             let curve = contour.curve(&psi);
             let [from, to] = contour.t();
             let at = |k: u32| curve.at(from + (to - from) * f64::from(k) / 10_000.0).axes;
@@ -153,13 +155,13 @@ fn a_seam_in_lines_keeps_the_beam_within_the_chord_error() {
     let text = include_str!("../../examples/machines/positioner.toml");
     let machine = Machine::from_toml(text).expect("it is a machine");
     let config = machine.positioner.expect("it is a positioner");
-    let (geometry, beam) = (config.geometry(), config.beam_mm);
+    let (geometry, beam) = (positioner::geometry(&config), config.beam_mm);
     for name in ["positioner/cylinders.toml", "positioner/wave.toml"] {
         let job = example(name, &machine);
         let (text, _) = lines(&job, &machine);
         let program = items(&(text.join("\n") + "\n"), &machine);
         let trace = trace(&job);
-        let Work::Seam(seam) = trace.work else { panic!("it is a seam") };
+        let Shape::Seam(seam) = trace.shape else { panic!("it is a seam") };
         let formulas = formulas(&job);
         let path = seam.on(&formulas, geometry, beam);
         let points = cut(&program, [Axis::X, Axis::Y, Axis::A, Axis::C]);

@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use interpreter::{Check, check, check_job};
+use machine::{Machine, POSITIONER, POSITIONER_AXES};
 use proptest::prelude::*;
-use protocol::machine::{POSITIONER, POSITIONER_AXES, positioner_drives};
-use protocol::{Axis, Code, Machine, Position, Trace, Work};
+use protocol::{Axis, Code, Position, Shape, Work};
+use route::positioner::{drives, geometry};
 use shape::{Curve, Formula, Positioner, Seam, SeamCurve};
 
 fn machine() -> Machine {
@@ -24,7 +25,7 @@ fn good(text: &str) -> Check {
 
 fn seams(check: &Check) -> Vec<Seam> {
     let seam = |code: &Code| match code {
-        Code::Trace(Trace { work: Work::Seam(seam), .. }) => Some(*seam),
+        Code::Work(Work { shape: Shape::Seam(seam), .. }) => Some(*seam),
         _ => None,
     };
     check.items.iter().filter_map(|item| seam(&item.code)).collect()
@@ -50,7 +51,7 @@ fn holds(check: &Check) -> usize {
     let positioner = machine.positioner.unwrap();
     let mut here = start(check);
     for seam in &all {
-        let path = seam.on(&formulas, positioner.geometry(), positioner.beam_mm);
+        let path = seam.on(&formulas, geometry(&positioner), positioner.beam_mm);
         let from = path.near(seam.t[0], &here).axes.map(|axis| axis.value());
         assert!(from.iter().zip(here).all(|(a, b)| (a - b).abs() < 1e-8), "{from:?} {here:?}");
         here = from;
@@ -62,8 +63,8 @@ fn holds(check: &Check) -> usize {
             let [point, direction] = path.place(t).map(|vector| vector.map(|c| c.value()));
             let mut axes = protocol::PerAxis::default();
             POSITIONER_AXES.iter().zip(here).for_each(|(axis, at)| axes[axis.index()] = at);
-            let drives = positioner_drives(&axes);
-            let [x, y, _] = positioner.geometry().forward(point, &drives);
+            let drives = drives(&axes);
+            let [x, y, _] = geometry(&positioner).forward(point, &drives);
             let [beam_x, beam_y] = positioner.beam_mm;
             assert!((x - beam_x).abs() < 1e-9 && (y - beam_y).abs() < 1e-9);
             let l = Positioner::turned(direction, &drives);
@@ -102,7 +103,7 @@ fn pieces_through_points_join_smoothly() {
     let (check, positioner) = (good(POINTS), machine().positioner.unwrap());
     let all = seams(&check);
     let by_way = |seam: &Seam, t: f64| {
-        let point = seam.on(&[], positioner.geometry(), positioner.beam_mm).at(t);
+        let point = seam.on(&[], geometry(&positioner), positioner.beam_mm).at(t);
         let onwards = shape::length(&point.tip).reversed();
         point.axes.map(|axis| axis.of(onwards))
     };

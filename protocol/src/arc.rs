@@ -10,7 +10,10 @@
 use motion::Path;
 use serde::{Deserialize, Serialize};
 
-use crate::{Axis, PerAxis, Position, Refused, finite, units::AXES};
+use crate::{
+    refused::{Refused, finite},
+    units::{AXES, Axis, PerAxis, Position},
+};
 
 /// The plane in which an arc turns, named by its first and its second axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

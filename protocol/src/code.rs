@@ -11,7 +11,13 @@
 use serde::{Deserialize, Serialize};
 use shape::Formula;
 
-use crate::{Arc, FORMULAS, PerAxis, Position, Refused, ThreadPass, Trace, finite};
+use crate::{
+    arc::Arc,
+    pass::ThreadPass,
+    refused::{Refused, not_negative, positive},
+    units::{PerAxis, Position},
+    work::{FORMULAS, Work},
+};
 
 /// One instruction and the line of the part program it comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -203,7 +209,7 @@ pub enum Code {
         formula: Formula,
     },
     /// Work that formulas tell, a move of its own: it begins and ends at rest.
-    Trace(Trace),
+    Work(Work),
     /// The program is over.
     End,
 }
@@ -211,13 +217,13 @@ pub enum Code {
 impl Item {
     /// Whether it moves the axes by time: a line, an arc or a trace.
     pub fn is_move(&self) -> bool {
-        matches!(self.code, Code::Line { .. } | Code::Arc { .. } | Code::Trace(_))
+        matches!(self.code, Code::Line { .. } | Code::Arc { .. } | Code::Work(_))
     }
 
     /// What it counts in the progress of a program, [`MachineStatus::taken`](crate::MachineStatus::taken): 1, or what a
     /// trace stands for.
     pub fn steps(&self) -> u64 {
-        if let Code::Trace(_) = self.code { Trace::STEPS } else { 1 }
+        if let Code::Work(_) = self.code { Work::STEPS } else { 1 }
     }
 
     /// Refuses values that no interpreter sends, wherever the item came from.
@@ -235,16 +241,8 @@ impl Item {
             Code::Pass(pass) => pass.check(),
             Code::Formula { slot, .. } if usize::from(*slot) < FORMULAS => Ok(()),
             Code::Formula { .. } => Err(Refused::OutOfRange("number of a formula")),
-            Code::Trace(trace) => trace.check(),
+            Code::Work(trace) => trace.check(),
             Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
         }
     }
-}
-
-pub(crate) fn positive(value: f64, name: &'static str) -> Result<(), Refused> {
-    if finite(value, name)? > 0.0 { Ok(()) } else { Err(Refused::OutOfRange(name)) }
-}
-
-pub(crate) fn not_negative(value: f64, name: &'static str) -> Result<(), Refused> {
-    if finite(value, name)? >= 0.0 { Ok(()) } else { Err(Refused::OutOfRange(name)) }
 }

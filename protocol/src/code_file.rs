@@ -18,7 +18,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Item, Machine, Refused};
+use crate::{code::Item, refused::Refused};
 
 /// What a file begins with.
 pub const MAGIC: [u8; 4] = *b"PLMC";
@@ -27,17 +27,24 @@ pub const VERSION: u16 = 4;
 /// Longest content that is read, bytes: a program of some ten million moves.
 pub const LONGEST: u64 = 1 << 30;
 
+/// By what a file knows the machine that it is for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Its name.
+    pub name: String,
+    /// Its control cycle, s.
+    pub cycle_s: f64,
+    /// Its interpolator cycle, s.
+    pub interpolator_cycle_s: f64,
+}
+
 /// A compiled program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CodeFile {
     /// Name of the part program.
     pub program: String,
-    /// Name of the machine it was compiled for; passes are laid out for the limits of its axes.
-    pub machine: String,
-    /// Control cycle of that machine, s.
-    pub cycle_s: f64,
-    /// Interpolator cycle of that machine, s.
-    pub interpolator_cycle_s: f64,
+    /// The machine it was compiled for; passes are laid out for the limits of its axes.
+    pub machine: Identity,
     /// The machine code.
     pub items: Vec<Item>,
 }
@@ -108,14 +115,8 @@ pub enum CodeFileError {
 
 impl CodeFile {
     /// A program compiled for a machine.
-    pub fn new(program: &str, machine: &Machine, items: Vec<Item>) -> CodeFile {
-        CodeFile {
-            program: program.into(),
-            machine: machine.machine.name.clone(),
-            cycle_s: machine.machine.cycle_s,
-            interpolator_cycle_s: machine.machine.interpolator_cycle_s,
-            items,
-        }
+    pub fn new(program: &str, machine: &Identity, items: Vec<Item>) -> CodeFile {
+        CodeFile { program: program.into(), machine: machine.clone(), items }
     }
 
     /// Writes the file.
@@ -173,7 +174,7 @@ impl CodeFile {
     ///
     /// # Errors
     /// As [`CodeFile::read`] and [`CodeFile::check_machine`].
-    pub fn open(path: &Path, machine: &Machine) -> Result<CodeFile, CodeFileError> {
+    pub fn open(path: &Path, machine: &Identity) -> Result<CodeFile, CodeFileError> {
         let file = CodeFile::read(&mut std::io::BufReader::new(std::fs::File::open(path)?))?;
         file.check_machine(machine)?;
         Ok(file)
@@ -188,10 +189,8 @@ impl CodeFile {
     ///
     /// # Errors
     /// [`CodeFileError::OtherMachine`] if name or cycles differ.
-    pub fn check_machine(&self, machine: &Machine) -> Result<(), CodeFileError> {
-        let compiled = describe(&self.machine, self.cycle_s, self.interpolator_cycle_s);
-        let general = &machine.machine;
-        let present = describe(&general.name, general.cycle_s, general.interpolator_cycle_s);
+    pub fn check_machine(&self, machine: &Identity) -> Result<(), CodeFileError> {
+        let (compiled, present) = (self.machine.to_string(), machine.to_string());
         if compiled == present { Ok(()) } else { Err(CodeFileError::OtherMachine { compiled, present }) }
     }
 
@@ -203,8 +202,8 @@ impl CodeFile {
             return Err(CodeFileError::Trailing);
         }
         let Content { program, machine, cycle_s, interpolator_cycle_s, items } = read;
-        let (program, machine) = (program.into(), machine.into());
-        let file = CodeFile { program, machine, cycle_s, interpolator_cycle_s, items };
+        let machine = Identity { name: machine.into(), cycle_s, interpolator_cycle_s };
+        let file = CodeFile { program: program.into(), machine, items };
         file.check_items()?;
         Ok(file)
     }
@@ -218,8 +217,10 @@ impl CodeFile {
     }
 }
 
-fn describe(name: &str, cycle_s: f64, interpolator_cycle_s: f64) -> String {
-    format!("{name}, {cycle_s} s, {interpolator_cycle_s} s")
+impl std::fmt::Display for Identity {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{}, {} s, {} s", self.name, self.cycle_s, self.interpolator_cycle_s)
+    }
 }
 
 /// A field of the head. A file too short for a head with the right beginning is cut off, any other is foreign.

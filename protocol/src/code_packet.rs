@@ -1,13 +1,17 @@
 //! Machine code on the wire: an [`Item`] as the interpreter sends it, and the credit that it sends by. In: items. Out:
 //! packets, and back; what no interpreter sends is refused.
 
-use crate::message::Message;
 use shape::Formula;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
-    Arc, Code, Feed, Item, MachineStatus, PathMode, PerAxis, Plane, Position, Refused, SpindleMode,
-    SpindleSpeed, ThreadPass,
+    arc::{Arc, Plane},
+    code::{Code, Feed, Item, PathMode, SpindleMode, SpindleSpeed},
+    message::Message,
+    pass::ThreadPass,
+    refused::Refused,
+    status::MachineStatus,
+    units::{PerAxis, Position},
 };
 
 /// An [`Item`] in shared memory. Fields that its kind does not use are zero.
@@ -123,7 +127,7 @@ impl CodePacket {
                 packet.operations.as_flattened_mut().copy_from_slice(&operations);
                 packet.constants = constants;
             }
-            Code::Trace(trace) => {
+            Code::Work(trace) => {
                 // There is room for the longest; without its kind no packet is taken for a trace.
                 let room = packet.trace.as_flattened_mut();
                 let packed = bincode::serde::encode_into_slice(trace, room, bincode::config::standard());
@@ -193,7 +197,7 @@ impl CodePacket {
                 if bytes.iter().skip(used).any(|byte| *byte != 0) {
                     return Err(Refused::OutOfRange("trace"));
                 }
-                Code::Trace(trace)
+                Code::Work(trace)
             }
             END => Code::End,
             other => return Err(Refused::UnknownCode("machine code", other)),

@@ -3,10 +3,9 @@
 //! Objects: 0x6040 control word, 0x6041 status word, 0x60FF target velocity, 0x60B1 velocity offset,
 //! 0x60B2 torque offset (IEC 61800-7-201). Velocities in mm/s at the axis, torques in N·m at the motor.
 
-use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::Cycle;
+use crate::{message::Message, units::Cycle};
 
 /// Command of one control cycle to one drive; the answer to the measurement of the same cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]

@@ -1,10 +1,14 @@
 //! Axis commands: one frame per interpolator cycle to each regulator, always. It carries a setpoint of timed motion,
 //! and, when a pass is to be cut, the law of the axis.
 
-use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{AxisLaw, Cycle, Position, Refused, finite, pass::check_speed};
+use crate::{
+    message::Message,
+    pass::{AxisLaw, check_speed},
+    refused::{Refused, finite},
+    units::{Cycle, Position},
+};
 
 /// Where an axis shall be at one control cycle of timed motion, and how it moves there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]

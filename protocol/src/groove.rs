@@ -7,7 +7,11 @@
 
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Axis, Refused, ThreadPass, finite};
+use crate::{
+    pass::ThreadPass,
+    refused::{Refused, finite},
+    units::Axis,
+};
 
 /// Which groove is being cut, and the surface it is cut into; all zero if none is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
@@ -82,7 +86,7 @@ impl ThreadPass {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AxisLaw, Position};
+    use crate::{pass::AxisLaw, units::Position};
 
     /// A pass 0.4 mm deep from X 12, Z 5 along -Z.
     fn pass(stroke_mm: f64, retract_mm: f64, lead_x: f64) -> ThreadPass {

@@ -1,9 +1,11 @@
 //! What the machine measures in one control cycle: spindle and axis encoders, drives, operator panel.
 
-use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Cycle, PerAxis, Position};
+use crate::{
+    message::Message,
+    units::{Cycle, PerAxis, Position},
+};
 
 /// One axis as its encoder and drive see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]

@@ -1,10 +1,13 @@
 //! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the [`Panel`] of its
 //! next measurement; from there it has a cycle, and the same run can be repeated.
 
-use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Panel, Refused, finite};
+use crate::{
+    measurement::Panel,
+    message::Message,
+    refused::{Refused, finite},
+};
 
 /// Something the operator does at the panel.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,10 @@ use motion::Window;
 use serde::{Deserialize, Serialize};
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Axis, PerAxis, Position, Refused, finite};
+use crate::{
+    refused::{Refused, finite},
+    units::{Axis, PerAxis, Position},
+};
 
 /// What one axis does in a pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead (M13),
 /// the lead (M14), a brake (M15), and a stroke out (M2). A part that does not occur has length or lead 0; the retract

@@ -1,9 +1,13 @@
 //! What regulators and the interpolator say of themselves, and the spindle command.
 
-use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Cycle, Groove, Refused};
+use crate::{
+    groove::Groove,
+    message::Message,
+    refused::{Refused, finite},
+    units::Cycle,
+};
 
 /// State of a regulator, as others see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -364,7 +368,7 @@ impl SpindleCommand {
     /// # Errors
     /// [`Refused::NotFinite`], and what [`Groove::check`] refuses.
     pub fn check(&self) -> Result<(), Refused> {
-        crate::finite(self.rpm, "spindle speed")?;
+        finite(self.rpm, "spindle speed")?;
         self.groove.check()
     }
 }

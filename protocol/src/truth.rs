@@ -1,9 +1,12 @@
 //! The true state of the plant, for the observer of a run. No controller subscribes to it.
 
-use crate::message::Message;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{Cycle, Measurement, PerAxis};
+use crate::{
+    measurement::Measurement,
+    message::Message,
+    units::{Cycle, PerAxis},
+};
 
 /// One axis without encoder and without quantum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]

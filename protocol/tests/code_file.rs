@@ -3,9 +3,9 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Arc, Axis, AxisLaw, Code, Feed, Item, Machine, PathMode, Plane, Position, Refused, SpindleMode,
-    SpindleSpeed, ThreadPass, Trace, Work,
-    code_file::{CodeFile, CodeFileError},
+    Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Shape, SpindleMode,
+    SpindleSpeed, ThreadPass, Work,
+    code_file::{CodeFile, CodeFileError, Identity},
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -24,8 +24,13 @@ fn read(bytes: &[u8]) -> Result<CodeFile, CodeFileError> {
     CodeFile::read(&mut &bytes[..])
 }
 
+/// A small lathe.
+fn lathe() -> Identity {
+    Identity { name: "small lathe".into(), cycle_s: 0.0005, interpolator_cycle_s: 0.002 }
+}
+
 fn program(items: Vec<Item>) -> CodeFile {
-    CodeFile::new("part.ngc", &Machine::default(), items)
+    CodeFile::new("part.ngc", &lathe(), items)
 }
 
 fn pass() -> ThreadPass {
@@ -78,10 +83,10 @@ fn any_formula() -> impl Strategy<Value = Formula> {
     )
 }
 
-fn any_trace() -> impl Strategy<Value = Trace> {
+fn any_trace() -> impl Strategy<Value = Work> {
     let contour = (-1e3..1e3, 0.0..10.0)
         .prop_map(|(x, radius_mm)| Contour { x: [x, 2e3], radius_mm, side: Side::Right })
-        .prop_map(|contour| Work::Contour(contour, [Axis::Z, Axis::X]));
+        .prop_map(|contour| Shape::Contour(contour, [Axis::Z, Axis::X]));
     let pattern = prop_oneof![
         (any::<[bool; 2]>(), 2_u32..1000).prop_map(|([along_y, zigzag], count)| Pattern::Lines {
             along_y,
@@ -93,18 +98,18 @@ fn any_trace() -> impl Strategy<Value = Trace> {
     ];
     let surface = (pattern, -1e3..0.0, 0.0..1e3).prop_map(|(pattern, low, clear_mm)| {
         let tool = Tool { radius_mm: 3.0, corner_mm: 1.0 };
-        Work::Surface(Surface { x: [low, 1.0], y: [low, 2.0], tool, pattern, clear_mm })
+        Shape::Surface(Surface { x: [low, 1.0], y: [low, 2.0], tool, pattern, clear_mm })
     });
     let seam = prop::array::uniform6(prop::array::uniform8(-1e6..1e6)).prop_map(|coefficients| {
         let curve = SeamCurve::Polynomials(coefficients);
-        Work::Seam(Seam { curve, t: [0.0, 1.0], branch: Branch::Positive, idle_beta_deg: -720.0 })
+        Shape::Seam(Seam { curve, t: [0.0, 1.0], branch: Branch::Positive, idle_beta_deg: -720.0 })
     });
     let origin = prop::array::uniform3(any::<i64>().prop_map(Position));
     (prop_oneof![contour, surface, seam], origin, 1e-3..1e5, 1e-6..1.0).prop_map(
         |(work, origin, feed_mm_min, chord_mm)| {
-            let seam = matches!(work, Work::Seam(_));
+            let seam = matches!(work, Shape::Seam(_));
             let correction = if seam { Correction::Exact } else { Correction::Mixed };
-            Trace { work, origin, feed_mm_min, chord_mm, correction }
+            Work { shape: work, origin, feed_mm_min, chord_mm, correction }
         },
     )
 }
@@ -134,7 +139,7 @@ fn any_item() -> impl Strategy<Value = Item> {
         Just(Code::Pause),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
         (0_u8..6, any_formula()).prop_map(|(slot, formula)| Code::Formula { slot, formula }),
-        any_trace().prop_map(Code::Trace),
+        any_trace().prop_map(Code::Work),
         Just(Code::End),
     ];
     (any::<u32>(), code).prop_map(|(line, code)| Item { line, code })
@@ -246,10 +251,10 @@ fn an_impossible_item_is_neither_written_nor_read() {
 
 #[test]
 fn a_file_belongs_to_its_machine() {
-    let mut machine = Machine::default();
+    let mut machine = lathe();
     let file = program(Vec::new());
     file.check_machine(&machine).unwrap();
-    machine.machine.interpolator_cycle_s = 0.004;
+    machine.interpolator_cycle_s = 0.004;
     let error = file.check_machine(&machine).unwrap_err();
     assert!(error.to_string().contains("compile the program for this machine"), "{error}");
 }

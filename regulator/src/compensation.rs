@@ -23,8 +23,8 @@
 //! Feedforward looks ahead of the present, and reversals are seen where it looks farthest: the stroke begins for every
 //! lead at its own time, from rest.
 
+use machine::AxisConfig;
 use motion::{Sample, Stroke};
-use protocol::machine::AxisConfig;
 
 use crate::screw::Screw;
 

@@ -27,7 +27,8 @@
 //! speed, so one count is enough. Having turned back, the spindle meets the index it met last; then a latch may differ by
 //! a count, because it comes from the other side. More than half a turn is no way back to the same index.
 
-use protocol::{Fault, Machine, Measurement};
+use machine::Machine;
+use protocol::{Fault, Measurement};
 
 /// Time in which a spindle may come to rest from its top speed, s.
 const STALL_S: f64 = 0.05;
@@ -84,7 +85,7 @@ impl Encoder {
         Encoder {
             turn: turn as i64,
             margin: MARGIN_COUNTS.max(turn as i64 / MARGIN_SHARE),
-            step: fastest * machine.machine.cycle_s * machine.machine.cycle_s,
+            step: fastest * machine.general.cycle_s * machine.general.cycle_s,
             seen: None,
             found: None,
         }

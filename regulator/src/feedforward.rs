@@ -27,7 +27,7 @@
 //! They remember the positions that were sent. Before the first one the axis stood where it is: motion begins without a
 //! jump.
 
-use protocol::machine::{AxisConfig, Feedforward as Structure};
+use machine::{AxisConfig, Feedforward as Structure};
 
 use crate::reference::Reference;
 

@@ -18,7 +18,7 @@
 //! does: no step of the torque, and a slide that dithers by less than that never gets the full force. Only the way
 //! commanded moves z, neither time nor noise of a measurement. |z| ≤ Fc/s0 at any speed, because the step is implicit.
 
-use protocol::machine::AxisConfig;
+use machine::AxisConfig;
 
 use crate::{feedforward::Feedforward, reference::Reference};
 

@@ -1,8 +1,9 @@
 //! The regulator of one axis: receive, decide, evaluate, command, report.
 
+use machine::Machine;
 use motion::Sample;
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault, Machine,
+    Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
     Measurement, Refused, StatusWord, frame::SETPOINT_LEAD,
 };
 
@@ -71,7 +72,7 @@ impl Regulator {
     /// If the machine has no such axis: look before.
     pub fn new(machine: &Machine, axis: Axis) -> Regulator {
         let config = &machine.axis[&axis];
-        let cycle_s = machine.machine.cycle_s;
+        let cycle_s = machine.general.cycle_s;
         let loops = Loops::new(config, cycle_s);
         Regulator {
             axis: axis.index(),

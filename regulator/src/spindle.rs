@@ -8,8 +8,9 @@
 //! every correction of the estimate. An axis that only strokes is at rest at both ends, whatever the angle; on the way,
 //! the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
 
+use machine::Machine;
 use motion::{SpindleMotion, SpindleObserver};
-use protocol::{Cycle, Machine, Measurement};
+use protocol::{Cycle, Measurement};
 
 use crate::{
     encoder::{Encoder, EncoderFault},
@@ -43,7 +44,7 @@ pub struct Spindle {
 impl Spindle {
     /// A spindle with the encoder and the observer of a machine file.
     pub fn new(machine: &Machine) -> Spindle {
-        let (config, cycle_s) = (&machine.spindle, machine.machine.cycle_s);
+        let (config, cycle_s) = (&machine.spindle, machine.general.cycle_s);
         let opening = (1.0 / (config.slowest_observer_hz() * cycle_s)).ceil().max(1.0);
         Spindle {
             leading: SpindleObserver::of_counts(config.observer_hz, cycle_s),

@@ -3,10 +3,8 @@
 mod stand;
 
 use allocation_counter::measure;
-use protocol::{
-    Axis,
-    machine::{Difference, Feedforward},
-};
+use machine::{Difference, Feedforward};
+use protocol::Axis;
 use regulator::Regulator;
 use stand::{follows, machine, run};
 

@@ -5,11 +5,9 @@ mod stand;
 
 use core::f64::consts::TAU;
 
+use machine::{AxisConfig, Feedforward, Machine};
 use motion::Sample;
-use protocol::{
-    Fault, Machine,
-    machine::{AxisConfig, Feedforward},
-};
+use protocol::Fault;
 use regulator::compensation::Compensation;
 use stand::{ARMED, BEGINS, HOME_MM, OVER, T, machine, run};
 

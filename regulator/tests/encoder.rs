@@ -1,7 +1,8 @@
 //! Supervision of the spindle encoder (M70, M71) on angles that are known in closed form: what a spindle can do raises no
 //! alarm, what it cannot is named.
 
-use protocol::{Cycle, Fault, Machine, Measurement};
+use machine::Machine;
+use protocol::{Cycle, Fault, Measurement};
 use regulator::encoder::{Encoder, EncoderFault};
 
 const T: f64 = 0.0005;

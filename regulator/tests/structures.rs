@@ -3,11 +3,9 @@
 
 mod stand;
 
+use machine::{AxisConfig, Difference, Feedforward};
 use motion::Sample;
-use protocol::{
-    AxisCommand, Cycle, Measurement,
-    machine::{AxisConfig, Difference, Feedforward},
-};
+use protocol::{AxisCommand, Cycle, Measurement};
 use regulator::{Out, spindle::Spindle, state::Pass, stream::Stream};
 use stand::{ARMED, ENABLED, HOME_MM, OVER, T, arm, follows, frame, law, machine, run};
 

@@ -5,9 +5,10 @@
 //! Leaves, each control cycle: a [`Record`] of it, or the whole [`Exchange`] between the modules.
 
 use interpolator::{Interpolator, Out};
+use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveCommand, Item, Machine, MachineStatus, Measurement,
-    PerAxis, SpindleCommand, operator::Request, units::AXES,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveCommand, Item, MachineStatus, Measurement, PerAxis,
+    SpindleCommand, operator::Request, units::AXES,
 };
 use regulator::Regulator;
 use sim_plant::{Plant, PlantError, Scenario};

@@ -18,8 +18,9 @@
 //! approach and run-in end at the same angle; retract and brake begin at the same angle
 //! ```
 
+use machine::Machine;
 use motion::{Limits, Ramp};
-use protocol::{Axis, AxisLaw, Code, Feed, Item, Machine, Position, SpindleMode, SpindleSpeed, ThreadPass};
+use protocol::{Axis, AxisLaw, Code, Feed, Item, Position, SpindleMode, SpindleSpeed, ThreadPass};
 use sim_plant::{PlantError, Scenario};
 
 use crate::{
@@ -157,7 +158,7 @@ impl Trial {
         let z_limits = promised(machine, Axis::Z)?;
         let ramp = Ramp::fastest(design * self.lead_mm * self.s_rpm / 60.0, &z_limits);
         let (x_dc, z_dc) = (self.delta_c_deg, q * ramp.duration());
-        let locked = q * MARGIN_CYCLES * machine.machine.cycle_s + x_dc.max(z_dc);
+        let locked = q * MARGIN_CYCLES * machine.general.cycle_s + x_dc.max(z_dc);
         let thread_end = locked + 360.0 * self.turns;
 
         let x = AxisLaw {

@@ -2,10 +2,8 @@
 //! frictions a little wrong, as in the built-in machine file.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{
-    Arc, Axis, Code, Feed, Item, Machine, PerAxis, Plane, Position, SpindleMode, SpindleSpeed,
-    machine::SMALL_MILL,
-};
+use machine::{Machine, SMALL_MILL};
+use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, SpindleMode, SpindleSpeed};
 use rig::{
     Rig,
     observe::{MovesReport, Observation, Observer, Outcome},

@@ -2,7 +2,8 @@
 //! pieces of small bends are ahead of the axes at any feed.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Axis, Code, Feed, Item, Machine, PerAxis, Position, Trace, Work};
+use machine::Machine;
+use protocol::{Axis, Code, Feed, Item, PerAxis, Position, Shape, Work};
 use rig::{
     Rig,
     observe::{Observation, Observer, Outcome},
@@ -13,7 +14,7 @@ use sim_plant::Scenario;
 const FEED_MM_MIN: f64 = 9000.0;
 
 fn mill() -> Machine {
-    Machine::from_toml(protocol::machine::SMALL_MILL).unwrap()
+    Machine::from_toml(machine::SMALL_MILL).unwrap()
 }
 
 /// a sin(b x).
@@ -23,7 +24,7 @@ fn wave(a: f64, b: f64) -> Formula {
 }
 
 /// A rapid to the start of a trace of one formula, and the trace.
-fn program(start: [f64; 3], formula: Formula, trace: Trace) -> Vec<Item> {
+fn program(start: [f64; 3], formula: Formula, trace: Work) -> Vec<Item> {
     let mut target = PerAxis::default();
     for (axis, mm) in target.iter_mut().zip(start) {
         *axis = Position::from_mm(mm);
@@ -31,7 +32,7 @@ fn program(start: [f64; 3], formula: Formula, trace: Trace) -> Vec<Item> {
     let codes = [
         Code::Line { target, feed: Feed::Rapid },
         Code::Formula { slot: 0, formula },
-        Code::Trace(trace),
+        Code::Work(trace),
         Code::End,
     ];
     (1..).zip(codes).map(|(line, code)| Item { line, code }).collect()
@@ -68,8 +69,8 @@ fn the_chord_error_binds_with_every_correction() {
     let Some(Leg::Cut(plan)) = surface.leg(0) else { panic!("a surface begins with a cut") };
     let [x, y, z] = surface.curve(plan, [&formula; 3]).at(plan.t()[0]).axes.map(|axis| axis.value());
     let cut = |correction| {
-        let (work, origin) = (Work::Surface(surface), [20.0, 0.0, -100.0].map(Position::from_mm));
-        let trace = Trace { work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 5e-4, correction };
+        let (work, origin) = (Shape::Surface(surface), [20.0, 0.0, -100.0].map(Position::from_mm));
+        let trace = Work { shape: work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 5e-4, correction };
         let seen = run(&program([20.0 + x, y, z - 100.0], formula, trace));
         assert_eq!((seen.outcome, seen.moves.limit_violations), (Outcome::Completed, 0), "{correction:?}");
         let report = &seen.traces[0];
@@ -89,10 +90,10 @@ fn the_chord_error_binds_with_every_correction() {
 /// A contour with bends of 0.2 mm radius, whose zero lies at so many mm in Y.
 fn bends(y: f64) -> Vec<Item> {
     let contour = Contour { x: [0.0, 20.0], radius_mm: 0.0, side: Side::On };
-    let work = Work::Contour(contour, [Axis::X, Axis::Y]);
+    let work = Shape::Contour(contour, [Axis::X, Axis::Y]);
     let origin = [40.0, y, 0.0].map(Position::from_mm);
     let correction = Correction::Exact;
-    let trace = Trace { work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction };
+    let trace = Work { shape: work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction };
     program([40.0, 0.0, 0.0], wave(0.2, 5.0), trace)
 }
 
@@ -119,7 +120,7 @@ fn a_command_farther_off_than_the_chord_error_is_wrong() {
     assert!(wrong.is_wrong() && (wrong.commanded.max_abs_um() - 2.5).abs() < 0.01, "{:?}", wrong.commanded);
     let mut led = bends(0.0025);
     for item in &mut led {
-        if let Code::Trace(trace) = &mut item.code {
+        if let Code::Work(trace) = &mut item.code {
             trace.correction = Correction::None;
         }
     }

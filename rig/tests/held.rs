@@ -1,7 +1,8 @@
 //! Awkward moments: the spindle held at 0, a spindle that stalls, a hold between arming and the index.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{AxisState, Item, Machine, MachineState, operator::Request};
+use machine::Machine;
+use protocol::{AxisState, Item, MachineState, operator::Request};
 use rig::{
     Rig,
     observe::{Observation, Observer, Outcome, Record},

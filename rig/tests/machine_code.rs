@@ -1,9 +1,10 @@
 //! Machine code against the plant: how round the motors turn on arcs, what the operator does meanwhile, pauses, coolant.
 #![allow(clippy::unwrap_used)]
 
+use machine::Machine;
 use protocol::{
-    Arc, Code, Feed, Item, Machine, MachineState, MachineStatus, PathMode, PerAxis, Plane, Position,
-    SpindleMode, SpindleSpeed, operator::Request,
+    Arc, Code, Feed, Item, MachineState, MachineStatus, PathMode, PerAxis, Plane, Position, SpindleMode,
+    SpindleSpeed, operator::Request,
 };
 use rig::{
     Rig,

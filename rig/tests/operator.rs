@@ -2,7 +2,8 @@
 //! axis and end at the same place.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Axis, Item, Machine, MachineState, operator::Request};
+use machine::Machine;
+use protocol::{Axis, Item, MachineState, operator::Request};
 use rig::{
     Rig,
     observe::{Observation, Observer, Outcome},
@@ -53,7 +54,7 @@ fn run(program: &str, scenario: &str, requests: &[(u64, Request)]) -> Run {
             break;
         }
     }
-    let longest_rest_s = longest as f64 * machine.machine.cycle_s;
+    let longest_rest_s = longest as f64 * machine.general.cycle_s;
     Run { observation: observer.finish(), longest_rest_s, end_mm, stopped, peak_z_mm_s: peak }
 }
 

@@ -5,7 +5,8 @@
 #![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 
 use interpreter::check_job;
-use protocol::{Axis, Item, Machine, machine};
+use machine::{self, Machine};
+use protocol::{Axis, Item};
 use rig::Rig;
 use rig::observe::{Observation, Observer, Outcome};
 use sim_plant::Scenario;

@@ -1,7 +1,8 @@
 //! A lathe with a C axis: it turns with the others, in degrees, and holds its angle while a thread is cut.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Axis, Machine, machine::SMALL_LATHE};
+use machine::{Machine, SMALL_LATHE};
+use protocol::Axis;
 use rig::{
     Rig,
     observe::{Observer, Outcome},

@@ -1,15 +1,16 @@
-//! Work from formulas in the whole machine: what is commanded lies on the curve, the feed along it is what is asked for,
+//! Shape from formulas in the whole machine: what is commanded lies on the curve, the feed along it is what is asked for,
 //! and the operator can do what he does in any other move.
 #![allow(clippy::unwrap_used)]
 
+use machine::Machine;
 use protocol::{
-    Axis, Code, Feed, Item, Machine, MachineState, PathMode, PerAxis, Position, Trace, Untraceable, Work,
-    machine, operator::Request,
+    Axis, Code, Feed, Item, MachineState, PathMode, PerAxis, Position, Shape, Work, operator::Request,
 };
 use rig::{
     Rig,
     observe::{Observation, Observer, Outcome, Record},
 };
+use route::{Unworkable, positioner::geometry};
 use shape::{
     Branch, Contour, Correction, Curve, Formula, Function, Leg, Op, Pattern, Seam, SeamCurve, Side, Surface,
     Tool,
@@ -19,7 +20,7 @@ use sim_plant::Scenario;
 const FEED_MM_MIN: f64 = 1200.0;
 
 fn mill() -> Machine {
-    Machine::from_toml(protocol::machine::SMALL_MILL).unwrap()
+    Machine::from_toml(machine::SMALL_MILL).unwrap()
 }
 
 /// 8 sin(x/15).
@@ -44,9 +45,9 @@ fn at(x: f64, y: f64, z: f64) -> PerAxis<Position> {
     at
 }
 
-fn trace(work: Work, origin: [f64; 3]) -> Trace {
+fn trace(work: Shape, origin: [f64; 3]) -> Work {
     let origin = origin.map(Position::from_mm);
-    Trace { work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction: Correction::Exact }
+    Work { shape: work, origin, feed_mm_min: FEED_MM_MIN, chord_mm: 0.002, correction: Correction::Exact }
 }
 
 fn items(codes: &[Code]) -> Vec<Item> {
@@ -85,7 +86,7 @@ fn waves() -> Vec<Item> {
     items(&[
         Code::Line { target: at(60.0, 80.0 + start, -20.0), feed: Feed::Rapid },
         Code::Formula { slot: 0, formula: wave() },
-        Code::Trace(trace(Work::Contour(contour, [Axis::X, Axis::Y]), [100.0, 80.0, 0.0])),
+        Code::Work(trace(Shape::Contour(contour, [Axis::X, Axis::Y]), [100.0, 80.0, 0.0])),
         Code::End,
     ])
 }
@@ -106,7 +107,7 @@ fn lines(zigzag: bool) -> Vec<Item> {
         Code::Line { target: at(20.0 + x, y - 30.0, z - 60.0), feed: Feed::Rapid },
         Code::Line { target: at(20.0 + x, y - 30.0, z - 100.0), feed: Feed::PerMinute(FEED_MM_MIN) },
         Code::Formula { slot: 0, formula: hill },
-        Code::Trace(trace(Work::Surface(surface), [20.0, -30.0, -100.0])),
+        Code::Work(trace(Shape::Surface(surface), [20.0, -30.0, -100.0])),
         Code::Line { target: at(20.0, 0.0, -60.0), feed: Feed::Rapid },
         Code::End,
     ])
@@ -209,7 +210,7 @@ fn corrections_lead_the_followers_as_they_are_known_to() {
     let off_mm = |correction: Correction| {
         let (mut program, mut watched) = (lines(true), Seen::default());
         for item in &mut program {
-            if let Code::Trace(trace) = &mut item.code {
+            if let Code::Work(trace) = &mut item.code {
                 (trace.correction, trace.feed_mm_min) = (correction, 6000.0);
             }
         }
@@ -277,7 +278,7 @@ fn traces_that_cannot_be_followed_are_faults_that_stop_the_axes_before() {
         let contour = Contour { x: [60.0, -20.0], radius_mm: 0.0, side: Side::On };
         let mut codes = vec![Code::Line { target: at(from_x, start, 0.0), feed: Feed::Rapid }];
         codes.extend((0..).zip(formulas).map(|(slot, formula)| Code::Formula { slot, formula: *formula }));
-        codes.push(Code::Trace(trace(Work::Contour(contour, [Axis::X, Axis::Y]), origin)));
+        codes.push(Code::Work(trace(Shape::Contour(contour, [Axis::X, Axis::Y]), origin)));
         codes.push(Code::End);
         let program = items(&codes);
         let (mut end, mut fastest) = ([0.0; 2], 0.0_f64);
@@ -315,7 +316,7 @@ fn a_retract_below_the_surface_is_refused() {
     for (clear_mm, deeper) in [(-1.0, 0.5), (-6.0, 5.0)] {
         let mut program = lines(false);
         for item in &mut program {
-            if let Code::Trace(Trace { work: Work::Surface(surface), .. }) = &mut item.code {
+            if let Code::Work(Work { shape: Shape::Surface(surface), .. }) = &mut item.code {
                 surface.clear_mm = clear_mm;
             }
         }
@@ -328,14 +329,14 @@ fn a_retract_below_the_surface_is_refused() {
         assert_eq!((seen.outcome, seen.faults[0].code.as_str()), (Outcome::Faulted, "bad-machine-code"));
         assert!(fastest < FEED_MM_MIN / 60.0, "{fastest} mm/s");
         let (line, reason) = interpreter::time_s(&program, &mill()).unwrap_err();
-        assert!(matches!(reason, Untraceable::TooLow { mm, .. } if mm > deeper), "{reason:?}");
+        assert!(matches!(reason, Unworkable::TooLow { mm, .. } if mm > deeper), "{reason:?}");
         assert!(line == 4 && reason.to_string().contains("below the path at x = 20.0000"), "{reason}");
     }
 }
 
 /// Two halves of one seam: a line over a turning part, in formulas that are polynomials.
 fn halves() -> (Machine, Vec<Item>) {
-    let machine = Machine::from_toml(protocol::machine::POSITIONER).unwrap();
+    let machine = Machine::from_toml(machine::POSITIONER).unwrap();
     let mut coefficients = [[0.0; 8]; 6];
     (coefficients[0][1], coefficients[2][0]) = (1.0, 20.0);
     (coefficients[3][0], coefficients[4][1], coefficients[5][0]) = (0.2, 0.01, 1.0);
@@ -343,12 +344,12 @@ fn halves() -> (Machine, Vec<Item>) {
     let half = |t| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: 0.0 };
     let positioner = machine.positioner.as_ref().unwrap();
     let first = half([-20.0, 0.0]);
-    let start = first.on(&[], positioner.geometry(), positioner.beam_mm).at(-20.0).axes;
+    let start = first.on(&[], geometry(positioner), positioner.beam_mm).at(-20.0).axes;
     let mut target = PerAxis::default();
     for (axis, at) in machine::POSITIONER_AXES.into_iter().zip(start) {
         target[axis.index()] = Position::from_mm(at.value());
     }
-    let seam = |t| Code::Trace(trace(Work::Seam(half(t)), [0.0; 3]));
+    let seam = |t| Code::Work(trace(Shape::Seam(half(t)), [0.0; 3]));
     let program =
         items(&[Code::Line { target, feed: Feed::Rapid }, seam([-20.0, 0.0]), seam([0.0, 20.0]), Code::End]);
     (machine, program)

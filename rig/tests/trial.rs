@@ -1,7 +1,8 @@
 //! Trial passes: the machine accepts them, and they are the laws that were asked for.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use rig::{
     observe::Outcome,
     trial::{Trial, TrialError, program, run},
@@ -87,7 +88,7 @@ fn what_cannot_be_is_refused() {
     let fast = refused(Trial { delta_c_deg: 90.0, ..plain });
     assert!(matches!(fast, TrialError::TooFast(Axis::X, top) if top < 100.0), "{fast}");
     assert!(matches!(refused(Trial { turns: 200.0, ..plain }), TrialError::Travel(Axis::Z, ..)));
-    let mill = Machine::from_toml(protocol::machine::SMALL_MILL).unwrap();
+    let mill = Machine::from_toml(machine::SMALL_MILL).unwrap();
     let on_a_mill = program(&mill, &[plain]).map(|items| mill.can_follow(&pass_of(&items)));
     assert_ne!(on_a_mill, Ok(true), "a mill cuts no threads");
 }

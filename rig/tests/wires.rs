@@ -4,9 +4,10 @@
 
 use std::{cell::RefCell, rc::Rc};
 
+use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisState, Cycle, Fault, Item, Machine, MachineState, MachineStatus, Measurement,
-    PerAxis, operator::Request,
+    Axis, AxisFrame, AxisState, Cycle, Fault, Item, MachineState, MachineStatus, Measurement, PerAxis,
+    operator::Request,
 };
 use rig::wires::{Damaging, Disturbance, Doubling, Freezing, Late, Losing, Straight, Wire, Wires};
 use rig::{Exchange, Rig};

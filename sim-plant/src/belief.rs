@@ -8,8 +8,8 @@
 
 use core::f64::consts::TAU;
 
-use protocol::machine::AxisConfig;
-use protocol::{Axis, Machine};
+use machine::{AxisConfig, Machine};
+use protocol::Axis;
 
 use crate::config::{PlantConfig, PlantError};
 

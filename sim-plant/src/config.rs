@@ -1,10 +1,11 @@
 //! `[plant.*]` of the machine file: the truth about the simulated machine, which no controller reads.
-//! In: the table that `protocol::Machine` passes on unread. Out: checked values; every key has a default: a
+//! In: the table that `machine::Machine` passes on unread. Out: checked values; every key has a default: a
 //! 1 kW servo axis on a 5 mm screw (plausible, not identified). Units are in the names of the keys.
 
 use std::collections::BTreeMap;
 
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use serde::Deserialize;
 
 /// What a plant that cannot be built has wrong.

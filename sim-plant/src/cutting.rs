@@ -29,7 +29,8 @@
 //! The depth is that of the true slide, so a slide that gives way takes less, and a later pass finds what is left. It is
 //! taken in the middle of the cycle in which the force acts: half a cycle late it would take damping from the slide.
 
-use protocol::{CutTruth, Groove, Machine, SpindleCommand};
+use machine::Machine;
+use protocol::{CutTruth, Groove, SpindleCommand};
 
 use crate::config::Cutting;
 use crate::grooves::Grooves;

@@ -14,7 +14,7 @@
 
 use core::f64::consts::TAU;
 
-use protocol::machine::AxisConfig;
+use machine::AxisConfig;
 use protocol::{Cycle, DriveCommand, StatusWord};
 
 use crate::config::AxisTrain;

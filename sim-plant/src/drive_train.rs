@@ -27,8 +27,8 @@
 
 use core::f64::consts::TAU;
 
+use machine::AxisConfig;
 use protocol::Axis;
-use protocol::machine::AxisConfig;
 
 use crate::config::{AxisTrain, PlantError};
 use crate::friction::Bristles;
@@ -218,7 +218,7 @@ mod tests {
     }
 
     fn of_x(train: &AxisTrain) -> Result<DriveTrain, PlantError> {
-        let x = protocol::Machine::default().axis[&Axis::X].clone();
+        let x = machine::Machine::default().axis[&Axis::X].clone();
         DriveTrain::new(train, Axis::X, &x, CYCLE_S)
     }
 

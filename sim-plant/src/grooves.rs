@@ -7,7 +7,8 @@
 //! pass in hand leaves counts only when it is over: a tool does not find its own groove. Everything is allocated at the
 //! start.
 
-use protocol::{Axis, Groove, Machine};
+use machine::Machine;
+use protocol::{Axis, Groove};
 
 /// Grooves that are kept; one more is cut as if it were the first pass of each.
 pub(crate) const GROOVES: usize = 16;

@@ -2,9 +2,10 @@
 //! In: the drive commands that answer the present measurement, the spindle command in force, perhaps what the operator does.
 //! Out: the next measurement, and the truth behind it. A torque computed in cycle n − 1 acts from t_n to t_{n+1}.
 
+use machine::Machine;
 use protocol::operator::Request;
 use protocol::{
-    Axis, Cycle, DriveCommand, Machine, Measurement, PerAxis, Position, SpindleCommand, StatusWord, Truth,
+    Axis, Cycle, DriveCommand, Measurement, PerAxis, Position, SpindleCommand, StatusWord, Truth,
 };
 
 use crate::config::{PlantConfig, PlantError};
@@ -65,7 +66,7 @@ impl Plant {
     /// [`PlantError`] names the key of `[plant.*]` that cannot be, and why.
     pub fn new(machine: &Machine, scenario: Scenario, seed: u64) -> Result<Plant, PlantError> {
         let config = PlantConfig::of(machine)?;
-        let cycle_s = machine.machine.cycle_s;
+        let cycle_s = machine.general.cycle_s;
         let mut seed = Seed(seed);
         let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed);
         let mut axes = Vec::new();

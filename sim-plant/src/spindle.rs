@@ -17,7 +17,7 @@
 
 use core::f64::consts::TAU;
 
-use protocol::machine::SpindleConfig;
+use machine::SpindleConfig;
 use protocol::{Cycle, Measurement};
 
 use crate::config::SpindleTrain;

@@ -1,7 +1,8 @@
 //! What the built-in machine file says of itself: mass 5 % low, friction 20 % low.
 #![allow(clippy::unwrap_used)]
 
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use sim_plant::Belief;
 
 #[test]

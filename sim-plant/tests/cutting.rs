@@ -4,7 +4,8 @@ mod stand;
 
 use core::f64::consts::TAU;
 
-use protocol::{Axis, Groove, Machine, SpindleCommand, Truth};
+use machine::Machine;
+use protocol::{Axis, Groove, SpindleCommand, Truth};
 use sim_plant::Scenario;
 use stand::Stand;
 

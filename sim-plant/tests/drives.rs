@@ -2,7 +2,8 @@
 
 mod stand;
 
-use protocol::{Axis, Cycle, DriveCommand, DriveState, Machine, PerAxis, SpindleCommand};
+use machine::Machine;
+use protocol::{Axis, Cycle, DriveCommand, DriveState, PerAxis, SpindleCommand};
 use sim_plant::{Plant, Scenario};
 use stand::Stand;
 
@@ -192,8 +193,8 @@ fn every_control_cycle_a_machine_file_allows_works() {
     for (cycle_s, interpolator_cycle_s) in [(0.0001, 0.002), (0.00025, 0.002), (0.001, 0.002), (0.004, 0.004)]
     {
         let mut machine = Machine::default();
-        machine.machine.cycle_s = cycle_s;
-        machine.machine.interpolator_cycle_s = interpolator_cycle_s;
+        machine.general.cycle_s = cycle_s;
+        machine.general.interpolator_cycle_s = interpolator_cycle_s;
         let mut stand = Stand::new(&machine, Scenario::none(), 1);
         stand.spindle.rpm = 600.0;
         stand.run((2.0 / cycle_s) as u32);

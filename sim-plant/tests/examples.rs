@@ -2,7 +2,8 @@
 
 mod stand;
 
-use protocol::{Machine, Panel};
+use machine::Machine;
+use protocol::Panel;
 use sim_plant::Scenario;
 use stand::Stand;
 

@@ -2,7 +2,8 @@
 
 mod stand;
 
-use protocol::{Machine, Truth};
+use machine::Machine;
+use protocol::Truth;
 use stand::Stand;
 
 fn turning(rpm: f64) -> Stand {

@@ -23,7 +23,7 @@ use std::{
 };
 
 use clap::{Args, ValueEnum};
-use protocol::{Machine, machine::Kinematics};
+use machine::{Kinematics, Machine};
 use serde::Serialize;
 
 use crate::{
@@ -163,7 +163,7 @@ fn machine(args: &ExperimentArgs) -> Result<Machine, CliError> {
             .map_err(|error| CliError::Machine(error.to_string())),
         (kind, _) => {
             let machine = args.machine.read()?.0;
-            match kind.filter(|kind| *kind != machine.machine.kinematics) {
+            match kind.filter(|kind| *kind != machine.general.kinematics) {
                 Some(Kinematics::Positioner) => wrong(format!(
                     "experiment {name} welds a seam, and {file} is not a positioner: give a positioner with --machine"
                 )),

@@ -13,7 +13,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use protocol::Machine;
+use machine::Machine;
 use rig::{
     Rig,
     observe::{Observation, Observer, Outcome, Record, TraceReport, Traced},

@@ -20,8 +20,8 @@ mod verdict;
 use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
+use machine::Machine;
 use motion::{resolution::Steps, tolerance::Grade};
-use protocol::Machine;
 
 use crate::{
     cli::{self, MachineArgs},
@@ -126,7 +126,7 @@ impl Asked {
     /// The machine, for people.
     fn name(&self) -> &str {
         match &self.source {
-            Source::Machine { machine, .. } => &machine.machine.name,
+            Source::Machine { machine, .. } => &machine.general.name,
             Source::Given => "given motion",
         }
     }

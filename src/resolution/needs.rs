@@ -1,8 +1,9 @@
 //! What each axis needs (M30–M33), beside what it counts in. In: limits of an axis, tolerance of the part, into how many
 //! steps each is divided. Out: steps in mm or degrees per cycleⁿ, and what they are in counts (M29, M34).
 
+use machine::AxisConfig;
 use motion::resolution::{Counts, Demand, Required, Steps, order};
-use protocol::{Axis, machine::AxisConfig};
+use protocol::Axis;
 
 /// One axis, or the motion that was given.
 #[derive(Clone, Debug)]
@@ -186,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_rotary_axis_is_asked_in_degrees() {
-        let mut config = protocol::Machine::default().axis[&Axis::X].clone();
+        let mut config = machine::Machine::default().axis[&Axis::X].clone();
         (config.velocity_mm_s, config.screw_lead_mm, config.encoder_counts) = (60.0, 4.0, 40_000);
         let needs = AxisNeeds::of(Axis::C, &config, turned(20.0, 40.0), 5e-4, &Steps::PUBLISHED);
         let [position, speed, ..] = needs.quantities(&Steps::PUBLISHED);
@@ -200,7 +201,7 @@ mod tests {
     /// M28 in units of the axis: 1, 2, 4 counts.
     #[test]
     fn differences_err_by_counts_over_time() {
-        let x = &protocol::Machine::default().axis[&Axis::X];
+        let x = &machine::Machine::default().axis[&Axis::X];
         let needs = AxisNeeds::of(Axis::X, x, 25.0, 5e-4, &Steps::PUBLISHED);
         let count = 5.0 / 131_072.0;
         for (difference, want) in

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use machine::{Kinematics, Machine};
 use motion::{
     resolution::{Demand, Steps},
     tolerance::{Grade, ToleranceError},
 };
-use protocol::{Axis, Machine, machine::Kinematics};
+use protocol::Axis;
 
 use super::{Asked, Parts, ResolutionArgs, Source, needs::AxisNeeds, needs::turned};
 use crate::error::CliError;
@@ -145,7 +146,7 @@ fn radius(args: &ResolutionArgs, machine: &Machine, parts: &Parts) -> Result<Opt
 }
 
 fn lead(args: &ResolutionArgs, machine: &Machine) -> Result<f64, CliError> {
-    if args.lead.is_some() && machine.machine.kinematics != Kinematics::Lathe {
+    if args.lead.is_some() && machine.general.kinematics != Kinematics::Lathe {
         return Err(wrong(format!("{} cuts no threads: leave out --lead", args.machine.name())));
     }
     Ok(args.lead.unwrap_or(LEAD_MM))
@@ -153,7 +154,7 @@ fn lead(args: &ResolutionArgs, machine: &Machine) -> Result<f64, CliError> {
 
 /// Whether what an axis makes is measured as a diameter: X of a lathe, which moves by half of it.
 pub(super) fn is_diameter(machine: &Machine, axis: Axis) -> bool {
-    machine.machine.kinematics == Kinematics::Lathe && axis == Axis::X
+    machine.general.kinematics == Kinematics::Lathe && axis == Axis::X
 }
 
 /// Every axis of a machine.
@@ -163,7 +164,7 @@ fn axes(machine: &Machine, parts: &Parts, steps: &Steps) -> Vec<AxisNeeds> {
         None if is_diameter(machine, axis) => parts.um / 2.0,
         None => parts.um,
     };
-    let needs = |(axis, config)| AxisNeeds::of(axis, config, tolerance(axis), machine.machine.cycle_s, steps);
+    let needs = |(axis, config)| AxisNeeds::of(axis, config, tolerance(axis), machine.general.cycle_s, steps);
     machine.axes().map(needs).collect()
 }
 

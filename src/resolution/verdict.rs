@@ -1,11 +1,9 @@
 //! Whether what a machine counts in is fine enough, and what to change where it is not. In: needs of its axes, its
 //! encoders, scales, spindle, and the numbers on the wire. Out: one answer each.
 
+use machine::{AxisConfig, Feedforward, Kinematics, Machine};
 use motion::resolution::{counts_per_mm, double_mm, order};
-use protocol::{
-    Machine, Position,
-    machine::{AxisConfig, Feedforward, Kinematics},
-};
+use protocol::Position;
 
 use super::{
     Asked, Source,
@@ -130,7 +128,7 @@ fn counting(needs: &AxisNeeds) -> Vec<Verdict> {
 
 /// One count of the spindle as way along a thread (M95).
 fn spindle(machine: &Machine, lead_mm: f64, axes: &[AxisNeeds]) -> Option<Verdict> {
-    let lathe = machine.machine.kinematics == Kinematics::Lathe;
+    let lathe = machine.general.kinematics == Kinematics::Lathe;
     let z = axes.iter().find(|needs| needs.name() == "Z").filter(|_| lathe)?;
     let needed = z.required.position_mm;
     let has = lead_mm / machine.spindle_counts();

@@ -2,9 +2,10 @@
 
 use std::collections::VecDeque;
 
+use machine::Machine;
 use process::ipc::{ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, channel};
 use protocol::{
-    Axis, AxisState, AxisStatus, Machine, MachineStatus, Message, Truth,
+    Axis, AxisState, AxisStatus, MachineStatus, Message, Truth,
     operator::{OperatorRequest, Request},
 };
 use rig::observe::Record;

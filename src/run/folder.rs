@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
-use protocol::machine;
+use machine;
 
 use rig::{observe::Summary, trace};
 

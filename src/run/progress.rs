@@ -27,7 +27,7 @@ impl Progress {
             ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         let passes = setup.program.passes();
-        Progress { bar, passes, cycle_s: setup.machine.machine.cycle_s }
+        Progress { bar, passes, cycle_s: setup.machine.general.cycle_s }
     }
 
     /// Shows a cycle, now and then.

@@ -1,7 +1,8 @@
 //! Takes what the machine says of every control cycle to the observer, the trace and the progress bar.
 
+use machine::Machine;
 use process::shell::Clock;
-use protocol::{Axis, Machine};
+use protocol::Axis;
 use rig::{
     observe::{Observer, Record, Summary},
     trace::{Row, TraceWriter},
@@ -30,7 +31,7 @@ impl Recorder {
             observer: Observer::new(&setup.machine, &setup.program.watched),
             trace: setup.folder.trace.map(create).transpose()?,
             progress: Progress::new(setup),
-            cycle_s: setup.machine.machine.cycle_s,
+            cycle_s: setup.machine.general.cycle_s,
             failed: None,
         })
     }

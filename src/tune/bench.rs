@@ -1,7 +1,8 @@
 //! The simulated machine as a bench for commissioning: it shows what it measures, and nothing else of it is seen. In: a
 //! machine file. Out: its axes tuned.
 
-use protocol::{Axis, DriveCommand, Machine, Measurement, PerAxis, SpindleCommand};
+use machine::Machine;
+use protocol::{Axis, DriveCommand, Measurement, PerAxis, SpindleCommand};
 use sim_plant::{Plant, Scenario};
 use tune::{Bench, Goals, Tuned};
 

@@ -1,7 +1,8 @@
 //! What tuning changes of an axis: each key with its value before and after, its deviation, and how it was found. In: a
 //! tuned axis. Out: rows.
 
-use protocol::{Axis, machine::AxisConfig};
+use machine::AxisConfig;
+use protocol::Axis;
 use serde::Serialize;
 use tune::{Estimate, Tuned};
 

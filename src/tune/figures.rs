@@ -1,7 +1,8 @@
 //! Pictures of a commissioning. In: what was found. Out: for each axis its open loops, its friction; then the servo error
 //! of the trial pass.
 
-use protocol::{Axis, machine::AxisConfig};
+use machine::AxisConfig;
+use protocol::Axis;
 use serde_json::{Value, json};
 use tune::{Complex, OpenLoops, Tuned};
 

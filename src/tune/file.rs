@@ -1,7 +1,8 @@
 //! The machine file with the keys of tuned axes changed, and nothing else: comments and layout stay. In: its text. Out:
 //! its text.
 
-use protocol::{Axis, machine::AxisConfig};
+use machine::AxisConfig;
+use protocol::Axis;
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::change::KEYS;
@@ -50,7 +51,8 @@ fn set(item: &mut Item, number: f64) {
 
 #[cfg(test)]
 mod tests {
-    use protocol::{Axis, Machine, machine::SMALL_LATHE};
+    use machine::{Machine, SMALL_LATHE};
+    use protocol::Axis;
 
     use super::edited;
 

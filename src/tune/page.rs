@@ -17,7 +17,7 @@ pub(super) fn html(again: &str, found: &Found) -> String {
     let content = html! {
         header {
             p.product { "pitchlock · tune" }
-            h1 { (found.machine.machine.name) ": " (names.join(", ")) " commissioned" }
+            h1 { (found.machine.general.name) ": " (names.join(", ")) " commissioned" }
         }
         div.verdict.result {
             @for tuned in &found.tuned { @for sentence in tables::sentences(found, tuned) { p { (sentence) } } }

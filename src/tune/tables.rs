@@ -1,6 +1,7 @@
 //! What tuning found, as tables and sentences. In: findings. Out: text for the screen, tables for the page.
 
-use protocol::{Axis, machine::Kinematics};
+use machine::Kinematics;
+use protocol::Axis;
 use tune::{Estimate, Goals, LoopMargins, Tuned};
 
 use super::{
@@ -153,7 +154,7 @@ pub(super) fn approach_deg(found: &Found, time_s: f64) -> f64 {
 
 /// The same in words, on a machine that moves in step with its spindle.
 fn angle(found: &Found, time_s: f64) -> String {
-    if found.machine.machine.kinematics != Kinematics::Lathe {
+    if found.machine.general.kinematics != Kinematics::Lathe {
         return String::new();
     }
     let (degrees, rpm, design) = (approach_deg(found, time_s).ceil(), found.rpm, design(found));

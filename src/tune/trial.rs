@@ -1,7 +1,8 @@
 //! The trial pass before and after: servo errors at five overrides. In: the machine as believed, and as proposed. Out: rows,
 //! and the servo error over time. A pass that the machine does not make is a row that says why.
 
-use protocol::{Axis, AxisState, Machine, machine::Kinematics};
+use machine::{Kinematics, Machine};
+use protocol::{Axis, AxisState};
 use rig::{
     observe::{Outcome, PassReport, Record, ServoError},
     trial::{Trial, in_force_pct, program, run_for},
@@ -90,7 +91,7 @@ pub(super) fn compared(
     tuned: &[Axis],
     seed: u64,
 ) -> Result<Compared, String> {
-    if before.machine.kinematics != Kinematics::Lathe {
+    if before.general.kinematics != Kinematics::Lathe {
         return Err("it is a threading pass, and only a lathe cuts threads".into());
     }
     let axes: Vec<Axis> = tuned.iter().copied().filter(|axis| matches!(axis, Axis::X | Axis::Z)).collect();
@@ -161,11 +162,11 @@ fn pass(
             let status = record.axes.iter().find(|(seen, _)| seen == axis).map(|(_, status)| status);
             let Some(status) = status.filter(|status| moves(status.state)) else { continue };
             let first = *begun.get_or_insert(status.cycle.0);
-            let t_s = (status.cycle.0 - first) as f64 * machine.machine.cycle_s;
+            let t_s = (status.cycle.0 - first) as f64 * machine.general.cycle_s;
             curve.push((t_s, 1e3 * status.servo_error_mm));
         }
     };
-    let most = (PATIENCE_S / machine.machine.cycle_s) as u64;
+    let most = (PATIENCE_S / machine.general.cycle_s) as u64;
     let seen =
         run_for(most, machine, &items, &scenario, seed, &mut see).map_err(|error| error.to_string())?;
     let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));

@@ -12,10 +12,11 @@ mod targets;
 
 use std::{env, fs, path::Path};
 
+use machine::Machine;
 use mutate::mutation;
 use protocol::{
-    Arc, Axis, Code, Feed, Item, Machine, PathMode, PerAxis, Plane, Position, SpindleMode, SpindleSpeed,
-    Trace, Work, code_file::CodeFile,
+    Arc, Axis, Code, Feed, Item, PathMode, PerAxis, Plane, Position, Shape, SpindleMode, SpindleSpeed, Work,
+    code_file::CodeFile,
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -130,9 +131,9 @@ fn code_files() -> Vec<Vec<u8>> {
     let surface_of_lines = Surface { x: [0.0, 100.0], y: [-40.0, 40.0], tool, pattern, clear_mm: 25.0 };
     let curve = SeamCurve::Polynomials([[0.5; 8]; 6]);
     let seam = Seam { curve, t: [0.0, 6.25], branch: Branch::Positive, idle_beta_deg: 0.0 };
-    let work = |work: Work| {
+    let work = |work: Shape| {
         let (origin, correction) = ([Position(7); 3], Correction::Exact);
-        Code::Trace(Trace { work, origin, feed_mm_min: 1500.0, chord_mm: 0.002, correction })
+        Code::Work(Work { shape: work, origin, feed_mm_min: 1500.0, chord_mm: 0.002, correction })
     };
     let codes = [
         Code::Spindle { mode: SpindleMode::Clockwise, speed: SpindleSpeed::Rpm(600.0) },
@@ -144,14 +145,16 @@ fn code_files() -> Vec<Vec<u8>> {
         Code::Pause,
         Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
         Code::Formula { slot: 0, formula: Formula::new(&wave).expect("it is complete") },
-        work(Work::Contour(contour, [Axis::Z, Axis::X])),
-        work(Work::Surface(surface_of_lines)),
-        work(Work::Seam(seam)),
+        work(Shape::Contour(contour, [Axis::Z, Axis::X])),
+        work(Shape::Surface(surface_of_lines)),
+        work(Shape::Seam(seam)),
         Code::End,
     ];
     let file = |items: Vec<Item>| {
         let mut bytes = Vec::new();
-        CodeFile::new("mutated.ngc", &Machine::default(), items).write(&mut bytes).expect("it is sound");
+        CodeFile::new("mutated.ngc", &Machine::default().identity(), items)
+            .write(&mut bytes)
+            .expect("it is sound");
         bytes
     };
     let items: Vec<Item> = (1..).zip(codes).map(|(line, code)| Item { line, code }).collect();

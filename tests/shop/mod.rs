@@ -8,8 +8,9 @@ use std::{
 };
 
 use interpreter::{Interpreter, Language};
+use machine::Machine;
 use process::ipc::time::{Moment, sleep_until};
-use protocol::{Item, Machine};
+use protocol::Item;
 use rig::Rig;
 use rig::observe::{Observation, Observer, Outcome, Record, Summary};
 use sim_plant::Scenario;

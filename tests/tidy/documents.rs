@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use protocol::{Machine, machine::Kinematics};
+use machine::{Kinematics, Machine};
 use sim_plant::Scenario;
 
 use super::{files, none, project, read};

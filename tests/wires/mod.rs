@@ -1,7 +1,8 @@
 //! The machine in one process with an observer at it, so that a test can hold a frame back or kill the interpolator.
 #![allow(dead_code, unreachable_pub)] // each test file uses its part
 
-use protocol::{Axis, AxisState, AxisStatus, Cycle, Item, Machine, MachineStatus};
+use machine::Machine;
+use protocol::{Axis, AxisState, AxisStatus, Cycle, Item, MachineStatus};
 use rig::Rig;
 use rig::observe::{Observation, Observer};
 use rig::wires::{Disturbed, Late, Losing, Straight, Wire, Wires};

@@ -8,7 +8,7 @@
 
 use core::f64::consts::TAU;
 
-use protocol::machine::AxisConfig;
+use machine::AxisConfig;
 
 /// Gain of the velocity loop of an axis as configured, N·m s/mm.
 pub(crate) fn gain(config: &AxisConfig) -> f64 {

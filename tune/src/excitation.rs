@@ -15,8 +15,8 @@
 
 use core::f64::consts::TAU;
 
+use machine::AxisConfig;
 use nalgebra::Complex;
-use protocol::machine::AxisConfig;
 
 /// Length of a period, s: lines are 2 Hz apart.
 const PERIOD_S: f64 = 0.5;

@@ -7,8 +7,8 @@
 //! ```
 //! Between lines L is taken as a straight stretch of the complex plane.
 
+use machine::AxisConfig;
 use nalgebra::Complex;
-use protocol::machine::AxisConfig;
 
 use crate::{drive_loop::gain, response::Line, torque_path::delayed};
 

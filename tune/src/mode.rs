@@ -18,8 +18,8 @@
 
 use core::f64::consts::TAU;
 
+use machine::AxisConfig;
 use nalgebra::Complex;
-use protocol::machine::AxisConfig;
 
 use crate::{
     drive_loop::metres_per_radian,

@@ -18,8 +18,8 @@
 
 use core::ops::Range;
 
+use machine::AxisConfig;
 use motion::{Limits, Sample, Stroke};
-use protocol::machine::AxisConfig;
 
 use crate::{
     drive_loop::metres_per_radian,

@@ -9,7 +9,8 @@
 
 use core::f64::consts::TAU;
 
-use protocol::{Axis, machine::AxisConfig};
+use machine::AxisConfig;
+use protocol::Axis;
 
 use crate::{
     margins::{self, LoopMargins},

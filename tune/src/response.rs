@@ -16,9 +16,9 @@
 
 use core::f64::consts::TAU;
 
+use machine::AxisConfig;
 use motion::Limits;
 use nalgebra::Complex;
-use protocol::machine::AxisConfig;
 
 use crate::{
     drive_loop::metres_per_radian,

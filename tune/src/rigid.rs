@@ -17,8 +17,8 @@
 //! Friction is no better known than its model is true. What the model misses of it counts against the mass, the more the
 //! less the axis accelerates.
 
+use machine::AxisConfig;
 use motion::{FeedBlock, Limits, Sample, junction_distance};
-use protocol::machine::AxisConfig;
 
 use crate::{
     drive_loop::metres_per_radian,

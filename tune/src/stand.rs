@@ -4,10 +4,9 @@
 //! The axis runs on its drive's velocity loop and a position loop as configured, with the speed of the law fed forward.
 //! Mass and friction are not, so what is believed of them does not colour what is measured.
 
+use machine::AxisConfig;
 use motion::Sample;
-use protocol::{
-    Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis, StatusWord, machine::AxisConfig,
-};
+use protocol::{Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis, StatusWord};
 
 use crate::{drive_loop::DriveLoop, refusal::Refusal};
 

@@ -1,6 +1,7 @@
 //! The commissioning of one axis, from the first test move to the proposal.
 
-use protocol::{Axis, Machine, machine::AxisConfig};
+use machine::{AxisConfig, Machine};
+use protocol::Axis;
 
 use crate::{
     estimate::Estimate,
@@ -94,7 +95,7 @@ pub fn tune_towards(
     let config = machine.axis.get(&axis).ok_or(Refusal::NoAxis(axis))?;
     let here = bench.measurement().axes[axis.index()].position.mm();
     let reach = reach(axis, config, here)?;
-    let mut stand = Stand::enable(bench, axis, config, machine.machine.cycle_s)?;
+    let mut stand = Stand::enable(bench, axis, config, machine.general.cycle_s)?;
     let found = measure(&mut stand, axis, config, reach, goals);
     stand.release();
     found

@@ -1,6 +1,7 @@
 //! An axis of the simulated machine, tuned by what it measures: identified values against the truth, and refusals.
 
-use protocol::{Axis, DriveCommand, Machine, Measurement, PerAxis, SpindleCommand};
+use machine::Machine;
+use protocol::{Axis, DriveCommand, Measurement, PerAxis, SpindleCommand};
 use sim_plant::{Plant, Scenario};
 use tune::{Bench, Refusal, Tuned, tune};
 

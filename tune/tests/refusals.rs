@@ -1,8 +1,8 @@
 //! What cannot be tuned is refused by name, with what to do, and is left without power.
 
+use machine::Machine;
 use protocol::{
-    Axis, ControlWord, DriveCommand, DriveState, Machine, Measurement, PerAxis, Position, SpindleCommand,
-    StatusWord,
+    Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis, Position, SpindleCommand, StatusWord,
 };
 use sim_plant::{Plant, Scenario};
 use tune::{Bench, Goals, Refusal, tune, tune_towards};
@@ -49,7 +49,7 @@ fn with(change: impl FnOnce(&mut Machine)) -> Machine {
     machine
 }
 
-fn x(machine: &mut Machine) -> &mut protocol::machine::AxisConfig {
+fn x(machine: &mut Machine) -> &mut machine::AxisConfig {
     machine.axis.get_mut(&Axis::X).expect("the lathe has an X")
 }
 

@@ -1,7 +1,7 @@
 //! Every state and every event: what follows is written down here once more, by name, as a table. What the table does not
 //! name must change nothing.
 
-use protocol::{AxisCommand, Axis};
+use protocol::{Axis, AxisCommand};
 
 use super::*;
 

@@ -2,9 +2,10 @@
 //! commanded.
 
 use interpolator::{In, Interpolator, Out};
+use machine::Machine;
 use protocol::{
-    AxisState, AxisStatus, Code, CodePacket, Cycle, Feed, Item, Machine, MachineState, Measurement, Panel,
-    PerAxis, Position, units::AXES,
+    AxisState, AxisStatus, Code, CodePacket, Cycle, Feed, Item, MachineState, Measurement, Panel, PerAxis,
+    Position, units::AXES,
 };
 
 /// Operation enabled, as CiA 402 reports it.
@@ -51,7 +52,7 @@ impl Stand {
 
     /// One tick; what came out.
     pub(crate) fn tick(&mut self) -> Out {
-        let tick_s = self.machine.machine.interpolator_cycle_s;
+        let tick_s = self.machine.general.interpolator_cycle_s;
         let rpm = self.out.map_or(0.0, |out| out.spindle.rpm);
         self.turned += rpm / 60.0 * tick_s * self.machine.spindle_counts();
         let cycle = Cycle(self.ticks * self.machine.cycles_per_tick());

@@ -1,7 +1,8 @@
 //! What straight lines were made from, as comments. In: items, the machine they are for, the name of their program. Out:
 //! lines that begin with `; `.
 
-use protocol::{Code, FORMULAS, Item, Machine, Trace, Work, machine::Kinematics};
+use machine::{Kinematics, Machine};
+use protocol::{Code, FORMULAS, Item, Shape, Work};
 use shape::{Formula, Op};
 
 /// Most lines that say what was traced.
@@ -19,7 +20,7 @@ pub fn header(items: &[Item], machine: &Machine, program: &str) -> Vec<String> {
                     *place = *formula;
                 }
             }
-            Code::Trace(trace) => {
+            Code::Work(trace) => {
                 let text = work(trace, &formulas);
                 // The segments of a seam say the same.
                 if !traced.contains(&text) {
@@ -35,24 +36,24 @@ pub fn header(items: &[Item], machine: &Machine, program: &str) -> Vec<String> {
         traced.push(format!("and {more} more"));
     }
     let made = format!("straight lines of {program}, made by pitchlock compile --g1");
-    let on = format!("for machine {}; from where its axes rest at home", machine.machine.name);
+    let on = format!("for machine {}; from where its axes rest at home", machine.general.name);
     let zero =
         "overwrites the zero of G54: the line with G10 L2 P1; take it away where G54 is set".to_owned();
     let timed = "each line along a seam has the time it takes (G93)";
-    let seam = machine.machine.kinematics == Kinematics::Positioner && !traced.is_empty();
+    let seam = machine.general.kinematics == Kinematics::Positioner && !traced.is_empty();
     let timed = seam.then(|| timed.to_owned());
     let lines = [made, on].into_iter().chain(traced).chain([zero]).chain(timed);
     lines.flat_map(|line| comments(&line)).collect()
 }
 
 /// A trace in words and figures.
-fn work(trace: &Trace, formulas: &[Formula; FORMULAS]) -> String {
+fn work(trace: &Work, formulas: &[Formula; FORMULAS]) -> String {
     let text = |[first, second, third, ..]: &[Formula; FORMULAS], variables| {
         [first, second, third].map(|formula| infix(formula, variables))
     };
     let [first, ..] = text(formulas, ["x", "y"]);
-    let what = match &trace.work {
-        Work::Surface(surface) => {
+    let what = match &trace.shape {
+        Shape::Surface(surface) => {
             let tool = surface.tool;
             let end = match tool.corner_mm {
                 corner if corner == tool.radius_mm => "ball".to_owned(),
@@ -61,10 +62,10 @@ fn work(trace: &Trace, formulas: &[Formula; FORMULAS]) -> String {
             };
             format!("surface z = {first}, tool {end} of {} mm", 2.0 * tool.radius_mm)
         }
-        Work::Contour(contour, [master, follower]) => {
+        Shape::Contour(contour, [master, follower]) => {
             format!("contour {follower} = {first} of {master}, tool radius {} mm", contour.radius_mm)
         }
-        Work::Seam(seam) => match seam.curve {
+        Shape::Seam(seam) => match seam.curve {
             shape::SeamCurve::Formulas => {
                 let [x, y, z] = text(formulas, ["t", "t"]);
                 format!("seam x = {x}, y = {y}, z = {z}")

@@ -12,10 +12,9 @@ mod chords;
 mod header;
 mod write;
 
-use protocol::{
-    Axis, Code, FORMULAS, Feed, Item, Leg, Machine, PathMode, PerAxis, Position, Route, Routed, Trace,
-    Traced, Tracer, Work, machine::Kinematics, units::AXES,
-};
+use machine::{Kinematics, Machine};
+use protocol::{Axis, Code, FORMULAS, Feed, Item, PathMode, PerAxis, Position, Shape, Work, units::AXES};
+use route::{Advance, Course, Move, Route, Routed, positioner::geometry};
 use shape::Formula;
 
 use chords::{Chords, Measure, Piece};
@@ -59,7 +58,7 @@ pub fn write(items: &[Item], machine: &Machine, line: &mut dyn FnMut(&str)) -> R
         at: machine.home(),
         mode: PathMode::within(machine.path.tolerance_mm),
     };
-    program.lines.begin(machine.machine.kinematics, program.mode);
+    program.lines.begin(machine.general.kinematics, program.mode);
     for item in items {
         program.item(item)?;
     }
@@ -70,11 +69,11 @@ pub fn write(items: &[Item], machine: &Machine, line: &mut dyn FnMut(&str)) -> R
 fn zero(items: &[Item]) -> PerAxis<Position> {
     let mut zero = PerAxis::default();
     let first =
-        items.iter().find_map(|item| if let Code::Trace(trace) = &item.code { Some(trace) } else { None });
-    let axes: &[Axis] = match first.map(|trace| &trace.work) {
-        None | Some(Work::Seam(_)) => &[],
-        Some(Work::Contour(_, axes)) => axes,
-        Some(Work::Surface(_)) => &[Axis::X, Axis::Y, Axis::Z],
+        items.iter().find_map(|item| if let Code::Work(trace) = &item.code { Some(trace) } else { None });
+    let axes: &[Axis] = match first.map(|trace| &trace.shape) {
+        None | Some(Shape::Seam(_)) => &[],
+        Some(Shape::Contour(_, axes)) => axes,
+        Some(Shape::Surface(_)) => &[Axis::X, Axis::Y, Axis::Z],
     };
     for (axis, origin) in axes.iter().zip(first.iter().flat_map(|trace| trace.origin)) {
         zero[axis.index()] = origin;
@@ -97,7 +96,7 @@ impl Program<'_> {
         let refuse = |reason: String| NoLines { line: item.line, reason };
         match &item.code {
             Code::Line { .. } | Code::Arc { .. } => self.travel(item).map_err(refuse)?,
-            Code::Trace(trace) => self.trace(item.line, trace).map_err(refuse)?,
+            Code::Work(trace) => self.trace(item.line, trace).map_err(refuse)?,
             Code::Pass(_) => return Err(refuse("a pass of a thread is not said in lines".into())),
             Code::Formula { slot, formula } => {
                 self.route.set_formula(*slot, *formula);
@@ -128,7 +127,7 @@ impl Program<'_> {
             Err(refused) => return Err(refused.to_string()),
         };
         // Where the axes of another machine stand is not known: what is clear of the part here comes first.
-        let clear = if self.machine.machine.kinematics == Kinematics::Lathe { Axis::X } else { Axis::Z };
+        let clear = if self.machine.general.kinematics == Kinematics::Lathe { Axis::X } else { Axis::Z };
         if block.tag.to[clear.index()] == self.at[clear.index()] {
             self.lines.first(clear, self.at[clear.index()], block.tag.feed);
         }
@@ -143,13 +142,13 @@ impl Program<'_> {
     }
 
     /// A trace, block by block of its legs.
-    fn trace(&mut self, line: u32, trace: &Trace) -> Result<(), String> {
+    fn trace(&mut self, line: u32, trace: &Work) -> Result<(), String> {
         let mut tracer =
-            Tracer::new(&self.route, line, trace, &self.at).map_err(|error| error.to_string())?;
+            Course::new(&self.route, line, trace, &self.at).map_err(|error| error.to_string())?;
         let formulas = self.formulas;
-        let measure = match (&trace.work, &self.machine.positioner) {
-            (Work::Seam(seam), Some(config)) => {
-                let (positioner, beam) = (config.geometry(), config.beam_mm);
+        let measure = match (&trace.shape, &self.machine.positioner) {
+            (Shape::Seam(seam), Some(config)) => {
+                let (positioner, beam) = (geometry(config), config.beam_mm);
                 Measure::Beam { seam: seam.on(&formulas, positioner, beam), positioner, beam }
             }
             _ => Measure::Space,
@@ -157,13 +156,13 @@ impl Program<'_> {
         let mut chords = Chords::new(FOR_CHORDS * trace.chord_mm, measure);
         self.lines.decimals(FOR_ROUNDING * trace.chord_mm);
         self.lines.mode(PathMode::Blend { tolerance_mm: FOR_CHORDS * trace.chord_mm, merge_mm: 0.0 });
-        self.lines.timed(matches!(trace.work, Work::Seam(_)));
+        self.lines.timed(matches!(trace.shape, Shape::Seam(_)));
         let mut last = Feed::Rapid;
         loop {
             let block = match tracer.next(&self.route).map_err(|error| error.to_string())? {
-                Traced::Block(block) => block,
-                Traced::Nowhere => continue,
-                Traced::Over => break,
+                Advance::Block(block) => block,
+                Advance::Nowhere => continue,
+                Advance::Over => break,
             };
             if block.tag.feed != last {
                 self.lines.finish(&mut chords, last);
@@ -189,7 +188,7 @@ fn ends(chords: &Chords) -> Result<(), String> {
     }
 }
 
-fn piece(path: &motion::Path<AXES>, leg: &Leg) -> Piece {
-    let cut = leg.trace.and_then(|stretch| stretch.cut);
+fn piece(path: &motion::Path<AXES>, leg: &Move) -> Piece {
+    let cut = leg.work.and_then(|stretch| stretch.cut);
     Piece { path: *path, from: leg.from.map(Position::mm), clock: cut.map(|cut| cut.clock) }
 }

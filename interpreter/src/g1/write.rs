@@ -1,6 +1,7 @@
 //! Lines of RS274/NGC. In: points in mm and degrees of the machine. Out: lines with only those words that changed.
 
-use protocol::{Axis, Feed, PathMode, PerAxis, Position, SpindleMode, SpindleSpeed, machine::Kinematics};
+use machine::Kinematics;
+use protocol::{Axis, Feed, PathMode, PerAxis, Position, SpindleMode, SpindleSpeed};
 
 use super::Size;
 use super::chords::{Chords, Piece};

@@ -2,7 +2,8 @@
 //!
 //! On a mill y is a formula of x, and Z stands still; on a lathe x, a radius, is a formula of z, and the tool comes along X.
 
-use protocol::{Axis, Feed, Position, Work, machine::Kinematics};
+use machine::Kinematics;
+use protocol::{Axis, Feed, Position, Shape};
 use serde::Deserialize;
 use shape::{Contour, Curve, Formula, Gradient, Side, Touch, Walker};
 
@@ -117,7 +118,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let mut up = end;
     up[across.index()] = clear;
     let [master, follower] = plane.axes.map(|axis| Position::from_mm(job.zero(axis)));
-    let mut trace = job.trace(Work::Contour(contour, plane.axes));
+    let mut trace = job.trace(Shape::Contour(contour, plane.axes));
     trace.origin = [master, follower, Position::default()];
     let tool = match contour.side {
         Side::On => "on the contour".into(),
@@ -149,7 +150,7 @@ fn plane<'a>(keys: &'a Keys, job: &Job) -> Result<Plane<'a>, Fault> {
     use Coordinate::{Formula, Range};
     let refuse = |key, message: &str, help: &str| Err(Fault::new(key, message, help));
     let depth_help = "give Z of the tip of the tool from the zero of the formula, as in depth_z_mm = -2";
-    match (job.machine.machine.kinematics, &keys.x, &keys.y, &keys.z) {
+    match (job.machine.general.kinematics, &keys.x, &keys.y, &keys.z) {
         (Kinematics::Mill, Some(Range(range)), Some(Formula(formula)), None) => {
             let Some(depth) = keys.depth_z_mm else { return refuse("", "depth_z_mm is missing", depth_help) };
             let depth = Some(within("depth_z_mm", depth, [-1e4, 1e4], "mm")?);

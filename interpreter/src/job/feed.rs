@@ -3,8 +3,9 @@
 //!
 //! At the feed v the axes have the speed v p′, the acceleration v² p″ and the jerk v³ p‴, if v is constant; each has a limit.
 
+use machine::Machine;
 use motion::Path;
-use protocol::{Axis, Machine};
+use protocol::Axis;
 
 use super::{Fault, Job};
 
@@ -22,7 +23,7 @@ impl<const N: usize> Pace<N> {
     /// Of nothing yet.
     pub(super) fn new(machine: &Machine, axes: [Axis; N]) -> Pace<N> {
         let limits = axes.map(|axis| {
-            let of = |config: &protocol::machine::AxisConfig| {
+            let of = |config: &machine::AxisConfig| {
                 [config.velocity_mm_s, config.acceleration_mm_s2, config.jerk_mm_s3]
             };
             machine.axis.get(&axis).map_or([f64::INFINITY; 3], of)

@@ -21,7 +21,8 @@ mod surface;
 mod text;
 mod walk;
 
-use protocol::{Axis, Feed, Machine, PerAxis, Position, Trace, Work};
+use machine::Machine;
+use protocol::{Axis, Feed, PerAxis, Position, Shape, Work};
 use serde::Deserialize;
 use shape::{Correction, Formula};
 
@@ -97,9 +98,9 @@ pub(crate) struct Job<'a> {
 
 impl Job<'_> {
     /// The trace of some work.
-    pub(crate) fn trace(&self, work: Work) -> Trace {
+    pub(crate) fn trace(&self, work: Shape) -> Work {
         let Job { origin_mm, feed_mm_min, chord_mm, correction, .. } = *self;
-        Trace { work, origin: origin_mm.map(Position::from_mm), feed_mm_min, chord_mm, correction }
+        Work { shape: work, origin: origin_mm.map(Position::from_mm), feed_mm_min, chord_mm, correction }
     }
 
     /// Where the axes stand if some of them are at places seen from the zero of the formulas, mm, and the others rest.
@@ -127,7 +128,7 @@ impl Job<'_> {
     ) -> Result<(), Fault> {
         for (n, axis) in axes.into_iter().enumerate() {
             let Some(config) = self.machine.axis.get(&axis) else {
-                let message = format!("{} has no axis {axis}", self.machine.machine.name);
+                let message = format!("{} has no axis {axis}", self.machine.general.name);
                 return Err(Fault::new("kind", message, "choose the machine file of another machine"));
             };
             let [from, to] = [low[n], high[n]].map(|at| at + self.zero(axis));
@@ -202,7 +203,7 @@ pub(crate) struct Planned {
     /// Its formulas, by number.
     pub(crate) formulas: Vec<Formula>,
     /// The work, one trace behind the other.
-    pub(crate) traces: Vec<Trace>,
+    pub(crate) traces: Vec<Work>,
     /// Where the axes rest behind it.
     pub(crate) end: PerAxis<Position>,
     /// Moves away from there.

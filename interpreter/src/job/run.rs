@@ -5,7 +5,8 @@ use gcode::Job as Source;
 use gcode::Place;
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, Problem, Severity, short};
-use protocol::{Machine, PerAxis, Position, machine::Kinematics};
+use machine::{Kinematics, Machine};
+use protocol::{PerAxis, Position};
 
 use super::row::Row;
 use super::text::{self, Text};
@@ -109,7 +110,7 @@ impl Jobs {
             is_file: source.is_file,
             origin_mm: origin(source, &header, in_force.frame)?,
             feed_mm_min: feed(source, &header, in_force.feed_mm_min)?,
-            chord_mm: within("chord_mm", chord_mm, protocol::Trace::CHORD_MM, "mm")?,
+            chord_mm: within("chord_mm", chord_mm, protocol::Work::CHORD_MM, "mm")?,
             correction: header.correction,
             rest,
         };
@@ -149,7 +150,7 @@ fn setup(source: &Source, header: &Header, machine: &Machine) -> Result<Option<S
     if let Some(rpm) = header.spindle_rpm {
         let highest = machine.spindle.max_rpm;
         if highest <= 0.0 {
-            let message = format!("{} has no spindle", machine.machine.name);
+            let message = format!("{} has no spindle", machine.general.name);
             return Err(Fault::new("spindle_rpm", message, "leave spindle_rpm out"));
         }
         within("spindle_rpm", rpm, [-highest, highest], "1/min (spindle.max_rpm)")?;
@@ -250,10 +251,10 @@ fn suits(kind: Kind, machine: &Machine) -> Result<(), Fault> {
         ),
         Kind::Seam => (&[Kinematics::Positioner], "a seam needs a positioner", "\"positioner\""),
     };
-    if suited.contains(&machine.machine.kinematics) {
+    if suited.contains(&machine.general.kinematics) {
         return Ok(());
     }
-    let message = format!("{message}, and {} is none", machine.machine.name);
+    let message = format!("{message}, and {} is none", machine.general.name);
     Err(Fault::new("kind", message, format!("choose a machine file with kinematics = {help}")))
 }
 

@@ -11,8 +11,8 @@ mod meeting;
 mod spline;
 mod travel;
 
-use protocol::machine::POSITIONER_AXES;
-use protocol::{Feed, Position, Trace, Work};
+use machine::POSITIONER_AXES;
+use protocol::{Feed, Position, Shape, Work};
 use serde::Deserialize;
 use shape::{Branch, Correction, Formula, Op, Seam, SeamCurve};
 
@@ -90,7 +90,7 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let approach = if start == job.rest { Vec::new() } else { vec![Move { to: start, feed: Feed::Rapid }] };
     let mut facts = vec![("seam", course.what)];
     facts.extend(found.facts());
-    let trace = |seam: &Seam| Trace { origin: [Position(0); 3], ..job.trace(Work::Seam(*seam)) };
+    let trace = |seam: &Seam| Work { origin: [Position(0); 3], ..job.trace(Shape::Seam(*seam)) };
     Ok(Planned {
         approach,
         formulas: course.formulas,

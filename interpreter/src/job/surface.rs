@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
-use protocol::{Axis, Feed, Work};
+use protocol::{Axis, Feed, Shape};
 use serde::Deserialize;
 use shape::{Formula, Pattern, Surface, Tool};
 
@@ -253,7 +253,7 @@ fn moves(
     let mut up = end;
     up[Axis::Z.index()] = clear;
     let retract = vec![Move { to: up, feed: Feed::Rapid }];
-    let traces = vec![job.trace(Work::Surface(*surface))];
+    let traces = vec![job.trace(Shape::Surface(*surface))];
     let apart = facts.iter().any(|(_, text)| text.ends_with(NO_OVERLAP));
     let help = "give scallop_mm, or a smaller step_mm";
     let apart = apart.then(|| Fault::new("path", NO_OVERLAP, help));

@@ -20,9 +20,9 @@
 //! k          the least number of turns that puts every window MARGIN cycles after the index; a start angle is added
 //! ```
 
+use machine::{Machine, RunOut};
 use motion::{Limits, Ramp, Stroke};
-use protocol::machine::RunOut;
-use protocol::{Axis, AxisLaw, Machine, Position, ThreadPass};
+use protocol::{Axis, AxisLaw, Position, ThreadPass};
 
 use super::cut::{Cut, Point};
 use super::flank::{largest, least_delay};
@@ -113,7 +113,7 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
     let design = Design::new(cut, machine, x, z);
     let windows = windows(cut, machine, &design)?;
     let earliest = windows.run_in.c.min(windows.approach.c);
-    let margin = design.q * MARGIN * machine.machine.cycle_s;
+    let margin = design.q * MARGIN * machine.general.cycle_s;
     let turn = cut.start_deg + 360.0 * ((margin - earliest - cut.start_deg) / 360.0).ceil().max(0.0);
     let pass = pass(cut, &windows, &design, turn, [x, z])?;
     for axis in [Axis::X, Axis::Z] {

@@ -3,7 +3,8 @@
 
 use gcode::Problem;
 use gcode::problem::{Blame, short};
-use protocol::{Axis, Machine, Refused};
+use machine::Machine;
+use protocol::{Axis, Refused};
 
 use super::cut::Cut;
 use super::plan::plan;

@@ -7,7 +7,7 @@ use gcode::canon::{Place, Sink};
 use gcode::files::ToolTable;
 use gcode::{Call, Dialect, Options, Problem, Program, Step};
 use interpreter::{Interpreter, Language, open};
-use protocol::{Machine, machine, machine::Kinematics};
+use machine::{self, Kinematics, Machine};
 
 use super::pages::{Example, PAGES, examples, project};
 

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use interpreter::{Check, Severity, check, check_job};
-use protocol::{Machine, machine::Kinematics};
+use machine::{Kinematics, Machine};
 
 use super::pages::{cells, page, quoted};
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use protocol::machine::Kinematics;
+use machine::Kinematics;
 
 /// The pages that describe the language.
 pub(crate) const PAGES: [&str; 6] = [

@@ -1,7 +1,7 @@
 //! Bad programs: each error with its code, line and column, and a remedy.
 
 use interpreter::{Severity, check};
-use protocol::Machine;
+use machine::Machine;
 
 /// `(program, line, column, code)` of the first diagnostic.
 const SPELLING: [(&str, u32, u32, &str); 24] = [
@@ -162,7 +162,7 @@ fn limits_are_named() {
 fn unknown_tools_are_refused_once_there_is_a_table() {
     let mut machine = Machine::default();
     assert!(check("t.ngc", "T7\nM2", &machine).is_good());
-    machine.tools.insert("3".into(), protocol::machine::Tool::default());
+    machine.tools.insert("3".into(), machine::Tool::default());
     assert!(check("t.ngc", "T3\nM2", &machine).is_good());
     assert_eq!(check("t.ngc", "T7\nM2", &machine).diagnostics[0].code, "unknown-tool");
 }

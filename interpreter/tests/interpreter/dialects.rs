@@ -1,13 +1,13 @@
 //! Two equivalent programs, one in each dialect, give the same machine code.
 
 use interpreter::check;
-use protocol::machine::Dialect;
-use protocol::{Code, Machine};
+use machine::{Dialect, Machine};
+use protocol::Code;
 
 /// The machine code of a program, without lines, changes of tool and the order of the spindle's words.
 fn codes(dialect: Dialect, source: &str) -> Vec<Code> {
     let mut machine = Machine::default();
-    machine.machine.dialect = dialect;
+    machine.general.dialect = dialect;
     let check = check("test", source, &machine);
     let said: String = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect();
     assert!(check.is_good(), "{said}");

@@ -1,7 +1,7 @@
 //! What cannot be cut is refused, with the speed and the changes that would help.
 
 use interpreter::{Diagnostic, check};
-use protocol::Machine;
+use machine::Machine;
 
 fn refusal(source: &str) -> Diagnostic {
     check("t", source, &Machine::default()).diagnostics[0].clone()

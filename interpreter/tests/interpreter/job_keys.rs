@@ -2,7 +2,7 @@
 
 use gcode::{Program, files::ToolTable};
 use interpreter::{Check, check, check_job, check_program};
-use protocol::{Machine, machine::POSITIONER};
+use machine::{Machine, POSITIONER};
 
 use super::jobs::{WAVE, mill};
 

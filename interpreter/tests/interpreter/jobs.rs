@@ -1,7 +1,8 @@
 //! Jobs from outside: what becomes of them, where they stand in a program, where a message points.
 
 use interpreter::{Check, Severity, check, check_job};
-use protocol::{Axis, Code, Feed, Item, Machine, Position, Trace, Work, machine::SMALL_MILL};
+use machine::{Machine, SMALL_MILL};
+use protocol::{Axis, Code, Feed, Item, Position, Shape, Work};
 use shape::{Correction, Formula, Surface};
 
 pub(super) const WAVE: &str = include_str!("../../../examples/shape/wave.toml");
@@ -22,9 +23,9 @@ pub(super) fn good(text: &str, machine: &Machine) -> Check {
     check
 }
 
-fn trace(items: &[Item]) -> Trace {
+fn trace(items: &[Item]) -> Work {
     let trace =
-        items.iter().find_map(|item| if let Code::Trace(trace) = item.code { Some(trace) } else { None });
+        items.iter().find_map(|item| if let Code::Work(trace) = item.code { Some(trace) } else { None });
     trace.expect("there is a trace")
 }
 
@@ -35,8 +36,8 @@ pub(super) fn formulas(items: &[Item]) -> Vec<Formula> {
 }
 
 pub(super) fn surface(items: &[Item]) -> Surface {
-    match trace(items).work {
-        Work::Surface(surface) => surface,
+    match trace(items).shape {
+        Shape::Surface(surface) => surface,
         other => panic!("{other:?}"),
     }
 }
@@ -90,7 +91,7 @@ fn behind_a_job_in_a_program_the_programmed_point_is_where_the_tool_is() {
     assert!(check.diagnostics.is_empty(), "{}", said(&check));
     assert_eq!(trace(&check.items).feed_mm_min, 2000.0, "F");
     assert_eq!(trace(&check.items).origin, [-30.0, -20.0, -30.0].map(Position::from_mm), "G54");
-    let at = check.items.iter().position(|item| matches!(item.code, Code::Trace(_))).unwrap();
+    let at = check.items.iter().position(|item| matches!(item.code, Code::Work(_))).unwrap();
     let ((retract, _), (next, _)) = (line(&check.items[at + 1]), line(&check.items[at + 2]));
     assert_eq!(retract[..2], next[..2], "G0 Z30 keeps X and Y");
     assert_eq!(next[2], 0.0);
@@ -105,7 +106,7 @@ fn incremental_moves_inches_and_offsets_count_behind_a_job() {
         format!("G20\n{head}F10\n{job}G91 G0 X1\nG90 G0 Y0\nM2\n", head = head.replace("Z30", "Z1"));
     let check = check("part.ngc", &program, &mill());
     assert!(check.diagnostics.is_empty(), "{}", said(&check));
-    let at = check.items.iter().position(|item| matches!(item.code, Code::Trace(_))).unwrap();
+    let at = check.items.iter().position(|item| matches!(item.code, Code::Work(_))).unwrap();
     assert_eq!(trace(&check.items).feed_mm_min, 254.0, "F in inches");
     let lines: Vec<[f64; 3]> = check.items[at + 1..at + 4].iter().map(|item| line(item).0).collect();
     let origin = trace(&check.items).origin.map(Position::mm);
@@ -126,19 +127,19 @@ fn a_job_within_a_loop_is_done_each_time() {
     );
     let check = check("part.ngc", &program, &mill());
     assert!(check.diagnostics.is_empty(), "{}", said(&check));
-    let traces = check.items.iter().filter(|item| matches!(item.code, Code::Trace(_))).count();
+    let traces = check.items.iter().filter(|item| matches!(item.code, Code::Work(_))).count();
     assert_eq!((traces, check.jobs.len()), (3, 3));
 }
 
 #[test]
 fn contours_on_a_mill_and_on_a_lathe() {
     let check = good(CONTOUR, &mill());
-    let Work::Contour(contour, axes) = trace(&check.items).work else { panic!("a contour") };
+    let Shape::Contour(contour, axes) = trace(&check.items).shape else { panic!("a contour") };
     assert_eq!((contour.radius_mm, axes), (5.0, [Axis::X, Axis::Y]));
     let lathe = "kind = \"contour\"\nx = \"12 - z^2/100\"\nz = [0, -20]\norigin_mm = [0, 0, 0]\nspindle_rpm = 900\n\
                  feed_mm_min = 80\ntool = { diameter_mm = 0.8, side = \"right\" }";
     let check = good(lathe, &Machine::default());
-    let Work::Contour(contour, axes) = trace(&check.items).work else { panic!("a contour") };
+    let Shape::Contour(contour, axes) = trace(&check.items).shape else { panic!("a contour") };
     assert_eq!(
         (contour.above_mm(), axes),
         (0.4, [Axis::Z, Axis::X]),

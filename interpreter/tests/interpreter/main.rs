@@ -17,7 +17,8 @@ mod threads;
 mod with_c;
 
 use interpreter::{Check, check};
-use protocol::{Axis, Code, Feed, Item, Machine, SpindleMode, SpindleSpeed, ThreadPass};
+use machine::Machine;
+use protocol::{Axis, Code, Feed, Item, SpindleMode, SpindleSpeed, ThreadPass};
 
 /// The folder of the project.
 fn project() -> &'static std::path::Path {
@@ -68,7 +69,7 @@ fn text(code: &Code) -> String {
             format!("pass {} X{} Z{} to Z{}", pass.pass, x.start.mm(), z.start.mm(), z.end.mm())
         }
         Code::Formula { slot, .. } => format!("formula {slot}"),
-        Code::Trace(trace) => format!("trace at {}/min", trace.feed_mm_min),
+        Code::Work(trace) => format!("trace at {}/min", trace.feed_mm_min),
         Code::End => "end".to_owned(),
     }
 }

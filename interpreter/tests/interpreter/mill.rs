@@ -3,8 +3,8 @@
 use gcode::Program;
 use gcode::files::ToolTable;
 use interpreter::{Check, Language, check, check_program, open};
-use protocol::machine::{Dialect, Kinematics};
-use protocol::{Arc, Axis, Code, Feed, Machine, PathMode, Plane, Position};
+use machine::{Dialect, Kinematics, Machine};
+use protocol::{Arc, Axis, Code, Feed, PathMode, Plane, Position};
 
 use crate::project;
 

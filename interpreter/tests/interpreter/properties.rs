@@ -1,8 +1,8 @@
 //! No word is ignored, and nothing a file can hold makes the interpreter panic.
 
 use interpreter::{Interpreter, Severity, check};
+use machine::Machine;
 use proptest::prelude::*;
-use protocol::Machine;
 
 /// States a block may meet. What a word changes shows in at least one of them.
 const BEFORE: [&str; 4] = [

@@ -1,8 +1,8 @@
 //! G33: the path, the retract of the next block, the starts of a multi-start thread.
 
 use interpreter::check;
-use protocol::machine::RunOut;
-use protocol::{Axis, Machine};
+use machine::{Machine, RunOut};
+use protocol::Axis;
 
 use crate::{good, listing, passes};
 

@@ -1,9 +1,10 @@
 //! The law of a pass, for a wide random set of threads: phase, windows, limits, flank, ends.
 
 use interpreter::thread::{Cut, Plan, Point, plan};
+use machine::Machine;
 use motion::Limits;
 use proptest::prelude::*;
-use protocol::{Axis, AxisLaw, Machine, Position};
+use protocol::{Axis, AxisLaw, Position};
 
 fn machine() -> Machine {
     Machine::default()
@@ -150,7 +151,7 @@ proptest! {
         prop_assert_eq!(depth.at(pass.thread_end_deg).s, cut.approach_mm);
         // After the index, but not by a turn more than needed.
         let first = x.begins_deg().min(z.begins_deg());
-        let margin = 6.0 * cut.s_rpm * 10.0 * machine.machine.cycle_s;
+        let margin = 6.0 * cut.s_rpm * 10.0 * machine.general.cycle_s;
         prop_assert!(first >= margin * (1.0 - 1e-12) && first < 1.2 * margin + 360.0 + 1e-6);
         assert_limits(&plan, &machine)?;
         assert_flank(&cut, &plan, &machine)?;

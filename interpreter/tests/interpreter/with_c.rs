@@ -1,7 +1,8 @@
 //! A lathe with an axis C: it moves with the others, and rests during threads.
 
 use interpreter::check;
-use protocol::{Axis, Code, Feed, Machine, Position};
+use machine::Machine;
+use protocol::{Axis, Code, Feed, Position};
 
 use crate::passes;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use interpreter::Language;
-use protocol::machine::Dialect;
+use machine::Dialect;
 
 use super::Clock;
 

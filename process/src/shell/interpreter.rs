@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use protocol::{CodePacket, Credit, Item, Machine, code_file::CodeFile};
+use machine::Machine;
+use protocol::{CodePacket, Credit, Item, code_file::CodeFile};
 
 use crate::{
     ipc::{Process, channel, time::Moment},
@@ -62,7 +63,7 @@ type Items = Box<dyn Iterator<Item = Result<Item, ShellError>>>;
 fn items(args: &InterpreterArgs, machine: &Machine) -> Result<Items, ShellError> {
     let path = &args.program;
     if CodeFile::is_named(path) {
-        let file = CodeFile::open(path, machine)
+        let file = CodeFile::open(path, &machine.identity())
             .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?;
         return Ok(Box::new(file.items.into_iter().map(Ok)));
     }

@@ -12,7 +12,8 @@ use std::path::PathBuf;
 
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
 
-use protocol::{Machine, Message, machine::MachineError};
+use machine::{Machine, MachineError};
+use protocol::Message;
 
 use crate::ipc::{IpcError, Member, Patience, Process, Sender, Undelivered, time};
 
@@ -90,7 +91,7 @@ impl ProcessArgs {
         match self.clock {
             Clock::Virtual => Patience::Forever,
             Clock::Real => {
-                Patience::Bounded(std::time::Duration::from_secs_f64(machine.machine.cycle_s / 2.0))
+                Patience::Bounded(std::time::Duration::from_secs_f64(machine.general.cycle_s / 2.0))
             }
         }
     }

@@ -5,9 +5,10 @@
 
 use std::{path::PathBuf, time::Duration};
 
+use machine::Machine;
 use protocol::{
-    Axis, Cycle, DriveCommand, Machine, Measurement, PerAxis, SpindleCommand, Truth,
-    operator::OperatorRequest, units::AXES,
+    Axis, Cycle, DriveCommand, Measurement, PerAxis, SpindleCommand, Truth, operator::OperatorRequest,
+    units::AXES,
 };
 
 use crate::{
@@ -75,7 +76,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         tracing::warn!(%error, "memory is not locked");
     }
 
-    let mut beat = Beat::new(clock, machine.machine.cycle_s);
+    let mut beat = Beat::new(clock, machine.general.cycle_s);
     let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
     let mut in_force = SpindleCommand::default();
     loop {

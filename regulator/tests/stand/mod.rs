@@ -2,10 +2,10 @@
 //! 12 mm up in timed motion, 5 mm down and up again in a pass.
 #![allow(clippy::unwrap_used, dead_code)]
 
+use machine::{AxisConfig, Machine};
 use motion::{FeedBlock, Limits, Sample};
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisLaw, Cycle, DriveState, Machine, Measurement, Position, Setpoint,
-    StatusWord, machine::AxisConfig,
+    Axis, AxisCommand, AxisFrame, AxisLaw, Cycle, DriveState, Measurement, Position, Setpoint, StatusWord,
 };
 use regulator::{In, Out, Regulator};
 

@@ -99,7 +99,7 @@ impl Watch {
                 (self.at, self.arcs) = (arc.target, self.arcs + usize::from(round));
                 round
             }
-            Code::Formula { .. } | Code::Trace(_) => true,
+            Code::Formula { .. } | Code::Work(_) => true,
             _ => false,
         }
     }

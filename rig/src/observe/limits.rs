@@ -15,7 +15,8 @@
 
 use std::collections::BTreeMap;
 
-use protocol::{Axis, AxisState, Machine, PerAxis};
+use machine::Machine;
+use protocol::{Axis, AxisState, PerAxis};
 
 use super::{AxisLimits, Record};
 
@@ -47,7 +48,7 @@ impl Limits {
         Limits {
             axes: machine.axes().map(|(axis, config)| (axis, config.limits())).collect(),
             ticks: machine.cycles_per_tick(),
-            tick_s: machine.machine.interpolator_cycle_s,
+            tick_s: machine.general.interpolator_cycle_s,
             before: Default::default(),
         }
     }
@@ -80,7 +81,7 @@ impl Limits {
 
 /// The limits as the summary has them.
 pub(super) fn reported(machine: &Machine) -> BTreeMap<Axis, AxisLimits> {
-    let of_axis = |(axis, config): (Axis, &protocol::machine::AxisConfig)| {
+    let of_axis = |(axis, config): (Axis, &machine::AxisConfig)| {
         let limits = AxisLimits {
             velocity_mm_s: config.velocity_mm_s,
             acceleration_mm_s2: config.acceleration_mm_s2,

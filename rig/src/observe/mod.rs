@@ -19,8 +19,9 @@ mod work;
 
 use std::collections::BTreeMap;
 
+use machine::Machine;
 use protocol::{
-    Axis, AxisStatus, Code, Fault, Item, Machine, MachineState, MachineStatus, PerAxis, ThreadPass, Truth,
+    Axis, AxisStatus, Code, Fault, Item, MachineState, MachineStatus, PerAxis, ThreadPass, Truth,
 };
 use zerocopy::IntoBytes;
 
@@ -130,7 +131,7 @@ impl Observer {
             works: Works::of(machine, items),
             paused: false,
             out: Observation {
-                cycle_s: machine.machine.cycle_s,
+                cycle_s: machine.general.cycle_s,
                 limits: limits::reported(machine),
                 ..Observation::default()
             },

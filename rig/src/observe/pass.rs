@@ -12,8 +12,9 @@
 
 use std::mem::{offset_of, size_of};
 
+use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, Machine, ThreadPass};
+use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, ThreadPass};
 
 use super::Record;
 use super::cutting::CuttingReport;
@@ -163,7 +164,7 @@ pub(super) struct PassObserver {
 impl PassObserver {
     /// A pass that was armed just now.
     pub(super) fn new(machine: &Machine, pass: &ThreadPass, line: u32, armed_cycle: u64) -> PassObserver {
-        let track = |(axis, config): (Axis, &protocol::machine::AxisConfig)| AxisTrack {
+        let track = |(axis, config): (Axis, &machine::AxisConfig)| AxisTrack {
             axis,
             law: pass.axis(axis).law(pass.s_rpm),
             start_mm: pass.axis(axis).start.mm(),

@@ -1,9 +1,8 @@
 //! A test stand: a plant whose drives are switched on and told velocities, without any controller.
 #![allow(dead_code, unreachable_pub)] // each test file uses its part
 
-use protocol::{
-    Axis, ControlWord, DriveCommand, DriveState, Machine, PerAxis, SpindleCommand, StatusWord, Truth,
-};
+use machine::Machine;
+use protocol::{Axis, ControlWord, DriveCommand, DriveState, PerAxis, SpindleCommand, StatusWord, Truth};
 use sim_plant::{Plant, Scenario};
 
 pub struct Stand {

@@ -2,7 +2,7 @@
 //! speed, acceleration and servo error over time; then the structures beside each other, torques, and errors over the
 //! override.
 
-use protocol::machine::Feedforward;
+use machine::Feedforward;
 use serde_json::{Value, json};
 
 use super::{Done, OVERRIDES, STRUCTURES, measure::Moment, micrometres, name, published::BAND_UM};

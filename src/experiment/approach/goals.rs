@@ -1,6 +1,6 @@
 //! What is asked of the structures, and whether it is held. In: what was measured. Out: a line a goal.
 
-use protocol::machine::Feedforward;
+use machine::Feedforward;
 
 use super::{Chance, Done, micrometres};
 use crate::experiment::table::Column;

@@ -1,7 +1,8 @@
 //! One pass of the published experiment on the whole machine. In: a machine, an override in per cent, a seed. Out: servo
 //! errors of X in µm, its torque in N·m, and the approach as curves.
 
-use protocol::{Axis, AxisState, Machine};
+use machine::Machine;
+use protocol::{Axis, AxisState};
 use rig::{
     observe::{Record, ServoError},
     trial::Trial,
@@ -49,7 +50,7 @@ pub(super) struct Measured {
 /// # Errors
 /// As [`Stand::run`].
 pub(super) fn measure(machine: &Machine, override_pct: f64, seed: u64) -> Result<Measured, CliError> {
-    let cycle_s = machine.machine.cycle_s;
+    let cycle_s = machine.general.cycle_s;
     let after = (AFTER_S / cycle_s) as usize;
     let mut curve: Vec<Moment> = Vec::new();
     let (mut start_mm, mut rested) = (0.0, 0);

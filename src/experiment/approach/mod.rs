@@ -17,7 +17,8 @@ mod measure;
 mod published;
 mod text;
 
-use protocol::{Axis, Machine, machine::Feedforward};
+use machine::{Feedforward, Machine};
+use protocol::Axis;
 use serde::Serialize;
 use sim_plant::Belief;
 

@@ -4,7 +4,7 @@
 //! of override. The reference simulation gives figures for each structure; its loops, encoder and observer are set for
 //! the comparison (`as_in_reference`), its plant is that of the built-in machine.
 
-use protocol::machine::Feedforward;
+use machine::Feedforward;
 
 use super::{Done, Row, label, micrometres, name, span, text};
 use crate::experiment::table::{Column, Place, Table};

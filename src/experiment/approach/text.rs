@@ -1,6 +1,7 @@
 //! The words of the page. In: measured passes where a sentence says a figure. Out: paragraphs and captions.
 
-use protocol::{Axis, Machine, machine::Feedforward};
+use machine::{Feedforward, Machine};
+use protocol::Axis;
 use sim_plant::Belief;
 
 use super::{Done, goals::Goal, micrometres};
@@ -68,7 +69,7 @@ pub(super) fn done(machine: &Machine, truth: &Belief) -> Vec<String> {
 /// What it means.
 pub(super) fn meaning(machine: &Machine) -> Vec<(&'static str, Vec<String>)> {
     let counts = machine.spindle_counts();
-    let whole_rpm = six(60.0 / (counts * machine.machine.cycle_s));
+    let whole_rpm = six(60.0 / (counts * machine.general.cycle_s));
     vec![
         (
             "Where the ±8 µm come from",

@@ -6,7 +6,7 @@
 
 use core::f64::consts::TAU;
 
-use protocol::Machine;
+use machine::Machine;
 use rig::{
     observe::{Outcome, PassReport},
     trial::{self, Trial},

@@ -18,7 +18,7 @@ mod machine;
 mod tests;
 mod text;
 
-use protocol::Machine;
+use ::machine::Machine;
 use serde::Serialize;
 
 use super::{

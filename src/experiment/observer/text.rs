@@ -36,7 +36,7 @@ pub(super) fn short(goals: &[Goal], bandwidth_hz: f64) -> Vec<String> {
 }
 
 pub(super) fn done(stand: &Stand) -> Vec<String> {
-    let cycle_ms = six(1e3 * stand.machine.machine.cycle_s);
+    let cycle_ms = six(1e3 * stand.machine.general.cycle_s);
     let own_hz = six(stand.machine.spindle.observer_hz);
     vec![
         format!(

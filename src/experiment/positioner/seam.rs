@@ -2,7 +2,7 @@
 //! backlash and encoders. In: a positioner. Out: how far the beam was from the seam, how far off the bisector, and its
 //! feed; commanded, and true.
 
-use protocol::Machine;
+use machine::Machine;
 use rig::observe::{TraceReport, Traced};
 
 use crate::{error::CliError, experiment::stand::Stand};
@@ -31,7 +31,7 @@ pub(super) fn run(machine: &Machine, seed: u64) -> Result<SeamRun, CliError> {
             return;
         }
         if cycles.is_multiple_of(EVERY) {
-            curve.push((cycles as f64 * machine.machine.cycle_s, traced));
+            curve.push((cycles as f64 * machine.general.cycle_s, traced));
         }
         cycles += 1;
     })?;

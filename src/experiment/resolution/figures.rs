@@ -1,8 +1,9 @@
 //! Pictures: servo error and torque noise over the quantum, an approach with three of them, and the error of a feed.
 //! In: the rows and the passes of the first seed. Out: figures in mm, µm, N·m, s.
 
+use machine::Machine;
 use motion::resolution::Counts;
-use protocol::{Axis, Machine};
+use protocol::Axis;
 use serde_json::{Value, json};
 
 use super::{
@@ -69,7 +70,7 @@ fn over_quantum(machine: &Machine, rows: &[Row]) -> Figure {
     let printed_noise: Vec<(f64, f64)> =
         PRINTED.iter().filter_map(|p| Some((p.quantum_mm?, p.noise_nm))).collect();
     let rounding: Vec<(f64, f64)> = machine.axis.get(&Axis::X).map_or_else(Vec::new, |x| {
-        let said = |(q, _): (f64, f64)| (q, foretold(x, machine.machine.cycle_s, q));
+        let said = |(q, _): (f64, f64)| (q, foretold(x, machine.general.cycle_s, q));
         of(|_| 0.0).into_iter().map(said).filter(|(_, noise)| *noise > 1e-3).collect()
     });
     let highest: fn(&Row) -> f64 = |row| row.approach_highest_um.max(-row.approach_lowest_um);

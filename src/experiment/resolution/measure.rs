@@ -18,8 +18,9 @@
 
 use core::f64::consts::TAU;
 
+use machine::{AxisConfig, Machine};
 use motion::resolution::difference_rms;
-use protocol::{Axis, AxisState, Machine, machine::AxisConfig};
+use protocol::{Axis, AxisState};
 use rig::{observe::Record, trial::Trial};
 
 use super::HOLD_CYCLES;
@@ -52,7 +53,7 @@ pub(super) struct Measured {
 /// # Errors
 /// As [`Stand::run`].
 pub(super) fn measure(machine: &Machine, seed: u64) -> Result<Measured, CliError> {
-    let cycle_s = machine.machine.cycle_s;
+    let cycle_s = machine.general.cycle_s;
     let lag_s =
         sim_plant::current_lag_s(machine, Axis::X).map_err(|error| CliError::Input(error.to_string()))?;
     let left = libm::exp(-cycle_s / lag_s);

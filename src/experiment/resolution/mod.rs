@@ -15,10 +15,8 @@ mod reference;
 mod tests;
 mod text;
 
-use protocol::{
-    Axis, Machine,
-    machine::{Difference, Feedforward},
-};
+use machine::{Difference, Feedforward, Machine};
+use protocol::Axis;
 use serde::Serialize;
 
 use super::{

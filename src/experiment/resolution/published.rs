@@ -1,13 +1,14 @@
 //! The figures of the published method, computed by `motion::resolution`, and what a machine and its wire need and have.
 //! In: the published cases, a machine. Out: tables. mm, mm/min, m/s², m/s³, Hz.
 
+use machine::Machine;
 use motion::{
     Ramp,
     resolution::{
         Counts, Demand, FeedError, Required, Steps, counts_per_mm, double_mm, order, position_mm, single_mm,
     },
 };
-use protocol::{Axis, Machine, Position};
+use protocol::{Axis, Position};
 
 use crate::experiment::table::{Column, Table, six, three};
 
@@ -117,7 +118,7 @@ type Need = (&'static str, &'static str, f64, f64);
 
 pub(super) fn wire(machine: &Machine) -> Table {
     let needs = machine.axis.get(&Axis::X).map(|x| {
-        let f = 1.0 / machine.machine.cycle_s;
+        let f = 1.0 / machine.general.cycle_s;
         let [tolerance_um, ..] = TOLERANCES_UM;
         let demand = Demand {
             tolerance_um,

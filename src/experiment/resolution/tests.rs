@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use machine::Machine;
 use motion::resolution::{Required, order};
-use protocol::{Axis, Machine};
+use protocol::Axis;
 use serde_json::Value;
 
 use super::{
@@ -132,7 +133,7 @@ fn finer_quanta_are_quieter_down_to_the_noise_of_the_encoder() {
     assert!(noise(Some(1e-9)) < 1.3 * noise(None), "{rows:?}");
     let x = &stand.machine.axis[&Axis::X];
     for q in [1e-3, 3e-4] {
-        let said = foretold(x, stand.machine.machine.cycle_s, q);
+        let said = foretold(x, stand.machine.general.cycle_s, q);
         assert!((noise(Some(q)) / said - 1.0).abs() < 0.25, "{q}: {} for {said}", noise(Some(q)));
     }
     for row in &rows[4..9] {

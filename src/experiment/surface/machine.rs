@@ -2,7 +2,8 @@
 //! each correction. In: a seed. Out: how far the tip was from the surface that it has to stay on, and its feed;
 //! commanded, and true. µm, mm/min, s.
 
-use protocol::{Axis, Machine, machine::SMALL_MILL};
+use machine::{Machine, SMALL_MILL};
+use protocol::Axis;
 use rig::observe::{AxisUsed, TraceReport, Traced};
 use shape::Correction;
 
@@ -52,7 +53,7 @@ fn run(machine: &Machine, correction: Correction, seed: u64) -> Result<Run, CliE
     let report = Stand::cut(machine, NAME, &job(correction), seed, &mut |record, traced| {
         if traced.trace != 0 && cycle.is_multiple_of(EVERY) {
             let at = [Axis::X, Axis::Y].map(|axis| record.truth.axes[axis.index()].slide_mm);
-            seen.push((cycle as f64 * machine.machine.cycle_s, at, traced));
+            seen.push((cycle as f64 * machine.general.cycle_s, at, traced));
         }
         cycle += 1;
     })?;

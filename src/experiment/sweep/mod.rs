@@ -17,7 +17,8 @@ mod tables;
 mod tests;
 mod text;
 
-use protocol::{Axis, Machine};
+use machine::Machine;
+use protocol::Axis;
 use rig::{observe::PassReport, trial::Trial};
 use serde::Serialize;
 use sim_plant::Belief;

@@ -1,6 +1,6 @@
 //! A smaller sweep: what is held, and what is not.
 
-use protocol::Machine;
+use machine::Machine;
 
 use super::{Condition, MEDIAN_UM, PASSES, Row, WORST_UM, rows, tables::Over, with_finer_encoder};
 use crate::experiment::stand::Stand;

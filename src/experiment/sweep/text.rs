@@ -1,6 +1,6 @@
 //! The words of the page. In: rows where a sentence says a figure. Out: paragraphs.
 
-use protocol::Machine;
+use machine::Machine;
 
 use super::{
     MEDIAN_UM, Row, WORST_UM,
@@ -78,7 +78,7 @@ pub(super) fn meaning(machine: &Machine) -> Vec<(&'static str, Vec<String>)> {
                  a bogged spindle worse.",
                 PER_TURN_MM,
                 1e3 * PER_TURN_MM / counts,
-                60.0 / (counts * machine.machine.cycle_s),
+                60.0 / (counts * machine.general.cycle_s),
             ),
             "A wrong friction changes the beginning of a stroke and hardly the end: the integral of the velocity loop \
              has found the friction by then."

@@ -2,8 +2,9 @@
 //! will walk them. In: seams, their formulas, where the axes rest, mm and degrees. Out: the solution that stays within the
 //! travel and begins nearest to where the axes rest; or why there is none, and where.
 
-use protocol::machine::{AxisConfig, POSITIONER_AXES, PositionerConfig};
-use protocol::{Axis, Machine};
+use machine::{AxisConfig, Machine, POSITIONER_AXES, PositionerConfig};
+use protocol::Axis;
+use route::positioner::geometry;
 use shape::{Branch, Formula, Seam, SeamCurve, SeamPath, SpanError, Walker};
 
 use super::super::{Fault, Job};
@@ -130,7 +131,7 @@ fn walked(
 
 /// A seam on the positioner.
 fn on<'a>(seam: &'a Seam, formulas: &'a [Formula], positioner: &PositionerConfig) -> SeamPath<'a> {
-    seam.on(formulas, positioner.geometry(), positioner.beam_mm)
+    seam.on(formulas, geometry(positioner), positioner.beam_mm)
 }
 
 /// A place of a seam in words.

@@ -1,8 +1,9 @@
 //! Contour error and roundness: what is put into a circle is what is read from it.
 
+use machine::{Machine, SMALL_MILL};
 use protocol::{
-    Arc, Axis, AxisState, AxisStatus, Code, Cycle, Feed, Item, Machine, MachineState, MachineStatus, PerAxis,
-    Position, Truth, arc::Plane, machine::SMALL_MILL,
+    Arc, Axis, AxisState, AxisStatus, Code, Cycle, Feed, Item, MachineState, MachineStatus, PerAxis,
+    Position, Truth, arc::Plane,
 };
 
 use crate::observe::{MovesReport, Observer, Record, Watch};
@@ -34,9 +35,9 @@ fn around(off: impl Fn(f64) -> [f64; 2]) -> MovesReport {
     let machine = Machine::from_toml(SMALL_MILL).expect("a mill");
     let mut observer = Observer::new(&machine, &program());
     let rate = SPEED_MM_S / RADIUS_MM;
-    let cycles = (core::f64::consts::TAU / rate / machine.machine.cycle_s) as u64;
+    let cycles = (core::f64::consts::TAU / rate / machine.general.cycle_s) as u64;
     for cycle in 0..=cycles {
-        let angle = rate * cycle as f64 * machine.machine.cycle_s;
+        let angle = rate * cycle as f64 * machine.general.cycle_s;
         let (sin, cos) = libm::sincos(angle);
         let [out, back] = off(angle.to_degrees());
         let mut truth = Truth { cycle: Cycle(cycle), ..Truth::default() };

@@ -1,8 +1,9 @@
 //! An ideal machine: regulators that follow their laws by the true spindle angle without error, and a plant that is
 //! where it should be, plus exactly the errors that a test asks for. In: passes. Out: the records of a run.
 
+use machine::Machine;
 use protocol::{
-    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, Machine, MachineState, MachineStatus, Position,
+    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineState, MachineStatus, Position,
     ThreadPass, Truth,
 };
 
@@ -122,7 +123,7 @@ impl Ideal {
     }
 
     fn cut(&mut self, pass: &ThreadPass, injected: &Injected, take: &mut impl FnMut(&Record)) {
-        let step = 6.0 * pass.s_rpm * self.ratio * self.machine.machine.cycle_s * pass.direction;
+        let step = 6.0 * pass.s_rpm * self.ratio * self.machine.general.cycle_s * pass.direction;
         let not_before = self.truth.cycle.0 + 20;
         let mut index_deg = None;
         loop {

@@ -1,10 +1,9 @@
 //! Traces: what is put beside a surface is what is read from it, and only where it is cut.
 
-use protocol::frame::SETPOINT_LEAD;
-use protocol::machine::{POSITIONER, SMALL_MILL};
+use machine::{Machine, POSITIONER, SMALL_MILL};
 use protocol::{
-    Axis, AxisState, AxisStatus, Code, Cycle, Item, Machine, MachineState, MachineStatus, Position, Trace,
-    Truth, Work,
+    Axis, AxisState, AxisStatus, Code, Cycle, Item, MachineState, MachineStatus, Position, Shape, Truth,
+    Work, frame::SETPOINT_LEAD,
 };
 use shape::{Branch, Correction, Formula, Op, Pattern, Seam, SeamCurve, Surface, Tool};
 
@@ -26,14 +25,14 @@ fn program() -> [Item; 2] {
         pattern: Pattern::Curve { t: [0.0, 1.0] },
         clear_mm: 40.0,
     };
-    let trace = Trace {
-        work: Work::Surface(surface),
+    let trace = Work {
+        shape: Shape::Surface(surface),
         origin: ORIGIN.map(Position::from_mm),
         feed_mm_min: FEED_MM_MIN,
         chord_mm: 0.002,
         correction: Correction::Exact,
     };
-    [Code::Formula { slot: 0, formula }, Code::Trace(trace)].map(|code| Item { line: LINE, code })
+    [Code::Formula { slot: 0, formula }, Code::Work(trace)].map(|code| Item { line: LINE, code })
 }
 
 /// As below, with no acceleration commanded.
@@ -50,7 +49,7 @@ fn cut_with(
 ) -> (TraceReport, Vec<Traced>) {
     let machine = Machine::from_toml(SMALL_MILL).expect("a mill");
     let mut observer = Observer::new(&machine, &program());
-    let (cycle_s, tick) = (machine.machine.cycle_s, machine.cycles_per_tick());
+    let (cycle_s, tick) = (machine.general.cycle_s, machine.cycles_per_tick());
     let (mut way, mut seen) = (0.0, Vec::new());
     let mut status = MachineStatus { feed_override_pct: 100.0, ..Default::default() };
     for cycle in 0..CUTS.end + 100 {
@@ -142,14 +141,20 @@ fn a_ramp_explains_no_feed_that_stays_low() {
 fn piece() -> Code {
     let mut curve = [[0.0; 8]; 6];
     (curve[0][1], curve[5][0]) = (10.0, 1.0);
-    let work = Work::Seam(Seam {
+    let work = Shape::Seam(Seam {
         curve: SeamCurve::Polynomials(curve),
         t: [0.0, 1.0],
         branch: Branch::Negative,
         idle_beta_deg: 0.0,
     });
     let origin = [Position(0); 3];
-    Code::Trace(Trace { work, origin, feed_mm_min: 600.0, chord_mm: 0.002, correction: Correction::Exact })
+    Code::Work(Work {
+        shape: work,
+        origin,
+        feed_mm_min: 600.0,
+        chord_mm: 0.002,
+        correction: Correction::Exact,
+    })
 }
 
 /// A piece of a seam after the other, on a positioner that stands still: it is only counted.

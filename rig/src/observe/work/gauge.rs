@@ -1,8 +1,9 @@
 //! What a trace is held against. In: a trace with its formulas, and where the axes are, mm and degrees. Out: how far the
 //! tool or the beam is from where it shall be.
 
-use protocol::machine::positioner_drives;
-use protocol::{Axis, FORMULAS, Machine, PerAxis, Position, Trace, Work};
+use machine::Machine;
+use protocol::{Axis, FORMULAS, PerAxis, Position, Shape, Work};
+use route::positioner::{drives, geometry};
 use shape::{Formula, Positioner, Seam};
 
 use super::outline::Outline;
@@ -40,15 +41,15 @@ pub(super) struct SeamGauge {
 
 impl Gauge {
     /// `None` for a seam on a machine that is no positioner.
-    pub(super) fn of(trace: &Trace, formulas: &[Formula; FORMULAS], machine: &Machine) -> Option<Gauge> {
-        Some(match trace.work {
-            Work::Surface(surface) => Gauge::Surface(Probe::new(formulas[0], surface.tool), trace.origin),
-            Work::Contour(contour, axes) => {
+    pub(super) fn of(trace: &Work, formulas: &[Formula; FORMULAS], machine: &Machine) -> Option<Gauge> {
+        Some(match trace.shape {
+            Shape::Surface(surface) => Gauge::Surface(Probe::new(formulas[0], surface.tool), trace.origin),
+            Shape::Contour(contour, axes) => {
                 Gauge::Contour(Outline::new(formulas[0], contour), axes, trace.origin)
             }
-            Work::Seam(seam) => {
+            Shape::Seam(seam) => {
                 let config = machine.positioner?;
-                let (positioner, stands) = (config.geometry(), config.beam_mm);
+                let (positioner, stands) = (geometry(&config), config.beam_mm);
                 let beam = Beam::new(positioner, stands, seam.t);
                 Gauge::Seam(Box::new(SeamGauge { beam, positioner, stands, seam, formulas: *formulas }))
             }
@@ -72,7 +73,7 @@ impl Gauge {
             Gauge::Seam(gauge) => {
                 let SeamGauge { beam, positioner, stands, seam, formulas } = &mut **gauge;
                 let path = seam.on(formulas, *positioner, *stands);
-                let spot = beam.spot(&positioner_drives(axes), |t| path.place(t))?;
+                let spot = beam.spot(&drives(axes), |t| path.place(t))?;
                 Some(Seen { deviation_mm: spot.deviation_mm, angle_deg: spot.angle_deg, tip: spot.point })
             }
         }

@@ -15,8 +15,8 @@ mod surface;
 
 use std::{collections::VecDeque, sync::Arc};
 
-use protocol::frame::SETPOINT_LEAD;
-use protocol::{Axis, Code, FORMULAS, Item, Machine, PerAxis, Position, Trace, Work};
+use machine::Machine;
+use protocol::{Axis, Code, FORMULAS, Item, PerAxis, Position, Shape, Work, frame::SETPOINT_LEAD};
 use shape::{Correction, Formula};
 
 use super::{Record, limits::Shares};
@@ -31,7 +31,7 @@ const MOST: usize = 200;
 #[derive(Clone, Debug)]
 struct Planned {
     line: u32,
-    trace: Trace,
+    trace: Work,
     formulas: Arc<[Formula; FORMULAS]>,
 }
 
@@ -82,7 +82,7 @@ impl Works {
                         *room = *formula;
                     }
                 }
-                Code::Trace(trace) => {
+                Code::Work(trace) => {
                     planned.push(Planned { line: *line, trace: *trace, formulas: Arc::clone(&formulas) });
                 }
                 _ => {}
@@ -132,7 +132,7 @@ impl Works {
             _ => {
                 self.close();
                 self.cut = next.map(|(planned, gauge)| {
-                    Box::new(Cut::new(number, &planned, gauge, self.machine.machine.cycle_s, record))
+                    Box::new(Cut::new(number, &planned, gauge, self.machine.general.cycle_s, record))
                 });
             }
         }
@@ -173,7 +173,7 @@ impl Works {
     fn is_one(&self, before: u32, after: u32) -> bool {
         let seam = |number: u32| {
             let planned = self.planned.get(number.checked_sub(1)? as usize)?;
-            matches!(planned.trace.work, Work::Seam(_)).then_some(planned.line)
+            matches!(planned.trace.shape, Shape::Seam(_)).then_some(planned.line)
         };
         let next = before.checked_add(1) == Some(after);
         before == after || next && seam(before).is_some() && seam(before) == seam(after)
@@ -195,7 +195,7 @@ struct Cut {
     /// Whether the tool has left the part since.
     lifted: bool,
     line: u32,
-    trace: Trace,
+    trace: Work,
     cycle_s: f64,
     /// Of the commanded and of the true positions.
     points: [Point; 2],
@@ -251,7 +251,7 @@ impl Cut {
 
     /// Whether another trace is the next piece of the seam in hand.
     fn goes_on(&self, number: u32, planned: &Planned) -> bool {
-        let seams = [&self.trace, &planned.trace].map(|trace| matches!(trace.work, Work::Seam(_)));
+        let seams = [&self.trace, &planned.trace].map(|trace| matches!(trace.shape, Shape::Seam(_)));
         !self.lifted
             && self.number.checked_add(1) == Some(number)
             && planned.line == self.line
@@ -334,10 +334,10 @@ impl Cut {
                 self.used[axis.index()].map(|share| 100.0 * share);
             (*axis, AxisUsed { velocity_pct, acceleration_pct, jerk_pct, jerk_rate_pct })
         };
-        let (kind, has_origin) = match self.trace.work {
-            Work::Contour(..) => (WorkKind::Contour, true),
-            Work::Surface(_) => (WorkKind::Surface, true),
-            Work::Seam(_) => (WorkKind::Seam, false),
+        let (kind, has_origin) = match self.trace.shape {
+            Shape::Contour(..) => (WorkKind::Contour, true),
+            Shape::Surface(_) => (WorkKind::Surface, true),
+            Shape::Seam(_) => (WorkKind::Seam, false),
         };
         TraceReport {
             trace: self.first,

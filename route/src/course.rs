@@ -1,5 +1,5 @@
-//! From a trace to blocks: its legs one after the other, each of them piece by piece.
-//! In: a trace, where the axes rest, the route with the formulas. Out: a block at each call, or why there is none, and where.
+//! From a work to blocks: its legs one after the other, each of them piece by piece.
+//! In: a work, where the axes rest, the route with the formulas. Out: a block at each call, or why there is none, and where.
 //!
 //! | stage | leads | how |
 //! |---|---|---|
@@ -12,71 +12,38 @@
 
 use motion::Path;
 use motion::chain::{Block, Corner};
+use protocol::{Axis, Feed, PerAxis, Position, Shape, Work, units::AXES};
 use shape::{Curve, Plan, Span, SpanError, Walked, Walker};
 
-use crate::{Axis, Cut, Feed, Leg, PerAxis, Position, Route, Spot, Stretch, Trace, Work, units::AXES};
+use crate::{
+    legs::Legs,
+    route::Route,
+    terms::{Cut, Move, Spot, Stretch, Unworkable},
+};
 
-/// Farthest the axes may be from the start of a trace and still be led there, mm.
+/// Farthest the axes may be from the start of a work and still be led there, mm.
 const START_REACH_MM: f64 = 0.01;
 /// Nearer than this they are there: two ways to one number may differ by so much, mm.
 const THERE_MM: f64 = 1e-8;
 
-/// Why a trace cannot be followed, and where.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Untraceable {
-    /// A formula that it refers to was not given.
-    #[error("formula {0} is missing: it has to come before the trace")]
-    NoFormula(usize),
-    /// The machine lacks an axis.
-    #[error("the machine has no axis {0}: choose a machine that has it, or a plane without it")]
-    NoAxis(Axis),
-    /// The machine is no positioner.
-    #[error("the machine is not a positioner: choose a machine file with kinematics = \"positioner\"")]
-    NoPositioner,
-    /// The axes stand elsewhere.
-    #[error("{axis} stands {mm:.6} from the start of the path: move the axes there first")]
-    NotAtStart {
-        /// The farthest axis.
-        axis: Axis,
-        /// How far, mm or degrees.
-        mm: f64,
-    },
-    /// The path is not defined there, or not smooth.
-    #[error("{1}: {0}")]
-    NoPath(SpanError, Spot),
-    /// A piece that begins there leaves the travel of an axis.
-    #[error(
-        "the path leaves the travel of {0} near {1}: move the zero of the workpiece, or end the path earlier"
-    )]
-    BeyondTravel(Axis, Spot),
-    /// A retract would end below the tool, or below the start of the next leg.
-    #[error("the clearance is {mm:.4} mm below the path at {spot}: raise it above the surface")]
-    TooLow {
-        /// The end of the leg, or the start of the next one.
-        spot: Spot,
-        /// How far, mm.
-        mm: f64,
-    },
-}
-
-/// What a call of [`Tracer::next`] brought.
+/// What a call of [`Course::next`] brought.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // there is one of it at a time, and it must not allocate
-pub enum Traced {
+pub enum Advance {
     /// A block to plan.
-    Block(Block<AXES, Leg>),
+    Block(Block<AXES, Move>),
     /// Nothing yet: a stage that leads nowhere, or a piece that has to be shorter.
     Nowhere,
-    /// The trace is over.
+    /// The work is over.
     Over,
 }
 
-/// A trace on its way to blocks.
+/// A work on its way to blocks.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracer {
+pub struct Course {
     number: u32,
     line: u32,
-    trace: Trace,
+    work: Work,
     /// The leg in hand, from 0, and how many there are.
     leg: u32,
     legs: u32,
@@ -96,29 +63,29 @@ enum Stage {
     Over,
 }
 
-impl Tracer {
-    /// A trace from where the axes rest. Its number is 0.
+impl Course {
+    /// A work from where the axes rest. Its number is 0.
     ///
     /// # Errors
-    /// [`Untraceable`], if it cannot begin there.
+    /// [`Unworkable`], if it cannot begin there.
     pub fn new(
         route: &Route,
         line: u32,
-        trace: &Trace,
+        work: &Work,
         from: &PerAxis<Position>,
-    ) -> Result<Tracer, Untraceable> {
-        if let Some(axis) = trace.axes().iter().find(|axis| !route.machine.axis.contains_key(axis)) {
-            return Err(Untraceable::NoAxis(*axis));
+    ) -> Result<Course, Unworkable> {
+        if let Some(axis) = work.axes().iter().find(|axis| !route.machine.axis.contains_key(axis)) {
+            return Err(Unworkable::NoAxis(*axis));
         }
-        let legs = trace.legs();
+        let legs = work.legs();
         let mut tracer =
-            Tracer { number: 0, line, trace: *trace, leg: 0, legs, stage: Stage::Enter, at: *from };
+            Course { number: 0, line, work: *work, leg: 0, legs, stage: Stage::Enter, at: *from };
         let start = tracer.start(route)?;
         let off = |axis: &Axis| (*axis, start[axis.index()].mm_from(from[axis.index()]).abs());
-        let farthest = trace.axes().iter().map(off).max_by(|a, b| a.1.total_cmp(&b.1));
+        let farthest = work.axes().iter().map(off).max_by(|a, b| a.1.total_cmp(&b.1));
         let (axis, mm) = farthest.unwrap_or((Axis::X, 0.0));
         if mm > START_REACH_MM {
-            return Err(Untraceable::NotAtStart { axis, mm });
+            return Err(Unworkable::NotAtStart { axis, mm });
         }
         if mm <= THERE_MM {
             (tracer.at, tracer.stage) = (start, tracer.stage_of_leg());
@@ -128,47 +95,47 @@ impl Tracer {
 
     /// The same by a number, which its blocks carry.
     #[must_use]
-    pub fn numbered(self, number: u32) -> Tracer {
-        Tracer { number, ..self }
+    pub fn numbered(self, number: u32) -> Course {
+        Course { number, ..self }
     }
 
-    /// Whether it goes on where a trace before it ends, without a stop: seams do, which begin there.
-    pub fn goes_on(&self, before: &Trace) -> bool {
-        let seams = matches!((&before.work, &self.trace.work), (Work::Seam(_), Work::Seam(_)));
+    /// Whether it goes on where a work before it ends, without a stop: seams do, which begin there.
+    pub fn goes_on(&self, before: &Work) -> bool {
+        let seams = matches!((&before.shape, &self.work.shape), (Shape::Seam(_), Shape::Seam(_)));
         seams && matches!(self.stage, Stage::Cut(..))
     }
 
-    /// Where the trace ends. Only its last leg is followed: the others do not change that.
+    /// Where the work ends. Only its last leg is followed: the others do not change that.
     ///
     /// # Errors
-    /// [`Untraceable`], on that leg.
-    pub fn end(mut self, route: &Route) -> Result<PerAxis<Position>, Untraceable> {
+    /// [`Unworkable`], on that leg.
+    pub fn end(mut self, route: &Route) -> Result<PerAxis<Position>, Unworkable> {
         self.leg = self.legs.saturating_sub(1);
         (self.at, self.stage) = (self.start(route)?, self.stage_of_leg());
-        while !matches!(self.next(route)?, Traced::Over) {}
+        while !matches!(self.next(route)?, Advance::Over) {}
         Ok(self.at)
     }
 
     /// What it follows.
-    pub fn trace(&self) -> &Trace {
-        &self.trace
+    pub fn work(&self) -> &Work {
+        &self.work
     }
 
     /// The next block, if one try brings it: at most five evaluations of the curve. After an error it is the same again.
     ///
     /// # Errors
-    /// [`Untraceable`].
-    pub fn next(&mut self, route: &Route) -> Result<Traced, Untraceable> {
+    /// [`Unworkable`].
+    pub fn next(&mut self, route: &Route) -> Result<Advance, Unworkable> {
         let mut next = *self;
         let traced = next.go_on(route)?;
         *self = next;
         Ok(traced)
     }
 
-    fn go_on(&mut self, route: &Route) -> Result<Traced, Untraceable> {
+    fn go_on(&mut self, route: &Route) -> Result<Advance, Unworkable> {
         let z = Axis::Z.index();
         match self.stage {
-            Stage::Over => Ok(Traced::Over),
+            Stage::Over => Ok(Advance::Over),
             Stage::Cut(plan, walker) => self.piece(route, plan, walker),
             Stage::Lift => {
                 let mut above = self.at;
@@ -187,21 +154,21 @@ impl Tracer {
             Stage::Enter | Stage::Plunge => {
                 let start = self.start(route)?;
                 self.stage = self.stage_of_leg();
-                self.straight(route, start, Feed::PerMinute(self.trace.feed_mm_min))
+                self.straight(route, start, Feed::PerMinute(self.work.feed_mm_min))
             }
         }
     }
 
     /// Machine Z at which the tool crosses from one leg to the next; it has to be above both.
-    fn clear(&self, route: &Route) -> Result<Position, Untraceable> {
+    fn clear(&self, route: &Route) -> Result<Position, Unworkable> {
         let z = Axis::Z.index();
-        let next = Tracer { leg: self.leg + 1, ..*self };
+        let next = Course { leg: self.leg + 1, ..*self };
         let (from, to) = (self.at[z], next.start(route)?[z]);
-        let clear = self.trace.clear().unwrap_or(from);
+        let clear = self.work.clear().unwrap_or(from);
         for (leg, end, at) in [(self.leg.saturating_sub(1), 1, from), (next.leg, 0, to)] {
             let mm = at.mm_from(clear);
             if mm > 0.0 {
-                return Err(Untraceable::TooLow { spot: self.spot(leg, end), mm });
+                return Err(Unworkable::TooLow { spot: self.spot(leg, end), mm });
             }
         }
         Ok(clear)
@@ -209,30 +176,30 @@ impl Tracer {
 
     /// Where a leg that cuts starts (0) or ends (1).
     fn spot(&self, leg: u32, end: usize) -> Spot {
-        self.plan(leg).map_or(Spot::Parameter(0.0), |plan| self.trace.spot(&plan, plan.t()[end.min(1)]))
+        self.plan(leg).map_or(Spot::Parameter(0.0), |plan| self.work.spot(&plan, plan.t()[end.min(1)]))
     }
 
     /// A straight block, or none if it leads nowhere.
-    fn straight(&mut self, route: &Route, to: PerAxis<Position>, feed: Feed) -> Result<Traced, Untraceable> {
-        let Some(path) = route.line(&self.at, &to) else { return Ok(Traced::Nowhere) };
+    fn straight(&mut self, route: &Route, to: PerAxis<Position>, feed: Feed) -> Result<Advance, Unworkable> {
+        let Some(path) = route.line(&self.at, &to) else { return Ok(Advance::Nowhere) };
         let stretch = Stretch { number: self.number, share: self.share(0.0), cut: None };
         self.block(route, path, to, (feed, Corner::Stop), stretch, self.spot(self.leg, 0))
     }
 
     /// One try of the next piece of the leg in hand; none behind its last.
-    fn piece(&mut self, route: &Route, plan: Plan, mut walker: Walker<AXES>) -> Result<Traced, Untraceable> {
-        let trace = self.trace;
-        let no_path = |error: SpanError| Untraceable::NoPath(error, trace.spot(&plan, error.t()));
-        let track = trace.track(plan, &route.formulas, &route.machine)?;
-        let walked = walker.attempt(&track).map_err(no_path)?;
+    fn piece(&mut self, route: &Route, plan: Plan, mut walker: Walker<AXES>) -> Result<Advance, Unworkable> {
+        let work = self.work;
+        let no_path = |error: SpanError| Unworkable::NoPath(error, work.spot(&plan, error.t()));
+        let curve = work.curve(plan, &route.formulas, &route.machine)?;
+        let walked = walker.attempt(&curve).map_err(no_path)?;
         self.stage = Stage::Cut(plan, walker);
         let Span { path, t: [t, next], to, clock, .. } = match walked {
             Walked::Piece(span) => span,
-            Walked::Shorter => return Ok(Traced::Nowhere),
+            Walked::Shorter => return Ok(Advance::Nowhere),
             Walked::Over => {
                 self.leg += 1;
                 self.stage = self.stage_of_leg();
-                return Ok(Traced::Nowhere);
+                return Ok(Advance::Nowhere);
             }
         };
         let [begin, end] = plan.t();
@@ -242,8 +209,8 @@ impl Tracer {
             share: self.share((t - begin) / (end - begin)),
             cut: Some(Cut { plan, clock }),
         };
-        let (to, how) = (trace.placed(&to, self.at), (Feed::PerMinute(trace.feed_mm_min), corner));
-        self.block(route, path, to, how, stretch, trace.spot(&plan, t))
+        let (to, how) = (work.placed(&to, self.at), (Feed::PerMinute(work.feed_mm_min), corner));
+        self.block(route, path, to, how, stretch, work.spot(&plan, t))
     }
 
     /// A block from the end of the last one.
@@ -255,20 +222,20 @@ impl Tracer {
         (feed, corner): (Feed, Corner),
         stretch: Stretch,
         spot: Spot,
-    ) -> Result<Traced, Untraceable> {
+    ) -> Result<Advance, Unworkable> {
         let (room, axis) = route.room(&self.at, &path);
         if room < 0.0 {
-            return Err(Untraceable::BeyondTravel(axis, spot));
+            return Err(Unworkable::BeyondTravel(axis, spot));
         }
-        let tag = Leg { line: self.line, from: self.at, to, feed, trace: Some(stretch) };
+        let tag = Move { line: self.line, from: self.at, to, feed, work: Some(stretch) };
         self.at = to;
-        let chord_mm = self.trace.chord_of_steps();
-        Ok(Traced::Block(Block { path, feed: route.feed(feed), corner, room, chord_mm, tag }))
+        let chord_mm = self.work.chord_of_steps();
+        Ok(Advance::Block(Block { path, feed: route.feed(feed), corner, room, chord_mm, tag }))
     }
 
     /// How the leg in hand begins.
     fn stage_of_leg(&self) -> Stage {
-        match self.trace.leg(self.leg) {
+        match self.work.leg(self.leg) {
             None => Stage::Over,
             Some(shape::Leg::Cut(plan)) => {
                 Stage::Cut(plan, Walker::new(plan.t()).standing(self.at.map(Position::mm)))
@@ -281,33 +248,33 @@ impl Tracer {
     /// so do seams.
     fn joint(&self, route: &Route) -> Corner {
         match self.plan(self.leg + 1) {
-            Some(_) => route.corner_within(self.trace.chord_mm),
-            None if matches!(self.trace.work, Work::Seam(_)) => route.corner_within(self.trace.chord_mm),
+            Some(_) => route.corner_within(self.work.chord_mm),
+            None if matches!(self.work.shape, Shape::Seam(_)) => route.corner_within(self.work.chord_mm),
             None => Corner::Stop,
         }
     }
 
     /// A leg that cuts.
     fn plan(&self, leg: u32) -> Option<Plan> {
-        match self.trace.leg(leg) {
+        match self.work.leg(leg) {
             Some(shape::Leg::Cut(plan)) => Some(plan),
             _ => None,
         }
     }
 
     /// Start of the leg in hand, by the turns of rotary axes that are nearest to where they are.
-    fn start(&self, route: &Route) -> Result<PerAxis<Position>, Untraceable> {
+    fn start(&self, route: &Route) -> Result<PerAxis<Position>, Unworkable> {
         let Some(plan) = self.plan(self.leg) else { return Ok(self.at) };
         let [t, _] = plan.t();
-        let track = self.trace.track(plan, &route.formulas, &route.machine)?;
-        let axes = track.near(t, &self.at.map(Position::mm)).axes.map(|axis| axis.value());
+        let curve = self.work.curve(plan, &route.formulas, &route.machine)?;
+        let axes = curve.near(t, &self.at.map(Position::mm)).axes.map(|axis| axis.value());
         if !axes.iter().all(|axis| axis.is_finite()) {
-            return Err(Untraceable::NoPath(SpanError::NotFinite { t }, self.trace.spot(&plan, t)));
+            return Err(Unworkable::NoPath(SpanError::NotFinite { t }, self.work.spot(&plan, t)));
         }
-        Ok(self.trace.placed(&axes, self.at))
+        Ok(self.work.placed(&axes, self.at))
     }
 
-    /// The share of the trace that is done where `part` of the leg in hand is.
+    /// The share of the work that is done where `part` of the leg in hand is.
     fn share(&self, part: f64) -> f64 {
         (f64::from(self.leg) + part) / f64::from(self.legs.max(1))
     }

@@ -1,8 +1,9 @@
 //! Arcs of machine code: which ends make one, and which of the machine's travel they need.
 #![allow(clippy::unwrap_used)]
 
+use machine::Machine;
 use proptest::prelude::*;
-use protocol::{Arc, Axis, Machine, PerAxis, Plane, Position, Refused};
+use protocol::{Arc, Axis, PerAxis, Plane, Position, Refused};
 
 fn point(x: f64, z: f64) -> PerAxis<Position> {
     let mut point = [Position(0); 8];

@@ -110,7 +110,7 @@ impl SpindleConfig {
 impl Machine {
     /// Refuses a positioner with a spindle, and another machine without one.
     pub(super) fn check_spindle(&self) -> Result<(), MachineError> {
-        match (self.machine.kinematics, self.spindle.is_none()) {
+        match (self.general.kinematics, self.spindle.is_none()) {
             (Kinematics::Positioner, true) => Ok(()),
             (Kinematics::Positioner, false) => {
                 Err(refuse("spindle", "a table", "a positioner has no spindle: leave [spindle] out"))

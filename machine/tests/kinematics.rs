@@ -1,12 +1,12 @@
 //! Points and axes, one function each way; an axis that a machine does not have is named.
 #![allow(clippy::unwrap_used)]
 
-use proptest::prelude::*;
-use protocol::{
-    Axis, Machine,
+use machine::{
+    Kinematics, Machine, SMALL_MILL,
     kinematics::{MissingAxis, Point},
-    machine::{Kinematics, SMALL_MILL},
 };
+use proptest::prelude::*;
+use protocol::Axis;
 
 proptest! {
     #[test]

@@ -14,11 +14,11 @@ fn formula() -> Formula {
     Formula::new(&[&ops[..], &[number(8.0), Op::Mul, Op::Add]].concat()).unwrap()
 }
 
-fn trace(work: Work) -> Trace {
+fn trace(work: Shape) -> Work {
     let origin = [Position(7), Position(i64::MIN), Position(-9)];
-    let seam = matches!(work, Work::Seam(_));
+    let seam = matches!(work, Shape::Seam(_));
     let correction = if seam { Correction::Exact } else { Correction::PublishedSigns };
-    Trace { work, origin, feed_mm_min: 1500.0, chord_mm: 0.002, correction }
+    Work { shape: work, origin, feed_mm_min: 1500.0, chord_mm: 0.002, correction }
 }
 
 fn contour() -> Contour {
@@ -41,7 +41,7 @@ fn meeting() -> Meeting {
     Meeting { first, second, leaving: true, share: 0.5 }
 }
 
-fn traces() -> Vec<Trace> {
+fn traces() -> Vec<Work> {
     let coefficients = std::array::from_fn(|i| std::array::from_fn(|k| i as f64 - 0.3 * k as f64));
     let patterns = [
         Pattern::Lines { along_y: true, count: 1_000_000, zigzag: false },
@@ -49,16 +49,16 @@ fn traces() -> Vec<Trace> {
         Pattern::Curve { t: [1.0, -1.0] },
     ];
     let seams = [SeamCurve::Formulas, SeamCurve::Polynomials(coefficients), SeamCurve::Meeting(meeting())];
-    let mut works = vec![Work::Contour(contour(), [Axis::Z, Axis::X])];
-    works.extend(patterns.map(|pattern| Work::Surface(surface(pattern))));
-    works.extend(seams.map(|curve| Work::Seam(seam(curve))));
+    let mut works = vec![Shape::Contour(contour(), [Axis::Z, Axis::X])];
+    works.extend(patterns.map(|pattern| Shape::Surface(surface(pattern))));
+    works.extend(seams.map(|curve| Shape::Seam(seam(curve))));
     works.into_iter().map(trace).collect()
 }
 
 #[test]
 fn every_formula_and_trace_travels() {
     let formulas = [formula(), Formula::default()].map(|formula| Code::Formula { slot: 5, formula });
-    for code in formulas.into_iter().chain(traces().into_iter().map(Code::Trace)) {
+    for code in formulas.into_iter().chain(traces().into_iter().map(Code::Work)) {
         let item = Item { line: 5, code };
         assert_eq!(CodePacket::pack(3, &item).unpack(3), Ok(item));
     }
@@ -84,23 +84,23 @@ fn formulas_that_no_interpreter_sends_are_refused() {
 
 #[test]
 fn traces_that_no_interpreter_sends_are_refused() {
-    let unpack = |trace: Trace| CodePacket::pack(0, &Item { line: 1, code: Code::Trace(trace) }).unpack(0);
-    let refused = |work: Work| unpack(trace(work)).unwrap_err();
+    let unpack = |trace: Work| CodePacket::pack(0, &Item { line: 1, code: Code::Work(trace) }).unpack(0);
+    let refused = |work: Shape| unpack(trace(work)).unwrap_err();
     let on_contour = |change: fn(&mut Contour)| {
         let mut contour = contour();
         change(&mut contour);
-        refused(Work::Contour(contour, [Axis::X, Axis::Y]))
+        refused(Shape::Contour(contour, [Axis::X, Axis::Y]))
     };
     assert_eq!(on_contour(|contour| contour.x[0] = f64::NAN), Refused::NotFinite("domain of a contour"));
     assert_eq!(on_contour(|contour| contour.x = [3.0; 2]), Refused::OutOfRange("domain of a contour"));
     assert_eq!(on_contour(|contour| contour.radius_mm = -1.0), Refused::OutOfRange("radius of a tool"));
     for axes in [[Axis::X; 2], [Axis::X, Axis::C]] {
-        assert_eq!(refused(Work::Contour(contour(), axes)), Refused::OutOfRange("axes of a contour"));
+        assert_eq!(refused(Shape::Contour(contour(), axes)), Refused::OutOfRange("axes of a contour"));
     }
     let on_surface = |change: fn(&mut Surface)| {
         let mut surface = surface(Pattern::Rings { count: 3 });
         change(&mut surface);
-        refused(Work::Surface(surface))
+        refused(Shape::Surface(surface))
     };
     let rings = |count| Pattern::Rings { count };
     assert_eq!(on_surface(|surface| surface.y[1] = -50.0), Refused::OutOfRange("domain of a surface"));
@@ -108,17 +108,17 @@ fn traces_that_no_interpreter_sends_are_refused() {
     assert_eq!(on_surface(|surface| surface.tool.corner_mm = 4.0), Refused::OutOfRange("corner of a tool"));
     assert_eq!(on_surface(|surface| surface.clear_mm = f64::INFINITY), Refused::NotFinite("clearance"));
     for pattern in [rings(0), rings(u32::MAX), Pattern::Lines { along_y: false, count: 1, zigzag: true }] {
-        assert_eq!(refused(Work::Surface(surface(pattern))), Refused::OutOfRange("number of paths"));
+        assert_eq!(refused(Shape::Surface(surface(pattern))), Refused::OutOfRange("number of paths"));
     }
     let curve = Pattern::Curve { t: [0.0; 2] };
-    assert_eq!(refused(Work::Surface(surface(curve))), Refused::OutOfRange("domain of a curve"));
+    assert_eq!(refused(Shape::Surface(surface(curve))), Refused::OutOfRange("domain of a curve"));
     let far = Seam { t: [0.0, 1e7], ..seam(SeamCurve::Formulas) };
-    assert_eq!(refused(Work::Seam(far)), Refused::OutOfRange("domain of a seam"));
-    let led = Trace { correction: Correction::None, ..trace(Work::Seam(seam(SeamCurve::Formulas))) };
+    assert_eq!(refused(Shape::Seam(far)), Refused::OutOfRange("domain of a seam"));
+    let led = Work { correction: Correction::None, ..trace(Shape::Seam(seam(SeamCurve::Formulas))) };
     assert_eq!(unpack(led), Err(Refused::OutOfRange("correction of a seam")));
     let mut broken = meeting();
     broken.second.c[3] = f64::NAN;
-    assert_eq!(refused(Work::Seam(seam(SeamCurve::Meeting(broken)))), Refused::NotFinite("seam"));
+    assert_eq!(refused(Shape::Seam(seam(SeamCurve::Meeting(broken)))), Refused::NotFinite("seam"));
     let askew: [fn(&mut Meeting); 3] = [
         |meeting| meeting.first.axis[2] = 1.0 + 1e-8,
         |meeting| meeting.second.axis[1] = -0.9,
@@ -127,17 +127,17 @@ fn traces_that_no_interpreter_sends_are_refused() {
     for change in askew {
         let mut broken = meeting();
         change(&mut broken);
-        let refused = refused(Work::Seam(seam(SeamCurve::Meeting(broken))));
+        let refused = refused(Shape::Seam(seam(SeamCurve::Meeting(broken))));
         assert_eq!(refused, Refused::OutOfRange("axes of a seam"));
     }
 
     let good = traces()[0];
-    assert_eq!(unpack(Trace { feed_mm_min: 0.0, ..good }), Err(Refused::OutOfRange("feed")));
-    assert_eq!(unpack(Trace { chord_mm: f64::NAN, ..good }), Err(Refused::NotFinite("chord error")));
+    assert_eq!(unpack(Work { feed_mm_min: 0.0, ..good }), Err(Refused::OutOfRange("feed")));
+    assert_eq!(unpack(Work { chord_mm: f64::NAN, ..good }), Err(Refused::NotFinite("chord error")));
     for chord_mm in [0.0, 9e-7, 1.1] {
-        assert_eq!(unpack(Trace { chord_mm, ..good }), Err(Refused::OutOfRange("chord error")));
+        assert_eq!(unpack(Work { chord_mm, ..good }), Err(Refused::OutOfRange("chord error")));
     }
-    let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Trace(good) });
+    let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Work(good) });
     let (mut other, mut longer) = (packet, packet);
     other.trace[0][0] = 9;
     assert_eq!(other.unpack(0), Err(Refused::OutOfRange("trace")), "no such work");
@@ -148,8 +148,8 @@ fn traces_that_no_interpreter_sends_are_refused() {
 /// A layout that cannot be compared field by field: whoever changes it has to change the version in the name of the packet.
 #[test]
 fn the_bytes_of_a_trace_are_those_of_this_version() {
-    let of = |trace: &Trace| {
-        let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Trace(*trace) });
+    let of = |trace: &Work| {
+        let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Work(*trace) });
         crc32fast::hash(packet.trace.as_flattened())
     };
     let known =

@@ -1,11 +1,11 @@
 //! A machine file that cannot be used is refused, and the message says where and why.
 #![allow(clippy::unwrap_used)]
 
-use proptest::prelude::*;
-use protocol::{
-    Axis, AxisMeasurement, Cycle, Machine, Position,
-    machine::{Difference, Feedforward, Kinematics, POSITIONER, PathConfig, SMALL_LATHE, SMALL_MILL},
+use machine::{
+    Difference, Feedforward, Kinematics, Machine, POSITIONER, PathConfig, SMALL_LATHE, SMALL_MILL,
 };
+use proptest::prelude::*;
+use protocol::{Axis, AxisMeasurement, Cycle, Position};
 use toml::{Table, Value};
 
 fn refusal(text: &str) -> String {
@@ -63,7 +63,7 @@ fn the_built_in_machine_is_good() {
 #[test]
 fn the_built_in_mill_is_good() {
     let machine = Machine::from_toml(SMALL_MILL).unwrap();
-    assert_eq!(machine.machine.kinematics, Kinematics::Mill);
+    assert_eq!(machine.general.kinematics, Kinematics::Mill);
     assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Y, Axis::Z]);
     assert_eq!(machine.path, PathConfig::default());
 }
@@ -71,13 +71,13 @@ fn the_built_in_mill_is_good() {
 #[test]
 fn the_built_in_positioner_is_good() {
     let machine = Machine::from_toml(POSITIONER).unwrap();
-    assert_eq!(machine.machine.kinematics, Kinematics::Positioner);
+    assert_eq!(machine.general.kinematics, Kinematics::Positioner);
     let axes: Vec<_> = machine.axes().map(|(axis, _)| axis).collect();
     assert_eq!(axes, [Axis::X, Axis::Y, Axis::A, Axis::C]);
     assert!(machine.spindle.is_none());
-    let geometry = machine.positioner.as_ref().unwrap().geometry();
-    assert_eq!((geometry.x1, geometry.y1, geometry.z1), (120.0, -35.0, 250.0));
-    assert_eq!((geometry.x2, geometry.y2, geometry.z2), (15.0, 8.0, -50.0));
+    let geometry = machine.positioner.as_ref().unwrap();
+    assert_eq!((geometry.x1_mm, geometry.y1_mm, geometry.z1_mm), (120.0, -35.0, 250.0));
+    assert_eq!((geometry.x2_mm, geometry.y2_mm, geometry.z2_mm), (15.0, 8.0, -50.0));
     let travel = [Axis::X, Axis::C].map(|axis| machine.axis[&axis].travel_mm);
     assert_eq!(travel, [[-150.0, 150.0], [-720.0, 720.0]]);
     let written = toml::to_string(&machine).unwrap();

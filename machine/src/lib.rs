@@ -5,6 +5,8 @@
 //! impossible values with the path of the key. Units are in the names of the keys.
 
 mod axis;
+mod feasibility;
+pub mod kinematics;
 mod path;
 mod positioner;
 mod spindle;
@@ -13,10 +15,9 @@ use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, Difference, Feedforward};
 pub use path::PathConfig;
-pub use positioner::{POSITIONER_AXES, PositionerConfig, positioner_drives};
+pub use positioner::{POSITIONER_AXES, PositionerConfig};
+use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
 pub use spindle::{RunOut, SpindleConfig, Threading};
-
-use crate::{Arc, Axis, Cycle, PerAxis, Position, ThreadPass, units::AXES};
 
 /// What a machine file that cannot be used has wrong.
 #[derive(Debug, thiserror::Error)]
@@ -46,7 +47,8 @@ pub enum MachineError {
 #[serde(deny_unknown_fields)]
 pub struct Machine {
     /// `[machine]`
-    pub machine: General,
+    #[serde(rename = "machine")]
+    pub general: General,
     /// `[axis.x]`, `[axis.z]` …
     #[serde(serialize_with = "axis::spelled")]
     pub axis: std::collections::BTreeMap<Axis, AxisConfig>,
@@ -200,7 +202,7 @@ impl Machine {
 
     /// Control cycles in one interpolator cycle.
     pub fn cycles_per_tick(&self) -> u64 {
-        (self.machine.interpolator_cycle_s / self.machine.cycle_s).round() as u64
+        (self.general.interpolator_cycle_s / self.general.cycle_s).round() as u64
     }
 
     /// Whether the interpolator ticks in a control cycle.
@@ -208,40 +210,17 @@ impl Machine {
         cycle.0.is_multiple_of(self.cycles_per_tick())
     }
 
-    /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its travel,
-    /// to the end the law names. The pass has been checked.
-    pub fn can_follow(&self, pass: &ThreadPass) -> bool {
-        let lathe = self.machine.kinematics == Kinematics::Lathe; // only a lathe cuts threads
-        lathe
-            && self.axes().all(|(axis, config)| {
-                let law = pass.axis(axis);
-                let (start, way) = (law.start.mm(), law.law(pass.s_rpm));
-                let top = config.limits().top_ratio(&way.peak());
-                let end = start + way.at(law.done_deg()).s;
-                let travel = config.travel_mm[0]..=config.travel_mm[1];
-                top >= pass.max_ratio * (1.0 - 1e-9)
-                    && (end - law.end.mm()).abs() < 1e-6
-                    && [start, start + law.stroke_mm, end].iter().all(|mm| travel.contains(mm))
-            })
-    }
-
-    /// Whether a point lies within the travel of every axis.
-    pub fn can_reach(&self, point: &PerAxis<Position>) -> bool {
-        self.axes().all(|(axis, config)| {
-            (config.travel_mm[0]..=config.travel_mm[1]).contains(&point[axis.index()].mm())
-        })
-    }
-
-    /// Whether the whole of an arc lies within the travel of every axis; false for what is no arc from there.
-    pub fn can_turn(&self, from: &PerAxis<Position>, arc: &Arc) -> bool {
-        arc.bounds(from).is_ok_and(|corners| corners.iter().all(|corner| self.can_reach(corner)))
-    }
-
     /// The limits of every axis as paths take them; an axis that does not exist has none.
     pub fn limits(&self) -> PerAxis<motion::Limits> {
         let mut limits = [motion::Limits::NONE; AXES];
         self.axes().for_each(|(axis, config)| limits[axis.index()] = config.limits());
         limits
+    }
+
+    /// What a machine-code file for this machine says of it.
+    pub fn identity(&self) -> Identity {
+        let General { name, cycle_s, interpolator_cycle_s, .. } = &self.general;
+        Identity { name: name.clone(), cycle_s: *cycle_s, interpolator_cycle_s: *interpolator_cycle_s }
     }
 
     /// Encoder counts in one turn of the spindle.
@@ -254,7 +233,7 @@ impl Machine {
     /// # Errors
     /// [`MachineError::Value`] with the path of the first such key.
     pub fn check(&self) -> Result<(), MachineError> {
-        let general = &self.machine;
+        let general = &self.general;
         range("machine.cycle_s", general.cycle_s, 0.000_1, 0.004)?;
         range("machine.interpolator_cycle_s", general.interpolator_cycle_s, general.cycle_s, 0.02)?;
         let ratio = general.interpolator_cycle_s / general.cycle_s;

@@ -1,15 +1,12 @@
 //! Kinematics, one function each way: where the axes stand for a programmed point, and which point they stand at.
 //! In and out: mm, and degrees for A, B, C. The point is that of the tool in the coordinates of the machine; X of a lathe
 //! is a radius, and the point of a positioner is where its axes stand: what a beam meets there depends on the part, and
-//! seams ask [`shape::Positioner`]. No state, no clock: the planner and the readers of programs ask the same two functions.
+//! seams ask `shape`. No state, no clock: the planner and the readers of programs ask the same two functions.
 //!
 //! A machine whose axes are no coordinates of the tool (a robot, a tilting head) gets its arm in the two matches here.
+use protocol::{Axis, PerAxis, units::AXES};
 
-use crate::{
-    Axis, Machine, PerAxis,
-    machine::{Kinematics, POSITIONER_AXES},
-    units::AXES,
-};
+use crate::{Kinematics, Machine, POSITIONER_AXES};
 
 /// A programmed point: X, Y, Z in mm, A, B, C in degrees.
 pub type Point = [f64; 6];
@@ -82,7 +79,7 @@ impl Machine {
     /// # Errors
     /// [`MissingAxis`] names the first axis that the machine does not have and that would not stand at 0.
     pub fn axes_at(&self, point: &Point) -> Result<PerAxis<f64>, MissingAxis> {
-        let axes = self.machine.kinematics.axes(point);
+        let axes = self.general.kinematics.axes(point);
         let missing = |axis: &Axis| axes[axis.index()] != 0.0 && !self.axis.contains_key(axis);
         match Axis::ALL.into_iter().find(missing) {
             Some(axis) => Err(MissingAxis { axis, at: axes[axis.index()] }),

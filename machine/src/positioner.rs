@@ -1,12 +1,12 @@
 //! `[positioner]` of the machine file: where the axes of a four-axis positioner lie, and where its beam stands.
-//! In: mm; α is the axis A, β the axis C, degrees. Out: checked values, and the geometry for `shape`.
+//! In: mm; α is the axis A, β the axis C, degrees. Out: checked values.
 
 use serde::{Deserialize, Serialize};
-use shape::Positioner;
 
 use super::axis::pair;
+use protocol::Axis;
+
 use super::{Kinematics, Machine, MachineError, range, refuse};
-use crate::{Axis, PerAxis};
 
 /// `[positioner]`
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,12 +30,6 @@ pub struct PositionerConfig {
 }
 
 impl PositionerConfig {
-    /// The geometry.
-    pub fn geometry(&self) -> Positioner {
-        let PositionerConfig { x1_mm: x1, y1_mm: y1, z1_mm: z1, x2_mm: x2, y2_mm: y2, z2_mm: z2, .. } = *self;
-        Positioner { x1, y1, z1, x2, y2, z2 }
-    }
-
     fn check(&self) -> Result<(), MachineError> {
         let [beam_x, beam_y] = self.beam_mm;
         for (name, mm) in [
@@ -57,7 +51,7 @@ impl PositionerConfig {
 impl Machine {
     /// Refuses a positioner without its table, and the table on another machine.
     pub(super) fn check_positioner(&self) -> Result<(), MachineError> {
-        match (self.machine.kinematics, &self.positioner) {
+        match (self.general.kinematics, &self.positioner) {
             (Kinematics::Positioner, Some(positioner)) => positioner.check(),
             (Kinematics::Positioner, None) => {
                 let reason = "needs [positioner] with x1_mm, y1_mm, z1_mm, x2_mm, y2_mm, z2_mm and beam_mm";
@@ -73,9 +67,3 @@ impl Machine {
 
 /// Axes of a positioner, in the order x, y, α, β.
 pub const POSITIONER_AXES: [Axis; 4] = [Axis::X, Axis::Y, Axis::A, Axis::C];
-
-/// Drives of a positioner where its axes stand at `axes`, mm and degrees.
-pub fn positioner_drives(axes: &PerAxis<f64>) -> shape::Drives {
-    let [x, y, alpha, beta] = POSITIONER_AXES.map(|axis| axes[axis.index()]);
-    shape::Drives { x, y, alpha: alpha.to_radians(), beta: beta.to_radians() }
-}

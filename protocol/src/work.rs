@@ -5,8 +5,10 @@
 use serde::{Deserialize, Serialize};
 use shape::{Contour, Correction, Meeting, Pattern, Seam, SeamCurve, Surface, Tool};
 
-use crate::code::{not_negative, positive};
-use crate::{Axis, Position, Refused, finite};
+use crate::{
+    refused::{Refused, finite, not_negative, positive},
+    units::{Axis, Position},
+};
 
 /// Formulas that work may refer to, by their number.
 pub const FORMULAS: usize = 6;
@@ -14,7 +16,7 @@ pub const FORMULAS: usize = 6;
 /// What is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
-pub enum Work {
+pub enum Shape {
     /// A contour in the plane of two axes: master, follower.
     Contour(Contour, [Axis; 2]),
     /// A surface under a tool, on X, Y, Z.
@@ -25,9 +27,9 @@ pub enum Work {
 
 /// Work to be done from where it begins; the axes rest there when it is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Trace {
+pub struct Work {
     /// What.
-    pub work: Work,
+    pub shape: Shape,
     /// Machine position of the zero of the formulas on X, Y, Z (of a contour: on master and follower). Not of a seam, whose
     /// frame is that of the work-holder.
     pub origin: [Position; 3],
@@ -39,8 +41,8 @@ pub struct Trace {
     pub correction: Correction,
 }
 
-impl Trace {
-    /// What a trace counts in the progress of a program.
+impl Work {
+    /// What a work counts in the progress of a program.
     pub const STEPS: u64 = 1000;
     /// Longest way of a formula, mm or units of its parameter, either side of 0.
     const FAR: f64 = 1e6;
@@ -57,22 +59,22 @@ impl Trace {
     /// Names the field.
     pub fn check(&self) -> Result<(), Refused> {
         positive(self.feed_mm_min, "feed")?;
-        let [least, most] = Trace::CHORD_MM;
+        let [least, most] = Work::CHORD_MM;
         if !(least..=most).contains(&finite(self.chord_mm, "chord error")?) {
             return Err(Refused::OutOfRange("chord error"));
         }
-        match &self.work {
-            Work::Contour(contour, [master, follower]) => {
+        match &self.shape {
+            Shape::Contour(contour, [master, follower]) => {
                 range(&contour.x, "domain of a contour")?;
                 not_negative(contour.radius_mm, "radius of a tool")?;
                 let plane = master != follower && !master.is_rotary() && !follower.is_rotary();
                 if plane { Ok(()) } else { Err(Refused::OutOfRange("axes of a contour")) }
             }
-            Work::Surface(surface) => check_surface(surface),
-            Work::Seam(_) if self.correction != Correction::Exact => {
+            Shape::Surface(surface) => check_surface(surface),
+            Shape::Seam(_) if self.correction != Correction::Exact => {
                 Err(Refused::OutOfRange("correction of a seam"))
             }
-            Work::Seam(seam) => {
+            Shape::Seam(seam) => {
                 range(&seam.t, "domain of a seam")?;
                 finite(seam.idle_beta_deg, "seam")?;
                 match &seam.curve {
@@ -88,7 +90,7 @@ impl Trace {
     /// of an exact step l is off by l²/8R. A step along the tangent ends off by l²/2R, and so may one without the mixed
     /// term; with the signs of a surface as printed, by l²/R. What the others leave at their end is of third order.
     pub fn chord_of_steps(&self) -> f64 {
-        let on_surface = matches!(self.work, Work::Surface(_));
+        let on_surface = matches!(self.shape, Shape::Surface(_));
         let times = match self.correction {
             Correction::None => 4.0,
             Correction::Published if on_surface => 8.0,
@@ -111,8 +113,8 @@ fn check_meeting(Meeting { first, second, share, .. }: &Meeting) -> Result<(), R
     all_finite(&[first.radius_mm, first.slope, *share])?;
     let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let units = [&first.axis, &first.zero, &second.axis];
-    let lengths = units.iter().all(|unit| (product(unit, unit) - 1.0).abs() <= 2.0 * Trace::UNIT);
-    if lengths && product(&first.axis, &first.zero).abs() <= Trace::UNIT {
+    let lengths = units.iter().all(|unit| (product(unit, unit) - 1.0).abs() <= 2.0 * Work::UNIT);
+    if lengths && product(&first.axis, &first.zero).abs() <= Work::UNIT {
         Ok(())
     } else {
         Err(Refused::OutOfRange("axes of a seam"))
@@ -138,13 +140,13 @@ fn check_surface(surface: &Surface) -> Result<(), Refused> {
         Pattern::Rings { count } => (count, 1),
         Pattern::Curve { t } => return range(&t, "domain of a curve"),
     };
-    let is_good = (least..=Trace::MOST_PATHS).contains(&paths);
+    let is_good = (least..=Work::MOST_PATHS).contains(&paths);
     if is_good { Ok(()) } else { Err(Refused::OutOfRange("number of paths")) }
 }
 
 /// Refuses a way that is none, or leads too far.
 fn range(range: &[f64; 2], name: &'static str) -> Result<(), Refused> {
-    let near = |end: f64| finite(end, name).map(|end| end.abs() <= Trace::FAR);
+    let near = |end: f64| finite(end, name).map(|end| end.abs() <= Work::FAR);
     if near(range[0])? && near(range[1])? && range[0] != range[1] {
         Ok(())
     } else {

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error, ser};
 
+use protocol::{Axis, AxisMeasurement, Position};
+
 use super::{General, MachineError, range, refuse};
-use crate::{Axis, AxisMeasurement, Position};
 
 /// Rows of a table of errors are at least so far apart, mm.
 const CLOSEST_MM: f64 = 0.1;

@@ -9,10 +9,8 @@
 //! chord error (M44); speeds and accelerations are those of the path. At rest there is no step, so a trace ends where it should.
 
 use motion::chain::Block;
-use protocol::{
-    Code, Fault, Item, Leg, PerAxis, Position, Route, Stretch, Trace, Traced, Tracer, Untraceable,
-    units::AXES,
-};
+use protocol::{Code, Fault, Item, PerAxis, Position, Work, units::AXES};
+use route::{Advance, Course, Move, Route, Stretch, Unworkable};
 use shape::{Correction, Plan};
 
 use crate::{queue::Queue, run::Run};
@@ -25,24 +23,24 @@ const TRIES_PER_TICK: usize = 6;
 
 /// The trace in hand, or none.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tracing {
+pub(crate) struct Working {
     /// Traces that were begun to be drawn so far.
     drawn: u32,
     /// What of the last of them is to be drawn yet.
-    tracer: Option<Tracer>,
+    tracer: Option<Course>,
     /// A block that was drawn and begins the next run.
-    ahead: Option<Block<AXES, Leg>>,
+    ahead: Option<Block<AXES, Move>>,
     /// Number of the trace in which the axes are, and the share of it that is done; nothing if no trace is in hand.
     here: Option<(u32, f64)>,
     /// The number of the trace, if the setpoints of this tick cut; else 0.
     cutting: u32,
     /// A trace whose followers are led by ratios,
-    led: Option<Trace>,
+    led: Option<Work>,
     /// and where it was cut in the tick before: exact positions, and the parameter of the leg.
     before: Option<(PerAxis<Position>, Plan, f64)>,
 }
 
-impl Tracing {
+impl Working {
     /// A trace is next, or goes on behind a run.
     ///
     /// # Errors
@@ -51,17 +49,17 @@ impl Tracing {
         &mut self,
         route: &Route,
         line: u32,
-        trace: &Trace,
+        trace: &Work,
         here: &PerAxis<Position>,
     ) -> Result<(), Fault> {
         if self.in_hand() {
             return Ok(());
         }
         let number = self.drawn + 1;
-        let tracer = Tracer::new(route, line, trace, here).map_err(|reason| fault(&reason))?;
+        let tracer = Course::new(route, line, trace, here).map_err(|reason| fault(&reason))?;
         let led = (trace.correction != Correction::Exact).then_some(*trace);
         let (tracer, here) = (Some(tracer.numbered(number)), Some((number, 0.0)));
-        *self = Tracing { drawn: number, tracer, here, led, ..Tracing::default() };
+        *self = Working { drawn: number, tracer, here, led, ..Working::default() };
         Ok(())
     }
 
@@ -89,12 +87,12 @@ impl Tracing {
     pub(crate) fn left(&self) -> Option<u64> {
         let (number, done) = self.here?;
         let behind = u64::from(self.drawn.saturating_sub(number));
-        Some((behind + 1) * Trace::STEPS - ((done * Trace::STEPS as f64) as u64).min(Trace::STEPS))
+        Some((behind + 1) * Work::STEPS - ((done * Work::STEPS as f64) as u64).min(Work::STEPS))
     }
 
     /// The setpoints of this tick lie in a block; how many traces that completes.
-    pub(crate) fn step(&mut self, leg: &Leg) -> u64 {
-        let Some(Stretch { number, share, cut }) = leg.trace else { return 0 };
+    pub(crate) fn step(&mut self, leg: &Move) -> u64 {
+        let Some(Stretch { number, share, cut }) = leg.work else { return 0 };
         let (before, _) = self.here.replace((number, share)).unwrap_or((number, 0.0));
         self.cutting = if cut.is_some() { number } else { 0 };
         u64::from(number.saturating_sub(before))
@@ -105,16 +103,16 @@ impl Tracing {
     pub(crate) fn lead(
         &mut self,
         route: &Route,
-        leg: &Leg,
+        leg: &Move,
         s: f64,
         exact: PerAxis<Position>,
     ) -> PerAxis<Position> {
         let before = self.before.take();
-        let (Some(trace), Some(cut)) = (self.led, leg.trace.and_then(|stretch| stretch.cut)) else {
+        let (Some(trace), Some(cut)) = (self.led, leg.work.and_then(|stretch| stretch.cut)) else {
             return exact;
         };
         self.before = Some((exact, cut.plan, cut.clock.parameter(s)));
-        before.map_or(exact, |(from, plan, t)| trace.led(route, (&plan, t), &from, &exact))
+        before.map_or(exact, |(from, plan, t)| route.led(&trace, (&plan, t), &from, &exact))
     }
 
     /// Takes pieces for as long as they belong to the run; with `single` block it ends with the trace.
@@ -148,15 +146,15 @@ impl Tracing {
         route: &Route,
         queue: &mut Queue,
         single: bool,
-    ) -> Result<Option<Block<AXES, Leg>>, Fault> {
+    ) -> Result<Option<Block<AXES, Move>>, Fault> {
         if let Some(block) = self.ahead.take() {
             return Ok(Some(block));
         }
         let Some(tracer) = &mut self.tracer else { return Ok(None) };
         match tracer.next(route) {
-            Ok(Traced::Block(block)) => return Ok(Some(block)),
-            Ok(Traced::Nowhere) => {}
-            Ok(Traced::Over) => self.draw_next(run, route, queue, single),
+            Ok(Advance::Block(block)) => return Ok(Some(block)),
+            Ok(Advance::Nowhere) => {}
+            Ok(Advance::Over) => self.draw_next(run, route, queue, single),
             Err(reason) if run.is_new() => return Err(fault(&reason)),
             Err(_) => run.close(),
         }
@@ -168,11 +166,11 @@ impl Tracing {
         queue.done();
         let next = queue.head();
         let before = self.tracer.take();
-        if let (Some(Item { line, code: Code::Trace(trace) }), Some(before), Some(last)) =
+        if let (Some(Item { line, code: Code::Work(trace) }), Some(before), Some(last)) =
             (&next, before, run.last())
             && !single
-            && let Ok(tracer) = Tracer::new(route, *line, trace, &last.to)
-            && tracer.goes_on(before.trace())
+            && let Ok(tracer) = Course::new(route, *line, trace, &last.to)
+            && tracer.goes_on(before.work())
         {
             (self.drawn, self.tracer) = (self.drawn + 1, Some(tracer.numbered(self.drawn + 1)));
         } else {
@@ -197,9 +195,9 @@ impl Tracing {
 }
 
 /// The fault that a reason becomes.
-fn fault(reason: &Untraceable) -> Fault {
+fn fault(reason: &Unworkable) -> Fault {
     match reason {
-        Untraceable::BeyondTravel(..) => Fault::TravelLimit,
+        Unworkable::BeyondTravel(..) => Fault::TravelLimit,
         _ => Fault::BadMachineCode,
     }
 }

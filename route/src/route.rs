@@ -1,57 +1,23 @@
-//! From machine code to what a chain plans: the moves of a program as blocks with paths, feeds and corners.
+//! The moves of a program as blocks with paths, feeds and corners.
 //! In: lines and arcs to absolute points, path modes. Out: blocks from where the move before ended, or why not.
-//!
-//! The interpolator moves along these blocks, and the interpreter foretells how long that takes: both ask here, so that
-//! they mean the same path.
 
+use machine::Machine;
 use motion::Path;
 use motion::chain::{self, Block, Corner, Settings};
-use shape::{Clock, Formula, Plan};
+use protocol::{Axis, Code, Feed, PathMode, PerAxis, Position, Refused, Work, units::AXES};
+use shape::{Formula, Plan};
 
-use crate::track::Formulas;
-use crate::{Axis, Code, Feed, Machine, PathMode, PerAxis, Position, Refused, units::AXES};
-
-/// Where a block lies on the machine, and whence in the program.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Leg {
-    /// Line of the part program.
-    pub line: u32,
-    /// Absolute start of every axis.
-    pub from: PerAxis<Position>,
-    /// Absolute end.
-    pub to: PerAxis<Position>,
-    /// How fast.
-    pub feed: Feed,
-    /// What it is of a trace; nothing for moves of the program.
-    pub trace: Option<Stretch>,
-}
-
-/// A part of a trace.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Number of the trace: that of its [`Tracer`](crate::Tracer).
-    pub number: u32,
-    /// Share of the trace that is done where it begins, 0 to 1.
-    pub share: f64,
-    /// What the tool cuts there, or the beam; nothing on the way from one path to the next.
-    pub cut: Option<Cut>,
-}
-
-/// A piece of a leg of a trace.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
-    /// The leg, seen from above.
-    pub plan: Plan,
-    /// Its parameter along the piece.
-    pub clock: Clock,
-}
+use crate::{
+    legs::Legs,
+    terms::{Formulas, Move},
+};
 
 /// What becomes of a move.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // there is one of it at a time, and it must not allocate
 pub enum Routed {
     /// A block to plan.
-    Block(Block<AXES, Leg>),
+    Block(Block<AXES, Move>),
     /// It goes nowhere.
     Nowhere,
     /// It leaves the travel of an axis.
@@ -78,7 +44,7 @@ impl Route {
 
     /// What a chain for this machine is laid out for.
     pub fn settings(machine: &Machine) -> Settings<AXES> {
-        Settings { axes: machine.limits(), cycle_s: machine.machine.interpolator_cycle_s }
+        Settings { axes: machine.limits(), cycle_s: machine.general.interpolator_cycle_s }
     }
 
     /// From the next block on.
@@ -86,7 +52,7 @@ impl Route {
         self.mode = mode;
     }
 
-    /// What traces that follow refer to by this number.
+    /// What works that follow refer to by this number.
     pub fn set_formula(&mut self, slot: u8, formula: Formula) {
         self.formulas.set(usize::from(slot), formula);
     }
@@ -106,7 +72,7 @@ impl Route {
         if room < 0.0 || !self.machine.can_reach(to) {
             return Ok(Routed::BeyondTravel);
         }
-        let leg = Leg { line, from: *from, to: *to, feed, trace: None };
+        let leg = Move { line, from: *from, to: *to, feed, work: None };
         let (feed, corner, chord_mm) = (self.feed(feed), self.corner(), self.machine.path.chord_mm);
         Ok(Routed::Block(Block { path, feed, corner, room, chord_mm, tag: leg }))
     }
@@ -128,6 +94,24 @@ impl Route {
             let beside = if beside < 0.0 && beside > -2.0 / Position::PER_MM { 0.0 } else { beside };
             if beside < narrowest.0 { (beside, axis) } else { narrowest }
         })
+    }
+
+    /// Where the axes are led in a step whose exact end is `to`: the one of the largest way goes there, the others follow in
+    /// the ratios of the correction (M36–M43) from the exact start `from`, at the parameter `t` of a plan. Exactly, where the
+    /// start is not on the path itself: in a corner that is rounded.
+    pub fn led(
+        &self,
+        work: &Work,
+        (plan, t): (&Plan, f64),
+        from: &PerAxis<Position>,
+        to: &PerAxis<Position>,
+    ) -> PerAxis<Position> {
+        let Some(step) = work.step((plan, t), &self.formulas, &self.machine, from, to) else { return *to };
+        let mut led = *to;
+        for (axis, way) in work.axes().iter().zip(step) {
+            led[axis.index()] = from[axis.index()].moved(way);
+        }
+        led
     }
 
     fn corner(&self) -> Corner {
@@ -158,12 +142,5 @@ impl Route {
                 chain::Feed::PerRevolution(feed, chain::MOST_RATIO * feed * turns)
             }
         }
-    }
-}
-
-impl Leg {
-    /// Whether two moves can be one chain: overrides act on both alike.
-    pub fn joins(&self, other: &Leg) -> bool {
-        std::mem::discriminant(&self.feed) == std::mem::discriminant(&other.feed)
     }
 }
