@@ -1,7 +1,7 @@
 //! G and M codes, and the modal groups that they exclude each other in.
 //!
-//! A code is ten times its number, so that G33.1 is `G(331)`. Groups are those of RS274/NGC (NIST IR 6556, table 4)
-//! with the additions of LinuxCNC.
+//! A code is ten times its number, so that G33.1 is `G(331)`. Groups are those of RS274/NGC (NIST IR 6556,
+//! table 4) with the additions of LinuxCNC.
 
 use std::fmt;
 

@@ -1,8 +1,8 @@
 //! G-code to canonical machining functions: RS274/NGC as lathes and mills speak it, and FANUC lathe programs.
 //!
-//! In: part programs as they exist on disks, a tool table, a parameter file. Out: a stream of [`Call`]s, each with the
-//! line it comes from, and [`Diagnostic`]s. Nothing here knows a machine: limits, axes and threads are the business of
-//! whoever receives the calls.
+//! In: part programs as they exist on disks, a tool table, a parameter file. Out: a stream of [`Call`]s, each
+//! with the line it comes from, and [`Diagnostic`]s. Nothing here knows a machine: limits, axes and threads
+//! are the business of whoever receives the calls.
 //!
 //! # Text in, calls out
 //!
@@ -59,11 +59,13 @@
 //! | [`files`] | tool table, parameter file, machine file | values |
 //! | [`alone`] | one line, one value | a [`Block`], a number |
 //!
-//! Lines that begin with `;@` are a [`Job`]: text for a receiver that knows what to do with it, see [`Sink::job`].
+//! Lines that begin with `;@` are a [`Job`]: text for a receiver that knows what to do with it, see
+//! [`Sink::job`].
 #![forbid(unsafe_code)]
 
 pub mod alone;
 pub mod block;
+mod bounds;
 pub mod canon;
 pub mod codes;
 mod execute;

@@ -65,18 +65,19 @@ pub struct Options {
     pub tools: ToolTable,
     /// Numbered parameters that are set at the start.
     pub parameters: Vec<(u32, f64)>,
-    /// Named parameters that programs can read only: those of the machine description, such as `_ini[vars]depth`.
+    /// Named parameters that programs can read only: those of the machine description, such as
+    /// `_ini[vars]depth`.
     pub named: Vec<(String, f64)>,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub peck_clearances: [f64; 2],
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
-    /// As LinuxCNC's stand-alone interpreter, where it differs from the controller: G20 and G21 leave F and the offset
-    /// of the tool as numbers, a tool change brings the programmed point back to the end of the last move, an inch
-    /// machine has inches of 1/0.03937007874016 mm, the first tool of the table counts as that in an empty spindle,
-    /// and an error ends all calls.
+    /// As LinuxCNC's stand-alone interpreter, where it differs from the controller: G20 and G21 leave F and
+    /// the offset of the tool as numbers, a tool change brings the programmed point back to the end of the
+    /// last move, an inch machine has inches of 1/0.03937007874016 mm, the first tool of the table counts as
+    /// that in an empty spindle, and an error ends all calls.
     pub stand_alone: bool,
-    /// Where subroutine files are looked for, behind the folder of the program.
+    /// Where subroutine files are looked for, after the folder of the program.
     pub subroutine_folders: Vec<PathBuf>,
     /// Limits.
     pub limits: Limits,

@@ -3,11 +3,10 @@
 //! Inside the interpreter a [`Problem`] names the word to blame; the program, which knows the text, makes a
 //! [`Diagnostic`] of it: file, line, column, the source line with a caret, the remedy.
 
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
-
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use crate::canon::Place;
 use crate::codes::{G, M};
@@ -135,8 +134,8 @@ impl Diagnostic {
         Diagnostic { file, line, column, text, span, code, severity, message, help }
     }
 
-    /// The diagnostic as text of several lines: `FILE:LINE:COLUMN: error[code]: message`, the source line with a
-    /// caret, and the remedy.
+    /// The diagnostic as text of several lines: `FILE:LINE:COLUMN: error[code]: message`, the source line
+    /// with a caret, and the remedy.
     pub fn render(&self, color: bool) -> String {
         let level = match self.severity {
             Severity::Warning => Level::WARNING,

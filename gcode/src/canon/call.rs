@@ -42,8 +42,8 @@ pub struct Arc {
     pub end: [f64; 2],
     /// Centre: first axis, second axis.
     pub center: [f64; 2],
-    /// Turns, never 0: positive counterclockwise seen from the positive end of the axis across the plane; ±1 is
-    /// up to one full turn.
+    /// Turns, never 0: positive counterclockwise seen from the positive end of the axis across the plane; ±1
+    /// is up to one full turn.
     pub turns: i32,
     /// End of the axis across the plane.
     pub along: f64,
@@ -93,8 +93,8 @@ pub enum Call<'a> {
     StraightProbe(u8, Pose),
     /// G4, s.
     Dwell(f64),
-    /// Motion follows the spindle from here: units per revolution along the path. With `velocity`, only its speed
-    /// (G95) and not its angle.
+    /// Motion follows the spindle from here: units per revolution along the path. With `velocity`, only its
+    /// speed (G95) and not its angle.
     StartSpeedFeedSynch {
         /// Units per revolution.
         lead: f64,
@@ -165,8 +165,8 @@ pub enum Call<'a> {
     },
     /// A comment, without its parentheses.
     Comment(&'a str),
-    /// What the control says about itself where LinuxCNC's `rs274` prints a comment of its own; `interpreter: ` is
-    /// left out.
+    /// What the control says about itself where LinuxCNC's `rs274` prints a comment of its own; `interpreter:
+    /// ` is left out.
     Note(&'a str),
     /// `(MSG,...)` and `(DEBUG,...)`.
     Message(&'a str),

@@ -1,9 +1,9 @@
 //! Numbers as text with a fixed count of decimals, digit for digit what C's `%.4f` and `%.6f` print.
 //!
-//! In: a finite double. Out: bytes at the end of a buffer. The double is `m 2^e` with whole `m < 2^53`; the digits are
-//! those of `m 10^D 2^e` rounded to the nearest whole number, ties to the even one. For `|value| < 10^12` that is a
-//! product below 2^73 and a shift, all exact in 128 bits; other values go through the standard formatter, which rounds
-//! the same way.
+//! In: a finite double. Out: bytes at the end of a buffer. The double is `m 2^e` with whole `m < 2^53`; the
+//! digits are those of `m 10^D 2^e` rounded to the nearest whole number, ties to the even one. For `|value| <
+//! 10^12` that is a product below 2^73 and a shift, all exact in 128 bits; other values go through the
+//! standard formatter, which rounds the same way.
 
 use std::io::Write;
 
@@ -71,7 +71,8 @@ fn sign(out: &mut Vec<u8>, value: f64) {
     }
 }
 
-/// `|value| power` rounded to the nearest whole number, ties to even; `None` if it is too large or not finite.
+/// `|value| power` rounded to the nearest whole number, ties to even; `None` if it is too large or not
+/// finite.
 fn scaled(value: f64, power: u64) -> Option<u64> {
     let magnitude = value.abs();
     if magnitude.is_nan() || magnitude >= LARGE {

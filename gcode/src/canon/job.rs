@@ -1,8 +1,9 @@
-//! Jobs: work that is described by a formula instead of blocks. In: lines of a program that begin with `;@`, or a file
-//! that is nothing but a job. Out: its text, for the receiver of calls, which knows the machine.
+//! Jobs: work that is described by a formula instead of blocks. In: lines of a program that begin with `;@`,
+//! or a file that is nothing but a job. Out: its text, for the receiver of calls, which knows the machine.
 //!
-//! Whatever a job says, it says in mm and in the coordinates in force. Nothing in this crate reads it: keys and values
-//! are the business of the receiver, which also says where the tool is behind it ([`Sink::job`](crate::Sink::job)).
+//! Whatever a job says, it says in mm and in the coordinates in force. Nothing in this crate reads it: keys
+//! and values are the business of the receiver, which also says where the tool is after it
+//! ([`Sink::job`](crate::Sink::job)).
 
 use crate::problem::{Problem, Span};
 

@@ -1,21 +1,21 @@
 //! Calls as LinuxCNC's stand-alone interpreter (`rs274 -g`, version 2.10) prints them, byte for byte.
 //!
-//! In: calls. Out: lines of a running number, the N word of the program line (`N.....` without one), and the call:
+//! In: calls. Out: lines of a running number, the N word of the program line (`N.....` without one), and the
+//! call:
 //! ```text
 //!    13 N0010  STRAIGHT_FEED(3.0000, 0.3000, 5.0000, 0.0000, 0.0000, 0.0000)
 //! ```
-//! Lengths have four decimals, leads, tolerances of the path and output values six. `(PRINT,...)` is its text alone,
-//! without a number. What that interpreter passes over in silence (M66, the change to G93) prints nothing.
+//! Lengths have four decimals, leads, tolerances of the path and output values six. `(PRINT,...)` is its text
+//! alone, without a number. What that interpreter passes over in silence (M66, the change to G93) prints
+//! nothing.
 
 use std::io::{self, Write};
 
 use super::printer::Lines;
 use super::{Arc, Call, FeedMode, PathMode, Place, Pose, Sink};
+use crate::bounds::NO_HIGHEST_SPEED;
 use crate::files::Tool;
 use crate::problem::Problem;
-
-/// What constant surface speed without a limit prints as its highest speed, 1/min.
-const NO_LIMIT: f64 = 1e30;
 
 /// Prints calls as `rs274 -g` does.
 pub struct LinuxcncPrinter<W: Write> {
@@ -140,7 +140,9 @@ impl<W: Write> LinuxcncPrinter<W> {
     /// Everything that is neither a move nor a state of coordinates.
     fn others(&mut self, call: &Call<'_>) {
         match *call {
-            Call::SetSpindleMode(limit) => self.one_number("SET_SPINDLE_MODE(0 ", limit.min(NO_LIMIT)),
+            Call::SetSpindleMode(limit) => {
+                self.one_number("SET_SPINDLE_MODE(0 ", limit.min(NO_HIGHEST_SPEED))
+            }
             Call::SetSpindleSpeed(speed) => self.one_number("SET_SPINDLE_SPEED(0, ", speed),
             Call::OrientSpindle(angle, direction) => {
                 self.lines.text("ORIENT_SPINDLE(0, ");
@@ -236,7 +238,7 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
     }
 }
 
-/// A number that counts up as text: cheaper than making its digits anew for every line.
+/// A number that counts up as text: cheaper than making its digits anew forevery line.
 struct Counter {
     /// Right-aligned, blanks in front.
     text: [u8; 20],

@@ -1,8 +1,8 @@
 //! Canonical machining functions: what a program means, free of its spelling.
 //!
-//! The names and meanings are those of NIST RS274/NGC as LinuxCNC continued them. Lengths and feeds are in the units
-//! that the last [`Call::UseLengthUnits`] named, positions in the coordinate system that the last offsets made, X a
-//! radius, angles in degrees.
+//! The names and meanings are those of NIST RS274/NGC as LinuxCNC continued them. Lengths and feeds are in
+//! the units that the last [`Call::UseLengthUnits`] named, positions in the coordinate system that the last
+//! offsets made, X a radius, angles in degrees.
 
 mod call;
 mod decimal;

@@ -10,6 +10,7 @@ pub struct Place {
     /// N word of the line that was being read when the call was made: moves that wait for the next one
     /// (compensation) are sent while a later line is read.
     pub n: Option<u32>,
-    /// How many digits N was written with, so that N0010 can be printed as it stands; 0 with a blank behind the N.
+    /// How many digits N was written with, so that N0010 can be printed as it stands; 0 with a blank after
+    /// the N.
     pub n_digits: u8,
 }

@@ -1,13 +1,14 @@
 //! Calls in a tidy form, made for reading and for comparing programs.
 //!
-//! In: calls. Out: one call a line in the names of RS274/NGC, in mm, radius for X, four decimals, no line numbers:
+//! In: calls. Out: one call a line in the names of RS274/NGC, in mm, radius for X, four decimals, no line
+//! numbers:
 //! ```text
 //! USE_LENGTH_UNITS(CANON_UNITS_MM)
 //! STRAIGHT_TRAVERSE(0.0000, 0.0000, 5.0000)
 //! ```
-//! Positions are X, Y, Z; A, B, C follow from the first of them on that is not zero. Offsets, plane and feed mode are
-//! printed when they change, so that the beginning of a program says no more than the program does. What the control
-//! says about itself (notes, resets) is left out.
+//! Positions are X, Y, Z; A, B, C follow from the first of them on that is not zero. Offsets, plane and feed
+//! mode are printed when they change, so that the beginning of a program says no more than the program does.
+//! What the control says about itself (notes, resets) is left out.
 
 use std::io::{self, Write};
 
@@ -106,7 +107,7 @@ impl<W: Write> PlainPrinter<W> {
         self.lines.text(")");
     }
 
-    /// The rest of a call behind its name and, for offsets, the number of the system.
+    /// The rest of a call after its name and, for offsets, the number of the system.
     fn position(&mut self, begin: &str, position: &Pose) {
         let position = self.in_mm(position);
         self.lines.text(begin);

@@ -1,4 +1,5 @@
-//! What the formats share: the buffer that their lines go through, and the calls that look the same in all of them.
+//! What the formats share: the buffer that their lines go through, and the calls that look the same in all of
+//! them.
 
 use std::io::{self, Write};
 

@@ -15,9 +15,10 @@ pub trait Sink {
     /// What the receiver cannot do; the interpreter adds file, line and caret.
     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>>;
 
-    /// Takes a job: work described by a formula, in the coordinates in force; `tools` are for those who know what it
-    /// needs. The answer is where the tool is behind it, in the units and coordinates in force; `None`: the programmed
-    /// point stays what it was. A receiver that knows no jobs gets a comment for each line.
+    /// Takes a job: work described by a formula, in the coordinates in force; `tools` are for those who know
+    /// what it needs. The answer is where the tool is after it, in the units and coordinates in force;
+    /// `None`: the programmed point stays what it was. A receiver that knows no jobs gets a comment for each
+    /// line.
     ///
     /// # Errors
     /// As for [`Sink::call`].

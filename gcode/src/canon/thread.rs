@@ -1,16 +1,18 @@
-//! A threading cycle as one call: G76 of LinuxCNC, G76 and G92 of FANUC. Here are the depths of its passes and the moves
-//! that LinuxCNC makes of it.
+//! A threading cycle as one call: G76 of LinuxCNC, G76 and G92 of FANUC. Here are the depths of its passes
+//! and the moves that LinuxCNC makes of it.
 //!
 //! ```text
-//! (1)  depth of pass n     d_n = max(J n^(1/R), d_(n-1) + m) while that is less than K - f; K - f if f > 0; then K, 1 + H times
+//! (1)  depth of pass n     d_n = max(J n^(1/R), d_(n-1) + m) while that is less than K - f;
+//!                          K - f if f > 0; then K, 1 + H times
 //! (2)  X at depth d        x0 ± (|I| + d), + inside, - outside
 //! (3)  shift of a pass     s = d tan Q, towards the end
-//! (4)  along Z             from z0 shifted by s, to the end shifted back by (K - d) tan Q, so that the last one ends at the end
-//! (5)  chamfer             over E along Z from depth d - K to d, with the lead P hypot(E, K) / E along the way
+//! (4)  along Z             from z0 shifted by s, to the end shifted back by (K - d) tan Q,
+//!                          so that the last one ends at the end
+//! (5)  chamfer             over E along Z from depth d - K to d, with the lead P hypot(E, K) / E along it
 //! (6)  tapered thread      all X grow by T (z - z0) / (ze - z0)
 //! ```
-//! I crest, J first depth, K full depth, R degression, m least cut, f finishing allowance, H springs, Q angle of the infeed,
-//! E chamfer, P lead, T taper.
+//! I crest, J first depth, K full depth, R degression, m least cut, f finishing allowance, H springs, Q angle
+//! of the infeed, E chamfer, P lead, T taper.
 
 use std::iter::{repeat_n, successors};
 
@@ -82,7 +84,7 @@ impl ThreadCycle {
     /// The calls that stand for the cycle, one after the other.
     ///
     /// # Errors
-    /// The first of `each`; nothing is sent behind it.
+    /// The first of `each`; nothing is sent after it.
     pub fn expand<E>(&self, each: &mut impl FnMut(Call<'static>) -> Result<(), E>) -> Result<(), E> {
         for depth in self.depths() {
             self.pass(depth, each)?;

@@ -1,27 +1,27 @@
 //! Arcs and helices: G2 and G3 in three planes.
 //!
-//! In: a block and the state; the centre as I J K (from the start under G91.1, absolute under G90.1; lengths, never
-//! diameters), or R; P turns. Out: an [`Arc`] with its centre, or what is wrong with the numbers.
+//! In: a block and the state; the centre as I J K (from the start under G91.1, absolute under G90.1; lengths,
+//! never diameters), or R; P turns. Out: an [`Arc`] with its centre, or what is wrong with the numbers.
 //!
 //! ```text
 //! (1)  r1 = |start - centre|,  r2 = |end - centre|;  both at least 0.00005 inch
-//! (2)  e = |r1 - r2|;  refused if e > 100 t, or if e > t and e > max(r1, r2)/1000;  t = 2√2/100 mm or 2√2/1000 inch
-//! (3)  R: with M the middle of the chord and h half of it, the centre is √(R² - h²) from M, to the left of the
-//!      chord for G3 R+ and G2 R-, else to the right; h may exceed |R| by 0.00005 inch
+//! (2)  e = |r1 - r2|;  refused if e > 100 t, or if e > t and e > max(r1, r2)/1000;
+//!      t = 2√2/100 mm or 2√2/1000 inch
+//! (3)  R: with M the middle of the chord and h half of it, the centre is √(R² - h²) from M, to the left of
+//!      the chord for G3 R+ and G2 R-, else to the right; h may exceed |R| by 0.00005 inch
 //! (4)  length = hypot(r1 θ, way along the axis), θ counted over all turns
 //! ```
-//! The tolerances are those of LinuxCNC, so that an arc that passes there passes here. Whether a machine makes it is for the
-//! machine to say.
+//! The tolerances are those of LinuxCNC, so that an arc that passes there passes here. Whether a machine
+//! makes it is for the machine to say.
 
 use std::f64::consts::{SQRT_2, TAU};
 
+use super::{Done, Output, compensation, feed, straight};
 use crate::block::{AXES, Block};
 use crate::canon::{A, Arc, B, C, Call, Plane, Pose, Units};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-
-use super::{Done, Output, compensation, feed, straight};
 
 /// What an arc may be too short by, mm.
 const RADIUS_TOLERANCE: f64 = 0.00005 * 25.4;
@@ -94,7 +94,7 @@ fn turns(block: &Block) -> Result<i32, Box<Problem>> {
     let Some(value) = block.get('P') else { return Ok(1) };
     let turns = block.integer('P').filter(|turns| (1..=i64::from(i32::MAX)).contains(turns));
     turns.and_then(|turns| i32::try_from(turns).ok()).ok_or_else(|| {
-        let message = format!("P{} is no number of turns", short(value));
+        let message = format!("P{} cannot be a number of turns", short(value));
         Problem::error(
             "bad-value",
             Blame::Word('P'),
@@ -109,7 +109,10 @@ fn center_of_words(code: G, block: &Block, state: &State) -> Result<[f64; 2], Bo
     let (first, second, along) = state.modes.plane.axes();
     if block.has(CENTERS[along]) {
         let letter = CENTERS[along];
-        let message = format!("{letter} is no centre of an arc in the plane {}", name(state.modes.plane));
+        let message = format!(
+            "{letter} does not belong to the centre of an arc in the plane {}",
+            name(state.modes.plane)
+        );
         let help = format!("use {} and {}, or select another plane", CENTERS[first], CENTERS[second]);
         return Err(Problem::error("unused-word", Blame::Word(letter), message, help));
     }

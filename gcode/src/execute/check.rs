@@ -1,16 +1,15 @@
-//! Refuses blocks before anything of them is executed: words that no code of the block uses, words that two codes
-//! use, words that a code lacks, and codes that contradict each other or the state.
+//! Refuses blocks before anything of them is executed: words that no code of the block uses, words that two
+//! codes use, words that a code lacks, and codes that contradict each other or the state.
 //!
-//! Which code uses which words: manual of LinuxCNC, chapters G-Codes and M-Codes. A word that LinuxCNC accepts
-//! without using it is refused, too.
+//! Which code uses which words: manual of LinuxCNC, chapters G-Codes and M-Codes. A word that LinuxCNC
+//! accepts without using it is also refused.
 
+use super::Done;
+use super::words::{self, AXES, CYCLES, POLAR, Words};
 use crate::block::{Block, letter_bit, letters_of};
 use crate::codes::{G, M, group, m_group};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-
-use super::Done;
-use super::words::{self, AXES, CYCLES, POLAR, Words};
 
 /// Words that a block may always have: F, S, T, and the $ of S.
 const ALWAYS: u32 = letter_bit('F') | letter_bit('S') | letter_bit('T');
@@ -53,7 +52,7 @@ fn motion(block: &Block, state: &State) -> Result<Option<G>, Box<Problem>> {
         Some(code) => Ok(Some(code)),
         None => {
             let message = format!("{letter} moves nothing: no motion code is in force");
-            let help = "write G0 or G1, for instance, in this block or before it";
+            let help = "write G0 or G1, for instance, in this block or an earlier one";
             Err(Problem::error("no-motion-mode", Blame::Word(letter), message, help))
         }
     }
@@ -113,7 +112,7 @@ fn unused(letter: char, motion: Option<G>) -> Box<Problem> {
     }
     if let (Some(code), 'A' | 'B' | 'C') = (motion.filter(|code| CYCLES.contains(&code.0)), letter) {
         let message = format!("{code} does not move {letter}");
-        return Problem::error("unused-word", blame, message, "turn the axis in a block before");
+        return Problem::error("unused-word", blame, message, "turn the axis in an earlier block");
     }
     let help = format!("{letter} belongs to {}: leave it out or write the code", words::users(letter));
     Problem::error("unused-word", blame, format!("nothing in this block uses {letter}"), help)

@@ -1,14 +1,14 @@
 //! M70 to M73: save the modes and restore them, at once or by the return from a subroutine.
 //!
-//! A restoring builds the block that would set what has changed and executes it, so the calls come in the usual order.
+//! A restoring builds the block that would set what has changed and executes it, so the calls come in the
+//! usual order.
 
+use super::{Done, Output, execute};
 use crate::block::Block;
 use crate::canon::{FeedMode, PathMode, Plane, Turn, Units};
 use crate::codes::{G, M, g_group, group, m_group, system_code};
 use crate::problem::{Blame, Problem, Span};
 use crate::state::{Context, G92_APPLIED, Saved, State};
-
-use super::{Done, Output, execute};
 
 /// M70 saves, M71 forgets, M72 restores, M73 saves and has the return restore.
 pub(super) fn save_or_restore(code: M, state: &mut State, out: &mut Output) -> Done {
@@ -22,7 +22,7 @@ pub(super) fn save_or_restore(code: M, state: &mut State, out: &mut Output) -> D
                     "nothing-saved",
                     Blame::M(code),
                     message,
-                    "save with M70 or M73 before",
+                    "save with M70 or M73 first",
                 ));
             };
             restore(&saved, state, out)?;
@@ -162,8 +162,8 @@ fn restore(saved: &Saved, state: &mut State, out: &mut Output) -> Done {
     if block.is_empty() { Ok(()) } else { execute(&block, state, out) }
 }
 
-/// Fills the block that restores feed, speed and G codes. F and S are always in it, and G64 unless compensation is on,
-/// where only a path mode that has changed is restored, and refused.
+/// Fills the block that restores feed, speed and G codes. F and S are always in it, and G64 unless
+/// compensation is on, where only a path mode that has changed is restored, and refused.
 fn fill(saved: &Saved, state: &State, block: &mut Block) -> Done {
     let nowhere = Span::default();
     let now = g_codes_of(state);

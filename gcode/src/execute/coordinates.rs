@@ -1,11 +1,12 @@
-//! G54 to G59.3, G10 L2 L20, G28 G30 and their .1, G52, G92 to G92.3. The parameters #5161 to #5390 hold what they
-//! set, in machine units.
+//! G54 to G59.3, G10 L2 L20, G28 G30 and their .1, G52, G92 to G92.3. The parameters #5161 to #5390 hold what
+//! they set, in machine units.
 //!
 //! ```text
 //! point of the machine = R(point + G92) + G5x + tool        R: rotation about Z
 //! ```
 //! Whatever changes one of the offsets keeps the point of the machine.
 
+use super::{Done, Output, check};
 use crate::block::Block;
 use crate::canon::{Call, Pose};
 use crate::codes::G;
@@ -13,8 +14,6 @@ use crate::problem::Blame;
 use crate::state::{
     G92_APPLIED, G92_OFFSET, HOME, SYSTEM, State, offset_of_system, rotation_of_system, turn,
 };
-
-use super::{Done, Output, check};
 
 /// G54 to G59.3.
 pub(super) fn system(code: G, state: &mut State, out: &mut Output) -> Done {
@@ -92,7 +91,8 @@ fn point_in(system: u8, state: &State) -> Pose {
     point
 }
 
-/// G28, G30: by the point of the axis words to the home position, in the axes that have words (all if none has).
+/// G28, G30: by the point of the axis words to the home position, in the axes that have words (all if none
+/// has).
 pub(super) fn home(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::G(code), "go home", state)?;
     let words = state.modes.axes(block);

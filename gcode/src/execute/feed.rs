@@ -1,13 +1,13 @@
 //! What F must be before a move cuts, and what it becomes under G93.
 //!
-//! In: a block and the state. Out: nothing, or the feed in units per minute of a move that is to take `1/F` minutes.
+//! In: a block and the state. Out: nothing, or the feed in units per minute of a move that is to take `1/F`
+//! minutes.
 
+use super::{Done, Output};
 use crate::block::Block;
 use crate::canon::{Call, FeedMode, Pose};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-
-use super::{Done, Output};
 
 /// Refuses to cut without a feed.
 ///
@@ -29,12 +29,12 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
         },
         _ if state.modes.feed == 0.0 => {
             let message = "there is no feed for a move that cuts";
-            let help = "program F in this block or before; G94 and G95 forget the F before them";
+            let help = "program F in this block or an earlier one; G94 and G95 forget the F before them";
             Err(Problem::error("no-feed", Blame::Block, message, help))
         }
         FeedMode::PerRevolution if state.spindle.speed == 0.0 => {
             let message = "G95 feeds per revolution, and the spindle has no speed";
-            Err(Problem::error("no-spindle-speed", Blame::Block, message, "program S with M3 or M4 before"))
+            Err(Problem::error("no-spindle-speed", Blame::Block, message, "program S with M3 or M4 first"))
         }
         _ => Ok(()),
     }

@@ -1,16 +1,18 @@
 //! A block becomes calls, in the order of RS274/NGC.
 //!
 //! ```text
-//! comment · spindle mode (G96, G97) · feed mode · F · S · T · M62-M68 · M6 M61 · M3 M4 M5 M19 · M70-M73 · M7 M8 M9
-//! M48-M53 · G4 · plane · units · G7 G8 · G40-G42 · G43 G49 · G54-G59.3 · G61 G64 · G90 G91 · G90.1 G91.1 · G98 G99
-//! G10 G28 G30 G52 G92 · G92.1-G92.3 · motion (modified by G53) · M0 M1 M2 M30 M60
+//! comment · spindle mode (G96, G97) · feed mode · F · S · T · M62-M68 · M6 M61 · M3 M4 M5 M19 · M70-M73
+//! M7 M8 M9 · M48-M53 · G4 · plane · units · G7 G8 · G40-G42 · G43 G49 · G54-G59.3 · G61 G64 · G90 G91
+//! G90.1 G91.1 · G98 G99 · G10 G28 G30 G52 G92 · G92.1-G92.3 · motion (modified by G53) · M0 M1 M2 M30 M60
 //! ```
 //!
 //! | file | what it executes |
 //! |---|---|
 //! | `check.rs`, `words.rs` | refuse blocks whose words no code uses or whose codes contradict |
 //! | `modes.rs`, `context.rs` | planes, units, distance, feed, path, retract modes; M70 to M73 |
-//! | `spindle.rs`, `tool.rs`, `outputs.rs` | S M3-M5 M19 G96 G97; T M6 M61 G43 G49 G10 L1; coolant, M48-M53, M62-M68 |
+//! | `spindle.rs`, `tool.rs` | S M3-M5 M19 G96 G97; T M6 M61 G43 G49 G10 L1 |
+//! | `outputs.rs` | coolant, M48-M53, M62-M68 |
+//! | `job.rs` | jobs, which are handed on |
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
 //! | `straight.rs`, `arc.rs`, `feed.rs` | G0 G1 G53 polar points; G2 G3; the F they need |
 //! | `threading.rs` | G33 G33.1 G76 |
@@ -65,7 +67,8 @@ pub(crate) fn start(state: &State, out: &mut Output) -> Done {
 /// Executes one block.
 ///
 /// # Errors
-/// The block contradicts itself or the state. What stood before the error in the order of execution has been sent.
+/// The block contradicts itself or the state. What stood before the error in the order of execution has been
+/// sent.
 pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Done {
     if state.recorder.is_on() {
         return roughing::record(block, state, out);

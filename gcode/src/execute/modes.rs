@@ -1,15 +1,14 @@
 //! Modes that only change the state: planes, units, G7 G8, distance, feed, path and retract modes, and F.
 
+use super::{Done, Output, check, compensation};
 use crate::block::Block;
 use crate::canon::{Call, FeedMode, PathMode, Plane, Units};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
-use super::{Done, Output, check, compensation};
-
-/// G93, G94, G95. G94 and G95 forget F, which may have had another meaning, even where they are in force already; behind
-/// G93 it is the block of each move that has an F.
+/// G93, G94, G95. G94 and G95 forget F, which may have had another meaning, even where they are in force
+/// already; after G93 it is the block of each move that has an F.
 pub(super) fn feed_mode(code: G, state: &mut State, out: &mut Output) -> Done {
     let (mode, note) = match code.0 {
         930 => (FeedMode::InverseTime, "feed mode set to inverse time"),

@@ -8,8 +8,8 @@ use crate::problem::Problem;
 /// What executing functions return.
 pub(crate) type Done = Result<(), Box<Problem>>;
 
-/// The receiver of calls, the place they come from, the warnings of the block, and the calls that wait for the next
-/// corner of a compensated contour.
+/// The receiver of calls, the place they come from, the warnings of the block, and the calls that wait for
+/// the next corner of a compensated contour.
 pub(crate) struct Output<'a> {
     sink: &'a mut dyn Sink,
     /// Where the calls come from.
@@ -28,7 +28,7 @@ impl<'a> Output<'a> {
         Output { sink, place, warnings, waiting }
     }
 
-    /// Sends a call, or lets it wait behind others.
+    /// Sends a call, or lets it wait after others.
     pub(crate) fn call(&mut self, call: Call<'_>) -> Done {
         if self.waiting.delays(&call) {
             self.waiting.push(self.place, call);
@@ -37,7 +37,7 @@ impl<'a> Output<'a> {
         self.sink.call(self.place, call)
     }
 
-    /// Hands a job to the receiver; the answer is where the tool is behind it, see [`Sink::job`].
+    /// Hands a job to the receiver; the answer is where the tool is after it, see [`Sink::job`].
     pub(crate) fn job(&mut self, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
         self.sink.job(self.place, job, tools)
     }

@@ -1,12 +1,11 @@
 //! Coolant, M48 to M53, M62 to M68.
 
+use super::{Done, Output, check};
 use crate::block::Block;
 use crate::canon::Call;
 use crate::codes::{M, m_group};
 use crate::problem::{Blame, Problem, short};
 use crate::state::{INPUT, State};
-
-use super::{Done, Output, check};
 
 /// M7, M8, M9.
 pub(super) fn coolant(block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -70,8 +69,8 @@ pub(super) fn io(code: M, block: &Block, state: &mut State, out: &mut Output) ->
     }
 }
 
-/// M66 P (digital) or E (analog), L (how to wait), Q (at most, s). The input is known when the program runs, not
-/// when it is read: #5399 keeps what it was.
+/// M66 P (digital) or E (analog), L (how to wait), Q (at most, s). The input is known when the program runs,
+/// not when it is read: #5399 keeps what it was.
 fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let analog = block.has('E');
     if analog && block.has('P') {
@@ -81,7 +80,7 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let index = number(block, if analog { 'E' } else { 'P' }, code)?;
     let wait = block.get('L').unwrap_or(0.0).round();
     if !(0.0..=4.0).contains(&wait) {
-        let message = format!("L{} is no way to wait", short(wait));
+        let message = format!("L{} is not a way to wait", short(wait));
         let help = "L0 does not wait, L1 waits for a rise, L2 for a fall, L3 for high, L4 for low";
         return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
     }
@@ -91,7 +90,7 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
     }
     let timeout = block.get('Q').unwrap_or(0.0).max(0.0);
     if wait > 0.0 && timeout == 0.0 {
-        let message = format!("M66 L{wait} waits, but not how long");
+        let message = format!("M66 L{wait} waits, but the block does not say how long");
         return Err(Problem::error(
             "missing-word",
             Blame::M(code),
@@ -114,7 +113,7 @@ fn number(block: &Block, letter: char, code: M) -> Result<u32, Box<Problem>> {
     match block.get(letter).map(f64::round) {
         Some(number) if (0.0..1e6).contains(&number) => Ok(number as u32),
         Some(number) => {
-            let message = format!("{letter}{} is no number of an input or output", short(number));
+            let message = format!("{letter}{} cannot be the number of an input or output", short(number));
             Err(Problem::error("bad-value", Blame::Word(letter), message, "they are numbered from 0"))
         }
         None => {

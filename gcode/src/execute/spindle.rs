@@ -1,12 +1,12 @@
 //! S, G96 G97, M3 M4 M5 M19. There is one spindle: `$0`, or `$-1` for all.
 
+use super::{Done, Output};
 use crate::block::Block;
+use crate::bounds::NO_HIGHEST_SPEED;
 use crate::canon::{Call, Turn};
 use crate::codes::{G, M};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-
-use super::{Done, Output};
 
 /// G96 D, G97.
 pub(super) fn mode(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -17,12 +17,12 @@ pub(super) fn mode(code: G, block: &Block, state: &mut State, out: &mut Output) 
     }
     let highest = block.get('D').map_or(f64::INFINITY, f64::abs);
     if highest.is_infinite() {
-        let message = "G96 without D: nothing bounds the speed of the spindle as X comes near 0";
+        let message = "G96 without D: nothing limits the speed of the spindle as X comes near 0";
         let help = "give the highest speed, 1/min, such as G96 D2500";
         out.warn(Problem::warning("no-highest-speed", Blame::G(code), message, help));
     }
     state.spindle.constant_surface = Some(highest);
-    out.call(Call::SetSpindleMode(highest.min(1e30)))
+    out.call(Call::SetSpindleMode(highest.min(NO_HIGHEST_SPEED)))
 }
 
 /// S.
@@ -63,7 +63,7 @@ fn begin(turn: Turn, code: M, state: &mut State, out: &mut Output) -> Done {
             "no-spindle-speed",
             Blame::M(code),
             message,
-            "give S in this block or before it",
+            "give S in this block or an earlier one",
         ));
     }
     state.spindle.turning = Some(turn);
@@ -79,14 +79,14 @@ pub(super) fn must_turn(code: G, state: &mut State, out: &mut Output) {
             "spindle-not-turning",
             Blame::Block,
             message,
-            "start it with M3 or M4 before",
+            "start it with M3 or M4 first",
         ));
     }
     state.spindle.standing_feed = standing;
 }
 
-/// M19 R (angle, 0 if left out) P (direction) Q (time to wait). LinuxCNC's stand-alone interpreter sends nothing where
-/// both R and P are left out.
+/// M19 R (angle, 0 if left out) P (direction) Q (time to wait). LinuxCNC's stand-alone interpreter sends
+/// nothing where both R and P are left out.
 fn orient(block: &Block, state: &mut State, out: &mut Output) -> Done {
     state.spindle.turning = None;
     if !state.settings.stand_alone || block.has('R') || block.has('P') {

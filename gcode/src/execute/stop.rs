@@ -1,10 +1,9 @@
 //! M0 M1 M60, M2 M30 with what they put back, and the end of a tape.
 
+use super::{Done, Output, compensation, coordinates};
 use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M};
 use crate::state::{Compensation, SYSTEM, State};
-
-use super::{Done, Output, compensation, coordinates};
 
 /// M0, M1, M60, M2, M30.
 pub(super) fn stop(code: M, state: &mut State, out: &mut Output) -> Done {

@@ -1,23 +1,22 @@
 //! Straight moves: G0, G1, G53 and polar points.
 //!
-//! In: a block and the state, words in program units or degrees (X a diameter under G7). Out: the end point, which is
-//! sent as it is, or handed over to the compensation of the tool radius.
+//! In: a block and the state, words in program units or degrees (X a diameter under G7). Out: the end point,
+//! which is sent as it is, or handed over to the compensation of the tool radius.
 //!
 //! ```text
-//! G90   word                         polar   x = @ cos ^,  y = @ sin ^; the one that is missing is that of the point
+//! G90   word                         polar   x = @ cos ^,  y = @ sin ^; what is missing is as it was
 //! G91   point + word                         point + (@, ^) in polar coordinates
 //! G53   word - G5x - tool - G92, with X and Y turned back by the rotation of the coordinate system
 //! ```
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::{Done, Kind, Output, compensation, feed};
 use crate::block::{AXES, Block};
 use crate::canon::{A, Plane, Pose, X, Y, Z};
 use crate::codes::{G, group};
 use crate::problem::{Blame, Problem};
 use crate::state::State;
-
-use super::{Done, Kind, Output, compensation, feed};
 
 /// G0 and G1.
 pub(super) fn straight(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -72,7 +71,7 @@ pub(super) fn word(letter: char, block: &Block, state: &State) -> Option<f64> {
 /// G53: the words are those of the machine.
 fn machine_target(block: &Block, state: &State) -> Result<Pose, Box<Problem>> {
     if let Some(letter) = ['@', '^'].into_iter().find(|letter| block.has(*letter)) {
-        let message = format!("{letter} is no coordinate of the machine, which G53 asks for");
+        let message = format!("{letter} is a polar word, and G53 asks for coordinates of the machine");
         return Err(Problem::error("bad-value", Blame::Word(letter), message, "give X and Y"));
     }
     let mut target = state.axes.position;
@@ -95,7 +94,8 @@ fn machine_target(block: &Block, state: &State) -> Result<Pose, Box<Problem>> {
     Ok(target)
 }
 
-/// A point turned about Z. Turning by 0 counts, too: it settles the sign of a zero as other controls print it.
+/// A point turned about Z. Turning by 0 also counts: it settles the sign of a zero as other controls print
+/// it.
 fn turned([x, y]: [f64; 2], degrees: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(radians(degrees));
     [x * cos - y * sin, x * sin + y * cos]
@@ -140,7 +140,7 @@ pub(super) fn check_polar(block: &Block, state: &State) -> Done {
 /// The problem of polar words that lack an angle.
 pub(super) fn at_origin(block: &Block, state: &State) -> Box<Problem> {
     let message = "at the origin no angle is defined that a polar word could start from";
-    let help = if state.modes.incremental { "move away from X0 Y0 before" } else { "give the angle, too: ^" };
+    let help = if state.modes.incremental { "move away from X0 Y0 first" } else { "also give the angle: ^" };
     let blame = Blame::Word(if block.has('@') { '@' } else { '^' });
     Problem::error("bad-value", blame, message, help)
 }

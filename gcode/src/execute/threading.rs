@@ -1,20 +1,15 @@
 //! Moves that follow the spindle: G33 (thread), G33.1 (rigid tapping), G76 (threading cycle).
 //!
-//! In: a block and the state; K of G33 and P of G76 in units per revolution, I J K of G76 diameters under G7. Out: the moves
-//! of G33 and G33.1 between start and stop of synchronisation, G76 as one [`ThreadCycle`].
+//! In: a block and the state; K of G33 and P of G76 in units per revolution, I J K of G76 diameters under G7.
+//! Out: the moves of G33 and G33.1 between start and stop of synchronisation, G76 as one [`ThreadCycle`].
 
+use super::{Done, Output, straight};
 use crate::block::Block;
+use crate::bounds::{MOST_PASSES, MOST_SPRINGS};
 use crate::canon::{Call, Degression, Plane, Pose, ThreadCycle, X, Y, Z};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-
-use super::{Done, Output, straight};
-
-/// Passes of a threading cycle, springs not counted, at most.
-const MOST_PASSES: f64 = 10_000.0;
-/// Springs at most.
-const MOST_SPRINGS: i64 = 1000;
 
 /// G33, G33.1 and G76.
 pub(super) fn threading(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -36,7 +31,7 @@ pub(super) fn threading(code: G, block: &Block, state: &mut State, out: &mut Out
 pub(crate) fn ready(code: G, state: &State, out: &mut Output) -> Done {
     if state.compensation.is_on() {
         let message = format!("{code} while {} is on", state.compensation.code());
-        return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 before"));
+        return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 first"));
     }
     if state.spindle.turning.is_none() {
         let message = format!("{code} follows the spindle, which is not turning");
@@ -44,7 +39,7 @@ pub(crate) fn ready(code: G, state: &State, out: &mut Output) -> Done {
             "spindle-not-turning",
             Blame::G(code),
             message,
-            "start it with S and M3 or M4 before",
+            "start it with S and M3 or M4 first",
         ));
     }
     if state.spindle.constant_surface.is_some() {
@@ -62,7 +57,7 @@ fn positive(letter: char, what: &str, block: &Block) -> Result<f64, Box<Problem>
     match block.get(letter) {
         Some(value) if value > 0.0 => Ok(value),
         Some(value) => {
-            let message = format!("{letter}{} is no {what}", short(value));
+            let message = format!("{letter}{} cannot be the {what}", short(value));
             Err(Problem::error("bad-value", Blame::Word(letter), message, "give a value greater than 0"))
         }
         None => {
@@ -91,7 +86,7 @@ fn tap(target: Pose, block: &Block, out: &mut Output) -> Done {
             "unused-word",
             Blame::Word(letter),
             message,
-            "turn the axis in a block before",
+            "turn the axis in an earlier block",
         ));
     }
     let faster = block.get('I').unwrap_or(1.0);
@@ -127,7 +122,7 @@ fn programmed(
     let lead = positive('P', "lead", block)?;
     if state.modes.plane != Plane::Xz {
         let message = "G76 cuts along Z and feeds in along X, and their plane is not in force";
-        return Err(Problem::error("not-available", Blame::G(G(760)), message, "select G18 before"));
+        return Err(Problem::error("not-available", Blame::G(G(760)), message, "select G18 first"));
     }
     let from = state.axes.position;
     for (axis, letter) in [(X, 'X'), (Y, 'Y')] {
@@ -145,7 +140,7 @@ fn programmed(
     let half = if state.modes.diameter { 0.5 } else { 1.0 };
     let crest = block.get('I').unwrap_or(0.0) * half;
     if crest == 0.0 {
-        let message = "I0: the crest of the thread lies on the drive line, so no side is in and none is out";
+        let message = "I0: the crest of the thread lies on the drive line, so neither side is inside";
         let help = "start away from the thread; I is negative outside, positive inside";
         return Err(Problem::error("bad-value", Blame::Word('I'), message, help));
     }
@@ -193,7 +188,7 @@ fn degression(depths: f64, block: &Block) -> Result<f64, Box<Problem>> {
     let refuse = |message, help: &str| Err(Problem::error("bad-value", Blame::Word('R'), message, help));
     if exponent < 1.0 {
         let message = format!(
-            "the degression R{} is less than 1: every pass would be deeper than the one before",
+            "the degression R{} is less than 1: every pass would be deeper than the last",
             short(exponent)
         );
         return refuse(message, "1 keeps the depth of the passes, 2 the area they cut");
@@ -226,7 +221,7 @@ fn springs(block: &Block) -> Result<u32, Box<Problem>> {
     let Some(value) = block.get('H') else { return Ok(0) };
     let springs = block.integer('H').filter(|count| (0..=MOST_SPRINGS).contains(count));
     springs.and_then(|count| u32::try_from(count).ok()).ok_or_else(|| {
-        let message = format!("H{} is no number of springs", short(value));
+        let message = format!("H{} cannot be a number of spring passes", short(value));
         Problem::error(
             "bad-value",
             Blame::Word('H'),
@@ -242,7 +237,7 @@ fn chamfers(way: f64, block: &Block, out: &mut Output) -> Result<(f64, [bool; 2]
         (Some(ends @ 0..=3), _) => [ends & 1 != 0, ends & 2 != 0],
         (_, None) => [false; 2],
         (_, Some(value)) => {
-            let message = format!("L{} names no ends of the thread", short(value));
+            let message = format!("L{} does not name ends of the thread", short(value));
             let help = "0 for no taper, 1 at the start, 2 at the end, 3 at both";
             return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
         }

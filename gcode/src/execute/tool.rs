@@ -1,13 +1,12 @@
 //! T, M6, M61; G43 G43.1 G43.2 G49; G10 L1 L10 L11.
 
+use super::{Done, Output, check};
 use crate::block::Block;
 use crate::canon::{Call, Pose, X, Y};
 use crate::codes::{G, M};
 use crate::files::Tool;
 use crate::problem::{Blame, Problem, short};
 use crate::state::{State, turn};
-
-use super::{Done, Output, check};
 
 /// T.
 pub(super) fn select(block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -31,7 +30,7 @@ pub(super) fn change(code: M, block: &Block, state: &mut State, out: &mut Output
     }
     check::compensation_off(Blame::M(code), "change the tool", state)?;
     let number = state.tools.selected.unwrap_or_else(|| {
-        let message = "M6 without T in this block or before it: the spindle is left empty";
+        let message = "M6 without T in this block or an earlier one: the spindle is left empty";
         out.warn(Problem::warning("no-tool", Blame::M(code), message, "name the tool, such as T1 M6"));
         0
     });
@@ -54,8 +53,8 @@ fn change_number(block: &Block, state: &mut State, out: &mut Output) -> Done {
     out.call(Call::ChangeToolNumber(number))
 }
 
-/// Behind a block with a tool change, LinuxCNC's stand-alone driver says where the tool stands. It does not follow
-/// offsets of tools.
+/// After a block with a tool change, LinuxCNC's stand-alone driver says where the tool stands. It does not
+/// follow offsets of tools.
 pub(super) fn after_change(state: &mut State) {
     if state.settings.stand_alone {
         state.axes.back_to_last_move();
@@ -75,7 +74,7 @@ fn tool_number(block: &Block, letter: char) -> Result<i32, Box<Problem>> {
         Some(number) if (0..1_000_000_000).contains(&number) => Ok(number as i32),
         _ => {
             let message =
-                format!("{letter}{} is no number of a tool", short(block.get(letter).unwrap_or(0.0)));
+                format!("{letter}{} cannot be the number of a tool", short(block.get(letter).unwrap_or(0.0)));
             Err(Problem::error(
                 "bad-value",
                 Blame::Word(letter),
@@ -135,7 +134,8 @@ pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output
     out.call(Call::UseToolLengthOffset(offset))
 }
 
-/// G10 L1 (offsets as given), L10 (so that the tool is at the given place of the system in force), L11 (of G59.3).
+/// G10 L1 (offsets as given), L10 (so that the tool is at the given place of the system in force), L11 (of
+/// G59.3).
 pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> Done {
     let number = tool_number(block, 'P')?;
     let words = state.modes.axes(block);

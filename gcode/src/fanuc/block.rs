@@ -1,6 +1,8 @@
-//! What one block does: units, then tool, spindle, feed and modes, then the move or cycle, then M05, M09 and stops.
+//! What one block does: units, then tool, spindle, feed and modes, then the move or cycle, then M05, M09 and
+//! stops.
 //!
-//! In: a [`Line`] and what it does ([`Deed`]). Out: calls. Most of it is executed as an equivalent block of RS274/NGC:
+//! In: a [`Line`] and what it does ([`Deed`]). Out: calls. Most of it is executed as an equivalent block of
+//! RS274/NGC:
 //!
 //! | here | there | | here | there |
 //! |---|---|---|---|---|
@@ -72,7 +74,7 @@ fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
     }
 }
 
-/// M05, M09 and stops, which act behind the move.
+/// M05, M09 and stops, which act after the move.
 pub(super) fn last(run: &mut Execution) -> Done {
     run.begin();
     for group in [m_group::SPINDLE, m_group::FLOOD, m_group::STOP] {
@@ -128,7 +130,7 @@ fn travel(code: G, end: Pose, run: &mut Execution) -> Done {
     run.add_point(&end)?;
     if matches!(code.0, 20 | 30) {
         if run.line.length('R').is_some_and(|radius| radius <= 0.0) {
-            let message = format!("R{} is no radius", short(run.line.length('R').unwrap_or(0.0)));
+            let message = format!("R{} is not a radius", short(run.line.length('R').unwrap_or(0.0)));
             let help = "R is greater than 0; an arc of more than 180 degrees is written with I and K";
             return Err(Problem::error("bad-value", Blame::Word('R'), message, help));
         }

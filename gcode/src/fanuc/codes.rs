@@ -1,5 +1,5 @@
-//! G and M codes of G-code system A, the groups they exclude each other in, the words they use, and what is refused by
-//! name.
+//! G and M codes of G-code system A, the groups they exclude each other in, the words they use, and what is
+//! refused by name.
 
 use super::line::Line;
 use crate::block::{letter_bits as bits, letters_of};
@@ -10,8 +10,8 @@ use crate::problem::{Blame, Problem, Span, short};
 pub(super) const MACRO: usize = 4;
 /// G09: stop at the end of the block.
 pub(super) const EXACT_STOP: usize = 11;
-/// Groups of codes that end what never begins here: drilling cycles G80, modal macros G67, mirrored turrets G69, the
-/// driven C axis G13.1 (G113).
+/// Groups of codes that end what never begins here: drilling cycles G80, modal macros G67, mirrored turrets
+/// G69, the driven C axis G13.1 (G113).
 const ENDS: &[(&[u16], usize)] = &[(&[800], 10), (&[670], 3), (&[690], 9), (&[131, 1130], 8)];
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
@@ -23,7 +23,7 @@ const REFUSED: &[(&[u16], &str)] = &[
     (&[71, 1070, 121, 1120], "there is no driven C axis: turn the contour with G01, G02 and G03"),
     (&[220, 230, 250, 260], "leave it out: limits of travel and speed belong to the machine file"),
     (&[270, 290, 301], "use G28 or G30"),
-    (&[310, 360, 370], "measure the tool or the part before, and write the value into the program"),
+    (&[310, 360, 370], "measure the tool or the part first, and write the value into the program"),
     (&[660, 661], "call the macro with G65 in every block that needs it"),
     (&[680], "there is one turret: write the blocks for it alone"),
     (&[170, 190], "a lathe works in the plane of X and Z, G18"),
@@ -132,8 +132,8 @@ fn words_of_g(code: G) -> u32 {
     }
 }
 
-/// The code that says what a block does: a macro or subprogram, a code that is not modal, or the motion code `motion`,
-/// if the block has words for it.
+/// The code that says what a block does: a macro or subprogram, a code that is not modal, or the motion code
+/// `motion`, if the block has words for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Deed {
     None,

@@ -4,16 +4,17 @@
 //! G71 U(Δd) R(e)            G72 W(Δd) R(e)            G73 U(Δi) W(Δk) R(d)
 //! G71 P Q U(Δu) W(Δw) F     G72 P Q U(Δu) W(Δw) F     G73 P Q U(Δu) W(Δw) F         G70 P Q
 //! ```
-//! P and Q are N of the first and last block of the contour; the first one leads to it. Δd, Δi and Δk are radii and
-//! lengths, Δu a diameter. The blocks are executed with a receiver that keeps their moves, corners made and tools left
-//! out: what remains is lines and arcs. The passes come from [`crate::execute::roughing`]. A program goes on behind
-//! the contour if that stands behind the cycle.
+//! P and Q are N of the first and last block of the contour; the first one leads to it. Δd, Δi and Δk are
+//! radii and lengths, Δu a diameter. The blocks are executed with a receiver that keeps their moves, corners
+//! made and tools left out: what remains is lines and arcs. The passes come from
+//! [`crate::execute::roughing`]. A program goes on after the contour if that stands after the cycle.
 
 use super::codes::{self, Deed};
 use super::execution::Execution;
 use super::line::{Line, Statement};
 use super::modal::Modal;
 use super::{Control, block, corner};
+use crate::bounds::{MOST_BLOCKS, MOST_PASSES};
 use crate::canon::{Arc, Call, Place, Sink, X, Z};
 use crate::codes::{G, group, m_group};
 use crate::execute::compensation::Waiting;
@@ -24,11 +25,6 @@ use crate::geometry::passes::{Move, repeat, turn, walled};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::{Compensation, State};
 use crate::text::Mark;
-
-/// Blocks of a contour at most.
-const MOST_BLOCKS: u32 = 10_000;
-/// Passes of a cycle at most.
-const MOST_PASSES: f64 = 10_000.0;
 
 /// Where the contour of a cycle stands.
 struct Range {
@@ -53,7 +49,8 @@ impl Control {
             G(700) => self.finish(&range, state, out),
             _ => self.rough(code, &cycle, &range, state, out),
         };
-        // Roughing goes on behind the contour, or where the cycle stands if that is farther on; G70 behind itself.
+        // Roughing goes on after the contour, or where the cycle stands if that is farther on; G70 after
+        // itself.
         let finished = code == G(700);
         if finished || self.flow.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
             self.flow.files.go(self.flow.files.current(), behind)?;
@@ -88,7 +85,7 @@ impl Control {
         if !run.state.compensation.is_on() {
             return run.go(G(0), back, None, place);
         }
-        // The way back is no part of the contour: compensated, it would lead through the part.
+        // The way back is not part of the contour: compensated, it would lead through the part.
         let nowhere = Span::default();
         run.equivalent.clear(place.file, place.line);
         run.equivalent.add_g(group::COMPENSATION, G(400), nowhere)?;
@@ -119,7 +116,7 @@ impl Control {
                 };
             }
         }
-        let message = format!("the contour that begins at N{} has no N{} behind it", range.first, range.last);
+        let message = format!("the contour that begins at N{} has no N{} after it", range.first, range.last);
         let help = format!("give its last block N{}", range.last);
         Err(Problem::error("bad-contour", Blame::Block, message, help))
     }
@@ -174,7 +171,7 @@ impl Control {
         let contour = self.shape(range, state)?;
         self.line.clone_from(cycle);
         if contour.len() < 2 || contour.first().is_some_and(|lead| lead.bend.is_some()) {
-            let message = format!("N{} to N{} is no contour for {code}", range.first, range.last);
+            let message = format!("N{} to N{} is not a contour that {code} can cut", range.first, range.last);
             let help = "its first block leads to its beginning, G00 or G01; lines and arcs follow";
             return Err(Problem::error("bad-contour", Blame::G(code), message, help));
         }
@@ -217,15 +214,15 @@ impl Control {
 fn can_rough(code: G, cycle: &Line, missing: bool, state: &State) -> Done {
     if state.compensation.is_on() {
         let message = format!("{code} while {} is on", state.compensation.code());
-        let help = "end it with G40 before; G41 or G42 in the contour is for G70";
+        let help = "end it with G40 first; G41 or G42 in the contour is for G70";
         return Err(Problem::error("compensation-on", Blame::G(code), message, help));
     }
     if missing {
         let message = format!("the first line of {code} is missing");
         let help = match code.0 {
-            710 => "write it before: G71 U2. R0.5 (depth of cut, retract)",
-            720 => "write it before: G72 W2. R0.5 (depth of cut, retract)",
-            _ => "write it before: G73 U8. W2. R4 (way in X and Z, number of passes)",
+            710 => "write it first: G71 U2. R0.5 (depth of cut, retract)",
+            720 => "write it first: G72 W2. R0.5 (depth of cut, retract)",
+            _ => "write it first: G73 U8. W2. R4 (way in X and Z, number of passes)",
         };
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     }
@@ -258,7 +255,7 @@ fn first_line(code: G, line: &Line, modal: &mut Modal) -> Done {
         if passes.fract() != 0.0 || !(1.0..=1000.0).contains(&passes) {
             return bad(
                 'R',
-                format!("R{} is no number of passes", short(passes)),
+                format!("R{} cannot be a number of passes", short(passes)),
                 "give a whole number from 1 to 1000",
             );
         }

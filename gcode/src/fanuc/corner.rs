@@ -1,6 +1,6 @@
-//! Corners that are cut off or rounded: `,C` and `,R` behind any straight move, C R I K of G01 along one axis.
+//! Corners that are cut off or rounded: `,C` and `,R` after any straight move, C R I K of G01 along one axis.
 //!
-//! In: a straight move and the one behind it. Out: the first one shortened, and what goes between them.
+//! In: a straight move and the one after it. Out: the first one shortened, and what goes between them.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -23,7 +23,7 @@ use crate::codes::{G, M, group};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
 
-/// Lengths below this are none.
+/// Lengths below this count as 0.
 const NEAR: f64 = 1e-9;
 
 /// What a G01 block says about the corner at its end.
@@ -64,7 +64,7 @@ pub(super) fn of(line: &Line, from: &Pose, end: &Pose) -> Result<Option<Cut>, Bo
         _ => (X, false),
     };
     if !fits {
-        let message = format!("{letter} cuts no corner of this move");
+        let message = format!("{letter} cannot cut a corner of this move");
         let help =
             "I is for a move along Z, K for one along X, C and R for either; ,C and ,R fit any straight move";
         return Err(Problem::error("bad-value", Blame::Word(letter), message, help));
@@ -72,10 +72,10 @@ pub(super) fn of(line: &Line, from: &Pose, end: &Pose) -> Result<Option<Cut>, Bo
     Ok(Some(Cut { size: value.abs(), round, next: Some((other, value.signum())) }))
 }
 
-/// A corner that no move comes behind.
+/// A corner that no move comes after.
 pub(super) fn alone(pending: &Pending, what: &str) -> Box<Problem> {
     let message =
-        format!("the move before ({} its end) needs a straight move behind it, not {what}", cuts(pending));
+        format!("the previous move ({} its end) needs a straight move after it, not {what}", cuts(pending));
     Problem::error(
         "bad-corner",
         Blame::Line(pending.place.line),
@@ -95,9 +95,8 @@ pub(super) fn undisturbed(line: &Line) -> Done {
         None if line.has('T') => Blame::Word('T'),
         None => return Ok(()),
     };
-    let message =
-        "the corner of the move before ends in this block: tool, units and coordinates stay as they are";
-    Err(Problem::error("bad-corner", blame, message, "change them before the two moves, or behind them"))
+    let message = "the corner of the previous move ends in this block: tool, units and coordinates must stay as they are";
+    Err(Problem::error("bad-corner", blame, message, "change them before the two moves, or after them"))
 }
 
 /// M05, M09 or a stop at the end of a move that is cut off or rounded.
@@ -107,7 +106,7 @@ pub(super) fn not_at_its_end(code: M) -> Box<Problem> {
         "bad-corner",
         Blame::M(code),
         message,
-        "write it in the block of the next move, or behind it",
+        "write it in the block of the next move, or after it",
     )
 }
 
@@ -118,7 +117,7 @@ fn cuts(pending: &Pending) -> &'static str {
 /// Sends the move that waits and its corner; `next` is where the next one leads.
 ///
 /// # Errors
-/// The next block is no straight move, or the corner does not fit between the two.
+/// The next block is not a straight move, or the corner does not fit between the two.
 pub(super) fn close(pending: &Pending, deed: Deed, next: Pose, run: &mut Execution) -> Done {
     let moves = (next[Z] - pending.end[Z]).abs() > NEAR || (next[X] - pending.end[X]).abs() > NEAR;
     if deed != Deed::G(G(10)) || !moves {

@@ -73,7 +73,8 @@ impl Execution<'_, '_> {
         Ok(())
     }
 
-    /// One move to a point (Z, X, a radius), for the block at `place`; `center` of an arc is seen from its start.
+    /// One move to a point (Z, X, a radius), for the block at `place`; `center` of an arc is seen from its
+    /// start.
     pub(super) fn go(&mut self, code: G, end: [f64; 2], center: Option<[f64; 2]>, place: Place) -> Done {
         let nowhere = Span::default();
         self.begin_at(place);

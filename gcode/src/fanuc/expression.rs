@@ -1,14 +1,14 @@
-//! Values of custom macro B. In: a cursor, the variables, the state. Out: an f64, always finite, or vacant; angles in
-//! degrees.
+//! Values of custom macro B. In: a cursor, the variables, the state. Out: an f64, always finite, or vacant;
+//! angles in degrees.
 //!
-//! Highest first: functions · `*` `/` `AND` `MOD` · `+` `-` `OR` `XOR` · `EQ` `NE` `GT` `GE` `LT` `LE`, those of one
-//! rank from left to right. A vacant variable alone stays vacant: an address with it is left out of its block, EQ and
-//! NE tell it from 0. Everywhere else it counts as 0.
+//! Highest first: functions · `*` `/` `AND` `MOD` · `+` `-` `OR` `XOR` · `EQ` `NE` `GT` `GE` `LT` `LE`, those
+//! of one rank from left to right. A vacant variable alone stays vacant: an address with it is left out of
+//! its block, EQ and NE tell it from 0. Everywhere else it counts as 0.
 
 use super::variables::Variables;
-use crate::problem::{Problem, Span, short};
+use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
-use crate::text::{Cursor, degrees, number};
+use crate::text::{Cursor, Depth, Operator, degrees, number};
 
 /// A value; `None` is vacant.
 pub(super) type Value = Result<Option<f64>, Box<Problem>>;
@@ -20,45 +20,8 @@ const EQUAL: f64 = 1e-8;
 pub(super) struct Values<'a> {
     pub(super) variables: &'a Variables,
     pub(super) state: &'a State,
-    /// Brackets, signs and `#` that may stand inside each other.
-    pub(super) deepest: u32,
-    pub(super) depth: u32,
+    pub(super) depth: Depth,
 }
-
-#[derive(Clone, Copy)]
-enum Operator {
-    Times,
-    Divide,
-    And,
-    Modulo,
-    Plus,
-    Minus,
-    Or,
-    ExclusiveOr,
-    Equal,
-    NotEqual,
-    Greater,
-    GreaterOrEqual,
-    Less,
-    LessOrEqual,
-}
-
-const OPERATORS: [(&str, Operator); 14] = [
-    ("*", Operator::Times),
-    ("/", Operator::Divide),
-    ("and", Operator::And),
-    ("mod", Operator::Modulo),
-    ("+", Operator::Plus),
-    ("-", Operator::Minus),
-    ("or", Operator::Or),
-    ("xor", Operator::ExclusiveOr),
-    ("eq", Operator::Equal),
-    ("ne", Operator::NotEqual),
-    ("gt", Operator::Greater),
-    ("ge", Operator::GreaterOrEqual),
-    ("lt", Operator::Less),
-    ("le", Operator::LessOrEqual),
-];
 
 #[derive(Clone, Copy)]
 enum Function {
@@ -96,7 +59,7 @@ impl Values<'_> {
     /// Reads one value: a number, a variable, a function, brackets, with a sign or without.
     ///
     /// # Errors
-    /// There is none, or it cannot be computed.
+    /// It is missing, or cannot be computed.
     pub(super) fn value(&mut self, cursor: &mut Cursor) -> Value {
         match cursor.peek() {
             Some(b'0'..=b'9' | b'.') => number(cursor).map(Some),
@@ -126,7 +89,7 @@ impl Values<'_> {
         Ok(value)
     }
 
-    /// What stands behind `=`.
+    /// What stands after `=`.
     ///
     /// # Errors
     /// As for [`Values::value`].
@@ -137,7 +100,7 @@ impl Values<'_> {
     /// The number of a variable, its `#` taken already.
     ///
     /// # Errors
-    /// It is vacant, or no whole number.
+    /// It is vacant, or not a whole number.
     pub(super) fn index(&mut self, start: u32, cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
         let index = self.nested(cursor, Values::value)?;
         match index.map(f64::round) {
@@ -157,21 +120,13 @@ impl Values<'_> {
         let start = cursor.mark();
         cursor.skip();
         let index = self.index(start, cursor)?;
-        self.variables.get(index, self.state, crate::problem::Blame::Span(cursor.span(start)))
+        self.variables.get(index, self.state, Blame::Span(cursor.span(start)))
     }
 
     fn nested(&mut self, cursor: &mut Cursor, what: fn(&mut Self, &mut Cursor) -> Value) -> Value {
-        if self.depth >= self.deepest {
-            let message = format!(
-                "more than {} brackets, signs or # inside each other, the limit expression_depth",
-                self.deepest
-            );
-            let help = "compute part of it into a variable on a line before, as in #1=...";
-            return Err(cursor.error_here("expression-too-deep", message, help));
-        }
-        self.depth += 1;
+        self.depth.enter(cursor, "variable")?;
         let value = what(self, cursor);
-        self.depth -= 1;
+        self.depth.leave();
         value
     }
 
@@ -181,13 +136,12 @@ impl Values<'_> {
         let mut value = if rank > 3 { return self.value(cursor) } else { self.chain(rank + 1, cursor)? };
         loop {
             let before = cursor.clone();
-            let Some(operator) = cursor.take_name(&OPERATORS).filter(|operator| operator.rank() == rank)
-            else {
+            let Some(operator) = Operator::take(cursor).filter(|operator| rank_of(*operator) == rank) else {
                 *cursor = before;
                 return Ok(value);
             };
             let right = self.chain(rank + 1, cursor)?;
-            let result = operator.apply(value, right);
+            let result = apply(operator, value, right);
             value = Some(result.map_err(|reason| arithmetic(reason, cursor.span(start)))?);
         }
     }
@@ -274,7 +228,7 @@ fn close(cursor: &mut Cursor) -> Result<(), Box<Problem>> {
 }
 
 fn arithmetic(reason: &str, span: Span) -> Box<Problem> {
-    let blame = crate::problem::Blame::Span(span);
+    let blame = Blame::Span(span);
     Problem::error(
         "arithmetic",
         blame,
@@ -283,41 +237,42 @@ fn arithmetic(reason: &str, span: Span) -> Box<Problem> {
     )
 }
 
-impl Operator {
-    fn rank(self) -> u8 {
-        use Operator::*;
-        match self {
-            Times | Divide | And | Modulo => 3,
-            Plus | Minus | Or | ExclusiveOr => 2,
-            _ => 1,
-        }
+/// Operators of higher rank come first.
+fn rank_of(operator: Operator) -> u8 {
+    use Operator::*;
+    match operator {
+        Times | Divide | And | Modulo => 3,
+        Plus | Minus | Or | ExclusiveOr => 2,
+        _ => 1,
     }
+}
 
-    fn apply(self, left: Option<f64>, right: Option<f64>) -> Result<f64, &'static str> {
-        use Operator::*;
-        let (a, b) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
-        let near = (a - b).abs() < EQUAL;
-        let equal = near && left.is_some() == right.is_some();
-        let value = match self {
-            Times => a * b,
-            Divide if b == 0.0 => return Err("division by zero"),
-            Divide => a / b,
-            Modulo if b.round() == 0.0 => return Err("MOD by zero"),
-            Modulo => a.round() % b.round(),
-            Plus => a + b,
-            Minus => a - b,
-            And => (bits(a)? & bits(b)?) as f64,
-            Or => (bits(a)? | bits(b)?) as f64,
-            ExclusiveOr => (bits(a)? ^ bits(b)?) as f64,
-            Equal => f64::from(equal),
-            NotEqual => f64::from(!equal),
-            Greater => f64::from(a > b && !near),
-            GreaterOrEqual => f64::from(a > b || near),
-            Less => f64::from(a < b && !near),
-            LessOrEqual => f64::from(a < b || near),
-        };
-        if value.is_finite() { Ok(value) } else { Err("the value is too large for a number") }
-    }
+fn apply(operator: Operator, left: Option<f64>, right: Option<f64>) -> Result<f64, &'static str> {
+    use Operator::*;
+    let (a, b) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
+    let near = (a - b).abs() < EQUAL;
+    let equal = near && left.is_some() == right.is_some();
+    let value = match operator {
+        // This dialect does not read `**`.
+        Power => libm::pow(a, b),
+        Times => a * b,
+        Divide if b == 0.0 => return Err("division by zero"),
+        Divide => a / b,
+        Modulo if b.round() == 0.0 => return Err("MOD by zero"),
+        Modulo => a.round() % b.round(),
+        Plus => a + b,
+        Minus => a - b,
+        And => (bits(a)? & bits(b)?) as f64,
+        Or => (bits(a)? | bits(b)?) as f64,
+        ExclusiveOr => (bits(a)? ^ bits(b)?) as f64,
+        Equal => f64::from(equal),
+        NotEqual => f64::from(!equal),
+        Greater => f64::from(a > b && !near),
+        GreaterOrEqual => f64::from(a > b || near),
+        Less => f64::from(a < b && !near),
+        LessOrEqual => f64::from(a < b || near),
+    };
+    if value.is_finite() { Ok(value) } else { Err("the value is too large for a number") }
 }
 
 /// A number as 32 bits.

@@ -1,8 +1,8 @@
 //! Which line comes next: GOTO, WHILE, M98, G65, M99.
 //!
-//! In: labels and program numbers. Out: the place where the program goes on. Programs begin with O; the main program is
-//! the first of its file, a subprogram another of the same file, or a file of its own, `O1000.nc`. A place that was
-//! searched once is remembered: a loop does not search again.
+//! In: labels and program numbers. Out: the place where the program goes on. Programs begin with O; the main
+//! program is the first of its file, a subprogram another of the same file, or a file of its own, `O1000.nc`.
+//! A place that was searched once is remembered: a loop does not search again.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +16,7 @@ const ENDINGS: [&str; 4] = [".nc", ".ngc", ".NC", ""];
 /// A subprogram that is being run.
 #[derive(Clone, Debug)]
 struct Level {
-    /// Where it begins: behind its O.
+    /// Where it begins: after its O.
     file: usize,
     beginning: Mark,
     /// Where the caller goes on, and where the caller's own program begins is told by the level below.
@@ -56,10 +56,11 @@ pub(super) struct Flow {
     /// Lines that were searched for: from a file and a line.
     found: BTreeMap<(usize, u32, Wanted), Mark>,
     programs: BTreeMap<u32, (usize, Mark)>,
-    /// Programs that were called since the first error: they are looked through once, too.
+    /// Programs that were called since the first error: they are also looked through once.
     looked: BTreeSet<u32>,
     deepest: u32,
-    /// Nothing was wrong so far. From the first error on nothing is repeated: the rest is looked through once.
+    /// Nothing was wrong so far. From the first error on nothing is repeated: the rest is looked through
+    /// once.
     pub(super) repeats: bool,
 }
 
@@ -146,7 +147,7 @@ impl Flow {
         })
     }
 
-    /// WHILE and DO, at the line that begins at `at`: enters the loop or goes behind its end.
+    /// WHILE and DO, at the line that begins at `at`: enters the loop or goes after its end.
     ///
     /// # Errors
     /// The loop has no end, or loops cross.
@@ -167,12 +168,12 @@ impl Flow {
         }
         let here = self.files.mark();
         let Some(end) = self.search(here, None, Wanted::End(number))? else {
-            let message = format!("DO {number} has no END {number} behind it");
+            let message = format!("DO {number} has no END {number} after it");
             return Err(Problem::error(
                 "bad-loop",
                 Blame::Block,
                 message,
-                "write END behind the last block of the loop",
+                "write END after the last block of the loop",
             ));
         };
         if let Some(outer) =
@@ -299,15 +300,15 @@ impl Flow {
         let Some(place) = found else {
             let message = format!("there is no program O{program:04}");
             let help =
-                format!("write it behind the main program, or save it as O{program:04}.nc in its folder");
+                format!("write it after the main program, or save it as O{program:04}.nc in its folder");
             return Err(Problem::error("no-subroutine", Blame::Block, message, help));
         };
         self.programs.insert(program, place);
         Ok(place)
     }
 
-    /// The first line from a mark (to another) that holds what is wanted. Labels and END are looked for up to the next
-    /// program.
+    /// The first line from a mark (to another) that holds what is wanted. Labels and END are looked for up to
+    /// the next program.
     fn search(&mut self, from: Mark, to: Option<Mark>, wanted: Wanted) -> Result<Option<Mark>, Box<Problem>> {
         let file = self.files.current();
         let key = (file, from.lines, wanted);

@@ -1,4 +1,5 @@
-//! What a line asks for, and the words of a block. Lengths know whether they were written with a decimal point.
+//! What a line asks for, and the words of a block. Lengths know whether they were written with a decimal
+//! point.
 
 use super::variables::Locals;
 use crate::block::{Block, letter_bit};
@@ -53,7 +54,8 @@ impl Line {
         self.block.has(letter)
     }
 
-    /// A length (or a time): without a decimal point it counts least increments, a computed one is rounded to them.
+    /// A length (or a time): without a decimal point it counts least increments, a computed one is rounded to
+    /// them.
     pub(super) fn length(&self, letter: char) -> Option<f64> {
         let value = self.block.get(letter)?;
         let per_unit = (1.0 / self.increment()).round();
@@ -81,7 +83,7 @@ impl Line {
         let Some(value) = self.block.get(letter) else { return Ok(None) };
         let pointed = (self.bare | self.computed) & letter_bit(letter) == 0;
         if pointed || value.abs() >= 1e9 {
-            let message = format!("{letter}{} is no whole number", short(value));
+            let message = format!("{letter}{} is not a whole number", short(value));
             let micro = format!("; a length counts steps of {} here", short(self.increment()));
             let help = format!("write {letter} without a decimal point{micro}");
             return Err(Problem::error("bad-value", Blame::Word(letter), message, help));

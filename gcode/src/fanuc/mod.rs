@@ -1,8 +1,9 @@
 //! FANUC lathe programs, G-code system A, with custom macro B.
 //!
-//! In: the lines of a program. Out: the same calls as from the other dialect: X of a call is a radius, threads are
-//! [`Call::ThreadCycle`] or moves that follow the spindle. What a code has in common with RS274/NGC is made a block of
-//! that language and executed by [`crate::execute`]; cycles send their own calls.
+//! In: the lines of a program. Out: the same calls as from the other dialect: X of a call is a radius,
+//! threads are [`Call::ThreadCycle`] or moves that follow the spindle. What a code has in common with
+//! RS274/NGC is made a block of that language and executed by [`crate::execute`]; cycles send their own
+//! calls.
 //!
 //! ```text
 //! line ─► reading.rs ─ words ─► codes.rs ─ what the block does ─► block.rs ─ modes, tool, moves ─► execute
@@ -11,8 +12,9 @@
 //!         flow.rs                                     threads.rs single.rs pecks.rs contour.rs
 //! ```
 //!
-//! X and U are diameters, I R P of cycles radii. Numbers without a decimal point count least input increments, 0.001 mm
-//! or 0.0001 inch (IS-B). F without a point is taken as mm or inch, with a warning under G99: controls differ there.
+//! X and U are diameters, I R P of cycles radii. Numbers without a decimal point count least input
+//! increments, 0.001 mm or 0.0001 inch (IS-B). F without a point is taken as mm or inch, with a warning under
+//! G99: controls differ there.
 
 mod block;
 mod codes;
@@ -40,8 +42,7 @@ use crate::execute::{Done, Output};
 use crate::options::Options;
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
-use crate::text::{Cursor, Files};
-
+use crate::text::{Cursor, Depth, Files};
 use codes::Deed;
 use execution::Execution;
 use expression::Values;
@@ -83,7 +84,7 @@ pub(crate) fn line_alone(text: &[u8], state: &State, options: &Options) -> Resul
 /// Computes one value, see [`crate::alone::value`].
 ///
 /// # Errors
-/// There is none, or it cannot be computed.
+/// It is missing, or cannot be computed.
 pub(crate) fn value_alone(
     cursor: &mut Cursor,
     state: &State,
@@ -91,7 +92,7 @@ pub(crate) fn value_alone(
 ) -> Result<Option<f64>, Box<Problem>> {
     let variables = Variables::new(&options.parameters);
     let deepest = options.limits.expression_depth;
-    Values { variables: &variables, state, deepest, depth: 0 }.value(cursor)
+    Values { variables: &variables, state, depth: Depth::new(deepest) }.value(cursor)
 }
 
 impl Control {
@@ -126,8 +127,8 @@ impl Control {
         &mut self.flow.files
     }
 
-    /// The value of a common variable, #100 to #199 and #500 to #999: `None` for other numbers, `Some(None)` if it is
-    /// vacant.
+    /// The value of a common variable, #100 to #199 and #500 to #999: `None` for other numbers, `Some(None)`
+    /// if it is vacant.
     pub(crate) fn shared(&self, number: u32) -> Option<Option<f64>> {
         self.variables.shared(number)
     }
@@ -263,7 +264,7 @@ impl Control {
         state: &mut State,
     ) -> Result<bool, Box<Problem>> {
         let (Ok(program @ 1..), Ok(times @ 0..=9999)) = (u32::try_from(program), u32::try_from(times)) else {
-            let message = "this calls no program";
+            let message = "this does not name a program to call";
             let help = "P is the number of the program, L (up to 9999) how often it is run: M98 P1000 L2";
             return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
         };
@@ -284,7 +285,7 @@ impl Control {
             Left::Macro => self.variables.leave(),
             Left::Again | Left::Subprogram => {}
             Left::Main => {
-                let message = "M99 repeats the main program for ever: it is run once here";
+                let message = "M99 repeats the main program for ever: here it runs once";
                 out.warn(Problem::warning("no-effect", Blame::M(M(99)), message, "end it with M30"));
                 let mut run = self.execution(state, out);
                 run.begin();

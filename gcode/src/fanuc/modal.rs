@@ -56,7 +56,8 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// The units change: lengths times a factor. The surface speed is forgotten, it has other units than lengths.
+    /// The units change: lengths times a factor. The surface speed is forgotten, it has other units than
+    /// lengths.
     pub(super) fn convert(&mut self, factor: f64) {
         self.lead = self.lead.map(|lead| lead * factor);
         self.surface = None;

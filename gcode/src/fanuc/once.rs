@@ -23,7 +23,7 @@ pub(super) fn once(code: G, run: &mut Execution) -> Done {
             run.equivalent.add_g(group::ONCE, G(920), span)?;
         }
         520 if run.modal.preset => {
-            let message = "G52 behind G50 X Z: one shift would take the place of the other";
+            let message = "G52 after G50 X Z: one shift would replace the other";
             return Err(Problem::error(
                 "not-available",
                 Blame::G(code),
@@ -93,7 +93,7 @@ fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
 /// G10 L2 P X Z.
 fn origin(run: &mut Execution) -> Done {
     let (Some(2), Some(system @ 1..=6)) = (run.line.whole('L')?, run.line.whole('P')?) else {
-        let message = "of G10 there is L2 P1 to P6, which sets the offset of G54 to G59";
+        let message = "G10 is available as L2 P1 to P6, which sets the offset of G54 to G59";
         let help = "keep the offsets of tools in the tool table";
         return Err(Problem::error("not-available", Blame::G(G(100)), message, help));
     };

@@ -1,19 +1,18 @@
-//! G74 and G75: grooves and holes, cut in pecks along Z (G74) or X (G75), one beside the other along the other axis.
+//! G74 and G75: grooves and holes, cut in pecks along Z (G74) or X (G75), one beside the other along the
+//! other axis.
 //!
-//! In: `G74 R(e)`, then `G74 X Z P(Δi) Q(Δk) R(Δd) F`. P (along X, a radius) and Q (along Z) are lengths in least
-//! increments. Out: for each column, pecks that go back by e, the way out, and the step to the next column. At the bottom
-//! the tool moves aside by Δd before it goes back.
+//! In: `G74 R(e)`, then `G74 X Z P(Δi) Q(Δk) R(Δd) F`. P (along X, a radius) and Q (along Z) are lengths in
+//! least increments. Out: for each column, pecks that go back by e, the way out, and the step to the next
+//! column. At the bottom the tool moves aside by Δd before it goes back.
 
 use super::execution::{Execution, target};
 use super::line::Line;
+use crate::bounds::MOST_PECKS;
 use crate::canon::{X, Z};
 use crate::codes::G;
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-
-/// Pecks and columns of a cycle at most.
-const MOST: f64 = 100_000.0;
 
 /// One axis of the cycle.
 #[derive(Clone, Copy)]
@@ -60,8 +59,8 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
         let help = format!("add {}", if along_z { "Z or W" } else { "X or U" });
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     }
-    if cut.count() * columns(&beside) > MOST {
-        let message = format!("this would take more than {MOST} pecks");
+    if cut.count() * columns(&beside) > MOST_PECKS {
+        let message = format!("this would take more than {MOST_PECKS} pecks");
         return Err(Problem::error("bad-value", Blame::Word(peck), message, "give a greater P or Q"));
     }
     Ok((cut, beside))

@@ -4,6 +4,7 @@
 
 use super::codes::Deed;
 use super::execution::Execution;
+use crate::bounds::NO_HIGHEST_SPEED;
 use crate::canon::FeedMode;
 use crate::codes::{G, M, group, m_group};
 use crate::execute::Done;
@@ -23,7 +24,7 @@ pub(super) fn spindle(run: &mut Execution) -> Done {
         None => run.state.spindle.constant_surface.is_some(),
     };
     if let (Some(G(970)), None, true) = (mode, speed, run.state.spindle.constant_surface.is_some()) {
-        let message = "G97 behind G96 needs S: the speed in force is a surface speed";
+        let message = "G97 after G96 needs S: the speed in force is a surface speed";
         return Err(Problem::error(
             "missing-word",
             Blame::G(G(970)),
@@ -48,17 +49,17 @@ pub(super) fn spindle(run: &mut Execution) -> Done {
             }
             if run.modal.highest.is_none() {
                 let message =
-                    "G96 without G50 S before it: nothing bounds the speed of the spindle as X comes near 0";
+                    "G96 without G50 S before it: nothing limits the speed of the spindle as X comes near 0";
                 let help = "give the highest speed, 1/min, such as G50 S2500";
                 run.out.warn(Problem::warning("no-highest-speed", Blame::G(G(960)), message, help));
             }
             run.add_g(group::SPINDLE_MODE, G(960))?;
-            run.equivalent.add('D', run.modal.highest.unwrap_or(1e30), span)?;
+            run.equivalent.add('D', run.modal.highest.unwrap_or(NO_HIGHEST_SPEED), span)?;
         }
         Some(code) => run.add_g(group::SPINDLE_MODE, code)?,
         None if limit && surface => {
             run.equivalent.add_g(group::SPINDLE_MODE, G(960), span)?;
-            run.equivalent.add('D', run.modal.highest.unwrap_or(1e30), span)?;
+            run.equivalent.add('D', run.modal.highest.unwrap_or(NO_HIGHEST_SPEED), span)?;
             speed = Some(run.state.spindle.speed);
         }
         None => {}

@@ -1,5 +1,5 @@
-//! One line of a program. In: its bytes, the variables, the state. Out: a [`Statement`]; the words of a block are in a
-//! [`Line`].
+//! One line of a program. In: its bytes, the variables, the state. Out: a [`Statement`]; the words of a block
+//! are in a [`Line`].
 //!
 //! ```text
 //! /  N10  words  (comment)                       a block
@@ -13,12 +13,13 @@ use super::expression::Values;
 use super::line::{Kind, Line, Statement};
 use super::variables::Variables;
 use crate::block::{Comment, CommentKind};
+use crate::bounds::LAST_NUMBER;
 use crate::canon::Units;
 use crate::codes::{G, M};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, Span};
 use crate::state::State;
-use crate::text::{Cursor, number, parentheses, whole};
+use crate::text::{Cursor, Depth, number, parentheses, whole};
 
 /// Reads a line.
 pub(super) struct Reading<'a> {
@@ -106,7 +107,7 @@ impl Reading<'_> {
             Keyword::While => {
                 let holds = self.condition(cursor)?;
                 if cursor.take_name(&[("do", ())]).is_none() {
-                    let help = "write WHILE [condition] DO 1, and END 1 behind the last block of the loop";
+                    let help = "write WHILE [condition] DO 1, and END 1 after the last block of the loop";
                     return Err(cursor.error_here("bad-loop", "DO is missing here", help));
                 }
                 Ok(Statement::While(loop_number(cursor)?, holds))
@@ -137,9 +138,9 @@ impl Reading<'_> {
     fn goto(&mut self, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
         let start = cursor.mark();
         match self.values().value(cursor)?.and_then(whole) {
-            Some(label @ 1..=99_999_999) => Ok(Statement::Goto(label as u32)),
+            Some(label) if (1..=i64::from(LAST_NUMBER)).contains(&label) => Ok(Statement::Goto(label as u32)),
             _ => {
-                let help = "give the N of a block, 1 to 99999999";
+                let help = format!("give the N of a block, 1 to {LAST_NUMBER}");
                 Err(cursor.error_from(start, "bad-value", "GOTO needs the number of a block", help))
             }
         }
@@ -168,7 +169,7 @@ impl Reading<'_> {
     }
 
     fn values(&self) -> Values<'_> {
-        Values { variables: self.variables, state: self.state, deepest: self.deepest, depth: 0 }
+        Values { variables: self.variables, state: self.state, depth: Depth::new(self.deepest) }
     }
 
     fn block(&mut self, cursor: &mut Cursor, line: &mut Line) -> Result<Statement, Box<Problem>> {
@@ -200,11 +201,11 @@ impl Reading<'_> {
             None => Ok(()),
             Some(_) if ended => {
                 let help = "; ends a block; write the next block on a line of its own";
-                Err(cursor.error_here("bad-character", "this stands behind the end of the block", help))
+                Err(cursor.error_here("bad-character", "this stands after the end of the block", help))
             }
             Some(_) => {
                 let help = "only a comment may follow on this line: write words in a block of their own";
-                Err(cursor.error_here("unused-word", "this belongs to nothing", help))
+                Err(cursor.error_here("unused-word", "nothing uses this", help))
             }
         }
     }
@@ -217,7 +218,7 @@ impl Reading<'_> {
             b',' => match cursor.take() {
                 Some(letter @ (b'c' | b'r')) => char::from(letter),
                 _ => {
-                    let help = ",C cuts the corner behind a move, ,R rounds it";
+                    let help = ",C cuts the corner after a move, ,R rounds it";
                     return Err(cursor.error_from(
                         start,
                         "not-available",
@@ -283,14 +284,14 @@ impl Reading<'_> {
         match self.written(cursor)? {
             Some((value, _)) => Ok((value, cursor.span(start))),
             None => {
-                let help = "set the variable before, or write the number of the code";
+                let help = "set the variable first, or write the number of the code";
                 Err(cursor.error_from(start, "bad-value", "the number of this code is vacant", help))
             }
         }
     }
 
-    /// A letter of G65: argument assignment I (each letter is a variable) or II (I J K again and again). `last` is the
-    /// variable that I, J or K set before.
+    /// A letter of G65: argument assignment I (each letter is a variable) or II (I J K again and again).
+    /// `last` is the variable that I, J or K set before.
     fn argument(
         &mut self,
         letter: u8,
@@ -344,7 +345,7 @@ fn sequence_number(cursor: &mut Cursor) -> Result<(Option<u32>, u8), Box<Problem
     cursor.skip();
     let digits = cursor.digits_here();
     let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(0.0..=99_999_999.0).contains(&value) {
+    if value.fract() != 0.0 || !(0.0..=f64::from(LAST_NUMBER)).contains(&value) {
         let help = "a sequence number has up to eight digits, or is left out";
         return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
     }
@@ -355,8 +356,8 @@ fn program_number(cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
     let start = cursor.mark();
     cursor.skip();
     let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(1.0..=99_999_999.0).contains(&value) {
-        let help = "a program number is 1 to 99999999, as in O1000";
+    if value.fract() != 0.0 || !(1.0..=f64::from(LAST_NUMBER)).contains(&value) {
+        let help = format!("a program number is 1 to {LAST_NUMBER}, as in O1000");
         return Err(cursor.error_from(start, "bad-label", "O without a usable number", help));
     }
     Ok(value as u32)

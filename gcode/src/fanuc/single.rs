@@ -1,7 +1,9 @@
-//! Single cycles: G90 (along Z), G94 (along X), G92 (a thread). Each goes in, along, out and back to where it began.
+//! Single cycles: G90 (along Z), G94 (along X), G92 (a thread). Each goes in, along, out and back to where it
+//! began.
 //!
-//! In: X Z (or U W) of the far corner, R of a taper: start less end, a radius in X (G90, G92), a length in Z (G94). Words
-//! stay in force while the code does (Q, the start angle of G92, does not); a block that changes any of them is another cycle.
+//! In: X Z (or U W) of the far corner, R of a taper: start less end, a radius in X (G90, G92), a length in Z
+//! (G94). Words stay in force while the code does (Q, the start angle of G92, does not); a block that changes
+//! any of them is another cycle.
 
 use super::execution::{Execution, target};
 use super::threads;

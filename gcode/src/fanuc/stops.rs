@@ -33,7 +33,7 @@ pub(super) fn begin(line: &Line, deed: Deed, state: &State, out: &mut Output) ->
     Err(Problem::error("missing-word", Blame::G(code), message, help))
 }
 
-/// G09, behind the move.
+/// G09, after the move.
 ///
 /// # Errors
 /// The end of the move is a corner that is cut off or rounded.

@@ -1,21 +1,23 @@
 //! Threads: G32 (one move), G76 in two lines or one, and the thread of G92.
 //!
-//! In: words of the block; F is the lead along the axis with the longer way. Out: moves that follow the spindle, or a
-//! [`ThreadCycle`].
+//! In: words of the block; F is the lead along the axis with the longer way. Out: moves that follow the
+//! spindle, or a [`ThreadCycle`].
 //!
 //! ```text
 //! G32   lead along the way = F √(ΔX² + ΔZ²) / max(|ΔX|, |ΔZ|)                                    (1)
 //! G76   P(m)(r)(a) Q(least cut) R(finishing allowance)
-//!       X Z R(i) P(k) Q(Δd) F         depth of pass n = Δd √n, no cut less than Q, R left for m finishing passes  (2)
+//!       X Z R(i) P(k) Q(Δd) F         depth of pass n = Δd √n, no cut less than Q,
+//!                                     R left for m finishing passes                            (2)
 //!       infeed along the flank: a/2; chamfer r/10 leads long at the end
 //!       X Z I(i) K(k) D(Δd) A(a) F P Q       one line: P1 area, one edge; P3 depth, one edge
-//! i     X at the start less X at the end, radii; k height, radius; Q of the one line start angle, 0.001 degrees
+//! i     X at the start less X at the end, radii; k height, radius; Q of the one line start angle, 0.001°
 //! ```
 //! G92 pulls out over as long a chamfer as G76 was last told, one lead if it never was.
 
 use super::execution::{Execution, target};
 use super::line::Line;
 use super::modal::{Modal, ThreadFirst};
+use crate::bounds::MOST_PASSES;
 use crate::canon::{Call, Degression, Pose, ThreadCycle, X, Z};
 use crate::codes::G;
 use crate::execute;
@@ -24,8 +26,6 @@ use crate::problem::{Blame, Problem, short};
 
 /// Angles of the tool that P of G76 may name, degrees.
 const ANGLES: [i64; 6] = [0, 29, 30, 55, 60, 80];
-/// Passes of a cycle at most.
-const MOST_PASSES: f64 = 10_000.0;
 
 /// What is the same for all cycles.
 struct Shape {
@@ -92,7 +92,7 @@ pub(super) fn cycle(run: &mut Execution) -> Done {
     let Some(first) = run.modal.first.thread else {
         let message = "the first line of G76 is missing";
         let help =
-            "write it before: G76 P021060 Q100 R0.05 (finishing passes, chamfer, angle; least cut; finish)";
+            "write it first: G76 P021060 Q100 R0.05 (finishing passes, chamfer, angle; least cut; finish)";
         return Err(Problem::error("missing-word", Blame::G(G(760)), message, help));
     };
     let height =
@@ -122,7 +122,7 @@ fn needed(value: Option<f64>, letter: char, what: &str, example: &str) -> Result
     match value {
         Some(value) if value > 0.0 => Ok(value),
         Some(value) => {
-            let message = format!("{} is no value of {what}", short(value));
+            let message = format!("{} cannot be {what}", short(value));
             Err(Problem::error("bad-value", Blame::Word(letter), message, format!("such as {example}")))
         }
         None => {
@@ -178,7 +178,7 @@ fn one_line(end: Pose, lead: f64, run: &mut Execution) -> Done {
             let (code, what) = if matches!(other, 2 | 4) {
                 ("not-available", "cuts on both edges")
             } else {
-                ("bad-value", "is no way to cut")
+                ("bad-value", "is not a way to cut")
             };
             let message = format!("P{other} {what}");
             return Err(Problem::error(
@@ -191,7 +191,7 @@ fn one_line(end: Pose, lead: f64, run: &mut Execution) -> Done {
     };
     let angle = run.line.plain('A').unwrap_or(0.0);
     if !(0.0..=120.0).contains(&angle) {
-        let message = format!("A{} is no angle of a tool", short(angle));
+        let message = format!("A{} cannot be the angle of a tool", short(angle));
         return Err(Problem::error("bad-value", Blame::Word('A'), message, "give 0 to 120 degrees"));
     }
     let taper = run.line.length('I').unwrap_or(0.0);
@@ -231,7 +231,7 @@ fn send(shape: &Shape, depths: Depths, run: &mut Execution) -> Done {
             "give Z of its end",
         );
     }
-    // The difference of two decimals is a decimal, too.
+    // The difference of two decimals is also a decimal.
     let crest = ((infeed.abs() - height) * 1e9).round() / 1e9;
     if crest <= 0.0 {
         let message = format!(
@@ -284,7 +284,7 @@ fn lead(modal: &Modal) -> Result<f64, Box<Problem>> {
     match modal.lead {
         Some(lead) if lead > 0.0 => Ok(lead),
         Some(lead) => {
-            let message = format!("F{} is no lead", short(lead));
+            let message = format!("F{} cannot be a lead", short(lead));
             Err(Problem::error("bad-value", Blame::Word('F'), message, "give the lead, greater than 0"))
         }
         None => {
@@ -299,6 +299,6 @@ fn start_angle(line: &Line) -> Result<f64, Box<Problem>> {
     if (0..=360_000).contains(&angle) {
         return Ok(angle as f64 / 1000.0);
     }
-    let message = format!("Q{angle} is no angle of the spindle");
+    let message = format!("Q{angle} is not an angle of the spindle");
     Err(Problem::error("bad-value", Blame::Word('Q'), message, "give 0 to 360000, thousandths of a degree"))
 }

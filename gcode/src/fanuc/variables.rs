@@ -1,4 +1,5 @@
-//! Variables of custom macro B. In: numbers. Out: values, or vacant; #5001 and its like in the units in force.
+//! Variables of custom macro B. In: numbers. Out: values, or vacant; #5001 and its like in the units in
+//! force.
 //!
 //! | variables | what |
 //! |---|---|
@@ -59,7 +60,7 @@ impl Variables {
         }
     }
 
-    /// A common variable, vacant or not; `None`: it is none.
+    /// A common variable, vacant or not; `None`: it is not one of them.
     pub(super) fn shared(&self, index: u32) -> Option<Option<f64>> {
         is_shared(index).then(|| self.common.get(index as usize).copied().flatten())
     }

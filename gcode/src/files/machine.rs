@@ -7,8 +7,8 @@
 //! [EMCIO]    TOOL_TABLE = tool.tbl
 //! [DISPLAY]  PROGRAM_PREFIX = programs
 //! ```
-//! Paths count from the folder of the file. Such a file describes much else (drives, screens, logic); that is passed
-//! over. Entries that would change the meaning of a program and are not supported become warnings.
+//! Paths count from the folder of the file. Such a file describes much else (drives, screens, logic); that is
+//! passed over. Entries that would change the meaning of a program and are not supported become warnings.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,8 +17,8 @@ use super::FileError;
 use crate::canon::Units;
 use crate::problem::{Blame, Diagnostic, Problem, Severity, Span};
 
-/// Entries that change what programs mean and that nothing here takes into account, with the value that is the same
-/// as no entry.
+/// Entries that change what programs mean and that nothing here takes into account, with the value that is
+/// the same as no entry.
 const UNSUPPORTED: [(&str, &str, &str); 11] = [
     ("RS274NGC", "REMAP", ""),
     ("RS274NGC", "USER_M_PATH", ""),
@@ -52,7 +52,8 @@ pub struct MachineFile {
     pub forgets_g92: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
-    /// All entries that are numbers, as the parameters that programs can read: `_ini[section]entry`, lower case.
+    /// All entries that are numbers, as the parameters that programs can read: `_ini[section]entry`, lower
+    /// case.
     pub named: Vec<(String, f64)>,
     /// Programs cannot read entries.
     pub hides_entries: bool,
@@ -157,21 +158,23 @@ impl Entry<'_> {
         match self.value.to_ascii_lowercase().as_str() {
             "mm" | "metric" => Ok(Units::Millimetre),
             "in" | "inch" | "imperial" => Ok(Units::Inch),
-            _ => Err(self.wrong("is no unit of length", "write mm or inch")),
+            _ => Err(self.wrong("is not a unit of length", "write mm or inch")),
         }
     }
 
     fn number(&self, what: &str) -> Result<f64, Box<Diagnostic>> {
         match self.value.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.wrong("is no number", &format!("write {what}"))),
+            _ => Err(self.wrong("is not a number", &format!("write {what}"))),
         }
     }
 
     fn length(&self) -> Result<f64, Box<Diagnostic>> {
         match self.value.parse::<f64>() {
             Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-            _ => Err(self.wrong("is no clearance", "write a length of 0 or more, in units of the machine")),
+            _ => {
+                Err(self.wrong("is not a clearance", "write a length of 0 or more, in units of the machine"))
+            }
         }
     }
 
@@ -181,7 +184,7 @@ impl Entry<'_> {
     }
 
     fn diagnostic(&self, severity: Severity, message: String, help: &str) -> Diagnostic {
-        // The value stands at the end of the line: nothing but blanks is behind it.
+        // The value stands at the end of the line: nothing but blanks is after it.
         let end = self.text.trim_end().len();
         let span = Span { start: (end - self.value.len()) as u32, end: end as u32 };
         let mut problem = Problem::error("bad-file", Blame::Span(span), message, help);

@@ -45,13 +45,14 @@ impl From<Box<Diagnostic>> for FileError {
     }
 }
 
-/// The text of a file. Bytes that are no UTF-8 can only stand in comments that matter to nobody here.
+/// The text of a file. Bytes that are not UTF-8 can only stand in comments, which nothing here reads.
 fn read(path: &Path) -> Result<String, FileError> {
     let bytes = fs::read(path).map_err(|error| FileError::Read { path: path.into(), error })?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Writes a file beside `path` (`NAME.new`) and puts it in its place, so that there is a whole file at any time.
+/// Writes a file beside `path` (`NAME.new`) and puts it in its place, so that there is a whole file at any
+/// time.
 fn replace(path: &Path, text: &str) -> Result<(), FileError> {
     let fresh = with_suffix(path, ".new");
     let written = File::create(&fresh)

@@ -3,8 +3,8 @@
 //! ```text
 //! 5161 0.000000        number, tab, value; numbers go up
 //! ```
-//! Other lines are passed over. A run keeps the parameters that the file names, and those that every file must have:
-//! home positions, offsets of G92 and of the coordinate systems.
+//! Other lines are passed over. A run keeps the parameters that the file names, and those that every file
+//! must have: home positions, offsets of G92 and of the coordinate systems.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -17,8 +17,8 @@ use crate::problem::{Blame, Diagnostic, Problem, Span};
 /// One more than the highest number.
 const END: u32 = 5602;
 
-/// The numbers that every file has: home positions (G28, G30), G92 in force and its offsets, the coordinate system
-/// in force, and offsets and rotation of each of the nine.
+/// The numbers that every file has: home positions (G28, G30), G92 in force and its offsets, the coordinate
+/// system in force, and offsets and rotation of each of the nine.
 fn required() -> impl Iterator<Item = u32> {
     let systems = (0..9).flat_map(|n| 5221 + 20 * n..=5230 + 20 * n);
     (5161..=5169).chain(5181..=5189).chain(5210..=5219).chain([5220]).chain(systems)
@@ -56,7 +56,7 @@ impl ParameterFile {
             let (message, help) = if !(1..i64::from(END)).contains(&number) {
                 (format!("there is no parameter #{number}"), format!("numbers are 1 to {}", END - 1))
             } else if number <= i64::from(last) {
-                (format!("#{number} stands behind #{last}"), "put the parameters in ascending order".into())
+                (format!("#{number} stands after #{last}"), "put the parameters in ascending order".into())
             } else {
                 values.push((number as u32, value));
                 continue;

@@ -1,6 +1,6 @@
 //! The tool table, in the form that LinuxCNC keeps it in.
 //!
-//! One tool a line, words in any order, a comment behind a semicolon:
+//! One tool a line, words in any order, a comment after a semicolon:
 //! ```text
 //! T11 P11 X-12.4 Z-35.6 D1.6 I95 J155 Q2 ;turning tool, tip radius 0.8
 //! ```
@@ -35,7 +35,7 @@ pub struct Tool {
     pub back_angle: f64,
     /// Q: orientation of a turning tool, 0 to 9.
     pub orientation: u8,
-    /// What stands behind the semicolon.
+    /// What stands after the semicolon.
     pub comment: String,
 }
 
@@ -79,7 +79,7 @@ impl ToolTable {
     /// Reads a table.
     ///
     /// # Errors
-    /// The file cannot be read, or a line of it is no tool.
+    /// The file cannot be read, or a line of it is not a tool.
     pub fn read(path: &Path) -> Result<ToolTable, FileError> {
         let text = super::read(path)?;
         Ok(ToolTable::parse(&path.display().to_string(), &text)?)
@@ -88,7 +88,7 @@ impl ToolTable {
     /// Reads a table from a text; `name` is what messages call it.
     ///
     /// # Errors
-    /// The first line that is no tool.
+    /// The first line that is not a tool.
     pub fn parse(name: &str, text: &str) -> Result<ToolTable, Box<Diagnostic>> {
         let name: Arc<str> = name.into();
         let mut table = ToolTable::default();
@@ -110,7 +110,8 @@ impl ToolTable {
         self.tools.iter().map(line_of).collect()
     }
 
-    /// Writes the table: first beside the old one, then in its place, so that there is a whole table at any time.
+    /// Writes the table: first beside the old one, then in its place, so that there is a whole table at any
+    /// time.
     ///
     /// # Errors
     /// The file cannot be written; the old one is as it was.

@@ -9,7 +9,7 @@ pub(super) struct Words<'a> {
     name: &'a Arc<str>,
     line: u32,
     text: &'a str,
-    /// The words, and what stands behind the semicolon.
+    /// The words, and what stands after the semicolon.
     words: &'a str,
     comment: &'a str,
     /// Where the word being read begins, and how far reading has come.
@@ -44,8 +44,8 @@ impl<'a> Words<'a> {
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             _ => Err(self.wrong(
-                format!("`{}` is no word", self.word()),
-                "write a decimal number behind the letter, as Z-12.5",
+                format!("`{}` is not a word", self.word()),
+                "write a decimal number after the letter, as Z-12.5",
             )),
         }
     }
@@ -57,7 +57,7 @@ impl<'a> Words<'a> {
             Ok(value) if (least..=most).contains(&value) => Ok(value),
             _ => Err(self.wrong(
                 format!("`{}` is not possible here", self.word()),
-                format!("write a whole number of {least} to {most} behind the letter"),
+                format!("write a whole number of {least} to {most} after the letter"),
             )),
         }
     }
@@ -67,7 +67,7 @@ impl<'a> Words<'a> {
         self.blank
     }
 
-    /// What stands behind the semicolon.
+    /// What stands after the semicolon.
     pub(super) fn comment(&self) -> &'a str {
         self.comment.trim_end()
     }

@@ -1,7 +1,7 @@
 //! Contours of turned parts: lines and arcs in the ZX plane, and what roughing has to know of them.
 //!
-//! Lengths in any one unit, X a radius. In the *frame of the cuts* ([`super::frame`]) a contour runs towards −Z, the
-//! tool is on its +X side, the material on the other; passes run towards −Z, infeed is −X.
+//! Lengths in any one unit, X a radius. In the *frame of the cuts* ([`super::frame`]) a contour runs towards
+//! −Z, the tool is on its +X side, the material on the other; passes run towards −Z, infeed is −X.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -23,8 +23,8 @@ use std::ops::{Add, Mul, Sub};
 
 /// Points nearer than this are one.
 pub(crate) const NEAR: f64 = 1e-6;
-/// How far a segment may run backwards, or an arc beyond its half, and still count as monotone: programs are written
-/// with three decimals.
+/// How far a segment may run backwards, or an arc beyond its half, and still count as monotone: programs are
+/// written with three decimals.
 pub(crate) const ROUNDING: f64 = 1e-3;
 
 /// A point of the plane, or the way from one to another.
@@ -120,8 +120,8 @@ impl Segment {
         Segment { start, end, bend: Some(Bend { center, ccw }) }
     }
 
-    /// An arc by its radius: up to half a turn, more with a negative `radius`. `None` if the radius is less than half
-    /// the distance of the ends (by more than [`ROUNDING`]) or the ends are one point.
+    /// An arc by its radius: up to half a turn, more with a negative `radius`. `None` if the radius is less
+    /// than half the distance of the ends (by more than [`ROUNDING`]) or the ends are one point.
     pub(crate) fn arc_of_radius(start: Point, end: Point, radius: f64, ccw: bool) -> Option<Segment> {
         let chord = end - start;
         let (length, half) = (chord.length(), chord.length() / 2.0);
@@ -155,8 +155,8 @@ impl Segment {
         if length > 0.0 { along * (1.0 / length) } else { Point::default() }
     }
 
-    /// The segment at a distance, to the right if positive (2), and whether anything is left of it: an arc shrinks
-    /// to its centre and beyond, where it runs backwards.
+    /// The segment at a distance, to the right if positive (2), and whether anything is left of it: an arc
+    /// shrinks to its centre and beyond, where it runs backwards.
     pub(crate) fn offset(&self, distance: f64) -> (Segment, bool) {
         let moved = |at: Point| at + self.direction(at).right() * distance;
         let offset = Segment { start: moved(self.start), end: moved(self.end), bend: self.bend };

@@ -1,8 +1,8 @@
 //! Fillets and chamfers between two segments of a contour.
 //!
-//! In: two segments that meet, a radius. The centre of a fillet is as far from both as its radius, on the side that
-//! the contour turns to: it is where the two cross after both moved by the radius. Moving them back gives the points
-//! where the fillet begins and ends. A chamfer joins the same two points.
+//! In: two segments that meet, a radius. The centre of a fillet is as far from both as its radius, on the
+//! side that the contour turns to: it is where the two cross after both moved by the radius. Moving them back
+//! gives the points where the fillet begins and ends. A chamfer joins the same two points.
 
 use super::contour::{NEAR, Point, Segment, crossings};
 
@@ -17,8 +17,8 @@ pub(crate) enum Corner {
     Chamfer(f64),
 }
 
-/// The two segments, shortened, and what goes between them. `None` if the radius is too large for one of them, or the
-/// segments do not make a corner.
+/// The two segments, shortened, and what goes between them. `None` if the radius is too large for one of
+/// them, or the segments do not make a corner.
 pub(crate) fn blend(before: &Segment, after: &Segment, corner: Corner) -> Option<[Segment; 3]> {
     let (radius, round) = match corner {
         Corner::Sharp => return None,

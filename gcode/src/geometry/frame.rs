@@ -1,7 +1,8 @@
-//! The frame of the cuts: which way a contour is turned so that it runs towards −Z with the tool on its +X side.
+//! The frame of the cuts: which way a contour is turned so that it runs towards −Z with the tool on its +X
+//! side.
 //!
-//! Turning and facing, outside and inside, towards the chuck and away from it differ by a change of axes and signs
-//! alone. [`Frame::enter`] leads into the frame, [`Frame::leave`] back.
+//! Turning and facing, outside and inside, towards the chuck and away from it differ by a change of axes and
+//! signs alone. [`Frame::enter`] leads into the frame, [`Frame::leave`] back.
 
 use super::contour::{Bend, NEAR, Point, Segment};
 
@@ -17,9 +18,10 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The frame for a contour that the tool comes to from `start`. Passes run in the sense of the contour. The tool
-    /// is on that side where `start` is, seen from the beginning of the contour in the direction of infeed. If both
-    /// are level, it is where the area lies that the contour and the ways from `start` and back to it enclose.
+    /// The frame for a contour that the tool comes to from `start`. Passes run in the sense of the contour.
+    /// The tool is on that side where `start` is, seen from the beginning of the contour in the direction of
+    /// infeed. If both are level, it is where the area lies that the contour and the ways from `start` and
+    /// back to it enclose.
     pub(crate) fn of(contour: &[Segment], start: Point, facing: bool) -> Frame {
         let mut frame = Frame { facing, z: 1.0, x: 1.0 };
         let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return frame };

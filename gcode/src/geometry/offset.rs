@@ -1,10 +1,10 @@
 //! A contour with an allowance on it: what the centre of a circle of that radius describes that rolls along.
 //!
-//! In: a monotone contour in the frame of the cuts ([`super::contour`]), a distance d, positive towards the tool. Out:
-//! the contour that is d away from it. Every segment moves by d (2); at a corner that sticks out, an arc about it
-//! joins the two (a corner blunter than the rounding of programs is left sharp). These pieces are functions x(z).
-//! What is d away from all of the contour is their upper envelope (the lower one for d < 0), so notches narrower
-//! than the circle close by themselves:
+//! In: a monotone contour in the frame of the cuts ([`super::contour`]), a distance d, positive towards the
+//! tool. Out: the contour that is d away from it. Every segment moves by d (2); at a corner that sticks out,
+//! an arc about it joins the two (a corner blunter than the rounding of programs is left sharp). These pieces
+//! are functions x(z). What is d away from all of the contour is their upper envelope (the lower one for d <
+//! 0), so notches narrower than the circle close by themselves:
 //!
 //! ```text
 //! x(z) = max x_i(z) over all pieces i that have a z      (5)
@@ -82,7 +82,8 @@ fn pieces(contour: &[Segment], distance: f64) -> Vec<Segment> {
     pieces
 }
 
-/// Where the first or the last segment has vanished, the half circle about that end of the contour takes its place.
+/// Where the first or the last segment has vanished, the half circle about that end of the contour takes its
+/// place.
 fn cap_the_ends(contour: &[Segment], distance: f64, pieces: &mut Vec<Segment>) {
     let way = Point::new(distance, 0.0);
     let cap = |end: Point| Segment::arc(end + way, end - way, end, true);
@@ -95,8 +96,8 @@ fn cap_the_ends(contour: &[Segment], distance: f64, pieces: &mut Vec<Segment>) {
     }
 }
 
-/// Whether a corner from one direction to another sticks out towards the side of `distance`: a turn to the left for
-/// the right side. Straight back is a turn to the left on top of a spike.
+/// Whether a corner from one direction to another sticks out towards the side of `distance`: a turn to the
+/// left for the right side. Straight back is a turn to the left on top of a spike.
 fn opens(before: Point, after: Point, distance: f64) -> bool {
     let turn = before.cross(after);
     let turn = if turn.abs() < 1e-9 && before.dot(after) < 0.0 { before.x } else { turn };
@@ -117,7 +118,8 @@ fn tip(before: &Segment, after: &Segment) -> Option<Point> {
     }
 }
 
-/// The parts of pieces that are highest (lowest for `side` −1) between two Z, from the greater to the smaller (5).
+/// The parts of pieces that are highest (lowest for `side` −1) between two Z, from the greater to the smaller
+/// (5).
 fn envelope(pieces: &[Segment], from: f64, to: f64, side: f64) -> Vec<Segment> {
     let mut pieces: Vec<&Segment> = pieces.iter().filter(|piece| !piece.is_wall()).collect();
     pieces.sort_by(|a, b| b.start.z.total_cmp(&a.start.z));

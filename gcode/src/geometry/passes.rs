@@ -1,7 +1,8 @@
 //! Roughing and finishing passes along a contour.
 //!
-//! In: a start point and a monotone contour in the frame of the cuts ([`super::frame`]: passes run towards −Z, infeed
-//! is −X), with its allowance on it ([`super::offset`]). Out: moves in that frame. Lengths in the unit of the contour.
+//! In: a start point and a monotone contour in the frame of the cuts ([`super::frame`]: passes run towards
+//! −Z, infeed is −X), with its allowance on it ([`super::offset`]). Out: moves in that frame. Lengths in the
+//! unit of the contour.
 //!
 //! The order is that of `walk.rs`; here its steps become moves.
 //!
@@ -53,13 +54,13 @@ pub(crate) enum Pockets {
 pub(crate) struct Roughing {
     /// i, infeed from pass to pass, greater than 0.
     pub(crate) infeed: f64,
-    /// r, escape behind each pass, 0 or greater.
+    /// r, escape after each pass, 0 or greater.
     pub(crate) escape: f64,
     /// Pockets.
     pub(crate) pockets: Pockets,
 }
 
-/// The contour with a wall at its end up to the height of `start`, if it ends lower: what is behind it stays.
+/// The contour with a wall at its end up to the height of `start`, if it ends lower: what is after it stays.
 /// For roughing, before the allowance.
 pub(crate) fn walled(start: Point, contour: &[Segment]) -> Vec<Segment> {
     let mut walled = contour.to_vec();
@@ -69,8 +70,8 @@ pub(crate) fn walled(start: Point, contour: &[Segment]) -> Vec<Segment> {
     walled
 }
 
-/// Roughs a contour. The first pass is at the height of `start`, behind each pass the tool escapes (7) and goes back
-/// to its beginning, and it is left at the end of the contour.
+/// Roughs a contour. The first pass is at the height of `start`, after each pass the tool escapes (7) and
+/// goes back to its beginning, and it is left at the end of the contour.
 ///
 /// # Errors
 /// Those of `send`.
@@ -86,9 +87,9 @@ pub(crate) fn rough<E>(
     })
 }
 
-/// Roughs a contour as FANUC's G71 and G72 do: the first pass is one infeed below `start`; behind each pass the tool
-/// escapes (7), goes back to the Z of `start` and feeds in; at last it follows the contour and goes back to `start`.
-/// Pockets (type II) are cut.
+/// Roughs a contour as FANUC's G71 and G72 do: the first pass is one infeed below `start`; after each pass
+/// the tool escapes (7), goes back to the Z of `start` and feeds in; at last it follows the contour and goes
+/// back to `start`. Pockets (type II) are cut.
 ///
 /// # Errors
 /// Those of `send`.
@@ -151,8 +152,8 @@ pub(crate) fn finish<E>(
     contour.iter().try_for_each(|segment| send(cutting(segment)))
 }
 
-/// Follows a contour `passes` times, each time from `start`: the first time `relief` + `allowance` away from its
-/// place, the last time `allowance`, in between in equal steps.
+/// Follows a contour `passes` times, each time from `start`: the first time `relief` + `allowance` away from
+/// its place, the last time `allowance`, in between in equal steps.
 ///
 /// # Errors
 /// Those of `send`.

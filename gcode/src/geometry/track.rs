@@ -24,14 +24,14 @@
 //! m0 + x u ± √(ρ0² - x²) J u,                         (O7)  two circles, u from m0 to m1, D apart
 //!     x = (ρ0² + D² - ρ1²) / 2D
 //! σ (t0 × t1) > 0                                     (O8)  which of two points is the corner
-//! e + |c - e| / (2 cos φ) u                           (O9)  centre of an entry arc from c to e, u from e to m,
-//!                                                           φ from u to c - e
+//! e + |c - e| / (2 cos φ) u                           (O9)  centre of an entry arc from c to e,
+//!                                                           u from e to m, φ from u to c - e
 //! ```
-//! Unit vectors come from angles, and O5 is a way back from p + r n0, so that values which are exact in the drawing
-//! are rounded as LinuxCNC rounds them.
-//! O8 follows from the corner being an inside one: there the way turns towards the tool. It gives the sign in
-//! O6 (line to arc: σε, arc to line: -σε) and in O7 (σ ε0 ε1). A contour that turns back by half a turn has
-//! an inside corner if its arms part on the side of the tool, κ0 + κ1 < 0; else the tool goes around its tip.
+//! Unit vectors come from angles, and O5 is a way back from p + r n0, so that values which are exact in the
+//! drawing are rounded as LinuxCNC rounds them. O8 follows from the corner being an inside one: there the way
+//! turns towards the tool. It gives the sign in O6 (line to arc: σε, arc to line: -σε) and in O7 (σ ε0 ε1). A
+//! contour that turns back by half a turn has an inside corner if its arms part on the side of the tool, κ0 +
+//! κ1 < 0; else the tool goes around its tip.
 
 use libm::{atan2, cos, hypot, sin, sqrt, tan};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -41,7 +41,7 @@ pub(crate) type Point = [f64; 2];
 
 /// Corners within this angle of tangent, or of turning back, are taken as such. LinuxCNC's value, radians.
 pub(crate) const TANGENT: f64 = 0.05;
-/// Rounding of lengths and angles that is no gouge.
+/// Rounding of lengths and angles that does not count as a gouge.
 const ROUNDING: f64 = 1e-9;
 /// Angles that fall short of a full turn by less are rounding of 0.
 const SAME_ANGLE: f64 = 1e-6;
@@ -154,7 +154,7 @@ impl Track {
     }
 
     /// The arc from `start` to the centre of the tool at the end of a programmed arc, tangent to it there:
-    /// O9. Gives its centre, too. `None` if the tool does not fit into the arc, or the arc is too short to
+    /// O9. Also gives its centre. `None` if the tool does not fit into the arc, or the arc is too short to
     /// lead in.
     pub(crate) fn entry_arc(programmed: &Element, side: Side, r: f64) -> Option<(Track, Point)> {
         let (m, turns) = programmed.arc?;

@@ -1,9 +1,9 @@
 //! The walk along a contour that roughing makes.
 //!
-//! In: a start point and a contour in the frame of the cuts ([`super::frame`]). Out: steps, in order. Where the contour
-//! falls, it is descended level by level, and on each level a pass goes across to the next place where the contour
-//! rises to that level. Where it rises (or is level), the tool follows it. So a *pocket*, where the contour falls
-//! again, is cut when the tool gets there.
+//! In: a start point and a contour in the frame of the cuts ([`super::frame`]). Out: steps, in order. Where
+//! the contour falls, it is descended level by level, and on each level a pass goes across to the next place
+//! where the contour rises to that level. Where it rises (or is level), the tool follows it. So a *pocket*,
+//! where the contour falls again, is cut when the tool gets there.
 //!
 //! ```text
 //! levels    x_k = x_top − k i,  k = k_first, k_first + 1, ...                      (6)

@@ -11,9 +11,6 @@
 mod flow;
 mod words;
 
-use flow::{Flow, Order, Run};
-use words::{LineReader, head};
-
 use crate::block::Block;
 use crate::canon::{Job, Place};
 use crate::codes::{M, m_group};
@@ -22,6 +19,8 @@ use crate::options::Options;
 use crate::problem::Problem;
 use crate::state::State;
 use crate::text::{Cursor, Files, job};
+use flow::{Flow, Order, Run};
+use words::{LineReader, head};
 
 /// A program that is being run.
 pub(crate) struct Control {
@@ -60,7 +59,7 @@ pub(crate) fn line_alone(text: &[u8], state: &mut State, options: &Options) -> R
 /// Computes one value, see [`crate::alone::value`].
 ///
 /// # Errors
-/// There is none, or it cannot be computed.
+/// It is missing, or cannot be computed.
 pub(crate) fn value_alone(
     cursor: &mut Cursor,
     state: &State,

@@ -1,5 +1,5 @@
-//! What was found wrong. In: problems, which name a word. Out: diagnostics, which name file, line and column; each line
-//! is reported once.
+//! What was found wrong. In: problems, which name a word. Out: diagnostics, which name file, line and column;
+//! each line is reported once.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -46,8 +46,8 @@ impl Findings {
     }
 }
 
-/// Puts a problem at its place, and tells the number of the file. `refused`: the call that the sink refused, which may
-/// be of an earlier line.
+/// Puts a problem at its place, and tells the number of the file. `refused`: the call that the sink refused,
+/// which may be of an earlier line.
 pub(super) fn diagnostic(problem: Problem, refused: Option<Place>, reader: &mut Reader) -> (u16, Diagnostic) {
     let block = reader.block().place();
     let earlier = refused.filter(|place| (place.file, place.line) != (block.file, block.line));

@@ -1,7 +1,7 @@
 //! A program that runs: lines become blocks, blocks become calls.
 //!
-//! In: a text and [`Options`]. Out: calls to a [`Sink`], and [`Diagnostic`]s with the place of what is wrong. One
-//! [`Program::step`] is one line:
+//! In: a text and [`Options`]. Out: calls to a [`Sink`], and [`Diagnostic`]s with the place of what is wrong.
+//! One [`Program::step`] is one line:
 //!
 //! ```text
 //! text ─ line ─► reader of the dialect ─ block ─► execute ─ calls ─► sink
@@ -15,10 +15,6 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use findings::{Findings, diagnostic};
-use reader::Reader;
-use watch::Watch;
-
 use crate::canon::{Place, Sink};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Done, Output};
@@ -26,6 +22,9 @@ use crate::options::{Dialect, Options};
 use crate::problem::{Blame, Diagnostic, Problem};
 use crate::state::State;
 use crate::text::{Files, Source, job};
+use findings::{Findings, diagnostic};
+use reader::Reader;
+use watch::Watch;
 
 /// Whether there is more to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,8 +112,8 @@ impl Program {
         }
     }
 
-    /// Executes the next line. After an error it can be called again and goes on behind the faulty line, so that
-    /// other errors are found; from then on nothing is repeated, and no line is reported twice.
+    /// Executes the next line. After an error it can be called again and goes on after the faulty line, so
+    /// that other errors are found; from then on nothing is repeated, and no line is reported twice.
     ///
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
@@ -155,7 +154,8 @@ impl Program {
         done
     }
 
-    /// Puts what the receiver of the calls finds wrong, later than at the call, at the place the call came from.
+    /// Puts what the receiver of the calls finds wrong, later than at the call, at the place the call came
+    /// from.
     pub fn diagnose(&mut self, place: Place, problem: Problem) -> Diagnostic {
         diagnostic(problem, Some(place), &mut self.reader).1
     }
@@ -170,7 +170,8 @@ impl Program {
         self.reader.files().get(usize::from(file)).map(Source::name)
     }
 
-    /// The value of a parameter, offsets in machine units. `None`: a common variable of FANUC, #100 to #199 or #500 to
+    /// The value of a parameter, offsets in machine units. `None`: a common variable of FANUC, #100 to #199
+    /// or #500 to
     /// #999, that is vacant.
     pub fn parameter(&self, number: u32) -> Option<f64> {
         self.reader.common(number).unwrap_or_else(|| Some(self.state.parameter(number)))

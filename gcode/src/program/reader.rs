@@ -1,4 +1,5 @@
-//! The readers of the dialects, and of files that are jobs: equals, each with its own flow and its own blocks.
+//! The readers of the dialects, and of files that are jobs: equals, each with its own flow and its own
+//! blocks.
 //!
 //! In: the files of a program. Out: calls, line by line.
 
@@ -85,7 +86,8 @@ impl Reader {
         }
     }
 
-    /// The value of a common variable of FANUC: `None` if there is none of this number, `Some(None)` if it is vacant.
+    /// The value of a common variable of FANUC: `None` if there is none of this number, `Some(None)` if it is
+    /// vacant.
     pub(super) fn common(&self, number: u32) -> Option<Option<f64>> {
         match self {
             Reader::Fanuc(reader) => reader.shared(number),

@@ -1,8 +1,8 @@
 //! Parameters: what `#1`, `#<name>` and `#<_name>` hold.
 //!
-//! In: numbers and names (lower case, without blanks). Out: values, dimensionless. Numbered parameters are 0 until
-//! they are set. `#1` to `#30` and names belong to the call level they are set in; names that begin with `_` and all
-//! other numbers belong to the program.
+//! In: numbers and names (lower case, without blanks). Out: values, dimensionless. Numbered parameters are 0
+//! until they are set. `#1` to `#30` and names belong to the call level they are set in; names that begin
+//! with `_` and all other numbers belong to the program.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,8 @@
 //! What stays in force from block to block.
 //!
-//! Lengths in the units in force (G20 and G21 convert them), X a radius, angles in degrees; values that belong to
-//! the machine (tool table, offsets of the coordinate systems, home positions) in units of the machine.
+//! Lengths in the units in force (G20 and G21 convert them), X a radius, angles in degrees; values that
+//! belong to the machine (tool table, offsets of the coordinate systems, home positions) in units of the
+//! machine.
 //!
 //! | file | what it keeps |
 //! |---|---|
@@ -46,7 +47,7 @@ pub(crate) const SYSTEM: u32 = 5220;
 /// What the last M66 read.
 pub(crate) const INPUT: u32 = 5399;
 
-/// #5221 for G54, #5241 for G55...: the first of six offsets, machine units; the rotation is nine behind it.
+/// #5221 for G54, #5241 for G55...: the first of six offsets, machine units; the rotation is nine after it.
 pub(crate) fn offset_of_system(system: u8) -> u32 {
     SYSTEM + 1 + 20 * u32::from(system.saturating_sub(1))
 }
@@ -116,8 +117,8 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// The state in which a program begins: G17 G90 G91.1 G94 G8 G40 G49 G64 G97 G99 and no motion code, with the
-    /// offsets that the parameters hold.
+    /// The state in which a program begins: G17 G90 G91.1 G94 G8 G40 G49 G64 G97 G99 and no motion code, with
+    /// the offsets that the parameters hold.
     pub(crate) fn new(options: &Options) -> State {
         let memory = Memory::new(&options.parameters, &options.named);
         let system = memory.numbered(SYSTEM) as u8;

@@ -6,7 +6,7 @@ use crate::problem::{Blame, Problem, Span};
 /// Takes a comment in parentheses: its text, and the bytes it stands at.
 ///
 /// # Errors
-/// It is not closed, holds another comment, or is no text.
+/// It is not closed, holds another comment, or is not text.
 pub(crate) fn parentheses<'a>(cursor: &mut Cursor<'a>) -> Result<(&'a str, Span), Box<Problem>> {
     let start = cursor.mark();
     cursor.skip();
@@ -24,7 +24,7 @@ pub(crate) fn parentheses<'a>(cursor: &mut Cursor<'a>) -> Result<(&'a str, Span)
 /// Takes a comment that begins with a semicolon: its text with it, and the bytes it stands at.
 ///
 /// # Errors
-/// It is no text.
+/// It is not text.
 pub(crate) fn semicolon<'a>(cursor: &mut Cursor<'a>) -> Result<(&'a str, Span), Box<Problem>> {
     let start = cursor.mark();
     let text = readable(cursor.take_rest(), start)?;

@@ -1,5 +1,5 @@
-//! A reading position in one line. In: its bytes. Out: its characters in lower case, without the blanks and tabs that
-//! may stand anywhere between (and within) words.
+//! A reading position in one line. In: its bytes. Out: its characters in lower case, without the blanks and
+//! tabs that may stand anywhere between (and within) words.
 
 use crate::problem::{Blame, Problem, Span};
 

@@ -1,8 +1,8 @@
 //! Angles in degrees and their functions.
 //!
-//! LinuxCNC multiplies by π and divides by 180 in numbers of 64 bits (`long double`), so that the sine of 30 is 0.5 and
-//! the tangent of 45 is 1; in plain `f64` both are a little less, and FIX would make 0 of the latter. Here an angle is
-//! a sum of two `f64`, rounded to 64 bits where LinuxCNC rounds, and
+//! LinuxCNC multiplies by π and divides by 180 in numbers of 64 bits (`long double`), so that the sine of 30
+//! is 0.5 and the tangent of 45 is 1; in plain `f64` both are a little less, and FIX would make 0 of the
+//! latter. Here an angle is a sum of two `f64`, rounded to 64 bits where LinuxCNC rounds, and
 //!
 //! | | |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! The files of a program. In: the program, and folders with subroutine files. Out: the line that comes next, in
-//! whichever file the program is.
+//! The files of a program. In: the program, and folders with subroutine files. Out: the line that comes next,
+//! in whichever file the program is.
 
 use std::fs::File;
 use std::io::{self, Read};

@@ -15,7 +15,7 @@ pub(crate) fn begins(line: &[u8]) -> bool {
     line.trim_ascii_start().starts_with(MARK)
 }
 
-/// Whether a comment behind a semicolon looks like a line of a job, and is none.
+/// Whether a comment after a semicolon looks like a line of a job without being one.
 pub(crate) fn is_nearly(comment: &str) -> bool {
     let text = comment.trim_start_matches(';');
     text.starts_with('@') || (text.trim_start().starts_with('@') && text.contains('='))
@@ -24,7 +24,7 @@ pub(crate) fn is_nearly(comment: &str) -> bool {
 /// Reads a job to its end. `first` is its first line, which has been taken.
 ///
 /// # Errors
-/// A line that is no text, a job that is too long, or a file that cannot be read.
+/// A line that is not text, a job that is too long, or a file that cannot be read.
 pub(crate) fn read(files: &mut Files, first: &Line) -> Result<Job, Box<Problem>> {
     let mut job = Job { line: first.number(), ..Job::default() };
     let mut bytes = blanked(files.bytes(first));

@@ -1,5 +1,5 @@
-//! Numbers: digits with at most one point, blanks between them, no sign, no exponent. In: a cursor at a digit or
-//! point. Out: the f64 that is nearest to what is written.
+//! Numbers: digits with at most one point, blanks between them, no sign, no exponent. In: a cursor at a digit
+//! or point. Out: the f64 that is nearest to what is written.
 
 use super::cursor::Cursor;
 use crate::problem::Problem;
@@ -9,7 +9,7 @@ const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
     1e19, 1e20, 1e21, 1e22,
 ];
-/// Whole numbers up to this are exact, too.
+/// Whole numbers up to this are also exact.
 const EXACT: u64 = 1 << 53;
 
 /// How far a number may be from a whole one that is meant.
@@ -19,9 +19,9 @@ const DIGITS: usize = 19;
 
 /// Reads a number.
 ///
-/// If digits and power of ten are both exact, their quotient, rounded once, is the nearest number (W. D. Clinger,
-/// "How to read floating point numbers accurately", 1990). Longer ones, and those with blanks inside, go through the
-/// standard library.
+/// If digits and power of ten are both exact, their quotient, rounded once, is the nearest number (W. D.
+/// Clinger, "How to read floating point numbers accurately", 1990). Longer ones, and those with blanks
+/// inside, go through the standard library.
 ///
 /// # Errors
 /// There are no digits, or two points.
@@ -59,7 +59,7 @@ pub(crate) fn whole(value: f64) -> Option<i64> {
     ((value - rounded).abs() <= WHOLE && rounded.abs() < 1e15).then_some(rounded as i64)
 }
 
-/// Appends the digits from byte `at` on to a number; returns the byte behind them.
+/// Appends the digits from byte `at` on to a number; returns the byte after them.
 #[inline]
 fn take_digits(text: &[u8], mut at: usize, number: &mut u64) -> usize {
     while let Some(byte) = text.get(at) {

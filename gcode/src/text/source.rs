@@ -1,10 +1,11 @@
 //! The lines of a part program.
 //!
-//! In: a file, standard input or a text. Out: its lines as bytes, without their ends, each with its number; and a way
-//! back to any of them. A file is never in memory as a whole: one buffer moves over it, and a jump within the buffer
-//! costs no system call. What cannot seek is spooled to an unnamed temporary file first.
+//! In: a file, standard input or a text. Out: its lines as bytes, without their ends, each with its number;
+//! and a way back to any of them. A file is never in memory as a whole: one buffer moves over it, and a jump
+//! within the buffer costs no system call. What cannot seek is spooled to an unnamed temporary file first.
 //!
-//! If the first line that is not blank holds a `%` alone, the program stands between it and the next such line.
+//! If the first line that is not blank holds a `%` alone, the program stands between it and the next such
+//! line.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
@@ -118,7 +119,7 @@ impl Source {
         source
     }
 
-    /// Looks for the `%` that may come first, and stands behind it or at the beginning.
+    /// Looks for the `%` that may come first, and stands after it or at the beginning.
     fn find_tape(&mut self) -> io::Result<()> {
         while let Some(line) = self.raw_line()? {
             let text = self.bytes(&line).trim_ascii();
@@ -149,7 +150,7 @@ impl Source {
         self.closed
     }
 
-    /// Where the program begins: behind the first `%`, if there is one.
+    /// Where the program begins: after the first `%`, if there is one.
     pub(crate) fn beginning(&self) -> Mark {
         self.beginning
     }
@@ -178,7 +179,7 @@ impl Source {
     /// Takes the next line; `None` at the end of the program (of the file, or at its second `%`).
     ///
     /// # Errors
-    /// The line is longer than may be, or the file cannot be read. The next call goes on behind it.
+    /// The line is longer than may be, or the file cannot be read. The next call goes on after it.
     pub(crate) fn take(&mut self) -> Result<Option<Line>, Box<Problem>> {
         let number = self.lines + 1;
         let line = self.raw_line().map_err(|error| unreadable(number, &error))?;
@@ -203,7 +204,7 @@ impl Source {
         self.buffer.get(line.start..line.end).unwrap_or(&[])
     }
 
-    /// The text of a line of any number, read again; bytes that are no text become `?`.
+    /// The text of a line of any number, read again; bytes that are not text become `?`.
     pub(crate) fn text(&mut self, number: u32) -> String {
         let back = self.mark();
         let text = self.text_at(number).unwrap_or_default();
@@ -224,7 +225,7 @@ impl Source {
         Ok(String::new())
     }
 
-    /// The next line of the file; one that is too long is cut right behind its limit.
+    /// The next line of the file; one that is too long is cut right after its limit.
     fn raw_line(&mut self) -> io::Result<Option<Line>> {
         let mut searched = 0;
         loop {
@@ -246,7 +247,7 @@ impl Source {
         }
     }
 
-    /// Makes the next `length` bytes a line and goes on behind `whole` bytes.
+    /// Makes the next `length` bytes a line and goes on after `whole` bytes.
     fn cut(&mut self, length: usize, whole: usize) -> Line {
         let (mark, start) = (self.mark(), self.next);
         let ends_in_return = length > 0 && self.buffer.get(start + length - 1) == Some(&b'\r');
@@ -255,7 +256,7 @@ impl Source {
         Line { mark, start, end: start + length - usize::from(ends_in_return) }
     }
 
-    /// Goes behind the end of the line, keeping the bytes before it in the buffer.
+    /// Goes after the end of the line, keeping the bytes before it in the buffer.
     fn skip_rest(&mut self) -> io::Result<()> {
         let lines = self.lines;
         let mut offset = self.base + self.next as u64;
@@ -276,7 +277,7 @@ impl Source {
         Ok(())
     }
 
-    /// Moves what is not taken yet to the front of the buffer and reads more behind it.
+    /// Moves what is not taken yet to the front of the buffer and reads more after it.
     fn refill(&mut self) -> io::Result<usize> {
         self.buffer.copy_within(self.next..self.filled, 0);
         (self.base, self.filled) = (self.base + self.next as u64, self.filled - self.next);

@@ -86,8 +86,8 @@ fn a_wrong_parameter_file_is_refused() {
         ("5602 1\n", 1, "there is no parameter #5602"),
         ("0 1\n", 1, "there is no parameter #0"),
         ("-3 1\n", 1, "there is no parameter #-3"),
-        ("10 1\n\n  9 1\n", 3, "#9 stands behind #10"),
-        ("10 1\n10 1\n", 2, "#10 stands behind #10"),
+        ("10 1\n\n  9 1\n", 3, "#9 stands after #10"),
+        ("10 1\n10 1\n", 2, "#10 stands after #10"),
     ] {
         let error = ParameterFile::parse("my.var", text).unwrap_err();
         assert_eq!((error.line, error.message.as_str()), (line, message));

@@ -1,11 +1,11 @@
-//! Blocks that say something: codes with the words they need, words they may have, and words that belong to nothing; and
-//! what a program does, as text.
+//! Blocks that say something: codes with the words they need, words they may have, and words that belong to
+//! nothing; and what a program does, as text.
 
 use gcode::files::{Tool, ToolTable};
 use gcode::{Call, Dialect, Limits, Options, Place, Problem, Program, Sink, Step};
 use proptest::prelude::*;
 
-/// Codes with the words they need, and behind `|` words they may have.
+/// Codes with the words they need, and after `|` words they may have.
 pub(crate) const LINUXCNC: &[&str] = &[
     "G0|X1.5 Y-2 Z3 A4 F20 G53 G40",
     "G1|X1.5 Y-2 Z3 B5 C-6 F20 G53 G91",

@@ -1,5 +1,5 @@
-//! Programs that would not end, or take all memory: each limit ends them with a message that names it, and the work that
-//! is done until then is counted in lines, not in seconds.
+//! Programs that would not end, or take all memory: each limit ends them with a message that names it, and
+//! the work that is done until then is counted in lines, not in seconds.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -288,7 +288,8 @@ fn big_subroutine_files_end() {
     }
 }
 
-/// Each line is wrong: the text of a line is found for its message without reading the file from its beginning.
+/// Each line is wrong: the text of a line is found for its message without reading the file from its
+/// beginning.
 #[test]
 fn a_hundred_thousand_faulty_lines_take_a_moment() {
     for dialect in BOTH {

@@ -1,4 +1,5 @@
-//! The order of execution: a block does the same as its codes in lines of their own, in the order that the language says.
+//! The order of execution: a block does the same as its codes in lines of their own, in the order that the
+//! language says.
 
 use gcode::Dialect;
 use proptest::prelude::*;

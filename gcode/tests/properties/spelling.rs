@@ -1,5 +1,5 @@
-//! Spelling does not matter: a block that is printed from what was read of it does the same, and so does one with other
-//! cases, blanks, zeros, signs, and its words in another order.
+//! Spelling does not matter: a block that is printed from what was read of it does the same, and so does one
+//! with other cases, blanks, zeros, signs, and its words in another order.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,7 +11,8 @@ use proptest::prelude::*;
 
 use crate::blocks::{Effect, block, effect};
 
-/// A block in one spelling: N, codes, letters with all their digits, comment. `None` for what a block does not keep.
+/// A block in one spelling: N, codes, letters with all their digits, comment. `None` for what a block does
+/// not keep.
 fn printed(block: &Block) -> Option<String> {
     let mut text = String::new();
     if let Some(n) = block.n {
@@ -39,7 +40,8 @@ fn printed(block: &Block) -> Option<String> {
     Some(text)
 }
 
-/// A program with every line printed that says the same wherever it stands: no parameters, no O words, no M99.
+/// A program with every line printed that says the same wherever it stands: no parameters, no O words, no
+/// M99.
 fn reprinted(text: &str) -> String {
     let options = Options::default();
     let line = |line: &str| {

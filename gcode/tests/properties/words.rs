@@ -1,5 +1,5 @@
-//! No word is ignored: a block that is accepted without one of its words does something else, in one of the states that it
-//! may meet.
+//! No word is ignored: a block that is accepted without one of its words does something else, in one of the
+//! states that it may meet.
 
 use gcode::Dialect;
 use proptest::prelude::*;
@@ -40,8 +40,8 @@ const BEFORE_FANUC: &[&str] = &[
 const AFTER_FANUC: &str = "X29. Z2.\nU1. W-1.\nG40\nG00 X50. Z6.\nG01 X51. F.2\nG04 P1\nG74 Z-20. Q3000 F.1\nG75 X20. P2000 F.1\n\
     G76 X26. Z-20. P1840 Q400 F1.5\nG80\nG96 S100\nG97 S100\nT0200\nG01 X1. Z1.\nT0202\nG00 X3. Z3.\nG54 X3. Z4.\nG55 X3.\nM05\nM09\nM30";
 
-/// Words that may say what is so without them: the only spindle, one turn of an arc, one hole, the factor 1, what M52 and
-/// M66 do; G80 ends cycles that this control does not have.
+/// Words that may say what is so without them: the only spindle, one turn of an arc, one hole, the factor 1,
+/// what M52 and M66 do; G80 ends cycles that this control does not have.
 fn may_do_nothing(dialect: Dialect, word: &str, words: &[String]) -> bool {
     let beside = |codes: &[&str]| words.iter().any(|other| codes.contains(&other.as_str()));
     match word {
@@ -76,7 +76,8 @@ fn no_word_is_ignored(dialect: Dialect, words: &[String]) -> Result<(), TestCase
         without.remove(n);
         let does = |words: &[&str], whole: &Effect, before: &str| of(before, words) != *whole;
         let seen = befores.iter().zip(&whole).any(|(before, whole)| does(&without, whole, before));
-        // A code may name what is in force in all states that accept the other words. Alone it has to do something.
+        // A code may name what is in force in all states that accept the other words. Alone it has to do
+        // something.
         let is_code = word.starts_with(['G', 'M']);
         let seen = seen || is_code && befores.iter().any(|before| does(&[], &of(before, &[word]), before));
         prop_assert!(

@@ -135,7 +135,7 @@ fn cut(
     if !out.waiting.end_at(corner, cutter.tip_of(corner), state.modes.plane) {
         return Err(too_short_before(cutter, out));
     }
-    if track.begin_at(corner) { Ok(()) } else { Err(too_short(Blame::Block, "the move before", cutter)) }
+    if track.begin_at(corner) { Ok(()) } else { Err(too_short(Blame::Block, "the previous move", cutter)) }
 }
 
 /// The way around an outside corner.
@@ -215,7 +215,7 @@ fn computable(points: &[Point], cutter: &Cutter) -> Done {
     if cutter.radius <= GREATEST && points.iter().flatten().all(|length| length.abs() <= GREATEST) {
         return Ok(());
     }
-    let message = "these lengths are too great to compute the way of the tool";
+    let message = "these lengths are too great to compute the path of the tool";
     Err(Problem::error(
         "bad-value",
         Blame::Block,
@@ -228,7 +228,7 @@ fn short_entry(from: Point, to: Point, cutter: &Cutter) -> Box<Problem> {
     let (length, radius) = (short(distance(from, to)), short(cutter.radius));
     let message = format!("the entry is {length} long, and the radius of the tool is {radius}");
     let help =
-        "the first move behind G41 or G42 must be longer than the radius, in the plane: start further away";
+        "the first move after G41 or G42 must be longer than the radius, in the plane: start further away";
     Problem::error("compensation-entry", Blame::Block, message, help)
 }
 
@@ -271,7 +271,7 @@ fn too_short_before(cutter: &Cutter, out: &Output) -> Box<Problem> {
 
 fn stopped_in_corner() -> Box<Problem> {
     let message =
-        "the tool has stopped at the end of the move before, beyond the inside corner with this one";
+        "the tool has stopped at the end of the previous move, beyond the inside corner with this one";
     let help = "stop (M0, M1, M60) within a straight part of the contour or at an outside corner";
     Problem::error("compensation-gouge", Blame::Block, message, help)
 }

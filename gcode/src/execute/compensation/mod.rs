@@ -8,13 +8,13 @@
 //! |---|---|
 //! | `geometry.rs` | offsets of lines and arcs, corners: pure geometry |
 //! | `contour.rs` | entry, following moves, corners; what is refused |
-//! | `queue.rs` | the last move, which waits for the corner behind it, and the calls behind that |
+//! | `queue.rs` | the last move, which waits for the corner after it, and the calls after that |
 //!
 //! [`State::position`] is the programmed point all the time. Behaviour and limits are those of LinuxCNC
 //! (manual, chapter Cutter Compensation), but where LinuxCNC lets the tool cut into the contour: moves that a
 //! corner uses up and a tangent move follows, arcs that touch from inside, a stop in an inside corner, an
 //! entry along too short an arc are refused; and the lead to the entry arc of a turning tool is not moved
-//! with the corner behind that arc. A corner is seen with the move before it and the move behind it, parts of
+//! with the corner after that arc. A corner is seen with the move before it and the move after it, parts of
 //! the contour further away are not.
 
 mod contour;
@@ -23,10 +23,9 @@ mod queue;
 use crate::block::Block;
 use crate::canon::{Call, Plane};
 use crate::codes::G;
+use crate::geometry::track::Side;
 use crate::problem::{Blame, Problem, short};
 use crate::state::{Compensation, Cutter, State};
-
-use crate::geometry::track::Side;
 pub(crate) use contour::{arc, straight};
 pub(crate) use queue::Waiting;
 
@@ -46,12 +45,7 @@ pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output
     }
     if state.modes.plane == Plane::Yz {
         let message = "the radius of the tool can be compensated in the XY and the XZ plane only";
-        return Err(Problem::error(
-            "compensation-plane",
-            Blame::G(code),
-            message,
-            "select G17 or G18 before",
-        ));
+        return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G17 or G18 first"));
     }
     let left = matches!(code.0, 410 | 411);
     let dynamic = code.0 % 10 == 1;
@@ -95,7 +89,7 @@ fn from_block(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
     match block.integer('L') {
         Some(orientation @ 0..=9) => Ok((diameter / 2.0, orientation as u8)),
         _ => {
-            let message = format!("L{} is no orientation of a turning tool", short(l));
+            let message = format!("L{} is not an orientation of a turning tool", short(l));
             Err(Problem::error("bad-value", Blame::Word('L'), message, "orientations are 0 to 9"))
         }
     }
@@ -108,7 +102,7 @@ fn from_table(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
         (Some(d), number) => {
             let number = number.and_then(|number| i32::try_from(number).ok());
             number.and_then(|number| state.tools.table.find(number)).ok_or_else(|| {
-                let message = format!("D{} is no tool of the tool table", short(d));
+                let message = format!("D{} is not a tool of the tool table", short(d));
                 let help = "D is the number of a tool; without D the tool in the spindle counts";
                 Problem::error("unknown-tool", Blame::Word('D'), message, help)
             })?
@@ -116,7 +110,7 @@ fn from_table(code: G, block: &Block, state: &State) -> Result<(f64, u8), Box<Pr
     };
     if state.modes.plane != Plane::Xz && !matches!(tool.orientation, 0 | 9) {
         let message = format!("T{} is a turning tool, and the plane is not XZ", tool.number);
-        return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G18 before"));
+        return Err(Problem::error("compensation-plane", Blame::G(code), message, "select G18 first"));
     }
     Ok((tool.diameter * state.units.per_machine_unit() / 2.0, tool.orientation))
 }
@@ -134,12 +128,12 @@ pub(crate) fn scale(factor: f64, state: &mut State, out: &mut Output) {
     out.waiting.scale(factor, !state.settings.stand_alone);
 }
 
-/// Refuses an arc right behind G40.
+/// Refuses an arc right after G40.
 pub(crate) fn arc_allowed(block: &Block, state: &State) -> Done {
     if !state.compensation.leaving {
         return Ok(());
     }
     let blame = block.g(crate::codes::group::MOTION).map_or(Blame::Block, Blame::G);
-    let message = "the first move behind G40 must be straight: the tool is not yet on the programmed way";
+    let message = "the first move after G40 must be straight: the tool is not yet on the programmed path";
     Err(Problem::error("compensation-exit", blame, message, "leave the contour with G0 or G1"))
 }

@@ -1,7 +1,7 @@
 //! Calls that wait until the next corner is known.
 //!
 //! The last move of a compensated contour waits, because an inside corner ends it earlier. What is called
-//! behind it waits too, so that the order stays: other moves at the same point of the plane, F, spindle,
+//! after it also waits, so that the order stays: other moves at the same point of the plane, F, spindle,
 //! coolant, dwell, comments. What else may be called while compensation is on goes at once, as in LinuxCNC:
 //! messages, units, T.
 
@@ -52,7 +52,7 @@ impl Held {
     }
 }
 
-/// The last move of a contour and what was called behind it.
+/// The last move of a contour and what was called after it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Waiting {
     calls: Vec<(Place, Held)>,
@@ -60,17 +60,17 @@ pub(crate) struct Waiting {
 }
 
 impl Waiting {
-    /// Whether a call has to wait behind others.
+    /// Whether a call has to wait after others.
     pub(crate) fn delays(&self, call: &Call<'_>) -> bool {
         !self.calls.is_empty() && Held::new(*call).is_some()
     }
 
-    /// Puts a call behind the others.
+    /// Puts a call after the others.
     pub(crate) fn push(&mut self, place: Place, call: Call<'_>) {
         self.calls.extend(Held::new(call).map(|held| (place, held)));
     }
 
-    /// Puts a move of the contour behind the others.
+    /// Puts a move of the contour after the others.
     pub(super) fn push_move(&mut self, place: Place, call: Call<'_>, track: Track) {
         self.push(place, call);
         self.track = Some(track);
@@ -82,7 +82,7 @@ impl Waiting {
     }
 
     /// Ends the move of the contour with the centre of the tool at `corner`, which is sent as `tip`, and
-    /// takes the moves behind it along. `false` if nothing is left of that move.
+    /// takes the moves after it along. `false` if nothing is left of that move.
     pub(super) fn end_at(&mut self, corner: Point, tip: Point, plane: Plane) -> bool {
         let left = self.track.as_mut().is_some_and(|track| track.end_at(corner));
         let (first, second, _) = plane.axes();

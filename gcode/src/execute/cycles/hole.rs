@@ -1,7 +1,7 @@
 //! What a canned cycle does in one hole.
 //!
-//! In: a [`Hole`], and the tool above it at R. Out: strokes along the axis across the plane, dwells and spindle codes; the
-//! tool is then at the clearance, unless G88 leaves it to the operator.
+//! In: a [`Hole`], and the tool above it at R. Out: strokes along the axis across the plane, dwells and
+//! spindle codes; the tool is then at the clearance, unless G88 leaves it to the operator.
 //!
 //! | code | down | at the bottom | up |
 //! |---|---|---|---|
@@ -12,16 +12,15 @@
 //! | G84, G74 | feed, overrides off | reverse, dwell | feed to clear, reverse |
 //! | G85 | feed | | feed to R, rapid to clear |
 //! | G86 | feed | dwell, stop the spindle | rapid to clear, start |
-//! | G87 | bar beside the hole, oriented, rapid; into the axis, start | feed up to the shoulder and down | beside, rapid |
+//! | G87 | bar beside the hole, oriented; to the axis, start | feed to the shoulder, back | beside, rapid |
 //! | G88 | feed | dwell, stop the spindle and the program | by hand, start |
 //! | G89 | feed | dwell | feed to clear |
 
+use super::super::{Done, Output};
 use crate::canon::{Call, Plane, Pose, Turn};
 use crate::codes::G;
 use crate::problem::{Blame, Problem};
 use crate::state::{Overrides, State};
-
-use super::super::{Done, Output};
 
 /// G87: the boring bar passes the hole beside its axis.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +32,8 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    /// I, J, K: two are distances in the plane, the one of the axis across it is the shoulder, under G91 from the bottom.
+    /// I, J, K: two are distances in the plane, the one of the axis across it is the shoulder, under G91 from
+    /// the bottom.
     pub(super) fn new(offset: [f64; 3], bottom: f64, state: &State) -> Bar {
         let (first, second, along) = state.modes.plane.axes();
         let shoulder = if state.modes.incremental { bottom + offset[along] } else { offset[along] };
@@ -125,7 +125,7 @@ impl Hole {
                 return refuse(
                     "spindle-not-turning",
                     format!("the spindle is not turning in {code}"),
-                    "start it before",
+                    "start it first",
                 );
             }
             (740, Some(Turn::Clockwise)) => {
@@ -185,8 +185,8 @@ impl Hole {
         }
     }
 
-    /// G73 and G83. The pecks are counted: far from 0 a small Q may not change the depth. There may be one more than the
-    /// depth asks for, which is what rounding left of it, as in LinuxCNC.
+    /// G73 and G83. The pecks are counted: far from 0 a small Q may not change the depth. There may be one
+    /// more than the depth asks for, which is what rounding left of it, as in LinuxCNC.
     fn pecks(&self, strokes: &mut Strokes) -> Done {
         let mut depth = self.r - self.peck;
         for _ in 0..self.peck_count() as u64 {

@@ -1,7 +1,8 @@
 //! Canned cycles along the axis across the plane: G73, G74, G81 to G89.
 //!
-//! In: a block and the state; the depth is the word of the axis across the plane (Z in G17, Y in G18, X in G19). Out: for
-//! every hole the moves to it, the strokes of the cycle (`hole.rs`), all of them in exact path mode.
+//! In: a block and the state; the depth is the word of the axis across the plane (Z in G17, Y in G18, X in
+//! G19). Out: forevery hole the moves to it, the strokes of the cycle (`hole.rs`), all of them in exact path
+//! mode.
 //!
 //! ```text
 //! level L0   where the axis across the plane stood before the first cycle in a row
@@ -13,13 +14,12 @@
 
 mod hole;
 
+use super::{Done, Output, feed, modes, straight};
 use crate::block::{AXES, Block};
 use crate::canon::{Call, FeedMode, PathMode, Plane};
 use crate::codes::G;
 use crate::problem::{Blame, Problem, short};
 use crate::state::{State, Sticky};
-
-use super::{Done, Output, feed, modes, straight};
 use hole::{Bar, Hole, Strokes};
 
 /// Whether a code is one of them.
@@ -37,7 +37,7 @@ pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output)
     feed::ready(block, state)?;
     if state.compensation.is_on() {
         let message = format!("{code} while {} is on", state.compensation.code());
-        return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 before"));
+        return Err(Problem::error("compensation-on", Blame::G(code), message, "end it with G40 first"));
     }
     let before = match state.cycle.code {
         Some((other, plane)) if plane == state.modes.plane && other == code => state.cycle,
@@ -102,7 +102,7 @@ fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky
 fn repeats(block: &Block) -> Result<i64, Box<Problem>> {
     let Some(value) = block.get('L') else { return Ok(1) };
     block.integer('L').filter(|count| *count >= 1).ok_or_else(|| {
-        let message = format!("L{} is no number of holes", short(value));
+        let message = format!("L{} cannot be a number of holes", short(value));
         Problem::error("bad-value", Blame::Word('L'), message, "give a whole number from 1 on")
     })
 }

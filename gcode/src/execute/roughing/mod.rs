@@ -1,7 +1,7 @@
 //! G70, G71, G72: finishing and roughing along a contour that a subroutine holds.
 //!
-//! In: a block with Q (the subroutine), X Z (where to start), D I R, or D E P; then, block by block, the subroutine,
-//! which is read but not executed. Out: the moves of the passes. Lengths in program units.
+//! In: a block with Q (the subroutine), X Z (where to start), D I R, or D E P; then, block by block, the
+//! subroutine, which is read but not executed. Out: the moves of the passes. Lengths in program units.
 //!
 //! ```text
 //! begin ──► subroutine Q is called ──► record, each block ──► it returns ──► end: contour ──► passes
@@ -15,31 +15,31 @@
 //! | `offset.rs` | allowance |
 //! | `walk.rs`, `passes.rs` | the order of cutting, and its moves |
 //!
-//! All but `record.rs` and this file is geometry that knows no state and no calls. Who has a contour from elsewhere
-//! (FANUC's P and Q) goes
+//! All but `record.rs` and this file is geometry that knows no state and no calls. Who has a contour from
+//! elsewhere (FANUC's P and Q) goes
 //! ```text
 //! Frame::of, enter_segment ─► walled ─► raised (D) or shifted (U W) ─► rough, turn, repeat, finish ─► leave
 //! ```
 //!
-//! Where LinuxCNC's stand-alone interpreter does otherwise: its G70 can put the distance on the far side of a face, its
-//! roughing skips levels behind an arc that falls and rises, and does not cut a contour that ends lower than it began.
+//! Where LinuxCNC's stand-alone interpreter does otherwise: its G70 can put the distance on the far side of a
+//! face, its roughing skips levels after an arc that falls and rises, and does not cut a contour that ends
+//! lower than it began.
 //!
 //! What the words mean, and the default values: manual of LinuxCNC, G70 and G71 G72.
 
 mod record;
 
+use super::check::compensation_off;
+use super::{Done, Kind, Output, compensation, feed, straight};
 use crate::block::Block;
 use crate::canon::{Arc, Call, FeedMode, Place, Plane, X, Y, Z};
 use crate::codes::G;
-use crate::problem::{Blame, Problem, short};
-use crate::state::{Cycle, State};
-
-use super::check::compensation_off;
-use super::{Done, Kind, Output, compensation, feed, straight};
 use crate::geometry::contour::{NEAR, Point, Segment};
 use crate::geometry::frame::Frame;
 use crate::geometry::offset::raised;
 use crate::geometry::passes::{Move, Pockets, Roughing, finish, rough, walled};
+use crate::problem::{Blame, Problem, short};
+use crate::state::{Cycle, State};
 
 pub(crate) use record::record;
 
@@ -47,14 +47,14 @@ pub(crate) use record::record;
 pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     if state.modes.plane != Plane::Xz {
         let message = format!("{code} works in the ZX plane only");
-        return Err(Problem::error("bad-value", Blame::G(code), message, "select G18 before"));
+        return Err(Problem::error("bad-value", Blame::G(code), message, "select G18 first"));
     }
     if code != G(700) {
         compensation_off(Blame::G(code), "rough", state)?;
     }
     if state.modes.feed_mode == FeedMode::InverseTime {
         let message = format!("{code} makes many moves: F cannot be the inverse of the time of each (G93)");
-        return Err(Problem::error("bad-value", Blame::G(code), message, "select G94 or G95 before"));
+        return Err(Problem::error("bad-value", Blame::G(code), message, "select G94 or G95 first"));
     }
     feed::ready(block, state)?;
     let whole = |letter: char, least: i64, help: &str| match block.integer(letter) {
@@ -69,7 +69,7 @@ pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output)
     }
     let escape = block.get('R').unwrap_or(0.5);
     if escape < 0.0 {
-        return Err(bad(block, 'R', "R is how far the tool escapes behind a pass, 0 or greater"));
+        return Err(bad(block, 'R', "R is how far the tool escapes after a pass, 0 or greater"));
     }
     if code.0 >= 710 && block.get('D').is_some_and(|distance| distance < 0.0) {
         return Err(bad(
@@ -105,7 +105,8 @@ fn bad(block: &Block, letter: char, help: &str) -> Box<Problem> {
     Problem::error("bad-value", Blame::Word(letter), message, help)
 }
 
-/// Makes the passes if the subroutine of the contour has returned. `done` is what the O word that was executed says.
+/// Makes the passes if the subroutine of the contour has returned. `done` is what the O word that was
+/// executed says.
 pub(crate) fn end(done: Done, state: &mut State, out: &mut Output) -> Done {
     if let Some(cycle) = state.recorder.cycle_mut().filter(|_| done.is_err()) {
         cycle.broken = true;
@@ -134,8 +135,8 @@ impl Passes<'_> {
         let contour = record::contour(&self.cycle.pieces).map_err(|(what, at)| self.refuse(&what, at))?;
         if contour.is_empty() {
             let message =
-                format!("there is no line or arc behind the first move of o{}", self.cycle.subroutine);
-            let help = "the first move of a contour leads to its beginning: add the contour behind it";
+                format!("there is no line or arc after the first move of o{}", self.cycle.subroutine);
+            let help = "the first move of a contour leads to its beginning: add the contour after it";
             return Err(Problem::error("bad-contour", Blame::Block, message, help));
         }
         let (frame, contour) = self.framed(&contour)?;

@@ -1,19 +1,19 @@
 //! The contour of a subroutine: its blocks are read, not executed.
 //!
-//! In: blocks with G0 to G3, X Z (a point; with G91 when the cycle began, a distance), U W (distances in X and Z with
-//! G90), I K or R, and A or C (fillet or chamfer where the segment ends). Out: a contour. The first move leads to its
-//! beginning. Nothing else of a block has an effect, as LinuxCNC's manual says; what it is gets a warning.
-
-use crate::block::Block;
-use crate::canon::{X, Z};
-use crate::codes::{G, group};
-use crate::problem::{Blame, Problem, short};
-use crate::state::{Piece, State};
+//! In: blocks with G0 to G3, X Z (a point; with G91 when the cycle began, a distance), U W (distances in X
+//! and Z with G90), I K or R, and A or C (fillet or chamfer where the segment ends). Out: a contour. The
+//! first move leads to its beginning. Nothing else of a block has an effect, as LinuxCNC's manual says; what
+//! it is gets a warning.
 
 use super::super::straight;
 use super::{Done, Output};
+use crate::block::Block;
+use crate::canon::{X, Z};
+use crate::codes::{G, group};
 use crate::geometry::contour::{NEAR, Point, ROUNDING, Segment};
 use crate::geometry::corner::{Corner, blend};
+use crate::problem::{Blame, Problem, short};
+use crate::state::{Piece, State};
 
 /// Takes a block of the contour.
 pub(crate) fn record(block: &Block, state: &mut State, out: &mut Output) -> Done {
@@ -21,7 +21,7 @@ pub(crate) fn record(block: &Block, state: &mut State, out: &mut Output) -> Done
     let Some(cycle) = state.recorder.cycle_mut() else { return Ok(()) };
     match piece {
         Ok(Some(piece)) => {
-            // the first piece leads to the contour, even if that is no way
+            // the first piece leads to the contour, even if it has no length
             if cycle.pieces.is_empty() || piece.segment.chord() > 0.0 {
                 cycle.pieces.push(piece);
             }
@@ -97,7 +97,7 @@ fn coordinate(
         (Some(value), None) => Ok(if state.modes.incremental { here + value } else { value }),
         (None, Some(step)) if !state.modes.incremental => Ok(here + step),
         _ => {
-            let message = format!("{step_letter} is a distance along {letter}, which {letter} gives, too");
+            let message = format!("{step_letter} and {letter} both say where the move ends along {letter}");
             let message =
                 if point.is_some() { message } else { format!("{step_letter} works with G90 only") };
             let help = format!("write {letter} alone");
@@ -169,7 +169,7 @@ fn warn_of_the_rest(block: &Block, out: &mut Output) {
     }
 }
 
-/// The contour behind the move that leads to it, with its corners made.
+/// The contour after the move that leads to it, with its corners made.
 ///
 /// # Errors
 /// A corner that cannot be made, and where.
@@ -192,7 +192,7 @@ pub(super) fn contour(pieces: &[Piece]) -> Result<Vec<Segment>, (String, Point)>
     }
     match (corner, contour.last()) {
         (Corner::Fillet(_) | Corner::Chamfer(_), Some(last)) => {
-            Err(("a fillet or chamfer needs a segment behind it".into(), last.end))
+            Err(("a fillet or chamfer needs a segment after it".into(), last.end))
         }
         _ => {
             contour.drain(..contour.len().min(1));

@@ -1,12 +1,12 @@
 //! Segments, frames, corners and allowances.
 
+use proptest::prelude::*;
+
+use super::random::{contours, distance, points};
 use crate::geometry::contour::{Point, ROUNDING, Segment, crossings};
 use crate::geometry::corner::{Corner, blend};
 use crate::geometry::frame::Frame;
 use crate::geometry::offset::raised;
-use proptest::prelude::*;
-
-use super::random::{contours, distance, points};
 
 fn line(z1: f64, x1: f64, z2: f64, x2: f64) -> Segment {
     Segment::line(Point::new(z1, x1), Point::new(z2, x2))

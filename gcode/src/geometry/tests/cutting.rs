@@ -1,14 +1,13 @@
 //! Passes on random contours, cut out of a stock that remembers what is left.
 
+use proptest::prelude::*;
+use proptest::test_runner::TestCaseError;
 use std::convert::Infallible;
 
+use super::random::contours;
 use crate::geometry::contour::{Point, Segment};
 use crate::geometry::offset::raised;
 use crate::geometry::passes::{Move, Pockets, Roughing, finish, repeat, rough, turn, walled};
-use proptest::prelude::*;
-use proptest::test_runner::TestCaseError;
-
-use super::random::contours;
 
 /// Width of a slice of the stock.
 const SLICE: f64 = 0.05;

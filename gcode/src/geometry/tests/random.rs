@@ -1,7 +1,8 @@
 //! Random contours in the frame of the cuts: towards −Z, lines, walls and arcs that rise or fall.
 
-use crate::geometry::contour::{Point, Segment};
 use proptest::prelude::*;
+
+use crate::geometry::contour::{Point, Segment};
 
 /// A contour of two to nine segments that begins at Z0.
 pub(crate) fn contours() -> impl Strategy<Value = Vec<Segment>> {

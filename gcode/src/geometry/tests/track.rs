@@ -1,7 +1,8 @@
 //! Offsets and corners, by number of their equation.
 
-use crate::geometry::track::{Corner, Element, Point, Side, Track, distance, meet};
 use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::geometry::track::{Corner, Element, Point, Side, Track, distance, meet};
 
 const R: f64 = 2.0;
 

@@ -1,5 +1,5 @@
-//! Lines of loops and subroutines, which are read again and again. In: a line that was read, with the operations that
-//! the reader noted. Out: what it holds, without its text.
+//! Lines of loops and subroutines, which are read again and again. In: a line that was read, with the
+//! operations that the reader noted. Out: what it holds, without its text.
 
 use super::control::{Control, Keyword};
 use super::{Flow, Order};
@@ -18,7 +18,7 @@ const LINES: usize = 2048;
 struct Known {
     file: usize,
     line: Mark,
-    /// Where the line behind it begins.
+    /// Where the line after it begins.
     next: Mark,
     head: Head,
     control: Option<Control>,
@@ -64,8 +64,8 @@ impl Flow {
         known.operations.extend_from_slice(operations);
     }
 
-    /// Does what reading the next line does, if it is known: fills the block, sets parameters, goes on behind it.
-    /// The answer is its O word. `None`: it has to be read.
+    /// Does what reading the next line does, if it is known: fills the block, sets parameters, goes on after
+    /// it. The answer is its O word. `None`: it has to be read.
     ///
     /// # Errors
     /// The file cannot be gone through.

@@ -201,7 +201,7 @@ impl Flow {
         }
     }
 
-    /// break: goes on behind the loop.
+    /// break: goes on after the loop.
     pub(super) fn leave_loop(&mut self, here: Here, run: &mut Run) -> Done {
         let open = self.loop_of(here.label, Keyword::Break)?;
         self.opens.pop();
@@ -252,8 +252,8 @@ impl Flow {
         Problem::error("unmatched", Blame::Block, message, help)
     }
 
-    /// The program was ended (M2) within an if, a loop or a subroutine: its end must stand further on, or it was
-    /// forgotten.
+    /// The program was ended (M2) within an if, a loop or a subroutine: its end must stand further on, or it
+    /// was forgotten.
     ///
     /// # Errors
     /// It is nowhere.

@@ -1,7 +1,8 @@
-//! sub, call, return; M98 and M99. In: the label of a subroutine and its arguments. Out: the line that comes next.
+//! sub, call, return; M98 and M99. In: the label of a subroutine and its arguments. Out: the line that comes
+//! next.
 //!
-//! A subroutine is looked for among those that were met before, then as a file of its name, then in the rest of the
-//! file that calls it.
+//! A subroutine is looked for among those that were met before, then as a file of its name, then in the rest
+//! of the file that calls it.
 
 use super::control::{Control, Keyword};
 use super::labels::{Definition, Label, Style};
@@ -44,7 +45,7 @@ impl Flow {
         if let Some(frame) = self.frames.last() {
             let outer = self.labels.text(frame.label);
             let message = format!("{name} sub begins inside of {outer}");
-            let help = format!("end {outer} before, and call {name} from it");
+            let help = format!("end {outer} first, and call {name} from it");
             return Err(Problem::error("nested-subroutine", Blame::Block, message, help));
         }
         let file = self.files.current();
@@ -82,7 +83,7 @@ impl Flow {
     /// M98: `P` is the label, `L` how often.
     ///
     /// # Errors
-    /// P is missing or no label; there is no such program; calls are too deep.
+    /// P is missing or not a label; there is no such program; calls are too deep.
     pub(crate) fn m98(&mut self, block: &Block, run: &mut Run) -> Done {
         let Some(number) = block.get('P') else {
             let help = "M98 P100 calls the program that begins with o100";
@@ -90,7 +91,7 @@ impl Flow {
         };
         let count = |letter: char, value: f64| {
             whole(value).and_then(|value| u32::try_from(value).ok()).ok_or_else(|| {
-                let message = format!("{letter}{} is no whole number that M98 could use", short(value));
+                let message = format!("{letter}{} is not a whole number that M98 can use", short(value));
                 let help = "P is the number of a program, L how often it is called";
                 Problem::error("bad-value", Blame::Word(letter), message, help)
             })
@@ -125,7 +126,8 @@ impl Flow {
         Err(Problem::error("wrong-call", Blame::Block, message, help))
     }
 
-    /// `call` in a subroutine file does not reach what stands further down in it: newer tests of LinuxCNC ask for that.
+    /// `call` in a subroutine file does not reach what stands further down in it: newer tests of LinuxCNC ask
+    /// for that.
     fn search_for(&mut self, label: Label, style: Style, run: &mut Run) -> Result<Definition, Box<Problem>> {
         let stem = self.labels.file_stem(label).to_owned();
         if let Some(file) = self.files.open(&stem)? {
@@ -240,7 +242,7 @@ impl Flow {
         }
     }
 
-    /// Goes on behind the call.
+    /// Goes on after the call.
     fn leave(&mut self, run: &mut Run) -> Done {
         let Some(frame) = self.frames.pop() else { return Ok(()) };
         self.opens.truncate(frame.opens);
@@ -251,8 +253,8 @@ impl Flow {
         restored
     }
 
-    /// Gives up all calls: the program goes on behind the outermost one. A place that cannot be gone to is reported
-    /// when the next line is taken.
+    /// Gives up all calls: the program goes on after the outermost one. A place that cannot be gone to is
+    /// reported when the next line is taken.
     pub(crate) fn end_calls(&mut self, state: &mut State) {
         while let Some(frame) = self.frames.pop() {
             self.opens.truncate(frame.opens);
@@ -265,8 +267,8 @@ impl Flow {
     /// The end of a file.
     ///
     /// # Errors
-    /// The subroutine, an if or a loop is not ended; it is given up, so that the next call goes on behind it. Or the
-    /// program has no end.
+    /// The subroutine, an if or a loop is not ended; it is given up, so that the next call goes on after it.
+    /// Or the program has no end.
     pub(crate) fn end(&mut self, run: &mut Run) -> Done {
         self.check_closed()?;
         if let Some(frame) = self.frames.last() {

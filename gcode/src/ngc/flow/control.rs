@@ -95,7 +95,7 @@ pub(super) fn read(
         Some(keyword) => keyword,
         None if matches!(cursor.peek(), None | Some(b'(' | b';')) => Keyword::Program,
         None => {
-            let message = "an O word can do nothing of this name";
+            let message = "there is no O word with this keyword";
             let help = "sub endsub call return · if elseif else endif · while endwhile do repeat endrepeat · break continue";
             return Err(cursor.error_here("unknown-o-word", message, help));
         }
@@ -103,10 +103,10 @@ pub(super) fn read(
     Ok(Control { label, keyword })
 }
 
-/// The condition or number of turns that stands behind a keyword.
+/// The condition or number of turns that stands after a keyword.
 ///
 /// # Errors
-/// It is missing or cannot be computed; something else stands behind it.
+/// It is missing or cannot be computed; something else stands after it.
 pub(super) fn value(
     keyword: Keyword,
     cursor: &mut Cursor,
@@ -115,7 +115,7 @@ pub(super) fn value(
 ) -> Result<f64, Box<Problem>> {
     if cursor.peek() != Some(b'[') {
         let message = format!("{} needs an expression in brackets", keyword.text());
-        let help = format!("write it behind, as in {} [#1 LT 5]", keyword.text());
+        let help = format!("write it after the keyword, as in {} [#1 LT 5]", keyword.text());
         return Err(cursor.error_here("missing-value", message, help));
     }
     reader.values(state).bracket(cursor)
@@ -170,8 +170,8 @@ pub(super) fn comments(cursor: &mut Cursor, reader: &mut LineReader, one: bool) 
                 }
             }
             Some(_) => {
-                let help = "put words in a line of their own; only comments may stand behind an O word";
-                return Err(cursor.error_here("unused-word", "this stands behind an O word", help));
+                let help = "put words in a line of their own; only comments may follow an O word";
+                return Err(cursor.error_here("unused-word", "this stands after an O word", help));
             }
         }
     }

@@ -1,5 +1,5 @@
-//! The labels of O words. In: a number or a name. Out: a small number that stands for it, so that nothing has to
-//! compare texts again; and where the subroutine of that label is defined.
+//! The labels of O words. In: a number or a name. Out: a small number that stands for it, so that nothing has
+//! to compare texts again; and where the subroutine of that label is defined.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ pub(super) struct Definition {
     pub(super) file: usize,
     /// Number of its first line.
     pub(super) line: u32,
-    /// The line behind that.
+    /// The line after that.
     pub(super) body: Mark,
 }
 

@@ -10,8 +10,8 @@
 //! | `skip.rs` | finds the end of what is not executed |
 //! | `again.rs` | remembers the lines of loops and subroutines |
 //!
-//! What is open (an if, a loop) lies on one stack, what was called on another. After the first error nothing is
-//! repeated any more: every line is still looked at once, and the program comes to its end.
+//! What is open (an if, a loop) lies on one stack, what was called on another. After the first error nothing
+//! is repeated any more: every line is still looked at once, and the program comes to its end.
 
 mod again;
 mod branches;
@@ -20,19 +20,18 @@ mod control;
 mod labels;
 mod skip;
 
-use again::Again;
-use branches::Open;
-use calls::Frame;
-use control::{Control, Keyword};
-use labels::{Label, Labels};
-use skip::Jumps;
-
 use crate::execute::Output;
 use crate::ngc::words::{LineReader, head};
 use crate::problem::Problem;
 use crate::state::State;
 use crate::state::memory::ARGUMENTS;
 use crate::text::{Cursor, Files, Line, Mark};
+use again::Again;
+use branches::Open;
+use calls::Frame;
+use control::{Control, Keyword};
+use labels::{Label, Labels};
+use skip::Jumps;
 
 type Done = Result<(), Box<Problem>>;
 

@@ -1,5 +1,5 @@
-//! Lines that are not executed. In: a label and what to look for. Out: the line that has it; what lies between is not
-//! evaluated. Where a search ended is remembered, so that a loop searches once.
+//! Lines that are not executed. In: a label and what to look for. Out: the line that has it; what lies
+//! between is not evaluated. Where a search ended is remembered, so that a loop searches once.
 
 use super::control::{self, Control, Keyword};
 use super::labels::{Definition, Label, Style};
@@ -44,7 +44,7 @@ impl Goal {
     }
 }
 
-/// A line that was found: where it begins, and the line behind it.
+/// A line that was found: where it begins, and the line after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Found {
     pub(super) line: Mark,
@@ -76,8 +76,8 @@ impl Jumps {
 }
 
 impl Flow {
-    /// Looks for `goal` of a label behind the line that it stands in, which was just taken. The next line stays
-    /// the next line.
+    /// Looks for `goal` of a label after the line that it stands in, which was just taken. The next line
+    /// stays the next line.
     ///
     /// # Errors
     /// The file ends before.
@@ -114,8 +114,8 @@ impl Flow {
         Err(Problem::error("missing-end", Blame::Block, message, help))
     }
 
-    /// Notes the subroutines that are defined in the rest of the current file, so far as it was not searched before, or
-    /// those up to `last`.
+    /// Notes the subroutines that are defined in the rest of the current file, so far as it was not searched
+    /// before, or those up to `last`.
     ///
     /// # Errors
     /// The file cannot be read.

@@ -85,8 +85,8 @@ fn logged(verb: &str, text: &str) -> Comment {
     Comment { kind: CommentKind::Log, text: format!("{verb},{text}") }
 }
 
-/// The text with the values of `#n` and `#<name>`, and without `%d`, `%f` and `%.Nf`, which say how many decimals
-/// those behind them have.
+/// The text with the values of `#n` and `#<name>`, and without `%d`, `%f` and `%.Nf`, which say how many
+/// decimals those after them have.
 fn expanded(text: &str, span: Span, state: &State) -> Result<String, Box<Problem>> {
     let mut out = String::with_capacity(text.len() + 16);
     let (mut rest, mut decimals) = (text, 6);
@@ -113,7 +113,7 @@ fn expanded(text: &str, span: Span, state: &State) -> Result<String, Box<Problem
     Ok(out)
 }
 
-/// The decimals that the text behind a `%` asks for, and what comes behind that.
+/// The decimals that the text after a `%` asks for, and what comes after that.
 fn format_of(text: &str) -> Option<(usize, &str)> {
     if let Some(behind) = text.strip_prefix('d') {
         return Some((0, behind));
@@ -125,7 +125,7 @@ fn format_of(text: &str) -> Option<(usize, &str)> {
     Some((digit.parse().ok()?, behind.strip_prefix('f')?))
 }
 
-/// Writes the value of the parameter that stands behind a `#`; returns what comes behind that.
+/// Writes the value of the parameter that stands after a `#`; returns what comes after that.
 fn parameter<'a>(
     text: &'a str,
     decimals: usize,

@@ -1,28 +1,24 @@
-//! Values: numbers, parameters, functions, expressions in brackets. In: a cursor and the state of the program. Out:
-//! an f64, always finite; angles in degrees.
+//! Values: numbers, parameters, functions, expressions in brackets. In: a cursor and the state of the
+//! program. Out: an f64, always finite; angles in degrees.
 //!
-//! Operators of one rank go from left to right, also `**` and comparisons. Highest first:
-//! `**` · `*` `/` `MOD` · `+` `-` · `EQ` `NE` `GT` `GE` `LT` `LE` · `AND` `OR` `XOR`. A sign belongs to the value behind
-//! it, so that `-2**2` is 4.
+//! Operators of one rank go from left to right, also `**` and comparisons. Highest first: `**` · `*` `/`
+//! `MOD` · `+` `-` · `EQ` `NE` `GT` `GE` `LT` `LE` · `AND` `OR` `XOR`. A sign belongs to the value after it,
+//! so that `-2**2` is 4.
 
 use super::notes::{Notes, Operation};
-use super::operator::Operator;
+use super::operator;
 use super::told;
 use crate::problem::{Problem, Span, short};
 use crate::state::State;
 use crate::state::memory::LAST;
-use crate::text::Cursor;
-use crate::text::degrees;
-use crate::text::{number, whole};
+use crate::text::{Cursor, Depth, Operator, degrees, number, whole};
 
 type Value = Result<f64, Box<Problem>>;
 
 /// Reads the values of one line.
 pub(crate) struct Values<'a> {
     pub(crate) state: &'a State,
-    /// Brackets, signs and `#` that may stand inside each other.
-    pub(crate) deepest: u32,
-    pub(crate) depth: u32,
+    pub(crate) depth: Depth,
     /// The name of a parameter is put together here.
     pub(crate) name: &'a mut String,
     /// Notes what is done.
@@ -33,7 +29,7 @@ impl Values<'_> {
     /// Reads one value.
     ///
     /// # Errors
-    /// There is none, or it cannot be computed.
+    /// It is missing, or cannot be computed.
     #[inline]
     pub(crate) fn value(&mut self, cursor: &mut Cursor) -> Value {
         match cursor.peek() {
@@ -81,17 +77,9 @@ impl Values<'_> {
 
     /// Reads `what` one level deeper.
     fn nested(&mut self, cursor: &mut Cursor, what: fn(&mut Self, &mut Cursor) -> Value) -> Value {
-        if self.depth >= self.deepest {
-            let message = format!(
-                "more than {} brackets, signs or # inside each other, the limit expression_depth",
-                self.deepest
-            );
-            let help = "compute part of it into a parameter on a line before, as in #1=[...]";
-            return Err(cursor.error_here("expression-too-deep", message, help));
-        }
-        self.depth += 1;
+        self.depth.enter(cursor, "parameter")?;
         let value = what(self, cursor);
-        self.depth -= 1;
+        self.depth.leave();
         value
     }
 
@@ -109,8 +97,8 @@ impl Values<'_> {
         self.notes.note(Operation::Indirect);
         if !readable(index, self.state) {
             let code = self.state.compensation.code();
-            let message = format!("#{index} is no position of the contour while {code} is on");
-            return Err(cursor.error_from(start, "compensation-on", message, "end it with G40 before"));
+            let message = format!("#{index} does not tell a position of the contour while {code} is on");
+            return Err(cursor.error_from(start, "compensation-on", message, "end it with G40 first"));
         }
         Ok(numbered(index, self.state))
     }
@@ -148,9 +136,9 @@ impl Values<'_> {
     fn never_set(&self, span: Span) -> Box<Problem> {
         let message = format!("the parameter #<{}> was never set", self.name);
         let help = match self.name.starts_with('_') {
-            true => "set it on a line before, or check how it is spelled",
+            true => "set it on an earlier line, or check how it is spelled",
             false => {
-                "set it on a line before in the same subroutine (names that begin with _ belong to the program)"
+                "set it on an earlier line in the same subroutine (names that begin with _ belong to the program)"
             }
         };
         Problem::error("unknown-name", crate::problem::Blame::Span(span), message, help)
@@ -178,18 +166,19 @@ impl Values<'_> {
         Err(cursor.error_here("unknown-operator", "an operator or ] was expected here", help))
     }
 
-    /// A value and what operators of at least `rank` make of it; with the operator that comes behind.
+    /// A value and what operators of at least `rank` make of it; with the operator that comes after.
     fn chain(&mut self, rank: u8, cursor: &mut Cursor) -> Result<(f64, Option<Operator>), Box<Problem>> {
         let start = cursor.mark();
         let mut value = self.value(cursor)?;
-        let mut next = Operator::take(cursor);
-        while let Some(operator) = next.filter(|operator| operator.rank() >= rank) {
-            let (right, behind) = self.chain(operator.rank() + 1, cursor)?;
-            value = operator.apply(value, right).map_err(|reason| arithmetic(cursor, start, reason))?;
+        let mut next = operator::take(cursor);
+        while let Some(sign) = next.filter(|next| operator::rank(*next) >= rank) {
+            let (right, behind) = self.chain(operator::rank(sign) + 1, cursor)?;
+            value =
+                operator::apply(sign, value, right).map_err(|reason| arithmetic(cursor, start, reason))?;
             if !value.is_finite() {
                 return Err(arithmetic(cursor, start, "the value is too large for a number"));
             }
-            self.notes.note(Operation::Operator(operator));
+            self.notes.note(Operation::Operator(sign));
             next = behind;
         }
         Ok((value, next))
@@ -226,7 +215,8 @@ impl Values<'_> {
         Ok(degrees::arc_tangent(y, x))
     }
 
-    /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0. `EXISTS[#n]`: 1 if there is a parameter of this number.
+    /// `EXISTS[#<name>]`: 1 if the parameter is set, else 0. `EXISTS[#n]`: 1 if there is a parameter of this
+    /// number.
     fn exists(&mut self, cursor: &mut Cursor) -> Value {
         let start = cursor.mark();
         if !cursor.take_if(b'[') || !cursor.take_if(b'#') {
@@ -292,7 +282,7 @@ pub(crate) fn read_name(name: &mut String, start: u32, cursor: &mut Cursor) -> R
     let blank = |byte: &u8| matches!(byte, b' ' | b'\t');
     if bytes.iter().any(|byte| !byte.is_ascii_graphic() && !blank(byte)) {
         let help = "names are made of letters, digits and signs such as _ and -";
-        return Err(cursor.error_from(start, "bad-character", "this is not the name of anything", help));
+        return Err(cursor.error_from(start, "bad-character", "this cannot be a name", help));
     }
     for byte in bytes.iter().filter(|byte| !blank(byte)) {
         name.push(char::from(byte.to_ascii_lowercase()));

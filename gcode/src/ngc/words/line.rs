@@ -1,21 +1,18 @@
-//! One line as words. In: its bytes, the state. Out: a [`Block`], and the parameters that the line sets: they take
-//! effect when all of it has been read, before the block is executed.
+//! One line as words. In: its bytes, the state. Out: a [`Block`], and the parameters that the line sets: they
+//! take effect when all of it has been read, before the block is executed.
 
 use super::comment::{comment, speaks};
 use super::expression::Values;
 use super::notes::{Notes, Operation, replay};
 use super::told;
 use crate::block::Block;
+use crate::bounds::LAST_NUMBER;
 use crate::codes::{G, M, g_group, m_group};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
 use crate::state::memory::Name;
-use crate::text::Cursor;
 use crate::text::job::is_nearly;
-use crate::text::{number, parentheses, semicolon, whole};
-
-/// Largest number of an N word.
-const LAST_N: u32 = 99_999_999;
+use crate::text::{Cursor, Depth, number, parentheses, semicolon, whole};
 
 type Done = Result<(), Box<Problem>>;
 
@@ -59,7 +56,7 @@ impl LineReader {
     /// Reads values with the parameters of a state.
     #[inline]
     pub(crate) fn values<'a>(&'a mut self, state: &'a State) -> Values<'a> {
-        Values { state, deepest: self.deepest, depth: 0, name: &mut self.name, notes: &mut self.notes }
+        Values { state, depth: Depth::new(self.deepest), name: &mut self.name, notes: &mut self.notes }
     }
 
     /// Reads the words of a line from the cursor to its end, and sets the parameters that it sets.
@@ -105,7 +102,7 @@ impl LineReader {
         Ok(())
     }
 
-    /// Takes a letter and the value behind it.
+    /// Takes a letter and the value after it.
     #[inline]
     fn word(&mut self, cursor: &mut Cursor, state: &State) -> Result<(f64, Span), Box<Problem>> {
         let start = cursor.mark();
@@ -178,12 +175,12 @@ impl LineReader {
     fn warn_if_nearly_job(&mut self, (text, span): (&str, Span)) {
         if is_nearly(text) {
             let message = "this is a comment, not a line of a job";
-            let help = "a line of a job begins with ;@ and holds nothing else before it";
+            let help = "a line of a job begins with ;@ and has nothing else before it";
             self.warnings.push(*Problem::warning("job", Blame::Span(span), message, help));
         }
     }
 
-    /// Notes that a comment says something that nobody hears.
+    /// Notes a comment whose message is not shown.
     #[cold]
     pub(crate) fn warn_message_not_shown(&mut self, message: &str, span: Span) {
         let help = "put it in a line of its own";
@@ -219,13 +216,13 @@ fn line_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Problem>> {
         Some(b'0'..=b'9' | b'.') => number(cursor)?,
         _ => -1.0,
     };
-    if (0.0..=f64::from(LAST_N)).contains(&value) {
+    if (0.0..=f64::from(LAST_NUMBER)).contains(&value) {
         // Of `N1 016` LinuxCNC shows what stands before the blank.
         let shown = text.iter().take(usize::from(digits));
         let n = shown.fold(0, |n: u32, digit| n.wrapping_mul(10).wrapping_add(u32::from(digit - b'0')));
         return Ok((n, digits));
     }
-    let help = format!("a line number is a number from 0 to {LAST_N}, or left out");
+    let help = format!("a line number is a number from 0 to {LAST_NUMBER}, or left out");
     Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help))
 }
 

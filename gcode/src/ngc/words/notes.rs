@@ -1,20 +1,23 @@
 //! Lines as code, for loops and subroutines, which read the same lines again and again.
 //!
 //! In: what the reader does while it reads a line. Out: the same done again, without the text. Values have no
-//! branches: each number goes on a stack, each operator takes its operands off and puts its result back, each word
-//! takes its value off. So one list of operations serves every turn, at a fraction of the cost of reading.
+//! branches: each number goes on a stack, each operator takes its operands off and puts its result back, each
+//! word takes its value off. So one list of operations serves every turn, at a fraction of the cost of
+//! reading.
 //!
-//! There are no errors here. What cannot be noted, or fails when it is done again (a division by zero, a name that
-//! is not set), is left to the reader, which says what is wrong and where. So nothing but the reader knows the language.
+//! There are no errors here. What cannot be noted, or fails when it is done again (a division by zero, a name
+//! that is not set), is left to the reader, which says what is wrong and where. So nothing but the reader
+//! knows the language.
 
 use super::expression::{numbered, parameter_number, readable};
 use super::line::{Assignment, Target, add_g, add_m};
-use super::operator::Operator;
+use super::operator;
 use super::told;
 use crate::block::Block;
 use crate::problem::Span;
 use crate::state::State;
 use crate::state::memory::Name;
+use crate::text::Operator;
 use crate::text::degrees;
 
 /// Lines with more operations are read every time, so that what is remembered stays small.
@@ -38,7 +41,7 @@ pub(crate) enum Operation {
     Word(u8, Span),
     G(Span),
     M(Span),
-    /// Takes a value off for a parameter; `SetNumbered` the number of the parameter, too.
+    /// Takes a value off for a parameter; `SetNumbered` also the number of the parameter.
     SetNumbered,
     SetNamed(Name),
 }
@@ -98,8 +101,8 @@ impl Notes {
     }
 }
 
-/// Does operations: words go to `block`, parameters to set to `assignments`; the stack keeps values that nothing took.
-/// `None`: the line has to be read.
+/// Does operations: words go to `block`, parameters to set to `assignments`; the stack keeps values that
+/// nothing took. `None`: the line has to be read.
 pub(super) fn replay(
     operations: &[Operation],
     state: &State,
@@ -120,9 +123,9 @@ pub(super) fn replay(
                 let value = stack.pop()?;
                 stack.push(-value);
             }
-            Operation::Operator(operator) => {
+            Operation::Operator(sign) => {
                 let (right, left) = (stack.pop()?, stack.pop()?);
-                stack.push(finite(operator.apply(left, right).ok()?)?);
+                stack.push(finite(operator::apply(sign, left, right).ok()?)?);
             }
             Operation::Function(function) => {
                 let argument = stack.pop()?;

@@ -1,7 +1,7 @@
 //! Parameters that tell the state: #5021.., #5081.., #5400 to #5428, #<_x>, #<_metric>, ...
 //!
-//! Source: manual of LinuxCNC, chapter Overview, "System Parameters". Lengths are in program units, those of the tool
-//! in the spindle (#5401 to #5410) in machine units.
+//! Source: manual of LinuxCNC, chapter Overview, "System Parameters". Lengths are in program units, those of
+//! the tool in the spindle (#5401 to #5410) in machine units.
 
 use crate::canon::{FeedMode, Plane, Turn, Units};
 use crate::codes::system_code;

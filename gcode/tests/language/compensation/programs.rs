@@ -2,7 +2,7 @@
 
 use super::run;
 
-/// The calls behind the prologue of a program that must not fail.
+/// The calls after the prologue of a program that must not fail.
 fn calls(text: &str) -> Vec<String> {
     let (record, problem) = run(text);
     if let Some(problem) = problem {
@@ -100,11 +100,11 @@ fn gouges_are_refused_at_their_line() {
     assert_eq!(refused("F100\nG41.1 D10\nG1 X10\nX20\nG3 X23 Y3 R3\nY20\nM2\n"), (5, "compensation-gouge"));
     // A groove narrower than the tool: its bottom is to blame.
     assert_eq!(refused("F1\nG41.1 D.25\nG1 X1\nX2\nY.1\nX1\nG40 X2\nM2\n"), (5, "compensation-gouge"));
-    // A step lower than the corner takes from it, and a tangent move behind it.
+    // A step lower than the corner takes from it, and a tangent move after it.
     assert_eq!(refused("F1\nG41.1 D4\nG1 X10\nY1\nY2\nY10\nM2\n"), (4, "compensation-gouge"));
     // A stop in an inside corner.
     assert_eq!(refused("F1\nG41.1 D4\nG1 X10\nM0\nY10\nM2\n"), (5, "compensation-gouge"));
-    // A slot that is wide enough, and a pocket behind it that is not.
+    // A slot that is wide enough, and a pocket after it that is not.
     assert_eq!(refused("F1\nG41.1 D4\nG0 X-10\nG1 X3\nG3 X0 Y3 I-3\nM2\n"), (5, "compensation-gouge"));
 }
 
@@ -190,7 +190,7 @@ fn the_position_that_names_tell_is_that_of_the_tool() {
     assert_eq!(said, ["Message(\"10.000000 1.000000\")", "Message(\"10.000000 0.000000\")"]);
 }
 
-/// The units go out at once, so the F that waits behind a move must be in the new ones.
+/// The units go out at once, so the F that waits after a move must be in the new ones.
 #[test]
 fn a_feed_that_waits_follows_the_units() {
     let feeds = |stand_alone| {

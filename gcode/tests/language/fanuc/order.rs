@@ -94,7 +94,7 @@ fn nothing_acts_at_the_end_of_a_move_that_becomes_a_corner() {
             assert_eq!(errors[0], (3, "bad-corner"), "{code} {corner}");
         }
     }
-    // in the next block it acts behind both moves
+    // in the next block it acts after both moves
     assert_eq!(moves(&format!("{start}G01 Z-20. ,C2.\nX40. M05")).len(), 4);
 }
 

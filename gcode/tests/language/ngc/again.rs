@@ -1,4 +1,5 @@
-//! Lines of loops and subroutines are read once and done again: the same as if the program had them once for each turn.
+//! Lines of loops and subroutines are read once and done again: the same as if the program had them once for
+//! each turn.
 
 use std::fmt::Write;
 

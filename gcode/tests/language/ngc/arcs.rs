@@ -84,7 +84,8 @@ fn ends_may_miss_the_circle_by_a_little() {
 }
 
 proptest! {
-    /// The centre that R finds is R away from start and end, and the arc is at most half a turn for a positive R.
+    /// The centre that R finds is R away from start and end, and the arc is at most half a turn for a
+    /// positive R.
     #[test]
     fn the_centre_of_a_radius_is_that_far_from_both_ends(
         end in prop::array::uniform2(-50i32..50), extra in 0u32..40, clockwise: bool, longer: bool,
@@ -107,7 +108,8 @@ proptest! {
         let center = [numbers[2], numbers[3]];
         prop_assert!((libm::hypot(center[0], center[1]) - radius).abs() < 1e-3);
         prop_assert!((libm::hypot(center[0] - x, center[1] - y) - radius).abs() < 1e-3);
-        // The centre is to the left of the chord for a short arc to the left, and for a long one to the right.
+        // The centre is to the left of the chord for a short arc to the left, and for a long one to the
+        // right.
         let left = x * center[1] - y * center[0];
         let side = if clockwise == longer { left } else { -left };
         prop_assert!(side > -1e-2);

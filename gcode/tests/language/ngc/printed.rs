@@ -5,8 +5,8 @@ use gcode::{Diagnostic, Options, Program, Step};
 
 use super::recorded::outcome;
 
-/// The calls of a program without fault as LinuxCNC prints them, without numbers, prologue and `M2`; rotary axes that
-/// stand at 0, trailing zeros and the sign of zero are left out.
+/// The calls of a program without fault as LinuxCNC prints them, without numbers, prologue and `M2`; rotary
+/// axes that stand at 0, trailing zeros and the sign of zero are left out.
 pub(crate) fn printed(text: &str) -> Vec<String> {
     let mut program = Program::from_text("test.ngc", format!("{text}\nM0\nM2\n"), &Options::default());
     let mut bytes = Vec::new();
