@@ -298,7 +298,7 @@ fn traces_that_cannot_be_followed_are_faults_that_stop_the_axes_before() {
     let (code, reason, ..) = fault(&[], 60.0, [0.0; 3], start);
     assert_eq!(
         (code.as_str(), reason.as_str()),
-        ("bad-machine-code", "formula 0 is missing: it has to come before the trace")
+        ("bad-machine-code", "formula 0 is missing: it has to come before the work")
     );
     let (code, reason, end, _) = fault(&[root], 60.0, [0.0; 3], start + 0.02);
     assert!((end[1] - start - 0.02).abs() < 1e-6, "{end:?}");
