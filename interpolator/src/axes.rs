@@ -24,12 +24,12 @@ impl<'a> Axes<'a> {
     }
 
     fn all_in(&self, state: AxisState) -> bool {
-        self.each().all(|(_, status)| status.state == state as u32)
+        self.each().all(|(_, status)| status.state() == state)
     }
 
     /// Whether one of them is in fault.
     pub(crate) fn in_fault(&self) -> bool {
-        self.each().any(|(_, status)| status.state == AxisState::Fault as u32)
+        self.each().any(|(_, status)| status.state() == AxisState::Fault)
     }
 
     /// Whether all follow setpoints.
@@ -49,8 +49,7 @@ impl<'a> Axes<'a> {
 
     /// Whether one of them has seen the index of its pass.
     pub(crate) fn begun(&self) -> bool {
-        let begun = AxisState::WaitingForC0 as u32..=AxisState::RunOut as u32;
-        self.each().any(|(_, status)| begun.contains(&status.state))
+        self.each().any(|(_, status)| status.state().has_begun())
     }
 
     /// Whether all rest where a pass ends.

@@ -4,8 +4,8 @@
 use machine::Machine;
 use protocol::{
     Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineState, MachineStatus,
-    Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, StatusWord, ThreadPass,
-    frame::SETPOINT_LEAD, units::AXES,
+    Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
+    units::AXES,
 };
 
 use crate::{
@@ -192,7 +192,7 @@ impl Interpolator {
         let mut here = *self.travel.here();
         for (axis, config) in self.machine.axes() {
             let measured = &measurement.axes[axis.index()];
-            if StatusWord(measured.status_word as u16).state() != Some(DriveState::OperationEnabled) {
+            if measured.drive().state() != Some(DriveState::OperationEnabled) {
                 return Event::Nothing;
             }
             here[axis.index()] = config.position(measured);

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use machine::{Machine, SpindleConfig};
 use motion::SpindleObserver;
-use protocol::{Feed, Measurement, Position, SpindleMode, SpindleSpeed};
+use protocol::{Feed, Measurement, Position, SpindleMode, SpindleSpeed, measurement::middle_of};
 
 const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
 const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
@@ -74,7 +74,7 @@ impl Spindle {
 
     /// Takes a measurement and the panel's override.
     pub fn update(&mut self, measurement: &Measurement) {
-        self.observer.update(measurement.spindle_count as f64 + 0.5);
+        self.observer.update(middle_of(measurement.spindle_count));
         let request = measurement.panel.spindle_override_pct;
         let request = if request.is_finite() { request.max(0.0) } else { self.request_pct };
         let before = (self.request_pct, self.override_pct);

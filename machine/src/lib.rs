@@ -275,10 +275,25 @@ fn units(text: &str) -> Result<(), MachineError> {
         let (own, other) = if axis.is_rotary() { ("deg", "mm") } else { ("mm", "deg") };
         if let Some((key, value)) = keys.iter().find(|(key, _)| key.split('_').any(|word| word == other)) {
             let reason = format!("{axis} is measured in {own}: write {}", key.replace(other, own));
-            return Err(refuse(&format!("axis.{name}.{key}"), value, &reason));
+            return Err(refuse(&format!("axis.{name}.{key}"), spelled(value), &reason));
         }
     }
     Ok(())
+}
+
+/// A value of the file as people write it; a table is only named.
+fn spelled(value: &toml::Value) -> String {
+    match value {
+        toml::Value::Integer(number) => number.to_string(),
+        toml::Value::Float(number) => format!("{number:?}"),
+        toml::Value::Boolean(is) => is.to_string(),
+        toml::Value::Datetime(date) => date.to_string(),
+        toml::Value::String(text) => format!("{text:?}"),
+        toml::Value::Array(values) => {
+            format!("[{}]", values.iter().map(spelled).collect::<Vec<_>>().join(", "))
+        }
+        toml::Value::Table(_) => "a table".into(),
+    }
 }
 
 fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), MachineError> {

@@ -18,7 +18,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::{code::Item, refused::Refused};
+use crate::{checksum::crc32, code::Item, refused::Refused};
 
 /// What a file begins with.
 pub const MAGIC: [u8; 4] = *b"PLMC";
@@ -134,7 +134,7 @@ impl CodeFile {
         file.write_all(&MAGIC)?;
         file.write_all(&VERSION.to_le_bytes())?;
         file.write_all(&length.to_le_bytes())?;
-        file.write_all(&crc32fast::hash(&content).to_le_bytes())?;
+        file.write_all(&crc32(&content).to_le_bytes())?;
         Ok(file.write_all(&content)?)
     }
 
@@ -164,7 +164,7 @@ impl CodeFile {
         if present > length {
             return Err(CodeFileError::Trailing);
         }
-        if crc32fast::hash(&content) != checksum {
+        if crc32(&content) != checksum {
             return Err(CodeFileError::Damaged);
         }
         CodeFile::from_content(&content)

@@ -5,6 +5,7 @@
 //! arrives is therefore always *some* value; a `check` turns it into something to rely on, or says why not.
 
 pub mod arc;
+mod checksum;
 pub mod code;
 pub mod code_file;
 pub mod code_packet;

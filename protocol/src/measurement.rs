@@ -3,6 +3,7 @@
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
+    drive::StatusWord,
     message::Message,
     units::{Cycle, PerAxis, Position},
 };
@@ -21,6 +22,13 @@ pub struct AxisMeasurement {
     pub status_word: u32,
     /// Zero.
     pub reserved: u32,
+}
+
+impl AxisMeasurement {
+    /// What the drive says of itself.
+    pub fn drive(&self) -> StatusWord {
+        StatusWord(self.status_word as u16)
+    }
 }
 
 /// The operator's panel, sampled with the encoders: an action takes effect in the cycle it was sampled in.
@@ -93,4 +101,9 @@ pub struct Measurement {
 
 impl Message for Measurement {
     const NAME: &str = "pitchlock/measurement/4";
+}
+
+/// Where the spindle stands on average while its encoder shows a count: in the middle of it, counts.
+pub fn middle_of(count: i64) -> f64 {
+    count as f64 + 0.5
 }

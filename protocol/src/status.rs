@@ -33,6 +33,16 @@ pub enum AxisState {
 }
 
 impl AxisState {
+    /// Whether the axis belongs to a pass, armed or on its way.
+    pub fn is_in_pass(self) -> bool {
+        self == AxisState::Armed || self.has_begun()
+    }
+
+    /// Whether the axis has seen the index of its pass, and not left the pass.
+    pub fn has_begun(self) -> bool {
+        matches!(self, AxisState::WaitingForC0 | AxisState::RunIn | AxisState::Locked | AxisState::RunOut)
+    }
+
     /// Every state in the order of its code.
     pub const ALL: [AxisState; 8] = [
         AxisState::Idle,
@@ -234,6 +244,13 @@ impl Message for AxisStatus {
     const NAME: &str = "pitchlock/axis-status/2";
 }
 
+impl AxisStatus {
+    /// The state; a code that nobody knows is a fault.
+    pub fn state(&self) -> AxisState {
+        AxisState::from_code(self.state).unwrap_or(AxisState::Fault)
+    }
+}
+
 /// State of the interpolator, as others see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u32)]
@@ -319,6 +336,13 @@ pub struct MachineStatus {
 
 impl Message for MachineStatus {
     const NAME: &str = "pitchlock/machine-status/4";
+}
+
+impl MachineStatus {
+    /// The state; a code that nobody knows is a fault.
+    pub fn state(&self) -> MachineState {
+        MachineState::from_code(self.state).unwrap_or(MachineState::Fault)
+    }
 }
 
 impl MachineStatus {

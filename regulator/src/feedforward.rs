@@ -29,7 +29,7 @@
 
 use machine::{AxisConfig, Feedforward as Structure};
 
-use crate::reference::Reference;
+use crate::reference::Motor;
 
 /// What the loops get in a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -136,14 +136,14 @@ impl Feedforward {
     }
 
     /// What is fed forward now. Structures that hold positions are asked every [`Feedforward::cycles`] cycles.
-    pub fn feed(&mut self, reference: &Reference) -> Feed {
+    pub fn feed(&mut self, motor: &Motor) -> Feed {
         let Row { speed, ahead, acceleration, friction } = self.row;
-        let [v, _] = self.derivatives(speed, reference);
-        let [friction_v, a] = self.derivatives(ahead, reference);
+        let [v, _] = self.derivatives(speed, motor);
+        let [friction_v, a] = self.derivatives(ahead, motor);
         if let Some(rounded) = &mut self.rounded {
-            rounded.send(reference);
+            rounded.send(motor);
         }
-        let position_mm = reference.axis(0.0).s;
+        let position_mm = motor.reference.axis(0.0).s;
         Feed {
             position_mm: self.rounded.map_or(position_mm, |rounded| rounded.round(position_mm)),
             v,
@@ -153,14 +153,14 @@ impl Feedforward {
     }
 
     /// Speed and acceleration from a source.
-    fn derivatives(&self, source: Source, reference: &Reference) -> [f64; 2] {
+    fn derivatives(&self, source: Source, motor: &Motor) -> [f64; 2] {
         match (source, self.rounded) {
             (Source::Law(lead_s), _) => {
-                let sample = reference.motor(lead_s);
+                let sample = motor.at(lead_s);
                 [sample.v, sample.a]
             }
-            (Source::Backward, Some(rounded)) => rounded.backward(reference),
-            (Source::Centred(lead_s), Some(rounded)) => rounded.centred(reference, lead_s),
+            (Source::Backward, Some(rounded)) => rounded.backward(motor),
+            (Source::Centred(lead_s), Some(rounded)) => rounded.centred(motor, lead_s),
             (Source::Nothing | Source::Backward | Source::Centred(_), _) => [0.0, 0.0],
         }
     }
@@ -171,24 +171,24 @@ impl Rounded {
         (mm / self.quantum_mm).round() * self.quantum_mm
     }
 
-    fn at(&self, reference: &Reference, lead_s: f64) -> f64 {
-        self.round(reference.motor(lead_s).s)
+    fn at(&self, motor: &Motor, lead_s: f64) -> f64 {
+        self.round(motor.at(lead_s).s)
     }
 
     /// Remembers the present position.
-    fn send(&mut self, reference: &Reference) {
-        let now = self.at(reference, 0.0);
+    fn send(&mut self, motor: &Motor) {
+        let now = self.at(motor, 0.0);
         self.sent = Some([now, self.sent.map_or(now, |[last, _]| last)]);
     }
 
-    fn backward(&self, reference: &Reference) -> [f64; 2] {
-        let (h, now) = (self.step_s, self.at(reference, 0.0));
+    fn backward(&self, motor: &Motor) -> [f64; 2] {
+        let (h, now) = (self.step_s, self.at(motor, 0.0));
         let [last, before] = self.sent.unwrap_or([now; 2]);
         [(now - last) / h, (now - 2.0 * last + before) / (h * h)]
     }
 
-    fn centred(&self, reference: &Reference, l: f64) -> [f64; 2] {
-        let (h, x) = (self.step_s, |lead_s| self.at(reference, lead_s));
+    fn centred(&self, motor: &Motor, l: f64) -> [f64; 2] {
+        let (h, x) = (self.step_s, |lead_s| self.at(motor, lead_s));
         [(x(l + 0.5 * h) - x(l - 0.5 * h)) / h, (x(l + h) - 2.0 * x(l) + x(l - h)) / (h * h)]
     }
 }

@@ -20,7 +20,7 @@
 
 use machine::AxisConfig;
 
-use crate::{feedforward::Feedforward, reference::Reference};
+use crate::{feedforward::Feedforward, reference::Motor};
 
 /// Output of the loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,12 +80,12 @@ impl Loops {
 
     /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity PI that
     /// follows lives in the drive.
-    pub fn tick(&mut self, reference: &Reference, measured_mm: f64) -> Command {
-        let due = reference.cycle.0.is_multiple_of(self.feedforward.cycles());
+    pub fn tick(&mut self, motor: &Motor, measured_mm: f64) -> Command {
+        let due = motor.reference.cycle.0.is_multiple_of(self.feedforward.cycles());
         if let (false, Some(held)) = (due, self.held) {
             return held;
         }
-        let feed = self.feedforward.feed(reference);
+        let feed = self.feedforward.feed(motor);
         let friction = feed.friction_v.map_or(0.0, |v| self.friction.force(v, self.step_s));
         let force = self.mass * feed.a / 1000.0 + friction;
         let command = Command {

@@ -1,8 +1,8 @@
 //! Where the axis shall be, at the sample instant and about it: feedforwards look ahead and back (M54).
 //!
 //! Whatever the master is (time in a stream, the spindle angle in a pass), a lead in s becomes a sample in mm and s;
-//! position is absolute. [`Reference::axis`] is the motion of the axis, [`Reference::motor`] that of the motor behind
-//! it, which turns a little more or less where screw and backlash are compensated (M68, M69).
+//! position is absolute. [`Reference::axis`] is the motion of the axis. That of the motor behind it, which turns a little
+//! more or less where screw and backlash are compensated (M68, M69), is [`Motor`].
 
 use motion::{Sample, SpindleMotion};
 use protocol::Cycle;
@@ -10,7 +10,7 @@ use protocol::Cycle;
 use crate::{
     compensation::Compensation,
     spindle::Spindle,
-    state::{Pass, State},
+    state::{Pass, Stage, State},
     stream::Stream,
 };
 
@@ -23,8 +23,6 @@ pub struct Reference<'a> {
     pub stream: &'a Stream,
     /// The spindle, master of a pass.
     pub spindle: &'a Spindle,
-    /// What the motor does besides, if anything.
-    pub compensation: Option<&'a Compensation>,
     /// The cycle of the sample instant.
     pub cycle: Cycle,
     /// The control cycle, s.
@@ -49,8 +47,8 @@ impl Reference<'_> {
         match self.state {
             State::Idle | State::Fault(_) => still(self.measured_mm),
             State::Streaming => self.stream.at(self.cycle, lead_s / self.cycle_s),
-            State::Armed(pass) => still(pass.law.start.mm()),
-            State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
+            State::InPass { pass, stage: Stage::Armed } => still(pass.law.start.mm()),
+            State::InPass { pass, .. } => {
                 let c = since(self.spindle, pass, lead_s);
                 let ratio = c.speed / pass.programmed_deg_s;
                 let ratio_rate = c.acceleration / pass.programmed_deg_s;
@@ -61,19 +59,35 @@ impl Reference<'_> {
         }
     }
 
-    /// The motion of the motor `lead_s` after the sample instant: position, speed, acceleration.
-    pub fn motor(&self, lead_s: f64) -> Sample {
-        let axis = self.axis(lead_s);
-        self.compensation.map_or(axis, |compensation| compensation.motor(&axis, lead_s))
-    }
-
-    /// C at the sample instant, degrees; 0 outside a pass.
+    /// C at the sample instant, degrees; 0 as long as it is not counted.
     pub fn angle_deg(&self) -> f64 {
         match self.state {
-            State::WaitingForC0(pass) | State::RunIn(pass) | State::Locked(pass) | State::RunOut(pass) => {
-                self.spindle.since(pass, 0.0).angle
-            }
-            State::Idle | State::Fault(_) | State::Streaming | State::Armed(_) => 0.0,
+            State::Idle | State::Fault(_) | State::Streaming => 0.0,
+            State::InPass { stage: Stage::Armed, .. } => 0.0,
+            State::InPass { pass, .. } => self.spindle.since(pass, 0.0).angle,
         }
+    }
+
+    /// How far a count of the spindle moves the axis, mm; 0 outside a pass.
+    pub fn count_mm(&self) -> f64 {
+        let mm_per_degree = self.state.pass().map_or(0.0, |pass| pass.mm_per_degree(self.angle_deg()));
+        mm_per_degree * self.spindle.degrees_per_count()
+    }
+}
+
+/// The commanded motion of the motor behind an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Motor<'a> {
+    /// What the axis shall do.
+    pub reference: Reference<'a>,
+    /// What the motor does besides, if anything.
+    pub compensation: Option<&'a Compensation>,
+}
+
+impl Motor<'_> {
+    /// The motion of the motor `lead_s` after the sample instant: position, speed, acceleration.
+    pub fn at(&self, lead_s: f64) -> Sample {
+        let axis = self.reference.axis(lead_s);
+        self.compensation.map_or(axis, |compensation| compensation.motor(&axis, lead_s))
     }
 }

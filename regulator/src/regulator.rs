@@ -4,15 +4,15 @@ use machine::Machine;
 use motion::Sample;
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
-    Measurement, Refused, StatusWord, frame::SETPOINT_LEAD,
+    Measurement, Refused, frame::SETPOINT_LEAD,
 };
 
 use crate::{
     compensation::Compensation,
     loops::{Command, Loops},
-    reference::Reference,
+    reference::{Motor, Reference},
     spindle::Spindle,
-    state::{Event, State},
+    state::{Event, Stage, State},
     stream::Stream,
 };
 
@@ -46,8 +46,6 @@ pub struct Regulator {
     /// The position loop closes over the linear scale.
     scale: bool,
     cycle_s: f64,
-    /// A count of the spindle, degrees.
-    count_deg: f64,
     limits: Supervision,
     expected: Option<Cycle>,
     frame_due: Option<Cycle>,
@@ -83,7 +81,6 @@ impl Regulator {
             loops,
             scale: config.scale_step_mm.is_some(),
             cycle_s,
-            count_deg: 360.0 / machine.spindle_counts(),
             limits: Supervision {
                 following: config.following_error_mm,
                 thread: config.thread_error_mm,
@@ -101,6 +98,9 @@ impl Regulator {
     /// One control cycle.
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
+        if let Some(compensation) = &mut self.compensation {
+            compensation.step();
+        }
         let measured_mm = self.measured_mm(measurement);
         let gap = self.expected.is_some_and(|cycle| cycle != measurement.cycle);
         self.expected = Some(measurement.cycle.after(1));
@@ -108,11 +108,10 @@ impl Regulator {
         let command = self.take(input.frame, measurement.cycle);
         self.advance(measurement, command, gap, measured_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
-        let mut reference = Reference {
+        let reference = Reference {
             state: &self.state,
             stream: &self.stream,
             spindle: &self.spindle,
-            compensation: None,
             cycle: measurement.cycle,
             cycle_s: self.cycle_s,
             measured_mm,
@@ -120,24 +119,17 @@ impl Regulator {
         let angle_deg = reference.angle_deg();
         match &mut self.compensation {
             Some(compensation) if idle => compensation.rest(),
-            Some(compensation) => {
-                let mm_per_degree = self.state.pass().map_or(0.0, |pass| pass.mm_per_degree(angle_deg));
-                compensation.watch(mm_per_degree * self.count_deg, |lead_s| reference.axis(lead_s));
-            }
+            Some(compensation) => compensation.watch(reference.count_mm(), |lead_s| reference.axis(lead_s)),
             None => {}
         }
-        reference.compensation = self.compensation.as_ref();
-        let now = reference.now();
-        let command = if idle { self.loops.rest() } else { self.loops.tick(&reference, measured_mm) };
-        self.last = now;
+        let motor = Motor { reference, compensation: self.compensation.as_ref() };
+        let command = if idle { self.loops.rest() } else { self.loops.tick(&motor, measured_mm) };
+        self.last = reference.now();
         self.answer(measurement, angle_deg, &command, measured_mm)
     }
 
-    /// Where the axis is: by its scale, or by its motor, whose compensation a cycle later is taken off.
-    fn measured_mm(&mut self, measurement: &Measurement) -> f64 {
-        if let Some(compensation) = &mut self.compensation {
-            compensation.step();
-        }
+    /// Where the axis is: by its scale, or by its motor, whose compensation is taken off.
+    fn measured_mm(&self, measurement: &Measurement) -> f64 {
         let measured = &measurement.axes[self.axis];
         if self.scale {
             return measured.scale.mm();
@@ -146,10 +138,10 @@ impl Regulator {
         self.compensation.as_ref().map_or(motor_mm, |compensation| compensation.axis_mm(motor_mm))
     }
 
-    /// Checks a frame and takes its setpoint; what cannot be used is counted and changes nothing.
+    /// Takes a frame and its setpoint; what cannot be used is counted and changes nothing.
     fn take(&mut self, frame: Option<&AxisFrame>, cycle: Cycle) -> Option<AxisCommand> {
         let frame = frame?;
-        match self.check(frame, cycle) {
+        match self.accept(frame, cycle) {
             Ok(command) => {
                 self.line = frame.line;
                 Some(command)
@@ -161,7 +153,8 @@ impl Regulator {
         }
     }
 
-    fn check(&mut self, frame: &AxisFrame, cycle: Cycle) -> Result<AxisCommand, Refused> {
+    /// Takes a frame, or refuses it.
+    fn accept(&mut self, frame: &AxisFrame, cycle: Cycle) -> Result<AxisCommand, Refused> {
         let command = frame.unpack()?;
         if let Some(due) = self.frame_due
             && frame.cycle < due
@@ -188,7 +181,7 @@ impl Regulator {
         measured_mm: f64,
     ) {
         let cycle = measurement.cycle;
-        let drive = StatusWord(measurement.axes[self.axis].status_word as u16).state();
+        let drive = measurement.axes[self.axis].drive().state();
         let event = Event {
             cycle,
             enabled: drive == Some(DriveState::OperationEnabled),
@@ -203,7 +196,7 @@ impl Regulator {
         let before = self.state;
         let (state, refused) = before.next(&event);
         self.refused += u32::from(refused);
-        if let (State::RunOut(pass), State::Streaming) = (&before, &state) {
+        if let (State::InPass { pass, stage: Stage::RunOut }, State::Streaming) = (&before, &state) {
             self.stream.rest_at(pass.law.end, cycle);
         }
         self.state = state;
@@ -233,10 +226,12 @@ impl Regulator {
         // One cycle of motion lies between the last reference and this measurement.
         let slip = self.last.v * self.cycle_s;
         let error = (self.last.s + slip - measured_mm).abs();
-        // An error that is no number is no good one.
+        // An error that is not a number is beyond every limit.
         let within = |limit: f64| error.is_finite() && error <= limit;
         match self.state {
-            State::Locked(_) if !within(self.limits.thread) => Some(Fault::ThreadError),
+            State::InPass { stage: Stage::Locked, .. } if !within(self.limits.thread) => {
+                Some(Fault::ThreadError)
+            }
             _ if !within(self.limits.following) => Some(Fault::FollowingError),
             _ => None,
         }
@@ -295,9 +290,7 @@ impl Regulator {
         if matches!(self.state, State::Fault(_)) {
             return ControlWord::QuickStop;
         }
-        StatusWord(measurement.axes[self.axis].status_word as u16)
-            .towards_operation()
-            .unwrap_or(ControlWord::DisableVoltage)
+        measurement.axes[self.axis].drive().towards_operation().unwrap_or(ControlWord::DisableVoltage)
     }
 }
 

@@ -10,7 +10,7 @@
 
 use machine::Machine;
 use motion::{SpindleMotion, SpindleObserver};
-use protocol::{Cycle, Measurement};
+use protocol::{Cycle, Measurement, measurement::middle_of};
 
 use crate::{
     encoder::{Encoder, EncoderFault},
@@ -61,7 +61,7 @@ impl Spindle {
 
     /// Takes the measurement of one control cycle.
     pub fn update(&mut self, measurement: &Measurement) {
-        let angle = measurement.spindle_count as f64 + 0.5;
+        let angle = middle_of(measurement.spindle_count);
         self.leading.update(angle);
         self.stroking.update(angle);
         self.open(measurement.spindle_count);
@@ -80,8 +80,8 @@ impl Spindle {
         };
         if self.opening == 1 {
             let speed = count.saturating_sub(first) as f64 / self.opening_s;
-            self.leading.start(count as f64 + 0.5, speed);
-            self.stroking.start(count as f64 + 0.5, speed);
+            self.leading.start(middle_of(count), speed);
+            self.stroking.start(middle_of(count), speed);
         }
         self.opening = self.opening.saturating_sub(1);
     }
@@ -114,10 +114,15 @@ impl Spindle {
     fn in_degrees(&self, motion: SpindleMotion, pass: &Pass) -> SpindleMotion {
         let scale = pass.direction * self.degrees_per_count;
         SpindleMotion {
-            angle: (motion.angle - (pass.index_count as f64 + 0.5)) * scale,
+            angle: (motion.angle - middle_of(pass.index_count)) * scale,
             speed: motion.speed * scale,
             acceleration: motion.acceleration * scale,
         }
+    }
+
+    /// A count of the encoder, degrees.
+    pub fn degrees_per_count(&self) -> f64 {
+        self.degrees_per_count
     }
 
     /// Observed speed, 1/min, positive clockwise.

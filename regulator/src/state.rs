@@ -48,18 +48,30 @@ pub enum State {
     Idle,
     /// Follows the setpoints of timed motion.
     Streaming,
-    /// Waits for the index.
-    Armed(Pass),
-    /// Counts C, waits for its first angle.
-    WaitingForC0(Pass),
-    /// Approach and run-in.
-    RunIn(Pass),
-    /// At depth, on the helix.
-    Locked(Pass),
-    /// Brakes, retracts.
-    RunOut(Pass),
+    /// Has a pass in hand.
+    InPass {
+        /// Which.
+        pass: Pass,
+        /// How far it is.
+        stage: Stage,
+    },
     /// Latched.
     Fault(Fault),
+}
+
+/// How far a pass is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Waits for the index.
+    Armed,
+    /// Counts C, waits for its first angle.
+    WaitingForC0,
+    /// Approach and run-in.
+    RunIn,
+    /// At depth, on the helix.
+    Locked,
+    /// Brakes, retracts.
+    RunOut,
 }
 
 /// What a transition depends on.
@@ -105,16 +117,11 @@ impl State {
         };
         let refused = arm.is_some() && !matches!(self, State::Streaming);
         let called_off = matches!(event.command, Some(AxisCommand::CallOff));
-        let c = event.angle_deg;
         let state = match self {
             State::Idle if event.enabled && event.stream_begun => State::Streaming,
             State::Streaming => return streaming(event, arm),
-            State::Armed(_) | State::WaitingForC0(_) if called_off => State::Streaming,
-            State::Armed(pass) => armed(pass, event.index),
-            State::WaitingForC0(pass) if c >= pass.law.begins_deg() => State::RunIn(pass),
-            State::RunIn(pass) if c >= pass.law.locked_deg() => State::Locked(pass),
-            State::Locked(pass) if c >= pass.law.leaves_deg() => State::RunOut(pass),
-            State::RunOut(pass) if c >= pass.law.done_deg() => State::Streaming,
+            State::InPass { stage: Stage::Armed | Stage::WaitingForC0, .. } if called_off => State::Streaming,
+            State::InPass { pass, stage } => in_pass(pass, stage, event),
             unchanged => unchanged,
         };
         (state, refused)
@@ -123,11 +130,7 @@ impl State {
     /// The pass in hand.
     pub fn pass(&self) -> Option<&Pass> {
         match self {
-            State::Armed(pass)
-            | State::WaitingForC0(pass)
-            | State::RunIn(pass)
-            | State::Locked(pass)
-            | State::RunOut(pass) => Some(pass),
+            State::InPass { pass, .. } => Some(pass),
             State::Idle | State::Streaming | State::Fault(_) => None,
         }
     }
@@ -137,14 +140,36 @@ impl State {
         match self {
             State::Idle => AxisState::Idle,
             State::Streaming => AxisState::Streaming,
-            State::Armed(_) => AxisState::Armed,
-            State::WaitingForC0(_) => AxisState::WaitingForC0,
-            State::RunIn(_) => AxisState::RunIn,
-            State::Locked(_) => AxisState::Locked,
-            State::RunOut(_) => AxisState::RunOut,
+            State::InPass { stage, .. } => stage.public(),
             State::Fault(_) => AxisState::Fault,
         }
     }
+}
+
+impl Stage {
+    fn public(self) -> AxisState {
+        match self {
+            Stage::Armed => AxisState::Armed,
+            Stage::WaitingForC0 => AxisState::WaitingForC0,
+            Stage::RunIn => AxisState::RunIn,
+            Stage::Locked => AxisState::Locked,
+            Stage::RunOut => AxisState::RunOut,
+        }
+    }
+}
+
+/// A pass goes from stage to stage by its angle, and from the last one back to the stream.
+fn in_pass(pass: Pass, stage: Stage, event: &Event) -> State {
+    let c = event.angle_deg;
+    let stage = match stage {
+        Stage::Armed => return armed(pass, event.index),
+        Stage::WaitingForC0 if c >= pass.law.begins_deg() => Stage::RunIn,
+        Stage::RunIn if c >= pass.law.locked_deg() => Stage::Locked,
+        Stage::Locked if c >= pass.law.leaves_deg() => Stage::RunOut,
+        Stage::RunOut if c >= pass.law.done_deg() => return State::Streaming,
+        unchanged => unchanged,
+    };
+    State::InPass { pass, stage }
 }
 
 fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
@@ -163,7 +188,7 @@ fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
         law,
         motion: law.law(s_rpm),
     };
-    (State::Armed(pass), false)
+    (State::InPass { pass, stage: Stage::Armed }, false)
 }
 
 /// The first index at or after `not_before` is the origin of C: the same one on every axis.
@@ -171,8 +196,8 @@ fn armed(mut pass: Pass, index: Option<Index>) -> State {
     match index {
         Some(index) if index.cycle >= pass.not_before => {
             pass.index_count = index.count;
-            State::WaitingForC0(pass)
+            State::InPass { pass, stage: Stage::WaitingForC0 }
         }
-        _ => State::Armed(pass),
+        _ => State::InPass { pass, stage: Stage::Armed },
     }
 }

@@ -4,8 +4,8 @@ use protocol::{AxisCommand, AxisLaw, Cycle, Fault, Position};
 use regulator::{
     spindle::Index,
     state::{
-        Event, Pass,
-        State::{self, Armed, Idle, Locked, RunIn, RunOut, Streaming, WaitingForC0},
+        Event, Pass, Stage,
+        State::{self, Idle, InPass, Streaming},
     },
 };
 
@@ -41,6 +41,26 @@ fn pass(index_count: i64) -> Pass {
         law,
         motion: law.law(600.0),
     }
+}
+
+fn armed(pass: Pass) -> State {
+    InPass { pass, stage: Stage::Armed }
+}
+
+fn waiting_for_c0(pass: Pass) -> State {
+    InPass { pass, stage: Stage::WaitingForC0 }
+}
+
+fn run_in(pass: Pass) -> State {
+    InPass { pass, stage: Stage::RunIn }
+}
+
+fn locked(pass: Pass) -> State {
+    InPass { pass, stage: Stage::Locked }
+}
+
+fn run_out(pass: Pass) -> State {
+    InPass { pass, stage: Stage::RunOut }
 }
 
 fn arm(not_before: u64) -> AxisCommand {
@@ -99,8 +119,8 @@ fn from_idle_to_armed() {
         ("begins to stream", Idle, quiet(), Streaming, false),
         ("refuses a pass", Idle, Event { enabled: false, ..told(arm(100)) }, Idle, true),
         ("goes on", Streaming, quiet(), Streaming, false),
-        ("arms", Streaming, told(arm(100)), Armed(pass(0)), false),
-        ("the last cycle in time", Streaming, last_moment, Armed(pass(0)), false),
+        ("arms", Streaming, told(arm(100)), armed(pass(0)), false),
+        ("the last cycle in time", Streaming, last_moment, armed(pass(0)), false),
         ("too late", Streaming, too_late, Streaming, true),
         ("starts elsewhere", Streaming, elsewhere, Streaming, true),
     ]);
@@ -110,14 +130,14 @@ fn from_idle_to_armed() {
 fn from_armed_to_the_first_angle() {
     let call_off = told(AxisCommand::CallOff);
     walk(&[
-        ("no index", Armed(pass(0)), quiet(), Armed(pass(0)), false),
-        ("an index too early does not count", Armed(pass(0)), seen(99), Armed(pass(0)), false),
-        ("the first index that counts", Armed(pass(0)), seen(100), WaitingForC0(pass(77)), false),
-        ("armed, called off", Armed(pass(0)), call_off, Streaming, false),
-        ("armed, a second pass", Armed(pass(0)), told(arm(100)), Armed(pass(0)), true),
-        ("waits for its first angle", WaitingForC0(pass(77)), at(49.9), WaitingForC0(pass(77)), false),
-        ("waiting, called off", WaitingForC0(pass(77)), call_off, Streaming, false),
-        ("C0", WaitingForC0(pass(77)), at(50.0), RunIn(pass(77)), false),
+        ("no index", armed(pass(0)), quiet(), armed(pass(0)), false),
+        ("an index too early does not count", armed(pass(0)), seen(99), armed(pass(0)), false),
+        ("the first index that counts", armed(pass(0)), seen(100), waiting_for_c0(pass(77)), false),
+        ("armed, called off", armed(pass(0)), call_off, Streaming, false),
+        ("armed, a second pass", armed(pass(0)), told(arm(100)), armed(pass(0)), true),
+        ("waits for its first angle", waiting_for_c0(pass(77)), at(49.9), waiting_for_c0(pass(77)), false),
+        ("waiting, called off", waiting_for_c0(pass(77)), call_off, Streaming, false),
+        ("C0", waiting_for_c0(pass(77)), at(50.0), run_in(pass(77)), false),
     ]);
 }
 
@@ -125,14 +145,14 @@ fn from_armed_to_the_first_angle() {
 fn from_the_first_angle_to_the_end() {
     let call_off = told(AxisCommand::CallOff);
     walk(&[
-        ("in the run-in", RunIn(pass(77)), at(199.0), RunIn(pass(77)), false),
-        ("too late to call off", RunIn(pass(77)), call_off, RunIn(pass(77)), false),
-        ("locked", RunIn(pass(77)), at(200.0), Locked(pass(77)), false),
-        ("in the thread", Locked(pass(77)), at(989.0), Locked(pass(77)), false),
-        ("the spindle turns back", Locked(pass(77)), at(-10.0), Locked(pass(77)), false),
-        ("run-out", Locked(pass(77)), at(990.0), RunOut(pass(77)), false),
-        ("in the run-out", RunOut(pass(77)), at(1199.0), RunOut(pass(77)), false),
-        ("done", RunOut(pass(77)), at(1200.0), Streaming, false),
+        ("in the run-in", run_in(pass(77)), at(199.0), run_in(pass(77)), false),
+        ("too late to call off", run_in(pass(77)), call_off, run_in(pass(77)), false),
+        ("locked", run_in(pass(77)), at(200.0), locked(pass(77)), false),
+        ("in the thread", locked(pass(77)), at(989.0), locked(pass(77)), false),
+        ("the spindle turns back", locked(pass(77)), at(-10.0), locked(pass(77)), false),
+        ("run-out", locked(pass(77)), at(990.0), run_out(pass(77)), false),
+        ("in the run-out", run_out(pass(77)), at(1199.0), run_out(pass(77)), false),
+        ("done", run_out(pass(77)), at(1200.0), Streaming, false),
     ]);
 }
 
@@ -141,11 +161,11 @@ fn faults_and_stops_end_every_state_and_stay() {
     let states = [
         State::Idle,
         State::Streaming,
-        State::Armed(pass(0)),
-        State::WaitingForC0(pass(77)),
-        State::RunIn(pass(77)),
-        State::Locked(pass(77)),
-        State::RunOut(pass(77)),
+        armed(pass(0)),
+        waiting_for_c0(pass(77)),
+        run_in(pass(77)),
+        locked(pass(77)),
+        run_out(pass(77)),
     ];
     for state in states {
         let fault = Event { fault: Some(Fault::DriveFault), ..quiet() };

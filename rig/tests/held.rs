@@ -45,7 +45,7 @@ fn nothing_feeds_while_the_override_holds_the_spindle_at_zero() {
                     [[event]]\nat = { time_s = 40 }\nspindle_override_pct = 100\n";
     let mut fed_standing = false;
     let seen = run(program, scenario, |record| {
-        let feeding = record.machine.line == 4 && record.machine.state == MachineState::Moving as u32;
+        let feeding = record.machine.line == 4 && record.machine.state() == MachineState::Moving;
         fed_standing |= feeding && record.truth.spindle_rpm.abs() < 500.0;
         None
     });
@@ -67,7 +67,7 @@ fn a_spindle_that_stalls_in_a_pass_is_a_fault() {
 
 #[test]
 fn a_hold_before_the_index_takes_the_pass_back_and_resume_cuts_it() {
-    let armed = |record: &Record| record.axes.iter().all(|(_, axis)| axis.state == AxisState::Armed as u32);
+    let armed = |record: &Record| record.axes.iter().all(|(_, axis)| axis.state() == AxisState::Armed);
     let (mut armed_for, mut held_for, mut moved) = (0, 0, 0.0_f64);
     let seen = run(THREAD, "", |record| {
         armed_for = if armed(record) { armed_for + 1 } else { 0 };

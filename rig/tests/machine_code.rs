@@ -184,7 +184,7 @@ fn a_pause_waits_for_cycle_start() {
     let pauses = |scenario: &str| {
         let mut moved = 0.0_f64;
         let seen = run_with(scenario, &codes, &[], |record| {
-            if record.machine.state == MachineState::Paused as u32 {
+            if record.machine.state() == MachineState::Paused {
                 moved = moved.max(record.axes.iter().map(|(_, axis)| axis.velocity_mm_s.abs()).sum());
             }
         });

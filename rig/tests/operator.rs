@@ -41,7 +41,7 @@ fn run(program: &str, scenario: &str, requests: &[(u64, Request)]) -> Run {
         let more = rig.cycle(request, |record| {
             observer.cycle(record);
             let z = &record.axes[1].1;
-            let moving = record.machine.state == MachineState::Moving as u32;
+            let moving = record.machine.state() == MachineState::Moving;
             resting = if z.velocity_mm_s == 0.0 && moving { resting + 1 } else { 0 };
             longest = longest.max(resting);
             peak = peak.max(z.velocity_mm_s.abs());

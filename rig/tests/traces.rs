@@ -261,8 +261,7 @@ fn a_trace_is_one_block() {
     let requests = [(0, Request::SingleBlock(true))];
     let mut pauses = Vec::new();
     let seen = run(&lines(false), &requests, |record| {
-        if record.machine.state == MachineState::Paused as u32 && pauses.last() != Some(&record.machine.line)
-        {
+        if record.machine.state() == MachineState::Paused && pauses.last() != Some(&record.machine.line) {
             pauses.push(record.machine.line);
         }
     });
@@ -382,7 +381,7 @@ fn seams_that_meet_stop_between_them_in_single_block_and_at_a_path_mode() {
     let (machine, program) = halves();
     let mut pauses = Vec::new();
     let seen = run_on(&machine, &program, &[(0, Request::SingleBlock(true))], |record| {
-        let paused = record.machine.state == MachineState::Paused as u32;
+        let paused = record.machine.state() == MachineState::Paused;
         if paused && pauses.last() != Some(&record.machine.line) {
             pauses.push(record.machine.line);
         }

@@ -12,7 +12,6 @@
 //! Equations M46–M52 after "Mathematical model of kinematics and requirements for drives of a precision positioning
 //! system", (2)–(10), with its misprints put right.
 
-use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -71,31 +70,31 @@ impl Branch {
     }
 }
 
-/// R_X of M46: a turn about X by a clockwise angle, rad.
-fn about_x(angle: f64) -> Matrix3<f64> {
+/// R_X of M46: a point or direction turned about X by a clockwise angle, rad.
+fn about_x(angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let (s, c) = libm::sincos(angle);
-    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, s, 0.0, -s, c)
+    [x, c * y + s * z, c * z - s * y]
 }
 
-/// R_Z of M46: a turn about Z by a clockwise angle, rad.
-fn about_z(angle: f64) -> Matrix3<f64> {
+/// R_Z of M46: the same about Z.
+fn about_z(angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let (s, c) = libm::sincos(angle);
-    Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
+    [c * x + s * y, c * y - s * x, z]
 }
 
 impl Positioner {
     /// M46, M47: where a point of the work-holder is in the frame of the machine.
     #[must_use]
     pub fn forward(&self, point: [f64; 3], drives: &Drives) -> [f64; 3] {
-        let table = about_z(drives.beta) * Vector3::from(point) + Vector3::new(self.x2, self.y2, self.z2);
-        let slides = Vector3::new(drives.x + self.x1, drives.y + self.y1, self.z1);
-        (about_x(drives.alpha) * table + slides).into()
+        let [x, y, z] = about_z(drives.beta, point);
+        let [x, y, z] = about_x(drives.alpha, [x + self.x2, y + self.y2, z + self.z2]);
+        [x + (drives.x + self.x1), y + (drives.y + self.y1), z + self.z1]
     }
 
     /// M46: how a direction of the work-holder looks in the frame of the machine.
     #[must_use]
     pub fn turned(direction: [f64; 3], drives: &Drives) -> [f64; 3] {
-        (about_x(drives.alpha) * about_z(drives.beta) * Vector3::from(direction)).into()
+        about_x(drives.alpha, about_z(drives.beta, direction))
     }
 
     /// M49: drives that bring `point` under a beam at `beam` (xA, yA) and turn `direction` onto +Z. α in −π … π, β the

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use machine::Machine;
 use process::ipc::{ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, channel};
 use protocol::{
-    Axis, AxisState, AxisStatus, MachineStatus, Message, Truth,
+    Axis, AxisStatus, MachineStatus, Message, Truth,
     operator::{OperatorRequest, Request},
 };
 use rig::observe::Record;
@@ -146,10 +146,9 @@ impl Channels {
 
     /// Whether an axis is in a pass, as far as recorded, and its regulator alive to end it.
     pub(crate) fn in_pass(&self) -> bool {
-        let in_pass = AxisState::Armed as u32..=AxisState::RunOut as u32;
         let sources = self.axes.iter().map(|(_, source)| source);
         let mut living = self.seen.iter().zip(sources).filter(|(_, source)| !source.gone);
-        living.any(|((_, status), _)| in_pass.contains(&status.state))
+        living.any(|((_, status), _)| status.state().is_in_pass())
     }
 
     /// Answers that came after their cycle, in real time.

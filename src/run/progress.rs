@@ -37,7 +37,7 @@ impl Progress {
             return;
         }
         let machine = record.machine;
-        let paused = machine.state == MachineState::Paused as u32;
+        let paused = machine.state() == MachineState::Paused;
         self.bar.set_position(machine.taken);
         self.bar.set_message(format!(
             "line {}  pass {}/{}  depth {:.3} mm  {:.0} 1/min ({:.0} %)  {:.1} s{}",

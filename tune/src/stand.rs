@@ -6,7 +6,7 @@
 
 use machine::AxisConfig;
 use motion::Sample;
-use protocol::{Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis, StatusWord};
+use protocol::{Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis};
 
 use crate::{drive_loop::DriveLoop, refusal::Refusal};
 
@@ -72,7 +72,7 @@ impl<'a, B: Bench> Stand<'a, B> {
         let mut stand =
             Stand { bench, axis, config, cycle_s, drive, start, motor_before_mm, commanded_nm, elapsed };
         while stand.state() != Some(DriveState::OperationEnabled) {
-            let word = StatusWord(stand.seen().status_word as u16).towards_operation();
+            let word = stand.seen().drive().towards_operation();
             let (Some(word), true) = (word, stand.time_s() < PATIENCE_S) else {
                 let refusal = stand.drive_refusal();
                 stand.release();
@@ -183,7 +183,7 @@ impl<'a, B: Bench> Stand<'a, B> {
     }
 
     fn state(&self) -> Option<DriveState> {
-        StatusWord(self.seen().status_word as u16).state()
+        self.seen().drive().state()
     }
 
     fn time_s(&self) -> f64 {

@@ -180,7 +180,7 @@ impl Circle {
         let mut place = Place { commanded: [0.0; 2], velocity: [0.0; 2], position: [0.0; 2] };
         for (i, axis) in self.plane.into_iter().enumerate() {
             let (_, status) = record.axes.iter().find(|(other, _)| *other == axis)?;
-            if status.state != AxisState::Streaming as u32 {
+            if status.state() != AxisState::Streaming {
                 return None;
             }
             place.commanded[i] = status.commanded_mm - self.center[i];

@@ -41,7 +41,7 @@ pub(super) struct Contour {
 impl Contour {
     /// Takes one control cycle.
     pub(super) fn cycle(&mut self, record: &Record) {
-        if record.axes.iter().any(|(_, status)| status.state != AxisState::Streaming as u32) {
+        if record.axes.iter().any(|(_, status)| status.state() != AxisState::Streaming) {
             return;
         }
         let linear = record.axes.iter().filter(|(axis, _)| !axis.is_rotary());

@@ -38,7 +38,7 @@ pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, Trace
 use circle::Circles;
 use contour::Contour;
 use limits::Limits;
-use pass::{PassObserver, in_pass, state_in};
+use pass::{PassObserver, state_in};
 use work::Works;
 
 /// Everything that is said of one control cycle.
@@ -206,7 +206,7 @@ impl Observer {
 
     fn take_pass(&mut self, record: &Record, is_tick: bool) {
         if self.current.is_none() {
-            let armed = record.axes.iter().find(|(_, status)| in_pass(state_in(status.pass, status)));
+            let armed = record.axes.iter().find(|(_, status)| state_in(status.pass, status).is_in_pass());
             let Some((_, status)) = armed else { return };
             let Some((line, pass)) = self.program.get(&status.pass) else { return };
             self.current = Some(PassObserver::new(&self.machine, pass, *line, record.truth.cycle.0));
@@ -223,7 +223,7 @@ impl Observer {
 
     fn take_moves(&mut self, record: &Record, is_tick: bool) {
         self.out.moves.count = record.machine.moves;
-        self.moving_cycles += u64::from(record.machine.state == MachineState::Moving as u32);
+        self.moving_cycles += u64::from(record.machine.state() == MachineState::Moving);
         self.out.moves.starved = record.machine.starved;
         let used = self.limits.used(record);
         self.out.moves.limit_violations += u64::from(used.as_ref().is_some_and(limits::beyond));
@@ -233,7 +233,7 @@ impl Observer {
     }
 
     fn take_pauses(&mut self, record: &Record) {
-        let paused = record.machine.state == MachineState::Paused as u32;
+        let paused = record.machine.state() == MachineState::Paused;
         if paused && !std::mem::replace(&mut self.paused, paused) {
             let (line, cycle) = (record.machine.line, record.truth.cycle.0);
             self.out.pauses.push(PauseReport { line, cycle, waited_s: 0.0 });
@@ -267,7 +267,7 @@ impl Observer {
         let faults = &self.out.faults;
         if faults.iter().any(|fault| fault.code != Fault::Stopped.code()) {
             Outcome::Faulted
-        } else if faults.is_empty() && machine.stopped == 0 && machine.state == MachineState::Ended as u32 {
+        } else if faults.is_empty() && machine.stopped == 0 && machine.state() == MachineState::Ended {
             Outcome::Completed
         } else {
             Outcome::Stopped

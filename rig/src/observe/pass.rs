@@ -129,16 +129,11 @@ impl AxisTrack {
 
 /// The state of an axis as far as a pass is concerned; another pass, or none, is timed motion to it.
 pub(super) fn state_in(pass: u32, status: &AxisStatus) -> AxisState {
-    match AxisState::from_code(status.state) {
-        Ok(AxisState::Fault) | Err(_) => AxisState::Fault,
-        Ok(state) if status.pass == pass => state,
-        Ok(_) => AxisState::Streaming,
+    match status.state() {
+        AxisState::Fault => AxisState::Fault,
+        state if status.pass == pass => state,
+        _ => AxisState::Streaming,
     }
-}
-
-/// Whether an axis belongs to a pass that is armed or being cut.
-pub(super) fn in_pass(state: AxisState) -> bool {
-    (AxisState::Armed..=AxisState::RunOut).contains(&state)
 }
 
 /// Measures one pass.
@@ -206,7 +201,7 @@ impl PassObserver {
             if let Some(track) = self.axes.iter_mut().find(|track| track.axis == *axis) {
                 let slide_mm = record.truth.axes[axis.index()].slide_mm;
                 moving |= track.cycle(self.pass.pass, status, slide_mm, index_deg);
-                waiting |= in_pass(track.state);
+                waiting |= track.state.is_in_pass();
             }
         }
         let truth = record.truth;
@@ -238,7 +233,7 @@ impl PassObserver {
 
     /// Where the pass wants an axis at the true spindle angle, mm; `None` while it does not belong to the pass.
     pub(super) fn programmed_mm(&self, axis: Axis, spindle_deg: f64) -> Option<f64> {
-        let track = self.track(axis).filter(|track| in_pass(track.state))?;
+        let track = self.track(axis).filter(|track| track.state.is_in_pass())?;
         Some(track.start_mm + track.law.at(self.angle_deg(axis, spindle_deg)).s)
     }
 

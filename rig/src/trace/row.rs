@@ -91,15 +91,13 @@ impl Row {
                 jerk: status.jerk_mm_s3,
                 servo_error: status.servo_error_mm,
                 torque: place.torque_nm,
-                state: AxisState::from_code(status.state).unwrap_or(AxisState::Fault),
+                state: status.state(),
                 slide: place.slide_mm,
                 force: place.force_n,
             };
             (*axis, row)
         };
-        let in_pass = |(_, status): &&(Axis, protocol::AxisStatus)| {
-            (AxisState::Armed as u32..=AxisState::RunOut as u32).contains(&status.state)
-        };
+        let in_pass = |(_, status): &&(Axis, protocol::AxisStatus)| status.state().is_in_pass();
         Row {
             cycle: truth.cycle.0,
             t_s: truth.cycle.0 as f64 * cycle_s,

@@ -2,7 +2,7 @@
 #![allow(dead_code, unreachable_pub)] // each test file uses its part
 
 use machine::Machine;
-use protocol::{Axis, ControlWord, DriveCommand, DriveState, PerAxis, SpindleCommand, StatusWord, Truth};
+use protocol::{Axis, ControlWord, DriveCommand, DriveState, PerAxis, SpindleCommand, Truth};
 use sim_plant::{Plant, Scenario};
 
 pub struct Stand {
@@ -36,9 +36,7 @@ impl Stand {
     }
 
     pub fn state(&self, axis: Axis) -> DriveState {
-        StatusWord(self.plant.measurement().axes[axis.index()].status_word as u16)
-            .state()
-            .expect("a drive reports a state")
+        self.plant.measurement().axes[axis.index()].drive().state().expect("a drive reports a state")
     }
 
     pub fn truth(&self) -> &Truth {
@@ -49,7 +47,7 @@ impl Stand {
         let mut drives: PerAxis<DriveCommand> = Default::default();
         for (slot, axis) in [Axis::X, Axis::Z].into_iter().enumerate() {
             let measured = &self.plant.measurement().axes[axis.index()];
-            let towards = StatusWord(measured.status_word as u16).towards_operation();
+            let towards = measured.drive().towards_operation();
             drives[axis.index()] = DriveCommand {
                 cycle: self.plant.measurement().cycle,
                 control_word: self.word.unwrap_or(towards.unwrap_or(ControlWord::DisableVoltage) as u32),

@@ -57,8 +57,8 @@ pub(super) fn measure(machine: &Machine, override_pct: f64, seed: u64) -> Result
     let trial = [Trial::default()];
     let seen = Stand::run(machine, &trial, override_pct, seed, &mut |record: &Record| {
         let Some((_, status)) = record.axes.iter().find(|(axis, _)| *axis == Axis::X) else { return };
-        let approaches = AxisState::from_code(status.state) == Ok(AxisState::RunIn);
-        let rests = AxisState::from_code(status.state) == Ok(AxisState::Locked);
+        let approaches = status.state() == AxisState::RunIn;
+        let rests = status.state() == AxisState::Locked;
         rested += usize::from(rests);
         let shown = approaches || (rests && rested <= after);
         if !shown {

@@ -63,7 +63,7 @@ pub(super) fn measure(machine: &Machine, seed: u64) -> Result<Measured, CliError
         let asked_nm = (torque_nm - left * before_nm) / (1.0 - left);
         before_nm = torque_nm;
         let Some((_, status)) = record.axes.iter().find(|(axis, _)| *axis == Axis::X) else { return };
-        if AxisState::from_code(status.state) == Ok(AxisState::RunIn) {
+        if status.state() == AxisState::RunIn {
             let t_s = curve.len() as f64 * cycle_s;
             curve.push(Moment { t_s, error_um: 1e3 * status.servo_error_mm, torque_nm: asked_nm });
         }
