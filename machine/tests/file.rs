@@ -108,7 +108,7 @@ fn tables_that_a_machine_lacks_or_has_no_use_for_are_named() {
         (format!("{POSITIONER}\n[spindle]{spindle}"), "spindle = a table: a positioner has no spindle"),
         (
             without(SMALL_MILL, "[spindle]", "[plant.axis.x]"),
-            "spindle = nothing: a lathe and a mill need [spindle]",
+            "spindle = nothing: a lathe or a mill needs [spindle]",
         ),
         (
             POSITIONER.replace("[axis.a]", "[axis.b]"),

@@ -31,7 +31,7 @@ fn errors_name_event_key_and_remedy() {
             "more than one action; give each its own [[event]]",
         ),
         ("at = { cycle = 1 }\nstop = true\nramp_s = 1", "ramp_s: only an override can be turned slowly"),
-        ("at = { cycle = 1 }\nfeed_hold = false", "feed_hold: a button can only be pressed, write true"),
+        ("at = { cycle = 1 }\nfeed_hold = false", "feed_hold: a button can only be pressed: write true"),
         (
             "at = { cycle = 1 }\nspindle_override_pct = 201",
             "spindle_override_pct = 201: must lie between 0 and 200",
@@ -84,7 +84,7 @@ fn errors_of_the_encoder_name_key_and_remedy() {
             "at = { cycle = 1 }\nencoder_glitch_counts = { counts = 3, for_s = -1 }",
             "encoder_glitch_counts.for_s = -1: must lie",
         ),
-        ("at = { cycle = 1 }\nindex_lost = false", "index_lost: write true, or { for_s }"),
+        ("at = { cycle = 1 }\nindex_lost = false", "index_lost: write true or { for_s }"),
         ("at = { cycle = 1 }\nindex_lost = { for_s = 0 }", "index_lost.for_s = 0: must lie"),
         ("at = { cycle = 1 }\nindex_lost = true\nencoder_glitch_counts = 1", "more than one action"),
     ] {
