@@ -12,7 +12,7 @@ use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
 use gcode::{Call, Diagnostic, Dialect, Job, Options, Place, Pose, Problem, Program, Severity, Sink, Step};
 
-use crate::{cli, error::CliError};
+use crate::{error::CliError, screen};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock canon part.ngc
@@ -135,7 +135,7 @@ fn print(
     on_error: OnError,
     quiet: bool,
 ) -> Result<bool, io::Error> {
-    let colour = cli::colour(&io::stderr());
+    let colour = screen::colour(&io::stderr());
     let mut good = true;
     // As `rs274 -n 0`, which is content with having reached the end.
     let goes_on = on_error == OnError::GoOn && matches!(printer, Printer::Linuxcnc(_));
@@ -176,7 +176,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
         None => MachineFile::default(),
     };
     for warning in machine.warnings.iter().filter(|_| !quiet) {
-        eprint!("{}", warning.render(cli::colour(&io::stderr())));
+        eprint!("{}", warning.render(screen::colour(&io::stderr())));
     }
     let mut options = Options {
         dialect: args.dialect,

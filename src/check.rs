@@ -2,14 +2,19 @@
 
 use std::{fmt::Write as _, process::ExitCode};
 
+use clap::Args;
 use interpreter::Severity;
 
-use crate::{
-    cli::{self, CheckArgs},
-    diagnostics::Document,
-    error::CliError,
-    program::Program,
-};
+use crate::{args::ProgramArgs, diagnostics::Document, error::CliError, program::Program, screen};
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CheckArgs {
+    #[command(flatten)]
+    pub(crate) input: ProgramArgs,
+    /// Print every diagnostic as one JSON document, for editors, and nothing else.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
@@ -22,10 +27,10 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
         let document = Document::new(&name, program.diagnostics(), program.moves, time_s);
         let text = serde_json::to_string_pretty(&document);
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
-        cli::print(&format!("{text}\n"));
+        screen::print(&format!("{text}\n"));
     } else {
         eprint!("{}", program.messages);
-        cli::print(&findings(&program));
+        screen::print(&findings(&program));
     }
     let good = program.found(Severity::Error) == 0;
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })

@@ -7,11 +7,15 @@ use process::ipc::{
     time::{Moment, lock_memory, processors, sleep_until},
 };
 
-use crate::{
-    cli::{self, DoctorArgs},
-    error::CliError,
-    run::axes,
-};
+use clap::Args;
+
+use crate::{args::MachineArgs, error::CliError, run::axes, screen};
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DoctorArgs {
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+}
 
 /// Wake-ups that are measured.
 const WAKE_UPS: usize = 2000;
@@ -75,7 +79,7 @@ pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
             "this computer cannot run the machine"
         }
     );
-    cli::print(&text);
+    screen::print(&text);
     Ok(if can_run { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

@@ -62,11 +62,26 @@ impl From<rig::observe::SummaryError> for CliError {
     }
 }
 
-impl From<crate::report::ReportError> for CliError {
-    fn from(error: crate::report::ReportError) -> Self {
+impl From<report::ReportError> for CliError {
+    fn from(error: report::ReportError) -> Self {
         match error {
-            crate::report::ReportError::Summary(_) => CliError::Input(error.to_string()),
-            crate::report::ReportError::Write { .. } => CliError::Machine(error.to_string()),
+            report::ReportError::Summary(_) => CliError::Input(error.to_string()),
+            report::ReportError::Write { .. } => CliError::Machine(error.to_string()),
         }
+    }
+}
+
+impl From<experiment::ExperimentError> for CliError {
+    fn from(error: experiment::ExperimentError) -> Self {
+        match error {
+            experiment::ExperimentError::Input(text) => CliError::Input(text),
+            experiment::ExperimentError::Machine(text) => CliError::Machine(text),
+        }
+    }
+}
+
+impl From<rig::bench::BenchError> for CliError {
+    fn from(error: rig::bench::BenchError) -> Self {
+        CliError::Machine(error.to_string())
     }
 }

@@ -1,5 +1,6 @@
 //! `pitchlock`: the launcher and command line. One binary that can be every process of the machine.
 
+mod args;
 mod canon;
 mod check;
 mod cli;
@@ -12,6 +13,7 @@ mod program;
 mod report;
 mod resolution;
 mod run;
+mod screen;
 mod tune;
 
 use std::process::ExitCode;
@@ -22,7 +24,7 @@ use error::CliError;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    cli::start_log(&cli.log);
+    screen::start_log(&cli.log);
     match dispatch(&cli) {
         Ok(code) => code,
         Err(error) => error.report(),
@@ -37,14 +39,10 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Compile(args) => compile::compile(args),
         Command::Canon(args) => canon::canon(args, quiet),
         Command::Machine { kinematics } => {
-            cli::print(kinematics.example());
+            screen::print(kinematics.example());
             Ok(ExitCode::SUCCESS)
         }
-        Command::Report(args) => {
-            let path = report::render(&args.run_dir)?;
-            cli::print(&format!("{}\n", path.display()));
-            Ok(ExitCode::SUCCESS)
-        }
+        Command::Report(args) => report::report(args),
         Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),

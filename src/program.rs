@@ -8,7 +8,7 @@ use protocol::{Arc, Code, Item, code_file::CodeFile};
 use rig::observe::Watch;
 use route::{Course, Route};
 
-use crate::{cli, error::CliError};
+use crate::{error::CliError, screen};
 
 /// A program that was read.
 pub(crate) struct Program {
@@ -68,7 +68,7 @@ impl Program {
                 watched.push(item);
             }
         });
-        let colour = cli::colour(&std::io::stderr());
+        let colour = screen::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);

@@ -13,7 +13,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 13] = [
+const CRATES: [(&str, &[&str]); 15] = [
     ("motion", &[]),
     ("shape", &["motion"]),
     ("gcode", &[]),
@@ -37,6 +37,23 @@ const CRATES: [(&str, &[&str]); 13] = [
             "interpolator",
             "regulator",
             "sim-plant",
+            "tune",
+        ],
+    ),
+    ("report", &["protocol", "rig"]),
+    (
+        "experiment",
+        &[
+            "interpreter",
+            "machine",
+            "motion",
+            "protocol",
+            "regulator",
+            "report",
+            "rig",
+            "shape",
+            "sim-plant",
+            "tune",
         ],
     ),
     ("process", &["machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),

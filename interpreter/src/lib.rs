@@ -27,7 +27,6 @@
 //! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
-//! | [`g1`] | machine code | a program of straight lines |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
 #![forbid(unsafe_code)]
 
@@ -36,7 +35,6 @@ mod auxiliary;
 mod check;
 pub mod formula;
 mod frame;
-pub mod g1;
 mod job;
 mod merge;
 mod modal;

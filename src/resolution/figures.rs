@@ -8,9 +8,9 @@ use protocol::Position;
 use serde_json::{Value, json};
 
 use super::{Asked, needs::AxisNeeds, needs::QUANTITIES};
-use crate::{
-    experiment::table::{six, three},
-    report::figures::{BLUE, Figure, GREEN, GREY, ORANGE},
+use report::{
+    paint::{BLUE, Figure, GREEN, GREY, ORANGE},
+    table::{six, three},
 };
 
 /// Points of a curve.

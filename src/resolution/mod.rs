@@ -23,10 +23,7 @@ use clap::Args;
 use machine::Machine;
 use motion::{resolution::Steps, tolerance::Grade};
 
-use crate::{
-    cli::{self, MachineArgs},
-    error::CliError,
-};
+use crate::{args::MachineArgs, error::CliError, screen};
 use needs::AxisNeeds;
 
 pub(crate) const HELP: &str = "Examples:
@@ -161,10 +158,10 @@ pub(crate) fn resolution(args: &ResolutionArgs, quiet: bool) -> Result<ExitCode,
         std::fs::write(path, html).map_err(|error| CliError::file(path, error))?;
     }
     if args.json {
-        cli::print(&document::json(&asked, &verdicts)?);
+        screen::print(&document::json(&asked, &verdicts)?);
     } else if !quiet {
         let page = args.page.as_ref().map_or(String::new(), |path| format!("\npage    {}\n", path.display()));
-        cli::print(&format!("{}{page}", tables::text(&asked, &verdicts)));
+        screen::print(&format!("{}{page}", tables::text(&asked, &verdicts)));
     }
     Ok(ExitCode::SUCCESS)
 }

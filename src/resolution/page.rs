@@ -4,9 +4,9 @@
 use maud::html;
 
 use super::{Asked, figures, tables, verdict::Verdict};
-use crate::{
-    experiment::table::Table,
-    report::page::{document, pictures},
+use report::{
+    page::{document, pictures},
+    table::Table,
 };
 
 /// The whole page.

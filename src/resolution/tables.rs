@@ -4,7 +4,7 @@
 use motion::tolerance::Grade;
 
 use super::{Asked, Source, needs::AxisNeeds, verdict::Verdict};
-use crate::experiment::table::{Place, Table, six, three};
+use report::table::{Place, Table, six, three};
 
 /// What is said below the first table.
 const BY_DIFFERENCES: &str = "D of speed, acceleration and jerk is for a control that makes them by differences of counts; whether this one does,

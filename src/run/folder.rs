@@ -8,11 +8,8 @@ use machine;
 
 use rig::{observe::Summary, trace};
 
-use crate::{
-    cli::{RunArgs, Trace},
-    error::CliError,
-    program::Program,
-};
+use super::args::{RunArgs, Trace};
+use crate::{error::CliError, program::Program};
 
 /// A run folder and the copies in it.
 pub(crate) struct RunFolder {

@@ -1,5 +1,6 @@
 //! `pitchlock run`: read everything, start the machine, record, sum up.
 
+mod args;
 mod channels;
 mod folder;
 mod in_process;
@@ -14,12 +15,8 @@ use machine::Machine;
 use process::shell::Clock;
 use rig::observe::{Outcome, Summary, WorkKind};
 
-use crate::{
-    cli::{self, RunArgs},
-    error::CliError,
-    program::Program,
-    report,
-};
+use crate::{error::CliError, program::Program, screen};
+pub(crate) use args::{HELP, RunArgs};
 use folder::RunFolder;
 pub(crate) use recorder::axes;
 
@@ -64,9 +61,9 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if args.json {
         let text =
             serde_json::to_string_pretty(&summary).map_err(|error| CliError::Machine(error.to_string()))?;
-        cli::print(&format!("{text}\n"));
+        screen::print(&format!("{text}\n"));
     } else if !quiet {
-        cli::print(&summed_up(&summary, &report));
+        screen::print(&summed_up(&summary, &report));
     }
     Ok(if summary.outcome == Outcome::Faulted { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tune::{Complex, OpenLoops, Tuned};
 
 use super::Found;
-use crate::report::figures::{BLUE, Figure, GREY, ORANGE, axis, line};
+use report::paint::{BLUE, Figure, GREY, ORANGE, axis, line};
 
 pub(super) fn all(found: &Found) -> Vec<Figure> {
     let curves = found.trial.as_ref().map_or(&[][..], |compared| &compared.curves);

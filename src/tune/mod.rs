@@ -3,7 +3,6 @@
 //!
 //! The moves and what is learned from them are the crate `tune`; here is the bench it moves, and what is shown and written.
 
-mod bench;
 mod change;
 mod document;
 mod figures;
@@ -19,12 +18,7 @@ use machine::Machine;
 use protocol::Axis;
 use tune::{Goals, Tuned};
 
-use crate::{
-    cli::{self, MachineArgs},
-    error::CliError,
-};
-
-pub(crate) use bench::machine;
+use crate::{args::MachineArgs, error::CliError, screen};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock tune                                          the built-in lathe: what would be changed
@@ -83,8 +77,8 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let axes = axes(args, &machine)?;
     let goals = goals(args)?;
     paths(args)?;
-    let tuned = bench::all(&machine, &axes, args.seed, &goals)?;
-    let proposed = bench::with(&machine, &tuned);
+    let tuned = rig::bench::all(&machine, &axes, args.seed, &goals)?;
+    let proposed = rig::bench::with(&machine, &tuned);
     let trial = trial::compared(&machine, &proposed, &axes, args.seed);
     let failed = trial.as_ref().ok().and_then(trial::Compared::failed_after);
     if let Some(worse) = trial.as_ref().ok().and_then(trial::Compared::worse) {
@@ -106,16 +100,16 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
         std::fs::write(path, html).map_err(|error| CliError::file(path, error))?;
     }
     if args.json {
-        cli::print(&document::json(&found)?);
+        screen::print(&document::json(&found)?);
     } else if !quiet {
-        cli::print(&tables::text(&found));
+        screen::print(&tables::text(&found));
         let written = |name: &str, path: &Option<PathBuf>| {
             path.as_ref().map_or(String::new(), |path| format!("{name:8}{}\n", path.display()))
         };
         let nothing = "nothing is written; -o OUT.toml writes the machine file with these values\n";
         let machine_file =
             if args.out.is_none() { nothing.into() } else { written("written", &out.cloned()) };
-        cli::print(&format!("\n{machine_file}{}", written("page", &args.page)));
+        screen::print(&format!("\n{machine_file}{}", written("page", &args.page)));
     }
     match (&args.out, failed) {
         (Some(path), Some(reason)) => Err(CliError::Machine(format!(
@@ -151,7 +145,7 @@ fn axes(args: &TuneArgs, machine: &Machine) -> Result<Vec<Axis>, CliError> {
     };
     let mut axes = args.axis.iter().map(named).collect::<Result<Vec<_>, _>>()?;
     if axes.is_empty() {
-        return Ok(bench::linear(machine));
+        return Ok(rig::bench::linear(machine));
     }
     axes.sort_by_key(|axis| axis.index());
     axes.dedup();

@@ -3,9 +3,9 @@
 use maud::html;
 
 use super::{Found, figures, tables};
-use crate::{
-    experiment::table::Table,
-    report::page::{document, pictures},
+use report::{
+    page::{document, pictures},
+    table::Table,
 };
 
 /// The whole page.

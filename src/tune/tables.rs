@@ -9,7 +9,7 @@ use super::{
     change::{self, Change},
     trial::Row,
 };
-use crate::experiment::table::{Place, Table, six};
+use report::table::{Place, Table, six};
 
 /// Everything for the screen.
 pub(super) fn text(found: &Found) -> String {

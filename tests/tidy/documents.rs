@@ -8,7 +8,7 @@ use sim_plant::Scenario;
 use super::{files, none, project, read};
 
 /// Files and folders whose names begin a path of this project.
-const ROOTS: [&str; 14] = [
+const ROOTS: [&str; 16] = [
     "src/",
     "tests/",
     "docs/",
@@ -23,6 +23,8 @@ const ROOTS: [&str; 14] = [
     "sim-plant/",
     "rig/",
     "tune/",
+    "report/",
+    "experiment/",
 ];
 
 fn documents() -> Vec<PathBuf> {

@@ -1,0 +1,59 @@
+//! The frame of every page: style, pictures, and the script that draws them, all in one file. In: what the page holds.
+//! Out: HTML that opens without a network.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::paint::Figure;
+
+/// plotly.js, the bundle of cartesian traces: scatter, heatmap, contour and a few that are not used here.
+pub const PLOTTING_SCRIPT: &str = include_str!("../assets/plotly-cartesian.min.js");
+
+const STYLE: &str = include_str!("../assets/report.css");
+const SCRIPT: &str = include_str!("../assets/report.js");
+
+/// A page with its style, and with the script that draws if there is something to draw.
+pub fn document(title: &str, content: &Markup, draws: bool) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "pitchlock: " (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main { (content) }
+                @if draws {
+                    script { (PreEscaped(PLOTTING_SCRIPT)) }
+                    script { (PreEscaped(SCRIPT)) }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// Every figure with its number and its words.
+pub fn pictures(figures: &[Figure]) -> Markup {
+    html! {
+        @if !figures.is_empty() { noscript { p.note { "The pictures need JavaScript." } } }
+        @for (number, figure) in figures.iter().enumerate() { (picture(number + 1, figure)) }
+    }
+}
+
+fn picture(number: usize, figure: &Figure) -> Markup {
+    html! {
+        figure {
+            h2 { (format!("{number}. {}", figure.title)) }
+            div.plot role="img" aria-label=(figure.alt) data-aspect=(figure.aspect) {}
+            script type="application/json" { (PreEscaped(embedded(&figure.plot))) }
+            figcaption.caption { (figure.caption) }
+        }
+    }
+}
+
+/// JSON that cannot end the script element it stands in.
+fn embedded(plot: &serde_json::Value) -> String {
+    plot.to_string().replace('<', "\\u003c")
+}

@@ -1,0 +1,79 @@
+//! The report of a run: one page, `report.html`, that opens without a network, reads well on a phone and on paper.
+//! In: a run folder (`summary.json`, the trace, the program). Out: `report.html` in the same folder.
+
+mod by_pass;
+mod curves;
+mod curves_moves;
+mod cutting;
+mod dial;
+mod figures;
+mod figures_cutting;
+mod figures_moves;
+mod figures_pass;
+mod figures_traces;
+mod page;
+#[cfg(test)]
+mod tests;
+mod traces;
+mod verdict;
+
+use std::path::{Path, PathBuf};
+
+use rig::observe::{Summary, SummaryError};
+use rig::trace;
+
+use crate::paint::Figure;
+use curves::Curves;
+
+/// Why a report could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The summary cannot be read: is this a run folder?
+    #[error("{0}; a run folder is what `pitchlock run` writes")]
+    Summary(#[from] SummaryError),
+    /// The report cannot be written.
+    #[error("{path}: {reason}")]
+    Write {
+        /// The file.
+        path: String,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+}
+
+/// Everything that a page shows.
+struct Run {
+    summary: Summary,
+    figures: Vec<Figure>,
+    /// What is to be said of the trace, if it is missing or damaged.
+    trace_note: Option<String>,
+    program: Option<String>,
+}
+
+/// Draws `report.html` into a run folder and gives its path. A run without a trace, or with a damaged one, is drawn as
+/// far as it goes, and the page says so.
+///
+/// # Errors
+/// [`ReportError`] names the file.
+pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
+    let summary = Summary::read(&run_dir.join("summary.json"))?;
+    let (figures, trace_note) = draw(run_dir, &summary);
+    let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
+    let program = program.and_then(|path| std::fs::read_to_string(path).ok());
+    let page = page::html(&Run { summary, figures, trace_note, program });
+    let path = run_dir.join("report.html");
+    match std::fs::write(&path, page) {
+        Ok(()) => Ok(path),
+        Err(reason) => Err(ReportError::Write { path: path.display().to_string(), reason }),
+    }
+}
+
+fn draw(run_dir: &Path, summary: &Summary) -> (Vec<Figure>, Option<String>) {
+    let Some(path) = trace::find(run_dir) else {
+        return (Vec::new(), Some("The run was made without a trace, so there is nothing to draw.".into()));
+    };
+    let mut curves = Curves::new(summary);
+    let read = trace::read(&path, |row| curves.add(summary, &row));
+    let note = read.err().map(|error| format!("The trace ends early, and so do the pictures: {error}."));
+    (figures::all(summary, &curves), note)
+}

@@ -1,0 +1,227 @@
+//! The page of a report. In: a [`Run`]. Out: HTML with everything in it.
+
+use maud::{Markup, html};
+use rig::observe::{Outcome, PassReport, ServoError, Summary};
+
+use super::Run;
+use super::cutting;
+use super::traces;
+use super::verdict::{self, um};
+use crate::page::{document, pictures};
+
+/// Lines of the program that are shown.
+const PROGRAM_LINES: usize = 400;
+
+/// The whole page.
+pub(super) fn html(run: &Run) -> String {
+    let summary = &run.summary;
+    let content = html! {
+        (head(summary))
+        @if let Some(note) = &run.trace_note { p.note { (note) } }
+        @if !summary.passes.is_empty() { (passes(summary)) }
+        @if cutting::cuts(summary) { (cutting::table(summary)) }
+        @if traces::any(summary) { (traces::table(summary)) }
+        @if !summary.moves.circles.is_empty() { (circles(summary)) }
+        (pictures(&run.figures))
+        (details(summary))
+        @if let Some(program) = &run.program { (listing(program)) }
+    };
+    document(&summary.program, &content, !run.figures.is_empty())
+}
+
+fn head(summary: &Summary) -> Markup {
+    let verdict = verdict::of(summary);
+    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    html! {
+        header {
+            p.product { "pitchlock · report of a run" }
+            h1 { (summary.program) }
+            div class={ "verdict " (verdict.grade.class()) } {
+                p.grade { (verdict.grade.label()) }
+                p { (verdict.sentences.join(" ")) }
+            }
+            dl.key {
+                div { dt { "Time on the machine" } dd { (format!("{:.2} s", summary.simulated_s)) } }
+                div { dt { "Timed moves" } dd { (summary.moves.count) } }
+                @if summary.moves.contour_max_um > 0.0 {
+                    div { dt { "Farthest from the path" } dd { (um(summary.moves.contour_max_um)) } }
+                }
+                @if traces::any(summary) {
+                    div { dt { "True tool or beam off its trace" } dd { (um(traces::worst_um(summary))) } }
+                }
+                @if !summary.passes.is_empty() {
+                    div { dt { "Thread passes" } dd { (summary.passes.len()) } }
+                    div { dt { "Farthest from the helix" } dd { (verdict::helix(summary)) } }
+                    div { dt { "Pass to pass" } dd { (um(summary.thread.phase_spread_um)) } }
+                    div { dt { "X in the thread, servo error" } dd { (um(worst(|pass| pass.x.thread_max_abs_um))) } }
+                    div { dt { "Z in the thread, servo error" } dd { (um(worst(|pass| pass.z.thread_max_abs_um))) } }
+                }
+            }
+        }
+    }
+}
+
+/// One column of the table of passes: heading, its explanation, and the cell.
+type Column = (&'static str, &'static str, fn(&PassReport) -> String);
+
+const COLUMNS: [Column; 13] = [
+    ("Pass", "(line)", |p| format!("{} ({})", p.pass, p.line)),
+    ("Start", "of a multi-start thread", |p| (p.start + 1).to_string()),
+    ("Lead", "mm/rev", |p| format!("{:.3}", p.lead_mm)),
+    ("Spindle", "programmed: true, 1/min", |p| {
+        format!("{:.0}: {:.0}…{:.0}", p.programmed_rpm, p.rpm_min, p.rpm_max)
+    }),
+    ("Override", "in the pass (most that is feasible), %", |p| {
+        let (low, high) = (p.override_min_pct, p.override_max_pct);
+        let range = if low == high { format!("{low:.0}") } else { format!("{low:.0}…{high:.0}") };
+        format!("{range} ({:.0})", p.max_feasible_override_pct)
+    }),
+    ("X run-in", "servo error: range, at its end, µm", |p| approach(&p.x)),
+    ("X thread", "servo error (after a turn), µm", |p| in_thread(&p.x)),
+    ("X slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.x_slide)),
+    ("Z run-in", "servo error: range, at its end, µm", |p| approach(&p.z)),
+    ("Z thread", "servo error (after a turn), µm", |p| in_thread(&p.z)),
+    ("Z slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.z_slide)),
+    ("Helix", "largest error; mean (phase), µm", |p| {
+        format!("{:.2}; {:+.2}", p.helix_max_abs_um, p.phase_um)
+    }),
+    ("Lead error", "µm/rev", |p| format!("{:+.3}", p.lead_error_um_per_rev)),
+];
+
+fn approach(error: &ServoError) -> String {
+    format!("{:+.2}…{:+.2}, {:+.2}", error.approach_min_um, error.approach_max_um, error.end_um)
+}
+
+fn in_thread(error: &ServoError) -> String {
+    format!("{:.2} ({:.2})", error.thread_max_abs_um, error.settled_max_abs_um)
+}
+
+fn slide(error: &ServoError) -> String {
+    format!("{}; {:.2}", approach(error), error.thread_max_abs_um)
+}
+
+fn passes(summary: &Summary) -> Markup {
+    html! {
+        section {
+            h2 { "Passes" }
+            div.scroll tabindex="0" role="region" aria-label="Table of passes" {
+                table {
+                    thead { tr { @for (name, unit, _) in COLUMNS {
+                        th scope="col" { (name) small { (unit) } }
+                    } } }
+                    tbody { @for pass in &summary.passes {
+                        tr class=[(!pass.complete).then_some("broken")] { @for (_, _, cell) in COLUMNS {
+                            td { (cell(pass)) }
+                        } }
+                    } }
+                }
+            }
+            p.caption {
+                "Helix: true Z of the nut minus the programmed helix at the true spindle angle. Phase is its mean: "
+                "passes of one start must agree in it, or they cut different grooves. Servo error: commanded minus "
+                "measured. Slide: commanded minus true position of the slide, behind backlash, screw and elasticity. "
+                "A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
+            }
+        }
+    }
+}
+
+fn circles(summary: &Summary) -> Markup {
+    html! {
+        section {
+            h2 { "Circles" }
+            div.scroll tabindex="0" role="region" aria-label="Table of circles" {
+                table {
+                    thead { tr {
+                        th scope="col" { "Line" }
+                        th scope="col" { "Radius" small { "mm" } }
+                        th scope="col" { "Feed" small { "mm/min" } }
+                        th scope="col" { "Around" small { "degrees" } }
+                        th scope="col" { "Deviation" small { "largest; mean, µm" } }
+                        th scope="col" { "Quadrants" small { "glitch at 0, 90, 180, 270°, µm" } }
+                    } }
+                    tbody { @for circle in &summary.moves.circles { tr {
+                        td { (circle.line) }
+                        td { (format!("{:.3}", circle.radius_mm)) }
+                        td { (format!("{:.0}", circle.feed_mm_min)) }
+                        td { (format!("{:.0}", circle.swept_deg)) }
+                        td { (format!("{:.2}; {:+.2}", circle.round_max_um, circle.mean_um)) }
+                        td { (circle.quadrants_um.map(|glitch| format!("{glitch:+.2}")).join(", ")) }
+                    } } }
+                }
+            }
+            p.caption {
+                "Deviation: distance of the true position (at the motors) from the centre, minus the radius. A glitch is \
+                 the deviation farthest from the mean near the quadrant, less the mean."
+            }
+        }
+    }
+}
+
+fn details(summary: &Summary) -> Markup {
+    let outcome = match summary.outcome {
+        Outcome::Completed => "completed",
+        Outcome::Faulted => "faulted",
+        Outcome::Stopped => "stopped",
+    };
+    html! {
+        section.details {
+            h2 { "The run" }
+            dl.facts {
+                dt { "Outcome" } dd { (outcome) }
+                dt { "Clock" } dd { (summary.clock) }
+                dt { "Control cycles" } dd { (summary.cycles) " of " (format!("{:.3} ms", 1e3 * summary.cycle_s)) }
+                @if summary.wall_s > 0.0 { dt { "Took" } dd { (format!("{:.1} s", summary.wall_s)) } }
+                dt { "Trace hash" } dd { code { (summary.trace_hash) } }
+            }
+            @if !summary.faults.is_empty() {
+                h3 { "Faults" }
+                ol.faults { @for fault in &summary.faults {
+                    li {
+                        (format!("{:.4} s, ", fault.cycle as f64 * summary.cycle_s)) (fault.source) ": "
+                        b { (fault.code) } " — " (fault.text)
+                    }
+                } }
+            }
+            @if !summary.passes.is_empty() { (economy(summary)) }
+            @if !summary.channels.is_empty() { (channels(summary)) }
+        }
+    }
+}
+
+fn economy(summary: &Summary) -> Markup {
+    let bytes: u64 = summary.passes.iter().map(|pass| pass.packet_bytes).sum();
+    let saved: u64 = summary.passes.iter().map(|pass| pass.setpoints_saved).sum();
+    html! {
+        p { (format!("{bytes} bytes told the axes of all passes; a stream would have taken {saved} setpoints.")) }
+    }
+}
+
+fn channels(summary: &Summary) -> Markup {
+    html! {
+        h3 { "Channels between the processes" }
+        div.scroll tabindex="0" role="region" aria-label="Table of channels" {
+            table.plain {
+                thead { tr {
+                    th scope="col" { "Channel" } th scope="col" { "Sent" } th scope="col" { "Received" }
+                    th scope="col" { "Lost" } th scope="col" { "Bytes" }
+                } }
+                tbody { @for channel in &summary.channels { tr {
+                    td { (channel.name) } td { (channel.sent) } td { (channel.received) }
+                    td { (channel.lost) } td { (channel.bytes) }
+                } } }
+            }
+        }
+    }
+}
+
+fn listing(program: &str) -> Markup {
+    let lines = program.lines().count();
+    html! {
+        section {
+            h2 { "The program" }
+            ol.program { @for line in program.lines().take(PROGRAM_LINES) { li { code { (line) } } } }
+            @if lines > PROGRAM_LINES { p.caption { "… and " (lines - PROGRAM_LINES) " more lines." } }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What straight lines were made from, as comments. In: items, the machine they are for, the name of their program. Out:
+//! lines that begin with `; `.
+
+use machine::{Kinematics, Machine};
+use protocol::{Code, FORMULAS, Item, Shape, Work};
+use shape::{Formula, Op};
+
+/// Most lines that say what was traced.
+const MOST: usize = 40;
+
+/// What stands above the lines of `items`: what they were made from, for which machine, and what they change there.
+/// `program` is the name of the program, without its folder.
+pub(crate) fn header(items: &[Item], machine: &Machine, program: &str) -> Vec<String> {
+    let mut formulas = [Formula::default(); FORMULAS];
+    let mut traced: Vec<String> = Vec::new();
+    for item in items {
+        match &item.code {
+            Code::Formula { slot, formula } => {
+                if let Some(place) = formulas.get_mut(usize::from(*slot)) {
+                    *place = *formula;
+                }
+            }
+            Code::Work(trace) => {
+                let text = work(trace, &formulas);
+                // The segments of a seam say the same.
+                if !traced.contains(&text) {
+                    traced.push(text);
+                }
+            }
+            _ => {}
+        }
+    }
+    if traced.len() > MOST {
+        let more = traced.len() - MOST;
+        traced.truncate(MOST);
+        traced.push(format!("and {more} more"));
+    }
+    let made = format!("straight lines of {program}, made by pitchlock compile --g1");
+    let on = format!("for machine {}; from where its axes rest at home", machine.general.name);
+    let zero =
+        "overwrites the zero of G54: the line with G10 L2 P1; take it away where G54 is set".to_owned();
+    let timed = "each line along a seam has the time it takes (G93)";
+    let seam = machine.general.kinematics == Kinematics::Positioner && !traced.is_empty();
+    let timed = seam.then(|| timed.to_owned());
+    let lines = [made, on].into_iter().chain(traced).chain([zero]).chain(timed);
+    lines.flat_map(|line| comments(&line)).collect()
+}
+
+/// A trace in words and figures.
+fn work(trace: &Work, formulas: &[Formula; FORMULAS]) -> String {
+    let text = |[first, second, third, ..]: &[Formula; FORMULAS], variables| {
+        [first, second, third].map(|formula| infix(formula, variables))
+    };
+    let [first, ..] = text(formulas, ["x", "y"]);
+    let what = match &trace.shape {
+        Shape::Surface(surface) => {
+            let tool = surface.tool;
+            let end = match tool.corner_mm {
+                corner if corner == tool.radius_mm => "ball".to_owned(),
+                0.0 => "flat".to_owned(),
+                corner => format!("bull with corners of {corner} mm"),
+            };
+            format!("surface z = {first}, tool {end} of {} mm", 2.0 * tool.radius_mm)
+        }
+        Shape::Contour(contour, [master, follower]) => {
+            format!("contour {follower} = {first} of {master}, tool radius {} mm", contour.radius_mm)
+        }
+        Shape::Seam(seam) => match seam.curve {
+            shape::SeamCurve::Formulas => {
+                let [x, y, z] = text(formulas, ["t", "t"]);
+                format!("seam x = {x}, y = {y}, z = {z}")
+            }
+            shape::SeamCurve::Polynomials(_) => "seam through points".to_owned(),
+            shape::SeamCurve::Meeting(_) => "seam where two surfaces meet".to_owned(),
+        },
+    };
+    format!("{what}, chord error {} mm, {} mm/min", trace.chord_mm, trace.feed_mm_min)
+}
+
+/// A text as comments; a long one goes on in the next line.
+fn comments(text: &str) -> Vec<String> {
+    // Controls read lines of 255 characters; a line break in a name would end the comment.
+    const LONGEST: usize = 160;
+    let text: Vec<char> = text.replace(char::is_control, " ").chars().collect();
+    text.chunks(LONGEST).map(|part| format!("; {}", part.iter().collect::<String>())).collect()
+}
+
+/// How firmly an expression holds together: sums least.
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const SIGN: u8 = 3;
+const POWER: u8 = 4;
+const WHOLE: u8 = 5;
+
+/// A formula as people write it.
+fn infix(formula: &Formula, variables: [&str; 2]) -> String {
+    let mut stack: Vec<(String, u8)> = Vec::new();
+    for op in formula.ops() {
+        // No formula takes more than there is.
+        let mut take = |least: u8| {
+            let (text, holds) = stack.pop().unwrap_or_default();
+            if holds < least { format!("({text})") } else { text }
+        };
+        let made = match op {
+            Op::Constant(value) => (value.to_string(), if value < 0.0 { SIGN } else { WHOLE }),
+            Op::Variable(number) => {
+                (variables.get(usize::from(number)).copied().unwrap_or_default().to_owned(), WHOLE)
+            }
+            Op::Add => joined(take(SUM), " + ", take(SUM), SUM),
+            Op::Sub => joined(take(PRODUCT), " - ", take(SUM), SUM),
+            Op::Mul => joined(take(PRODUCT), "*", take(PRODUCT), PRODUCT),
+            Op::Div => joined(take(SIGN), "/", take(PRODUCT), PRODUCT),
+            Op::Neg => (format!("-{}", take(POWER)), SIGN),
+            Op::Powi(exponent @ ..0) => (format!("{}^({exponent})", take(WHOLE)), POWER),
+            Op::Powi(exponent) => (format!("{}^{exponent}", take(WHOLE)), POWER),
+            Op::Apply(function) => {
+                (format!("{}({})", format!("{function:?}").to_lowercase(), take(SUM)), WHOLE)
+            }
+        };
+        stack.push(made);
+    }
+    stack.pop().unwrap_or_default().0
+}
+
+/// Two expressions around a sign; the second one was taken first.
+fn joined(second: String, sign: &str, first: String, holds: u8) -> (String, u8) {
+    (first + sign + &second, holds)
+}

@@ -1,0 +1,114 @@
+//! `pitchlock compile`: a program becomes machine code in a file; and, on request, straight lines of G-code, which it is
+//! measured against.
+
+mod g1;
+
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use clap::Args;
+use machine::Machine;
+use protocol::{Code, Item, Shape, code_file::CodeFile};
+
+use crate::{args::ProgramArgs, error::CliError, program::Program, screen};
+use g1::{NoLines, Size};
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CompileArgs {
+    #[command(flatten)]
+    pub(crate) input: ProgramArgs,
+    /// The machine-code file.
+    #[arg(short, long, value_name = "OUT.mc")]
+    pub(crate) out: PathBuf,
+    /// Also write the same as straight lines: G-code of RS274/NGC within the chord error of each job.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) g1: Option<PathBuf>,
+}
+
+/// Writes machine code to a file; and says how large it is against straight lines of the same accuracy, where it follows
+/// formulas, or the lines themselves are asked for.
+pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
+    if !CodeFile::is_named(&args.out) {
+        return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
+    }
+    let (machine, _) = args.input.machine.read()?;
+    let program = Program::read(&args.input.program, &args.input.language.language(), &machine)?;
+    eprint!("{}", program.messages);
+    // Without its folder, so that a program has the same machine code everywhere.
+    let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
+    let items: Vec<Item> =
+        program.items(&args.input.program, &args.input.language.language(), &machine)?.collect();
+    let file = CodeFile::new(&name, &machine.identity(), items);
+    let mut bytes = Vec::new();
+    file.write(&mut bytes)
+        .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
+        .map_err(|error| CliError::file(&args.out, error))?;
+    screen::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
+    let lines = match &args.g1 {
+        Some(path) => Some(write_lines(path, args, &file.items, &machine)?),
+        // Without lines there is nothing to compare.
+        None if traces(&file.items, |_| true) => g1::write(&file.items, &machine, &mut |_| {}).ok(),
+        None => None,
+    };
+    if let Some(lines) = lines {
+        screen::print(&compared(bytes.len() as u64, lines));
+    }
+    if args.g1.is_some() && traces(&file.items, |work| matches!(work, Shape::Seam(_))) {
+        screen::print(
+            "the lines of a seam are for size and for other controls: this machine is slower along them\n",
+        );
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Whether there is a trace of such work.
+fn traces(items: &[Item], is: impl Fn(&Shape) -> bool) -> bool {
+    items.iter().any(|item| matches!(&item.code, Code::Work(trace) if is(&trace.shape)))
+}
+
+/// Writes the same as straight lines to a file.
+fn write_lines(path: &Path, args: &CompileArgs, items: &[Item], machine: &Machine) -> Result<Size, CliError> {
+    let (program, code) = (&args.input.program, args.out.display());
+    let no_lines = |error: NoLines| {
+        let remedy = format!("leave --g1 out; {code} is written and says all of it");
+        CliError::file(program, format!("{error}: {remedy}"))
+    };
+    // What cannot be said leaves no file behind.
+    g1::write(items, machine, &mut |_| {}).map_err(no_lines)?;
+    let mut file = BufWriter::new(File::create(path).map_err(|error| CliError::file(path, error))?);
+    let mut wrote = Ok(());
+    let mut put = |line: &str| {
+        if wrote.is_ok() {
+            wrote = writeln!(file, "{line}");
+        }
+    };
+    let name = program.file_name().unwrap_or_default().to_string_lossy();
+    g1::header(items, machine, &name).iter().for_each(|line| put(line));
+    let size = g1::write(items, machine, &mut put).map_err(no_lines)?;
+    wrote.and_then(|()| file.flush()).map_err(|error| CliError::file(path, error))?;
+    Ok(size)
+}
+
+/// How large machine code is against straight lines.
+fn compared(bytes: u64, lines: Size) -> String {
+    let times = lines.bytes as f64 / bytes.max(1) as f64;
+    format!(
+        "machine code {} bytes; the G1 program of the same accuracy {} bytes in {} blocks: {} times as many\n",
+        grouped(bytes),
+        grouped(lines.bytes),
+        grouped(lines.blocks),
+        if times < 10.0 { format!("{times:.1}") } else { grouped(times as u64) }
+    )
+}
+
+/// A number with its thousands apart.
+fn grouped(number: u64) -> String {
+    match number / 1000 {
+        0 => number.to_string(),
+        thousands => format!("{} {:03}", grouped(thousands), number % 1000),
+    }
+}

@@ -1,0 +1,68 @@
+//! The arguments of `pitchlock run`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use process::shell::{Clock, LanguageArgs};
+
+use crate::args::MachineArgs;
+
+pub(crate) const HELP: &str = "Examples:
+  pitchlock run examples/m20x2.ngc
+  pitchlock run part.ngc --machine my-lathe.toml --scenario examples/scenarios/override-in-pass.toml
+  pitchlock run runs/m20x2-1          the same run again, from its folder
+
+The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
+browser, no network), and the program, machine file and scenario that were used.
+
+M0, M1 and M60 wait for cycle start. An event of the scenario presses it; where none is left that could, it is pressed
+after 1 s on the machine, and the summary names the pause.
+
+Exit status: 0 done and good, 1 the run ended in a fault, 2 the program, machine file, scenario or an argument is wrong.";
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RunArgs {
+    /// Part program (G-code), job (`.toml`), machine code (`.mc`), or a run folder to repeat.
+    #[arg(value_name = "FILE")]
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) language: LanguageArgs,
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+    /// How the processes wait for each other: in lock step as fast as possible, or in real time.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) clock: Clock,
+    /// The same machine in one process, without iceoryx2; same numbers.
+    #[arg(long)]
+    pub(crate) in_process: bool,
+    /// What happens to the machine while it runs (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Wait for cycle start after each block; if the scenario does not press it, it is pressed after 1 s on the machine.
+    #[arg(long)]
+    pub(crate) single_block: bool,
+    /// Seed of everything random about the plant [default: 1].
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Run folder [default: `runs/PROGRAM-N`].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Form of the trace.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) trace: Trace,
+    /// Print summary.json to standard output, and nothing else.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Form of the trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Trace {
+    /// MCAP: opens in Foxglove and PlotJuggler.
+    #[default]
+    Mcap,
+    /// Comma-separated values.
+    Csv,
+    /// No trace; the report shows the figures only.
+    None,
+}

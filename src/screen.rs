@@ -1,0 +1,35 @@
+//! What the user sees besides pages: results on standard output, log messages on standard error, colour where it is seen.
+
+use std::io::{IsTerminal, Write};
+
+use tracing::level_filters::LevelFilter;
+
+use crate::args::{LogArgs, LogFormat};
+
+/// Sends log messages to standard error.
+pub(crate) fn start_log(log: &LogArgs) {
+    let level = match (log.quiet, log.verbose) {
+        (true, _) => LevelFilter::ERROR,
+        (false, 0) => LevelFilter::WARN,
+        (false, 1) => LevelFilter::INFO,
+        (false, _) => LevelFilter::DEBUG,
+    };
+    let builder = tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_ansi(colour(&std::io::stderr()))
+        .with_writer(std::io::stderr);
+    match log.log_format {
+        LogFormat::Text => builder.without_time().init(),
+        LogFormat::Json => builder.json().init(),
+    }
+}
+
+/// Whether a stream shall be coloured: a terminal, and `NO_COLOR` not set.
+pub(crate) fn colour(stream: &impl IsTerminal) -> bool {
+    stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Prints results to standard output; a reader that has gone away is not an error.
+pub(crate) fn print(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
