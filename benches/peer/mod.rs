@@ -4,25 +4,7 @@
 
 use motion::{FeedBlock, Limits};
 use rsruckig::prelude::{InputParameter, Ruckig, ThrowErrorHandler, Trajectory};
-
-/// SplitMix64: numbers that look random and are the same for a seed.
-pub struct Draw(pub u64);
-
-impl Draw {
-    /// From 0 up to, not including, 1.
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Between two positive values, every order of magnitude alike.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low * libm::pow(high / low, self.share())
-    }
-}
+use testing::Seed;
 
 /// What a block is asked to do.
 #[derive(Clone, Copy, Debug)]
@@ -37,12 +19,12 @@ pub struct Asked {
 impl Asked {
     /// A move from rest to rest, or with feeds at its start and end, of any length and with the limits of machines of
     /// any size. `dj` is the limit of the jerk rate, of which the peer knows none.
-    pub fn draw(draw: &mut Draw, at_rest: bool, dj: f64) -> Asked {
-        let f = draw.between(0.02, 2.0);
-        let mut feed = || if at_rest { 0.0 } else { f * draw.share() };
+    pub fn draw(draw: &mut Seed, at_rest: bool, dj: f64) -> Asked {
+        let f = draw.scale(0.02, 2.0);
+        let mut feed = || if at_rest { 0.0 } else { f * draw.unit() };
         let (f0, f_end) = (feed(), feed());
-        let limits = Limits { v: f, a: draw.between(0.2, 20.0), j: draw.between(2.0, 500.0), dj };
-        Asked { length: draw.between(1e-4, 1.0), f0, f, f_end, limits }
+        let limits = Limits { v: f, a: draw.scale(0.2, 20.0), j: draw.scale(2.0, 500.0), dj };
+        Asked { length: draw.scale(1e-4, 1.0), f0, f, f_end, limits }
     }
 
     /// Our plan; `None` if the block is too short to join its feeds.
@@ -64,7 +46,7 @@ impl Asked {
 
 /// So many blocks that can be planned.
 pub fn blocks(seed: u64, count: usize, at_rest: bool, dj: f64) -> Vec<Asked> {
-    let mut draw = Draw(seed);
+    let mut draw = Seed::new(seed);
     let drawn = std::iter::repeat_with(|| Asked::draw(&mut draw, at_rest, dj));
     drawn.filter(|asked| asked.plan().is_some()).take(count).collect()
 }

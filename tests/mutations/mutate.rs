@@ -1,5 +1,7 @@
 //! Mutations of known inputs. In: a corpus, a number. Out: bytes, the same ones for the same number every time.
 
+use testing::Seed;
+
 /// Words and signs of both dialects that are worth putting anywhere.
 const DICTIONARY: &[&str] = &[
     "G0",
@@ -192,40 +194,16 @@ const NUMBERS: &[&str] = &[
 /// Longest mutation, bytes.
 const LONGEST: usize = 6000;
 
-/// A stream of numbers (SplitMix64: Steele, Lea, Flood 2014).
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(number: u64) -> Random {
-        Random(number)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// 0 to `end` − 1; 0 if there is none.
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
-    fn range(&mut self, length: usize) -> std::ops::Range<usize> {
-        let start = self.below(length + 1);
-        let long = if self.below(8) == 0 { length } else { 24 };
-        start..(start + self.below(long)).min(length)
-    }
-
-    fn of<'a, T: ?Sized>(&mut self, list: &[&'a T]) -> &'a T {
-        list[self.below(list.len())]
-    }
+/// A range within so many bytes: in most cases a short one.
+fn range(random: &mut Seed, length: usize) -> std::ops::Range<usize> {
+    let start = random.below(length + 1);
+    let long = if random.below(8) == 0 { length } else { 24 };
+    start..(start + random.below(long)).min(length)
 }
 
 /// The mutation of a number.
 pub(crate) fn mutation(corpus: &[Vec<u8>], number: u64) -> Vec<u8> {
-    let mut random = Random::new(number.wrapping_mul(0xD134_2543_DE82_EF95));
+    let mut random = Seed::new(number.wrapping_mul(0xD134_2543_DE82_EF95));
     let mut bytes = corpus[random.below(corpus.len())].clone();
     for _ in 0..=random.below(6) {
         change(&mut bytes, corpus, &mut random);
@@ -235,19 +213,19 @@ pub(crate) fn mutation(corpus: &[Vec<u8>], number: u64) -> Vec<u8> {
 }
 
 /// One change: bits, bytes, ranges, lines, words, numbers, pieces of others.
-fn change(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], random: &mut Random) {
+fn change(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], random: &mut Seed) {
     let at = random.below(bytes.len());
     match random.below(12) {
         0 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte ^= 1 << random.below(8)),
         1 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte = random.below(256) as u8),
-        2 => drop(bytes.drain(random.range(bytes.len()))),
+        2 => drop(bytes.drain(range(random, bytes.len()))),
         3 => {
-            let piece = bytes[random.range(bytes.len())].repeat(1 + random.below(4));
+            let piece = bytes[range(random, bytes.len())].repeat(1 + random.below(4));
             insert(bytes, at, &piece);
         }
         4 => {
             let other = &corpus[random.below(corpus.len())];
-            insert(bytes, at, &other[random.range(other.len())]);
+            insert(bytes, at, &other[range(random, other.len())]);
         }
         5 => insert(bytes, at, random.of(DICTIONARY).as_bytes()),
         6 => number(bytes, at, random),
@@ -277,7 +255,7 @@ fn insert(bytes: &mut Vec<u8>, at: usize, piece: &[u8]) {
 }
 
 /// Puts another number in place of the next one.
-fn number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
+fn number(bytes: &mut Vec<u8>, at: usize, random: &mut Seed) {
     let of_number = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
     let Some(start) = bytes.iter().skip(at).position(of_number).map(|start| start + at) else { return };
     let length = bytes[start..].iter().take_while(|byte| of_number(byte)).count();

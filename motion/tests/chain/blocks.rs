@@ -1,8 +1,8 @@
 //! Random blocks and changes of speed over wide limits: within them, never backwards, ends exact, nothing that is not a
 //! number. `PITCHLOCK_BLOCKS` says how many.
 
-use crate::seed::{Seed, count};
 use motion::{FeedBlock, Limits, Sample, SpeedChange};
+use testing::{Seed, count};
 
 /// Relative error that a limit may be exceeded by.
 const ACCURACY: f64 = 1e-6;
@@ -112,7 +112,7 @@ fn change(random: &mut Seed, block: &FeedBlock, limits: &Limits) {
 
 #[test]
 fn random_blocks_and_changes_keep_every_limit_and_reach_their_targets() {
-    let mut random = Seed::new(7);
+    let mut random = Seed::of_case(7);
     let (all, mut planned, mut refused) = (count("PITCHLOCK_BLOCKS", 100_000), 0, 0);
     while planned < all {
         let limits = limits(&mut random);

@@ -4,8 +4,8 @@
 //! products, the position is its integral (Gauss–Legendre, five points on each of many parts).
 
 use crate::programs::N;
-use crate::seed::Seed;
 use motion::Path;
+use testing::Seed;
 
 /// A value with two derivatives by s.
 type Jet = [f64; 3];

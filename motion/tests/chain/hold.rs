@@ -2,10 +2,10 @@
 
 use crate::programs::{N, program, through};
 use crate::rounded::{Rounded, distance};
-use crate::seed::Seed;
 use crate::stand::{AXES, CYCLE_S, Stand, ask};
 use motion::chain::{Ask, Corner, Feed};
 use motion::{Limits, Path, junction_distance};
+use testing::Seed;
 
 /// A stop takes no longer than this, in cycles: 1 s.
 const MOST_STOP: u64 = 500;
@@ -26,12 +26,12 @@ fn run(stand: &mut Stand, path: &Rounded, ask: &Ask, mut goes_on: impl FnMut(&St
 #[test]
 fn a_hundred_holds_leave_the_machine_on_its_path() {
     for number in 0..100 {
-        let mut random = Seed::new(1000 + number / 10);
+        let mut random = Seed::of_case(1000 + number / 10);
         let blocks = program(&mut random);
         let path = Rounded::new(&blocks);
         let mut free = Stand::new(&blocks);
         run(&mut free, &path, &ask(), |_| true);
-        let mut moments = Seed::new(2000 + number);
+        let mut moments = Seed::of_case(2000 + number);
         let moment = moments.next() % free.ticks();
 
         let mut held = Stand::new(&blocks);

@@ -3,10 +3,10 @@
 //! `PITCHLOCK_PROGRAM` runs the one of this number alone.
 
 use crate::programs::{Line, N, Place, end_of, program};
-use crate::seed::{Seed, count};
 use crate::stand::{AXES, CYCLE_S, Stand, ask};
 use motion::chain::{Ask, Block, Ratios};
 use motion::{Limits, Path};
+use testing::{Seed, count};
 
 /// Cycles for which things happen.
 const PLAYFUL: u64 = 100_000;
@@ -56,7 +56,7 @@ fn machine(random: &mut Seed) -> ([Limits; N], f64) {
 }
 
 fn run(number: u64) {
-    let mut random = Seed::new(number);
+    let mut random = Seed::of_case(number);
     let blocks = program(&mut random);
     let (axes, cycle_s) = if random.chance(0.5) { (AXES, CYCLE_S) } else { machine(&mut random) };
     let mut stand = Stand::of(&blocks, axes, cycle_s);
@@ -92,7 +92,7 @@ fn random_programs_keep_every_limit_and_reach_their_end() {
 #[test]
 fn a_sender_of_one_block_a_cycle_is_fast_enough_for_blocks_of_a_cycle() {
     for number in 0..count("PITCHLOCK_PROGRAMS", 300) / 10 {
-        let blocks = program(&mut Seed::new(number));
+        let blocks = program(&mut Seed::of_case(number));
         let mut stand = Stand::new(&blocks);
         stand.pace = 1;
         stand.run(&ask());
@@ -105,7 +105,7 @@ fn a_sender_of_one_block_a_cycle_is_fast_enough_for_blocks_of_a_cycle() {
 #[test]
 fn a_rotary_axis_keeps_its_limits_too() {
     for number in 0..count("PITCHLOCK_PROGRAMS", 300) / 10 {
-        let mut random = Seed::new(30_000 + number);
+        let mut random = Seed::of_case(30_000 + number);
         let mut at = [0.0; N];
         let blocks: Vec<Line> = program(&mut random)
             .into_iter()

@@ -8,7 +8,6 @@ mod pieces;
 mod programs;
 mod replan;
 mod rounded;
-mod seed;
 mod stand;
 mod times;
 mod tolerance;

@@ -3,10 +3,10 @@
 use crate::curve::Curve;
 use crate::programs::{CHORD_MM, Line, N, Place, end_of};
 use crate::rounded::{Rounded, distance};
-use crate::seed::Seed;
 use crate::stand::{CYCLE_S, Stand, ask};
 use motion::Path;
 use motion::chain::{Ask, Block, Corner, Feed, Ratios};
+use testing::Seed;
 
 /// Path mode of a machine that keeps to its path.
 const EXACT: Corner = Corner::Exact(5e-4);
@@ -60,7 +60,7 @@ fn a_circle_in_pieces_takes_the_time_of_the_arc() {
 fn short_pieces_are_hardly_faster() {
     for seed in 0..4 {
         for (radius, feed) in [(2.0, 30.0), (2.0, 1000.0), (10.0, 100.0), (10.0, 1000.0), (40.0, 1000.0)] {
-            let curve = Curve::random(&mut Seed::new(seed), 0.0, radius);
+            let curve = Curve::random(&mut Seed::of_case(seed), 0.0, radius);
             let [long, short] = [0.4, 0.04]
                 .map(|share| time(&chained(&pieces(&curve, 60.0 * radius, share * radius), feed, EXACT)));
             assert!(
@@ -75,7 +75,7 @@ fn short_pieces_are_hardly_faster() {
 #[test]
 fn the_feed_is_constant_over_joints() {
     const FEED: f64 = 30.0;
-    let curve = Curve::random(&mut Seed::new(7), 0.0, 15.0);
+    let curve = Curve::random(&mut Seed::of_case(7), 0.0, 15.0);
     let blocks = chained(&pieces(&curve, 600.0, 4.0), FEED, EXACT);
     let mut stand = Stand::new(&blocks);
     let (mut steady, mut reached) = (0, false);
@@ -118,7 +118,7 @@ fn speed_at_end(blocks: &[Line], number: usize) -> f64 {
 /// A line runs into a curve: a jump of curvature is made smooth, a corner is stopped at or rounded as the mode says.
 #[test]
 fn corners_between_pieces_and_lines() {
-    let curve = Curve::random(&mut Seed::new(3), 0.0, 12.0);
+    let curve = Curve::random(&mut Seed::of_case(3), 0.0, 12.0);
     let parts = pieces(&curve, 24.0, 3.0);
     let [forward, ..] = curve.direction(0.0);
     let [last, ..] = curve.direction(24.0);

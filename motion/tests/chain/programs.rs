@@ -2,9 +2,9 @@
 //! kind, every path mode, little room beside the path.
 
 use crate::curve::Curve;
-use crate::seed::Seed;
 use motion::Path;
 use motion::chain::{Block, Corner, Feed};
+use testing::Seed;
 
 pub(crate) const N: usize = 3;
 pub(crate) const CHORD_MM: f64 = 1e-3;

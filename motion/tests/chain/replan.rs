@@ -5,9 +5,9 @@
 
 use crate::programs::{Line, program};
 use crate::rounded::Rounded;
-use crate::seed::{Seed, count};
 use crate::stand::{Stand, ask};
 use motion::chain::{Ask, Feed};
+use testing::{Seed, count};
 
 /// Asks for another value of a ratio that nothing goes by; false if every one is in use.
 fn turn_idle_knob(blocks: &[Line], ask: &mut Ask, random: &mut Seed) -> bool {
@@ -47,7 +47,7 @@ fn replanning_from_any_step_agrees() {
     let mut compared = 0;
     let programs = count("PITCHLOCK_PROGRAMS", 300) / 10;
     for number in 0..programs {
-        let mut random = Seed::new(5000 + number);
+        let mut random = Seed::of_case(5000 + number);
         let blocks = program(&mut random);
         if !turn_idle_knob(&blocks, &mut ask(), &mut random) {
             continue;

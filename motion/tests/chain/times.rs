@@ -10,10 +10,10 @@
 //! ```
 
 use crate::programs::{N, through};
-use crate::seed::Seed;
 use crate::stand::{AXES, CYCLE_S, Stand, ask};
 use motion::chain::{Ask, Corner, Feed, Ratios};
 use motion::{Binding, FeedBlock, Limits, Path, Ramp};
+use testing::Seed;
 
 /// Duration of the fastest move over `way` mm with rectangular jerk, s.
 fn rectangular(way: f64, limits: &Limits) -> f64 {
@@ -28,7 +28,7 @@ fn rectangular(way: f64, limits: &Limits) -> f64 {
 
 #[test]
 fn m27_moves_take_the_time_of_the_fastest_at_half_the_jerk() {
-    let mut random = Seed::new(27);
+    let mut random = Seed::of_case(27);
     let mut compared = [0; 3];
     for _ in 0..200_000 {
         let limits = Limits {

@@ -2,9 +2,9 @@
 
 use crate::programs::{Line, N, program};
 use crate::rounded::nearest;
-use crate::seed::{Seed, count};
 use crate::stand::{Seen, Stand, ask};
 use motion::chain::{Ask, Corner, Ratios};
+use testing::{Seed, count};
 
 /// Positions are rounded to a count far above this, mm.
 const ROUNDING: f64 = 1e-9;
@@ -57,7 +57,7 @@ fn in_its_room(blocks: &[Line], seen: &Seen) -> bool {
 fn the_path_stays_within_its_tolerance() {
     let (mut samples, mut rounded, mut widest) = (0_u64, 0_u64, 0.0_f64);
     for number in 0..count("PITCHLOCK_PROGRAMS", 300) / 10 {
-        let blocks = program(&mut Seed::new(9000 + number));
+        let blocks = program(&mut Seed::of_case(9000 + number));
         let mut stand = Stand::new(&blocks);
         // At a fifth of the feed the samples lie denser.
         let slow = Ask { ratios: Ratios { rapid: 0.2, feed: 0.2, turns: 2.0 }, ..ask() };

@@ -1,0 +1,7 @@
+//! Laws, paths and the observer against their equations, random cases and reference values.
+
+mod observer;
+mod pass;
+mod properties;
+mod reference;
+mod run_in;

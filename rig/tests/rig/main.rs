@@ -1,0 +1,12 @@
+//! The machine in one process: what it cuts, how its operator is obeyed, how it takes disturbed wires.
+
+mod contour;
+mod corrections;
+mod held;
+mod machine_code;
+mod operator;
+mod poles;
+mod rotary;
+mod traces;
+mod trial;
+mod wires;

@@ -1,0 +1,10 @@
+//! Formulas, surfaces, seams and the positioner against closed forms, random cases and reference values.
+
+mod number;
+mod offset;
+mod poles;
+mod positioner;
+mod reference;
+mod seam;
+mod shaping;
+mod span;

@@ -1,0 +1,9 @@
+//! The plant against the physics it claims: drives, spindle, cut, scenarios.
+
+mod belief;
+mod cutting;
+mod drives;
+mod examples;
+mod scenarios;
+mod spindle;
+mod stand;

@@ -1,0 +1,121 @@
+//! The spindle and its encoder, seen from outside.
+
+use machine::Machine;
+use protocol::Truth;
+use crate::stand::Stand;
+
+fn turning(rpm: f64) -> Stand {
+    let mut stand = Stand::lathe();
+    stand.spindle.rpm = rpm;
+    stand
+}
+
+#[test]
+fn the_speed_follows_the_ramp_of_the_drive() {
+    for rpm in [600.0, -600.0] {
+        let mut stand = turning(rpm);
+        let half_way = stand.run(750).truth().spindle_rpm;
+        assert!((half_way - rpm / 2.0).abs() < 20.0, "{half_way} rpm after 0.375 s");
+        let overshoot = (0..4000).map(|_| stand.tick().spindle_rpm.abs()).fold(0.0, f64::max);
+        assert!(overshoot < 615.0, "{overshoot} rpm");
+        assert!((stand.truth().spindle_rpm - rpm).abs() < 1.5);
+    }
+}
+
+#[test]
+fn it_stops_and_stands() {
+    let mut stand = turning(300.0);
+    stand.run(2000);
+    stand.spindle.rpm = 0.0;
+    stand.run(4000);
+    let deg = stand.truth().spindle_deg;
+    assert_eq!(stand.truth().spindle_rpm, 0.0);
+    assert_eq!(stand.run(1000).truth().spindle_deg, deg);
+    stand.spindle.rpm = f64::NAN;
+    assert_eq!(stand.run(1000).truth().spindle_deg, deg);
+}
+
+#[test]
+fn every_turn_has_one_index_at_a_whole_number_of_turns() {
+    let counts = 10_000;
+    for rpm in [613.0, -613.0, 3000.0, -31.0] {
+        let mut stand = turning(rpm);
+        let mut before: Truth = *stand.truth();
+        let start_deg = before.spindle_deg;
+        for _ in 0..20_000 {
+            let now = *stand.tick();
+            let (m, b) = (now.measurement, before.measurement);
+            let passed = (now.spindle_deg / 360.0).floor() != (before.spindle_deg / 360.0).floor();
+            assert_eq!(m.index_number, b.index_number + u64::from(passed));
+            if passed {
+                assert_eq!(m.index_cycle, now.cycle);
+                let span = [b.spindle_count, m.spindle_count];
+                let (low, high) = (span[0].min(span[1]), span[0].max(span[1]));
+                assert!((low..=high).contains(&m.index_count), "{} in {low}..{high}", m.index_count);
+                if b.index_number > 0 {
+                    assert_eq!((m.index_count - b.index_count).abs(), counts);
+                }
+            } else {
+                assert_eq!((m.index_count, m.index_cycle), (b.index_count, b.index_cycle));
+            }
+            before = now;
+        }
+        let turns = (before.spindle_deg / 360.0).floor() - (start_deg / 360.0).floor();
+        assert_eq!(before.measurement.index_number as f64, turns.abs());
+    }
+}
+
+#[test]
+fn an_index_is_seen_again_on_the_way_back() {
+    let mut stand = turning(60.0);
+    stand.run(4000);
+    let forth = stand.truth().measurement;
+    stand.spindle.rpm = -60.0;
+    while stand.tick().measurement.index_number == forth.index_number {}
+    let back = stand.truth().measurement;
+    // The index met first on the way back is the last one of the way forth, or the one the ramp still passed.
+    assert!((back.index_count - forth.index_count).abs() <= 10_000);
+    assert_eq!((back.index_count - forth.index_count) % 10_000, 0);
+}
+
+#[test]
+fn counts_are_the_true_angle_in_quanta() {
+    let mut stand = turning(417.0);
+    let first = *stand.truth();
+    assert_eq!(first.measurement.spindle_count, 0);
+    for _ in 0..4000 {
+        let now = *stand.tick();
+        let counts = (now.spindle_deg - first.spindle_deg) / 360.0 * 10_000.0;
+        let gap = now.measurement.spindle_count as f64 - counts;
+        assert!((-1.0..1.0).contains(&gap), "{gap} counts");
+    }
+}
+
+#[test]
+fn ripple_has_its_size_and_its_order() {
+    let mut stand = turning(600.0);
+    stand.run(8000);
+    // One turn at 600 rpm: 200 cycles.
+    let speeds: Vec<f64> = (0..200).map(|_| stand.tick().spindle_rpm).collect();
+    let share = |order: f64| {
+        let (mut c, mut s) = (0.0, 0.0);
+        for (i, rpm) in speeds.iter().enumerate() {
+            let (sin, cos) = libm::sincos(core::f64::consts::TAU * order * i as f64 / 200.0);
+            (c, s) = (c + rpm * cos / 100.0, s + rpm * sin / 100.0);
+        }
+        (c * c + s * s).sqrt() / 600.0
+    };
+    assert!((share(2.0) - 0.002).abs() < 1e-4, "{}", share(2.0));
+    assert!(share(1.0) < 2e-4 && share(3.0) < 2e-4, "{} {}", share(1.0), share(3.0));
+}
+
+#[test]
+fn an_even_spindle_has_none() {
+    let plant = "[spindle]\nripple_pct = 0".parse().unwrap();
+    let machine = Machine { plant, ..Machine::default() };
+    let mut stand = Stand::new(&machine, sim_plant::Scenario::none(), 1);
+    stand.spindle.rpm = 600.0;
+    stand.run(8000);
+    let spread = (0..200).map(|_| (stand.tick().spindle_rpm - 600.0).abs()).fold(0.0, f64::max);
+    assert!(spread < 0.01, "{spread} rpm");
+}

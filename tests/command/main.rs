@@ -1,0 +1,16 @@
+//! The command as its user sees it: arguments, refusals, exit status, pages, run folders; its processes and their deaths.
+
+#[path = "../shop/mod.rs"]
+mod shop;
+
+mod canon;
+mod command_line;
+mod deaths;
+mod determinism;
+mod experiments;
+mod jobs;
+mod memory;
+mod processes;
+mod resolution;
+mod straight_lines;
+mod tune;

@@ -1,0 +1,70 @@
+//! Ten thousand short moves: no process of the control takes more and more memory.
+
+use std::{collections::BTreeMap, fmt::Write as _, fs};
+
+use crate::shop::{Answer, Place, children, until, wait_s};
+use rig::observe::{Outcome, Summary};
+
+const MOVES: usize = 10_000;
+const ALLOWED_KIB: u64 = 64;
+
+/// There and back again by a hundredth of a millimetre.
+fn short_moves() -> String {
+    let mut program = String::from("G18 G21 G90 G94 G8\nG0 X50 Z90\n");
+    for n in 0..MOVES {
+        let _ = writeln!(program, "G1 X{} F3000", if n % 2 == 0 { 50.01 } else { 50.0 });
+    }
+    program.push_str("M2\n");
+    program
+}
+
+/// Memory of one process, KiB.
+#[derive(Clone, Copy, Debug)]
+struct Memory {
+    /// Everything that is mapped: code, heap, stack, channels.
+    mapped_kib: u64,
+    /// What of it is its own and in use. Pages of a channel are not: they are mapped at the start, and first touched
+    /// whenever a queue is fuller than ever before.
+    own_kib: u64,
+}
+
+impl Memory {
+    /// Counted page by page; `VmRSS` is only brought up to date now and then.
+    fn of(pid: u32) -> Option<Memory> {
+        let entry = |file: &str, key: &str| {
+            let text = fs::read_to_string(format!("/proc/{pid}/{file}")).ok()?;
+            let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+            line.trim().trim_end_matches("kB").trim().parse().ok()
+        };
+        let (mapped_kib, own_kib) = (entry("status", "VmSize:")?, entry("smaps_rollup", "Anonymous:")?);
+        (own_kib > 0).then_some(Memory { mapped_kib, own_kib })
+    }
+}
+
+#[test]
+fn ten_thousand_moves_take_no_more_memory_than_the_first_quarter() {
+    let place = Place::new();
+    let program = place.write("short.ngc", short_moves());
+    let mut launcher = place.start(&program);
+    until("the machine runs", || place.at("run/trace.mcap").exists());
+    let mut samples: BTreeMap<String, Vec<Memory>> = BTreeMap::new();
+    while launcher.try_wait().expect("it was started here").is_none() {
+        for (name, pid) in children(&launcher) {
+            if let Some(memory) = Memory::of(pid) {
+                samples.entry(name).or_default().push(memory);
+            }
+        }
+        wait_s(0.1);
+    }
+    let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
+    assert_eq!(summary.outcome, Outcome::Completed);
+    assert_eq!(summary.moves.count, MOVES as u64 + 1);
+    for name in ["interpolator", "regulator-x", "regulator-z", "sim-plant"] {
+        let samples = &samples[name];
+        let (quarter, last) = (samples[samples.len() / 4], samples[samples.len() - 2]);
+        assert_eq!(last.mapped_kib, quarter.mapped_kib, "{name}: {quarter:?} {last:?}");
+        assert!(last.own_kib <= quarter.own_kib + ALLOWED_KIB, "{name}: {quarter:?} {last:?}");
+    }
+}

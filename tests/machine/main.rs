@@ -1,0 +1,20 @@
+//! What only the whole machine can show, measured at its true motion: threads, surfaces, seams, faults, times.
+
+#[path = "../../benches/peer/mod.rs"]
+mod peer;
+#[path = "../shop/mod.rs"]
+mod shop;
+mod stand;
+
+mod approach;
+mod axis_faults;
+mod behind_the_motor;
+mod cutting;
+mod encoder;
+mod machine_code;
+mod pass_rules;
+mod rest_to_rest;
+mod seams;
+mod surfaces;
+mod thread_quality;
+mod timing;

@@ -1,0 +1,4 @@
+//! Identification of the simulated plant, and what cannot be identified.
+
+mod plant;
+mod refusals;
