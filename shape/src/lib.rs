@@ -15,7 +15,6 @@
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
 
-mod accuracy;
 mod contour;
 mod curvature;
 mod curve;
@@ -31,7 +30,6 @@ mod span;
 mod surface;
 mod tool;
 
-pub use accuracy::DriveErrors;
 pub use contour::{Contour, ContourCurve, Side};
 pub use curvature::{chord_feed, master_feed, radius, tangent_feed};
 pub use curve::{Curve, Point};
@@ -39,7 +37,7 @@ pub use fit::{Parting, Touch};
 pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Gradient, Number};
 pub use pattern::{Leg, Pattern, Plan};
-pub use positioner::{Branch, Drives, Positioner};
+pub use positioner::{Branch, DriveErrors, Drives, Positioner};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve, SeamPath};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, leader};

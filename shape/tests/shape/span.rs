@@ -167,7 +167,7 @@ fn a_straight_line_has_pieces_of_nearly_two_millimetres() {
     assert!(spans.iter().all(|span| span.path.length() > 0.9));
 }
 
-/// Whatever the speed of the tip does: where it grows along a step, too.
+/// Whatever the speed of the tip does, also where it grows along a step.
 #[test]
 fn places_are_half_a_millimetre_apart() {
     for rate in [0.3, 3.0, 30.0] {
@@ -182,7 +182,7 @@ fn places_are_half_a_millimetre_apart() {
         seen.sort_by(f64::total_cmp);
         let apart = seen.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         assert!((0.3..=0.5 + 1e-9).contains(&apart), "{apart} mm at {rate}");
-        // Hardly a try is in vain.
+        // Hardly a try fails.
         assert!(seen.len() < 5 * pieces, "{} evaluations for {pieces} pieces", seen.len());
     }
 }

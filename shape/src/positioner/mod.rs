@@ -12,6 +12,10 @@
 //! Equations M46–M52 after "Mathematical model of kinematics and requirements for drives of a precision positioning
 //! system", (2)–(10), with its misprints put right.
 
+mod accuracy;
+
+pub use accuracy::DriveErrors;
+
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 

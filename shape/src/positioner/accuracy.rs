@@ -9,7 +9,7 @@
 //!
 //! Equations M50–M52 after the same source as the kinematics, (8)–(10); M90, M91 are new.
 
-use crate::{Drives, Positioner};
+use super::{Drives, Positioner};
 
 /// Largest errors of all drives of a kind.
 #[derive(Clone, Copy, Debug, PartialEq)]

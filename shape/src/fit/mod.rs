@@ -28,6 +28,8 @@
 //!
 //! Source: second fundamental forms, and the envelope of a moving body.
 
+mod under;
+
 use crate::{Formula, Gradient, Tool};
 
 /// A surface where a tool touches it, or the one on which its tip moves then ([`Touch::under`]).
