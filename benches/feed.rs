@@ -65,7 +65,7 @@ fn main() {
         ("rest to rest", true, f64::INFINITY),
         ("feeds at both ends", false, f64::INFINITY),
         ("rest to rest, jerk rate too", true, 1e4),
-        ("feeds at both ends, too", false, 1e4),
+        ("also feeds at both ends", false, 1e4),
     ] {
         let asked = blocks(1, BLOCKS, at_rest, dj);
         let [low, mid, high] = times(&asked, &mut peer, 0.5);

@@ -18,7 +18,7 @@ pub struct Asked {
 
 impl Asked {
     /// A move from rest to rest, or with feeds at its start and end, of any length and with the limits of machines of
-    /// any size. `dj` is the limit of the jerk rate, of which the peer knows none.
+    /// any size. `dj` is the limit of the jerk rate, which the peer does not know.
     pub fn draw(draw: &mut Seed, at_rest: bool, dj: f64) -> Asked {
         let f = draw.scale(0.02, 2.0);
         let mut feed = || if at_rest { 0.0 } else { f * draw.unit() };

@@ -173,7 +173,7 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
         }
     }
 
-    /// The wires, for who wants to disturb them while the machine runs.
+    /// The wires, so that they can be disturbed while the machine runs.
     pub fn wires_mut(&mut self) -> &mut W {
         &mut self.wires
     }

@@ -162,5 +162,5 @@ fn folders_of_subroutines_are_given_or_missed() {
     }
     let program = place.ask(&["canon", "main.ngc", "subs/there.ngc"]);
     assert_eq!(program.status, Some(2), "a program is not printed over");
-    assert_eq!(place.ask(&["check", "."]).status, Some(2), "a folder is no program");
+    assert_eq!(place.ask(&["check", "."]).status, Some(2), "a folder is not a program");
 }

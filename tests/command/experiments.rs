@@ -224,7 +224,7 @@ fn what_cannot_be_done_is_refused() {
     }
 }
 
-/// A row of 120 % is one of 120 %, or there is none.
+/// A row of 120 % was cut at 120 %, or there is no row.
 #[test]
 fn an_override_that_the_machine_does_not_allow_is_named() {
     let place = Place::new();

@@ -136,7 +136,7 @@ fn slips_of_the_reference_are_not_copied() {
     }
 }
 
-/// Line by line, so that the format itself is held, too. The sign of a zero is that of a rounding error.
+/// Line by line, so that the format itself is also held. The sign of a zero is that of a rounding error.
 #[test]
 fn the_output_is_that_of_the_reference_to_the_letter() {
     let mut findings = Vec::new();

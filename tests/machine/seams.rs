@@ -120,7 +120,7 @@ fn the_beam_keeps_to_the_seam_of_two_cylinders() {
     let trace = is_exact(&observation, "the seam");
     let feed = &trace.feed;
     assert!(feed.most_pct <= FEED_PCT && feed.held_pct > 90.0, "{feed:?}");
-    // The true one, too, but for the moments in which an axis crosses its backlash.
+    // So does the true one, except while an axis crosses its backlash.
     assert!(feed.true_rms_pct <= 0.5 * FEED_PCT && feed.true_held_pct >= 98.0, "{feed:?}");
     // All around and a little more: the seam is longer than the circle it is seen as from above.
     assert!(trace.way_mm > TAU * 20.0, "{trace:#?}");

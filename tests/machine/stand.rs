@@ -68,7 +68,7 @@ impl Stand {
     pub fn until(&mut self, what: &str, condition: impl Fn(&Stand) -> bool) {
         let patience = self.cycle.after(400_000);
         while self.statuses.is_empty() || !condition(self) {
-            assert!(self.cycle < patience, "in vain: {what}");
+            assert!(self.cycle < patience, "waited in vain: {what}");
             self.cycle();
         }
     }

@@ -43,7 +43,7 @@ pub fn items(machine: &Machine, path: &Path) -> Vec<Item> {
     items.unwrap_or_else(|error| panic!("{}: {}", path.display(), error.render(false)))
 }
 
-/// What is observed of machine code in the whole machine, to its end; `see` sees every control cycle, too.
+/// What is observed of machine code in the whole machine, to its end; `see` also sees every control cycle.
 pub fn observed(
     machine: &Machine,
     items: &[Item],
@@ -122,7 +122,7 @@ impl Place {
         serde_json::from_str(&answer.stdout).expect("--json prints the summary and nothing else")
     }
 
-    /// The same in one process and without a trace; `scenario` may be none of the shipped ones.
+    /// The same in one process and without a trace; `scenario` may name one of the shipped ones.
     pub fn run_inside(&self, program: &Path, scenario_name: Option<&str>) -> Summary {
         let scenario = scenario_name.map(|name| scenario(name).display().to_string());
         let mut arguments = vec!["--in-process", "--trace", "none"];
@@ -142,7 +142,7 @@ impl Place {
 pub fn until(what: &str, mut condition: impl FnMut() -> bool) {
     let deadline = Moment::in_s(60.0);
     while !condition() {
-        assert!(!deadline.passed(), "in vain: {what}");
+        assert!(!deadline.passed(), "waited in vain: {what}");
         wait_s(0.002);
     }
 }

@@ -126,7 +126,7 @@ fn an_axis_that_follows_is_told_how_the_estimate_moves() {
         observer.update((100.0 + 5000.0 * t) * t);
         let (now, back) = (observer.at(0.0), observer.following(-0.5 * T));
         let moved = (now.angle - before.angle) / T;
-        // The speed itself was corrected, too, and counts for half of the way only.
+        // The speed itself was also corrected, and counts for only half of the way.
         let bound = T * (back.acceleration - now.acceleration).abs() + 1e-6;
         assert!((back.speed - moved).abs() <= bound, "cycle {cycle}: {} for {moved}", back.speed);
         let gained = (now.speed - before.speed) / T;

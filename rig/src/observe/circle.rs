@@ -25,7 +25,7 @@ const ON_MM: f64 = 0.000_5;
 const AWAY: f64 = 0.02;
 /// What counts as a quadrant, degrees to either side.
 const QUADRANT_DEG: f64 = 15.0;
-/// A circle that was travelled less than this is none, degrees.
+/// A circle counts from this angle of travel on, degrees.
 const LEAST_DEG: f64 = 170.0;
 /// Circles that are reported; a program with more of them is long.
 const MOST: usize = 200;
@@ -117,7 +117,7 @@ fn is_round(from: &PerAxis<Position>, arc: &Arc) -> bool {
 }
 
 impl Circles {
-    /// The circles of a program. Items that are no arcs do not matter.
+    /// The circles of a program. Items other than arcs do not matter.
     pub(super) fn of(items: &[Item]) -> Circles {
         let mut program: BTreeMap<u32, Vec<Circle>> = BTreeMap::new();
         for item in items {

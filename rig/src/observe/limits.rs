@@ -20,7 +20,7 @@ use protocol::{Axis, AxisState, PerAxis};
 
 use super::{AxisLimits, Record};
 
-/// Rounding that is no violation.
+/// Excess that is rounding, not a violation.
 const TOLERANCE: f64 = 1.0 + 1e-6;
 
 /// Shares of the limits of speed, acceleration, jerk and jerk rate of an axis that are used; 1 is all of it.

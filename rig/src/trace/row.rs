@@ -229,7 +229,7 @@ pub(super) trait Cells {
     fn state(&mut self) -> Result<AxisState, Self::Error>;
 }
 
-/// A name and a unit of what is recorded of an axis; `state` is no real number.
+/// A name and a unit of what is recorded of an axis; `state` is not a real number.
 const AXIS_COLUMNS: [(&str, &str); 10] = [
     ("programmed", "mm"),
     ("commanded", "mm"),

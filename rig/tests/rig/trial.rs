@@ -59,7 +59,7 @@ fn a_trial_moves_away_from_home_where_it_must() {
     assert_eq!(start(&machine, 11.0), Err(TrialError::Travel(Axis::X, 11.0, 10.0)));
 }
 
-/// 5.1 − 5 is a little less than 0.1: the places where the axis may begin are none, by rounding.
+/// 5.1 − 5 is a little less than 0.1: by rounding, no place is left where the axis may begin.
 #[test]
 fn a_way_as_long_as_the_travel_fits() {
     let mut machine = Machine::default();

@@ -102,7 +102,7 @@ fn identified_values_are_those_of_the_plant() {
         let mode = found.mode.unwrap();
         within("mode", mode.hz.value, truth.mode_hz, 1.0);
         within("slide", mode.slide_kg.value, truth.slide_mass_kg, 5.0);
-        // The guide damps the slide, too: 600 N s/m against 2 m w, less what its friction falls with speed.
+        // The guide also damps the slide: 600 N s/m against 2 m w, less what its friction falls with speed.
         let guide = 600.0 / (2.0 * truth.slide_mass_kg * core::f64::consts::TAU * truth.mode_hz);
         within("damping", mode.damping.value, 0.03 + guide, 10.0);
     }

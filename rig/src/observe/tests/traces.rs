@@ -15,7 +15,7 @@ const ORIGIN: [f64; 3] = [10.0, -5.0, -60.0];
 /// Control cycles: the tool comes down until the first, cuts until the second.
 const CUTS: std::ops::Range<u64> = 400..2400;
 
-/// z = 0.75 x under a ball of 6 mm, and after it a line of the program that is no trace.
+/// z = 0.75 x under a ball of 6 mm, and after it a line of the program that is not a trace.
 fn program() -> [Item; 2] {
     let formula = Formula::new(&[Op::Constant(0.75), Op::Variable(0), Op::Mul]).expect("complete");
     let surface = Surface {
@@ -61,7 +61,7 @@ fn cut_with(
         let tip = [0.8 * way, 3.0, 0.6 * way + above];
         let mut truth = Truth { cycle: Cycle(cycle), ..Truth::default() };
         let mut axes = [Axis::X, Axis::Y, Axis::Z].map(|axis| (axis, AxisStatus::default()));
-        // The true tool is late by 40 µm along the plane, too.
+        // The true tool is also late by 40 µm along the plane.
         let real = [-0.6 * off(cycle) - 0.032, 0.0, 0.8 * off(cycle) - 0.024];
         for i in 0..3 {
             let status = &mut axes[i].1;

@@ -40,7 +40,7 @@ pub(super) struct SeamGauge {
 }
 
 impl Gauge {
-    /// `None` for a seam on a machine that is no positioner.
+    /// `None` for a seam on a machine that is not a positioner.
     pub(super) fn of(trace: &Work, formulas: &[Formula; FORMULAS], machine: &Machine) -> Option<Gauge> {
         Some(match trace.shape {
             Shape::Surface(surface) => Gauge::Surface(Probe::new(formulas[0], surface.tool), trace.origin),

@@ -114,7 +114,7 @@ impl Works {
         self.now
     }
 
-    /// Ends the observation: the reports, and how many traces of less deviation have none.
+    /// Ends the observation: the reports, and how many traces with less deviation are left without one.
     pub(super) fn finish(mut self) -> (Vec<TraceReport>, u64) {
         self.close();
         (self.reports, self.left_out)

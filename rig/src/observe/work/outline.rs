@@ -17,7 +17,7 @@ use shape::{Contour, Formula, Number, Series, Side};
 
 const STEPS: usize = 20;
 const RESIDUAL_MM: f64 = 1e-7;
-/// Places along the contour at which the nearest point is looked for when there is none to begin from.
+/// Places along the contour at which the nearest point is searched for when there is none to start from.
 const STARTS: u32 = 64;
 
 /// Measures a tool against a contour.

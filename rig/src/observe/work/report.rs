@@ -56,7 +56,7 @@ pub struct FeedReport {
     pub held_pct: f64,
     /// Highest commanded feed beyond what is asked for.
     pub most_pct: f64,
-    /// Share of that time in which the true feed is within 1 %, too.
+    /// Share of that time in which the true feed is also within 1 %.
     pub true_held_pct: f64,
     /// Lowest true feed where the commanded one is held, less what is asked for.
     pub true_low_pct: f64,

@@ -12,13 +12,13 @@
 //! angle = atan2(hypot(kₓ, k_y), k_z) at that point
 //! ```
 //! d is positive where the beam lies left of the seam. The nearest point is found by Newton's method from that of the
-//! cycle before: what is early or late along the seam is no error of its shape.
+//! cycle before: what is early or late along the seam is not an error of its shape.
 
 use shape::{Drives, Positioner, Series};
 
 const STEPS: usize = 20;
 const RESIDUAL_MM: f64 = 1e-7;
-/// Places along the seam at which the nearest point is looked for when there is none to begin from.
+/// Places along the seam at which the nearest point is searched for when there is none to start from.
 const STARTS: u32 = 64;
 
 /// Point and direction of a seam at a parameter.

@@ -16,7 +16,7 @@
 //! ```
 //! For a ball that is the distance of its centre from the surface, less its radius. The two equations are solved by
 //! Newton's method, from the contact of the cycle before: the parameter of the path has no part in it, so what is early
-//! or late along the path is no error of shape. An error δ in x, y makes one of δ²/2r in d. A second contact elsewhere
+//! or late along the path is not an error of shape. An error δ in x, y makes one of δ²/2r in d. A second contact elsewhere
 //! under the tool is found by looking for it every [`SEARCH`] cycles; the one that cuts deepest counts.
 
 use shape::{Formula, Gradient, Tool};
@@ -27,7 +27,7 @@ const STEPS: usize = 20;
 const RESIDUAL_MM: f64 = 1e-7;
 /// A surface with less slope is level: the flat of a tool lies on it.
 const LEVEL: f64 = 1e-9;
-/// Directions in which a contact is looked for when there is none to begin from, and now and then for a deeper one.
+/// Directions in which a contact is searched for when there is none to start from, and now and then for a deeper one.
 const DIRECTIONS: u32 = 12;
 /// How far from the tip, in radii of the tool.
 const RINGS: [f64; 2] = [0.7, 0.95];
