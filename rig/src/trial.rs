@@ -59,30 +59,51 @@ impl Default for Trial {
 /// Why there is no machine code for a trial.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TrialError {
-    /// The machine has no such axis.
-    #[error("a trial pass needs an axis {0}: add [axis.{name}] to the machine file", name = .0.name())]
-    NoAxis(Axis),
-    /// A number of the trial cannot be.
-    #[error("a trial pass cannot have {0} = {1}")]
-    Value(&'static str, f64),
-    /// The way does not fit.
+    /// The machine lacks an axis.
+    #[error("a trial pass needs an axis {axis}: add [axis.{name}] to the machine file", name = axis.name())]
+    NoAxis {
+        /// Which.
+        axis: Axis,
+    },
+    /// A number of the trial is out of range.
+    #[error("a trial pass cannot have {name} = {value}")]
+    Value {
+        /// The field of [`Trial`].
+        name: &'static str,
+        /// What it was given.
+        value: f64,
+    },
+    /// The way does not fit into the travel of an axis.
     #[error(
-        "a trial pass would need {1:.3} mm of {0}, which has {2:.3} mm: reduce the stroke, the lead or the number of turns"
+        "a trial pass would need {needed_mm:.3} mm of {axis}, which has {travel_mm:.3} mm: reduce the stroke, the lead \
+         or the number of turns"
     )]
-    Travel(Axis, f64, f64),
+    Travel {
+        /// Which axis.
+        axis: Axis,
+        /// Length of the way, mm.
+        needed_mm: f64,
+        /// Length of the travel, mm.
+        travel_mm: f64,
+    },
     /// Beyond the limits of an axis.
     #[error(
-        "{0} can follow a trial pass only up to {1:.1} % of its spindle speed: lower the speed or the stroke, or give it \
-         a wider angle"
+        "{axis} can follow a trial pass only up to {most_pct:.1} % of its spindle speed: lower the speed or the stroke, \
+         or give it a wider angle"
     )]
-    TooFast(Axis, f64),
+    TooFast {
+        /// Which axis.
+        axis: Axis,
+        /// Share of the spindle speed that it could follow, per cent.
+        most_pct: f64,
+    },
 }
 
 /// A whole program: for each trial the spindle at its speed, the axes at its start, and its pass; then the end. Passes
 /// are numbered from 1, lines as well. A trial begins at the home of the machine, or as near to it as its way allows.
 ///
 /// # Errors
-/// [`TrialError`] if a trial cannot be, or the machine cannot follow it at the programmed speed.
+/// [`TrialError`] if a number of a trial is out of range, or the machine cannot follow it at the programmed speed.
 pub fn program(machine: &Machine, trials: &[Trial]) -> Result<Vec<Item>, TrialError> {
     let mut codes = Vec::with_capacity(3 * trials.len() + 2);
     for (trial, number) in trials.iter().zip(1..) {
@@ -204,7 +225,7 @@ impl Trial {
             law.end = law.start.moved(end);
             let top = promised(machine, axis)?.top_ratio(&way.peak());
             if top < 1.0 {
-                return Err(TrialError::TooFast(axis, 100.0 * top));
+                return Err(TrialError::TooFast { axis, most_pct: 100.0 * top });
             }
             pass.max_ratio = pass.max_ratio.min(top);
             pass.axes[axis.index()] = law;
@@ -222,7 +243,7 @@ impl Trial {
             ("turns", self.turns, 0.0..1e6),
         ];
         match good.into_iter().find(|(_, value, range)| !range.contains(value)) {
-            Some((name, value, _)) => Err(TrialError::Value(name, value)),
+            Some((name, value, _)) => Err(TrialError::Value { name, value }),
             None => Ok(()),
         }
     }
@@ -230,7 +251,7 @@ impl Trial {
 
 /// What a law may use of the limits of an axis; the rest is for changes of the spindle's speed (M8).
 fn promised(machine: &Machine, axis: Axis) -> Result<Limits, TrialError> {
-    let limits = machine.axis.get(&axis).ok_or(TrialError::NoAxis(axis))?.limits();
+    let limits = machine.axis.get(&axis).ok_or(TrialError::NoAxis { axis })?.limits();
     let share = machine.threading.limit_share_pct / 100.0;
     Ok(Limits { v: share * limits.v, a: share * limits.a, j: share * limits.j, dj: share * limits.dj })
 }
@@ -245,7 +266,7 @@ fn start(
 ) -> Result<Position, TrialError> {
     let (least, most) = (stroke.min(end).min(0.0), stroke.max(end).max(0.0));
     if most - least > high - low {
-        return Err(TrialError::Travel(axis, most - least, high - low));
+        return Err(TrialError::Travel { axis, needed_mm: most - least, travel_mm: high - low });
     }
     // Not `clamp`: where the way just fits, rounding may put the upper bound below the lower one.
     Ok(Position::from_mm(home.min(high - most).max(low - least)))

@@ -56,7 +56,10 @@ fn a_trial_moves_away_from_home_where_it_must() {
     assert_eq!(start(&machine, -5.0), Ok(118.0));
     assert_eq!(start(&machine, 5.0), Ok(115.0));
     assert_eq!(start(&machine, -10.0), Ok(120.0));
-    assert_eq!(start(&machine, 11.0), Err(TrialError::Travel(Axis::X, 11.0, 10.0)));
+    assert_eq!(
+        start(&machine, 11.0),
+        Err(TrialError::Travel { axis: Axis::X, needed_mm: 11.0, travel_mm: 10.0 })
+    );
 }
 
 /// 5.1 − 5 is a little less than 0.1: by rounding, no place is left where the axis may begin.
@@ -83,11 +86,11 @@ fn what_cannot_be_is_refused() {
         Trial { lead_mm: f64::INFINITY, ..plain },
         Trial { delta_x_mm: f64::NAN, ..plain },
     ] {
-        assert!(matches!(refused(bad), TrialError::Value(..)), "{bad:?}");
+        assert!(matches!(refused(bad), TrialError::Value { .. }), "{bad:?}");
     }
     let fast = refused(Trial { delta_c_deg: 90.0, ..plain });
-    assert!(matches!(fast, TrialError::TooFast(Axis::X, top) if top < 100.0), "{fast}");
-    assert!(matches!(refused(Trial { turns: 200.0, ..plain }), TrialError::Travel(Axis::Z, ..)));
+    assert!(matches!(fast, TrialError::TooFast { axis: Axis::X, most_pct } if most_pct < 100.0), "{fast}");
+    assert!(matches!(refused(Trial { turns: 200.0, ..plain }), TrialError::Travel { axis: Axis::Z, .. }));
     let mill = Machine::from_toml(machine::SMALL_MILL).unwrap();
     let on_a_mill = program(&mill, &[plain]).map(|items| mill.can_follow(&pass_of(&items)));
     assert_ne!(on_a_mill, Ok(true), "a mill cuts no threads");
