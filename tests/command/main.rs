@@ -8,6 +8,7 @@ mod command_line;
 mod deaths;
 mod determinism;
 mod experiments;
+mod first_hour;
 mod jobs;
 mod memory;
 mod processes;

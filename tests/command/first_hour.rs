@@ -1,10 +1,8 @@
 //! The tutorial docs/first-hour.md: its commands are run in their order, and print what the page shows.
 
-mod shop;
-
 use std::{os::unix::fs::symlink, path::Path, process::Command};
 
-use shop::{Answer, Place, project};
+use crate::shop::{Answer, Place, project};
 
 /// A block of commands, and what the page shows of their answer.
 struct Step {
