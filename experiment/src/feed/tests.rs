@@ -1,21 +1,15 @@
 //! The rows against the reference values (`tests/reference/feed_profile.json`), and what is said of misprints.
 
-use std::path::PathBuf;
-
 use motion::Limits;
 use serde_json::Value;
 
 use super::{LIMITS, RampFigures, Row, block, ramp, rows};
 
-/// `feed_profile.json` of the project, or of the folder in `PITCHLOCK_REFERENCE_DIR`.
+/// A list of `feed_profile.json`.
 fn reference(list: &str) -> Vec<Value> {
-    let folder = std::env::var_os("PITCHLOCK_REFERENCE_DIR")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference"), PathBuf::from);
-    let path = folder.join("feed_profile.json");
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let file: Value = serde_json::from_str(&text).expect("it is JSON");
+    let file: Value = testing::reference::read("feed_profile.json");
     let cases = file[list].as_array().expect("a list").clone();
-    assert!(!cases.is_empty(), "no {list} in {}", path.display());
+    assert!(!cases.is_empty(), "no {list}");
     cases
 }
 

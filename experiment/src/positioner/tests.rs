@@ -1,7 +1,5 @@
 //! The bounds against poses and draws, the misprints, and the requirements the other way around.
 
-use std::path::PathBuf;
-
 use serde_json::Value;
 use shape::{DriveErrors, Positioner};
 
@@ -19,11 +17,7 @@ fn cases() -> impl Iterator<Item = Case> {
 /// Every bound that is published or tight is that of `positioner.json`, where it has the case.
 #[test]
 fn reference_bounds_are_those_of_the_rows() {
-    let folder = std::env::var_os("PITCHLOCK_REFERENCE_DIR")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference"), PathBuf::from);
-    let path = folder.join("positioner.json");
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let file: Value = serde_json::from_str(&text).expect("it is JSON");
+    let file: Value = testing::reference::read("positioner.json");
     let bounds = file["bounds"].as_array().expect("a list");
     assert!(!bounds.is_empty());
     for bound in bounds {

@@ -1,7 +1,5 @@
 //! The published cases against the reference values, and the rows against the reference simulation.
 
-use std::path::PathBuf;
-
 use machine::Machine;
 use motion::resolution::{Required, order};
 use protocol::Axis;
@@ -16,13 +14,8 @@ use super::{
 };
 use crate::stand::Stand;
 
-/// `resolution.json` of the project, or of the folder in `PITCHLOCK_REFERENCE_DIR`.
 fn reference() -> Value {
-    let folder = std::env::var_os("PITCHLOCK_REFERENCE_DIR")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference"), PathBuf::from);
-    let path = folder.join("resolution.json");
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_str(&text).expect("it is JSON")
+    testing::reference::read("resolution.json")
 }
 
 /// The numbers of these keys in every case of a list.

@@ -14,14 +14,9 @@ use super::{
 static COMPUTED: LazyLock<Computed> =
     LazyLock::new(|| Computed::new().expect("the texts of the works are formulas"));
 
-/// The cases of `shaping.json`, by their name; it is where `PITCHLOCK_REFERENCE_DIR` says, as for every reference test.
+/// The cases of `shaping.json`.
 fn cases() -> Vec<Value> {
-    let folder = std::env::var_os("PITCHLOCK_REFERENCE_DIR").map_or_else(
-        || std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference"),
-        std::path::PathBuf::from,
-    );
-    let text = std::fs::read_to_string(folder.join("shaping.json")).expect("the reference file");
-    let file: Value = serde_json::from_str(&text).expect("it is JSON");
+    let file: Value = testing::reference::read("shaping.json");
     ["curves", "surfaces"].iter().flat_map(|group| file[group].as_array().expect("cases").clone()).collect()
 }
 
