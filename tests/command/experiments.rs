@@ -201,7 +201,7 @@ fn the_documentation_shows_what_is_printed() {
 fn what_cannot_be_done_is_refused() {
     let place = Place::new();
     place.write("file", "in the way");
-    let mill = include_str!("../examples/machines/small-mill.toml");
+    let mill = include_str!("../../examples/machines/small-mill.toml");
     fs::write(place.at("mill.toml"), mill).expect("it can be written");
     let cases: [(&[&str], &[&str]); 11] = [
         (&["experiment", "positioner", "--machine", "mill.toml"], &["mill.toml", "is not a positioner"]),
@@ -228,7 +228,7 @@ fn what_cannot_be_done_is_refused() {
 #[test]
 fn an_override_that_the_machine_does_not_allow_is_named() {
     let place = Place::new();
-    let lathe = include_str!("../examples/machines/small-lathe.toml");
+    let lathe = include_str!("../../examples/machines/small-lathe.toml");
     for key in ["override_max_pct", "design_override_pct"] {
         let less = lathe.replace(&format!("{key} = 120.0"), &format!("{key} = 100.0"));
         assert_ne!(less, lathe);
