@@ -4,11 +4,9 @@
 
 use machine::{Machine, SMALL_MILL};
 use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, SpindleMode, SpindleSpeed};
-use rig::{
-    Rig,
-    observe::{MovesReport, Observation, Observer, Outcome},
-};
-use sim_plant::Scenario;
+use rig::observe::{MovesReport, Observation, Outcome};
+
+use crate::stand::Stand;
 
 fn point(place: [f64; 3]) -> PerAxis<Position> {
     let mut point = [Position(0); 8];
@@ -41,10 +39,7 @@ fn program(radius_mm: f64, feed: Feed) -> Vec<Item> {
 
 fn run(machine: &str, items: &[Item]) -> Observation {
     let machine = Machine::from_toml(machine).unwrap();
-    let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 5).unwrap();
-    let mut observer = Observer::new(&machine, items);
-    while rig.cycle(None, |record| observer.cycle(record)) {}
-    observer.finish()
+    Stand { machine: &machine, items, scenario: "", seed: 5 }.run(|_| None)
 }
 
 fn moves(machine: &str) -> MovesReport {

@@ -4,12 +4,10 @@
 
 use machine::Machine;
 use protocol::{Axis, Code, Feed, Item, PerAxis, Position, Shape, Work};
-use rig::{
-    Rig,
-    observe::{Observation, Observer, Outcome},
-};
+use rig::observe::{Observation, Outcome};
 use shape::{Contour, Correction, Curve, Formula, Function, Leg, Op, Pattern, Side, Surface, Tool};
-use sim_plant::Scenario;
+
+use crate::stand::Stand;
 
 const FEED_MM_MIN: f64 = 9000.0;
 
@@ -44,14 +42,7 @@ fn run(items: &[Item]) -> Observation {
 
 /// A program, and the one that the observer takes it for.
 fn run_as(items: &[Item], observed: &[Item]) -> Observation {
-    let mut rig = Rig::new(&mill(), items.iter().copied(), Scenario::none(), 5).unwrap();
-    let mut observer = Observer::new(&mill(), observed);
-    for _ in 0..1_000_000 {
-        if !rig.cycle(None, |record| observer.cycle(record)) {
-            return observer.finish();
-        }
-    }
-    panic!("the program does not end");
+    Stand { machine: &mill(), items, scenario: "", seed: 5 }.run_as(observed, |_| None)
 }
 
 /// A line over z = 2 sin(x/3) under a ball of 3 mm, faster than a chord error of half a micrometre lets it be: what a

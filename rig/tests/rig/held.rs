@@ -2,40 +2,16 @@
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
-use protocol::{AxisState, Item, MachineState, operator::Request};
-use rig::{
-    Rig,
-    observe::{Observation, Observer, Outcome, Record},
-};
-use sim_plant::Scenario;
+use protocol::{AxisState, MachineState, operator::Request};
+use rig::observe::{Observation, Outcome, Record};
 
-fn machine_and_items(program: &str) -> (Machine, Vec<Item>) {
-    let machine = Machine::default();
-    let source = format!("G18 G21 G90 G8 G94 G97\n{program}");
-    let check = interpreter::check("test.ngc", &source, &machine);
-    assert!(check.is_good(), "{:#?}", check.diagnostics);
-    (machine, check.items)
-}
+use crate::stand::{Stand, compiled};
 
 /// Runs a program; `operator` sees every cycle and says what is done at the panel in the next one.
-fn run(program: &str, scenario: &str, mut operator: impl FnMut(&Record) -> Option<Request>) -> Observation {
-    let (machine, items) = machine_and_items(program);
-    let scenario = Scenario::from_toml(scenario).unwrap();
-    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 3).unwrap();
-    let mut observer = Observer::new(&machine, &items);
-    let mut request = None;
-    for _ in 0..400_000 {
-        let mut next = None;
-        let more = rig.cycle(request.take(), |record| {
-            observer.cycle(record);
-            next = operator(record);
-        });
-        request = next;
-        if !more {
-            return observer.finish();
-        }
-    }
-    panic!("the program does not end");
+fn run(program: &str, scenario: &str, operator: impl FnMut(&Record) -> Option<Request>) -> Observation {
+    let machine = Machine::default();
+    let items = compiled(&machine, &format!("G18 G21 G90 G8 G94 G97\n{program}"));
+    Stand { machine: &machine, items: &items, scenario, seed: 3 }.run(operator)
 }
 
 #[test]

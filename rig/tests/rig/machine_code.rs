@@ -6,11 +6,9 @@ use protocol::{
     Arc, Code, Feed, Item, MachineState, MachineStatus, PathMode, PerAxis, Plane, Position, SpindleMode,
     SpindleSpeed, operator::Request,
 };
-use rig::{
-    Rig,
-    observe::{Observation, Observer, Outcome, Record},
-};
-use sim_plant::Scenario;
+use rig::observe::{Observation, Outcome, Record};
+
+use crate::stand::{Stand, pressed};
 
 fn point(x: f64, z: f64) -> PerAxis<Position> {
     let mut point = [Position(0); 8];
@@ -49,21 +47,10 @@ fn run_with(
     mut see: impl FnMut(&Record),
 ) -> Observation {
     let (machine, items) = (Machine::default(), items(codes));
-    let scenario =
-        if scenario.is_empty() { Scenario::none() } else { Scenario::from_toml(scenario).unwrap() };
-    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 5).unwrap();
-    let mut observer = Observer::new(&machine, &items);
-    for cycle in 0..400_000 {
-        let request = requests.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
-        let more = rig.cycle(request, |record| {
-            observer.cycle(record);
-            see(record);
-        });
-        if !more {
-            return observer.finish();
-        }
-    }
-    panic!("the program does not end");
+    Stand { machine: &machine, items: &items, scenario, seed: 5 }.run(|record| {
+        see(record);
+        pressed(requests, record)
+    })
 }
 
 /// True positions of the motors of X and Z, mm.

@@ -7,6 +7,7 @@ mod machine_code;
 mod operator;
 mod poles;
 mod rotary;
+mod stand;
 mod traces;
 mod trial;
 mod wires;

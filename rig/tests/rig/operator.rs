@@ -3,13 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
-use protocol::{Axis, Item, MachineState, operator::Request};
-use rig::{
-    Rig,
-    observe::{Observation, Observer, Outcome},
-};
-use sim_plant::Scenario;
+use protocol::{Axis, MachineState, operator::Request};
+use rig::observe::{Observation, Outcome};
 use testing::Seed;
+
+use crate::stand::{Stand, compiled, pressed};
 
 const HEAD: &str = "G18 G21 G90 G8 G94 G97\n";
 
@@ -22,41 +20,23 @@ struct Run {
     peak_z_mm_s: f64,
 }
 
-fn compile(program: &str, machine: &Machine) -> Vec<Item> {
-    let check = interpreter::check("test.ngc", program, machine);
-    assert!(check.is_good(), "{:#?}", check.diagnostics);
-    check.items
-}
-
 fn run(program: &str, scenario: &str, requests: &[(u64, Request)]) -> Run {
     let machine = Machine::default();
-    let items = compile(&format!("{HEAD}{program}"), &machine);
-    let scenario =
-        if scenario.is_empty() { Scenario::none() } else { Scenario::from_toml(scenario).unwrap() };
-    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 7).unwrap();
-    let mut observer = Observer::new(&machine, &items);
-    let (mut cycle, mut resting, mut longest) = (0_u64, 0_u64, 0_u64);
+    let items = compiled(&machine, &format!("{HEAD}{program}"));
+    let (mut resting, mut longest) = (0_u64, 0_u64);
     let (mut end_mm, mut stopped, mut peak) = ([0.0; 2], false, 0.0_f64);
-    loop {
-        let request = requests.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
-        let more = rig.cycle(request, |record| {
-            observer.cycle(record);
-            let z = &record.axes[1].1;
-            let moving = record.machine.state() == MachineState::Moving;
-            resting = if z.velocity_mm_s == 0.0 && moving { resting + 1 } else { 0 };
-            longest = longest.max(resting);
-            peak = peak.max(z.velocity_mm_s.abs());
-            end_mm = [Axis::X, Axis::Z].map(|axis| record.truth.axes[axis.index()].motor_mm);
-            stopped = record.machine.stopped != 0;
-        });
-        cycle += 1;
-        assert!(cycle < 400_000, "the program ends");
-        if !more {
-            break;
-        }
-    }
+    let observation = Stand { machine: &machine, items: &items, scenario, seed: 7 }.run(|record| {
+        let z = &record.axes[1].1;
+        let moving = record.machine.state() == MachineState::Moving;
+        resting = if z.velocity_mm_s == 0.0 && moving { resting + 1 } else { 0 };
+        longest = longest.max(resting);
+        peak = peak.max(z.velocity_mm_s.abs());
+        end_mm = [Axis::X, Axis::Z].map(|axis| record.truth.axes[axis.index()].motor_mm);
+        stopped = record.machine.stopped != 0;
+        pressed(requests, record)
+    });
     let longest_rest_s = longest as f64 * machine.general.cycle_s;
-    Run { observation: observer.finish(), longest_rest_s, end_mm, stopped, peak_z_mm_s: peak }
+    Run { observation, longest_rest_s, end_mm, stopped, peak_z_mm_s: peak }
 }
 
 #[track_caller]
@@ -142,13 +122,9 @@ fn an_override_above_the_ceiling_of_a_pass_is_clamped_and_said() {
     let program = "M3 S600\nG0 X22 Z8\nG76 P2 Z-22 I-1 J0.3 K0.6\nG0 X40\nM5\nM2\n";
     let mut machine = Machine::default();
     machine.spindle.override_max_pct = 200.0;
-    let items = compile(&format!("{HEAD}{program}"), &machine);
+    let items = compiled(&machine, &format!("{HEAD}{program}"));
     let scenario = "[[event]]\nat = { pass = 1, angle_deg = 1000 }\nspindle_override_pct = 180\n";
-    let scenario = Scenario::from_toml(scenario).unwrap();
-    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 1).unwrap();
-    let mut observer = Observer::new(&machine, &items);
-    while rig.cycle(None, |record| observer.cycle(record)) {}
-    let seen = observer.finish();
+    let seen = Stand { machine: &machine, items: &items, scenario, seed: 1 }.run(|_| None);
     assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
     assert!(seen.overrides_clamped >= 1);
     for pass in &seen.passes {

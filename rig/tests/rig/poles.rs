@@ -7,9 +7,9 @@
 use interpreter::check_job;
 use machine::{self, Machine};
 use protocol::{Axis, Item};
-use rig::Rig;
-use rig::observe::{Observation, Observer, Outcome};
-use sim_plant::Scenario;
+use rig::observe::{Observation, Outcome};
+
+use crate::stand::Stand;
 
 /// A seam along X, mm, whose direction leans by 0.02 x along it and by `beside` across.
 fn items(machine: &Machine, [from, to]: [f64; 2], beside: f64, branch: &str) -> Vec<Item> {
@@ -50,21 +50,13 @@ impl Turned {
 }
 
 fn run(machine: &Machine, items: &[Item]) -> (Observation, Turned) {
-    let mut rig = Rig::new(machine, items.iter().copied(), Scenario::none(), 5).unwrap();
-    let mut observer = Observer::new(machine, items);
     let mut turned = Turned::default();
-    for _ in 0..400_000 {
-        let more = rig.cycle(None, |record| {
-            observer.cycle(record);
-            let at =
-                |axis: Axis| record.axes.iter().find(|(other, _)| *other == axis).unwrap().1.commanded_mm;
-            turned.see(record.machine.tracing, [at(Axis::A), at(Axis::C)]);
-        });
-        if !more {
-            return (observer.finish(), turned);
-        }
-    }
-    panic!("it goes on and on");
+    let seen = Stand { machine, items, scenario: "", seed: 5 }.run(|record| {
+        let at = |axis: Axis| record.axes.iter().find(|(other, _)| *other == axis).unwrap().1.commanded_mm;
+        turned.see(record.machine.tracing, [at(Axis::A), at(Axis::C)]);
+        None
+    });
+    (seen, turned)
 }
 
 /// Runs a seam; A and C turn by what is demanded, and the beam is true. Says what the longest step of C was.

@@ -3,11 +3,9 @@
 
 use machine::{Machine, SMALL_LATHE};
 use protocol::Axis;
-use rig::{
-    Rig,
-    observe::{Observer, Outcome},
-};
-use sim_plant::Scenario;
+use rig::observe::Outcome;
+
+use crate::stand::{Stand, compiled};
 
 /// The small lathe with an axis C: another Z, in degrees.
 fn lathe_with_c() -> Machine {
@@ -22,19 +20,15 @@ fn c_goes_along_and_holds_still_in_a_thread() {
     let program = "G18 G21 G90 G8 G94 G97\nG0 X22 Z8 C90\nG1 C100 F600\nM3 S600\nG76 P2 Z0 I-1 J0.299 K0.3\n\
                    G0 X40 C0\nM5\nM2\n";
     let machine = lathe_with_c();
-    let check = interpreter::check("test.ngc", program, &machine);
-    assert!(check.is_good(), "{:#?}", check.diagnostics);
-    let mut rig = Rig::new(&machine, check.items.iter().copied(), Scenario::none(), 3).unwrap();
-    let mut observer = Observer::new(&machine, &check.items);
+    let items = compiled(&machine, program);
     let (mut at, mut cut, mut strayed) = (0.0, 0, 0.0_f64);
-    while rig.cycle(None, |record| {
-        observer.cycle(record);
+    let seen = Stand { machine: &machine, items: &items, scenario: "", seed: 3 }.run(|record| {
         at = record.truth.axes[Axis::C.index()].motor_mm;
         if record.axes.iter().any(|(_, axis)| axis.pass != 0) {
             (cut, strayed) = (cut + 1, strayed.max((at - 100.0).abs()));
         }
-    }) {}
-    let seen = observer.finish();
+        None
+    });
     assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
     assert_eq!((seen.passes.len(), seen.moves.limit_violations), (2, 0));
     assert!(cut > 1000 && strayed < 0.001 && at.abs() < 0.001, "{cut} cycles, {strayed}, {at}");

@@ -6,16 +6,14 @@ use machine::Machine;
 use protocol::{
     Axis, Code, Feed, Item, MachineState, PathMode, PerAxis, Position, Shape, Work, operator::Request,
 };
-use rig::{
-    Rig,
-    observe::{Observation, Observer, Outcome, Record},
-};
 use route::{Unworkable, positioner::geometry};
+use rig::observe::{Observation, Outcome, Record};
 use shape::{
     Branch, Contour, Correction, Curve, Formula, Function, Leg, Op, Pattern, Seam, SeamCurve, Side, Surface,
     Tool,
 };
-use sim_plant::Scenario;
+
+use crate::stand::{Stand, pressed};
 
 const FEED_MM_MIN: f64 = 1200.0;
 
@@ -64,19 +62,10 @@ fn run_on(
     requests: &[(u64, Request)],
     mut see: impl FnMut(&Record),
 ) -> Observation {
-    let mut rig = Rig::new(machine, items.iter().copied(), Scenario::none(), 5).unwrap();
-    let mut observer = Observer::new(machine, items);
-    for cycle in 0..2_000_000 {
-        let request = requests.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
-        let more = rig.cycle(request, |record| {
-            observer.cycle(record);
-            see(record);
-        });
-        if !more {
-            return observer.finish();
-        }
-    }
-    panic!("the program does not end");
+    Stand { machine, items, scenario: "", seed: 5 }.run(|record| {
+        see(record);
+        pressed(requests, record)
+    })
 }
 
 /// A wave in the plane of X and Y about X 100, Y 80, beginning where it is.

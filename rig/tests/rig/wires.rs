@@ -13,6 +13,8 @@ use rig::wires::{Damaging, Disturbance, Doubling, Freezing, Late, Losing, Straig
 use rig::{Exchange, Rig};
 use sim_plant::Scenario;
 
+use crate::stand::compiled;
+
 const FRAMES_OF_X: Wire = Wire::Frame(Axis::X);
 
 /// What arrives on a wire of frames of which each carries its moment as its line; a moment without a frame is 0.
@@ -83,9 +85,7 @@ fn disturbances_can_be_stacked() {
 const PROGRAM: &str = "G18 G21 G90 G8 G94\nG0 X20 Z50\nG1 Z10 F3000\nM2\n";
 
 fn items() -> Vec<Item> {
-    let check = interpreter::check("test.ngc", PROGRAM, &Machine::default());
-    assert!(check.is_good(), "{:#?}", check.diagnostics);
-    check.items
+    compiled(&Machine::default(), PROGRAM)
 }
 
 /// Runs the program on a machine with these wires; everything that `see` returns, up to the end.
