@@ -3,9 +3,9 @@
 
 use std::fs;
 
+use crate::shop::{Place, project};
 use machine::{SMALL_LATHE, SMALL_MILL};
 use serde_json::Value;
-use crate::shop::{Place, project};
 
 fn found(place: &Place, arguments: &[&str]) -> Value {
     let answer = place.ask(&[&["resolution", "--json"], arguments].concat());

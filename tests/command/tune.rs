@@ -3,10 +3,10 @@
 
 use std::fs;
 
+use crate::shop::{Place, project};
 use machine::{Machine, SMALL_LATHE};
 use protocol::Axis;
 use serde_json::Value;
-use crate::shop::{Place, project};
 
 fn found(place: &Place, arguments: &[&str]) -> Value {
     let answer = place.ask(&[&["tune", "--json"], arguments].concat());

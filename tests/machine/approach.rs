@@ -1,6 +1,7 @@
 //! The published experiment on the whole machine: how well X keeps to its law in step with the spindle, for each structure
 //! of feedforward, at every override. Bounds in µm.
 
+use crate::shop::Place;
 use machine::{Feedforward, Machine};
 use protocol::Axis;
 use rig::{
@@ -8,7 +9,6 @@ use rig::{
     trial::{Trial, program, run},
 };
 use serde_json::Value;
-use crate::shop::Place;
 use sim_plant::Scenario;
 
 const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];

@@ -3,11 +3,11 @@
 
 use std::fs;
 
+use crate::shop::{Place, example, project};
 use machine::Machine;
 use protocol::Axis;
 use rig::observe::{Outcome, PassReport, ServoError};
 use rig::trial::{self, Trial};
-use crate::shop::{Place, example, project};
 use sim_plant::{Belief, Scenario};
 
 /// A figure of the document may be this far from what is measured: µm, and a share of it.

@@ -3,12 +3,12 @@
 
 use std::path::PathBuf;
 
+use crate::shop::Place;
 use machine::Machine;
 use protocol::{
     Arc, Code, Feed, Item, PerAxis, Plane, Position, SpindleMode, SpindleSpeed, code_file::CodeFile,
 };
 use rig::observe::Outcome;
-use crate::shop::Place;
 
 fn point(x: f64, z: f64) -> PerAxis<Position> {
     let mut point = [Position(0); 8];

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::shop::{Place, project};
 use machine::Machine;
 use motion::{FeedBlock, Limits};
 use protocol::Axis;
-use crate::shop::{Place, project};
 
 /// A machine file with travel for programs that were written for other machines: that of the lathe, or of the mill.
 fn machine_file(place: &Place, mill: bool) -> PathBuf {

@@ -3,11 +3,11 @@
 
 use core::f64::consts::TAU;
 
+use crate::stand::{self, ARMED, BEGINS, HOME_MM, OVER, T, machine, run};
 use machine::{AxisConfig, Feedforward, Machine};
 use motion::Sample;
 use protocol::Fault;
 use regulator::compensation::Compensation;
-use crate::stand::{self, ARMED, BEGINS, HOME_MM, OVER, T, machine, run};
 
 const BACKLASH_MM: f64 = 0.012;
 /// How far feedforward looks, s.

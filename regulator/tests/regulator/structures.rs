@@ -1,11 +1,11 @@
 //! What each structure of feedforward sends to the drive, against its formulas.
 #![allow(clippy::unwrap_used)]
 
+use crate::stand::{ARMED, ENABLED, HOME_MM, OVER, T, arm, follows, frame, law, machine, run};
 use machine::{AxisConfig, Difference, Feedforward};
 use motion::Sample;
 use protocol::{AxisCommand, Cycle, Measurement};
 use regulator::{Out, spindle::Spindle, state::Pass, stream::Stream};
-use crate::stand::{ARMED, ENABLED, HOME_MM, OVER, T, arm, follows, frame, law, machine, run};
 
 const TORQUE_PER_N: f64 = 5e-3 / core::f64::consts::TAU;
 

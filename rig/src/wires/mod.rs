@@ -4,7 +4,8 @@
 //! stacked.
 //!
 //! ```
-//! use protocol::{Axis, Machine, MachineStatus};
+//! use machine::Machine;
+//! use protocol::Axis;
 //! use rig::{Rig, wires::{Late, Straight, Wire, Wires}};
 //! use sim_plant::Scenario;
 //!

@@ -6,8 +6,8 @@ use machine::Machine;
 use protocol::{
     Axis, Code, Feed, Item, MachineState, PathMode, PerAxis, Position, Shape, Work, operator::Request,
 };
-use route::{Unworkable, positioner::geometry};
 use rig::observe::{Observation, Outcome, Record};
+use route::{Unworkable, positioner::geometry};
 use shape::{
     Branch, Contour, Correction, Curve, Formula, Function, Leg, Op, Pattern, Seam, SeamCurve, Side, Surface,
     Tool,

@@ -2,10 +2,10 @@
 
 use core::f64::consts::TAU;
 
+use crate::stand::Stand;
 use machine::Machine;
 use protocol::{Axis, Groove, SpindleCommand, Truth};
 use sim_plant::Scenario;
-use crate::stand::Stand;
 
 /// A part that reaches to Z 200, cut where the tool stands: X 60, Z 100. No ripple.
 fn machine(specific_force: f64) -> Machine {

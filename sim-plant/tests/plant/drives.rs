@@ -1,9 +1,9 @@
 //! Drives, encoders and the timing of the axes, seen from outside.
 
+use crate::stand::Stand;
 use machine::Machine;
 use protocol::{Axis, Cycle, DriveCommand, DriveState, PerAxis, SpindleCommand};
 use sim_plant::{Plant, Scenario};
-use crate::stand::Stand;
 
 const QUANTUM_MM: f64 = 5.0 / 131_072.0;
 

@@ -1,9 +1,9 @@
 //! The scenarios that are shipped, played to a spindle that cuts seven passes of 2500° without any controller.
 
+use crate::stand::Stand;
 use machine::Machine;
 use protocol::Panel;
 use sim_plant::Scenario;
-use crate::stand::Stand;
 
 const PASS_DEG: f64 = 2500.0;
 

@@ -1,8 +1,8 @@
 //! The spindle and its encoder, seen from outside.
 
+use crate::stand::Stand;
 use machine::Machine;
 use protocol::Truth;
-use crate::stand::Stand;
 
 fn turning(rpm: f64) -> Stand {
     let mut stand = Stand::lathe();

@@ -24,7 +24,7 @@ const CYCLES: u64 = 2000;
 
 fn command(role: &str, address: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args(["--exact", "in_another_role", "--ignored", "--nocapture", "--quiet"]);
+    command.args(["--exact", "processes::in_another_role", "--ignored", "--nocapture", "--quiet"]);
     command.env(ROLE, role).env(ADDRESS, address).stdout(Stdio::piped());
     command
 }

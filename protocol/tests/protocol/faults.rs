@@ -2,7 +2,7 @@
 
 use protocol::Fault;
 
-const PAGE: &str = include_str!("../../docs/faults.md");
+const PAGE: &str = include_str!("../../../docs/faults.md");
 
 #[test]
 fn the_page_explains_every_fault_in_order() {

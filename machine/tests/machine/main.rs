@@ -1,0 +1,5 @@
+//! The machine file: what it refuses, and which points, arcs and axes a machine has.
+
+mod arcs;
+mod file;
+mod kinematics;
