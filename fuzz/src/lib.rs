@@ -10,6 +10,7 @@ use gcode::files::{Tool, ToolTable};
 use gcode::{
     Call, Diagnostic, Dialect, Job, Limits, Options, Place, Pose, Problem, Program, Sink, Step, alone,
 };
+use protocol::CodePacket;
 use protocol::code_file::{CodeFile, VERSION};
 use shape::{Formula, Gradient, Number, Series};
 
@@ -90,6 +91,16 @@ pub fn code_file(bytes: &[u8]) {
         file.write(&mut written).expect("what can be read can be written");
         let again = CodeFile::read(&mut written.as_slice()).expect("what was written can be read");
         assert_eq!(format!("{file:?}"), format!("{again:?}"));
+    }
+}
+
+/// The bytes as a packet of machine code: refused, or an item that travels again. Nothing is allocated.
+pub fn code_packet(bytes: &[u8]) {
+    let Ok(packet) = CodePacket::from_bytes(bytes) else { return };
+    if let Ok(item) = packet.unpack(0) {
+        assert_eq!(item.check(), Ok(()));
+        let again = CodePacket::pack(0, &item);
+        assert_eq!(again.unpack(0).map(|item| CodePacket::pack(0, &item)), Ok(again), "{item:?}");
     }
 }
 

@@ -8,7 +8,7 @@ use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use machine::{Kinematics, Machine};
-use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass};
+use protocol::{Axis, AxisLaw, Code, CodePacket, Item, PerAxis, Position, ThreadPass};
 
 use crate::frame::Frame;
 use crate::modal::Synchronised;
@@ -48,7 +48,7 @@ pub struct PassNote {
     pub delta_z_mm: [f64; 2],
     /// Highest spindle speed that every axis can follow, per cent of the programmed one.
     pub max_override_pct: f64,
-    /// Size of the pass on the wire, bytes.
+    /// Size of the pass on its way to the interpolator, bytes.
     pub packet_bytes: usize,
 }
 
@@ -166,7 +166,7 @@ impl Threads {
             full_depth_z_mm: planned.full_depth_z_mm,
             delta_z_mm: planned.delta_z_mm,
             max_override_pct: 100.0 * pass.max_ratio,
-            packet_bytes: size_of::<ThreadPass>(),
+            packet_bytes: CodePacket::pack(0, &Item { line, code: Code::Pass(pass) }).as_bytes().len(),
         });
         pass
     }

@@ -29,7 +29,7 @@ pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};
 pub use groove::Groove;
 pub use measurement::{AxisMeasurement, Measurement, Panel};
-pub use message::Message;
+pub use message::{Message, Payload};
 pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass};
 pub use refused::Refused;

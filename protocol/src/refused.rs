@@ -15,6 +15,9 @@ pub enum Refused {
     /// A message is missing, doubled, or out of order.
     #[error("{0}: expected number {1}, got {2}")]
     OutOfOrder(&'static str, u64, u64),
+    /// The bytes are none that this version writes: damaged, cut off, or more than there should be.
+    #[error("{0} that cannot be read")]
+    Unreadable(&'static str),
     /// The packet came after the cycle in which it should have acted.
     #[error("the packet came too late")]
     TooLate,

@@ -15,8 +15,8 @@ use std::{env, fs, path::Path};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
-    Arc, Axis, Code, Feed, Item, PathMode, PerAxis, Plane, Position, Shape, SpindleMode, SpindleSpeed, Work,
-    code_file::CodeFile,
+    Arc, Axis, Code, CodePacket, Feed, Item, PathMode, PerAxis, Plane, Position, Shape, SpindleMode,
+    SpindleSpeed, Work, code_file::CodeFile,
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -114,8 +114,8 @@ fn formulas() -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
-/// A machine-code file with one of everything.
-fn code_files() -> Vec<Vec<u8>> {
+/// One item of everything, and the passes of an example.
+fn items() -> [Vec<Item>; 2] {
     let point = |x: f64, z: f64| {
         let mut point: PerAxis<Position> = [Position(0); 8];
         (point[0], point[2]) = (Position::from_mm(x), Position::from_mm(z));
@@ -150,6 +150,15 @@ fn code_files() -> Vec<Vec<u8>> {
         work(Shape::Seam(seam)),
         Code::End,
     ];
+    let items: Vec<Item> = (1..).zip(codes).map(|(line, code)| Item { line, code }).collect();
+    let threads = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/m20x2.ngc"));
+    let threads = threads.expect("the example can be read");
+    let compiled = interpreter::Interpreter::of_text("m20x2.ngc", threads, &Machine::default());
+    [items, compiled.map_while(Result::ok).collect()]
+}
+
+/// The same as machine-code files.
+fn code_files() -> Vec<Vec<u8>> {
     let file = |items: Vec<Item>| {
         let mut bytes = Vec::new();
         CodeFile::new("mutated.ngc", &Machine::default().identity(), items)
@@ -157,11 +166,13 @@ fn code_files() -> Vec<Vec<u8>> {
             .expect("it is sound");
         bytes
     };
-    let items: Vec<Item> = (1..).zip(codes).map(|(line, code)| Item { line, code }).collect();
-    let threads = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/m20x2.ngc"));
-    let threads = threads.expect("the example can be read");
-    let compiled = interpreter::Interpreter::of_text("m20x2.ngc", threads, &Machine::default());
-    vec![file(items), file(compiled.map_while(Result::ok).collect())]
+    items().into_iter().map(file).collect()
+}
+
+/// The same as packets, each the first of a program.
+fn code_packets() -> Vec<Vec<u8>> {
+    let all = items().into_iter().flatten();
+    all.map(|item| CodePacket::pack(0, &item).as_bytes().to_vec()).collect()
 }
 
 /// Tells which mutation is at work when the target panics.
@@ -221,6 +232,22 @@ fn program_fanuc() {
 #[test]
 fn code_file() {
     mutate(targets::code_file, &code_files());
+}
+
+#[test]
+fn code_packet() {
+    mutate(targets::code_packet, &code_packets());
+}
+
+/// A queue takes packets in the tick of the interpolator.
+#[test]
+fn reading_a_packet_allocates_nothing() {
+    let packets: Vec<CodePacket> =
+        items().into_iter().flatten().map(|item| CodePacket::pack(0, &item)).collect();
+    let memory = allocation_counter::measure(|| {
+        assert!(packets.iter().all(|packet| packet.unpack(0).is_ok()));
+    });
+    assert_eq!(memory.count_total, 0);
 }
 
 /// The name of the program says that it is half a gigabyte long.

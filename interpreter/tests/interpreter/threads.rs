@@ -4,7 +4,7 @@ use interpreter::thread::{Cut, Plan, Point, plan};
 use machine::Machine;
 use motion::Limits;
 use proptest::prelude::*;
-use protocol::{Axis, AxisLaw, Position};
+use protocol::{Axis, AxisLaw, Code, CodePacket, Item, Position, ThreadPass};
 
 fn machine() -> Machine {
     Machine::default()
@@ -118,6 +118,12 @@ fn assert_flank(cut: &Cut, plan: &Plan, machine: &Machine) -> Result<(), TestCas
     Ok(())
 }
 
+/// Bytes of a pass on its way to the interpolator, far down in a long program.
+fn bytes_on_the_wire(pass: ThreadPass) -> usize {
+    let item = Item { line: 99_999, code: Code::Pass(ThreadPass { pass: 250, start: 3, ..pass }) };
+    CodePacket::pack(1_000_000, &item).as_bytes().len()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, max_global_rejects: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -166,6 +172,18 @@ proptest! {
         let x = plan.pass.axis(Axis::X);
         let end = cut.from.x + cut.lead.x * (cut.to_z - cut.from.z) / cut.lead.z + cut.retract_mm;
         prop_assert!((x.end.mm() - end).abs() < 3e-9);
+    }
+
+    #[test]
+    fn a_pass_fits_in_two_hundred_bytes(cut in cycle_cut(), tapered in taper_cut(), start in 0..8u32) {
+        for cut in [cut, tapered] {
+            // Speeds and starts are round numbers; nothing else is.
+            let cut = Cut { s_rpm: cut.s_rpm.ceil(), start_deg: 45.0 * f64::from(start), ..cut };
+            if let Ok(plan) = plan(&cut, &machine()) {
+                let bytes = bytes_on_the_wire(plan.pass);
+                prop_assert!(bytes <= 200, "{bytes} bytes for {cut:?}");
+            }
+        }
     }
 
     #[test]

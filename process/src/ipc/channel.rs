@@ -4,7 +4,7 @@
 use std::{any::Any, marker::PhantomData};
 
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, Message, SpindleCommand,
+    Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, Payload, SpindleCommand,
     Truth, operator::OperatorRequest, status::MachineStatus,
 };
 
@@ -149,7 +149,7 @@ impl<T> Channel<T> {
     }
 }
 
-impl<T: Message> Channel<T> {
+impl<T: Payload> Channel<T> {
     /// `machine-code`, `axis-command/x` …
     ///
     /// # Panics
@@ -172,7 +172,7 @@ impl<T: Message> Channel<T> {
             receivers,
             depth: self.depth,
             keep: self.keep,
-            message_bytes: size_of::<T>(),
+            message_bytes: T::MOST_BYTES,
             create: Box::new(move |node| Ok(Box::new(port::create_service(node, &self, from, to)?))),
         }
     }
@@ -190,7 +190,7 @@ pub struct Row {
     pub depth: usize,
     /// What happens when that many wait.
     pub keep: Keep,
-    /// Size of a message, bytes.
+    /// Most bytes of a message.
     pub message_bytes: usize,
     pub(crate) create: Create,
 }

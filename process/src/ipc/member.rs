@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use iceoryx2::prelude::{LogLevel, NodeBuilder, SignalHandlingMode, ipc};
 
-use protocol::Message;
+use protocol::Payload;
 
 use super::{
     Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker, channel,
@@ -58,7 +58,7 @@ impl Member {
     ///
     /// # Errors
     /// [`IpcError::Bus`], for instance if the channel has its sender already.
-    pub fn sender<T: Message>(&self, channel: Channel<T>, patience: Patience) -> Result<Sender<T>, IpcError> {
+    pub fn sender<T: Payload>(&self, channel: Channel<T>, patience: Patience) -> Result<Sender<T>, IpcError> {
         Sender::open(&self.node, channel, patience)
     }
 
@@ -66,7 +66,7 @@ impl Member {
     ///
     /// # Errors
     /// [`IpcError::Bus`], for instance if all its receivers are there already.
-    pub fn receiver<T: Message>(&self, channel: Channel<T>) -> Result<Receiver<T>, IpcError> {
+    pub fn receiver<T: Payload>(&self, channel: Channel<T>) -> Result<Receiver<T>, IpcError> {
         Receiver::open(&self.node, channel)
     }
 

@@ -11,7 +11,7 @@ use iceoryx2::{
     service::port_factory::publish_subscribe::PortFactory,
 };
 
-use protocol::Message;
+use protocol::Payload;
 
 use super::{ChannelCount, IpcError, Keep, channel::Channel, time::Moment};
 
@@ -27,7 +27,7 @@ pub(crate) type Node = iceoryx2::node::Node<ipc::Service>;
 type Service = PortFactory<ipc::Service, [u8], RunningNumber>;
 
 /// The owner's part: a channel exists, with its properties, before anybody opens it.
-pub(crate) fn create_service<T: Message>(
+pub(crate) fn create_service<T: Payload>(
     node: &Node,
     channel: &Channel<T>,
     senders: usize,
@@ -49,7 +49,7 @@ pub(crate) fn create_service<T: Message>(
 }
 
 /// Opens what the owner made. Only that type and size are the same is asked; the rest is read from the channel.
-fn open_service<T: Message>(node: &Node, name: &str) -> Result<Service, IpcError> {
+fn open_service<T: Payload>(node: &Node, name: &str) -> Result<Service, IpcError> {
     use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as Error;
     let deadline = Moment::now().after(Duration::from_secs(2));
     loop {
@@ -71,10 +71,10 @@ pub(crate) fn service_name(name: &str) -> Result<iceoryx2::prelude::ServiceName,
     format!("pitchlock/{name}").as_str().try_into().map_err(|error| IpcError::bus(name, error))
 }
 
-/// Name of a channel, of the type that it carries, with its version, and of its size: ends that differ in any of these do
+/// Name of a channel, of the type that it carries, with its version, and of its most bytes: ends that differ in any of these do
 /// not find each other.
-fn typed_name<T: Message>(name: &str) -> Result<iceoryx2::prelude::ServiceName, IpcError> {
-    service_name(&format!("{name}/{}/{}", T::NAME, size_of::<T>()))
+fn typed_name<T: Payload>(name: &str) -> Result<iceoryx2::prelude::ServiceName, IpcError> {
+    service_name(&format!("{name}/{}/{}", T::NAME, T::MOST_BYTES))
 }
 
 /// An end of a channel that must find its other end before the machine starts.
@@ -126,7 +126,7 @@ pub enum Undelivered {
 
 /// The sending end of a channel.
 #[derive(Debug)]
-pub struct Sender<T: Message> {
+pub struct Sender<T: Payload> {
     service: Service,
     publisher: Publisher<ipc::Service, [u8], RunningNumber>,
     expected: usize,
@@ -135,13 +135,13 @@ pub struct Sender<T: Message> {
     message: PhantomData<fn(T)>,
 }
 
-impl<T: Message> Sender<T> {
+impl<T: Payload> Sender<T> {
     pub(crate) fn open(node: &Node, channel: Channel<T>, patience: Patience) -> Result<Sender<T>, IpcError> {
         let name = channel.name();
         let service = open_service::<T>(node, &name)?;
         let builder =
             service.publisher_builder().max_loaned_samples(1).set_degradation_handler(fail_if_degraded);
-        let builder = builder.initial_max_slice_len(size_of::<T>());
+        let builder = builder.initial_max_slice_len(T::MOST_BYTES);
         let builder = match patience {
             Patience::Forever => builder,
             Patience::Bounded(limit) => {
@@ -166,13 +166,14 @@ impl<T: Message> Sender<T> {
             SendError::UnableToDeliver => Undelivered::Full(self.count.name.clone()),
             other => Undelivered::Broken { name: self.count.name.clone(), reason: other.to_string() },
         };
+        let bytes = message.bytes();
         let mut sample =
-            self.publisher.loan_slice_uninit(size_of::<T>()).map_err(|error| broken(error.into()))?;
+            self.publisher.loan_slice_uninit(bytes.len()).map_err(|error| broken(error.into()))?;
         *sample.user_header_mut() = self.next;
         self.next.0 += 1;
-        let reached = sample.write_from_slice(message.as_bytes()).send().map_err(broken)?;
+        let reached = sample.write_from_slice(bytes).send().map_err(broken)?;
         self.count.sent += reached as u64;
-        self.count.bytes += (reached * size_of::<T>()) as u64;
+        self.count.bytes += (reached * bytes.len()) as u64;
         if reached < self.expected {
             let (name, expected) = (self.count.name.clone(), self.expected);
             return Err(Undelivered::Receivers { name, reached, expected });
@@ -191,7 +192,7 @@ impl<T: Message> Sender<T> {
     }
 }
 
-impl<T: Message> Port for Sender<T> {
+impl<T: Payload> Port for Sender<T> {
     fn name(&self) -> &str {
         &self.count.name
     }
@@ -205,7 +206,7 @@ impl<T: Message> Port for Sender<T> {
 
 /// The receiving end of a channel.
 #[derive(Debug)]
-pub struct Receiver<T: Message> {
+pub struct Receiver<T: Payload> {
     service: Service,
     subscriber: Subscriber<ipc::Service, [u8], RunningNumber>,
     expected: usize,
@@ -215,7 +216,7 @@ pub struct Receiver<T: Message> {
     message: PhantomData<fn() -> T>,
 }
 
-impl<T: Message> Receiver<T> {
+impl<T: Payload> Receiver<T> {
     pub(crate) fn open(node: &Node, channel: Channel<T>) -> Result<Receiver<T>, IpcError> {
         let name = channel.name();
         let service = open_service::<T>(node, &name)?;
@@ -245,8 +246,8 @@ impl<T: Message> Receiver<T> {
             self.count.lost += number.saturating_sub(self.next.0);
             self.next = RunningNumber(number + 1);
         }
-        let message = T::read_from_bytes(sample.payload());
-        message.map(Some).map_err(|_| IpcError::bus(&self.count.name, "a message of another size"))
+        let message = T::from_payload(sample.payload());
+        message.map(Some).ok_or_else(|| IpcError::bus(&self.count.name, "a message of another size"))
     }
 
     /// What was received and missed so far.
@@ -255,7 +256,7 @@ impl<T: Message> Receiver<T> {
     }
 }
 
-impl<T: Message> Port for Receiver<T> {
+impl<T: Payload> Port for Receiver<T> {
     fn name(&self) -> &str {
         &self.count.name
     }

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
 
 use machine::{Machine, MachineError};
-use protocol::Message;
+use protocol::Payload;
 
 use crate::ipc::{IpcError, Member, Patience, Process, Sender, Undelivered, time};
 
@@ -120,7 +120,7 @@ pub fn wait(member: &mut Member, clock: Clock) -> Result<(), ShellError> {
 ///
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.
-pub fn deliver<T: Message>(sender: &mut Sender<T>, message: &T) -> Result<(), ShellError> {
+pub fn deliver<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), ShellError> {
     match sender.send(message) {
         Ok(()) | Err(Undelivered::Full(_)) => Ok(()),
         Err(Undelivered::Receivers { .. }) => {

@@ -7,7 +7,7 @@ use process::ipc::{
     ChannelCount, IpcError, Keep, Member, NameSpace, Patience, Port, Process, Undelivered, channel,
     time::Moment, total,
 };
-use protocol::{Axis, CodePacket, Credit, Cycle, DriveCommand, Measurement};
+use protocol::{Axis, Code, CodePacket, Credit, Cycle, DriveCommand, Item, Measurement};
 
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
 const SHORT: Patience = Patience::Bounded(Duration::from_micros(200));
@@ -21,6 +21,11 @@ fn connect(ports: &[&dyn Port]) {
     while !ports.iter().all(|port| port.connected().unwrap()) {
         assert!(!deadline.passed(), "not connected");
     }
+}
+
+/// Some machine code.
+fn dwell(sequence: u64) -> CodePacket {
+    CodePacket::pack(sequence, &Item { line: 7, code: Code::Dwell { seconds: 0.5 } })
 }
 
 fn shared_memory_of(address: &str) -> Vec<String> {
@@ -37,14 +42,14 @@ fn a_lossless_channel_keeps_order_and_counts() {
     let mut receiver = other.receiver(channel::MACHINE_CODE).unwrap();
     connect(&[&sender, &receiver]);
     for sequence in 0..1000 {
-        sender.send(&CodePacket { sequence, ..CodePacket::default() }).unwrap();
+        sender.send(&dwell(sequence)).unwrap();
         if sequence % 3 == 2 {
             for expected in sequence - 2..=sequence {
-                assert_eq!(receiver.receive().unwrap().unwrap().sequence, expected);
+                assert_eq!(receiver.receive().unwrap(), Some(dwell(expected)));
             }
         }
     }
-    let bytes = 1000 * size_of::<CodePacket>() as u64;
+    let bytes = (0..1000).map(|sequence| dwell(sequence).as_bytes().len() as u64).sum();
     let expected = ChannelCount { name: "machine-code".into(), sent: 1000, received: 999, lost: 0, bytes };
     assert_eq!(total([sender.count(), receiver.count()]), [expected]);
 }
@@ -57,15 +62,15 @@ fn a_full_queue_is_an_error_in_bounded_time_and_nothing_queued_is_lost() {
     let mut receiver = other.receiver(channel::MACHINE_CODE).unwrap();
     connect(&[&sender, &receiver]);
     for sequence in 0..channel::CODE_DEPTH {
-        sender.send(&CodePacket { sequence, ..CodePacket::default() }).unwrap();
+        sender.send(&dwell(sequence)).unwrap();
     }
-    let refused = sender.send(&CodePacket::default());
+    let refused = sender.send(&dwell(0));
     assert_eq!(refused, Err(Undelivered::Full("machine-code".into())));
     for sequence in 0..channel::CODE_DEPTH {
-        assert_eq!(receiver.receive().unwrap().unwrap().sequence, sequence);
+        assert_eq!(receiver.receive().unwrap(), Some(dwell(sequence)));
     }
     assert!(receiver.receive().unwrap().is_none());
-    sender.send(&CodePacket::default()).unwrap();
+    sender.send(&dwell(0)).unwrap();
     assert!(receiver.receive().unwrap().is_some());
     assert_eq!(receiver.count().lost, 1, "the refused message shows as a gap");
 }

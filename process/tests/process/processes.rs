@@ -15,12 +15,13 @@ use process::ipc::{
     time::{Moment, sleep_until},
     total,
 };
-use protocol::{Axis, CodePacket, Cycle, DriveCommand, Measurement};
+use protocol::{Axis, Code, CodePacket, Cycle, DriveCommand, Item, Measurement};
 
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
 const ROLE: &str = "PITCHLOCK_TEST_ROLE";
 const ADDRESS: &str = "PITCHLOCK_TEST_ADDRESS";
 const CYCLES: u64 = 2000;
+const END: Item = Item { line: 1, code: Code::End };
 
 fn command(role: &str, address: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
@@ -120,10 +121,10 @@ fn interpreter(address: &str) {
     let mut code = member.sender(channel::MACHINE_CODE, Patience::Forever).unwrap();
     member.start(&[&code], Moment::in_s(10.0)).unwrap();
     for _ in 0..channel::CODE_DEPTH {
-        code.send(&CodePacket::default()).unwrap();
+        code.send(&CodePacket::pack(0, &END)).unwrap();
     }
     println!("\nfull");
-    let error = code.send(&CodePacket::default()).unwrap_err();
+    let error = code.send(&CodePacket::pack(0, &END)).unwrap_err();
     assert!(matches!(error, Undelivered::Receivers { reached: 0, expected: 1, .. }), "{error}");
     assert_eq!(code.count().sent, channel::CODE_DEPTH);
     while !member.is_gone(Process::Interpolator) {

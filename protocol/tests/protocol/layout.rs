@@ -1,4 +1,4 @@
-//! The layout of everything on the wire. A channel compares name and size of what it carries, but not the order of the
+//! The layout of every message of one size. A channel compares name and size of what it carries, but not the order of the
 //! fields: whoever changes a layout has to change the version in the type's name, and this file.
 
 use std::mem::offset_of;
@@ -18,16 +18,8 @@ macro_rules! layout {
     };
 }
 
-layout!(code_packet: CodePacket, 2016, "pitchlock/code-packet/4", {
-    sequence: 0, line: 8, kind: 12, number: 16, turns: 20, plane: 24, reserved: 28, value: 32, bound: 40,
-    target: 48, center: 112, pass: 128, operations: 1152, constants: 1248, trace: 1504,
-});
 layout!(credit: Credit, 8, "pitchlock/credit/1", {
     taken: 0,
-});
-layout!(thread_pass: ThreadPass, 1024, {
-    pass: 0, start: 4, s_rpm: 8, direction: 16, start_angle_deg: 24, lead_mm: 32, thread_end_deg: 40,
-    max_ratio: 48, depth_mm: 56, axes: 64,
 });
 layout!(axis_law: AxisLaw, 120, {
     start: 0, end: 8, stroke_mm: 16, stroke_c0_deg: 24, stroke_dc_deg: 32, lead_mm: 40,

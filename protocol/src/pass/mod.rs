@@ -4,6 +4,8 @@
 //! Angles in degrees of the spindle since the index the pass starts from, growing in the direction of the spindle;
 //! lengths in mm; S in 1/min.
 
+mod stored;
+
 use motion::Window;
 use serde::{Deserialize, Serialize};
 use zerocopy::{FromBytes, Immutable, IntoBytes};
@@ -16,7 +18,7 @@ use crate::{
 /// What one axis does in a pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead (M13),
 /// the lead (M14), a brake (M15), and a stroke out (M2). A part that does not occur has length or lead 0; the retract
 /// window is given all the same, because it says how long the axis belongs to the pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, IntoBytes, FromBytes, Immutable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisLaw {
     /// Where the axis rests before the pass.
@@ -150,8 +152,8 @@ pub fn check_speed(s_rpm: f64) -> Result<(), Refused> {
 }
 
 /// One pass of a thread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, IntoBytes, FromBytes, Immutable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(into = "stored::Stored", from = "stored::Stored")]
 pub struct ThreadPass {
     /// Running number in the program, from 1.
     pub pass: u32,

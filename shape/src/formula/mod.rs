@@ -12,6 +12,8 @@
 //! | 16 … 27 | functions, in the order of [`Function::ALL`] |
 //! | 128 … 255 | power with the exponent −64 … 63 |
 
+mod stored;
+
 use serde::{Deserialize, Serialize};
 
 use crate::number::{Function, Number};
@@ -83,7 +85,7 @@ impl core::fmt::Display for FormulaError {
 /// assert_eq!(square.eval([Series::variable(3.0); 2]).0, [9.0, 6.0, 1.0, 0.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Stored", into = "Stored")]
+#[serde(try_from = "stored::Stored", into = "stored::Stored")]
 pub struct Formula {
     codes: [u8; Formula::OPS],
     constants: [f64; Formula::CONSTANTS],
@@ -226,28 +228,5 @@ fn op_of(code: u8, constants: &mut impl Iterator<Item = f64>) -> Option<Op> {
         8 => Some(Op::Neg),
         POWER.. => Some(Op::Powi(i32::from(code) - POWER_0)),
         _ => Function::ALL.get(usize::from(code.checked_sub(FUNCTION)?)).copied().map(Op::Apply),
-    }
-}
-
-/// A formula in a file.
-#[derive(Serialize, Deserialize)]
-struct Stored {
-    codes: Vec<u8>,
-    constants: Vec<f64>,
-}
-
-impl From<Formula> for Stored {
-    fn from(formula: Formula) -> Stored {
-        let codes: Vec<u8> = formula.codes.into_iter().take_while(|code| *code != 0).collect();
-        let count = codes.iter().filter(|code| **code == 1).count();
-        Stored { codes, constants: formula.constants.into_iter().take(count).collect() }
-    }
-}
-
-impl TryFrom<Stored> for Formula {
-    type Error = FormulaError;
-
-    fn try_from(stored: Stored) -> Result<Formula, FormulaError> {
-        Formula::decode(&stored.codes, &stored.constants)
     }
 }
