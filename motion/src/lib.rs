@@ -1,4 +1,6 @@
-//! Laws of motion of a machine synchronised with its spindle: pure mathematics, no state of the machine, no I/O.
+#![doc = include_str!("../README.md")]
+//!
+//! # Laws and their equations
 //!
 //! | law | type | equations |
 //! |---|---|---|
@@ -11,8 +13,6 @@
 //! | a chain of blocks: look-ahead, blends, overrides, hold | [`chain::Chain`] | M24–M26, M65–M66 |
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
-//! | how fine positions, speeds, accelerations, jerks have to be | [`resolution`] | M28–M35 |
-//! | standard tolerances of lengths, ISO 286-1 | [`tolerance`] | M94 |
 //!
 //! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to `p`. For
 //! a thread `p` is the *time at programmed speed*, `p = (C − C0)/(6 S)` (M1), so the path follows the measured
@@ -63,11 +63,9 @@ mod pass;
 mod path;
 mod ramp;
 mod reach;
-pub mod resolution;
 mod sample;
 mod search;
 mod stroke;
-pub mod tolerance;
 mod versine;
 
 pub use blend::Blend;

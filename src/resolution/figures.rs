@@ -1,6 +1,6 @@
 //! Pictures of what is needed and what there is. In: what was asked. Out: figures.
 
-use motion::{
+use adviser::{
     resolution::{Counts, double_mm},
     tolerance::Grade,
 };

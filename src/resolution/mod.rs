@@ -2,7 +2,7 @@
 //! whether its encoders and its wire are. In: a machine file, or limits of a motion; a tolerance. Out: tables on the
 //! screen, one JSON document, a page with pictures.
 //!
-//! The equations are in `motion::resolution` (M28–M35) and `motion::tolerance` (M94); M95 says what a tolerance is on an
+//! The equations are in `adviser::resolution` (M28–M35) and `adviser::tolerance` (M94); M95 says what a tolerance is on an
 //! axis that turns, and a count of the spindle along a thread:
 //!
 //! ```text
@@ -19,9 +19,9 @@ mod verdict;
 
 use std::{path::PathBuf, process::ExitCode};
 
+use adviser::{resolution::Steps, tolerance::Grade};
 use clap::Args;
 use machine::Machine;
-use motion::{resolution::Steps, tolerance::Grade};
 
 use crate::{args::MachineArgs, error::CliError, screen};
 use needs::AxisNeeds;

@@ -1,8 +1,8 @@
 //! What each axis needs (M30–M33), beside what it counts in. In: limits of an axis, tolerance of the part, into how many
 //! steps each is divided. Out: steps in mm or degrees per cycleⁿ, and what they are in counts (M29, M34).
 
+use adviser::resolution::{Counts, Demand, Required, Steps, order};
 use machine::AxisConfig;
-use motion::resolution::{Counts, Demand, Required, Steps, order};
 use protocol::Axis;
 
 /// One axis, or the motion that was given.
@@ -153,7 +153,7 @@ impl AxisNeeds {
                 of: QUANTITIES[place],
                 order: n,
                 unit: format!("{unit}/s{}", ["", "", "²", "³"][place]),
-                counts: motion::resolution::difference_bound(n),
+                counts: adviser::resolution::difference_bound(n),
                 largest,
                 rms: self.encoder.difference_rms(n),
                 of_limit_pct: 100.0 * largest / limits[place - 1],

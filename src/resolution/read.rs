@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use machine::{Kinematics, Machine};
-use motion::{
+use adviser::{
     resolution::{Demand, Steps},
     tolerance::{Grade, ToleranceError},
 };
+use machine::{Kinematics, Machine};
 use protocol::Axis;
 
 use super::{Asked, Parts, ResolutionArgs, Source, needs::AxisNeeds, needs::turned};

@@ -1,7 +1,7 @@
 //! What is needed and what there is, as tables and sentences. In: what was asked, answers. Out: text for the screen, tables
 //! for the page.
 
-use motion::tolerance::Grade;
+use adviser::tolerance::Grade;
 
 use super::{Asked, Source, needs::AxisNeeds, verdict::Verdict};
 use report::table::{Place, Table, six, three};

@@ -1,8 +1,8 @@
 //! Whether what a machine counts in is fine enough, and what to change where it is not. In: needs of its axes, its
 //! encoders, scales, spindle, and the numbers on the wire. Out: one answer each.
 
+use adviser::resolution::{counts_per_mm, double_mm, order};
 use machine::{AxisConfig, Feedforward, Kinematics, Machine};
-use motion::resolution::{counts_per_mm, double_mm, order};
 use protocol::Position;
 
 use super::{

@@ -8,13 +8,14 @@ use sim_plant::Scenario;
 use super::{files, none, project, read};
 
 /// Files and folders whose names begin a path of this project.
-const ROOTS: [&str; 16] = [
+const ROOTS: [&str; 17] = [
     "src/",
     "tests/",
     "docs/",
     "examples/",
     "benches/",
     "motion/",
+    "adviser/",
     "shape/",
     "protocol/",
     "interpreter/",

@@ -14,8 +14,9 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 16] = [
+const CRATES: [(&str, &[&str]); 17] = [
     ("motion", &[]),
+    ("adviser", &[]),
     ("shape", &["motion"]),
     ("gcode", &[]),
     ("protocol", &["motion", "shape"]),
@@ -45,6 +46,7 @@ const CRATES: [(&str, &[&str]); 16] = [
     (
         "experiment",
         &[
+            "adviser",
             "interpreter",
             "machine",
             "motion",

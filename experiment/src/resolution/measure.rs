@@ -18,8 +18,8 @@
 
 use core::f64::consts::TAU;
 
+use adviser::resolution::difference_rms;
 use machine::{AxisConfig, Machine};
-use motion::resolution::difference_rms;
 use protocol::{Axis, AxisState};
 use rig::{observe::Record, trial::Trial};
 

@@ -1,13 +1,11 @@
-//! The figures of the published method, computed by `motion::resolution`, and what a machine and its wire need and have.
+//! The figures of the published method, computed by `adviser::resolution`, and what a machine and its wire need and have.
 //! In: the published cases, a machine. Out: tables. mm, mm/min, m/s², m/s³, Hz.
 
-use machine::Machine;
-use motion::{
-    Ramp,
-    resolution::{
-        Counts, Demand, FeedError, Required, Steps, counts_per_mm, double_mm, order, position_mm, single_mm,
-    },
+use adviser::resolution::{
+    Counts, Demand, FeedError, Required, Steps, counts_per_mm, double_mm, order, position_mm, single_mm,
 };
+use machine::Machine;
+use motion::Ramp;
 use protocol::{Axis, Position};
 
 use report::table::{Column, Table, six, three};

@@ -1,7 +1,7 @@
 //! The published cases against the reference values, and the rows against the reference simulation.
 
+use adviser::resolution::{Required, order};
 use machine::Machine;
-use motion::resolution::{Required, order};
 use protocol::Axis;
 use serde_json::Value;
 

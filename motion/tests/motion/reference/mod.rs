@@ -2,7 +2,6 @@
 //! The folder is `PITCHLOCK_REFERENCE_DIR`, otherwise `tests/reference` of the workspace.
 
 mod feed;
-mod resolution;
 mod stroke;
 mod z_axis;
 

@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// ```
 /// // A control of 1 µm and 1 ms sees a feed of 10 mm/min as a count in every sixth cycle.
-/// let counts = motion::resolution::Counts { per_mm: 1000.0, cycle_hz: 1000.0 };
+/// let counts = adviser::resolution::Counts { per_mm: 1000.0, cycle_hz: 1000.0 };
 /// let error = counts.feed_error(10.0);
 /// assert_eq!((error.low, error.high), (0.0, 1.0));
 /// assert!((error.high_pct - 500.0).abs() < 1e-9);
@@ -224,7 +224,7 @@ impl Steps {
 /// The coarsest steps with which a machine can do what it has to (M30–M33).
 ///
 /// ```
-/// use motion::resolution::{Demand, Required, Steps, order};
+/// use adviser::resolution::{Demand, Required, Steps, order};
 /// let lathe = Demand {
 ///     tolerance_um: 6.0, feed_mm_min: 5000.0, acceleration_m_s2: 1.962, jerk_m_s3: 1.0, cycle_hz: 1000.0,
 /// };

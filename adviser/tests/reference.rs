@@ -1,9 +1,7 @@
 //! `resolution.json`: positions that are counted, and the steps that feed, acceleration and jerk need (M28–M35).
 
-use motion::{
-    Ramp,
-    resolution::{Counts, Demand, Required, Steps, counts_per_mm, order, position_mm},
-};
+use adviser::resolution::{Counts, Demand, Required, Steps, counts_per_mm, order, position_mm};
+use motion::Ramp;
 use serde::Deserialize;
 use testing::reference::{close, parameter, read};
 

@@ -55,10 +55,10 @@ const STEPS: [(f64, [f64; GRADES]); 21] = [
 /// A standard tolerance grade, finest first.
 ///
 /// ```
-/// use motion::tolerance::Grade;
+/// use adviser::tolerance::Grade;
 /// let grade: Grade = "IT7".parse()?;
 /// assert_eq!(grade.tolerance_um(50.0)?, 25.0);
-/// # Ok::<(), motion::tolerance::ToleranceError>(())
+/// # Ok::<(), adviser::tolerance::ToleranceError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Grade(u8);
