@@ -52,6 +52,11 @@ impl<'a> Axes<'a> {
         self.each().any(|(_, status)| status.state().has_begun())
     }
 
+    /// Whether the law of a pass leads one of them already.
+    pub(crate) fn under_law(&self) -> bool {
+        self.each().any(|(_, status)| (AxisState::RunIn..=AxisState::RunOut).contains(&status.state()))
+    }
+
     /// Whether all rest where a pass ends.
     pub(crate) fn at_end_of(&self, pass: &ThreadPass) -> bool {
         self.each().all(|(axis, status)| near(status.commanded_mm, pass.axis(axis).end.mm()))

@@ -94,7 +94,9 @@ pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, ticks: u64, taken_ba
         Task::Arming { sent, .. } if cycle < sent.after(ARMED_TICKS * ticks) => Event::Nothing,
         Task::Arming { pass, .. } if axes.armed_with(pass.pass.pass) => Event::Armed,
         Task::Arming { .. } => Event::Fault(Fault::PassCalledOff),
-        Task::Armed(_) | Task::CallingOff(_) if axes.begun() => Event::Begun,
+        Task::Armed(_) if axes.begun() => Event::Begun,
+        // An axis that has seen the index and has not moved can still be called off.
+        Task::CallingOff(_) if axes.under_law() => Event::Begun,
         Task::Armed(pass) | Task::CallingOff(pass) | Task::Cutting(pass) if axes.stream() => {
             let calling_off = matches!(task, Task::CallingOff(_));
             match () {

@@ -16,7 +16,8 @@
 //! | Arming | every axis is armed two ticks later | Armed | hold |
 //! | Arming | one is not | Fault | **call off** |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
-//! | Armed, CallingOff | an axis has seen the index | Cutting | hold |
+//! | Armed | an axis has seen the index | Cutting | hold |
+//! | CallingOff | the law of the pass leads an axis already | Cutting | hold |
 //! | CallingOff | every axis streams at the start of the pass | Ready | stream |
 //! | Armed, CallingOff, Cutting | every axis streams at the end of the pass | Ready | hold |
 //! | Ending | the spindle stands | Ended | stream |
@@ -162,7 +163,7 @@ pub(crate) enum Event {
     Armed,
     /// The operator wants the machine to hold, or to end the program.
     TakenBack,
-    /// An axis has seen the index.
+    /// An axis has seen the index; of a pass that is called off, its law leads an axis.
     Begun,
     /// The pass is called off, every axis rests at its start.
     CalledOff,

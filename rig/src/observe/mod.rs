@@ -88,7 +88,7 @@ pub struct Observation {
     /// BLAKE3 over the bytes of every truth (which holds the measurement), of every axis status, and of the
     /// machine status of every tick, in this order within a cycle; hex.
     pub trace_hash: String,
-    /// The passes that took an index, in the order of their cutting.
+    /// The passes whose law has moved an axis, in the order of their cutting.
     pub passes: Vec<PassReport>,
     /// The threads.
     pub thread: ThreadReport,

@@ -241,9 +241,9 @@ impl PassObserver {
         self.axes.iter().find_map(|track| track.index_deg)
     }
 
-    /// The measures of the pass; `None` if no axis took an index, so that nothing was cut.
+    /// The measures of the pass; `None` if its law moved no axis: it was called off, and is not a pass.
     pub(super) fn finish(&self) -> Option<PassReport> {
-        let index_deg = self.index_deg()?;
+        let index_deg = self.index_deg().filter(|_| self.end_cycle > 0)?;
         let ThreadPass { pass, start, s_rpm, direction, thread_end_deg, max_ratio, depth_mm, .. } = self.pass;
         let (run_in, x) = (self.pass.axis(self.along), self.pass.axis(Axis::X));
         let (rpm_min, rpm_max) = self.rpm.ends();
