@@ -177,11 +177,14 @@ impl Interpolator {
             Task::Paused { cycle_starts } if panel.cycle_starts != *cycle_starts || ends(panel) => {
                 Event::Over
             }
-            task @ (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff(_) | Task::Cutting(_)) => {
+            task @ (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_)) => {
                 let taken_back = panel.pressed(Panel::FEED_HOLD) || ends(panel);
                 pass::watch(task, &axes, cycle, self.machine.cycles_per_tick(), taken_back)
             }
-            Task::Ending { .. } if self.spindle.stands() => Event::Stands,
+            // Setpoints lie ahead: the axes come to rest that much later than they were told to.
+            Task::Ending { .. } if self.spindle.stands() && self.patience.waited() > SETPOINT_LEAD => {
+                Event::Stands
+            }
             _ => Event::Nothing,
         };
         (self.travel.rest(due), event)

@@ -3,7 +3,8 @@
 //!
 //! Nothing has moved when a pass is called off, whatever the moment. Tick n looks at the statuses of cycle n − 1. While
 //! they say that no index has been seen, the index comes at cycle n at the earliest, and a frame that calls the pass off is
-//! in force at n + K, with K control cycles to a tick. [`Machine::can_follow`] proves that no axis moves so early.
+//! in force at n + K, with K control cycles to a tick. [`Machine::can_follow`] proves that no axis moves so early, and every
+//! regulator gives a pass up until then, and none of them after it.
 
 use machine::Machine;
 use protocol::{Axis, AxisCommand, Cycle, Fault, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
@@ -16,10 +17,10 @@ use crate::{
 
 /// Interpolator cycles from arming to the first index that counts: one for the way there, one for the status to come
 /// back, one for calling off, one to spare.
-pub(crate) const ARMING_TICKS: u64 = 4;
+const ARMING_TICKS: u64 = 4;
 
-/// Ticks after arming at which every axis must have said that it is armed.
-pub(crate) const ARMED_TICKS: u64 = 2;
+/// Ticks after which a status answers a frame: one for the way there, one for the way back.
+const ANSWER_TICKS: u64 = 2;
 
 /// The regulators have watched the spindle for so many periods of their observer before a pass: what they did not know of
 /// its speed when they began is forgotten then.
@@ -88,24 +89,24 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     Ok(Ready::Arm(InHand { pass: *pass, not_before }))
 }
 
-/// What a pass in hand finds in a tick: `task` is one of those that have one.
+/// What a pass in hand finds in a tick: `task` is one of those that have one, `ticks` the control cycles of one.
 pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, ticks: u64, taken_back: bool) -> Event {
+    let answered = |sent: &Cycle| cycle >= sent.after(ANSWER_TICKS * ticks);
     match task {
-        Task::Arming { sent, .. } if cycle < sent.after(ARMED_TICKS * ticks) => Event::Nothing,
+        Task::Arming { sent, .. } if !answered(sent) => Event::Nothing,
         Task::Arming { pass, .. } if axes.armed_with(pass.pass.pass) => Event::Armed,
         Task::Arming { .. } => Event::Fault(Fault::PassCalledOff),
         Task::Armed(_) if axes.begun() => Event::Begun,
-        // An axis that has seen the index and has not moved can still be called off.
-        Task::CallingOff(_) if axes.under_law() => Event::Begun,
-        Task::Armed(pass) | Task::CallingOff(pass) | Task::Cutting(pass) if axes.stream() => {
-            let calling_off = matches!(task, Task::CallingOff(_));
+        Task::CallingOff { sent, .. } if answered(sent) && axes.under_law() => Event::Begun,
+        Task::Armed(pass) | Task::CallingOff { pass, .. } | Task::Cutting(pass) if axes.stream() => {
+            let calling_off = matches!(task, Task::CallingOff { .. });
             match () {
                 () if axes.at_end_of(&pass.pass) => Event::Cut,
                 () if calling_off && axes.at_start_of(&pass.pass) => Event::CalledOff,
                 () => Event::Fault(Fault::PassCalledOff),
             }
         }
-        Task::Armed(_) if taken_back => Event::TakenBack,
+        Task::Armed(_) if taken_back => Event::TakenBack(cycle),
         _ => Event::Nothing,
     }
 }

@@ -1,14 +1,53 @@
 //! What the axes of a machine can do: reach a point, turn an arc, follow a pass. In: machine code that has been checked.
+
 use protocol::{Arc, PerAxis, Position, ThreadPass};
 
 use crate::{Kinematics, Machine};
 
+/// Fewest control cycles between the index of a pass and its first motion: every regulator has seen the index by then.
+const INDEX_CYCLES: f64 = 10.0;
+
 impl Machine {
+    /// Control cycles at programmed speed that a pass leaves free between its index and its first motion: what
+    /// [`Machine::call_off_s`] asks for, and a cycle to spare.
+    pub fn index_margin_cycles(&self) -> f64 {
+        INDEX_CYCLES.max((self.call_off_cycles() + 1.0) * self.highest_ratio())
+    }
+
+    /// How far into a pass it can be called off: the angle since its index, in seconds at programmed speed. It is the same
+    /// on every axis, so that all of them give the pass up or none does, and no axis moves before it.
+    ///
+    /// A status tells of the cycle before its tick, and a frame that calls the pass off acts a tick later. What the
+    /// spindle turns meanwhile, at its highest override, is this angle.
+    pub fn call_off_s(&self) -> f64 {
+        self.highest_ratio() * self.call_off_cycles() * self.general.cycle_s
+    }
+
+    fn call_off_cycles(&self) -> f64 {
+        self.cycles_per_tick() as f64 + 1.0
+    }
+
+    /// Highest speed of the spindle as a multiple of the programmed one.
+    fn highest_ratio(&self) -> f64 {
+        (self.spindle.override_max_pct / 100.0).max(1.0)
+    }
+
+    /// Whether no axis moves before a pass can be called off everywhere.
+    fn can_call_off(&self, pass: &ThreadPass) -> bool {
+        let free_deg = 6.0 * pass.s_rpm * self.call_off_s();
+        self.axes().all(|(axis, _)| {
+            let law = pass.axis(axis);
+            let moves = law.stroke_mm != 0.0 || law.lead_mm != 0.0;
+            !moves || law.begins_deg() >= free_deg
+        })
+    }
+
     /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its travel,
-    /// to the end the law names. The pass has been checked.
+    /// to the end the law names, and begins late enough to be called off. The pass has been checked.
     pub fn can_follow(&self, pass: &ThreadPass) -> bool {
         let lathe = self.general.kinematics == Kinematics::Lathe; // only a lathe cuts threads
         lathe
+            && self.can_call_off(pass)
             && self.axes().all(|(axis, config)| {
                 let law = pass.axis(axis);
                 let (start, way) = (law.start.mm(), law.law(pass.s_rpm));

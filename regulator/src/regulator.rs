@@ -50,6 +50,8 @@ pub struct Regulator {
     expected: Option<Cycle>,
     frame_due: Option<Cycle>,
     tick: u64,
+    /// How far into a pass it can be called off, s at programmed speed.
+    call_off_s: f64,
     line: u32,
     refused: u32,
     last: Sample,
@@ -89,6 +91,7 @@ impl Regulator {
             expected: None,
             frame_due: None,
             tick: machine.cycles_per_tick(),
+            call_off_s: machine.call_off_s(),
             line: 0,
             refused: 0,
             last: Sample::default(),
@@ -192,6 +195,9 @@ impl Regulator {
             command,
             index: self.spindle.index(),
             angle_deg: self.state.pass().map_or(0.0, |pass| self.spindle.since(pass, 0.0).angle),
+            may_call_off: self.state.pass().is_some_and(|pass| {
+                self.spindle.counted_since(pass) < pass.programmed_deg_s * self.call_off_s
+            }),
         };
         let before = self.state;
         let (state, refused) = before.next(&event);

@@ -37,6 +37,8 @@ pub struct Spindle {
     opening: u64,
     encoder: Encoder,
     degrees_per_count: f64,
+    /// Count of the last measurement.
+    count: i64,
     index: Option<Index>,
     index_number: u64,
 }
@@ -54,6 +56,7 @@ impl Spindle {
             opening: opening as u64,
             encoder: Encoder::new(machine),
             degrees_per_count: 360.0 / machine.spindle_counts(),
+            count: 0,
             index: None,
             index_number: 0,
         }
@@ -61,7 +64,8 @@ impl Spindle {
 
     /// Takes the measurement of one control cycle.
     pub fn update(&mut self, measurement: &Measurement) {
-        let angle = middle_of(measurement.spindle_count);
+        self.count = measurement.spindle_count;
+        let angle = middle_of(self.count);
         self.leading.update(angle);
         self.stroking.update(angle);
         self.open(measurement.spindle_count);
@@ -109,6 +113,11 @@ impl Spindle {
             return self.since(pass, lead_s);
         }
         self.in_degrees(self.leading.following(lead_s), pass)
+    }
+
+    /// Angle since the index of a pass by the count of the last measurement, degrees: the same on every axis.
+    pub fn counted_since(&self, pass: &Pass) -> f64 {
+        (self.count - pass.index_count) as f64 * pass.direction * self.degrees_per_count
     }
 
     fn in_degrees(&self, motion: SpindleMotion, pass: &Pass) -> SpindleMotion {

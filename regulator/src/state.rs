@@ -6,12 +6,15 @@
 //! | Streaming | a pass arrives in time, the axis rests at its start | Armed |
 //! | Streaming | a pass arrives too late, or starts elsewhere | Streaming (refused) |
 //! | Armed | index at or after `not_before` (same-index rule) | WaitingForC0 |
-//! | Armed, WaitingForC0 | called off | Streaming |
+//! | Armed, or as long as the spindle has not turned too far since the index | called off | Streaming |
 //! | WaitingForC0 | C at its first angle | RunIn |
 //! | RunIn | C at the end of approach and run-in | Locked |
 //! | Locked | C where braking or retract begins | RunOut |
 //! | RunOut | C where the law ends | Streaming, at rest at the end of the law |
 //! | any but Fault | drive fault, encoder fault of the spindle, stop, servo error, starved stream | Fault |
+//!
+//! A pass is called off on every axis or on none: until when is an angle that all of them know, counted without an
+//! estimate, and before it no axis moves; an axis without an approach may already be at depth then.
 //!
 //! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards in the
 //! state it is in.
@@ -93,6 +96,8 @@ pub struct Event {
     pub index: Option<Index>,
     /// C of the pass in hand (its last value while there is no index), degrees.
     pub angle_deg: f64,
+    /// The spindle has not turned too far since the index for the pass in hand to be called off.
+    pub may_call_off: bool,
 }
 
 impl Pass {
@@ -120,7 +125,8 @@ impl State {
         let state = match self {
             State::Idle if event.enabled && event.stream_begun => State::Streaming,
             State::Streaming => return streaming(event, arm),
-            State::InPass { stage: Stage::Armed | Stage::WaitingForC0, .. } if called_off => State::Streaming,
+            State::InPass { stage: Stage::Armed, .. } if called_off => State::Streaming,
+            State::InPass { .. } if called_off && event.may_call_off => State::Streaming,
             State::InPass { pass, stage } => in_pass(pass, stage, event),
             unchanged => unchanged,
         };

@@ -28,9 +28,6 @@ use crate::{
     observe::{Observation, Observer, PassReport, Record},
 };
 
-/// Control cycles between the index and the first motion.
-const MARGIN_CYCLES: f64 = 10.0;
-
 /// One pass, X moving to depth while the spindle turns by a given angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
@@ -179,7 +176,7 @@ impl Trial {
         let z_limits = promised(machine, Axis::Z)?;
         let ramp = Ramp::fastest(design * self.lead_mm * self.s_rpm / 60.0, &z_limits);
         let (x_dc, z_dc) = (self.delta_c_deg, q * ramp.duration());
-        let locked = q * MARGIN_CYCLES * machine.general.cycle_s + x_dc.max(z_dc);
+        let locked = q * machine.index_margin_cycles() * machine.general.cycle_s + x_dc.max(z_dc);
         let thread_end = locked + 360.0 * self.turns;
 
         let x = AxisLaw {

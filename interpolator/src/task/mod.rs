@@ -17,7 +17,7 @@
 //! | Arming | one is not | Fault | **call off** |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
 //! | Armed | an axis has seen the index | Cutting | hold |
-//! | CallingOff | the law of the pass leads an axis already | Cutting | hold |
+//! | CallingOff | two ticks later the law of the pass leads an axis all the same | Cutting | hold |
 //! | CallingOff | every axis streams at the start of the pass | Ready | stream |
 //! | Armed, CallingOff, Cutting | every axis streams at the end of the pass | Ready | hold |
 //! | Ending | the spindle stands | Ended | stream |
@@ -70,8 +70,13 @@ pub(crate) enum Task {
     },
     /// Every axis waits for the index of a pass.
     Armed(InHand),
-    /// A pass is taken back before its index.
-    CallingOff(InHand),
+    /// A pass is taken back before its index; tick `sent` was the first to say so.
+    CallingOff {
+        /// The pass.
+        pass: InHand,
+        /// The tick.
+        sent: Cycle,
+    },
     /// The regulators cut a pass.
     Cutting(InHand),
     /// The program is over, the spindle runs down.
@@ -161,8 +166,8 @@ pub(crate) enum Event {
     Pass(InHand, Cycle),
     /// Every axis waits for the index.
     Armed,
-    /// The operator wants the machine to hold, or to end the program.
-    TakenBack,
+    /// The operator wants the machine to hold, or to end the program, in this tick.
+    TakenBack(Cycle),
     /// An axis has seen the index; of a pass that is called off, its law leads an axis.
     Begun,
     /// The pass is called off, every axis rests at its start.
@@ -196,7 +201,7 @@ impl Task {
             (_, Task::Arming { pass, sent: _ }) if !matches!(self, Task::Arming { .. }) => Order::Arm(*pass),
             (Task::Moving { .. } | Task::Ready { .. }, _) => Order::Stream,
             (_, Task::Fault { order, .. }) => *order,
-            (_, Task::CallingOff(_)) => Order::CallOff,
+            (_, Task::CallingOff { .. }) => Order::CallOff,
             (Task::Enabling | Task::Arming { .. } | Task::Armed(_) | Task::Cutting(_), _) => Order::Hold,
             (_, Task::Cutting(_)) => Order::Hold,
             _ => Order::Stream,
@@ -223,10 +228,10 @@ impl Task {
             (Task::Dwelling { left }, Event::Nothing) => Task::Dwelling { left: left.saturating_sub(1) },
             (Task::Dwelling { .. } | Task::Paused { .. }, Event::Over) => Task::Ready { wait: Wait::No },
             (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(pass),
-            (Task::Armed(pass), Event::TakenBack) => Task::CallingOff(pass),
-            (Task::Armed(pass) | Task::CallingOff(pass), Event::Begun) => Task::Cutting(pass),
-            (Task::CallingOff(_), Event::CalledOff) => Task::Ready { wait: Wait::No },
-            (Task::Armed(_) | Task::CallingOff(_) | Task::Cutting(_), Event::Cut) => {
+            (Task::Armed(pass), Event::TakenBack(sent)) => Task::CallingOff { pass, sent },
+            (Task::Armed(pass) | Task::CallingOff { pass, .. }, Event::Begun) => Task::Cutting(pass),
+            (Task::CallingOff { .. }, Event::CalledOff) => Task::Ready { wait: Wait::No },
+            (Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_), Event::Cut) => {
                 Task::Ready { wait: Wait::No }
             }
             (Task::Ending { stopped }, Event::Stands) => Task::Ended { stopped },
@@ -237,7 +242,7 @@ impl Task {
     /// What the axes are told once a fault has ended this task.
     fn order_in(&self, fault: Fault) -> Order {
         match (self, fault) {
-            (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff(_), _) => Order::CallOff,
+            (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff { .. }, _) => Order::CallOff,
             (Task::Cutting(_), _) => Order::Hold,
             (_, Fault::AxisFault) => Order::Stop,
             _ => Order::Hold,
@@ -252,7 +257,7 @@ impl Task {
             Task::Moving { wait: Wait::No, .. } => MachineState::Moving,
             Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } => MachineState::Paused,
             Task::Dwelling { .. } | Task::Ending { .. } => MachineState::Waiting,
-            Task::Arming { .. } | Task::Armed(_) | Task::CallingOff(_) | Task::Cutting(_) => {
+            Task::Arming { .. } | Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_) => {
                 MachineState::Threading
             }
             Task::Ended { .. } => MachineState::Ended,
@@ -263,9 +268,10 @@ impl Task {
     /// The pass in hand.
     pub(crate) fn pass(&self) -> Option<&InHand> {
         match self {
-            Task::Arming { pass, .. } | Task::Armed(pass) | Task::CallingOff(pass) | Task::Cutting(pass) => {
-                Some(pass)
-            }
+            Task::Arming { pass, .. }
+            | Task::Armed(pass)
+            | Task::CallingOff { pass, .. }
+            | Task::Cutting(pass) => Some(pass),
             _ => None,
         }
     }

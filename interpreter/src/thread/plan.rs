@@ -17,7 +17,7 @@
 //! retract    T as the approach;                begins before the brake by the delay of flank.rs
 //! both       take FEWEST_COUNTS of the encoder at least, which binds at a few 1/min
 //! beyond     the retract begins at c_end, the brake after the delay
-//! k          the least number of turns that puts every window MARGIN cycles after the index; a start angle is added
+//! k          the least number of turns that puts every window the machine's margin after the index; a start angle is added
 //! ```
 
 use machine::{Machine, RunOut};
@@ -27,9 +27,6 @@ use protocol::{Axis, AxisLaw, Position, ThreadPass};
 use super::cut::{Cut, Point};
 use super::flank::{largest, least_delay};
 use super::refusal::Refusal;
-
-/// Control cycles between the index and the first window, so that every regulator has seen the index in time.
-const MARGIN: f64 = 10.0;
 
 /// Share of an axis' speed that a thread leaves free at 100 % override, for the ripple of the spindle (M8).
 const VELOCITY_RESERVE: f64 = 0.02;
@@ -113,7 +110,7 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
     let design = Design::new(cut, machine, x, z);
     let windows = windows(cut, machine, &design)?;
     let earliest = windows.run_in.c.min(windows.approach.c);
-    let margin = design.q * MARGIN * machine.general.cycle_s;
+    let margin = design.q * machine.index_margin_cycles() * machine.general.cycle_s;
     let turn = cut.start_deg + 360.0 * ((margin - earliest - cut.start_deg) / 360.0).ceil().max(0.0);
     let pass = pass(cut, &windows, &design, turn, [x, z])?;
     for axis in [Axis::X, Axis::Z] {

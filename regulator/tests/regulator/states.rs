@@ -77,6 +77,7 @@ fn quiet() -> Event {
         command: None,
         index: None,
         angle_deg: 0.0,
+        may_call_off: false,
     }
 }
 
@@ -129,6 +130,7 @@ fn from_idle_to_armed() {
 #[test]
 fn from_armed_to_the_first_angle() {
     let call_off = told(AxisCommand::CallOff);
+    let in_time = Event { may_call_off: true, ..call_off };
     walk(&[
         ("no index", armed(pass(0)), quiet(), armed(pass(0)), false),
         ("an index too early does not count", armed(pass(0)), seen(99), armed(pass(0)), false),
@@ -136,7 +138,9 @@ fn from_armed_to_the_first_angle() {
         ("armed, called off", armed(pass(0)), call_off, Streaming, false),
         ("armed, a second pass", armed(pass(0)), told(arm(100)), armed(pass(0)), true),
         ("waits for its first angle", waiting_for_c0(pass(77)), at(49.9), waiting_for_c0(pass(77)), false),
-        ("waiting, called off", waiting_for_c0(pass(77)), call_off, Streaming, false),
+        ("waiting, called off in time", waiting_for_c0(pass(77)), in_time, Streaming, false),
+        ("waiting, called off too late", waiting_for_c0(pass(77)), call_off, waiting_for_c0(pass(77)), false),
+        ("at depth from the first, called off in time", locked(pass(77)), in_time, Streaming, false),
         ("C0", waiting_for_c0(pass(77)), at(50.0), run_in(pass(77)), false),
     ]);
 }

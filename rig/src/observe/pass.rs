@@ -154,6 +154,8 @@ pub(super) struct PassObserver {
     begin_cycle: u64,
     end_cycle: u64,
     thread_cycles: u64,
+    /// Its law has moved an axis.
+    moved: bool,
 }
 
 impl PassObserver {
@@ -189,6 +191,7 @@ impl PassObserver {
             begin_cycle: 0,
             end_cycle: 0,
             thread_cycles: 0,
+            moved: false,
         }
     }
 
@@ -200,7 +203,9 @@ impl PassObserver {
         for (axis, status) in record.axes {
             if let Some(track) = self.axes.iter_mut().find(|track| track.axis == *axis) {
                 let slide_mm = record.truth.axes[axis.index()].slide_mm;
-                moving |= track.cycle(self.pass.pass, status, slide_mm, index_deg);
+                let led = track.cycle(self.pass.pass, status, slide_mm, index_deg);
+                self.moved |= led && status.velocity_mm_s != 0.0;
+                moving |= led;
                 waiting |= track.state.is_in_pass();
             }
         }
@@ -243,7 +248,7 @@ impl PassObserver {
 
     /// The measures of the pass; `None` if its law moved no axis: it was called off, and is not a pass.
     pub(super) fn finish(&self) -> Option<PassReport> {
-        let index_deg = self.index_deg().filter(|_| self.end_cycle > 0)?;
+        let index_deg = self.index_deg().filter(|_| self.moved)?;
         let ThreadPass { pass, start, s_rpm, direction, thread_end_deg, max_ratio, depth_mm, .. } = self.pass;
         let (run_in, x) = (self.pass.axis(self.along), self.pass.axis(Axis::X));
         let (rpm_min, rpm_max) = self.rpm.ends();
