@@ -6,6 +6,7 @@ mod held;
 mod machine_code;
 mod operator;
 mod poles;
+mod presses;
 mod rotary;
 mod stand;
 mod traces;

@@ -6,18 +6,15 @@
 //! * whatever moves in a pass moves along its law: every pass is cut once, in its order, to its end and on its helix, or
 //!   was called off before anything moved, and is not reported as a pass;
 //! * nothing is done twice, nothing is left out, and after the end nothing moves.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 
 use machine::Machine;
 use protocol::{AxisState, Code, Item, MachineState, ThreadPass, operator::Request};
-use rig::{
-    Rig,
-    observe::{Observation, Observer, Outcome, Record},
-};
-use sim_plant::Scenario;
+use rig::observe::{Observation, Outcome, Record};
 use testing::Seed;
+
+use crate::stand::{Stand, compiled};
 
 const HEAD: &str = "G18 G21 G90 G8 G94 G97\n";
 const G33: &str = "M3 S600\nG0 X12 Z8\nG0 X9.5\nG33 Z0 K2\nG0 X12\nG0 Z10\nM5\nM2\n";
@@ -50,10 +47,8 @@ struct Seen {
 
 impl Job {
     fn new(program: &str, machine: Machine) -> Job {
-        let check = interpreter::check("test.ngc", &format!("{HEAD}{program}"), &machine);
-        assert!(check.is_good(), "{:#?}", check.diagnostics);
-        let mut job =
-            Job { machine, items: check.items, moves: 0, end_mm: vec![], cycles: 0, borders: vec![] };
+        let items = compiled(&machine, &format!("{HEAD}{program}"));
+        let mut job = Job { machine, items, moves: 0, end_mm: vec![], cycles: 0, borders: vec![] };
         let seen = job.run("undisturbed", |_| None);
         assert_eq!(seen.observation.outcome, Outcome::Completed, "{program}");
         (job.moves, job.end_mm) = (seen.moves, seen.end_mm);
@@ -69,20 +64,15 @@ impl Job {
     }
 
     /// Runs it to its end with what the operator does in each cycle, and checks every cycle.
-    fn run(&self, what: &str, mut presses: impl FnMut(u64) -> Option<Request>) -> Seen {
-        let mut rig = Rig::new(&self.machine, self.items.iter().copied(), Scenario::none(), 7).unwrap();
-        let mut observer = Observer::new(&self.machine, &self.items);
+    fn run(&self, what: &str, presses: impl Fn(u64) -> Option<Request>) -> Seen {
+        let stand = Stand { machine: &self.machine, items: &self.items, scenario: "", seed: 7 };
         let mut watch = Watch::new(self);
-        let mut cycle = 0;
-        while rig.cycle(presses(cycle), |record| {
-            observer.cycle(record);
+        let observation = stand.run(|record| {
             watch.cycle(what, record);
-        }) {
-            cycle += 1;
-            assert!(cycle < 400_000, "{what}: it does not end");
-        }
+            presses(record.truth.cycle.0)
+        });
         let Watch { last_mm, moves, borders, .. } = watch;
-        Seen { observation: observer.finish(), moves, end_mm: last_mm, cycles: cycle, borders }
+        Seen { cycles: observation.cycles, observation, moves, end_mm: last_mm, borders }
     }
 
     /// Runs it with these presses. Cycle start is pressed again and again from `release` on: nobody waits for ever.
@@ -122,8 +112,6 @@ struct Watch<'a> {
     states: Vec<u32>,
     moves: u64,
     ended: bool,
-    /// Passes in which an axis has moved.
-    moved_in: BTreeSet<u32>,
     borders: Vec<u64>,
 }
 
@@ -136,7 +124,6 @@ impl<'a> Watch<'a> {
             states: vec![],
             moves: 0,
             ended: false,
-            moved_in: BTreeSet::new(),
             borders: vec![],
         }
     }
@@ -162,22 +149,12 @@ impl<'a> Watch<'a> {
                 "{at}: moves after the end by {step:e} mm, machine {}",
                 record.machine.state
             );
-            let moving = status.velocity_mm_s.abs() > 0.5 || step > 1e-3;
-            if moving && (AxisState::RunIn as u32..=AxisState::RunOut as u32).contains(&status.state) {
-                self.moved_in.insert(status.pass);
-            }
             let may_move = ![AxisState::Armed as u32, AxisState::WaitingForC0 as u32].contains(&status.state);
             assert!(may_move || step < 2e-9, "{at}: moves before its pass");
         }
         let mut states: Vec<u32> = record.axes.iter().map(|(_, status)| status.state).collect();
         states.push(record.machine.state);
         if states != self.states {
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "{cycle} {states:?} {mm:?} buttons {} idx {}",
-                    record.truth.measurement.panel.buttons, record.truth.measurement.index_cycle.0
-                );
-            }
             self.borders.push(cycle);
         }
         (self.last_mm, self.last_mm_s, self.states) = (mm, mm_s, states);
@@ -246,12 +223,8 @@ fn presses_in_timed_motion() {
 #[test]
 fn a_press_at_every_cycle_around_each_border_of_a_pass() {
     let job = Job::new(SHORT, Machine::default());
-    let armed = job.borders.iter().position(|_| true).unwrap();
-    let mut cycles = BTreeSet::new();
-    for border in &job.borders[armed..] {
-        cycles.extend(border.saturating_sub(9)..border + 3);
-    }
-    for at in cycles {
+    let around = |border: &u64| border.saturating_sub(9)..border + 3;
+    for at in job.borders.iter().flat_map(around).collect::<BTreeSet<u64>>() {
         for button in [Request::FeedHold, Request::Stop, Request::Abort] {
             for release in [at + 5, at + 1500] {
                 job.press(&format!("{button:?} at {at}, released at {release}"), &[(at, button)], release);
