@@ -19,36 +19,6 @@
 //! spindle angle; [`Sample::driven`] turns the derivatives into those with respect to real time (M8).
 //!
 //! Units are coherent: a length given in mm yields mm, mm/s, …, mm/s⁴; a length in m yields m, …, m/s⁴.
-//! Two lines with a corner that is rounded within 0.02 mm, planned ahead and asked for every 2 ms:
-//!
-//! ```
-//! use motion::chain::{Ask, Block, Chain, Corner, Feed, Ratios, Settings};
-//! use motion::{Limits, Path};
-//!
-//! // mm/s, mm/s², mm/s³, mm/s⁴ of X and of Y
-//! let axes = [Limits { v: 150.0, a: 2000.0, j: 80_000.0, dj: 8.0e6 }; 2];
-//! let mut chain: Chain<2, &str> = Chain::new(Settings { axes, cycle_s: 0.002 });
-//! let lines = [("across", [40.0, 0.0], Corner::Blend(0.02)), ("up", [0.0, 25.0], Corner::Stop)];
-//! for (tag, way, corner) in lines {
-//!     let path = Path::line(way, &[true; 2]).expect("it has a length");
-//!     chain.push(Block { path, feed: Feed::PerSecond(50.0), corner, room: 1.0, chord_mm: 0.001, tag });
-//! }
-//! chain.close();
-//!
-//! let ask = Ask { ratios: Ratios::full(0.0), hold: false, single: false, more: false };
-//! let (mut slowest_at_corner, mut last) = (f64::INFINITY, None);
-//! while let Some(step) = chain.tick(&ask) {
-//!     assert!(step.axes.iter().zip(&axes).all(|(axis, limit)| axis.a.abs() <= limit.a));
-//!     if last.is_some_and(|before: motion::chain::Step<2, &str>| before.tag != step.tag) {
-//!         slowest_at_corner = step.along.v;
-//!     }
-//!     last = Some(step);
-//! }
-//! let end = last.expect("it moved");
-//! assert!(slowest_at_corner > 1.0, "no stop at the corner");
-//! assert!((end.axes[1].s - 25.0).abs() < 1e-9 && end.along.v == 0.0, "at rest at its end");
-//! ```
-//!
 //! All types but [`chain::Chain`] are plain `Copy` values. Nothing allocates after it was made, and every evaluation has a
 //! bounded cost.
 #![forbid(unsafe_code)]
