@@ -8,6 +8,7 @@
 
 mod approach;
 mod feed;
+mod findings;
 mod observer;
 mod page;
 mod positioner;
@@ -19,27 +20,16 @@ mod sweep;
 
 use clap::ValueEnum;
 use machine::Kinematics;
-use report::{
-    paint::Figure,
-    table::{Place, Table},
-};
+use report::table::Place;
 use serde::Serialize;
 
+pub use findings::ExperimentError;
 pub use stand::Stand;
+
+use findings::Findings;
 
 /// Version of the JSON document.
 const VERSION: u32 = 1;
-
-/// Why an experiment was not made.
-#[derive(Debug, thiserror::Error)]
-pub enum ExperimentError {
-    /// The machine is not one for this experiment; the text says what would be right.
-    #[error("{0}")]
-    Input(String),
-    /// The machine did not do what the experiment needs.
-    #[error("{0}")]
-    Machine(String),
-}
 
 /// The experiments.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -86,25 +76,6 @@ impl Name {
             Name::Feed | Name::Profiles | Name::Surface => None,
         }
     }
-}
-
-/// What an experiment found: rows of type `R`, one a case.
-struct Findings<R> {
-    /// Heading of the page.
-    title: &'static str,
-    /// The result in a few sentences.
-    short: Vec<String>,
-    /// What was done, in paragraphs.
-    done: Vec<String>,
-    /// The content of the JSON document.
-    rows: Vec<R>,
-    /// What is shown of them on the screen and on the page.
-    tables: Vec<Table>,
-    /// Remarks on single rows, below the tables.
-    notes: Vec<String>,
-    figures: Vec<Figure>,
-    /// What it means, after the pictures: headings with their paragraphs.
-    text: Vec<(&'static str, Vec<String>)>,
 }
 
 /// The JSON document.
