@@ -3,9 +3,9 @@
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineState, MachineStatus,
-    Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
-    units::AXES,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, Groove, MachineState,
+    MachineStatus, Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass,
+    frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
@@ -289,7 +289,7 @@ impl Interpolator {
             paused: u32::from(state == MachineState::Paused),
             index_not_before: arm.map_or(Cycle(0), |arm| arm.not_before),
             direction: pass.map_or(0.0, |pass| pass.direction),
-            groove: pass.map(ThreadPass::groove).unwrap_or_default(),
+            groove: pass.map(Groove::of).unwrap_or_default(),
         };
         let queue = &self.program.queue;
         let status = MachineStatus {

@@ -32,6 +32,28 @@ pub struct Groove {
 }
 
 impl Groove {
+    /// The groove of a pass. A pass that does not know its depth (G33), that goes neither in nor out, or that does
+    /// not run along Z has none.
+    pub fn of(pass: &ThreadPass) -> Groove {
+        let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
+        let inwards = if x.stroke_mm != 0.0 { x.stroke_mm } else { -x.retract_mm };
+        if !(pass.depth_mm > 0.0 && inwards != 0.0 && z.lead_mm != 0.0) {
+            return Groove::default();
+        }
+        let into = inwards.signum();
+        let slope = x.lead_mm / z.lead_mm;
+        // The prolonged helix goes through the start point of Z with X at depth.
+        let crest_at_start = x.start.mm() + x.stroke_mm - into * pass.depth_mm;
+        Groove {
+            start: pass.start,
+            reserved: 0,
+            lead_mm: z.lead_mm,
+            crest_mm: crest_at_start - slope * (z.start.mm() + z.stroke_mm),
+            slope,
+            into,
+        }
+    }
+
     /// How far a tool reaches in the direction into the material, with the cone taken off, mm: the same along a thread
     /// of one depth.
     pub fn reach_mm(&self, x_mm: f64, z_mm: f64) -> f64 {
@@ -59,30 +81,6 @@ impl Groove {
     }
 }
 
-impl ThreadPass {
-    /// The groove of this pass. A pass that does not know its depth (G33), that goes neither in nor out, or that does
-    /// not run along Z has none.
-    pub fn groove(&self) -> Groove {
-        let (x, z) = (self.axis(Axis::X), self.axis(Axis::Z));
-        let inwards = if x.stroke_mm != 0.0 { x.stroke_mm } else { -x.retract_mm };
-        if !(self.depth_mm > 0.0 && inwards != 0.0 && z.lead_mm != 0.0) {
-            return Groove::default();
-        }
-        let into = inwards.signum();
-        let slope = x.lead_mm / z.lead_mm;
-        // The prolonged helix goes through the start point of Z with X at depth.
-        let crest_at_start = x.start.mm() + x.stroke_mm - into * self.depth_mm;
-        Groove {
-            start: self.start,
-            reserved: 0,
-            lead_mm: z.lead_mm,
-            crest_mm: crest_at_start - slope * (z.start.mm() + z.stroke_mm),
-            slope,
-            into,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,7 +100,7 @@ mod tests {
     #[test]
     fn the_tool_at_depth_is_as_deep_as_the_pass_says() {
         for (stroke, lead_x) in [(-1.4, 0.0), (1.4, 0.0), (-1.4, 0.0625), (1.4, -0.0625)] {
-            let groove = pass(stroke, -stroke, lead_x).groove();
+            let groove = Groove::of(&pass(stroke, -stroke, lead_x));
             assert_eq!((groove.start, groove.into), (2, f64::signum(stroke)));
             for turns in [0.0, 3.0, 7.5] {
                 let (x, z) = (12.0 + stroke + turns * lead_x, 5.0 - 2.0 * turns);
@@ -115,7 +113,7 @@ mod tests {
 
     #[test]
     fn a_tool_that_stands_at_depth_is_known_by_its_way_out() {
-        let groove = pass(0.0, 2.0, 0.0).groove();
+        let groove = Groove::of(&pass(0.0, 2.0, 0.0));
         assert_eq!(groove.into, -1.0);
         assert!((groove.depth_mm(12.0, 0.0) - 0.4).abs() < 1e-12);
     }
@@ -124,17 +122,17 @@ mod tests {
     fn what_does_not_say_where_the_crest_is_has_no_groove() {
         let known = pass(-1.4, 1.4, 0.0);
         for depth_mm in [0.0, -1.0, f64::NAN] {
-            assert_eq!(ThreadPass { depth_mm, ..known }.groove(), Groove::default());
+            assert_eq!(Groove::of(&ThreadPass { depth_mm, ..known }), Groove::default());
         }
-        assert_eq!(pass(0.0, 0.0, 0.0).groove(), Groove::default());
+        assert_eq!(Groove::of(&pass(0.0, 0.0, 0.0)), Groove::default());
         let mut along_x = known;
         along_x.axes[Axis::Z.index()].lead_mm = 0.0;
-        assert_eq!(along_x.groove(), Groove::default());
+        assert_eq!(Groove::of(&along_x), Groove::default());
     }
 
     #[test]
     fn numbers_that_are_none_are_refused() {
-        let groove = pass(-1.4, 1.4, 0.0).groove();
+        let groove = Groove::of(&pass(-1.4, 1.4, 0.0));
         assert!(Groove { crest_mm: f64::NAN, ..groove }.check().is_err());
         assert!(Groove { into: 0.5, ..groove }.check().is_err());
         assert!(Groove::default().check().is_ok());
