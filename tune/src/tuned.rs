@@ -138,12 +138,7 @@ fn measure<B: Bench>(
     let stiffness = sliding.stiffness_n_mm.map(|found| found.value);
     let mut proposal = AxisConfig {
         presliding_n_mm: stiffness.unwrap_or(config.presliding_n_mm),
-        mass_kg: rigid.mass_kg.value,
-        coulomb_n: rigid.coulomb_n.value.max(0.0),
-        viscous_n_s_mm: rigid.viscous_n_s_mm.value.max(0.0),
-        velocity_lead_s: -0.5 * cycle_s,
-        acceleration_lead_s: path.delay_s.value + 0.5 * cycle_s + path.lag_s.value,
-        ..config.clone()
+        ..known(config, &rigid, &path, cycle_s)
     };
     plausible(axis, &rigid, &path, &sliding)?;
     // These loops have just moved the axis.
@@ -185,6 +180,23 @@ fn measure<B: Bench>(
         proposal,
         cycle_s,
     })
+}
+
+/// The axis with its mass, its frictions and the delays of its torque as they were found.
+fn known(
+    config: &AxisConfig,
+    rigid: &rigid::Rigid,
+    path: &torque_path::TorquePath,
+    cycle_s: f64,
+) -> AxisConfig {
+    AxisConfig {
+        mass_kg: rigid.mass_kg.value,
+        coulomb_n: rigid.coulomb_n.value.max(0.0),
+        viscous_n_s_mm: rigid.viscous_n_s_mm.value.max(0.0),
+        velocity_lead_s: -0.5 * cycle_s,
+        acceleration_lead_s: path.delay_s.value + 0.5 * cycle_s + path.lag_s.value,
+        ..config.clone()
+    }
 }
 
 /// Refuses a response that is not known about the crossover.

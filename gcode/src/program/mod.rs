@@ -174,7 +174,7 @@ impl Program {
     /// or #500 to
     /// #999, that is vacant.
     pub fn parameter(&self, number: u32) -> Option<f64> {
-        self.reader.common(number).unwrap_or_else(|| Some(self.state.parameter(number)))
+        self.reader.shared(number).unwrap_or_else(|| Some(self.state.parameter(number)))
     }
 
     /// Whether the `%` that ends the program was met, if only on the search for a subroutine.

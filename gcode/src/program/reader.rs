@@ -88,7 +88,7 @@ impl Reader {
 
     /// The value of a common variable of FANUC: `None` if there is none of this number, `Some(None)` if it is
     /// vacant.
-    pub(super) fn common(&self, number: u32) -> Option<Option<f64>> {
+    pub(super) fn shared(&self, number: u32) -> Option<Option<f64>> {
         match self {
             Reader::Fanuc(reader) => reader.shared(number),
             Reader::Ngc(_) | Reader::Job(_) => None,
