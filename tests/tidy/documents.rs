@@ -1,32 +1,25 @@
 //! The documents: what they link to and name exists, and what is shipped as an example can be read.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use machine::{Kinematics, Machine};
 use sim_plant::Scenario;
 
 use super::{files, none, project, read};
 
-/// Files and folders whose names begin a path of this project.
-const ROOTS: [&str; 17] = [
-    "src/",
-    "tests/",
-    "docs/",
-    "examples/",
-    "benches/",
-    "motion/",
-    "adviser/",
-    "shape/",
-    "protocol/",
-    "interpreter/",
-    "interpolator/",
-    "regulator/",
-    "sim-plant/",
-    "rig/",
-    "tune/",
-    "report/",
-    "experiment/",
-];
+/// Folders with which a path of this project begins: those of its top level that hold something of it.
+fn roots() -> BTreeSet<String> {
+    let below = files(&[".rs", ".toml", ".md"]).into_iter().filter(|path| path.iter().count() > 1);
+    let first = below.filter_map(|path| Some(format!("{}/", path.iter().next()?.to_str()?)));
+    let roots: BTreeSet<String> = first.collect();
+    for known in ["src/", "gcode/", "fuzz/", "docs/", "testing/"] {
+        assert!(roots.contains(known), "{known} is missing in {roots:?}");
+    }
+    roots
+}
 
 fn documents() -> Vec<PathBuf> {
     let documents = files(&[".md"]);
@@ -82,11 +75,12 @@ fn anchors(text: &str) -> Vec<String> {
 
 #[test]
 fn every_path_that_is_named_exists() {
+    let roots = roots();
     let mut count = 0;
     let mut findings = Vec::new();
     for path in documents() {
         for named in between_backticks(&prose(&read(&path))) {
-            let is_path = ROOTS.iter().any(|root| named.starts_with(root));
+            let is_path = roots.iter().any(|root| named.starts_with(root));
             if !is_path || named.contains([' ', '*', '<', '{', '…']) {
                 continue;
             }

@@ -3,9 +3,13 @@
 
 mod documents;
 mod figures;
+mod modules;
+mod rooms;
 #[path = "../shop/mod.rs"]
 mod shop;
 mod sources;
+mod tokens;
+mod trees;
 
 use std::{
     collections::BTreeSet,
@@ -106,7 +110,7 @@ fn none(findings: &[String]) {
 }
 
 fn manifest(folder: &str) -> toml::Table {
-    read(Path::new(folder).join("Cargo.toml")).parse().expect("cargo has read it, too")
+    read(Path::new(folder).join("Cargo.toml")).parse().expect("cargo has also read it")
 }
 
 /// Names in a section of a manifest.
@@ -160,20 +164,6 @@ fn crates_depend_in_one_direction() {
         );
     }
     none(&findings);
-}
-
-/// A core is arithmetic over messages: whoever builds or tests one does not wait for a machine.
-#[test]
-fn a_core_builds_with_few_crates() {
-    for (core, most) in [("regulator", 25), ("sim-plant", 25), ("interpolator", 26)] {
-        let tree = ["tree", "-p", core, "-e", "normal", "--prefix", "none", "--no-dedupe", "--offline"];
-        let out = std::process::Command::new(env!("CARGO")).args(tree).current_dir(project()).output();
-        let out = out.expect("cargo runs");
-        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
-        let text = String::from_utf8_lossy(&out.stdout);
-        let crates: BTreeSet<&str> = text.lines().collect();
-        assert!(crates.len() <= most, "{core} builds with {} crates: {crates:#?}", crates.len());
-    }
 }
 
 /// Nothing is named that no crate uses, and every crate from outside is accounted for in CONTRIBUTING.md.
