@@ -8,6 +8,7 @@
 
 use machine::Machine;
 use protocol::{Axis, AxisCommand, Cycle, Fault, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
+use route::START_REACH_MM;
 
 use crate::{
     axes::Axes,
@@ -25,9 +26,6 @@ const ANSWER_TICKS: u64 = 2;
 /// The regulators have watched the spindle for so many periods of their observer before a pass: what they did not know of
 /// its speed when they began is forgotten then.
 const WATCHED_PERIODS: f64 = 10.0;
-
-/// Farthest the axes may be from the start of a pass and still be led there by a move of its own, mm.
-const START_REACH_MM: f64 = 0.01;
 
 /// What becomes of a pass that is next.
 #[derive(Clone, Copy, Debug)]

@@ -197,7 +197,7 @@ impl Working {
 /// The fault that a reason becomes.
 fn fault(reason: &Unworkable) -> Fault {
     match reason {
-        Unworkable::BeyondTravel(..) => Fault::TravelLimit,
+        Unworkable::BeyondTravel { .. } => Fault::TravelLimit,
         _ => Fault::BadMachineCode,
     }
 }

@@ -13,7 +13,7 @@ use crate::reach::{Done, missing, needs_spindle, no_axis, plane_of};
 use crate::spindle::Spindle;
 
 /// Highest feed, mm/min or mm/rev.
-const HIGHEST_FEED: f64 = 1e6;
+pub(crate) const HIGHEST_FEED: f64 = 1e6;
 /// Slowest feed, mm/min: what a chain of moves takes for one.
 const LEAST_FEED: f64 = 60.0 * motion::chain::LEAST_FEED;
 

@@ -9,12 +9,12 @@ use protocol::{Axis, AxisMeasurement, Position};
 
 use super::{General, MachineError, range, refuse};
 
-/// Rows of a table of errors are at least so far apart, mm.
-const CLOSEST_MM: f64 = 0.1;
+/// Rows of a table of errors of a screw are at least so far apart, mm.
+pub const CLOSEST_MM: f64 = 0.1;
 /// A table of errors changes by no more than this, µm for each mm.
 const STEEPEST_UM_MM: f64 = 5.0;
-/// Most rows of a table of errors.
-const MOST_ROWS: usize = 256;
+/// Most rows of a table of errors of a screw.
+pub const MOST_ROWS: usize = 256;
 
 /// `[axis.*]`: limits, encoder scale, loops, and what the controller believes about the mechanics.
 ///

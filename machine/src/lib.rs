@@ -13,7 +13,7 @@ mod spindle;
 
 use serde::{Deserialize, Serialize};
 
-pub use axis::{AxisConfig, Difference, Feedforward};
+pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_ROWS};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};

@@ -38,6 +38,12 @@ impl Limits {
         }
     }
 
+    /// A share of every bound.
+    #[must_use]
+    pub fn share(self, share: f64) -> Limits {
+        Limits { v: self.v * share, a: self.a * share, j: self.j * share, dj: self.dj * share }
+    }
+
     /// Peaks of the same law when its master runs at ratio `r`: v r, a r², j r³, dj r⁴ (M7).
     #[must_use]
     pub fn scaled(self, r: f64) -> Limits {

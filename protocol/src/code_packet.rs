@@ -63,7 +63,11 @@ impl CodePacket {
             return Err(Refused::Unreadable("machine code"));
         }
         if sequence != expected_sequence {
-            return Err(Refused::OutOfOrder("machine code", expected_sequence, sequence));
+            return Err(Refused::OutOfOrder {
+                what: "machine code",
+                expected: expected_sequence,
+                received: sequence,
+            });
         }
         item.check()?;
         Ok(item)

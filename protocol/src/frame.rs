@@ -135,7 +135,7 @@ impl AxisFrame {
             }
             CALL_OFF => AxisCommand::CallOff,
             STOP => AxisCommand::Stop,
-            other => return Err(Refused::UnknownCode("axis command", other)),
+            other => return Err(Refused::UnknownCode { field: "axis command", code: other }),
         })
     }
 }

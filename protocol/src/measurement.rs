@@ -61,6 +61,17 @@ impl Panel {
     pub fn pressed(&self, button: u32) -> bool {
         self.buttons & button != 0
     }
+
+    /// Presses a button, or releases it.
+    pub fn press(&mut self, button: u32, on: bool) {
+        if on { self.buttons |= button } else { self.buttons &= !button }
+    }
+
+    /// Presses cycle start, which also releases feed hold.
+    pub fn start_cycle(&mut self) {
+        self.press(Panel::FEED_HOLD, false);
+        self.cycle_starts = self.cycle_starts.wrapping_add(1);
+    }
 }
 
 impl Default for Panel {

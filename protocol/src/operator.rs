@@ -1,10 +1,9 @@
-//! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the [`Panel`] of its
+//! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the panel of its
 //! next measurement; from there it has a cycle, and the same run can be repeated.
 
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
-    measurement::Panel,
     message::Message,
     refused::{Refused, finite},
 };
@@ -82,27 +81,7 @@ impl OperatorRequest {
             6 => Request::Stop,
             7 => Request::SingleBlock(self.value != 0.0),
             8 => Request::Abort,
-            other => return Err(Refused::UnknownCode("operator request", other)),
+            other => return Err(Refused::UnknownCode { field: "operator request", code: other }),
         })
-    }
-}
-
-impl Panel {
-    /// Does what the operator asks for.
-    pub fn apply(&mut self, request: Request) {
-        match request {
-            Request::SpindleOverride(pct) => self.spindle_override_pct = pct,
-            Request::FeedOverride(pct) => self.feed_override_pct = pct,
-            Request::RapidOverride(pct) => self.rapid_override_pct = pct,
-            Request::FeedHold => self.buttons |= Panel::FEED_HOLD,
-            Request::CycleStart => {
-                self.buttons &= !Panel::FEED_HOLD;
-                self.cycle_starts = self.cycle_starts.wrapping_add(1);
-            }
-            Request::Stop => self.buttons |= Panel::STOP,
-            Request::SingleBlock(true) => self.buttons |= Panel::SINGLE_BLOCK,
-            Request::SingleBlock(false) => self.buttons &= !Panel::SINGLE_BLOCK,
-            Request::Abort => self.buttons |= Panel::ABORT,
-        }
     }
 }

@@ -10,11 +10,23 @@ pub enum Refused {
     #[error("{0} is out of range")]
     OutOfRange(&'static str),
     /// A code stands for nothing this version knows.
-    #[error("{0} holds an unknown code {1}")]
-    UnknownCode(&'static str, u32),
+    #[error("{field} holds an unknown code {code}")]
+    UnknownCode {
+        /// Which.
+        field: &'static str,
+        /// What it holds.
+        code: u32,
+    },
     /// A message is missing, doubled, or out of order.
-    #[error("{0}: expected number {1}, got {2}")]
-    OutOfOrder(&'static str, u64, u64),
+    #[error("{what}: number {expected} was expected, and {received} came")]
+    OutOfOrder {
+        /// What is counted.
+        what: &'static str,
+        /// The number that was due.
+        expected: u64,
+        /// The number that came.
+        received: u64,
+    },
     /// The bytes are none that this version writes: damaged, cut off, or more than there should be.
     #[error("{0} that cannot be read")]
     Unreadable(&'static str),

@@ -60,7 +60,7 @@ impl AxisState {
     /// # Errors
     /// [`Refused::UnknownCode`].
     pub fn from_code(code: u32) -> Result<AxisState, Refused> {
-        AxisState::ALL.get(code as usize).copied().ok_or(Refused::UnknownCode("axis state", code))
+        AxisState::ALL.get(code as usize).copied().ok_or(Refused::UnknownCode { field: "axis state", code })
     }
 
     /// The name used in traces.
@@ -289,7 +289,7 @@ impl MachineState {
             5 => MachineState::Ended,
             6 => MachineState::Fault,
             7 => MachineState::Paused,
-            other => return Err(Refused::UnknownCode("machine state", other)),
+            other => return Err(Refused::UnknownCode { field: "machine state", code: other }),
         })
     }
 }

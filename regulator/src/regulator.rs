@@ -162,7 +162,7 @@ impl Regulator {
         if let Some(due) = self.frame_due
             && frame.cycle < due
         {
-            return Err(Refused::OutOfOrder("axis frame", due.0, frame.cycle.0));
+            return Err(Refused::OutOfOrder { what: "axis frame", expected: due.0, received: frame.cycle.0 });
         }
         if frame.cycle > cycle {
             return Err(Refused::OutOfRange("axis frame cycle"));

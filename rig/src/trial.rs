@@ -250,7 +250,7 @@ impl Trial {
 fn promised(machine: &Machine, axis: Axis) -> Result<Limits, TrialError> {
     let limits = machine.axis.get(&axis).ok_or(TrialError::NoAxis { axis })?.limits();
     let share = machine.threading.limit_share_pct / 100.0;
-    Ok(Limits { v: share * limits.v, a: share * limits.a, j: share * limits.j, dj: share * limits.dj })
+    Ok(limits.share(share))
 }
 
 /// Where the axis begins: at home, or as near to it as a stroke and the whole way stay within its travel.

@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Farthest the axes may be from the start of a work and still be led there, mm.
-const START_REACH_MM: f64 = 0.01;
+pub const START_REACH_MM: f64 = 0.01;
 /// Nearer than this they are there: two ways to one number may differ by so much, mm.
 const THERE_MM: f64 = 1e-8;
 
@@ -189,7 +189,7 @@ impl Course {
     /// One try of the next piece of the leg in hand; none behind its last.
     fn piece(&mut self, route: &Route, plan: Plan, mut walker: Walker<AXES>) -> Result<Advance, Unworkable> {
         let work = self.work;
-        let no_path = |error: SpanError| Unworkable::NoPath(error, work.spot(&plan, error.t()));
+        let no_path = |error: SpanError| Unworkable::NoPath { error, spot: work.spot(&plan, error.t()) };
         let curve = work.curve(plan, &route.formulas, &route.machine)?;
         let walked = walker.attempt(&curve).map_err(no_path)?;
         self.stage = Stage::Cut(plan, walker);
@@ -225,7 +225,7 @@ impl Course {
     ) -> Result<Advance, Unworkable> {
         let (room, axis) = route.room(&self.at, &path);
         if room < 0.0 {
-            return Err(Unworkable::BeyondTravel(axis, spot));
+            return Err(Unworkable::BeyondTravel { axis, spot });
         }
         let tag = Move { line: self.line, from: self.at, to, feed, work: Some(stretch) };
         self.at = to;
@@ -269,7 +269,10 @@ impl Course {
         let curve = self.work.curve(plan, &route.formulas, &route.machine)?;
         let axes = curve.near(t, &self.at.map(Position::mm)).axes.map(|axis| axis.value());
         if !axes.iter().all(|axis| axis.is_finite()) {
-            return Err(Unworkable::NoPath(SpanError::NotFinite { t }, self.work.spot(&plan, t)));
+            return Err(Unworkable::NoPath {
+                error: SpanError::NotFinite { t },
+                spot: self.work.spot(&plan, t),
+            });
         }
         Ok(self.work.placed(&axes, self.at))
     }

@@ -14,6 +14,6 @@ pub mod positioner;
 mod route;
 mod terms;
 
-pub use course::{Advance, Course};
+pub use course::{Advance, Course, START_REACH_MM};
 pub use route::{Route, Routed};
 pub use terms::{Cut, Move, Spot, Stretch, Unworkable};

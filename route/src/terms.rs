@@ -88,13 +88,23 @@ pub enum Unworkable {
         mm: f64,
     },
     /// The path is not defined there, or not smooth.
-    #[error("{1}: {0}")]
-    NoPath(SpanError, Spot),
+    #[error("{spot}: {error}")]
+    NoPath {
+        /// What is wrong with it.
+        error: SpanError,
+        /// Where.
+        spot: Spot,
+    },
     /// A piece that begins there leaves the travel of an axis.
     #[error(
-        "the path leaves the travel of {0} near {1}: move the zero of the workpiece, or end the path earlier"
+        "the path leaves the travel of {axis} near {spot}: move the zero of the workpiece, or end the path earlier"
     )]
-    BeyondTravel(Axis, Spot),
+    BeyondTravel {
+        /// Which axis.
+        axis: Axis,
+        /// Where the piece begins.
+        spot: Spot,
+    },
     /// A retract would end below the tool, or below the start of the next leg.
     #[error("the clearance is {mm:.4} mm below the path at {spot}: raise it above the surface")]
     TooLow {

@@ -15,13 +15,12 @@
 //! its neighbours, at both ends zero, and beyond them the error stays what it is. A controller's table may be another one.
 
 use core::f64::consts::TAU;
+use machine::{CLOSEST_MM, MOST_ROWS};
 
 use crate::config::{AxisTrain, PlantError, range};
 
 /// Steepest error, a share of the way.
 const STEEPEST: f64 = 0.05;
-/// Rows closer than this are one, mm.
-const CLOSEST_MM: f64 = 0.1;
 
 /// The error of one screw.
 #[derive(Clone, Debug)]
@@ -101,8 +100,8 @@ impl ScrewError {
 /// Refuses what is no table, and a wobble steeper than the screw.
 fn check(train: &AxisTrain, screw_lead_mm: f64, section: &str) -> Result<(), PlantError> {
     let refuse = |key: String, value: f64, reason: String| Err(PlantError::Value { key, value, reason });
-    if train.screw_error.len() == 1 || train.screw_error.len() > 256 {
-        let reason = "rows were found; a table has 2 to 256 of them, or none".into();
+    if train.screw_error.len() == 1 || train.screw_error.len() > MOST_ROWS {
+        let reason = format!("rows were found; a table has 2 to {MOST_ROWS} of them, or none");
         return refuse(format!("{section}.screw_error"), train.screw_error.len() as f64, reason);
     }
     let key = |row: usize, column: usize| format!("{section}.screw_error[{row}][{column}]");

@@ -101,7 +101,11 @@ impl Timeline {
             Request::SpindleOverride(pct) => self.knobs[Knob::Spindle as usize].go(pct, 0.0),
             Request::FeedOverride(pct) => self.knobs[Knob::Feed as usize].go(pct, 0.0),
             Request::RapidOverride(pct) => self.knobs[Knob::Rapid as usize].go(pct, 0.0),
-            button => self.pressed.apply(button),
+            Request::FeedHold => self.pressed.press(Panel::FEED_HOLD, true),
+            Request::CycleStart => self.pressed.start_cycle(),
+            Request::Stop => self.pressed.press(Panel::STOP, true),
+            Request::SingleBlock(on) => self.pressed.press(Panel::SINGLE_BLOCK, on),
+            Request::Abort => self.pressed.press(Panel::ABORT, true),
         }
     }
 

@@ -13,9 +13,7 @@ use super::text::{self, Text};
 use super::{Coolant, Fault, Header, Job, JobNote, Kind, Planned, contour, seam, surface, within};
 use crate::auxiliary::find_tool;
 use crate::frame::Frame;
-
-/// Highest feed, mm/min.
-const HIGHEST_FEED: f64 = 1e6;
+use crate::modal::HIGHEST_FEED;
 
 /// The keys of a job, which have been read; what is left to say is on which machine, and where.
 type Plan = Box<dyn FnOnce(&Job) -> Result<Planned, Fault>>;

@@ -133,10 +133,10 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
 impl Design {
     fn new(cut: &Cut, machine: &Machine, x: Limits, z: Limits) -> Design {
         let share = machine.threading.limit_share_pct / 100.0;
-        let (x, z) = (times(x, share), times(z, share));
+        let (x, z) = (x.share(share), z.share(share));
         // On a tapered helix strokes of X add to its run-in and its braking: each gets its part of the limits.
         let shared = |stroke_mm: f64| cut.lead.x != 0.0 && stroke_mm != 0.0;
-        let path_limits = |stroke_mm| along(cut.lead, if shared(stroke_mm) { times(x, 0.5) } else { x }, z);
+        let path_limits = |stroke_mm| along(cut.lead, if shared(stroke_mm) { x.share(0.5) } else { x }, z);
         let (in_limits, out_limits) = (path_limits(cut.approach_mm), path_limits(cut.retract_mm));
         let v = libm::hypot(cut.lead.x, cut.lead.z) * cut.s_rpm / 60.0;
         let top = in_limits.v.min(out_limits.v);
@@ -146,7 +146,7 @@ impl Design {
                 return x;
             }
             let left = x.v - ratio * cut.lead.x.abs() * cut.s_rpm / 60.0;
-            Limits { v: left.max(LEAST_STROKE * x.v), ..times(x, 0.5) }
+            Limits { v: left.max(LEAST_STROKE * x.v), ..x.share(0.5) }
         };
         Design {
             q: 6.0 * cut.s_rpm * ratio,
@@ -304,7 +304,7 @@ fn pass(
             return Err(Refusal::TooFast(axis, moves.peak().v, limits.v));
         }
         // What is promised leaves a margin for changes of the spindle's speed (M8).
-        let promised = times(limits, design.share).top_ratio(&moves.peak());
+        let promised = limits.share(design.share).top_ratio(&moves.peak());
         pass.max_ratio = pass.max_ratio.min(promised.max(1.0));
         pass.axes[axis.index()] = law;
     }
@@ -318,10 +318,6 @@ fn axis_limits(machine: &Machine, axis: Axis) -> Limits {
 
 fn travel(machine: &Machine, axis: Axis) -> [f64; 2] {
     machine.axis.get(&axis).expect("a checked machine has X and Z").travel_mm
-}
-
-fn times(limits: Limits, share: f64) -> Limits {
-    Limits { v: limits.v * share, a: limits.a * share, j: limits.j * share, dj: limits.dj * share }
 }
 
 /// Limits of the path in the direction of the lead: what both axes can do together.

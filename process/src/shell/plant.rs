@@ -7,7 +7,8 @@ use std::{path::PathBuf, time::Duration};
 
 use machine::Machine;
 use protocol::{
-    Axis, Cycle, DriveCommand, Measurement, PerAxis, SpindleCommand, Truth, operator::OperatorRequest,
+    Axis, Cycle, DriveCommand, Measurement, PerAxis, SpindleCommand, Truth,
+    operator::{OperatorRequest, Request},
     units::AXES,
 };
 
@@ -79,6 +80,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     let mut beat = Beat::new(clock, machine.general.cycle_s);
     let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
     let mut in_force = SpindleCommand::default();
+    let mut refused = 0;
     loop {
         let measurement = *plant.measurement();
         let tick = machine.is_tick(measurement.cycle);
@@ -97,13 +99,23 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         if measurement.last != 0 {
             break;
         }
-        let request = ports.operator.receive()?.and_then(|packet| packet.unpack().ok());
+        let request = ports.operator.receive()?.and_then(|packet| understood(&packet, &mut refused));
         plant.tick(&drives, &in_force, request);
     }
     for event in plant.pending_events() {
         tracing::warn!("event {event} of the scenario did not happen: its moment never came");
     }
     Ok(member.finish(&ports.counts())?)
+}
+
+/// What the operator asks for; what cannot be unpacked is counted and said.
+fn understood(packet: &OperatorRequest, refused: &mut u64) -> Option<Request> {
+    let request = packet.unpack();
+    if let Err(reason) = request {
+        *refused += 1;
+        tracing::warn!(%reason, refused = *refused, "a request of the operator was refused");
+    }
+    request.ok()
 }
 
 /// Every port of the plant.

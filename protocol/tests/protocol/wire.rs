@@ -79,7 +79,7 @@ fn every_code_travels() {
 #[test]
 fn machine_code_out_of_order_is_refused() {
     let packet = CodePacket::pack(8, &Item { line: 1, code: Code::End });
-    assert_eq!(packet.unpack(7), Err(Refused::OutOfOrder("machine code", 7, 8)));
+    assert_eq!(packet.unpack(7), Err(Refused::OutOfOrder { what: "machine code", expected: 7, received: 8 }));
 }
 
 #[test]
@@ -135,7 +135,10 @@ fn every_axis_command_travels() {
 #[test]
 fn axis_commands_that_no_interpolator_sends_are_refused() {
     let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), &arm(law()));
-    assert_eq!(AxisFrame { command: 99, ..frame }.unpack(), Err(Refused::UnknownCode("axis command", 99)));
+    assert_eq!(
+        AxisFrame { command: 99, ..frame }.unpack(),
+        Err(Refused::UnknownCode { field: "axis command", code: 99 })
+    );
     for s_rpm in [0.0, 1e-305, 1e308] {
         assert_eq!(AxisFrame { s_rpm, ..frame }.unpack(), Err(Refused::OutOfRange("S")));
     }
@@ -202,25 +205,25 @@ fn the_operator_is_understood_or_refused() {
         Request::FeedHold,
         Request::Stop,
         Request::CycleStart,
+        Request::SingleBlock(true),
+        Request::SingleBlock(false),
+        Request::Abort,
     ];
-    let mut panel = Panel::default();
     for request in requests {
         assert_eq!(OperatorRequest::pack(1, request).unpack(), Ok(request));
-        panel.apply(request);
     }
-    let expected = Panel {
-        spindle_override_pct: 60.0,
-        feed_override_pct: 0.0,
-        rapid_override_pct: 25.0,
-        buttons: Panel::STOP,
-        cycle_starts: 1,
-    };
-    assert_eq!(panel, expected);
+    let mut panel = Panel::default();
+    panel.press(Panel::FEED_HOLD, true);
+    panel.press(Panel::STOP, true);
+    panel.start_cycle();
+    assert_eq!(panel, Panel { buttons: Panel::STOP, cycle_starts: 1, ..Panel::default() });
+    panel.press(Panel::STOP, false);
+    assert_eq!(panel.buttons, 0);
     let refused = |request| OperatorRequest::pack(1, request).unpack().unwrap_err();
     assert_eq!(refused(Request::RapidOverride(101.0)), Refused::OutOfRange("override"));
     assert_eq!(refused(Request::SpindleOverride(f64::NAN)), Refused::NotFinite("override"));
     let unknown = OperatorRequest::default().unpack();
-    assert_eq!(unknown, Err(Refused::UnknownCode("operator request", 0)));
+    assert_eq!(unknown, Err(Refused::UnknownCode { field: "operator request", code: 0 }));
 }
 
 #[test]
@@ -252,7 +255,7 @@ fn codes_of_states_and_faults_are_stable() {
     for (code, state) in AxisState::ALL.into_iter().enumerate() {
         assert_eq!((state as usize, AxisState::from_code(code as u32)), (code, Ok(state)));
     }
-    assert_eq!(AxisState::from_code(8), Err(Refused::UnknownCode("axis state", 8)));
+    assert_eq!(AxisState::from_code(8), Err(Refused::UnknownCode { field: "axis state", code: 8 }));
     for (number, fault) in protocol::Fault::ALL.into_iter().enumerate() {
         assert_eq!((fault as usize, protocol::Fault::from_code(fault as u32)), (number + 1, Some(fault)));
     }
@@ -261,7 +264,7 @@ fn codes_of_states_and_faults_are_stable() {
     for code in 0..8 {
         assert_eq!(MachineState::from_code(code).map(|state| state as u32), Ok(code));
     }
-    assert_eq!(MachineState::from_code(8), Err(Refused::UnknownCode("machine state", 8)));
+    assert_eq!(MachineState::from_code(8), Err(Refused::UnknownCode { field: "machine state", code: 8 }));
 }
 
 proptest! {
