@@ -1,8 +1,10 @@
-//! Planning of one block beside rsruckig: time of motion, and ns for a plan. `cargo bench --bench feed` prints a table.
+//! Planning of one block beside rsruckig: time of motion, and ns for a plan. `cargo bench --bench feed`
+//! prints a table.
 //!
-//! rsruckig plans the fastest motion with rectangular jerk. Ours has a smooth jerk: with the same limit it takes longer,
-//! and as long as rsruckig at half the limit (M27; `tests/machine/rest_to_rest.rs` holds that). The last rows have a limit of the
-//! jerk rate as well, which the peer does not know. Both plan the same blocks in turns; a figure is the median of rounds.
+//! rsruckig plans the fastest motion with rectangular jerk. Ours has a smooth jerk: with the same limit it
+//! takes longer, and as long as rsruckig at half the limit (M27; `tests/machine/rest_to_rest.rs` holds that).
+//! The last rows have a limit of the jerk rate as well, which the peer does not know. Both plan the same
+//! blocks in turns; a figure is the median of rounds.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
 
 mod peer;

@@ -1,5 +1,5 @@
-//! Formulas: ns to evaluate one as a number, and with its gradient as series; ns for one piece of a curve over a surface,
-//! which is what a tick of the interpolator makes of a trace; and the text of a formula read.
+//! Formulas: ns to evaluate one as a number, and with its gradient as series; ns for one piece of a curve
+//! over a surface, which is what a tick of the interpolator makes of a trace; and the text of a formula read.
 //!
 //! The surface is that of `examples/shape/wave.toml`, under its ball.
 #![allow(missing_docs, clippy::unwrap_used)]

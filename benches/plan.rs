@@ -1,9 +1,10 @@
-//! Planning of a chain of blocks: blocks per second on one core, and how much faster a contour is than with a stop after
-//! every block. `cargo bench --bench plan` prints them.
+//! Planning of a chain of blocks: blocks per second on one core, and how much faster a contour is than with a
+//! stop after every block. `cargo bench --bench plan` prints them.
 //!
-//! The contours are 4 m in 20,000 lines of 0.2 mm: a smooth one, whose corners are flat, the same in lines of different
-//! lengths, and one with a sharp corner at every twentieth line. Blocks arrive as the interpolator takes them, some in every tick. The time is that of the whole: blends,
-//! limits, look-ahead, laws with their check, and the setpoints of every tick.
+//! The contours are 4 m in 20,000 lines of 0.2 mm: a smooth one, whose corners are flat, the same in lines of
+//! different lengths, and one with a sharp corner at every twentieth line. Blocks arrive as the interpolator
+//! takes them, some in every tick. The time is that of the whole: blends, limits, look-ahead, laws with their
+//! check, and the setpoints of every tick.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
 
 use std::{f64::consts::PI, hint::black_box, time::Instant};
@@ -22,7 +23,8 @@ const TOLERANCE_MM: f64 = 0.01;
 const ROUNDS: usize = 5;
 
 type Contour = Vec<Block<3, ()>>;
-/// From the number of a line: its length in mm, and the angle in radians by which it is turned against the one before.
+/// From the number of a line: its length in mm, and the angle in radians by which it is turned against the
+/// one before.
 type Line = fn(usize) -> (f64, f64);
 
 /// Lines one after the other.

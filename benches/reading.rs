@@ -1,14 +1,14 @@
 //! How fast `pitchlock canon` reads: programs of several shapes, and the peak memory of ten million lines.
 //!
-//! What counts is the processor time (user and system) of the whole process, its start and printing to /dev/null
-//! included: what it takes on a quiet computer, whatever else this one does.
+//! What counts is the processor time (user and system) of the whole process, its start and printing to
+//! /dev/null included: what it takes on a quiet computer, whatever else this one does.
 //!
 //! ```text
 //! cargo bench --bench reading
 //! RS274=/path/to/rs274 cargo bench --bench reading      beside LinuxCNC's stand-alone interpreter
 //! ```
-//! An `rs274` on the PATH is found without the variable. It prints to a file of its own choice faster than to standard
-//! output, so it is given one (/dev/null). The two run in turns, so that both meet the same load.
+//! An `rs274` on the PATH is found without the variable. It prints to a file of its own choice faster than to
+//! standard output, so it is given one (/dev/null). The two run in turns, so that both meet the same load.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::fmt::Write as _;
@@ -122,7 +122,8 @@ fn peer(program: &Path, rs274: &Path) -> Command {
     command
 }
 
-/// Processor time of all processes that were started here and have ended, s: `cutime` and `cstime` of proc(5).
+/// Processor time of all processes that were started here and have ended, s: `cutime` and `cstime` of
+/// proc(5).
 fn spent_s() -> f64 {
     let stat = fs::read_to_string("/proc/self/stat").unwrap();
     let behind_name = stat.rsplit_once(')').unwrap().1;

@@ -1,8 +1,9 @@
-//! ns per tick of each module, and control cycles per second of the whole machine: in one process, and as processes
-//! over iceoryx2. The real machine makes 2000 cycles a second.
+//! ns per tick of each module, and control cycles per second of the whole machine: in one process, and as
+//! processes over iceoryx2. The real machine makes 2000 cycles a second.
 //!
-//! The modules replay what they were given in a run of `examples/m20x2.ngc`, from the start, so that a figure is the
-//! mean over idling, timed motion and threads. criterion prints elements per second; an element is a tick or a cycle.
+//! The modules replay what they were given in a run of `examples/m20x2.ngc`, from the start, so that a figure
+//! is the mean over idling, timed motion and threads. criterion prints elements per second; an element is a
+//! tick or a cycle.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::{hint::black_box, process::Command, time::Duration};

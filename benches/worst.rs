@@ -1,11 +1,11 @@
-//! The worst of a million ticks of the interpolator. `cargo bench --bench worst` prints what a tick costs: median,
-//! 99.9 % and worst.
+//! The worst of a million ticks of the interpolator. `cargo bench --bench worst` prints what a tick costs:
+//! median, 99.9 % and worst.
 //!
-//! The machine follows short lines of 0.2 mm round and round, on a smooth curve and on one with sharp corners, and a ball
-//! over a surface of which it has the formula, while the operator turns the feed override and holds now and then: both
-//! make the interpolator plan again. Timed is what the process does in a tick: it takes the machine code it has asked
-//! for, and ticks. Every run makes the same ticks, so the least cost of a tick over the runs is what it costs by itself;
-//! one run alone has also what the system does meanwhile.
+//! The machine follows short lines of 0.2 mm round and round, on a smooth curve and on one with sharp
+//! corners, and a ball over a surface of which it has the formula, while the operator turns the feed override
+//! and holds now and then: both make the interpolator plan again. Timed is what the process does in a tick:
+//! it takes the machine code it has asked for, and ticks. Every run makes the same ticks, so the least cost
+//! of a tick over the runs is what it costs by itself; one run alone has also what the system does meanwhile.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
 
 use std::{f64::consts::TAU, hint::black_box, time::Instant};
@@ -55,8 +55,8 @@ fn operator(tick: usize) -> Panel {
     Panel { feed_override_pct: 40.0 + 40.0 * (turn * 7 % 5) as f64, buttons, ..Panel::default() }
 }
 
-/// Wires that put the operator's hand on every panel, and take the time from the measurement that starts a tick of the
-/// interpolator to the next message, which is sent when the tick is over.
+/// Wires that put the operator's hand on every panel, and take the time from the measurement that starts a
+/// tick of the interpolator to the next message, which is sent when the tick is over.
 #[derive(Default)]
 struct Watched {
     measurement: Measurement,

@@ -1,6 +1,7 @@
 //! `pitchlock canon`: what a program means, one canonical machining function a line.
 //!
-//! A program streams through: a line is read, executed, printed and forgotten. Nothing else of the machine is started.
+//! A program streams through: a line is read, executed, printed and forgotten. Nothing else of the machine is
+//! started.
 
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
@@ -118,8 +119,8 @@ pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError>
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
-/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 outlast a run, too,
-/// unless they are vacant.
+/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 outlast a
+/// run, too, unless they are vacant.
 fn outlasting(mut file: ParameterFile, dialect: Dialect, program: &Program) -> ParameterFile {
     file.values.retain(|(number, _)| program.parameter(*number).is_some());
     if dialect == Dialect::Fanuc {
@@ -189,7 +190,8 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
     };
     options.machine_units = machine.units.unwrap_or(match args.format {
         Format::Plain => Units::Millimetre,
-        // Where nothing says otherwise, `rs274` takes the machine for one in inches; programs begin in mm anyway.
+        // Where nothing says otherwise, `rs274` takes the machine for one in inches; programs begin in mm
+        // anyway.
         Format::Linuxcnc => Units::Inch,
     });
     for (clearance, given) in
@@ -278,7 +280,8 @@ impl Printer {
         }
     }
 
-    /// Ends the output. `rs274` resets when it leaves: after an error, and once more if it has no machine description.
+    /// Ends the output. `rs274` resets when it leaves: after an error, and once more if it has no machine
+    /// description.
     fn finish(&mut self, good: bool, described: bool) -> io::Result<()> {
         if let Printer::Linuxcnc(printer) = self {
             for _ in 0..u8::from(!good) + u8::from(!described) {

@@ -57,7 +57,8 @@ pub(crate) enum Command {
     /// Commission axes: measure mass, friction, delays and the mode of the slide, and propose loops that fit.
     #[command(after_help = crate::tune::HELP)]
     Tune(crate::tune::TuneArgs),
-    /// Say how fine positions, speeds, accelerations and jerks have to be, and whether this machine's encoders are.
+    /// Say how fine positions, speeds, accelerations and jerks have to be, and whether this machine's
+    /// encoders are.
     #[command(after_help = crate::resolution::HELP)]
     Resolution(Box<crate::resolution::ResolutionArgs>),
     /// Say whether this computer can run the machine, and what to change if not.

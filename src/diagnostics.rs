@@ -1,12 +1,13 @@
 //! Diagnostics as one JSON document, for editors: `pitchlock check --json`.
 //!
 //! ```json
-//! { "version": 1, "program": "part.ngc", "errors": 1, "warnings": 0, "moves": 12, "time_s": null, "diagnostics": [
-//!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error", "code": "unused-word",
-//!     "message": "no code of this block uses Q", "help": "leave it out" } ] }
+//! { "version": 1, "program": "part.ngc", "errors": 1, "warnings": 0, "moves": 12, "time_s": null,
+//!   "diagnostics": [
+//!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error",
+//!     "code": "unused-word", "message": "no code of this block uses Q", "help": "leave it out" } ] }
 //! ```
-//! `time_s` is the time the program takes at 100 % override; null where an error keeps it from running. Lines and columns
-//! count from 1, columns in characters; `end_column` is that of the character behind the last.
+//! `time_s` is the time the program takes at 100 % override; null where an error keeps it from running. Lines
+//! and columns count from 1, columns in characters; `end_column` is that of the character behind the last.
 
 use gcode::{Diagnostic, Severity};
 use serde::Serialize;

@@ -1,5 +1,5 @@
-//! `pitchlock experiment NAME`: a published experiment, made again. In: its name. Out: its findings on the screen or its
-//! rows as one JSON document, and a folder with `report.html` and `rows.json`.
+//! `pitchlock experiment NAME`: a published experiment, made again. In: its name. Out: its findings on the
+//! screen or its rows as one JSON document, and a folder with `report.html` and `rows.json`.
 
 use std::{
     path::{Path, PathBuf},

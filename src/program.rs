@@ -14,7 +14,8 @@ use crate::{error::CliError, screen};
 pub(crate) struct Program {
     /// Machine code that was read from a file; that of other programs is made anew whenever it is wanted.
     pub(crate) code: Option<Vec<Item>>,
-    /// How many items of machine code there are, what they count in the progress of a run, and how many of them are moves.
+    /// How many items of machine code there are, what they count in the progress of a run, and how many of
+    /// them are moves.
     pub(crate) count: u64,
     pub(crate) steps: u64,
     pub(crate) moves: u64,
@@ -118,8 +119,8 @@ fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Pr
     interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))
 }
 
-/// Why machine code does not suit the limits of a machine of the same name that has changed since. Why a trace cannot be
-/// followed is seen where its time is told.
+/// Why machine code does not suit the limits of a machine of the same name that has changed since. Why a
+/// trace cannot be followed is seen where its time is told.
 fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
     let (mut at, mut route) = (machine.home(), Route::new(machine));
     for Item { line, code } in items {
@@ -165,7 +166,8 @@ mod tests {
 
     use super::not_for;
 
-    /// A straight contour along X, and half a circle from its end: an arc from there, and none from anywhere else.
+    /// A straight contour along X, and half a circle from its end: an arc from there, and none from anywhere
+    /// else.
     #[test]
     fn an_arc_behind_a_trace_begins_where_the_trace_ends() {
         let machine = Machine::from_toml(SMALL_MILL).expect("a mill");

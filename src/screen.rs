@@ -1,4 +1,5 @@
-//! What the user sees besides pages: results on standard output, log messages on standard error, colour where it is seen.
+//! What the user sees besides pages: results on standard output, log messages on standard error, colour where
+//! it is seen.
 
 use std::io::{IsTerminal, Write};
 

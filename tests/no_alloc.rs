@@ -1,5 +1,5 @@
-//! After the start nothing allocates: a tick of the interpolator, of a regulator or of the plant takes the same memory
-//! in every cycle of a program.
+//! After the start nothing allocates: a tick of the interpolator, of a regulator or of the plant takes the
+//! same memory in every cycle of a program.
 
 mod shop;
 
@@ -90,7 +90,8 @@ fn work_from_formulas_allocates_nothing() {
     }
 }
 
-/// Look-ahead, blends, overrides and holds: a contour of short lines under an operator who does not leave it alone.
+/// Look-ahead, blends, overrides and holds: a contour of short lines under an operator who does not leave it
+/// alone.
 #[test]
 fn a_contour_under_overrides_allocates_nothing() {
     let mill = fs::read_to_string(shop::project().join("examples/machines/small-mill.toml"));

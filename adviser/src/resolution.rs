@@ -1,8 +1,8 @@
-//! How fine positions, and what is derived from them, have to be (M28–M35).
-//! In: tolerance in µm, feed in mm/min, acceleration in m/s², jerk in m/s³, cycle in Hz, counts per mm.
-//! Out: counts, counts/cycleⁿ, mm/cycleⁿ, percent.
-//! Source: "Investigation of the required discreteness of interpolation movement parameters in cyber-physical systems",
-//! Eqs. (2)–(20); M28 follows from the binomial coefficients of a difference.
+//! How fine positions, and what is derived from them, have to be (M28–M35). In: tolerance in µm, feed in
+//! mm/min, acceleration in m/s², jerk in m/s³, cycle in Hz, counts per mm. Out: counts, counts/cycleⁿ,
+//! mm/cycleⁿ, percent. Source: "Investigation of the required discreteness of interpolation movement
+//! parameters in cyber-physical systems", Eqs. (2)–(20); M28 follows from the binomial coefficients of a
+//! difference.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -15,11 +15,11 @@
 //! | d | mm/cycleⁿ | coarsest step that does (M30–M33) |
 //!
 //! ```text
-//! error of the n-th difference of rounded positions ≤ 2ⁿ⁻¹ counts, rms (C(2n, n)/12)^½ counts/cycleⁿ      (M28)
-//! V_T = F k/(60 f),  a_T = 1000 a k/f²,  J_T = 1000 J k/f³                                                 (M29)
-//! d = P/(1000 K_m),  F/(60 f K_F),  1000 a/(f² K_a),  1000 J/(f³ K_J)                                (M30–M33)
-//! discrepancy = (1/k)/d                                                                                    (M34)
-//! order = floor(lg d + 1e-9)                                                                               (M35)
+//! error of the n-th difference of rounded positions ≤ 2ⁿ⁻¹ counts, rms (C(2n, n)/12)^½ counts/cycleⁿ   (M28)
+//! V_T = F k/(60 f),  a_T = 1000 a k/f²,  J_T = 1000 J k/f³                                             (M29)
+//! d = P/(1000 K_m),  F/(60 f K_F),  1000 a/(f² K_a),  1000 J/(f³ K_J)                              (M30–M33)
+//! discrepancy = (1/k)/d                                                                                (M34)
+//! order = floor(lg d + 1e-9)                                                                           (M35)
 //! ```
 
 /// Rounding of a quotient that decides whether it is a whole number, relative; and that of M35, absolute.
@@ -111,8 +111,8 @@ impl Counts {
         (mm * self.per_mm).trunc()
     }
 
-    /// The first of the given number of cycles after the start in which a motion shows: `way_mm` gives its way in mm
-    /// after a time in s. `None` if none does.
+    /// The first of the given number of cycles after the start in which a motion shows: `way_mm` gives its
+    /// way in mm after a time in s. `None` if none does.
     #[must_use]
     pub fn first_seen(&self, cycles: u32, way_mm: impl Fn(f64) -> f64) -> Option<u32> {
         (1..=cycles).find(|&cycle| self.cut(way_mm(f64::from(cycle) / self.cycle_hz)) != 0.0)
@@ -143,8 +143,8 @@ pub fn difference_bound(n: u16) -> f64 {
     2_f64.powi(i32::from(n) - 1)
 }
 
-/// Its rms if errors of rounding are independent and even within a count: (C(2n, n)/12)^½ counts, the squares of the
-/// binomial coefficients added up (M28).
+/// Its rms if errors of rounding are independent and even within a count: (C(2n, n)/12)^½ counts, the squares
+/// of the binomial coefficients added up (M28).
 #[must_use]
 pub fn difference_rms(n: u16) -> f64 {
     let squares = (1..=n).map(f64::from).fold(1.0, |c, i| c * (f64::from(n) + i) / i);
@@ -175,8 +175,8 @@ pub fn jerk_mm(j_m_s3: f64, cycle_hz: f64, steps: f64) -> f64 {
     1e3 * j_m_s3 / (cycle_hz.powi(3) * steps)
 }
 
-/// Order of a step > 0: the decimal power not coarser than it (M35). The published "int-up" is used both ways; this is
-/// the one of its (10), (14) and (18).
+/// Order of a step > 0: the decimal power not coarser than it (M35). The published "int-up" is used both
+/// ways; this is the one of its (10), (14) and (18).
 #[must_use]
 pub fn order(step: f64) -> i32 {
     (libm::log10(step) + ROUNDING).floor() as i32

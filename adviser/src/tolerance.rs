@@ -1,7 +1,6 @@
-//! Standard tolerances of lengths, ISO 286-1: how far a size of a part may vary in a grade.
-//! In: grade IT01 … IT18, nominal size in mm. Out: tolerance in µm.
-//! Source: ISO 286-1:2010, table 1. The numbers are those of the standard; the formulas they were rounded from (annex A
-//! of the edition of 1988) check them in a test.
+//! Standard tolerances of lengths, ISO 286-1: how far a size of a part may vary in a grade. In: grade IT01 …
+//! IT18, nominal size in mm. Out: tolerance in µm. Source: ISO 286-1:2010, table 1. The numbers are those of
+//! the standard; the formulas they were rounded from (annex A of the edition of 1988) check them in a test.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,8 +9,9 @@
 //!
 //! ```text
 //! i = 0.45 D^⅓ + 0.001 D,  I = 0.004 D + 2.1;   IT5 … IT18 = (7, 10, 16, 25, 40, 64, 100 … 2500) × i or I
-//! up to 500 mm: IT01 = 0.3 + 0.008 D,  IT0 = 0.5 + 0.012 D,  IT1 = 0.8 + 0.020 D, IT2 … IT4 between IT1 and IT5
-//! above: IT1 … IT4 = (2, 2.7, 3.7, 5) × I                                                                  (M94)
+//! up to 500 mm: IT01 = 0.3 + 0.008 D,  IT0 = 0.5 + 0.012 D,  IT1 = 0.8 + 0.020 D,
+//!     IT2 … IT4 between IT1 and IT5
+//! above: IT1 … IT4 = (2, 2.7, 3.7, 5) × I                                                              (M94)
 //! ```
 
 use std::fmt;
@@ -83,8 +83,8 @@ impl Grade {
     /// The tolerance of a nominal size in mm, µm. A size between two steps belongs to the lower one.
     ///
     /// # Errors
-    /// [`ToleranceError`] for a size that is not above 0 and up to 3150 mm, IT01 and IT0 above 500 mm, and IT14 or
-    /// coarser up to 1 mm.
+    /// [`ToleranceError`] for a size that is not above 0 and up to 3150 mm, IT01 and IT0 above 500 mm, and
+    /// IT14 or coarser up to 1 mm.
     pub fn tolerance_um(self, size_mm: f64) -> Result<f64, ToleranceError> {
         let step = STEPS.iter().find(|(up_to, _)| size_mm > 0.0 && size_mm <= *up_to);
         let (_, row) = step.ok_or(ToleranceError::Size(size_mm))?;
@@ -172,8 +172,8 @@ mod tests {
         row
     }
 
-    /// The table was rounded from its formulas: IT5 and coarser by up to 6 % above 6 mm and by up to 16 % below, finer ones,
-    /// which have few digits, by up to 29 %, above 500 mm by up to 6.5 %.
+    /// The table was rounded from its formulas: IT5 and coarser by up to 6 % above 6 mm and by up to 16 %
+    /// below, finer ones, which have few digits, by up to 29 %, above 500 mm by up to 6.5 %.
     #[test]
     fn the_table_is_what_its_formulas_give() {
         let from = std::iter::once(1.0).chain(STEPS.iter().map(|step| step.0));
@@ -192,7 +192,8 @@ mod tests {
         }
     }
 
-    /// Five grades coarser is ten times as much, from IT7 on: this finds a wrong digit that rounding would hide.
+    /// Five grades coarser is ten times as much, from IT7 on: this finds a wrong digit that rounding would
+    /// hide.
     #[test]
     fn five_grades_are_a_decade() {
         for (up_to, row) in STEPS {

@@ -1,4 +1,5 @@
-//! `resolution.json`: positions that are counted, and the steps that feed, acceleration and jerk need (M28–M35).
+//! `resolution.json`: positions that are counted, and the steps that feed, acceleration and jerk need
+//! (M28–M35).
 
 use adviser::resolution::{Counts, Demand, Required, Steps, counts_per_mm, order, position_mm};
 use motion::Ramp;

@@ -1,5 +1,5 @@
-//! Random moves, and the planner they are compared with: rsruckig, a port of Ruckig, which plans the fastest motion with
-//! rectangular jerk. In: a seed. Out: blocks in m and s, and the time rsruckig gives them.
+//! Random moves, and the planner they are compared with: rsruckig, a port of Ruckig, which plans the fastest
+//! motion with rectangular jerk. In: a seed. Out: blocks in m and s, and the time rsruckig gives them.
 #![allow(dead_code, clippy::unwrap_used, missing_docs, unreachable_pub)] // the bench and the test each use their part
 
 use motion::{FeedBlock, Limits};
@@ -17,8 +17,8 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// A move from rest to rest, or with feeds at its start and end, of any length and with the limits of machines of
-    /// any size. `dj` is the limit of the jerk rate, which the peer does not know.
+    /// A move from rest to rest, or with feeds at its start and end, of any length and with the limits of
+    /// machines of any size. `dj` is the limit of the jerk rate, which the peer does not know.
     pub fn draw(draw: &mut Seed, at_rest: bool, dj: f64) -> Asked {
         let f = draw.scale(0.02, 2.0);
         let mut feed = || if at_rest { 0.0 } else { f * draw.unit() };

@@ -1,9 +1,9 @@
-//! Published experiments, made again with the code that moves the machine. In: an experiment, the machine on its stand.
-//! Out: its findings as text for the screen, as one JSON document of rows, and as a page.
+//! Published experiments, made again with the code that moves the machine. In: an experiment, the machine on
+//! its stand. Out: its findings as text for the screen, as one JSON document of rows, and as a page.
 //!
-//! An experiment is a function that gives [`Findings`]: rows of its own type, and what is to be said, tabled and drawn
-//! of them. What is done with findings is the same for all, and stands in this file. Experiments that move a machine
-//! do so on a [`Stand`].
+//! An experiment is a function that gives [`Findings`]: rows of its own type, and what is to be said, tabled
+//! and drawn of them. What is done with findings is the same for all, and stands in this file. Experiments
+//! that move a machine do so on a [`Stand`].
 #![forbid(unsafe_code)]
 
 mod approach;
@@ -36,7 +36,8 @@ const VERSION: u32 = 1;
 pub enum Name {
     /// X moves to depth in step with the spindle: servo errors of six structures of feedforward.
     Approach,
-    /// Feed with a smooth jerk: the examples of the published method with their figures put right, and whole blocks.
+    /// Feed with a smooth jerk: the examples of the published method with their figures put right, and whole
+    /// blocks.
     Feed,
     /// How well the spindle's angle is known from its encoder, and what that makes of a helix.
     Observer,
@@ -67,8 +68,8 @@ impl Name {
         }
     }
 
-    /// What kind of machine it moves, so that `--machine` says which one; none if it takes none: that of `surface` is the
-    /// small mill.
+    /// What kind of machine it moves, so that `--machine` says which one; none if it takes none: that of
+    /// `surface` is the small mill.
     pub fn moves(self) -> Option<Kinematics> {
         match self {
             Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => Some(Kinematics::Lathe),

@@ -1,5 +1,5 @@
-//! The page of an experiment: the result, what was done, tables, pictures, what it means, and how to make it again. In:
-//! findings. Out: HTML with everything in it, drawn as the report of a run is.
+//! The page of an experiment: the result, what was done, tables, pictures, what it means, and how to make it
+//! again. In: findings. Out: HTML with everything in it, drawn as the report of a run is.
 
 use maud::{Markup, html};
 

@@ -1,7 +1,8 @@
-//! What experiments that move a machine share: the machine, the seed, all processors, and progress on a terminal.
+//! What experiments that move a machine share: the machine, the seed, all processors, and progress on a
+//! terminal.
 //!
-//! Cases are independent of each other and each is the same every time, so the findings do not depend on how many are
-//! computed at once.
+//! Cases are independent of each other and each is the same every time, so the findings do not depend on how
+//! many are computed at once.
 
 use std::{
     num::NonZero,
@@ -34,7 +35,8 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// Computes every case, as many at once as there are processors; the results are in the order of the cases.
+    /// Computes every case, as many at once as there are processors; the results are in the order of the
+    /// cases.
     ///
     /// # Errors
     /// That of the first case that has one.
@@ -62,8 +64,8 @@ impl Stand {
         done.into_iter().map(|(_, result)| result).collect()
     }
 
-    /// Runs trial passes on a machine, the knob of the spindle override at `override_pct` from the start; `see` is shown
-    /// every control cycle.
+    /// Runs trial passes on a machine, the knob of the spindle override at `override_pct` from the start;
+    /// `see` is shown every control cycle.
     ///
     /// # Errors
     /// The machine cannot follow a trial, does not come to the end of the program, or does not cut at that
@@ -95,8 +97,8 @@ impl Stand {
         Err(failed(fault.unwrap_or_else(|| "the program was not run to its end".into())))
     }
 
-    /// Runs a job of one contour, surface or seam on a machine; `see` is shown every control cycle, with what the observer
-    /// measured in it.
+    /// Runs a job of one contour, surface or seam on a machine; `see` is shown every control cycle, with what
+    /// the observer measured in it.
     ///
     /// # Errors
     /// The job has errors or does not suit the machine, or it does not come to its end.

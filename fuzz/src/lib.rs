@@ -1,7 +1,8 @@
 //! What must hold for any bytes: no panic, an end, an answer that names a place.
 //!
-//! One function for each part that reads what others wrote. libFuzzer drives them from `fuzz_targets/`, with coverage;
-//! `tests/mutations` drives the same ones with mutations of programs that are known, on a stable compiler.
+//! One function for each part that reads what others wrote. libFuzzer drives them from `fuzz_targets/`, with
+//! coverage; `tests/mutations` drives the same ones with mutations of programs that are known, on a stable
+//! compiler.
 
 use std::io;
 
@@ -53,7 +54,8 @@ pub fn expression(bytes: &[u8]) {
     }
 }
 
-/// The bytes as the text of a formula: one that machine code carries and that has a value, or a reason and its place.
+/// The bytes as the text of a formula: one that machine code carries and that has a value, or a reason and
+/// its place.
 pub fn formula(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     match interpreter::formula::parse(&text, &["x", "y"]) {

@@ -1,5 +1,5 @@
-//! `[axis.*]` of the machine file: one axis as the controller believes it to be.
-//! In: mm, s, kg, N; degrees instead of mm for a rotary axis. Out: checked values, or the path of the key and the reason.
+//! `[axis.*]` of the machine file: one axis as the controller believes it to be. In: mm, s, kg, N; degrees
+//! instead of mm for a rotary axis. Out: checked values, or the path of the key and the reason.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +18,8 @@ pub const MOST_ROWS: usize = 256;
 
 /// `[axis.*]`: limits, encoder scale, loops, and what the controller believes about the mechanics.
 ///
-/// A rotary axis has degrees where the names say mm, and its keys are spelled so (`travel_deg`). Its masses and forces
-/// are referred to the radius of 57.3 mm, on which one degree is one millimetre.
+/// A rotary axis has degrees where the names say mm, and its keys are spelled so (`travel_deg`). Its masses
+/// and forces are referred to the radius of 57.3 mm, on which one degree is one millimetre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisConfig {
@@ -83,15 +83,16 @@ pub struct AxisConfig {
     /// How the structures that difference positions do it.
     #[serde(default)]
     pub difference: Difference,
-    /// Step of the linear scale at the slide, mm. With it the position loop closes over the scale; without, over the
-    /// encoder of the motor.
+    /// Step of the linear scale at the slide, mm. With it the position loop closes over the scale; without,
+    /// over the encoder of the motor.
     #[serde(default, alias = "scale_step_deg")]
     pub scale_step_mm: Option<f64>,
-    /// Backlash between motor and slide as believed, mm: what the motor turns for nothing when it reverses (M69).
+    /// Backlash between motor and slide as believed, mm: what the motor turns for nothing when it reverses
+    /// (M69).
     #[serde(default, alias = "backlash_deg")]
     pub backlash_mm: f64,
-    /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide stands, in
-    /// thousandths of that unit (µm). Only its change since home counts. Empty for none.
+    /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide
+    /// stands, in thousandths of that unit (µm). Only its change since home counts. Empty for none.
     #[serde(default, deserialize_with = "pairs")]
     pub screw_error: Vec<[f64; 2]>,
 }
@@ -188,8 +189,8 @@ impl AxisConfig {
         self.check_screw_error(&key("screw_error"))
     }
 
-    /// Feedforward looks no farther than the setpoints of a stream reach: at the first cycle of a tick one tick back, at
-    /// its last one tick and one cycle ahead.
+    /// Feedforward looks no farther than the setpoints of a stream reach: at the first cycle of a tick one
+    /// tick back, at its last one tick and one cycle ahead.
     fn check_reach(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
         let Difference { quantum_mm, cycles, centred } = self.difference;
         let difference = |name: &str| key(axis, &format!("difference.{name}"));

@@ -1,24 +1,27 @@
-//! What the axes of a machine can do: reach a point, turn an arc, follow a pass. In: machine code that has been checked.
+//! What the axes of a machine can do: reach a point, turn an arc, follow a pass. In: machine code that has
+//! been checked.
 
 use protocol::{Arc, PerAxis, Position, ThreadPass};
 
 use crate::{Kinematics, Machine};
 
-/// Fewest control cycles between the index of a pass and its first motion: every regulator has seen the index by then.
+/// Fewest control cycles between the index of a pass and its first motion: every regulator has seen the index
+/// by then.
 const INDEX_CYCLES: f64 = 10.0;
 
 impl Machine {
-    /// Control cycles at programmed speed that a pass leaves free between its index and its first motion: what
-    /// [`Machine::call_off_s`] asks for, and a cycle to spare.
+    /// Control cycles at programmed speed that a pass leaves free between its index and its first motion:
+    /// what [`Machine::call_off_s`] asks for, and a cycle to spare.
     pub fn index_margin_cycles(&self) -> f64 {
         INDEX_CYCLES.max((self.call_off_cycles() + 1.0) * self.highest_ratio())
     }
 
-    /// How far into a pass it can be called off: the angle since its index, in seconds at programmed speed. It is the same
-    /// on every axis, so that all of them give the pass up or none does, and no axis moves before it.
+    /// How far into a pass it can be called off: the angle since its index, in seconds at programmed speed.
+    /// It is the same on every axis, so that all of them give the pass up or none does, and no axis moves
+    /// before it.
     ///
-    /// A status tells of the cycle before its tick, and a frame that calls the pass off acts a tick later. What the
-    /// spindle turns meanwhile, at its highest override, is this angle.
+    /// A status tells of the cycle before its tick, and a frame that calls the pass off acts a tick later.
+    /// What the spindle turns meanwhile, at its highest override, is this angle.
     pub fn call_off_s(&self) -> f64 {
         self.highest_ratio() * self.call_off_cycles() * self.general.cycle_s
     }
@@ -42,8 +45,8 @@ impl Machine {
         })
     }
 
-    /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its travel,
-    /// to the end the law names, and begins late enough to be called off. The pass has been checked.
+    /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its
+    /// travel, to the end the law names, and begins late enough to be called off. The pass has been checked.
     pub fn can_follow(&self, pass: &ThreadPass) -> bool {
         let lathe = self.general.kinematics == Kinematics::Lathe; // only a lathe cuts threads
         lathe

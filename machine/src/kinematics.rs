@@ -1,9 +1,11 @@
-//! Kinematics, one function each way: where the axes stand for a programmed point, and which point they stand at.
-//! In and out: mm, and degrees for A, B, C. The point is that of the tool in the coordinates of the machine; X of a lathe
-//! is a radius, and the point of a positioner is where its axes stand: what a beam meets there depends on the part, and
-//! seams ask `shape`. No state, no clock: the planner and the readers of programs ask the same two functions.
+//! Kinematics, one function each way: where the axes stand for a programmed point, and which point they stand
+//! at. In and out: mm, and degrees for A, B, C. The point is that of the tool in the coordinates of the
+//! machine; X of a lathe is a radius, and the point of a positioner is where its axes stand: what a beam
+//! meets there depends on the part, and seams ask `shape`. No state, no clock: the planner and the readers of
+//! programs ask the same two functions.
 //!
-//! A machine whose axes are no coordinates of the tool (a robot, a tilting head) gets its arm in the two matches here.
+//! A machine whose axes are no coordinates of the tool (a robot, a tilting head) gets its arm in the two
+//! matches here.
 use protocol::{Axis, PerAxis, units::AXES};
 
 use crate::{Kinematics, Machine, POSITIONER_AXES};

@@ -1,8 +1,8 @@
-//! The machine file: what the controller believes about its machine, and, passed through unread, the truth about
-//! the simulated plant.
+//! The machine file: what the controller believes about its machine, and, passed through unread, the truth
+//! about the simulated plant.
 //!
-//! Every key has a default (the built-in small lathe), unknown keys are refused, and [`Machine::check`] refuses
-//! impossible values with the path of the key. Units are in the names of the keys.
+//! Every key has a default (the built-in small lathe), unknown keys are refused, and [`Machine::check`]
+//! refuses impossible values with the path of the key. Units are in the names of the keys.
 
 mod axis;
 mod feasibility;

@@ -9,9 +9,11 @@ use super::{MachineError, range};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PathConfig {
-    /// How far a rounded corner may leave the programmed path in G64 without P, which is the mode at the start, mm.
+    /// How far a rounded corner may leave the programmed path in G64 without P, which is the mode at the
+    /// start, mm.
     pub tolerance_mm: f64,
-    /// How exactly G61 follows the path, mm: within this the jumps of curvature at tangent junctions are smoothed.
+    /// How exactly G61 follows the path, mm: within this the jumps of curvature at tangent junctions are
+    /// smoothed.
     pub exact_mm: f64,
     /// Chord error of the setpoints that are streamed, mm.
     pub chord_mm: f64,

@@ -1,5 +1,5 @@
-//! `[positioner]` of the machine file: where the axes of a four-axis positioner lie, and where its beam stands.
-//! In: mm; α is the axis A, β the axis C, degrees. Out: checked values.
+//! `[positioner]` of the machine file: where the axes of a four-axis positioner lie, and where its beam
+//! stands. In: mm; α is the axis A, β the axis C, degrees. Out: checked values.
 
 use serde::{Deserialize, Serialize};
 

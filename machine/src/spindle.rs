@@ -1,5 +1,5 @@
-//! `[spindle]` and `[threading]` of the machine file: the spindle as the controller believes it to be, and how threads are
-//! laid out. Out: checked values, or the path of the key and the reason.
+//! `[spindle]` and `[threading]` of the machine file: the spindle as the controller believes it to be, and
+//! how threads are laid out. Out: checked values, or the path of the key and the reason.
 
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +68,8 @@ pub enum RunOut {
 }
 
 impl SpindleConfig {
-    /// Bandwidth of the filter through which the interpolator watches the speed, Hz: slow, because it only judges.
+    /// Bandwidth of the filter through which the interpolator watches the speed, Hz: slow, because it only
+    /// judges.
     pub const WATCH_HZ: f64 = 5.0;
     /// Speed below which the spindle counts as standing, 1/min.
     pub const STANDSTILL_RPM: f64 = 1.0;

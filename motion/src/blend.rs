@@ -1,6 +1,6 @@
-//! A smooth junction of two path elements: a bump of compact support that makes the path C³ (M59–M62).
-//! In: jumps of the derivatives of p(s) at the junction, half the width of the bump, mm; way from the junction, mm.
-//! Out: what the bump adds to p and its derivatives, its peaks, how far it leads away from the path.
+//! A smooth junction of two path elements: a bump of compact support that makes the path C³ (M59–M62). In:
+//! jumps of the derivatives of p(s) at the junction, half the width of the bump, mm; way from the junction,
+//! mm. Out: what the bump adds to p and its derivatives, its peaks, how far it leads away from the path.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -23,10 +23,10 @@
 //! |p̃ − p| ≤ |Δ1| max B1 + |Δ2| max |B2| + |Δ3| max |B3|                                         (M62)
 //! ```
 //!
-//! Each bump is a truncated power smoothed by its kernel, less that power: u₊ by h, u₊²/2 and u₊³/6 by g. Smoothing a
-//! cubic adds its second derivative times half the second moment of the kernel; the bumps 2 and 3 end only because g
-//! has none. g dips below 0 for that, so ∫g leaves 0 … 1 by 5 %. Corners of one size, r apart, overlap to a
-//! constant curvature Δ1/r: h is a partition of unity.
+//! Each bump is a truncated power smoothed by its kernel, less that power: u₊ by h, u₊²/2 and u₊³/6 by g.
+//! Smoothing a cubic adds its second derivative times half the second moment of the kernel; the bumps 2 and 3
+//! end only because g has none. g dips below 0 for that, so ∫g leaves 0 … 1 by 5 %. Corners of one size, r
+//! apart, overlap to a constant curvature Δ1/r: h is a partition of unity.
 //!
 //! Source: smoothing by convolution with a compact kernel; the kernels and the closed forms are derived here.
 
@@ -68,8 +68,9 @@ impl<const N: usize> Blend<N> {
     /// No bump: nothing is added anywhere.
     pub const NONE: Blend<N> = Blend { jumps: [[0.0; N]; 3], half: 0.0 };
 
-    /// The bump for `jumps` of p₁, p₂, p₃ (mm⁰ … 1/mm², behind the junction less before it), over `half` mm on either
-    /// side. A `half` that is not finite or below 1e-12 mm makes no bump; [`Blend::half`] is 0 then.
+    /// The bump for `jumps` of p₁, p₂, p₃ (mm⁰ … 1/mm², behind the junction less before it), over `half` mm
+    /// on either side. A `half` that is not finite or below 1e-12 mm makes no bump; [`Blend::half`] is 0
+    /// then.
     #[must_use]
     pub fn new(jumps: [[f64; N]; 3], half: f64) -> Blend<N> {
         if half.is_finite() && half >= LEAST_HALF { Blend { jumps, half } } else { Blend::NONE }
@@ -91,8 +92,9 @@ impl<const N: usize> Blend<N> {
         self.jumps[1..].iter().flatten().all(|jump| *jump == 0.0)
     }
 
-    /// Adds the bump at `u` mm from the junction to `p`, position and derivatives 1 … 4 by s as `Path::at` gives them
-    /// (M59): of the element before the junction for u < 0, of the one behind it for u ≥ 0. Nothing for |u| ≥ half.
+    /// Adds the bump at `u` mm from the junction to `p`, position and derivatives 1 … 4 by s as `Path::at`
+    /// gives them (M59): of the element before the junction for u < 0, of the one behind it for u ≥ 0.
+    /// Nothing for |u| ≥ half.
     ///
     /// One sine and cosine.
     pub fn add(&self, u: f64, p: &mut [[f64; N]; 5]) {
@@ -107,10 +109,11 @@ impl<const N: usize> Blend<N> {
         }
     }
 
-    /// Bounds of the derivatives 1 … 4 of the bump itself on every axis, mm⁰ … 1/mm³: what the path may have more of
-    /// each because of it. A corner has no p₂ of its own, so all of the rounded corner's is in here.
+    /// Bounds of the derivatives 1 … 4 of the bump itself on every axis, mm⁰ … 1/mm³: what the path may have
+    /// more of each because of it. A corner has no p₂ of its own, so all of the rounded corner's is in here.
     ///
-    /// The bump turns p₁ from that before the junction to that behind it; that of a corner alone lies between both.
+    /// The bump turns p₁ from that before the junction to that behind it; that of a corner alone lies between
+    /// both.
     #[must_use]
     pub fn peaks(&self) -> [[f64; N]; 4] {
         let [d1, d2, d3] = &self.jumps;
@@ -133,8 +136,8 @@ impl<const N: usize> Blend<N> {
         deviation(jumps.map(|jump| norm(&jump)), half)
     }
 
-    /// The largest half width up to `cap` whose deviation is at most `tolerance`, both mm and finite (M62). 0 if that is
-    /// below 1e-12 mm.
+    /// The largest half width up to `cap` whose deviation is at most `tolerance`, both mm and finite (M62). 0
+    /// if that is below 1e-12 mm.
     #[must_use]
     pub fn half_within(jumps: &[[f64; N]; 3], tolerance: f64, cap: f64) -> f64 {
         let sizes = jumps.map(|jump| norm(&jump));

@@ -9,11 +9,11 @@
 //! | τ(Δ) | s | shortest sin² pulse of jerk that changes the acceleration by Δ |
 //!
 //! ```text
-//! τ(Δ) = max( 2 |Δ|/J, sqrt(2π |Δ|/DJ) )                         peak jerk 2Δ/τ, peak jerk rate 2πΔ/τ²   (M63)
-//! v1 − v0 = (a0 + ap)/2 τ(ap − a0) + ap tc + ap/2 τ(ap)                                                  (M64)
+//! τ(Δ) = max( 2 |Δ|/J, sqrt(2π |Δ|/DJ) )                        peak jerk 2Δ/τ, peak jerk rate 2πΔ/τ²  (M63)
+//! v1 − v0 = (a0 + ap)/2 τ(ap − a0) + ap tc + ap/2 τ(ap)                                                (M64)
 //! ```
-//! For a0 = 0 this is the fastest ramp of M19, M20. The right side of M64 grows with ap on either side of the release
-//! of a0 (ap = 0 below, ap = a0 above it), so the root is unique.
+//! For a0 = 0 this is the fastest ramp of M19, M20. The right side of M64 grows with ap on either side of the
+//! release of a0 (ap = 0 below, ap = a0 above it), so the root is unique.
 
 use core::f64::consts::PI;
 
@@ -56,8 +56,8 @@ fn pulse(da: f64, limits: &Limits) -> f64 {
 }
 
 impl SpeedChange {
-    /// The change from speed `v0` and acceleration `a0` to speed `v1` and none within a, j and dj of `limits`. An
-    /// `a0` beyond the limit is not lessened before its time.
+    /// The change from speed `v0` and acceleration `a0` to speed `v1` and none within a, j and dj of
+    /// `limits`. An `a0` beyond the limit is not lessened before its time.
     ///
     /// # Panics
     /// If a limit is not positive.

@@ -23,8 +23,8 @@ use crate::sample::Sample;
 use crate::search;
 use core::fmt;
 
-/// Relative shortfall of length accepted at a junction: feeds that passed the look-ahead as just reachable must pass
-/// here too, whatever the last bit of a root does. Below 1e-9 mm for a metre.
+/// Relative shortfall of length accepted at a junction: feeds that passed the look-ahead as just reachable
+/// must pass here too, whatever the last bit of a root does. Below 1e-9 mm for a metre.
 const JUNCTION_SLACK: f64 = 1e-12;
 
 /// Profile of one block, in the fastest ramps its limits allow.
@@ -102,10 +102,12 @@ fn joining(low: f64, e: f64, limits: &Limits) -> f64 {
     (low + 0.5 * e) * Ramp::shortest(e, limits)
 }
 
-/// Highest feed up to `cap` that a block of `length` can join with the feed `from`, as its exit or as its entry:
-/// ramps are reversible. Both passes of the look-ahead are this function (M24, M26). Never below `from`.
+/// Highest feed up to `cap` that a block of `length` can join with the feed `from`, as its exit or as its
+/// entry: ramps are reversible. Both passes of the look-ahead are this function (M24, M26). Never below
+/// `from`.
 ///
-/// The way of a small change grows as its cube root, so steeply that the rounding of the *feed* counts: the result is the last feed, as a double, whose own distance fits.
+/// The way of a small change grows as its cube root, so steeply that the rounding of the *feed* counts: the
+/// result is the last feed, as a double, whose own distance fits.
 ///
 /// # Panics
 /// If a limit is not positive.
@@ -115,13 +117,13 @@ pub fn reachable_feed(from: f64, cap: f64, length: f64, limits: &Limits) -> f64 
 }
 
 impl FeedBlock {
-    /// Profile of a block of `length` entered at `f0` and left at `f_end` with a feed of at most `f` (M23). The
-    /// feed is also held within `limits.v`. All values ≥ 0, in coherent units.
+    /// Profile of a block of `length` entered at `f0` and left at `f_end` with a feed of at most `f` (M23).
+    /// The feed is also held within `limits.v`. All values ≥ 0, in coherent units.
     ///
     /// # Errors
-    /// [`Unreachable::EndFeed`], [`Unreachable::StartFeed`] if the block is too short to join `f0` and `f_end`;
-    /// [`Unreachable::Input`] if a value is negative or not finite, a limit not positive, `f` zero, or an entry or
-    /// exit feed above `f` or `limits.v`.
+    /// [`Unreachable::EndFeed`], [`Unreachable::StartFeed`] if the block is too short to join `f0` and
+    /// `f_end`; [`Unreachable::Input`] if a value is negative or not finite, a limit not positive, `f` zero,
+    /// or an entry or exit feed above `f` or `limits.v`.
     pub fn plan(length: f64, f0: f64, f: f64, f_end: f64, limits: &Limits) -> Result<FeedBlock, Unreachable> {
         let f = f.min(limits.v);
         check(length, f0, f, f_end, limits)?;
@@ -156,8 +158,8 @@ impl FeedBlock {
         Ok(FeedBlock { length, f0, f_end, peak_feed, reaches_feed, accel, decel, cruise, duration })
     }
 
-    /// Sample `t` seconds after the entry: exactly 0 at entry feed for `t` ≤ 0, exactly the length at exit feed for
-    /// `t` ≥ duration.
+    /// Sample `t` seconds after the entry: exactly 0 at entry feed for `t` ≤ 0, exactly the length at exit
+    /// feed for `t` ≥ duration.
     #[must_use]
     pub fn at(&self, t: f64) -> Sample {
         if t <= 0.0 {

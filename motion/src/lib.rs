@@ -14,13 +14,14 @@
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
 //!
-//! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to `p`. For
-//! a thread `p` is the *time at programmed speed*, `p = (C − C0)/(6 S)` (M1), so the path follows the measured
-//! spindle angle; [`Sample::driven`] turns the derivatives into those with respect to real time (M8).
+//! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to
+//! `p`. For a thread `p` is the *time at programmed speed*, `p = (C − C0)/(6 S)` (M1), so the path follows
+//! the measured spindle angle; [`Sample::driven`] turns the derivatives into those with respect to real time
+//! (M8).
 //!
-//! Units are coherent: a length given in mm yields mm, mm/s, …, mm/s⁴; a length in m yields m, …, m/s⁴.
-//! All types but [`chain::Chain`] are plain `Copy` values. Nothing allocates after it was made, and every evaluation has a
-//! bounded cost.
+//! Units are coherent: a length given in mm yields mm, mm/s, …, mm/s⁴; a length in m yields m, …, m/s⁴. All
+//! types but [`chain::Chain`] are plain `Copy` values. Nothing allocates after it was made, and every
+//! evaluation has a bounded cost.
 #![forbid(unsafe_code)]
 
 mod blend;

@@ -1,15 +1,17 @@
-//! Bounds of a motion. In: magnitudes in mm/sⁿ. Out: the bounds at another speed ratio, and the highest ratio allowed.
+//! Bounds of a motion. In: magnitudes in mm/sⁿ. Out: the bounds at another speed ratio, and the highest ratio
+//! allowed.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
 //! | v, a, j, dj | mm/s … mm/s⁴ | magnitudes of speed, acceleration, jerk, jerk rate |
 //! | r | – | actual spindle speed over programmed speed |
 
-/// Durations found from limits are longer by this factor, so that rounding cannot lift a peak above its limit.
+/// Durations found from limits are longer by this factor, so that rounding cannot lift a peak above its
+/// limit.
 pub(crate) const ROUNDING: f64 = 1.0 + 8.0 * f64::EPSILON;
 
-/// Magnitudes of the derivatives of a motion: what an axis allows (all > 0, infinity for "no bound"), or the peaks
-/// of a law (all ≥ 0).
+/// Magnitudes of the derivatives of a motion: what an axis allows (all > 0, infinity for "no bound"), or the
+/// peaks of a law (all ≥ 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Speed, mm/s.
@@ -51,8 +53,8 @@ impl Limits {
         Limits { v: self.v * r, a: self.a * r2, j: self.j * r2 * r, dj: self.dj * r2 * r2 }
     }
 
-    /// The greatest ratio r at which `peak` scaled by r stays within these limits (M7); infinite if `peak` is zero.
-    /// For a thread take the smallest over its axes and refuse an override above it.
+    /// The greatest ratio r at which `peak` scaled by r stays within these limits (M7); infinite if `peak` is
+    /// zero. For a thread take the smallest over its axes and refuse an override above it.
     ///
     /// ```
     /// use motion::{Limits, Stroke};

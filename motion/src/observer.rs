@@ -1,5 +1,6 @@
-//! Speed and acceleration of the spindle from its encoder count, one measurement per control cycle (M53).
-//! In: counts (or any unit of angle), unwrapped, taken every T seconds. Out: angle, speed, acceleration at a lead time.
+//! Speed and acceleration of the spindle from its encoder count, one measurement per control cycle (M53). In:
+//! counts (or any unit of angle), unwrapped, taken every T seconds. Out: angle, speed, acceleration at a lead
+//! time.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,17 +11,18 @@
 //! | c, w, al | count, count/s, count/s² | state |
 //! | res | count | measurement minus prediction |
 //!
-//! The third order follows a constant acceleration without steady error, as a spindle under override makes it.
-//! Differences of counts cannot do this: one count per cycle is already a speed error of q/T.
+//! The third order follows a constant acceleration without steady error, as a spindle under override makes
+//! it. Differences of counts cannot do this: one count per cycle is already a speed error of q/T.
 //!
-//! While the observer learns of a change, its corrections move the angle besides: c goes with w + g res/T, w with
-//! al + h res/T². An axis that is led by c has to be fed forward with these; with w and al alone it is left behind by
-//! g res/T for the time of learning, three times as far as the observer errs.
+//! While the observer learns of a change, its corrections move the angle besides: c goes with w + g res/T, w
+//! with al + h res/T². An axis that is led by c has to be fed forward with these; with w and al alone it is
+//! left behind by g res/T for the time of learning, three times as far as the observer errs.
 //!
-//! A count is known to half of itself, so a res within ±1/2 may be nothing but rounding; at a speed with nearly whole
-//! counts in a cycle it is a slow sawtooth, which no filter of this bandwidth averages. For counts, res is split: what
-//! lies within a width is taken with the gains of a lower bandwidth, and only a share of it is fed forward; what lies
-//! beyond is taken in full. A changing spindle is followed as fast, a steady one more quietly.
+//! A count is known to half of itself, so a res within ±1/2 may be nothing but rounding; at a speed with
+//! nearly whole counts in a cycle it is a slow sawtooth, which no filter of this bandwidth averages. For
+//! counts, res is split: what lies within a width is taken with the gains of a lower bandwidth, and only a
+//! share of it is fed forward; what lies beyond is taken in full. A changing spindle is followed as fast, a
+//! steady one more quietly.
 //!
 //! | the spindle turns by | width | bandwidth | fed forward |
 //! |---|---|---|---|
@@ -59,8 +61,9 @@ impl SpindleMotion {
     }
 }
 
-/// Observer of the spindle with three equal real poles. Feed it the *middle* of the count (count + 1/2): the true
-/// angle lies anywhere between two counts. Never restart it at the zero mark, only shift the origin of the angle.
+/// Observer of the spindle with three equal real poles. Feed it the *middle* of the count (count + 1/2): the
+/// true angle lies anywhere between two counts. Never restart it at the zero mark, only shift the origin of
+/// the angle.
 ///
 /// ```
 /// let mut spindle = motion::SpindleObserver::new(30.0, 1e-3);
@@ -85,8 +88,8 @@ pub struct SpindleObserver {
 }
 
 impl SpindleObserver {
-    /// Observer that has seen nothing yet, of `bandwidth_hz` f_o, measured every `period_s` T. Default for an encoder of
-    /// 1024 lines and more: 30 Hz at 1 ms.
+    /// Observer that has seen nothing yet, of `bandwidth_hz` f_o, measured every `period_s` T. Default for an
+    /// encoder of 1024 lines and more: 30 Hz at 1 ms.
     ///
     /// # Panics
     /// If either is not positive and finite.
@@ -117,15 +120,15 @@ impl SpindleObserver {
         SpindleObserver { counts: Some(counts), ..SpindleObserver::new(bandwidth_hz, period_s) }
     }
 
-    /// Sets the state to `count` and `speed` (per s) without acceleration. Take the speed from two counts far apart,
-    /// and start at least 10/f_o before the thread.
+    /// Sets the state to `count` and `speed` (per s) without acceleration. Take the speed from two counts far
+    /// apart, and start at least 10/f_o before the thread.
     pub fn start(&mut self, count: f64, speed: f64) {
         self.state = Some(SpindleMotion { angle: count, speed, acceleration: 0.0 });
         self.drift = SpindleMotion::default();
     }
 
-    /// Advances by one period and corrects with the angle `measured` at its end. The first measurement of an observer
-    /// that was not started is where it stands.
+    /// Advances by one period and corrects with the angle `measured` at its end. The first measurement of an
+    /// observer that was not started is where it stands.
     pub fn update(&mut self, measured: f64) {
         let Some(state) = self.state else { return self.start(measured, 0.0) };
         let predicted = state.after(self.period);
@@ -145,15 +148,16 @@ impl SpindleObserver {
         };
     }
 
-    /// Motion `lead_s` seconds after the last measurement; 0 is the measurement itself. Each millisecond of lead at
-    /// 30 Hz adds about 20 % of noise.
+    /// Motion `lead_s` seconds after the last measurement; 0 is the measurement itself. Each millisecond of
+    /// lead at 30 Hz adds about 20 % of noise.
     #[must_use]
     pub fn at(&self, lead_s: f64) -> SpindleMotion {
         self.state.unwrap_or_default().after(lead_s)
     }
 
-    /// Motion for an axis that follows the estimate, `lead_s` seconds after the last measurement: as [`at`](Self::at),
-    /// with the speed and acceleration at which the estimate itself moves, its corrections among them.
+    /// Motion for an axis that follows the estimate, `lead_s` seconds after the last measurement: as
+    /// [`at`](Self::at), with the speed and acceleration at which the estimate itself moves, its corrections
+    /// among them.
     #[must_use]
     pub fn following(&self, lead_s: f64) -> SpindleMotion {
         let SpindleMotion { angle, speed, acceleration } = self.at(lead_s);

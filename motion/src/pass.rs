@@ -1,5 +1,5 @@
-//! What one axis does in a threading pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead
-//! (M13), the lead (M14), a brake (M15), a stroke out (M2); parts may overlap and add up.
+//! What one axis does in a threading pass, as a function of the spindle angle: a stroke in (M2), a ramp onto
+//! its lead (M13), the lead (M14), a brake (M15), a stroke out (M2); parts may overlap and add up.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -51,8 +51,8 @@ impl PassLaw {
         self
     }
 
-    /// Adds the lead in mm/rev: reached over `dc` degrees from `c0` (M13), kept (M14), left over `brake_dc` degrees
-    /// from `brake_c` (M15).
+    /// Adds the lead in mm/rev: reached over `dc` degrees from `c0` (M13), kept (M14), left over `brake_dc`
+    /// degrees from `brake_c` (M15).
     pub fn with_lead(mut self, lead: f64, run_in: Window, brake: Window) -> PassLaw {
         let v = lead * self.deg_per_s / 360.0;
         let ramp = Ramp::new(v, run_in.dc / self.deg_per_s, run_in.lambda);
@@ -90,8 +90,8 @@ impl PassLaw {
         x
     }
 
-    /// Bounds of the derivatives at programmed speed: within the run-in and within the run-out, where parts that
-    /// overlap add up, whichever is greater.
+    /// Bounds of the derivatives at programmed speed: within the run-in and within the run-out, where parts
+    /// that overlap add up, whichever is greater.
     pub fn peak(&self) -> Limits {
         let zero = Limits { v: 0.0, a: 0.0, j: 0.0, dj: 0.0 };
         let stroke = |part: &Option<Begins<Stroke>>| part.as_ref().map_or(zero, |part| part.law.peak());

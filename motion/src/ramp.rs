@@ -1,7 +1,8 @@
-//! Change of speed in three intervals of sin² jerk: run-in, run-out, feed ramp (M9–M21).
-//! In: signed change of speed in mm/s, duration in s, share of the jerk interval. Out: samples in mm/sⁿ, peaks.
-//! Sources: "Формирование гладкого закона изменения рывка на участках разгона-торможения при высокоскоростной
-//! обработке на оборудовании с ЧПУ", Eqs. (1)–(23), with (17), (18) corrected; for spindle synchronism M9–M15.
+//! Change of speed in three intervals of sin² jerk: run-in, run-out, feed ramp (M9–M21). In: signed change of
+//! speed in mm/s, duration in s, share of the jerk interval. Out: samples in mm/sⁿ, peaks. Sources:
+//! "Формирование гладкого закона изменения рывка на участках разгона-торможения при высокоскоростной
+//! обработке на оборудовании с ЧПУ", Eqs. (1)–(23), with (17), (18) corrected; for spindle synchronism
+//! M9–M15.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -27,8 +28,8 @@ use core::f64::consts::PI;
 
 /// Smooth change of speed from rest by a signed `dv` (M13), or its reversal, braking to rest (M15).
 ///
-/// A run-in that reaches `dv` covers half the way the thread would have: after it the axis lies exactly on the
-/// helix that starts `distance()` behind the start angle (M14).
+/// A run-in that reaches `dv` covers half the way the thread would have: after it the axis lies exactly on
+/// the helix that starts `distance()` behind the start angle (M14).
 ///
 /// ```
 /// use motion::{Limits, Ramp};
@@ -66,11 +67,12 @@ pub enum Binding {
 }
 
 impl Ramp {
-    /// Ramp by `dv` mm/s (signed) in `duration` seconds with jerk intervals of `lambda` × duration each (M11).
+    /// Ramp by `dv` mm/s (signed) in `duration` seconds with jerk intervals of `lambda` × duration each
+    /// (M11).
     ///
     /// # Panics
-    /// If `lambda` is outside (0, 1/2], a value is not finite, or the duration is not positive; a ramp by 0 mm/s may
-    /// last 0 s.
+    /// If `lambda` is outside (0, 1/2], a value is not finite, or the duration is not positive; a ramp by 0
+    /// mm/s may last 0 s.
     #[must_use]
     pub fn new(dv: f64, duration: f64, lambda: f64) -> Ramp {
         assert!(lambda > 0.0 && lambda <= 0.5, "share of the jerk interval {lambda} is outside (0, 1/2]");
@@ -101,9 +103,9 @@ impl Ramp {
         }
     }
 
-    /// The ramp of least peak jerk that makes `dv` in `duration` without exceeding `a_max` (M12); `None` if the mean
-    /// acceleration already does. The caller checks jerk and jerk rate with [`Ramp::peak`]. If there is none, or
-    /// the peaks are too high: lengthen the run-in or lower the spindle speed.
+    /// The ramp of least peak jerk that makes `dv` in `duration` without exceeding `a_max` (M12); `None` if
+    /// the mean acceleration already does. The caller checks jerk and jerk rate with [`Ramp::peak`]. If there
+    /// is none, or the peaks are too high: lengthen the run-in or lower the spindle speed.
     ///
     /// # Panics
     /// As [`Ramp::new`].
@@ -113,8 +115,9 @@ impl Ramp {
         (lambda > 0.0).then(|| Ramp::new(dv, duration, lambda))
     }
 
-    /// The shortest ramp of the family by `dv` within a, j and dj of `limits` (M18–M20); empty if `dv` is 0. Its
-    /// length is the shortest run-in. `limits.v` does not enter: it bounds a speed, not a change of speed.
+    /// The shortest ramp of the family by `dv` within a, j and dj of `limits` (M18–M20); empty if `dv` is 0.
+    /// Its length is the shortest run-in. `limits.v` does not enter: it bounds a speed, not a change of
+    /// speed.
     ///
     /// # Panics
     /// If a limit is not positive, jerk and jerk rate are both unbounded, or `dv` is not finite.
@@ -147,7 +150,8 @@ impl Ramp {
         Ramp::fastest_times(dv.abs(), limits).1
     }
 
-    /// T(dv) and its derivative by dv ≥ 0, s and s²/mm (M21): T grows with the cube root, the square root, or evenly.
+    /// T(dv) and its derivative by dv ≥ 0, s and s²/mm (M21): T grows with the cube root, the square root, or
+    /// evenly.
     pub(crate) fn shortest_and_slope(dv: f64, limits: &Limits) -> (f64, f64) {
         if dv <= 0.0 {
             return (0.0, f64::INFINITY);
@@ -180,8 +184,8 @@ impl Ramp {
         }
     }
 
-    /// Sample `p` seconds after the start of the run-in: at rest at 0 for `p` ≤ 0; for `p` ≥ duration uniform motion
-    /// `s = distance + dv (p − duration)` (M14).
+    /// Sample `p` seconds after the start of the run-in: at rest at 0 for `p` ≤ 0; for `p` ≥ duration uniform
+    /// motion `s = distance + dv (p − duration)` (M14).
     #[must_use]
     pub fn at(&self, p: f64) -> Sample {
         if p <= 0.0 {

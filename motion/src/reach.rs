@@ -1,5 +1,5 @@
-//! How far a speed can change on a given way: the step of the look-ahead (M24, M26), in closed form or by a few
-//! iterations. In: feeds in mm/s, a way in mm, limits in mm/sⁿ. Out: a feed, mm/s.
+//! How far a speed can change on a given way: the step of the look-ahead (M24, M26), in closed form or by a
+//! few iterations. In: feeds in mm/s, a way in mm, limits in mm/sⁿ. Out: a feed, mm/s.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -27,8 +27,8 @@ const STEPS: usize = 12;
 /// The root is lowered by this share, so that its own way fits whatever its last bits do.
 const SHORT: f64 = 1.0 - 1e-13;
 
-/// Highest feed up to `cap` that a way of `length` can join with the feed `from`, as its exit or as its entry. At most
-/// some 1e-12 below the true root, never above it; never below `from`.
+/// Highest feed up to `cap` that a way of `length` can join with the feed `from`, as its exit or as its
+/// entry. At most some 1e-12 below the true root, never above it; never below `from`.
 ///
 /// # Panics
 /// If a limit is not positive.

@@ -1,4 +1,5 @@
-//! One point of a law of motion. In: values of a law. Out: sums, multiples, and the same point seen in real time.
+//! One point of a law of motion. In: values of a law. Out: sums, multiples, and the same point seen in real
+//! time.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -34,7 +35,8 @@ impl Sample {
     /// dj_t = r⁴ dj + 6 r² r' j + 3 r'² a        with r'' = 0
     /// ```
     ///
-    /// Speed and acceleration feedforward must use these values: a spindle that slows down brakes its axes too.
+    /// Speed and acceleration feedforward must use these values: a spindle that slows down brakes its axes
+    /// too.
     ///
     /// ```
     /// let steady = motion::Sample { s: 1.0, v: 20.0, ..Default::default() };
@@ -60,8 +62,8 @@ impl Sample {
         Sample { s, v, ..Sample::default() }
     }
 
-    /// The motion of N axes when this is that of s along a path: `p` holds the position and its derivatives 1 … 4 by s
-    /// at this s (M55).
+    /// The motion of N axes when this is that of s along a path: `p` holds the position and its derivatives 1
+    /// … 4 by s at this s (M55).
     #[must_use]
     pub fn along<const N: usize>(&self, p: &[[f64; N]; 5]) -> [Sample; N] {
         let ([p, p1, p2, p3, p4], Sample { v, a, j, dj, .. }) = (p, *self);
@@ -77,7 +79,8 @@ impl Sample {
         })
     }
 
-    /// A law run backwards, `s(p) → end − s(T − p)`, given the sample at `T − p`: odd derivatives keep their sign.
+    /// A law run backwards, `s(p) → end − s(T − p)`, given the sample at `T − p`: odd derivatives keep their
+    /// sign.
     pub(crate) fn reversed(self, end: f64) -> Sample {
         Sample { s: end - self.s, v: self.v, a: -self.a, j: self.j, dj: -self.dj }
     }

@@ -4,7 +4,8 @@
 /// Iterations that halve any range of positive doubles down to two neighbours: one per bit below the sign.
 const ITERATIONS: u32 = 63;
 
-/// The largest `x` in `0..=cap` with `f(x) <= target`, to the last bit; 0 if there is none. `f` must not decrease.
+/// The largest `x` in `0..=cap` with `f(x) <= target`, to the last bit; 0 if there is none. `f` must not
+/// decrease.
 ///
 /// Positive doubles are ordered like their bit patterns, so halving the range of patterns keeps the relative
 /// precision of an increment that is tiny against the feed it is added to, and ends after a fixed count.
@@ -30,8 +31,9 @@ pub(crate) fn largest(cap: f64, target: f64, f: impl Fn(f64) -> f64) -> f64 {
 /// Most steps of [`root`]; smooth functions need about five.
 const STEPS: u32 = 40;
 
-/// An `x` in `0..=cap` with `f(x) <= target` and nearly equal, for a smooth increasing `f` that starts as a power of x:
-/// Newton's steps on a double logarithmic scale, kept in a bracket. `f` returns its value and its derivative.
+/// An `x` in `0..=cap` with `f(x) <= target` and nearly equal, for a smooth increasing `f` that starts as a
+/// power of x: Newton's steps on a double logarithmic scale, kept in a bracket. `f` returns its value and its
+/// derivative.
 pub(crate) fn root(cap: f64, target: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
     if cap <= 0.0 || f(cap).0 <= target {
         return cap.max(0.0);

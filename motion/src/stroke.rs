@@ -1,6 +1,7 @@
-//! Stroke of the transverse axis over a spindle angle, two intervals of sin² acceleration (M1–M8a).
-//! In: signed stroke in mm and its duration at programmed speed in s. Out: samples in mm/sⁿ, peaks, residual vibration.
-//! Source: "Smooth acceleration of transverse axis movements in CNC threading machining", Eqs. (1)–(13).
+//! Stroke of the transverse axis over a spindle angle, two intervals of sin² acceleration (M1–M8a). In:
+//! signed stroke in mm and its duration at programmed speed in s. Out: samples in mm/sⁿ, peaks, residual
+//! vibration. Source: "Smooth acceleration of transverse axis movements in CNC threading machining", Eqs.
+//! (1)–(13).
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -12,7 +13,7 @@
 //! | dC, S | deg, 1/min | spindle angle of the stroke, programmed speed; p_acc = dC/(6 S) (M3) |
 //!
 //! ```text
-//! 0 < p ≤ D:  a = a_p sin²(w p),  the rest by integration;  second interval: x(p) = dX − x(p_acc − p)      (M2)
+//! 0 < p ≤ D:  a = a_p sin²(w p),  the rest by integration;  second interval: x(p) = dX − x(p_acc − p)   (M2)
 //! ```
 //! The law is point-symmetric about its middle, so only the first interval is ever evaluated. With x = 2 w p,
 //! a_p sin²(w p) = (a_p/2)(1 − cos x), and M4 becomes the integrals of `versine.rs`.
@@ -45,7 +46,8 @@ impl Stroke {
     /// Stroke of `length_mm` (signed) in `duration_s` at programmed speed.
     ///
     /// # Panics
-    /// If the length is not finite, or the duration not positive and finite; a stroke of length 0 may last 0 s.
+    /// If the length is not finite, or the duration not positive and finite; a stroke of length 0 may last 0
+    /// s.
     #[must_use]
     pub fn new(length_mm: f64, duration_s: f64) -> Stroke {
         assert!(length_mm.is_finite() && duration_s.is_finite(), "stroke {length_mm} mm in {duration_s} s");
@@ -61,7 +63,8 @@ impl Stroke {
         Stroke { length: length_mm, duration: duration_s, half_a, phase_rate }
     }
 
-    /// Stroke of `length_mm` while the spindle, at its programmed speed `s_rpm` > 0, turns by `delta_c_deg` > 0 (M3).
+    /// Stroke of `length_mm` while the spindle, at its programmed speed `s_rpm` > 0, turns by `delta_c_deg` >
+    /// 0 (M3).
     ///
     /// # Panics
     /// As [`Stroke::new`].
@@ -70,8 +73,9 @@ impl Stroke {
         Stroke::new(length_mm, delta_c_deg / (6.0 * s_rpm))
     }
 
-    /// Shortest duration in s of a stroke of `length_mm` within `limits` (M7); 0 for length 0. Divide the limits by
-    /// a margin first if the spindle may change speed during the stroke: M8 adds |r'| v to the acceleration.
+    /// Shortest duration in s of a stroke of `length_mm` within `limits` (M7); 0 for length 0. Divide the
+    /// limits by a margin first if the spindle may change speed during the stroke: M8 adds |r'| v to the
+    /// acceleration.
     #[must_use]
     pub fn shortest(length_mm: f64, limits: &Limits) -> f64 {
         limits.check();
@@ -83,8 +87,8 @@ impl Stroke {
         longest * ROUNDING
     }
 
-    /// Sample at `p` seconds (at programmed speed) after the start: at rest at 0 for `p` ≤ 0, at rest at exactly the
-    /// length for `p` ≥ duration.
+    /// Sample at `p` seconds (at programmed speed) after the start: at rest at 0 for `p` ≤ 0, at rest at
+    /// exactly the length for `p` ≥ duration.
     #[must_use]
     pub fn at(&self, p: f64) -> Sample {
         if p <= 0.0 || self.length == 0.0 {
@@ -111,7 +115,8 @@ impl Stroke {
         }
     }
 
-    /// Largest magnitudes at programmed speed (M6): 2|dX|/p_acc, 8|dX|/p_acc², 16π|dX|/p_acc³, 64π²|dX|/p_acc⁴.
+    /// Largest magnitudes at programmed speed (M6): 2|dX|/p_acc, 8|dX|/p_acc², 16π|dX|/p_acc³,
+    /// 64π²|dX|/p_acc⁴.
     #[must_use]
     pub fn peak(&self) -> Limits {
         let (h, k) = (self.half_a.abs(), self.phase_rate);
@@ -130,7 +135,8 @@ impl Stroke {
         self.length
     }
 
-    /// Amplitude in mm that an undamped mode of `mode_hz` > 0 keeps after the stroke at programmed speed (M8a):
+    /// Amplitude in mm that an undamped mode of `mode_hz` > 0 keeps after the stroke at programmed speed
+    /// (M8a):
     /// |dX| sin²(πN)/(π² N² |N² − 1|) with N = f D, zero for every whole N ≥ 1.
     ///
     /// At speed ratio r the stroke lasts 1/r as long: ask with `mode_hz / r`.
@@ -148,8 +154,8 @@ impl Stroke {
         }
     }
 
-    /// Envelope of [`Stroke::residual`] over the phase: |dX|/(π² N² (N² − 1)), and never more than |dX|. It is what
-    /// can be promised when the frequency is known only roughly.
+    /// Envelope of [`Stroke::residual`] over the phase: |dX|/(π² N² (N² − 1)), and never more than |dX|. It
+    /// is what can be promised when the frequency is known only roughly.
     ///
     /// ```
     /// // 5 mm leave less than 0.2 µm in a mode of 80 Hz if the stroke takes 0.18 s.

@@ -1,5 +1,5 @@
-//! The function 1 − cos x and its running integrals, the only transcendental part of both laws.
-//! In: x in radians, 0 … 2π. Out: dimensionless values, accurate to a few units in the last place down to x = 0.
+//! The function 1 − cos x and its running integrals, the only transcendental part of both laws. In: x in
+//! radians, 0 … 2π. Out: dimensionless values, accurate to a few units in the last place down to x = 0.
 //!
 //! | symbol | value | meaning |
 //! |---|---|---|
@@ -9,7 +9,8 @@
 //! | second | x²/2 − 1 + cos x | integral of `first` |
 //! | third | x³/6 − x + sin x | integral of `second` |
 //!
-//! The closed forms cancel at small x (`third` begins with x⁵/120), therefore the power series is used below x = 1.
+//! The closed forms cancel at small x (`third` begins with x⁵/120), therefore the power series is used below
+//! x = 1.
 
 /// Pulse, its derivative and its running integrals at one phase.
 #[derive(Clone, Copy)]

@@ -1,5 +1,5 @@
-//! Three processes in lock-step: a plant that publishes measurements and two regulators that answer each of them.
-//! Prints cycles per second.
+//! Three processes in lock-step: a plant that publishes measurements and two regulators that answer each of
+//! them. Prints cycles per second.
 //!
 //! `cargo run --release -p process --example lock_step [cycles] [processor]`
 //!

@@ -3,9 +3,10 @@
 //! In: the start. Out: the path (M56), or why there is none; the box that the machine has to have room for.
 //! Positions are absolute, X of a lathe a radius, mm or counts of 1e-9 mm (degrees for a rotary axis).
 //!
-//! Start and end need not have quite the same distance from the centre, because programs round. What RS274/NGC lets
-//! pass, in inches, too, is made: the radii may differ by [`Arc::DIFFERENCE_MM`], or by [`Arc::DIFFERENCE_SHARE`] of the
-//! radius if that is more, at most by [`Arc::DIFFERENCE_MOST_MM`]. The path goes over from one to the other evenly.
+//! Start and end need not have quite the same distance from the centre, because programs round. What
+//! RS274/NGC lets pass, in inches, too, is made: the radii may differ by [`Arc::DIFFERENCE_MM`], or by
+//! [`Arc::DIFFERENCE_SHARE`] of the radius if that is more, at most by [`Arc::DIFFERENCE_MOST_MM`]. The path
+//! goes over from one to the other evenly.
 
 use motion::Path;
 use serde::{Deserialize, Serialize};
@@ -49,8 +50,9 @@ pub struct Arc {
     pub target: PerAxis<Position>,
     /// Absolute centre: first, second axis of the plane.
     pub center: [Position; 2],
-    /// Positive: from the first axis of the plane towards the second, as G3; negative: the other way. ±1 is at most
-    /// one whole turn, each one more a whole turn more. Start and end at one place make a whole turn. Never 0.
+    /// Positive: from the first axis of the plane towards the second, as G3; negative: the other way. ±1 is
+    /// at most one whole turn, each one more a whole turn more. Start and end at one place make a whole turn.
+    /// Never 0.
     pub turns: i32,
 }
 
@@ -98,7 +100,8 @@ impl Arc {
             .ok_or(Refused::OutOfRange("radius of an arc"))
     }
 
-    /// The box that holds the whole arc from a start: lowest and highest position of every axis, quadrants included.
+    /// The box that holds the whole arc from a start: lowest and highest position of every axis, quadrants
+    /// included.
     ///
     /// # Errors
     /// As [`Arc::path`].

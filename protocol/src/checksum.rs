@@ -1,4 +1,5 @@
-//! CRC-32 as of Ethernet and zip (IEEE 802.3): polynomial 0x04C11DB7, bits reversed, begun and ended with all ones.
+//! CRC-32 as of Ethernet and zip (IEEE 802.3): polynomial 0x04C11DB7, bits reversed, begun and ended with all
+//! ones.
 
 const REVERSED: u32 = 0xEDB8_8320;
 

@@ -1,12 +1,11 @@
 //! Machine code: what the interpreter makes of a part program and the interpolator executes.
 //!
-//! [`Item`] is the value inside a module and in a `.mc` file; [`CodePacket`](crate::CodePacket) is the same in shared
-//! memory.
-//! Targets are absolute machine positions (X of a lathe a radius; degrees for rotary axes); feeds in mm/min or mm/rev
-//! (degrees where only rotary axes move), dwell in s.
+//! [`Item`] is the value inside a module and in a `.mc` file; [`CodePacket`](crate::CodePacket) is the same
+//! in shared memory. Targets are absolute machine positions (X of a lathe a radius; degrees for rotary axes);
+//! feeds in mm/min or mm/rev (degrees where only rotary axes move), dwell in s.
 //!
-//! What an item needs of the machine (travel, radii, feasibility) is checked where it begins: only there its start is
-//! known.
+//! What an item needs of the machine (travel, radii, feasibility) is checked where it begins: only there its
+//! start is known.
 
 use serde::{Deserialize, Serialize};
 use shape::Formula;
@@ -77,13 +76,15 @@ impl SpindleMode {
 pub enum SpindleSpeed {
     /// 1/min, ≥ 0 (G97).
     Rpm(f64),
-    /// Constant surface speed (G96): 60 v / 2πr, with r the distance of the commanded X from the axis of the spindle.
+    /// Constant surface speed (G96): 60 v / 2πr, with r the distance of the commanded X from the axis of the
+    /// spindle.
     Surface {
         /// Speed of the surface v, mm/s, ≥ 0.
         mm_s: f64,
         /// Highest speed of the spindle, 1/min, > 0: what it turns at near the axis.
         max_rpm: f64,
-        /// Machine X at which the tool stands on the axis of the spindle: programmed X0 under the offsets in force.
+        /// Machine X at which the tool stands on the axis of the spindle: programmed X0 under the offsets in
+        /// force.
         axis_mm: Position,
     },
 }
@@ -220,8 +221,8 @@ impl Item {
         matches!(self.code, Code::Line { .. } | Code::Arc { .. } | Code::Work(_))
     }
 
-    /// What it counts in the progress of a program, [`MachineStatus::taken`](crate::MachineStatus::taken): 1, or what a
-    /// trace stands for.
+    /// What it counts in the progress of a program, [`MachineStatus::taken`](crate::MachineStatus::taken): 1,
+    /// or what a trace stands for.
     pub fn steps(&self) -> u64 {
         if let Code::Work(_) = self.code { Work::STEPS } else { 1 }
     }

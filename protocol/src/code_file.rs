@@ -8,8 +8,8 @@
 //! | 4 | CRC-32 of the content, little-endian |
 //! | … | content: a [`CodeFile`] through serde and bincode 2, standard configuration |
 //!
-//! What is read was written by `write` and nothing else: every other byte sequence is refused with the reason, and no
-//! more memory is taken than the file is long.
+//! What is read was written by `write` and nothing else: every other byte sequence is refused with the
+//! reason, and no more memory is taken than the file is long.
 
 use std::{
     io::{Read, Write},
@@ -49,7 +49,8 @@ pub struct CodeFile {
     pub items: Vec<Item>,
 }
 
-/// The same, as it is read: a text is part of the bytes, so that its length is no promise that memory is taken for.
+/// The same, as it is read: a text is part of the bytes, so that its length is no promise that memory is
+/// taken for.
 #[derive(Deserialize)]
 struct Content<'a> {
     program: &'a str,
@@ -223,7 +224,8 @@ impl std::fmt::Display for Identity {
     }
 }
 
-/// A field of the head. A file too short for a head with the right beginning is cut off, any other is foreign.
+/// A field of the head. A file too short for a head with the right beginning is cut off, any other is
+/// foreign.
 fn field<const N: usize>(file: &mut impl Read) -> Result<[u8; N], CodeFileError> {
     let mut bytes = Vec::with_capacity(N);
     file.take(N as u64).read_to_end(&mut bytes)?;

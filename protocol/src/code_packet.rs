@@ -1,5 +1,5 @@
-//! Machine code on the wire: an [`Item`] as the interpreter sends it, and the credit that it sends by. In: items. Out:
-//! packets, and back; what no interpreter sends is refused.
+//! Machine code on the wire: an [`Item`] as the interpreter sends it, and the credit that it sends by. In:
+//! items. Out: packets, and back; what no interpreter sends is refused.
 //!
 //! Every item goes in one way: its running number and the item itself, through serde and bincode 2 (standard
 //! configuration, as in a `.mc` file), as many bytes as that takes and [`CodePacket::LONGEST`] at most.
@@ -54,7 +54,8 @@ impl CodePacket {
     /// Takes an item off the wire. Nothing is allocated.
     ///
     /// # Errors
-    /// A gap in the sequence, bytes that are no item or go on behind one, or a value that no interpreter sends.
+    /// A gap in the sequence, bytes that are no item or go on behind one, or a value that no interpreter
+    /// sends.
     pub fn unpack(&self, expected_sequence: u64) -> Result<Item, Refused> {
         let bytes = self.as_bytes();
         let read = bincode::serde::decode_from_slice::<(u64, Item), _>(bytes, config());

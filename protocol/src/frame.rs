@@ -1,5 +1,5 @@
-//! Axis commands: one frame per interpolator cycle to each regulator, always. It carries a setpoint of timed motion,
-//! and, when a pass is to be cut, the law of the axis.
+//! Axis commands: one frame per interpolator cycle to each regulator, always. It carries a setpoint of timed
+//! motion, and, when a pass is to be cut, the law of the axis.
 
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
@@ -81,8 +81,8 @@ impl Message for AxisFrame {
     const NAME: &str = "pitchlock/axis-frame/1";
 }
 
-/// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that the
-/// regulators interpolate in, and one for the leads of feedforward (M54), which look beyond the present.
+/// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that
+/// the regulators interpolate in, and one for the leads of feedforward (M54), which look beyond the present.
 pub const SETPOINT_LEAD: u64 = 3;
 
 const STREAM: u32 = 0;

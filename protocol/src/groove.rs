@@ -1,5 +1,5 @@
-//! The groove that a pass cuts, told to the plant: a simulated machine has no stock, so the program says where the
-//! surface is that the tool goes into. No controller reads it.
+//! The groove that a pass cuts, told to the plant: a simulated machine has no stock, so the program says
+//! where the surface is that the tool goes into. No controller reads it.
 //!
 //! ```text
 //! crest(z) = crest_mm + slope z,    depth of a tool at (x, z) = into (x − crest(z))
@@ -32,8 +32,8 @@ pub struct Groove {
 }
 
 impl Groove {
-    /// The groove of a pass. A pass that does not know its depth (G33), that goes neither in nor out, or that does
-    /// not run along Z has none.
+    /// The groove of a pass. A pass that does not know its depth (G33), that goes neither in nor out, or that
+    /// does not run along Z has none.
     pub fn of(pass: &ThreadPass) -> Groove {
         let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
         let inwards = if x.stroke_mm != 0.0 { x.stroke_mm } else { -x.retract_mm };
@@ -54,8 +54,8 @@ impl Groove {
         }
     }
 
-    /// How far a tool reaches in the direction into the material, with the cone taken off, mm: the same along a thread
-    /// of one depth.
+    /// How far a tool reaches in the direction into the material, with the cone taken off, mm: the same along
+    /// a thread of one depth.
     pub fn reach_mm(&self, x_mm: f64, z_mm: f64) -> f64 {
         self.into * (x_mm - self.slope * z_mm)
     }

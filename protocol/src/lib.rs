@@ -1,8 +1,10 @@
 //! Everything that crosses a process boundary of pitchlock: units, machine code, axis commands, measurements,
-//! drive commands, status, the machine file and the `.mc` file. The channels that carry them are in `process`.
+//! drive commands, status, the machine file and the `.mc` file. The channels that carry them are in
+//! `process`.
 //!
-//! Wire types are plain data: `#[repr(C)]`, no padding, no pointers, integers where Rust would have an enum. What
-//! arrives is therefore always *some* value; a `check` turns it into something to rely on, or says why not.
+//! Wire types are plain data: `#[repr(C)]`, no padding, no pointers, integers where Rust would have an enum.
+//! What arrives is therefore always *some* value; a `check` turns it into something to rely on, or says why
+//! not.
 
 pub mod arc;
 mod checksum;

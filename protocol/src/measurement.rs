@@ -14,7 +14,8 @@ use crate::{
 pub struct AxisMeasurement {
     /// Measured position: encoder counts, scaled by the drive (middle of the count).
     pub position: Position,
-    /// Position by the linear scale at the slide (middle of its step); the same as `position` on an axis without one.
+    /// Position by the linear scale at the slide (middle of its step); the same as `position` on an axis
+    /// without one.
     pub scale: Position,
     /// Actual torque of the motor, N·m.
     pub torque_nm: f64,

@@ -6,14 +6,15 @@ use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 /// A message: plain bytes without pointers or padding, of a type whose name carries a version.
 ///
-/// Both ends of a channel must agree on name and size of what it carries. Whoever changes the layout of a message changes
-/// the version in its name.
+/// Both ends of a channel must agree on name and size of what it carries. Whoever changes the layout of a
+/// message changes the version in its name.
 pub trait Message: IntoBytes + FromBytes + Immutable + Copy + Debug + 'static {
     /// Name and version, `pitchlock/axis-frame/1`.
     const NAME: &str;
 }
 
-/// What a channel carries: a [`Message`], always as long as its type, or something that is as long as what it holds.
+/// What a channel carries: a [`Message`], always as long as its type, or something that is as long as what it
+/// holds.
 pub trait Payload: Copy + Debug + 'static {
     /// Name and version, as that of a [`Message`].
     const NAME: &str;

@@ -1,5 +1,5 @@
-//! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the panel of its
-//! next measurement; from there it has a cycle, and the same run can be repeated.
+//! What the operator asks for from outside, as the launcher passes it on. The plant puts it onto the panel of
+//! its next measurement; from there it has a cycle, and the same run can be repeated.
 
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 

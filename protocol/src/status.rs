@@ -230,7 +230,8 @@ pub struct AxisStatus {
     pub spindle_rpm: f64,
     /// 0x6040 as sent.
     pub control_word: u32,
-    /// With a fault of the spindle encoder: counts too many, or too few (negative), where they are known; else 0.
+    /// With a fault of the spindle encoder: counts too many, or too few (negative), where they are known;
+    /// else 0.
     pub encoder_counts: i32,
     /// 0x60FF as sent, mm/s.
     pub target_velocity_mm_s: f64,
@@ -326,11 +327,11 @@ pub struct MachineStatus {
     pub feed_override_pct: f64,
     /// Depth of the pass in hand, mm.
     pub depth_mm: f64,
-    /// How often the look-ahead ran dry while machine code was still to come: the machine stopped on its path, and
-    /// went on when it was fed again.
+    /// How often the look-ahead ran dry while machine code was still to come: the machine stopped on its
+    /// path, and went on when it was fed again.
     pub starved: u32,
-    /// Which trace of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and retracts. A
-    /// feed hold on the way changes nothing.
+    /// Which trace of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and
+    /// retracts. A feed hold on the way changes nothing.
     pub tracing: u32,
 }
 

@@ -12,7 +12,8 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisTruth {
-    /// True position of the nut, mm: what the encoder of the motor would show if it and the screw were perfect.
+    /// True position of the nut, mm: what the encoder of the motor would show if it and the screw were
+    /// perfect.
     pub motor_mm: f64,
     /// True position of the slide behind backlash and elasticity, mm.
     pub slide_mm: f64,
@@ -20,7 +21,8 @@ pub struct AxisTruth {
     pub velocity_mm_s: f64,
     /// True torque of the motor, N·m.
     pub torque_nm: f64,
-    /// Force on the slide until the next cycle, from the cut and from a scenario, N, in the direction of the axis.
+    /// Force on the slide until the next cycle, from the cut and from a scenario, N, in the direction of the
+    /// axis.
     pub force_n: f64,
 }
 

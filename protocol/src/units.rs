@@ -30,8 +30,8 @@ impl Cycle {
     }
 }
 
-/// A position of an axis: a signed count of 1e-9 mm, of 1e-9 degrees for a rotary axis. Integers cannot drift, and this
-/// quantum is what jerk at 2.5 kHz needs (M31–M35). X of a lathe is a radius.
+/// A position of an axis: a signed count of 1e-9 mm, of 1e-9 degrees for a rotary axis. Integers cannot
+/// drift, and this quantum is what jerk at 2.5 kHz needs (M31–M35). X of a lathe is a radius.
 #[derive(
     Clone,
     Copy,
@@ -102,7 +102,8 @@ impl Axis {
     /// Every axis in the order of the wire.
     pub const ALL: PerAxis<Axis> = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V];
 
-    /// Which axes make the length of a path, and so its feed: the linear ones. Where only rotary axes move, they do.
+    /// Which axes make the length of a path, and so its feed: the linear ones. Where only rotary axes move,
+    /// they do.
     ///
     /// ```
     /// use protocol::Axis;

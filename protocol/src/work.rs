@@ -1,6 +1,7 @@
 //! Work that machine code carries as a formula and a pass instead of points: a contour, a surface, a seam.
 //!
-//! The formulas come before it ([`Code::Formula`](crate::Code::Formula)); the interpolator makes the motion of it.
+//! The formulas come before it ([`Code::Formula`](crate::Code::Formula)); the interpolator makes the motion
+//! of it.
 
 use serde::{Deserialize, Serialize};
 use shape::{Contour, Correction, Meeting, Pattern, Seam, SeamCurve, Surface, Tool};
@@ -30,8 +31,8 @@ pub enum Shape {
 pub struct Work {
     /// What.
     pub shape: Shape,
-    /// Machine position of the zero of the formulas on X, Y, Z (of a contour: on master and follower). Not of a seam, whose
-    /// frame is that of the work-holder.
+    /// Machine position of the zero of the formulas on X, Y, Z (of a contour: on master and follower). Not of
+    /// a seam, whose frame is that of the work-holder.
     pub origin: [Position; 3],
     /// Feed along the path of the tool, or of the beam on the part, mm/min.
     pub feed_mm_min: f64,
@@ -53,7 +54,8 @@ impl Work {
     /// Most paths over a surface.
     const MOST_PATHS: u32 = 1_000_000;
 
-    /// Refuses what no interpreter sends. Whether the formulas exist and where they lead is seen where it begins.
+    /// Refuses what no interpreter sends. Whether the formulas exist and where they lead is seen where it
+    /// begins.
     ///
     /// # Errors
     /// Names the field.
@@ -86,9 +88,10 @@ impl Work {
         }
     }
 
-    /// The chord error that steps may have if what their correction leaves shall stay within `chord_mm` (M44), mm. The chord
-    /// of an exact step l is off by l²/8R. A step along the tangent ends off by l²/2R, and so may one without the mixed
-    /// term; with the signs of a surface as printed, by l²/R. What the others leave at their end is of third order.
+    /// The chord error that steps may have if what their correction leaves shall stay within `chord_mm`
+    /// (M44), mm. The chord of an exact step l is off by l²/8R. A step along the tangent ends off by l²/2R,
+    /// and so may one without the mixed term; with the signs of a surface as printed, by l²/R. What the
+    /// others leave at their end is of third order.
     pub fn chord_of_steps(&self) -> f64 {
         let on_surface = matches!(self.shape, Shape::Surface(_));
         let times = match self.correction {

@@ -1,6 +1,6 @@
 //! Compensation of screw and backlash: what the motor does besides, so that the slide does what is commanded.
-//! In: the motion of the axis in mm and s. Out: the motion of the motor; and back, where the axis is when the motor is
-//! measured.
+//! In: the motion of the axis in mm and s. Out: the motion of the motor; and back, where the axis is when the
+//! motor is measured.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -14,14 +14,15 @@
 //! m = s − e(s) + e(home) + b,   m′ = (1 − e′) v + b′,   m″ = (1 − e′) a − e″ v² + b″              (M68)
 //! b(t) = b_before + x(t − t_r)                                                                    (M69)
 //! ```
-//! The axis stands at home when the machine starts, whatever the table says of home: the datum of the machine is there.
+//! The axis stands at home when the machine starts, whatever the table says of home: the datum of the machine
+//! is there.
 //!
-//! The side changes at t_r, when the commanded position has come back from the farthest point of its way and goes on in
-//! that direction: by 1 µm, in a pass by two counts of the spindle where these are more way. The observed angle wanders
-//! about the true one by less than that, so neither a standing axis nor its noise ever begins a stroke, and one that has
-//! begun ends within the dead zone even if the axis stops meanwhile. One stroke ends before the next begins.
-//! Feedforward looks ahead of the present, and reversals are seen where it looks farthest: the stroke begins for every
-//! lead at its own time, from rest.
+//! The side changes at t_r, when the commanded position has come back from the farthest point of its way and
+//! goes on in that direction: by 1 µm, in a pass by two counts of the spindle where these are more way. The
+//! observed angle wanders about the true one by less than that, so neither a standing axis nor its noise ever
+//! begins a stroke, and one that has begun ends within the dead zone even if the axis stops meanwhile. One
+//! stroke ends before the next begins. Feedforward looks ahead of the present, and reversals are seen where
+//! it looks farthest: the stroke begins for every lead at its own time, from rest.
 
 use machine::AxisConfig;
 use motion::{Sample, Stroke};
@@ -32,7 +33,8 @@ use crate::screw::Screw;
 const REVERSED_MM: f64 = 1e-3;
 /// The same in counts of the spindle, for an axis that follows it.
 const REVERSED_COUNTS: f64 = 2.0;
-/// Steps of the iteration that inverts M68. Each is more exact by the slope of the error, a hundredth at the worst.
+/// Steps of the iteration that inverts M68. Each is more exact by the slope of the error, a hundredth at the
+/// worst.
 const INVERSIONS: usize = 6;
 
 /// Compensation of one axis.
@@ -44,8 +46,8 @@ pub struct Compensation {
 }
 
 impl Compensation {
-    /// What an axis of the machine file compensates; `None` if nothing. `reach_s` is how far feedforward looks back and
-    /// ahead, s.
+    /// What an axis of the machine file compensates; `None` if nothing. `reach_s` is how far feedforward
+    /// looks back and ahead, s.
     pub fn of(config: &AxisConfig, reach_s: [f64; 2], cycle_s: f64) -> Option<Compensation> {
         let screw = Screw::new(&config.screw_error);
         let backlash = (config.backlash_mm > 0.0).then(|| Backlash::new(config, reach_s, cycle_s));
@@ -67,8 +69,8 @@ impl Compensation {
         }
     }
 
-    /// Looks for a reversal in the motion of the axis, given by its lead. `count_mm` is how far a count of the spindle
-    /// moves it, mm; 0 outside a pass.
+    /// Looks for a reversal in the motion of the axis, given by its lead. `count_mm` is how far a count of
+    /// the spindle moves it, mm; 0 outside a pass.
     pub fn watch(&mut self, count_mm: f64, axis: impl Fn(f64) -> Sample) {
         if let Some(backlash) = &mut self.backlash {
             backlash.watch(REVERSED_MM.max(REVERSED_COUNTS * count_mm.abs()), &axis(backlash.ahead_s));
@@ -80,7 +82,8 @@ impl Compensation {
         self.backlash.as_ref().is_some_and(|backlash| !backlash.settled())
     }
 
-    /// Position, speed and acceleration of the motor when the axis moves so, `lead_s` after the sample instant (M68).
+    /// Position, speed and acceleration of the motor when the axis moves so, `lead_s` after the sample
+    /// instant (M68).
     pub fn motor(&self, axis: &Sample, lead_s: f64) -> Sample {
         let [e, slope, curvature] = self.error(axis.s);
         let side = self.side(lead_s);

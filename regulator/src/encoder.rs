@@ -1,5 +1,6 @@
-//! Supervision of the spindle encoder: what it counts has to be what a spindle can do, and every turn has its index.
-//! In: one measurement per control cycle, in counts. Out: the first fault, with the counts that are too few or too many.
+//! Supervision of the spindle encoder: what it counts has to be what a spindle can do, and every turn has its
+//! index. In: one measurement per control cycle, in counts. Out: the first fault, with the counts that are
+//! too few or too many.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -16,16 +17,17 @@
 //! missing index   more than 4 N + margin without one, margin = 8 or 4 N / 50, whichever is more
 //! ```
 //!
-//! (M70) predicts that the spindle turns on as in the cycle before. Over one cycle this is much sharper than the
-//! prediction of the angle observer (M53), which lags behind a changing speed. The second
-//! difference of a rounded angle is less than 2 counts off; the third is to spare. A drive that holds its ramp, a cut that
-//! bogs the spindle (3 % in 15 ms is a tenth of A), and one that stops it stay below A; only a collision does not. A slow
-//! spindle is stopped in less than 50 ms: 300 N·m stop 0.15 kg m² with 19,100 1/min per s. Two cycles of ripple differ by
-//! 2 r |d′| at most, however often a turn it comes.
+//! (M70) predicts that the spindle turns on as in the cycle before. Over one cycle this is much sharper than
+//! the prediction of the angle observer (M53), which lags behind a changing speed. The second difference of a
+//! rounded angle is less than 2 counts off; the third is to spare. A drive that holds its ramp, a cut that
+//! bogs the spindle (3 % in 15 ms is a tenth of A), and one that stops it stay below A; only a collision does
+//! not. A slow spindle is stopped in less than 50 ms: 300 N·m stop 0.15 kg m² with 19,100 1/min per s. Two
+//! cycles of ripple differ by 2 r |d′| at most, however often a turn it comes.
 //!
-//! Fewer counts than (M70) sees are found by (M71) at the next index. Counts latched at an index do not depend on the
-//! speed, so one count is enough. Having turned back, the spindle meets the index it met last; then a latch may differ by
-//! a count, because it comes from the other side. More than half a turn is no way back to the same index.
+//! Fewer counts than (M70) sees are found by (M71) at the next index. Counts latched at an index do not
+//! depend on the speed, so one count is enough. Having turned back, the spindle meets the index it met last;
+//! then a latch may differ by a count, because it comes from the other side. More than half a turn is no way
+//! back to the same index.
 
 use machine::Machine;
 use protocol::{Fault, Measurement};
@@ -47,8 +49,8 @@ const MARGIN_SHARE: i64 = 50;
 pub struct EncoderFault {
     /// One of the encoder's faults.
     pub fault: Fault,
-    /// Counts too many (positive) or too few, in the direction in which the spindle turned; 0 where no number is known. A
-    /// glitch is signed as the count is.
+    /// Counts too many (positive) or too few, in the direction in which the spindle turned; 0 where no number
+    /// is known. A glitch is signed as the count is.
     pub counts: i64,
 }
 
@@ -130,7 +132,8 @@ impl Encoder {
         beyond.then_some(EncoderFault { fault: Fault::EncoderGlitch, counts })
     }
 
-    /// (M71) at an index that was latched at the count `at`; `turns` is 1 unless a cycle is longer than a turn.
+    /// (M71) at an index that was latched at the count `at`; `turns` is 1 unless a cycle is longer than a
+    /// turn.
     fn at_index(&self, seen: &Seen, at: i64, turns: u64) -> Option<EncoderFault> {
         let from = seen.index?;
         let turned = at.saturating_sub(from).saturating_abs();

@@ -1,6 +1,6 @@
-//! What each structure feeds forward, and where it has it from (M54, M67).
-//! In: the commanded motion about the present. Out: the reference of the position loop, speed, acceleration, and the
-//! speed that friction is reckoned for.
+//! What each structure feeds forward, and where it has it from (M54, M67). In: the commanded motion about the
+//! present. Out: the reference of the position loop, speed, acceleration, and the speed that friction is
+//! reckoned for.
 //!
 //! | structure | speed | acceleration | friction | position loop |
 //! |---|---|---|---|---|
@@ -20,12 +20,12 @@
 //! | x̂ | mm | position of the motor, rounded: q round(x/q) |
 //!
 //! ```text
-//! backward:         v = (x̂(t) − x̂(t − h))/h               a = (x̂(t) − 2 x̂(t − h) + x̂(t − 2h))/h²         (M67)
+//! backward:         v = (x̂(t) − x̂(t − h))/h               a = (x̂(t) − 2 x̂(t − h) + x̂(t − 2h))/h²  (M67)
 //! centred about l:  v = (x̂(l + h/2) − x̂(l − h/2))/h       a = (x̂(l + h) − 2 x̂(l) + x̂(l − h))/h²
 //! ```
-//! Backward differences are those of a control whose position loop runs slower and sees counts of a position alone.
-//! They remember the positions that were sent. Before the first one the axis stood where it is: motion begins without a
-//! jump.
+//! Backward differences are those of a control whose position loop runs slower and sees counts of a position
+//! alone. They remember the positions that were sent. Before the first one the axis stood where it is: motion
+//! begins without a jump.
 
 use machine::{AxisConfig, Feedforward as Structure};
 
@@ -135,7 +135,8 @@ impl Feedforward {
         }
     }
 
-    /// What is fed forward now. Structures that hold positions are asked every [`Feedforward::cycles`] cycles.
+    /// What is fed forward now. Structures that hold positions are asked every [`Feedforward::cycles`]
+    /// cycles.
     pub fn feed(&mut self, motor: &Motor) -> Feed {
         let Row { speed, ahead, acceleration, friction } = self.row;
         let [v, _] = self.derivatives(speed, motor);

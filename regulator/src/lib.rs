@@ -1,8 +1,8 @@
 //! One axis, synchronous with the spindle or with time.
 //!
-//! Every control cycle a [`Regulator`] takes the measurement, and at interpolator ticks a frame, and answers with a
-//! command to its drive and a status. The reference comes from setpoints (timed motion) or from the law of a pass
-//! evaluated at the measured spindle angle; the loops below do not know which (M54).
+//! Every control cycle a [`Regulator`] takes the measurement, and at interpolator ticks a frame, and answers
+//! with a command to its drive and a status. The reference comes from setpoints (timed motion) or from the
+//! law of a pass evaluated at the measured spindle angle; the loops below do not know which (M54).
 //!
 //! | file | what |
 //! |---|---|

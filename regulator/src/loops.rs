@@ -9,14 +9,15 @@
 //! | z | mm | deflection of that stiffness: dz = v − s0\|v\|z/Fc |
 //! | b | N·s/mm | viscous friction as believed |
 //!
-//! Enters: the reference in mm and s, the measured position of the axis in mm. Leaves: velocities in mm/s for the drive,
-//! torque in N·m at the motor.
+//! Enters: the reference in mm and s, the measured position of the axis in mm. Leaves: velocities in mm/s for
+//! the drive, torque in N·m at the motor.
 //!
-//! Friction has no sign that switches, it has a deflection. At a stop v is 0, z stays, and with it the force: a stopped
-//! slide leans on its friction, and taking the torque off would let it spring back by up to Fc/s0 (6 µm on the small
-//! lathe). On the way back z runs through zero to the other side within about two such lengths, as the friction itself
-//! does: no step of the torque, and a slide that dithers by less than that never gets the full force. Only the way
-//! commanded moves z, neither time nor noise of a measurement. |z| ≤ Fc/s0 at any speed, because the step is implicit.
+//! Friction has no sign that switches, it has a deflection. At a stop v is 0, z stays, and with it the force:
+//! a stopped slide leans on its friction, and taking the torque off would let it spring back by up to Fc/s0
+//! (6 µm on the small lathe). On the way back z runs through zero to the other side within about two such
+//! lengths, as the friction itself does: no step of the torque, and a slide that dithers by less than that
+//! never gets the full force. Only the way commanded moves z, neither time nor noise of a measurement. |z| ≤
+//! Fc/s0 at any speed, because the step is implicit.
 
 use machine::AxisConfig;
 
@@ -78,8 +79,8 @@ impl Loops {
         Command::default()
     }
 
-    /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity PI that
-    /// follows lives in the drive.
+    /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity
+    /// PI that follows lives in the drive.
     pub fn tick(&mut self, motor: &Motor, measured_mm: f64) -> Command {
         let due = motor.reference.cycle.0.is_multiple_of(self.feedforward.cycles());
         if let (false, Some(held)) = (due, self.held) {

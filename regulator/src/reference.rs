@@ -1,8 +1,8 @@
 //! Where the axis shall be, at the sample instant and about it: feedforwards look ahead and back (M54).
 //!
-//! Whatever the master is (time in a stream, the spindle angle in a pass), a lead in s becomes a sample in mm and s;
-//! position is absolute. [`Reference::axis`] is the motion of the axis. That of the motor behind it, which turns a little
-//! more or less where screw and backlash are compensated (M68, M69), is [`Motor`].
+//! Whatever the master is (time in a stream, the spindle angle in a pass), a lead in s becomes a sample in mm
+//! and s; position is absolute. [`Reference::axis`] is the motion of the axis. That of the motor behind it,
+//! which turns a little more or less where screw and backlash are compensated (M68, M69), is [`Motor`].
 
 use motion::{Sample, SpindleMotion};
 use protocol::Cycle;

@@ -300,8 +300,8 @@ impl Regulator {
     }
 }
 
-/// Whether the commanded axis rests where the pass in `command` starts. One count of the wire is allowed for the
-/// rounding of setpoints.
+/// Whether the commanded axis rests where the pass in `command` starts. One count of the wire is allowed for
+/// the rounding of setpoints.
 fn rests_at(now: &Sample, command: Option<&AxisCommand>) -> bool {
     let Some(AxisCommand::Arm { law, .. }) = command else { return false };
     now.v == 0.0 && now.a == 0.0 && (now.s - law.start.mm()).abs() < 2e-9

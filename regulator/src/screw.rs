@@ -1,14 +1,16 @@
-//! The error of a screw as the machine file has it: where the slide stands too far, as a smooth function of position.
-//! In: rows of position in mm, rising, and error in µm. Out: error in mm and its first two derivatives by position.
+//! The error of a screw as the machine file has it: where the slide stands too far, as a smooth function of
+//! position. In: rows of position in mm, rising, and error in µm. Out: error in mm and its first two
+//! derivatives by position.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
 //! | s | mm | position of the axis |
 //! | e, e′, e″ | mm, –, 1/mm | error and its derivatives by s |
 //!
-//! Between two rows e is the polynomial of fifth degree that has, in each row, the slope and the curvature of the
-//! parabola through that row and its two neighbours; in the first row and the last one both are zero, and beyond them e
-//! stays what it is there. So e″ is continuous everywhere, and a table of a parabola gives that parabola back.
+//! Between two rows e is the polynomial of fifth degree that has, in each row, the slope and the curvature of
+//! the parabola through that row and its two neighbours; in the first row and the last one both are zero, and
+//! beyond them e stays what it is there. So e″ is continuous everywhere, and a table of a parabola gives that
+//! parabola back.
 
 /// A table of errors.
 #[derive(Clone, Debug)]
@@ -33,7 +35,8 @@ struct Shape {
 }
 
 impl Screw {
-    /// The error that rows `[mm, µm]` describe; `None` if there are fewer than two, which describe none. Positions rise.
+    /// The error that rows `[mm, µm]` describe; `None` if there are fewer than two, which describe none.
+    /// Positions rise.
     pub fn new(rows: &[[f64; 2]]) -> Option<Screw> {
         let shapes =
             |i: usize| match (i.checked_sub(1).and_then(|i| rows.get(i)), rows.get(i), rows.get(i + 1)) {

@@ -1,12 +1,14 @@
 //! The spindle as a regulator sees it: counts in, angle, speed and acceleration out (M53).
 //!
-//! Counts are taken at the middle of their quantum. Observers run from the first measurement on and are never reset at
-//! the index; the index only gives the origin of C. A spindle may turn already when it is first seen: then its speed is
-//! taken from two counts 1/f_o apart. No pass is armed before 10/f_o (`interpolator/src/begin.rs`).
+//! Counts are taken at the middle of their quantum. Observers run from the first measurement on and are never
+//! reset at the index; the index only gives the origin of C. A spindle may turn already when it is first
+//! seen: then its speed is taken from two counts 1/f_o apart. No pass is armed before 10/f_o
+//! (`interpolator/src/begin.rs`).
 //!
-//! There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads it, and it follows
-//! every correction of the estimate. An axis that only strokes is at rest at both ends, whatever the angle; on the way,
-//! the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
+//! There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads it, and it
+//! follows every correction of the estimate. An axis that only strokes is at rest at both ends, whatever the
+//! angle; on the way, the noise of the encoder would be its largest error: a slow observer leads it, by the
+//! estimate alone.
 
 use machine::Machine;
 use motion::{SpindleMotion, SpindleObserver};
@@ -100,8 +102,8 @@ impl Spindle {
         self.index
     }
 
-    /// Angle since the index of a pass, speed and acceleration as estimated, at `lead_s` after the measurement, positive
-    /// in the direction of the pass.
+    /// Angle since the index of a pass, speed and acceleration as estimated, at `lead_s` after the
+    /// measurement, positive in the direction of the pass.
     pub fn since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
         let observer = if pass.law.lead_mm != 0.0 { &self.leading } else { &self.stroking };
         self.in_degrees(observer.at(lead_s), pass)

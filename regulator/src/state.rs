@@ -13,11 +13,12 @@
 //! | RunOut | C where the law ends | Streaming, at rest at the end of the law |
 //! | any but Fault | drive fault, encoder fault of the spindle, stop, servo error, starved stream | Fault |
 //!
-//! A pass is called off on every axis or on none: until when is an angle that all of them know, counted without an
-//! estimate, and before it no axis moves; an axis without an approach may already be at depth then.
+//! A pass is called off on every axis or on none: until when is an angle that all of them know, counted
+//! without an estimate, and before it no axis moves; an axis without an approach may already be at depth
+//! then.
 //!
-//! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards in the
-//! state it is in.
+//! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards
+//! in the state it is in.
 
 use motion::PassLaw;
 use protocol::{AxisCommand, AxisLaw, AxisState, Cycle, Fault};

@@ -1,5 +1,5 @@
-//! A curve thinned so that no peak is lost. In: samples in any number, in any order of x. Out: for each of a fixed
-//! number of intervals of x its lowest and its highest sample, both at their true places.
+//! A curve thinned so that no peak is lost. In: samples in any number, in any order of x. Out: for each of a
+//! fixed number of intervals of x its lowest and its highest sample, both at their true places.
 
 /// Lowest and highest sample of one interval, as (x, y).
 type Slot = Option<((f64, f64), (f64, f64))>;

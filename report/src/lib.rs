@@ -1,4 +1,5 @@
-//! Pages that hold everything they need: tables, pictures, the script that draws them, and the report of a run.
+//! Pages that hold everything they need: tables, pictures, the script that draws them, and the report of a
+//! run.
 //!
 //! | module | in | out |
 //! |---|---|---|
@@ -7,8 +8,8 @@
 //! | [`page`] | content and pictures | one HTML file that opens without a network |
 //! | [`render`] | a run folder | its `report.html` |
 //!
-//! The plotting script is an asset of this crate ([`page::PLOTTING_SCRIPT`]): plotly.js as its authors built it, of which
-//! `report/assets/README.md` says version, licence and origin.
+//! The plotting script is an asset of this crate ([`page::PLOTTING_SCRIPT`]): plotly.js as its authors built
+//! it, of which `report/assets/README.md` says version, licence and origin.
 #![forbid(unsafe_code)]
 
 mod envelope;

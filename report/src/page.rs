@@ -1,5 +1,5 @@
-//! The frame of every page: style, pictures, and the script that draws them, all in one file. In: what the page holds.
-//! Out: HTML that opens without a network.
+//! The frame of every page: style, pictures, and the script that draws them, all in one file. In: what the
+//! page holds. Out: HTML that opens without a network.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

@@ -1,5 +1,5 @@
-//! What every picture is painted with: its frame, colours, lines and axes, as the plotting script takes them: traces and
-//! axes in JSON, without fonts and sizes, which the page adds for the width it has.
+//! What every picture is painted with: its frame, colours, lines and axes, as the plotting script takes them:
+//! traces and axes in JSON, without fonts and sizes, which the page adds for the width it has.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use serde_json::{Value, json};
@@ -37,8 +37,9 @@ pub(crate) fn short(value: f64) -> f64 {
     (value * 1e5).round() / 1e5
 }
 
-/// A column of a trace. A long one is packed as the plotting script reads it: `f32`, little-endian, in base64, which keeps
-/// seven digits of every number in a little more than five bytes. Where there is no number, the line is interrupted.
+/// A column of a trace. A long one is packed as the plotting script reads it: `f32`, little-endian, in
+/// base64, which keeps seven digits of every number in a little more than five bytes. Where there is no
+/// number, the line is interrupted.
 pub(crate) fn column(numbers: impl ExactSizeIterator<Item = Option<f64>>) -> Value {
     if numbers.len() <= WRITTEN_OUT {
         return numbers.map(|number| json!(number.map(short))).collect();

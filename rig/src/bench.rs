@@ -1,5 +1,5 @@
-//! The simulated machine as a bench for commissioning: it shows what it measures, and nothing else of it is seen. In: a
-//! machine file. Out: its axes tuned.
+//! The simulated machine as a bench for commissioning: it shows what it measures, and nothing else of it is
+//! seen. In: a machine file. Out: its axes tuned.
 
 use machine::Machine;
 use protocol::{Axis, DriveCommand, Measurement, PerAxis, SpindleCommand};

@@ -1,8 +1,8 @@
-//! The whole machine in one process: the same modules, in the same order, with the same one feedback delay as the
-//! processes over iceoryx2, so that both give the same numbers bit for bit.
+//! The whole machine in one process: the same modules, in the same order, with the same one feedback delay as
+//! the processes over iceoryx2, so that both give the same numbers bit for bit.
 //!
-//! Enters: machine code, a scenario, a seed, wires; each control cycle, perhaps what the operator does at the panel.
-//! Leaves, each control cycle: a [`Record`] of it, or the whole [`Exchange`] between the modules.
+//! Enters: machine code, a scenario, a seed, wires; each control cycle, perhaps what the operator does at the
+//! panel. Leaves, each control cycle: a [`Record`] of it, or the whole [`Exchange`] between the modules.
 
 use interpolator::{Interpolator, Out};
 use machine::Machine;
@@ -16,8 +16,8 @@ use sim_plant::{Plant, PlantError, Scenario};
 use crate::observe::Record;
 use crate::wires::{Straight, Wires};
 
-/// The machine. `I` is where its machine code comes from: an interpreter, a file, a list. `W` is what lies between its
-/// modules.
+/// The machine. `I` is where its machine code comes from: an interpreter, a file, a list. `W` is what lies
+/// between its modules.
 pub struct Rig<I, W = Straight> {
     plant: Plant,
     interpolator: Interpolator,
@@ -39,7 +39,8 @@ pub struct Rig<I, W = Straight> {
 /// All that went between the modules in one control cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange<'a> {
-    /// The truth with its measurement, what the regulators said of this cycle, what the interpolator said last.
+    /// The truth with its measurement, what the regulators said of this cycle, what the interpolator said
+    /// last.
     pub record: Record<'a>,
     /// The frame that each regulator got in this cycle: one at a tick, else none.
     pub frames: &'a PerAxis<Option<AxisFrame>>,
@@ -91,8 +92,8 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
         })
     }
 
-    /// One control cycle; `observe` sees its record before the plant goes on. What the operator does is on the panel of
-    /// the next measurement. False after the last cycle.
+    /// One control cycle; `observe` sees its record before the plant goes on. What the operator does is on
+    /// the panel of the next measurement. False after the last cycle.
     pub fn cycle(&mut self, request: Option<Request>, observe: impl FnOnce(&Record)) -> bool {
         self.exchange(request, |exchange| observe(&exchange.record))
     }

@@ -1,9 +1,9 @@
-//! The stand for trial passes: machine code for passes whose window of spindle angle is given, and the machine that
-//! runs it. In: S in 1/min, ΔX in mm, ΔC in degrees, lead in mm, length of the thread in turns. Out: the items of a
-//! program, and what the observer of the truth saw of it.
+//! The stand for trial passes: machine code for passes whose window of spindle angle is given, and the
+//! machine that runs it. In: S in 1/min, ΔX in mm, ΔC in degrees, lead in mm, length of the thread in turns.
+//! Out: the items of a program, and what the observer of the truth saw of it.
 //!
-//! A part program says what to cut, and its windows follow from the limits of the machine. A trial says the window
-//! itself, as experiments do.
+//! A part program says what to cut, and its windows follow from the limits of the machine. A trial says the
+//! window itself, as experiments do.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -46,8 +46,8 @@ pub struct Trial {
 }
 
 impl Default for Trial {
-    /// The pass of the published experiment: 300 1/min, 5 mm in one turn; then six turns of a thread with a lead of
-    /// 5 mm, into which the approach has long died away.
+    /// The pass of the published experiment: 300 1/min, 5 mm in one turn; then six turns of a thread with a
+    /// lead of 5 mm, into which the approach has long died away.
     fn default() -> Self {
         Trial { s_rpm: 300.0, direction: 1.0, delta_x_mm: 5.0, delta_c_deg: 360.0, lead_mm: -5.0, turns: 6.0 }
     }
@@ -96,11 +96,13 @@ pub enum TrialError {
     },
 }
 
-/// A whole program: for each trial the spindle at its speed, the axes at its start, and its pass; then the end. Passes
-/// are numbered from 1, lines as well. A trial begins at the home of the machine, or as near to it as its way allows.
+/// A whole program: for each trial the spindle at its speed, the axes at its start, and its pass; then the
+/// end. Passes are numbered from 1, lines as well. A trial begins at the home of the machine, or as near to
+/// it as its way allows.
 ///
 /// # Errors
-/// [`TrialError`] if a number of a trial is out of range, or the machine cannot follow it at the programmed speed.
+/// [`TrialError`] if a number of a trial is out of range, or the machine cannot follow it at the programmed
+/// speed.
 pub fn program(machine: &Machine, trials: &[Trial]) -> Result<Vec<Item>, TrialError> {
     let mut codes = Vec::with_capacity(3 * trials.len() + 2);
     for (trial, number) in trials.iter().zip(1..) {
@@ -131,8 +133,8 @@ pub fn run(
     run_for(u64::MAX, machine, items, scenario, seed, see)
 }
 
-/// As [`run`], but for `cycles` control cycles at most: an axis that swings is never in position, and its program
-/// never ends.
+/// As [`run`], but for `cycles` control cycles at most: an axis that swings is never in position, and its
+/// program never ends.
 ///
 /// # Errors
 /// As [`run`].
@@ -158,8 +160,8 @@ pub fn run_for(
     Ok(observer.finish())
 }
 
-/// The override at which a pass was cut, per cent: where the knob stood, or the most that the machine allows or can
-/// follow. For a knob that stood still.
+/// The override at which a pass was cut, per cent: where the knob stood, or the most that the machine allows
+/// or can follow. For a knob that stood still.
 pub fn in_force_pct(machine: &Machine, pass: &PassReport) -> f64 {
     pass.override_max_pct.min(machine.spindle.override_max_pct).min(pass.max_feasible_override_pct)
 }

@@ -1,5 +1,5 @@
-//! From a work to blocks: its legs one after the other, each of them piece by piece.
-//! In: a work, where the axes rest, the route with the formulas. Out: a block at each call, or why there is none, and where.
+//! From a work to blocks: its legs one after the other, each of them piece by piece. In: a work, where the
+//! axes rest, the route with the formulas. Out: a block at each call, or why there is none, and where.
 //!
 //! | stage | leads | how |
 //! |---|---|---|
@@ -7,8 +7,9 @@
 //! | `Cut` | along a leg | pieces of its curve |
 //! | `Lift`, `Cross`, `Plunge` | off the surface, to the start of the next leg | straight: rapid, rapid, at feed |
 //!
-//! Every piece begins and ends where its curve is in coordinates of the machine, so nothing adds up. A call tries one piece
-//! and allocates nothing. The formulas are those of the [`Route`], which do not change while axes move.
+//! Every piece begins and ends where its curve is in coordinates of the machine, so nothing adds up. A call
+//! tries one piece and allocates nothing. The formulas are those of the [`Route`], which do not change while
+//! axes move.
 
 use motion::Path;
 use motion::chain::{Block, Corner};
@@ -121,7 +122,8 @@ impl Course {
         &self.work
     }
 
-    /// The next block, if one try brings it: at most five evaluations of the curve. After an error it is the same again.
+    /// The next block, if one try brings it: at most five evaluations of the curve. After an error it is the
+    /// same again.
     ///
     /// # Errors
     /// [`Unworkable`].
@@ -244,8 +246,8 @@ impl Course {
         }
     }
 
-    /// What becomes of the end of the leg in hand: legs that meet on the surface do so within the chord error, and
-    /// so do seams.
+    /// What becomes of the end of the leg in hand: legs that meet on the surface do so within the chord
+    /// error, and so do seams.
     fn joint(&self, route: &Route) -> Corner {
         match self.plan(self.leg + 1) {
             Some(_) => route.corner_within(self.work.chord_mm),

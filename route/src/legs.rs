@@ -1,5 +1,5 @@
-//! What a work follows, leg by leg: the curve of a leg on the axes of the machine, and where it is in their coordinates.
-//! In: a work, one of its legs, the formulas. Out: a curve of all axes, positions.
+//! What a work follows, leg by leg: the curve of a leg on the axes of the machine, and where it is in their
+//! coordinates. In: a work, one of its legs, the formulas. Out: a curve of all axes, positions.
 
 use machine::{Machine, POSITIONER_AXES};
 use protocol::{Axis, FORMULAS, PerAxis, Position, Shape, Work, units::AXES};
@@ -41,8 +41,8 @@ pub(crate) trait Legs {
         machine: &Machine,
     ) -> Result<LegCurve<'a>, Unworkable>;
 
-    /// Ways of the axes in a step of a plan from the exact start `from` at the parameter `t` to the exact end `to`, in the
-    /// ratios of the correction (M36–M43); none where the start is not on the path.
+    /// Ways of the axes in a step of a plan from the exact start `from` at the parameter `t` to the exact end
+    /// `to`, in the ratios of the correction (M36–M43); none where the start is not on the path.
     fn step(
         &self,
         at: (&Plan, f64),
@@ -158,8 +158,8 @@ impl Legs for Work {
     }
 }
 
-/// A leg of a work as a curve of every axis, from the zero of the formulas; mm and degrees. Axes that do not follow it
-/// stand at 0.
+/// A leg of a work as a curve of every axis, from the zero of the formulas; mm and degrees. Axes that do not
+/// follow it stand at 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LegCurve<'a> {
     followed: Followed<'a>,

@@ -1,12 +1,13 @@
-//! The one walk from machine code to what a chain plans: moves and works of a program as blocks with paths, feeds and
-//! corners.
+//! The one walk from machine code to what a chain plans: moves and works of a program as blocks with paths,
+//! feeds and corners.
 //!
 //! ```text
 //! terms  ←  legs  ←  route  ←  course
 //! ```
 //!
-//! [`Route`] makes a block of a move, a [`Course`] the blocks of a work, piece by piece. The interpolator moves along these
-//! blocks, and the interpreter foretells how long that takes: both ask here, so that they mean the same path.
+//! [`Route`] makes a block of a move, a [`Course`] the blocks of a work, piece by piece. The interpolator
+//! moves along these blocks, and the interpreter foretells how long that takes: both ask here, so that they
+//! mean the same path.
 
 mod course;
 mod legs;

@@ -1,4 +1,5 @@
-//! The positioner of a machine file as `shape` knows it. In: mm, degrees. Out: geometry and drives, mm and radians.
+//! The positioner of a machine file as `shape` knows it. In: mm, degrees. Out: geometry and drives, mm and
+//! radians.
 use machine::{POSITIONER_AXES, PositionerConfig};
 use protocol::PerAxis;
 use shape::{Drives, Positioner};

@@ -1,5 +1,5 @@
-//! The moves of a program as blocks with paths, feeds and corners.
-//! In: lines and arcs to absolute points, path modes. Out: blocks from where the move before ended, or why not.
+//! The moves of a program as blocks with paths, feeds and corners. In: lines and arcs to absolute points,
+//! path modes. Out: blocks from where the move before ended, or why not.
 
 use machine::Machine;
 use motion::Path;
@@ -85,7 +85,8 @@ impl Route {
         Path::line(displacement, &Axis::METRIC)
     }
 
-    /// Travel left beside a path, mm, and the axis that has it; negative beyond it. The quantum of the wire is not counted.
+    /// Travel left beside a path, mm, and the axis that has it; negative beyond it. The quantum of the wire
+    /// is not counted.
     pub(crate) fn room(&self, from: &PerAxis<Position>, path: &Path<AXES>) -> (f64, Axis) {
         let [low, high] = path.bounds();
         self.machine.axes().fold((f64::INFINITY, Axis::X), |narrowest, (axis, config)| {
@@ -96,9 +97,9 @@ impl Route {
         })
     }
 
-    /// Where the axes are led in a step whose exact end is `to`: the one of the largest way goes there, the others follow in
-    /// the ratios of the correction (M36–M43) from the exact start `from`, at the parameter `t` of a plan. Exactly, where the
-    /// start is not on the path itself: in a corner that is rounded.
+    /// Where the axes are led in a step whose exact end is `to`: the one of the largest way goes there, the
+    /// others follow in the ratios of the correction (M36–M43) from the exact start `from`, at the parameter
+    /// `t` of a plan. Exactly, where the start is not on the path itself: in a corner that is rounded.
     pub fn led(
         &self,
         work: &Work,

@@ -1,5 +1,5 @@
-//! The words in which routes, legs and courses speak: what a block carries, where on a work something is, why it cannot be
-//! followed, and the formulas that it refers to.
+//! The words in which routes, legs and courses speak: what a block carries, where on a work something is, why
+//! it cannot be followed, and the formulas that it refers to.
 
 use protocol::{Axis, FORMULAS, Feed, PerAxis, Position};
 use shape::{Clock, Formula, Plan, SpanError};

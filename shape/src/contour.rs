@@ -1,5 +1,5 @@
-//! A plane contour Y = f(X), and the path of a round tool beside it. In: X of the point of contact, mm. Out: the centre of
-//! the tool, with its derivatives.
+//! A plane contour Y = f(X), and the path of a round tool beside it. In: X of the point of contact, mm. Out:
+//! the centre of the tool, with its derivatives.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -40,7 +40,8 @@ pub struct Contour {
     pub side: Side,
 }
 
-/// The centre of the tool beside a contour, as a [`Curve`] of X of the point of contact. Axes: master, follower.
+/// The centre of the tool beside a contour, as a [`Curve`] of X of the point of contact. Axes: master,
+/// follower.
 #[derive(Clone, Copy, Debug)]
 pub struct ContourCurve<'a> {
     contour: Contour,

@@ -19,8 +19,8 @@
 
 use crate::Series;
 
-/// Radius of curvature of a path in space, mm; infinite where it is straight, not finite where it stands still in its
-/// parameter.
+/// Radius of curvature of a path in space, mm; infinite where it is straight, not finite where it stands
+/// still in its parameter.
 #[must_use]
 pub fn radius(path: &[Series; 3]) -> f64 {
     let [[x1, x2], [y1, y2], [z1, z2]] = path.map(|Series([_, first, second, _])| [first, 2.0 * second]);
@@ -30,8 +30,8 @@ pub fn radius(path: &[Series; 3]) -> f64 {
     speed2 * (speed2 / cross2).sqrt()
 }
 
-/// Feed of chords that lie within δ of a path of radius R: the published form 2 (2Rδ)^½/dt, mm/s (M44). Given R − δ/2, it
-/// is that of a circle without approximation.
+/// Feed of chords that lie within δ of a path of radius R: the published form 2 (2Rδ)^½/dt, mm/s (M44). Given
+/// R − δ/2, it is that of a circle without approximation.
 #[must_use]
 pub fn chord_feed(radius: f64, delta: f64, dt: f64) -> f64 {
     2.0 * (2.0 * radius * delta).sqrt() / dt

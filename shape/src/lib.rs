@@ -1,5 +1,5 @@
-//! What is cut, as functions of a parameter: formulas, surfaces under a tool, seams on a positioner. Pure mathematics,
-//! no state of the machine, no I/O.
+//! What is cut, as functions of a parameter: formulas, surfaces under a tool, seams on a positioner. Pure
+//! mathematics, no state of the machine, no I/O.
 //!
 //! | part | holds | equations |
 //! |---|---|---|

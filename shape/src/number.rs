@@ -1,7 +1,7 @@
 //! What a formula can be evaluated for: numbers, Taylor series of a parameter, and either with its gradient.
 //!
-//! In: values of the variables, numbers as they are written in the formula, angles in rad. Out: the value in the same
-//! form. All functions are those of libm, so they are the same on every machine.
+//! In: values of the variables, numbers as they are written in the formula, angles in rad. Out: the value in
+//! the same form. All functions are those of libm, so they are the same on every machine.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -64,7 +64,8 @@ pub trait Number:
     /// A function of it.
     fn apply(self, function: Function) -> Self;
 
-    /// A whole power, by squaring; so it exists at 0 with all its derivatives if the exponent is not negative.
+    /// A whole power, by squaring; so it exists at 0 with all its derivatives if the exponent is not
+    /// negative.
     fn powi(self, exponent: i32) -> Self {
         let mut left = exponent.unsigned_abs();
         let (mut square, mut power) = (self, None);
@@ -114,7 +115,8 @@ impl Number for f64 {
     }
 }
 
-/// A value with its partial derivatives by both variables. `Gradient<Series>` holds ψ, ψ_x, ψ_y as series along a path.
+/// A value with its partial derivatives by both variables. `Gradient<Series>` holds ψ, ψ_x, ψ_y as series
+/// along a path.
 ///
 /// ```
 /// use shape::{Gradient, Number};

@@ -1,5 +1,5 @@
-//! Where the tool touches a surface, seen from above: patterns, and their legs one by one. In: a domain, mm. Out: the leg of
-//! a number, whatever came before it, in bounded time.
+//! Where the tool touches a surface, seen from above: patterns, and their legs one by one. In: a domain, mm.
+//! Out: the leg of a number, whatever came before it, in bounded time.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,10 +15,11 @@ pub enum Pattern {
         /// Every other line backwards, joined along the border; else all in one sense, with retracts.
         zigzag: bool,
     },
-    /// Along the border of the domain, ring in ring, from outside inwards, joined on the surface. The innermost is a line, or
-    /// nothing in a square.
+    /// Along the border of the domain, ring in ring, from outside inwards, joined on the surface. The
+    /// innermost is a line, or nothing in a square.
     Rings {
-        /// Rings that are rectangles, ≥ 1; their distance is half the shorter side of the domain divided by it.
+        /// Rings that are rectangles, ≥ 1; their distance is half the shorter side of the domain divided by
+        /// it.
         count: u32,
     },
     /// One curve x(t), y(t): formulas 1 and 2.
@@ -114,8 +115,8 @@ fn line([along, across]: [[f64; 2]; 2], count: u32, k: u32, zigzag: bool, along_
     ends.map(|end| if along_y { [at, end] } else { [end, at] })
 }
 
-/// Start and end of a side of a ring, counterclockwise from its lowest corner; side 4 leads to the next ring. The ring
-/// behind the last rectangle is the line that the domain shrinks to.
+/// Start and end of a side of a ring, counterclockwise from its lowest corner; side 4 leads to the next ring.
+/// The ring behind the last rectangle is the line that the domain shrinks to.
 fn side(x: [f64; 2], y: [f64; 2], count: u32, ring: u32, side: u32) -> [[f64; 2]; 2] {
     let half = 0.5 * (x[1] - x[0]).min(y[1] - y[0]);
     let inset = |ring: u32| half * f64::from(ring) / f64::from(count.max(1));

@@ -1,4 +1,5 @@
-//! Taylor series of order 3: a function of a parameter about one place, with all of its first three derivatives.
+//! Taylor series of order 3: a function of a parameter about one place, with all of its first three
+//! derivatives.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -43,7 +44,8 @@ impl Series {
         self.0[0]
     }
 
-    /// The n-th derivative at its place; the value for n = 0, and 0 for n > 3, which the series does not know.
+    /// The n-th derivative at its place; the value for n = 0, and 0 for n > 3, which the series does not
+    /// know.
     #[must_use]
     pub fn derivative(&self, n: usize) -> f64 {
         const FACTORIAL: [f64; 4] = [1.0, 1.0, 2.0, 6.0];
@@ -83,15 +85,15 @@ impl Series {
         Series([f0, f1 * c1, f1 * c2 + f2 * c1 * c1, f1 * c3 + 2.0 * f2 * c1 * c2 + f3 * c1 * c1 * c1])
     }
 
-    /// This function of another parameter: `inner` is the own parameter τ, as a function of the other one. So `inner`
-    /// begins with 0 where both series have their place; its value is not looked at.
+    /// This function of another parameter: `inner` is the own parameter τ, as a function of the other one. So
+    /// `inner` begins with 0 where both series have their place; its value is not looked at.
     #[must_use]
     pub fn of(self, inner: Series) -> Series {
         inner.chain(self.0)
     }
 
-    /// The inverse function (M83): from s(τ), whose value is not looked at, τ as a function of the way s from there.
-    /// Not finite where s′ = 0.
+    /// The inverse function (M83): from s(τ), whose value is not looked at, τ as a function of the way s from
+    /// there. Not finite where s′ = 0.
     #[must_use]
     pub fn reversed(self) -> Series {
         let [_, a1, a2, a3] = self.0;
@@ -106,8 +108,8 @@ impl Series {
         (self * self + other * other).sqrt()
     }
 
-    /// Angle of the point (`x`, self), rad, −π … π; not finite at the origin. It is found by turning the point to the
-    /// direction of x first, so no quadrant is special.
+    /// Angle of the point (`x`, self), rad, −π … π; not finite at the origin. It is found by turning the
+    /// point to the direction of x first, so no quadrant is special.
     #[must_use]
     pub fn atan2(self, x: Series) -> Series {
         let (x0, y0) = (x.value(), self.value());
@@ -119,8 +121,8 @@ impl Series {
     }
 }
 
-/// Length of a curve from the place of its series on, as a function of their parameter: s, with s = 0 there. Not
-/// finite where the curve stands still.
+/// Length of a curve from the place of its series on, as a function of their parameter: s, with s = 0 there.
+/// Not finite where the curve stands still.
 #[must_use]
 pub fn length(curve: &[Series]) -> Series {
     let square = curve.iter().fold(Series::default(), |sum, axis| {

@@ -1,5 +1,6 @@
-//! Shaping by feed ratios: in a step the followers move in a ratio to their master. In: a path and the surface under it
-//! where a step begins, and the step h of the master. Out: ratios, and the step of the followers. mm, rad.
+//! Shaping by feed ratios: in a step the followers move in a ratio to their master. In: a path and the
+//! surface under it where a step begins, and the step h of the master. Out: ratios, and the step of the
+//! followers. mm, rad.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -18,10 +19,12 @@
 //! | M42 | K2 = K_XOZ + K_YOZ K_XOY + Z_XY h K_XOY |
 //! | M43 | M41 with the section YOZ at X + h |
 //!
-//! The series of m ([`Section::exact_m`], [`Section::series_m`], f‴) and single sections serve `experiment surface` alone.
+//! The series of m ([`Section::exact_m`], [`Section::series_m`], f‴) and single sections serve
+//! `experiment surface` alone.
 //!
-//! Source: "An alternative approach to control the shaping of parts with spatially complex surfaces", equations (3) to
-//! (17). M39 is its (13) as printed; (14) to (16) are printed with −τ in the numerator, (17) without the mixed term.
+//! Source: "An alternative approach to control the shaping of parts with spatially complex surfaces",
+//! equations (3) to (17). M39 is its (13) as printed; (14) to (16) are printed with −τ in the numerator, (17)
+//! without the mixed term.
 
 use serde::{Deserialize, Serialize};
 
@@ -136,9 +139,9 @@ pub struct Sections {
 }
 
 impl Sections {
-    /// Ratios K1 of Y and K2 of Z over a step `h` of X (M37, M41, M42). `ways` are the exact ones of Y and Z: with
-    /// [`Correction::Exact`] the ratios are theirs (M40). With `yoz` taken at X + h, the published correction with right
-    /// signs is M43.
+    /// Ratios K1 of Y and K2 of Z over a step `h` of X (M37, M41, M42). `ways` are the exact ones of Y and Z:
+    /// with [`Correction::Exact`] the ratios are theirs (M40). With `yoz` taken at X + h, the published
+    /// correction with right signs is M43.
     #[must_use]
     pub fn ratios(&self, correction: Correction, h: f64, ways: [f64; 2]) -> [f64; 2] {
         let Sections { xoz, yoz, xoy, mixed } = self;
@@ -166,16 +169,17 @@ impl Sections {
 pub struct Place {
     /// X, Y, Z as functions of one parameter, mm.
     pub path: [Series; 3],
-    /// The surface that the path lies on, if it lies on one: of the point that moves, so the offset one of a tool.
+    /// The surface that the path lies on, if it lies on one: of the point that moves, so the offset one of a
+    /// tool.
     pub surface: Option<Touch>,
 }
 
 impl Place {
-    /// The step that the axes make where the exact one is `exact`, mm: its largest component leads and stays as it is,
-    /// the others follow in the [`Place::ratios`].
+    /// The step that the axes make where the exact one is `exact`, mm: its largest component leads and stays
+    /// as it is, the others follow in the [`Place::ratios`].
     ///
-    /// The true ratios are at most 1 in magnitude. A correction that gives more than 2 is asked for a step beyond its
-    /// range, a turn of the path by a good part of a right angle; the exact step is made then.
+    /// The true ratios are at most 1 in magnitude. A correction that gives more than 2 is asked for a step
+    /// beyond its range, a turn of the path by a good part of a right angle; the exact step is made then.
     #[must_use]
     pub fn step(&self, correction: Correction, exact: [f64; 3]) -> [f64; 3] {
         let leader = leader(exact);
@@ -188,9 +192,10 @@ impl Place {
         step
     }
 
-    /// Ratios of the two other axes, in the order X, Y, Z, to the one that leads (0, 1 or 2; a higher one is Z), for the
-    /// step whose exact ways are `exact`, mm. On a surface led by X or Y they are M41 with what goes with it, else every
-    /// follower is a plane curve over its master (M39). Not finite where the leader stands still.
+    /// Ratios of the two other axes, in the order X, Y, Z, to the one that leads (0, 1 or 2; a higher one is
+    /// Z), for the step whose exact ways are `exact`, mm. On a surface led by X or Y they are M41 with what
+    /// goes with it, else every follower is a plane curve over its master (M39). Not finite where the leader
+    /// stands still.
     #[must_use]
     pub fn ratios(&self, leader: usize, correction: Correction, exact: [f64; 3]) -> [f64; 2] {
         let leader = leader.min(2);

@@ -1,6 +1,6 @@
-//! From a curve of a parameter to pieces by length that a chain can plan: a walker that goes along the curve step by step.
-//! In: a curve, its parameter at both ends. Out: pieces, each a `motion::Path`, with absolute positions at both ends, mm and
-//! degrees, and the parameter as a function of the way.
+//! From a curve of a parameter to pieces by length that a chain can plan: a walker that goes along the curve
+//! step by step. In: a curve, its parameter at both ends. Out: pieces, each a `motion::Path`, with absolute
+//! positions at both ends, mm and degrees, and the parameter as a function of the way.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -9,23 +9,25 @@
 //! | s, L | mm | way of the tip from the start of a piece, and all of it |
 //! | e | mm | how far the piece is from the curve |
 //!
-//! At five places of a step (0, ¼, ½, ¾, 1) the series of the curve gives σ, σ̇, σ̈. A polynomial through all nine values at
-//! three of them has the integral
+//! At five places of a step (0, ¼, ½, ¾, 1) the series of the curve gives σ, σ̇, σ̈. A polynomial through all
+//! nine values at three of them has the integral
 //!
 //! ```text
 //! from −1 to 1:  w/105 (41 (σ₋ + σ₊) + 128 σ₀ + 6 w (σ̇₋ − σ̇₊) + w²/3 (σ̈₋ + σ̈₊ + 16 σ̈₀))
 //! from −1 to 0:  w/40320 (17007 σ₋ + 24576 σ₀ − 1263 σ₊ + w (2727 σ̇₋ − 5040 σ̇₀ + 423 σ̇₊)
 //!                        + w² (169 σ̈₋ + 1024 σ̈₀ − 41 σ̈₊))                                       (M86)
 //! ```
-//! exact up to degree 9 and 8. The length is that of both halves of the step; from that of the whole it may differ by 1e-10,
-//! so its own error is a thousandth of this.
+//! exact up to degree 9 and 8. The length is that of both halves of the step; from that of the whole it may
+//! differ by 1e-10, so its own error is a thousandth of this.
 //!
-//! The piece is M84 of the derivatives by s at both ends (M83), and so is t(s). At the three inner places it is compared
-//! with the curve. Its error grows with L⁸, which gives the next step, or a shorter one for another try. Neighbouring
-//! pieces have the same derivatives where they meet, and every piece begins on the true curve, so nothing adds up.
+//! The piece is M84 of the derivatives by s at both ends (M83), and so is t(s). At the three inner places it
+//! is compared with the curve. Its error grows with L⁸, which gives the next step, or a shorter one for
+//! another try. Neighbouring pieces have the same derivatives where they meet, and every piece begins on the
+//! true curve, so nothing adds up.
 //!
-//! What lies between two places is not seen, so they are at most 0.5 mm apart. A bump exp(−(s/b)²) of a micrometre or more
-//! shows at one of them from b = 0.065 mm on, which is 0.1 mm wide at half its height; a narrower one may be missed.
+//! What lies between two places is not seen, so they are at most 0.5 mm apart. A bump exp(−(s/b)²) of a
+//! micrometre or more shows at one of them from b = 0.065 mm on, which is 0.1 mm wide at half its height; a
+//! narrower one may be missed.
 //!
 //! Source: two-point Hermite interpolation; Hermite's quadrature on three places, derived here.
 
@@ -52,8 +54,8 @@ const MOST_MM: f64 = 4.0 * APART_MM;
 const LEAST_MM: f64 = 1e-3;
 /// Of the step that would just be near enough, this share is taken.
 const SAFETY: f64 = 0.9;
-/// After a piece that was not good enough the next try is at most this share of it: 15 steps lead from the longest to the
-/// shortest.
+/// After a piece that was not good enough the next try is at most this share of it: 15 steps lead from the
+/// longest to the shortest.
 const SHORTER: f64 = 0.6;
 
 /// A piece of a curve.
@@ -196,8 +198,8 @@ impl<const N: usize> Walker<N> {
         Walker { t: from, end: to, step: None, here: None, near: [0.0; N] }
     }
 
-    /// The same from where the axes stand: where they can be at several places for one point of the curve, it begins with
-    /// that which is nearest to it ([`Curve::near`]). Without this they stand at 0.
+    /// The same from where the axes stand: where they can be at several places for one point of the curve, it
+    /// begins with that which is nearest to it ([`Curve::near`]). Without this they stand at 0.
     #[must_use]
     pub fn standing(self, axes: [f64; N]) -> Walker<N> {
         Walker { near: axes, ..self }
@@ -209,7 +211,8 @@ impl<const N: usize> Walker<N> {
         self.t
     }
 
-    /// The next piece; `None` at the end. For callers without a deadline: as many calls of [`Walker::attempt`] as it takes.
+    /// The next piece; `None` at the end. For callers without a deadline: as many calls of
+    /// [`Walker::attempt`] as it takes.
     ///
     /// # Errors
     /// [`SpanError`]; the walker stands where the piece would have begun.
@@ -223,8 +226,8 @@ impl<const N: usize> Walker<N> {
         }
     }
 
-    /// Tries one piece: 4 evaluations of the curve, one more at the start. After at most 16 calls there is a piece or an
-    /// error.
+    /// Tries one piece: 4 evaluations of the curve, one more at the start. After at most 16 calls there is a
+    /// piece or an error.
     ///
     /// # Errors
     /// [`SpanError`]; the walker stands where the piece would have begun.
@@ -310,8 +313,8 @@ impl<const N: usize> Knot<N> {
     }
 }
 
-/// A try: the piece, what is known of the curve at its end, and its error as a multiple of the one that may be, to be
-/// compared with 1. Where places are too far apart, it counts as one, too.
+/// A try: the piece, what is known of the curve at its end, and its error as a multiple of the one that may
+/// be, to be compared with 1. Where places are too far apart, it counts as one, too.
 struct Step<const N: usize> {
     span: Span<N>,
     end: Knot<N>,
@@ -321,7 +324,8 @@ struct Step<const N: usize> {
 impl<const N: usize> Step<N> {
     fn of<C: Curve<N>>(curve: &C, start: &Knot<N>, to: f64) -> Result<Step<N>, SpanError> {
         let h = to - start.t;
-        // Turns count from the start of the piece: one of more than half a turn is not near its curve, and cut.
+        // Turns count from the start of the piece: one of more than half a turn is not near its curve, and
+        // cut.
         let at = |t: f64| Knot::of(curve, t, h.signum(), &start.axes[0]);
         let knot = |share: f64| at(start.t + share * h);
         let (quarter, middle, three, end) = (knot(0.25)?, knot(0.5)?, knot(0.75)?, at(to)?);
@@ -352,7 +356,8 @@ impl<const N: usize> Step<N> {
     }
 }
 
-/// Ways over the first half and over all of a step of 2 w by σ, σ̇, σ̈ at its start, middle and end (M86), mm.
+/// Ways over the first half and over all of a step of 2 w by σ, σ̇, σ̈ at its start, middle and end (M86),
+/// mm.
 fn ways(w: f64, [[a0, a1, a2], [b0, b1, b2], [c0, c1, c2]]: [[f64; 3]; 3]) -> [f64; 2] {
     let half = 17_007.0 * a0 + 24_576.0 * b0 - 1263.0 * c0
         + w * (2727.0 * a1 - 5040.0 * b1 + 423.0 * c1 + w * (169.0 * a2 + 1024.0 * b2 - 41.0 * c2));

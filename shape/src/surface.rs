@@ -1,5 +1,5 @@
-//! A surface Z = ψ(X, Y) under a tool. In: a leg of its pattern, and the parameter. Out: the tip of the tool there, by
-//! [`Tool::tip`] (M87), with its derivatives.
+//! A surface Z = ψ(X, Y) under a tool. In: a leg of its pattern, and the parameter. Out: the tip of the tool
+//! there, by [`Tool::tip`] (M87), with its derivatives.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,5 @@
-//! A tool that turns about Z, and where its tip stands while it touches a surface. In: a point of contact and the slopes
-//! there, mm. Out: the tip, the lowest point of the tool on its axis, mm.
+//! A tool that turns about Z, and where its tip stands while it touches a surface. In: a point of contact and
+//! the slopes there, mm. Out: the tip, the lowest point of the tool on its axis, mm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -12,7 +12,8 @@
 //! ```text
 //! tip = contact + c n + (R − c) h − c e_z                                                            (M87)
 //! ```
-//! Where the surface is level h does not exist: a ball needs none, other tools may touch there with any point of their end.
+//! Where the surface is level h does not exist: a ball needs none, other tools may touch there with any point
+//! of their end.
 //!
 //! Source: the tool is the body swept by a ball of radius c round a circle of radius R − c.
 
@@ -36,8 +37,8 @@ impl Tool {
         self.corner_mm == self.radius_mm
     }
 
-    /// The tip, while the tool touches at X, Y of `contact` a surface of this height with these slopes (M87). Not finite
-    /// where a tool that is no ball touches a level place.
+    /// The tip, while the tool touches at X, Y of `contact` a surface of this height with these slopes (M87).
+    /// Not finite where a tool that is no ball touches a level place.
     pub fn tip<T: Number>(&self, contact: [T; 2], surface: Gradient<T>) -> [T; 3] {
         let corner = T::constant(self.corner_mm);
         let level = surface.x * surface.x + surface.y * surface.y;

@@ -1,6 +1,6 @@
-//! What a controller would believe about an axis if it knew the truth, and how to believe something else. In: a machine
-//! file. Out: mass in kg and friction in N, N/mm, N·s/mm at the slide, as `[axis.*]` has them. For experiments that
-//! ask what a wrong belief costs; no controller sees it.
+//! What a controller would believe about an axis if it knew the truth, and how to believe something else. In:
+//! a machine file. Out: mass in kg and friction in N, N/mm, N·s/mm at the slide, as `[axis.*]` has them. For
+//! experiments that ask what a wrong belief costs; no controller sees it.
 //!
 //! ```text
 //! mass = J (2π/lead)² + slide      Coulomb, presliding, viscous: screw + guide
@@ -64,8 +64,8 @@ impl Belief {
     }
 }
 
-/// Lag of the current loop of an axis as it truly is, s: with it the torque that a drive asked for follows from the
-/// torque that its motor gave.
+/// Lag of the current loop of an axis as it truly is, s: with it the torque that a drive asked for follows
+/// from the torque that its motor gave.
 ///
 /// # Errors
 /// As [`Belief::of_truth`].
@@ -74,7 +74,8 @@ pub fn current_lag_s(machine: &Machine, axis: Axis) -> Result<f64, PlantError> {
     machine.axis.get(&axis).map(|_| train.current_lag_s).ok_or(PlantError::NoSuchAxis(axis.name()))
 }
 
-/// Inertia of everything that turns with the spindle as it truly is, kg m²: what torque takes how much of its speed.
+/// Inertia of everything that turns with the spindle as it truly is, kg m²: what torque takes how much of its
+/// speed.
 ///
 /// # Errors
 /// [`PlantError`] if the truth cannot be.

@@ -15,19 +15,21 @@
 //! ```text
 //! (M74) A = V(d) − V(d₀) if d > d₀, else 0
 //!       V(d) = d w (g((z_f − z)/w) − g((z_b − z)/w)) if d > 0, else 0,  w = d tan α
-//!       g(u) = 0 | (1 + u)²/2 | 1 − (1 − u)²/2 | 1    for u ≤ −1 | ≤ 0 | ≤ 1 | beyond: the share of the V below u
+//!       g(u) = 0 | (1 + u)²/2 | 1 − (1 − u)²/2 | 1  for u ≤ −1 | ≤ 0 | ≤ 1 | beyond: share of the V below u
 //! (M75) F = k_c f A,  F_r = ρ F,  F_a = κ F
 //! (M76) M = F r,  P = M ω
 //! ```
-//! Well within the stock V = d² tan α. At the face the tool enters over the width 2 w of its V, at the other end it
-//! leaves over it, so no force has a step.
+//! Well within the stock V = d² tan α. At the face the tool enters over the width 2 w of its V, at the other
+//! end it leaves over it, so no force has a step.
 //!
-//! Source: k_c times chip area is the law of Kienzle (VDI-Z 94, 1952) without its dependence on the thickness of the
-//! chip; areas are geometry. Not modelled: a nose, and what a turn leaves for the next one (regeneration, chatter);
-//! earlier passes are taken to have their points below each other, which flank infeed does within its flank.
+//! Source: k_c times chip area is the law of Kienzle (VDI-Z 94, 1952) without its dependence on the thickness
+//! of the chip; areas are geometry. Not modelled: a nose, and what a turn leaves for the next one
+//! (regeneration, chatter); earlier passes are taken to have their points below each other, which flank
+//! infeed does within its flank.
 //!
-//! The depth is that of the true slide, so a slide that gives way takes less, and a later pass finds what is left. It is
-//! taken in the middle of the cycle in which the force acts: half a cycle late it would take damping from the slide.
+//! The depth is that of the true slide, so a slide that gives way takes less, and a later pass finds what is
+//! left. It is taken in the middle of the cycle in which the force acts: half a cycle late it would take
+//! damping from the slide.
 
 use machine::Machine;
 use protocol::{CutTruth, Groove, SpindleCommand};
@@ -89,8 +91,8 @@ impl Cutter {
     }
 }
 
-/// The groove that is being cut. What a tool does in the material does not end with the program: a pass that was broken
-/// off goes on cutting until the tool is out.
+/// The groove that is being cut. What a tool does in the material does not end with the program: a pass that
+/// was broken off goes on cutting until the tool is out.
 fn in_hand<'a>(
     pass: &'a mut Option<(u32, Groove)>,
     grooves: &mut Grooves,

@@ -1,5 +1,5 @@
-//! Drive of one axis: velocity loop, quick stop, trips (cyclic synchronous velocity mode).
-//! In: the command of a cycle and the encoder's count in it. Out: the torque that acts from the next cycle on, N·m.
+//! Drive of one axis: velocity loop, quick stop, trips (cyclic synchronous velocity mode). In: the command of
+//! a cycle and the encoder's count in it. Out: the torque that acts from the next cycle on, N·m.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -8,7 +8,7 @@
 //! | Kp, Ti | N·m s/mm, s | gain M 2π f_v lead/2π of the believed mass M, and integral time |
 //!
 //! ```text
-//! torque = Kp (v_cmd − v_meas) + I + torque offset,   dI/dt = Kp/Ti (v_cmd − v_meas)                       (M54)
+//! torque = Kp (v_cmd − v_meas) + I + torque offset,   dI/dt = Kp/Ti (v_cmd − v_meas)                   (M54)
 //! ```
 //! The integral stands still while the torque is at its limit and the error would drive it further.
 
@@ -59,7 +59,8 @@ impl Drive {
         StatusWord::of(self.machine.state())
     }
 
-    /// The answer to a command in a cycle: torque for the next one, or `None` without power, when the brake holds.
+    /// The answer to a command in a cycle: torque for the next one, or `None` without power, when the brake
+    /// holds.
     pub(crate) fn answer(&mut self, now: Cycle, command: &DriveCommand, v_meas: f64) -> Option<f64> {
         let v_cmd = command.target_velocity_mm_s + command.velocity_offset_mm_s;
         let sound = (v_cmd + command.torque_offset_nm).is_finite();

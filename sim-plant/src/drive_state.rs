@@ -1,6 +1,5 @@
-//! State machine of a drive (CiA 402, IEC 61800-7-201).
-//! In: the control word of each cycle, and whether the drive tripped or stands still. Out: the state. At most one
-//! transition a cycle.
+//! State machine of a drive (CiA 402, IEC 61800-7-201). In: the control word of each cycle, and whether the
+//! drive tripped or stands still. Out: the state. At most one transition a cycle.
 //!
 //! | from | to | by | transition |
 //! |---|---|---|---|

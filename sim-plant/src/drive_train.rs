@@ -1,6 +1,6 @@
-//! Mechanics of one axis: motor with screw, backlash of the nut, an elastic mode, the slide, friction at both.
-//! In: torque command in N·m, force on the slide in N. Out: positions in m from where it stood at the start, speeds in
-//! m/s, torque in N·m. Source: see `config`.
+//! Mechanics of one axis: motor with screw, backlash of the nut, an elastic mode, the slide, friction at
+//! both. In: torque command in N·m, force on the slide in N. Out: positions in m from where it stood at the
+//! start, speeds in m/s, torque in N·m. Source: see `config`.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -20,10 +20,9 @@
 //! f = max(0, k (g − B/2) + c (n' v − w)) beyond one flank, min(0, …) beyond the other, 0 between      (M73)
 //! tau = command + (tau − command) exp(−t/T_c)        exact, its mean over the step drives the motor
 //! ```
-//! A flank pushes and does not pull: that is the max. The error of the screw acts like a lever, so its force on the
-//! motor is n' f: what the motor gives in power, the slide takes.
-//! Semi-implicit Euler at 25 µs or less: speeds first, positions with the new speeds, so the mode neither grows nor
-//! decays by the method.
+//! A flank pushes and does not pull: that is the max. The error of the screw acts like a lever, so its force
+//! on the motor is n' f: what the motor gives in power, the slide takes. Semi-implicit Euler at 25 µs or
+//! less: speeds first, positions with the new speeds, so the mode neither grows nor decays by the method.
 
 use core::f64::consts::TAU;
 
@@ -149,8 +148,8 @@ impl DriveTrain {
         (nut_m, slope * motor_m_s)
     }
 
-    /// One control cycle: towards a torque command in N·m, or held by the brake without one; with a force on the
-    /// slide in N.
+    /// One control cycle: towards a torque command in N·m, or held by the brake without one; with a force on
+    /// the slide in N.
     pub(crate) fn advance(&mut self, command_nm: Option<f64>, force_n: f64) {
         let Motion { motor_m: mut x, motor_m_s: mut v, slide_m: mut y, slide_m_s: mut w, torque_nm: mut tau } =
             self.motion;

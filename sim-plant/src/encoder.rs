@@ -1,6 +1,6 @@
-//! Faults of the spindle encoder that a scenario brings: counts that come from nowhere or go astray, an index that is
-//! not seen. In: the values of an event, then the cycle. Out: what to add to the counter, and whether the index is seen.
-//! The spindle itself knows nothing of it: what is true stays true.
+//! Faults of the spindle encoder that a scenario brings: counts that come from nowhere or go astray, an index
+//! that is not seen. In: the values of an event, then the cycle. Out: what to add to the counter, and whether
+//! the index is seen. The spindle itself knows nothing of it: what is true stays true.
 
 use serde::Deserialize;
 

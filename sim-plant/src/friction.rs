@@ -1,6 +1,5 @@
-//! Friction of a guide or a screw that holds before it slides.
-//! In: speed in m/s each step. Out: force in N. Source: Canudas de Wit, Olsson, Åström, Lischinsky 1995 (LuGre),
-//! with a smooth Stribeck curve.
+//! Friction of a guide or a screw that holds before it slides. In: speed in m/s each step. Out: force in N.
+//! Source: Canudas de Wit, Olsson, Åström, Lischinsky 1995 (LuGre), with a smooth Stribeck curve.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -12,9 +11,9 @@
 //! ```text
 //! dz/dt = v − s0 |v| z/g(v),   F = s0 z,   g(v) = Fc + (Fs − Fc)/(1 + (v/v_s)²)
 //! ```
-//! The Stribeck curve of Hess and Soom takes the place of the Gaussian one: the same shape without an exponential.
-//! The step is implicit in z, so it is stable at every speed, and its steady state is F = g(v) exactly:
-//! with u = (v/v_s)² and G = Fs + Fc u,  z' = (z + v dt) G/(G + s0 |v| dt (1 + u)).
+//! The Stribeck curve of Hess and Soom takes the place of the Gaussian one: the same shape without an
+//! exponential. The step is implicit in z, so it is stable at every speed, and its steady state is F = g(v)
+//! exactly: with u = (v/v_s)² and G = Fs + Fc u,  z' = (z + v dt) G/(G + s0 |v| dt (1 + u)).
 
 /// Bristles between two surfaces.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +28,8 @@ pub(crate) struct Bristles {
 }
 
 impl Bristles {
-    /// At rest without deflection. Forces in N, positive or both zero; Stribeck speed in m/s; stiffness in N/m.
+    /// At rest without deflection. Forces in N, positive or both zero; Stribeck speed in m/s; stiffness in
+    /// N/m.
     pub(crate) fn new(coulomb_n: f64, static_n: f64, stribeck_m_s: f64, n_m: f64, step_s: f64) -> Bristles {
         Bristles {
             coulomb_n,

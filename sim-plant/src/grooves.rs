@@ -1,11 +1,11 @@
-//! What earlier passes left in the part: the deepest groove of each start, over Z.
-//! In: how far the tool reaches into the material, mm, while it passes. Out: how far an earlier pass reached there.
+//! What earlier passes left in the part: the deepest groove of each start, over Z. In: how far the tool
+//! reaches into the material, mm, while it passes. Out: how far an earlier pass reached there.
 //!
-//! *Reach* is the way of X into the material with the cone taken off: into (x − slope z). It is kept at nodes at most
-//! 0.02 mm apart over the travel of Z, and taken as a straight line between them. Where a pass ends between two nodes,
-//! the one that it did not get to keeps the farthest reach beside it; from there the groove fades to the crest. What the
-//! pass in hand leaves counts only when it is over: a tool does not find its own groove. Everything is allocated at the
-//! start.
+//! *Reach* is the way of X into the material with the cone taken off: into (x − slope z). It is kept at nodes
+//! at most 0.02 mm apart over the travel of Z, and taken as a straight line between them. Where a pass ends
+//! between two nodes, the one that it did not get to keeps the farthest reach beside it; from there the
+//! groove fades to the crest. What the pass in hand leaves counts only when it is over: a tool does not find
+//! its own groove. Everything is allocated at the start.
 
 use machine::Machine;
 use protocol::{Axis, Groove};

@@ -1,5 +1,5 @@
-//! The machine that is not there: axes with elastic drive trains and friction, CiA 402 drives, a belt-driven spindle,
-//! encoders, the operator's panel, and a scenario of what happens to them.
+//! The machine that is not there: axes with elastic drive trains and friction, CiA 402 drives, a belt-driven
+//! spindle, encoders, the operator's panel, and a scenario of what happens to them.
 //!
 //! Enters, once a control cycle: the [`DriveCommand`](protocol::DriveCommand) of each axis, the
 //! [`SpindleCommand`](protocol::SpindleCommand) in force, and perhaps what the operator does. Leaves: the

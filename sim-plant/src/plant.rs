@@ -1,6 +1,6 @@
-//! One control cycle of the whole machine.
-//! In: the drive commands that answer the present measurement, the spindle command in force, perhaps what the operator does.
-//! Out: the next measurement, and the truth behind it. A torque computed in cycle n − 1 acts from t_n to t_{n+1}.
+//! One control cycle of the whole machine. In: the drive commands that answer the present measurement, the
+//! spindle command in force, perhaps what the operator does. Out: the next measurement, and the truth behind
+//! it. A torque computed in cycle n − 1 acts from t_n to t_{n+1}.
 
 use machine::Machine;
 use protocol::operator::Request;
@@ -120,8 +120,9 @@ impl Plant {
         self.truth.late_answers += 1;
     }
 
-    /// One control cycle: takes the answers to the present measurement, the spindle command in force and perhaps
-    /// what the operator does, and goes on to the next cycle. A command with `finished` makes that measurement the last.
+    /// One control cycle: takes the answers to the present measurement, the spindle command in force and
+    /// perhaps what the operator does, and goes on to the next cycle. A command with `finished` makes that
+    /// measurement the last.
     pub fn tick(
         &mut self,
         drives: &PerAxis<DriveCommand>,

@@ -1,5 +1,5 @@
-//! A quantity that goes to a new value in a straight line: an override knob being turned, a cutting force coming on.
-//! In: target and a number of control cycles. Out: the value in each cycle.
+//! A quantity that goes to a new value in a straight line: an override knob being turned, a cutting force
+//! coming on. In: target and a number of control cycles. Out: the value in each cycle.
 
 /// A value on its way to a target.
 #[derive(Clone, Copy, Debug)]

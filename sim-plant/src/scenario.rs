@@ -1,6 +1,6 @@
-//! A scenario file: what happens to the machine while it runs.
-//! In: TOML, a list of `[[event]]`, each with one trigger `at` and one action. Out: checked events, or an error that
-//! names the event, the key and the remedy.
+//! A scenario file: what happens to the machine while it runs. In: TOML, a list of `[[event]]`, each with one
+//! trigger `at` and one action. Out: checked events, or an error that names the event, the key and the
+//! remedy.
 //!
 //! | trigger | fires once, when |
 //! |---|---|
@@ -21,7 +21,8 @@
 //! | `encoder_glitch_counts` | the counter of the spindle encoder jumps by so many counts; or `{ counts, for_s }`: and back |
 //! | `index_lost` | `true`: the next index of the spindle is not seen; or `{ for_s }`: none in that time |
 //!
-//! A load or force without `for_s` stays. It comes on and goes within `plant.cutting.rise_s` of the machine file.
+//! A load or force without `for_s` stays. It comes on and goes within `plant.cutting.rise_s` of the machine
+//! file.
 
 use protocol::operator::Request;
 use serde::Deserialize;

@@ -9,10 +9,11 @@
 //! | a, P | m | size of the wobble and lead of the screw |
 //!
 //! ```text
-//! n = x + e(q) − e(home),   dn/dx = 1 + e'(q),   e(q) = table(q) + a sin(2π q/P)                        (M72)
+//! n = x + e(q) − e(home),   dn/dx = 1 + e'(q),   e(q) = table(q) + a sin(2π q/P)                       (M72)
 //! ```
-//! Between its rows the table is a cubic with continuous slope; the slope in a row is that of the parabola through it and
-//! its neighbours, at both ends zero, and beyond them the error stays what it is. A controller's table may be another one.
+//! Between its rows the table is a cubic with continuous slope; the slope in a row is that of the parabola
+//! through it and its neighbours, at both ends zero, and beyond them the error stays what it is. A
+//! controller's table may be another one.
 
 use core::f64::consts::TAU;
 use machine::{CLOSEST_MM, MOST_ROWS};

@@ -1,5 +1,6 @@
-//! The spindle: drive with ramp and speed loop, inertia, friction, load, ripple, encoder with index.
-//! In: commanded speed in 1/min, load torque in N·m. Out: true angle in turns, true speed, encoder counts, the index.
+//! The spindle: drive with ramp and speed loop, inertia, friction, load, ripple, encoder with index. In:
+//! commanded speed in 1/min, load torque in N·m. Out: true angle in turns, true speed, encoder counts, the
+//! index.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,7 +11,8 @@
 //!
 //! ```text
 //! tau_cmd = J 2π f (set − w) + I + J dset/dt,    J dw/dt = tau − b w − (friction + load) against the motion
-//! angle = q + r/(2π n) sin(2π n q + phi)  with q the turns of the rotor, so speed = w (1 + r cos(2π n q + phi))
+//! angle = q + r/(2π n) sin(2π n q + phi)  with q the turns of the rotor,
+//!     so speed = w (1 + r cos(2π n q + phi))
 //! count = floor(4 lines · angle + offset);  the index lies where the angle is a whole number of turns
 //! ```
 //! Friction and load only hold back: they can stop the spindle, and never drive it.
@@ -55,8 +57,8 @@ pub(crate) struct Spindle {
 }
 
 impl Spindle {
-    /// At rest at an angle, a phase of the ripple and a place within a count that only the seed knows. The encoder
-    /// counts from where the spindle stands.
+    /// At rest at an angle, a phase of the ripple and a place within a count that only the seed knows. The
+    /// encoder counts from where the spindle stands.
     pub(crate) fn new(config: &SpindleConfig, train: SpindleTrain, cycle_s: f64, seed: &mut Seed) -> Spindle {
         let steps = (cycle_s / LONGEST_STEP_S - 1e-9).ceil() as u32;
         let step_s = cycle_s / f64::from(steps);
@@ -154,9 +156,9 @@ impl Spindle {
 
     /// Writes what the encoder shows in a cycle; `before` is the true angle one cycle earlier, in turns.
     ///
-    /// Between two cycles the angle only grows or only falls but for the one cycle in which the spindle reverses, so
-    /// the whole numbers between the two angles are the indexes that passed. The count at an index does not depend
-    /// on when in the cycle it passed. Both are what a disturbed encoder makes of them.
+    /// Between two cycles the angle only grows or only falls but for the one cycle in which the spindle
+    /// reverses, so the whole numbers between the two angles are the indexes that passed. The count at an
+    /// index does not depend on when in the cycle it passed. Both are what a disturbed encoder makes of them.
     pub(crate) fn measure(
         &mut self,
         before: f64,

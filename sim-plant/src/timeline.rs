@@ -1,7 +1,8 @@
-//! The scenario being played: which event is due, and what it does to the panel and to the cut.
-//! In: once a control cycle, the cycle, the true Z in mm, the true angle of the spindle in degrees, the index, and the
-//! tags of the program. Out: the panel, the load of the spindle in N·m, the forces on the slides in N, what is wrong with
-//! the spindle encoder. What an event does to the panel is there in the cycle in which it is due, the rest in the next.
+//! The scenario being played: which event is due, and what it does to the panel and to the cut. In: once a
+//! control cycle, the cycle, the true Z in mm, the true angle of the spindle in degrees, the index, and the
+//! tags of the program. Out: the panel, the load of the spindle in N·m, the forces on the slides in N, what
+//! is wrong with the spindle encoder. What an event does to the panel is there in the cycle in which it is
+//! due, the rest in the next.
 
 use protocol::operator::Request;
 use protocol::{Cycle, Panel, SpindleCommand};
@@ -145,7 +146,8 @@ impl Timeline {
         }
     }
 
-    /// Whether the scenario still ends a pause by the clock; its other moments do not come while the program waits.
+    /// Whether the scenario still ends a pause by the clock; its other moments do not come while the program
+    /// waits.
     fn somebody_will_come(&self) -> bool {
         let ends = |event: &Event| {
             matches!(event.action, Action::Press(Request::CycleStart | Request::Stop | Request::Abort))

@@ -1,5 +1,5 @@
-//! `pitchlock compile`: a program becomes machine code in a file; and, on request, straight lines of G-code, which it is
-//! measured against.
+//! `pitchlock compile`: a program becomes machine code in a file; and, on request, straight lines of G-code,
+//! which it is measured against.
 
 mod g1;
 
@@ -29,8 +29,8 @@ pub(crate) struct CompileArgs {
     pub(crate) g1: Option<PathBuf>,
 }
 
-/// Writes machine code to a file; and says how large it is against straight lines of the same accuracy, where it follows
-/// formulas, or the lines themselves are asked for.
+/// Writes machine code to a file; and says how large it is against straight lines of the same accuracy, where
+/// it follows formulas, or the lines themselves are asked for.
 pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     if !CodeFile::is_named(&args.out) {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));

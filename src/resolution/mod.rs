@@ -1,12 +1,13 @@
-//! `pitchlock resolution`: how fine positions, speeds, accelerations and jerks have to be for the parts of a machine, and
-//! whether its encoders and its wire are. In: a machine file, or limits of a motion; a tolerance. Out: tables on the
-//! screen, one JSON document, a page with pictures.
+//! `pitchlock resolution`: how fine positions, speeds, accelerations and jerks have to be for the parts of a
+//! machine, and whether its encoders and its wire are. In: a machine file, or limits of a motion; a
+//! tolerance. Out: tables on the screen, one JSON document, a page with pictures.
 //!
-//! The equations are in `adviser::resolution` (M28–M35) and `adviser::tolerance` (M94); M95 says what a tolerance is on an
-//! axis that turns, and a count of the spindle along a thread:
+//! The equations are in `adviser::resolution` (M28–M35) and `adviser::tolerance` (M94); M95 says what a
+//! tolerance is on an axis that turns, and a count of the spindle along a thread:
 //!
 //! ```text
-//! angle = P/r · 180/π  (P in µm on the radius r in mm: thousandths of a degree);   way of a count = F/(4 N)    (M95)
+//! angle = P/r · 180/π  (P in µm on the radius r in mm: thousandths of a degree)
+//! way of a count = F/(4 N)                                                                (M95)
 //! ```
 
 mod document;

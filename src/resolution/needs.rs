@@ -1,5 +1,6 @@
-//! What each axis needs (M30–M33), beside what it counts in. In: limits of an axis, tolerance of the part, into how many
-//! steps each is divided. Out: steps in mm or degrees per cycleⁿ, and what they are in counts (M29, M34).
+//! What each axis needs (M30–M33), beside what it counts in. In: limits of an axis, tolerance of the part,
+//! into how many steps each is divided. Out: steps in mm or degrees per cycleⁿ, and what they are in counts
+//! (M29, M34).
 
 use adviser::resolution::{Counts, Demand, Required, Steps, order};
 use machine::AxisConfig;

@@ -1,5 +1,5 @@
-//! The page of an adviser: verdict, tables, pictures, how it is to be read. In: what was asked, answers, the command that
-//! says the same again. Out: HTML with everything in it.
+//! The page of an adviser: verdict, tables, pictures, how it is to be read. In: what was asked, answers, the
+//! command that says the same again. Out: HTML with everything in it.
 
 use maud::html;
 

@@ -1,4 +1,5 @@
-//! What was asked for. In: arguments. Out: limits and tolerances, or what is wrong with them and what would be right.
+//! What was asked for. In: arguments. Out: limits and tolerances, or what is wrong with them and what would
+//! be right.
 
 use std::path::PathBuf;
 

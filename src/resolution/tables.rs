@@ -1,5 +1,5 @@
-//! What is needed and what there is, as tables and sentences. In: what was asked, answers. Out: text for the screen, tables
-//! for the page.
+//! What is needed and what there is, as tables and sentences. In: what was asked, answers. Out: text for the
+//! screen, tables for the page.
 
 use adviser::tolerance::Grade;
 

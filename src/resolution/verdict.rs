@@ -1,5 +1,5 @@
-//! Whether what a machine counts in is fine enough, and what to change where it is not. In: needs of its axes, its
-//! encoders, scales, spindle, and the numbers on the wire. Out: one answer each.
+//! Whether what a machine counts in is fine enough, and what to change where it is not. In: needs of its
+//! axes, its encoders, scales, spindle, and the numbers on the wire. Out: one answer each.
 
 use adviser::resolution::{counts_per_mm, double_mm, order};
 use machine::{AxisConfig, Feedforward, Kinematics, Machine};
@@ -144,8 +144,8 @@ fn spindle(machine: &Machine, lead_mm: f64, axes: &[AxisNeeds]) -> Option<Verdic
     ))
 }
 
-/// Positions are whole counts on the wire; the rest are numbers in double precision, made by the law. Each is asked for
-/// the axis that needs it finest.
+/// Positions are whole counts on the wire; the rest are numbers in double precision, made by the law. Each is
+/// asked for the axis that needs it finest.
 fn wire(asked: &Asked) -> Vec<Verdict> {
     let answer = |n: usize| {
         let of = |needs: &AxisNeeds| {

@@ -38,7 +38,8 @@ pub(crate) struct RunArgs {
     /// What happens to the machine while it runs (TOML).
     #[arg(long, value_name = "FILE")]
     pub(crate) scenario: Option<PathBuf>,
-    /// Wait for cycle start after each block; if the scenario does not press it, it is pressed after 1 s on the machine.
+    /// Wait for cycle start after each block; if the scenario does not press it, it is pressed after 1 s on
+    /// the machine.
     #[arg(long)]
     pub(crate) single_block: bool,
     /// Seed of everything random about the plant [default: 1].

@@ -1,4 +1,5 @@
-//! The launcher's ends of the channels: what the machine says of itself, joined by cycle; what the operator does.
+//! The launcher's ends of the channels: what the machine says of itself, joined by cycle; what the operator
+//! does.
 
 use std::collections::VecDeque;
 
@@ -93,8 +94,8 @@ impl Channels {
         ports
     }
 
-    /// Records every cycle of which everything is known. True if there was any. With `force` what is missing is taken
-    /// for lost.
+    /// Records every cycle of which everything is known. True if there was any. With `force` what is missing
+    /// is taken for lost.
     pub(crate) fn record(&mut self, recorder: &mut Recorder, force: bool) -> Result<bool, CliError> {
         self.truths.drain()?;
         self.ticks.drain()?;
@@ -109,8 +110,8 @@ impl Channels {
         Ok(any)
     }
 
-    /// The oldest truth, when all that belongs to it has come: a status of its cycle, or a later one because it was
-    /// lost, of every axis, and of the interpolator at its ticks.
+    /// The oldest truth, when all that belongs to it has come: a status of its cycle, or a later one because
+    /// it was lost, of every axis, and of the interpolator at its ticks.
     fn next(&mut self, force: bool) -> Option<Truth> {
         let cycle = self.truths.waiting.front()?.cycle;
         let tick = cycle.0.is_multiple_of(self.cycles_per_tick);

@@ -57,7 +57,8 @@ impl RunFolder {
             let text = "the run folder keeps another file under this name: rename the job";
             return Err(CliError::file(&args.program, text));
         }
-        // A run folder that is used again keeps nothing of the run before that this one does not write itself.
+        // A run folder that is used again keeps nothing of the run before that this one does not write
+        // itself.
         let used = path.join("summary.json").exists();
         for name in [TOOLS, LANGUAGE, SCENARIO].into_iter().filter(|_| used) {
             let old = path.join(name);
@@ -143,8 +144,8 @@ fn numbered(program: &Path) -> Result<PathBuf, CliError> {
     Err(CliError::Input("runs/ is full: remove old run folders, or name one with --out".into()))
 }
 
-/// If a run folder was named instead of a program: the arguments of that run. What else was said on the command line
-/// goes before.
+/// If a run folder was named instead of a program: the arguments of that run. What else was said on the
+/// command line goes before.
 pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
     if !args.program.is_dir() {
         return Ok(args.clone());

@@ -23,7 +23,8 @@ use crate::error::CliError;
 /// How long the launcher sleeps when nobody wakes it.
 const NAP: Duration = Duration::from_millis(20);
 
-/// How long processes may take to end after the last measurement, or to finish a pass after one of them died, s.
+/// How long processes may take to end after the last measurement, or to finish a pass after one of them died,
+/// s.
 const END_S: f64 = 10.0;
 
 /// A process of this run. Dropping it ends the process.
@@ -108,8 +109,8 @@ pub(crate) fn complete(mut summary: Summary, setup: &Setup, begun: Moment) -> Su
     summary
 }
 
-/// Starts one process: this program again, under another command, in a process group of its own so that Ctrl-C
-/// reaches the launcher only.
+/// Starts one process: this program again, under another command, in a process group of its own so that
+/// Ctrl-C reaches the launcher only.
 fn start(setup: &Setup, space: &NameSpace, process: Process) -> Result<Started, CliError> {
     use std::os::unix::process::CommandExt as _;
     let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;

@@ -1,5 +1,5 @@
-//! What tuning changes of an axis: each key with its value before and after, its deviation, and how it was found. In: a
-//! tuned axis. Out: rows.
+//! What tuning changes of an axis: each key with its value before and after, its deviation, and how it was
+//! found. In: a tuned axis. Out: rows.
 
 use machine::AxisConfig;
 use protocol::Axis;

@@ -1,5 +1,5 @@
-//! Pictures of a commissioning. In: what was found. Out: for each axis its open loops, its friction; then the servo error
-//! of the trial pass.
+//! Pictures of a commissioning. In: what was found. Out: for each axis its open loops, its friction; then the
+//! servo error of the trial pass.
 
 use machine::AxisConfig;
 use protocol::Axis;

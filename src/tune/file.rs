@@ -1,5 +1,5 @@
-//! The machine file with the keys of tuned axes changed, and nothing else: comments and layout stay. In: its text. Out:
-//! its text.
+//! The machine file with the keys of tuned axes changed, and nothing else: comments and layout stay. In: its
+//! text. Out: its text.
 
 use machine::AxisConfig;
 use protocol::Axis;
@@ -11,7 +11,8 @@ use crate::error::CliError;
 /// Writes the proposal of an axis into the text of a machine file.
 ///
 /// # Errors
-/// A text that is no TOML, or one without the section of the axis: it was read before, so neither is to be expected.
+/// A text that is no TOML, or one without the section of the axis: it was read before, so neither is to be
+/// expected.
 pub(super) fn edited(text: &str, axis: Axis, proposal: &AxisConfig) -> Result<String, CliError> {
     let mut document: DocumentMut =
         text.parse().map_err(|error| CliError::Input(format!("machine file: {error}")))?;

@@ -1,7 +1,8 @@
-//! `pitchlock tune`: axes are commissioned from short test moves. In: a machine file. Out: what was identified, margins
-//! and a trial pass before and after, and the machine file with the keys that follow.
+//! `pitchlock tune`: axes are commissioned from short test moves. In: a machine file. Out: what was
+//! identified, margins and a trial pass before and after, and the machine file with the keys that follow.
 //!
-//! The moves and what is learned from them are the crate `tune`; here is the bench it moves, and what is shown and written.
+//! The moves and what is learned from them are the crate `tune`; here is the bench it moves, and what is
+//! shown and written.
 
 mod change;
 mod document;

@@ -1,4 +1,5 @@
-//! The page of a commissioning. In: what was found, the command that finds it again. Out: HTML with everything in it.
+//! The page of a commissioning. In: what was found, the command that finds it again. Out: HTML with
+//! everything in it.
 
 use maud::html;
 

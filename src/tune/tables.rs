@@ -147,7 +147,8 @@ pub(super) fn failures(rows: &[Row]) -> Vec<String> {
     lines
 }
 
-/// Angle of the spindle in degrees that an approach of `time_s` takes at the highest override it is laid out for.
+/// Angle of the spindle in degrees that an approach of `time_s` takes at the highest override it is laid out
+/// for.
 pub(super) fn approach_deg(found: &Found, time_s: f64) -> f64 {
     6.0 * found.rpm * time_s * design(found) / 100.0
 }

@@ -1,5 +1,6 @@
-//! The trial pass before and after: servo errors at five overrides. In: the machine as believed, and as proposed. Out: rows,
-//! and the servo error over time. A pass that the machine does not make is a row that says why.
+//! The trial pass before and after: servo errors at five overrides. In: the machine as believed, and as
+//! proposed. Out: rows, and the servo error over time. A pass that the machine does not make is a row that
+//! says why.
 
 use machine::{Kinematics, Machine};
 use protocol::{Axis, AxisState};
@@ -13,7 +14,8 @@ use sim_plant::Scenario;
 /// Spindle overrides of the trial passes, per cent.
 const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 
-/// Longest time on the machine for a pass, s: an axis that swings is never in position, and its pass never begins.
+/// Longest time on the machine for a pass, s: an axis that swings is never in position, and its pass never
+/// begins.
 const PATIENCE_S: f64 = 20.0;
 
 /// How much farther off than before an axis may be in the thread without a word, and what counts at all, µm.

@@ -1,5 +1,6 @@
-//! Reference values, computed with 50 digits elsewhere: files of `tests/reference`, or of the folder that the variable
-//! `PITCHLOCK_REFERENCE_DIR` names. In: the name of a file. Out: its content; comparisons with it. Units as the files say.
+//! Reference values, computed with 50 digits elsewhere: files of `tests/reference`, or of the folder that the
+//! variable `PITCHLOCK_REFERENCE_DIR` names. In: the name of a file. Out: its content; comparisons with it.
+//! Units as the files say.
 
 use std::path::PathBuf;
 
@@ -39,10 +40,10 @@ pub fn parameter(at: &str, got: f64, want: f64) {
     close(at, got, want, want.abs(), 1e-9);
 }
 
-/// Every row against the law, each column on its own scale. `columns` of the file must be `names`, the first is the
-/// abscissa; `row` gives the values in their order, the abscissa first. `peaks` are peak values the case itself
-/// states, 0 where it states none: a column whose samples all fall on zeros of the law holds nothing but residues,
-/// and its scale is then that peak.
+/// Every row against the law, each column on its own scale. `columns` of the file must be `names`, the first
+/// is the abscissa; `row` gives the values in their order, the abscissa first. `peaks` are peak values the
+/// case itself states, 0 where it states none: a column whose samples all fall on zeros of the law holds
+/// nothing but residues, and its scale is then that peak.
 ///
 /// # Panics
 /// If a column is missing or a value differs.

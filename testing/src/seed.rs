@@ -1,4 +1,5 @@
-//! Numbers that look random and are the same everywhere. SplitMix64 (Steele, Lea, Flood 2014). In: a seed. Out: numbers.
+//! Numbers that look random and are the same everywhere. SplitMix64 (Steele, Lea, Flood 2014). In: a seed.
+//! Out: numbers.
 
 use std::ops::Range;
 
@@ -79,8 +80,8 @@ impl Seed {
     }
 }
 
-/// How many of something are tried: what this variable of the environment asks for, else a number that a run of all tests
-/// has time for.
+/// How many of something are tried: what this variable of the environment asks for, else a number that a run
+/// of all tests has time for.
 pub fn count(variable: &str, usual: u64) -> u64 {
     std::env::var(variable).ok().and_then(|text| text.replace('_', "").parse().ok()).unwrap_or(usual)
 }

@@ -1,5 +1,5 @@
-//! The command line: what is wrong is named with its place and a remedy, the exit status tells whose fault it is, and
-//! results go where programs look for them.
+//! The command line: what is wrong is named with its place and a remedy, the exit status tells whose fault it
+//! is, and results go where programs look for them.
 
 use std::fs;
 

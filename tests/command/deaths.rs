@@ -1,5 +1,5 @@
-//! Processes that are killed at any moment: the machine comes to rest, says who died, leaves nothing behind, and the
-//! next start works.
+//! Processes that are killed at any moment: the machine comes to rest, says who died, leaves nothing behind,
+//! and the next start works.
 
 use std::{collections::BTreeSet, path::Path};
 
@@ -10,8 +10,8 @@ use rig::observe::{Outcome, Summary};
 
 const KILLS: u32 = 20;
 
-/// Moments between 0 and 1.5 s, the first half of them within the start-up: a sequence of Weyl, so that they are spread
-/// and the same every time.
+/// Moments between 0 and 1.5 s, the first half of them within the start-up: a sequence of Weyl, so that they
+/// are spread and the same every time.
 fn moments() -> impl Iterator<Item = f64> {
     (1..=KILLS).map(|n| {
         let fraction = (f64::from(n) * 0.618_033_988_75).fract();
@@ -76,7 +76,8 @@ fn whoever_dies_is_named_and_everything_is_wiped() {
     }
 }
 
-/// Self-contained rule over processes: 50 s on the machine in one pass, its interpolator is killed near the beginning.
+/// Self-contained rule over processes: 50 s on the machine in one pass, its interpolator is killed near the
+/// beginning.
 #[test]
 fn a_pass_is_cut_to_its_end_though_the_interpolator_was_killed() {
     let place = Place::new();

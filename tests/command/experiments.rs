@@ -1,5 +1,5 @@
-//! `pitchlock experiment`: one document, one page that needs nothing else, the table that its documentation shows, and
-//! refusals with a remedy.
+//! `pitchlock experiment`: one document, one page that needs nothing else, the table that its documentation
+//! shows, and refusals with a remedy.
 
 use std::fs;
 

@@ -32,7 +32,8 @@ fn steps(page: &str) -> Vec<Step> {
     steps
 }
 
-/// What a shell answers in a place where the examples and the program are found: both streams, in their order.
+/// What a shell answers in a place where the examples and the program are found: both streams, in their
+/// order.
 fn answer(place: &Place, commands: &str) -> Answer {
     let program = Path::new(env!("CARGO_BIN_EXE_pitchlock"));
     let folder = program.parent().expect("a program lies in a folder").display();

@@ -1,4 +1,5 @@
-//! The command as its user sees it: arguments, refusals, exit status, pages, run folders; its processes and their deaths.
+//! The command as its user sees it: arguments, refusals, exit status, pages, run folders; its processes and
+//! their deaths.
 
 #[path = "../shop/mod.rs"]
 mod shop;

@@ -23,8 +23,8 @@ fn short_moves() -> String {
 struct Memory {
     /// Everything that is mapped: code, heap, stack, channels.
     mapped_kib: u64,
-    /// What of it is its own and in use. Pages of a channel are not: they are mapped at the start, and first touched
-    /// whenever a queue is fuller than ever before.
+    /// What of it is its own and in use. Pages of a channel are not: they are mapped at the start, and first
+    /// touched whenever a queue is fuller than ever before.
     own_kib: u64,
 }
 

@@ -1,5 +1,5 @@
-//! `pitchlock resolution`: what is needed follows from the limits, verdicts follow from what there is, what is wrong is
-//! refused with a remedy, and what its documentation shows is what it prints.
+//! `pitchlock resolution`: what is needed follows from the limits, verdicts follow from what there is, what
+//! is wrong is refused with a remedy, and what its documentation shows is what it prints.
 
 use std::fs;
 
@@ -31,8 +31,8 @@ fn near(got: f64, want: f64) -> bool {
     (got / want - 1.0).abs() < 1e-9
 }
 
-/// The published examples, with the order rounded so that it is never coarser than what is needed: 30 m/min at 2.5 kHz
-/// then need 1e-6 mm and not 1e-5.
+/// The published examples, with the order rounded so that it is never coarser than what is needed: 30 m/min
+/// at 2.5 kHz then need 1e-6 mm and not 1e-5.
 #[test]
 fn published_motions_need_what_is_published() {
     let place = Place::new();

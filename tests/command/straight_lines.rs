@@ -1,4 +1,5 @@
-//! Machine code against straight lines of the same accuracy: how much smaller it is, and that the lines are a program.
+//! Machine code against straight lines of the same accuracy: how much smaller it is, and that the lines are a
+//! program.
 
 use std::fs;
 

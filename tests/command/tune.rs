@@ -1,5 +1,5 @@
-//! `pitchlock tune`: what it proposes holds in a trial pass, what it writes is the machine file with a few keys changed,
-//! and what its documentation shows is what it prints.
+//! `pitchlock tune`: what it proposes holds in a trial pass, what it writes is the machine file with a few
+//! keys changed, and what its documentation shows is what it prints.
 
 use std::fs;
 

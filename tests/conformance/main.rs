@@ -1,6 +1,6 @@
-//! The conformance programs of this folder, run by `pitchlock canon --format linuxcnc`: each means what the reference
-//! says, each faulty one is refused at its line. `README.md` says where they come from and how two outputs are
-//! compared.
+//! The conformance programs of this folder, run by `pitchlock canon --format linuxcnc`: each means what the
+//! reference says, each faulty one is refused at its line. `README.md` says where they come from and how two
+//! outputs are compared.
 #![allow(clippy::unwrap_used)]
 
 mod calls;
@@ -13,8 +13,8 @@ use std::process::{Command, Output};
 use calls::{Call, first_difference, normalised};
 use serde::Deserialize;
 
-/// Programs whose output in the reference is a slip of it; `docs/conformance.md` gives the reasons. The other programs
-/// marked so are harmless and print the same here.
+/// Programs whose output in the reference is a slip of it; `docs/conformance.md` gives the reasons. The other
+/// programs marked so are harmless and print the same here.
 const NOT_COPIED: [&str; 10] = [
     "quirk_break_then_do",
     "quirk_end_override",

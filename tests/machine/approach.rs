@@ -1,5 +1,5 @@
-//! The published experiment on the whole machine: how well X keeps to its law in step with the spindle, for each structure
-//! of feedforward, at every override. Bounds in µm.
+//! The published experiment on the whole machine: how well X keeps to its law in step with the spindle, for
+//! each structure of feedforward, at every override. Bounds in µm.
 
 use crate::shop::Place;
 use machine::{Feedforward, Machine};
@@ -35,7 +35,8 @@ fn largest(error: &ServoError) -> f64 {
     error.approach_max_um.max(-error.approach_min_um)
 }
 
-/// Bounds over every override and ten seeds: approach, end, thread from its beginning, thread from one turn on.
+/// Bounds over every override and ten seeds: approach, end, thread from its beginning, thread from one turn
+/// on.
 #[track_caller]
 fn within(machine: &Machine, [approach, end, at_depth, thread]: [f64; 4]) {
     for override_pct in OVERRIDES {
@@ -48,7 +49,8 @@ fn within(machine: &Machine, [approach, end, at_depth, thread]: [f64; 4]) {
     }
 }
 
-/// The goal of 0.2 µm in the thread holds from one turn on: before, the error of a mass believed too low dies away.
+/// The goal of 0.2 µm in the thread holds from one turn on: before, the error of a mass believed too low dies
+/// away.
 #[test]
 fn the_full_structure_over_ten_seeds() {
     within(&Machine::default(), [2.0, 0.5, 0.5, 0.2]);
@@ -63,7 +65,8 @@ fn the_tuned_machine_over_ten_seeds() {
     within(&Machine::from_toml(&text).expect("it can be read"), [1.5, 0.3, 0.1, 0.1]);
 }
 
-/// The published band is 5 to 12 µm. Speed alone lies in it with every seed, speed and acceleration lie at its lower end.
+/// The published band is 5 to 12 µm. Speed alone lies in it with every seed, speed and acceleration lie at
+/// its lower end.
 #[test]
 fn differences_of_positions_lie_about_the_published_band() {
     for structure in [Feedforward::DifferenceV, Feedforward::DifferenceVa] {

@@ -1,5 +1,5 @@
-//! What lies behind the encoders of the motors: backlash, screw, elasticity; what compensation and linear scales make
-//! of it. The figures are those of docs/behind-the-motor.md.
+//! What lies behind the encoders of the motors: backlash, screw, elasticity; what compensation and linear
+//! scales make of it. The figures are those of docs/behind-the-motor.md.
 
 use std::fs;
 
@@ -92,8 +92,8 @@ fn a_worn_lathe_is_better_with_compensation_and_good_with_scales() {
     );
 }
 
-/// The pass of the published experiment on the small lathe, twice: servo error and slide error of X, each measure the
-/// median over the seeds.
+/// The pass of the published experiment on the small lathe, twice: servo error and slide error of X, each
+/// measure the median over the seeds.
 fn trials_of_x(machine: &Machine) -> [[Measures; 2]; 2] {
     let items = trial::program(machine, &[Trial::default(); 2]).expect("the machine can follow it");
     let run = |seed| {
@@ -122,7 +122,8 @@ fn measures(error: &ServoError) -> Measures {
     [approach_min_um, approach_max_um, end_um, thread_max_abs_um, settled_max_abs_um]
 }
 
-/// The reference simulation has 0…+6 µm at the slide behind the encoder of a motor and about +3 µm in the thread.
+/// The reference simulation has 0…+6 µm at the slide behind the encoder of a motor and about +3 µm in the
+/// thread.
 #[test]
 fn an_encoder_at_the_motor_does_not_see_what_the_slide_does() {
     let [[servo, slide], _] = trials_of_x(&Machine::default());

@@ -1,4 +1,5 @@
-//! A thread cut in steel: what it costs, and that it stays on its helix. The figures are those of docs/cutting.md.
+//! A thread cut in steel: what it costs, and that it stays on its helix. The figures are those of
+//! docs/cutting.md.
 
 use crate::shop::{Place, example, project};
 use protocol::Axis;
@@ -77,7 +78,8 @@ fn equal_areas_take_equal_forces_and_spring_passes_next_to_nothing() {
     let (least, most) = cuts.iter().fold((f64::MAX, 0.0f64), |(a, b), force| (a.min(*force), b.max(*force)));
     page_says(&format!("{first:.0} N in the first, {least:.0} to {most:.0} N in the next eleven"));
     page_says(&format!("takes what is left, {spring:.0} N in the thread"));
-    // 1 N is what a slide cuts that comes back 0.2 µm deeper: where a groove is that wide, slides repeat no better.
+    // 1 N is what a slide cuts that comes back 0.2 µm deeper: where a groove is that wide, slides repeat no
+    // better.
     page_says(&format!("the second {again:.0} N there"));
     assert!(last < &(0.5 * first) && spring < &(0.03 * first) && again < &(0.005 * first), "{forces:?}");
 }

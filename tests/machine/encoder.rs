@@ -1,5 +1,6 @@
-//! The encoder of the spindle on the whole machine: how well a helix follows it, at any speed down to 0.2 1/min; that its
-//! faults are found within one revolution and named; that nothing a spindle does is taken for one.
+//! The encoder of the spindle on the whole machine: how well a helix follows it, at any speed down to 0.2
+//! 1/min; that its faults are found within one revolution and named; that nothing a spindle does is taken for
+//! one.
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
@@ -74,8 +75,8 @@ fn the_helix_at_constant_speed() {
     helix_within(&machine(2500), 0.6, "", |pass| pass.rpm_min > 497.0);
 }
 
-/// The ramp ends at 300 1/min, where a cycle has exactly 25 counts and their rounding averages out badly: asked for is
-/// 1.0 µm, and one thread in six is beyond it.
+/// The ramp ends at 300 1/min, where a cycle has exactly 25 counts and their rounding averages out badly:
+/// asked for is 1.0 µm, and one thread in six is beyond it.
 #[test]
 fn the_helix_in_an_override_ramp() {
     let ramp = "spindle_override_pct = 60\nramp_s = 0.3";
@@ -148,7 +149,8 @@ fn encoders_of_a_hundred_to_a_million_counts() {
     }
 }
 
-/// The turns between the moment something goes wrong and the fault, which both regulators find in the same cycle.
+/// The turns between the moment something goes wrong and the fault, which both regulators find in the same
+/// cycle.
 #[track_caller]
 fn found(fault: Fault, at: &str, action: &str) -> f64 {
     let machine = machine(2500);

@@ -1,4 +1,5 @@
-//! Machine code that no part program of this release makes: arcs, coolant, pauses, from a `.mc` file to the summary.
+//! Machine code that no part program of this release makes: arcs, coolant, pauses, from a `.mc` file to the
+//! summary.
 #![allow(clippy::unwrap_used)]
 
 use std::path::PathBuf;

@@ -1,4 +1,5 @@
-//! What only the whole machine can show, measured at its true motion: threads, surfaces, seams, faults, times.
+//! What only the whole machine can show, measured at its true motion: threads, surfaces, seams, faults,
+//! times.
 
 #[path = "../../benches/peer/mod.rs"]
 mod peer;

@@ -1,5 +1,5 @@
-//! The two rules of a pass against broken wires. Self-contained: what has begun is cut to its end whoever is gone.
-//! Same index: every axis takes the same index, or none moves.
+//! The two rules of a pass against broken wires. Self-contained: what has begun is cut to its end whoever is
+//! gone. Same index: every axis takes the same index, or none moves.
 
 use crate::stand::{Stand, compiled};
 use protocol::{Axis, AxisState, Code, Fault, MachineState, ThreadPass};
@@ -70,7 +70,8 @@ fn one_late_frame_calls_the_pass_off_on_every_axis() {
             let moved_um = 1e3 * (machine.true_mm(axis) - before);
             assert!(moved_um.abs() < 2.0, "{what}: {axis:?} moved {moved_um} µm");
         }
-        // Beyond the four ticks between arming and the first index that counts, the regulator says no by itself.
+        // Beyond the four ticks between arming and the first index that counts, the regulator says no by
+        // itself.
         let refused = machine.statuses().any(|(other, status)| other == axis && status.refused > 0);
         assert_eq!(refused, ticks > 3, "{what}");
         assert!(machine.observed().passes.is_empty(), "{what}");

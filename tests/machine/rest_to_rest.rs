@@ -1,5 +1,6 @@
-//! M27: a sin² pulse of jerk has half the mean of a rectangular one, so a move takes the time of the fastest one with
-//! rectangular jerk at half the limit. The fastest one is that of rsruckig, which shares no code with us.
+//! M27: a sin² pulse of jerk has half the mean of a rectangular one, so a move takes the time of the fastest
+//! one with rectangular jerk at half the limit. The fastest one is that of rsruckig, which shares no code
+//! with us.
 
 use crate::peer::{Asked, Peer, blocks};
 use motion::Binding;

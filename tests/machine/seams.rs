@@ -1,8 +1,8 @@
-//! A seam on the four-axis positioner, in the whole machine: where the beam really meets the part, and under which angle.
-//! Bounds are those the work is accepted by.
+//! A seam on the four-axis positioner, in the whole machine: where the beam really meets the part, and under
+//! which angle. Bounds are those the work is accepted by.
 //!
-//! What the observer measures by the seam of the machine code is measured once more by brute force: drives to beam by
-//! M46 and M47, and the seam as one writes it down.
+//! What the observer measures by the seam of the machine code is measured once more by brute force: drives to
+//! beam by M46 and M47, and the seam as one writes it down.
 
 use std::f64::consts::TAU;
 
@@ -48,15 +48,16 @@ fn is_exact<'a>(observation: &'a Observation, what: &str) -> &'a TraceReport {
 /// Height of the middle of the pipe above the table, mm.
 const MIDDLE: f64 = 50.0;
 
-/// Where a cylinder of 40 mm along Z meets one of 60 mm along X, and the bisector of both outward normals there.
+/// Where a cylinder of 40 mm along Z meets one of 60 mm along X, and the bisector of both outward normals
+/// there.
 fn seam(t: f64) -> ([f64; 3], [f64; 3]) {
     let (x, y) = (20.0 * libm::cos(t), 20.0 * libm::sin(t));
     let up = (900.0 - y * y).sqrt();
     ([x, y, MIDDLE + up], [x / 20.0, y / 20.0 + y / 30.0, up / 30.0])
 }
 
-/// Distance of the beam from the seam, mm, and angle between the beam and the direction at the nearest point, degrees,
-/// with the axes at x, y, A, C.
+/// Distance of the beam from the seam, mm, and angle between the beam and the direction at the nearest point,
+/// degrees, with the axes at x, y, A, C.
 fn beam_at([x, y, a, c]: [f64; 4]) -> (f64, f64) {
     let config = positioner().positioner.expect("it is a positioner");
     let ((sa, ca), (sb, cb)) = (libm::sincos(a.to_radians()), libm::sincos(c.to_radians()));

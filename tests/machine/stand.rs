@@ -1,4 +1,5 @@
-//! The machine in one process with an observer at it, so that a test can hold a frame back or kill the interpolator.
+//! The machine in one process with an observer at it, so that a test can hold a frame back or kill the
+//! interpolator.
 #![allow(dead_code, unreachable_pub)] // each test file uses its part
 
 use machine::Machine;

@@ -1,8 +1,9 @@
-//! Surfaces and contours from formulas in the whole machine: how far commanded and true tool are from touching them,
-//! whether the feed is held, whether limits are kept. Bounds are those the work is accepted by.
+//! Surfaces and contours from formulas in the whole machine: how far commanded and true tool are from
+//! touching them, whether the feed is held, whether limits are kept. Bounds are those the work is accepted
+//! by.
 //!
-//! What the observer measures by the formula of the machine code is measured once more by brute force, with the formula
-//! written down here.
+//! What the observer measures by the formula of the machine code is measured once more by brute force, with
+//! the formula written down here.
 
 use std::path::{Path, PathBuf};
 
@@ -82,7 +83,8 @@ fn wave(x: f64, y: f64) -> f64 {
     0.02 * x * x + 8.0 * libm::sin(x / 15.0) * libm::cos(y / 20.0)
 }
 
-/// Distance of a point from the wave: the best of a grid over everything within reach, and from there ever smaller steps.
+/// Distance of a point from the wave: the best of a grid over everything within reach, and from there ever
+/// smaller steps.
 fn distance(c: [f64; 3], reach: f64) -> f64 {
     const GRID: i32 = 30;
     let of =
@@ -130,7 +132,8 @@ fn the_wave_is_cut_as_its_formula_says() {
     let trace = is_exact(&observation, "the wave");
     is_steady(trace, "the wave");
     assert!(trace.feed.held_pct > 90.0, "{:?}", trace.feed);
-    // Everywhere: lines from border to border, so close that the ridges are 10 µm, and the contact up to 3 mm beside the tip.
+    // Everywhere: lines from border to border, so close that the ridges are 10 µm, and the contact up to 3 mm
+    // beside the tip.
     assert!(trace.way_mm > 300.0 * 100.0, "{trace:#?}");
     let [x, y, _] = trace.reach_mm;
     assert!(x[0] < 0.0 && x[1] > 97.0 && y[0] < 1.0 && y[1] > 79.0, "{:?}", trace.reach_mm);
@@ -146,8 +149,8 @@ fn every_pattern_and_every_tool_keeps_to_the_surface() {
     const BALL: &str = "tool = { kind = \"ball\", diameter_mm = 6 }";
     const CIRCLE: &str =
         "path = { pattern = \"curve\", x = \"15 + 9*cos(t)\", y = \"1 + 0.9*sin(t)\", t = [0, 6.28] }";
-    // The share of the time in which the feed is held, per cent: what there is. Lines across are 2 mm long, and at each end
-    // of a line, and of a ring, the tool turns a corner.
+    // The share of the time in which the feed is held, per cent: what there is. Lines across are 2 mm long,
+    // and at each end of a line, and of a ring, the tool turns a corner.
     let paths = [
         ("across", 24.0, LINES, "path = { pattern = \"lines\", along = \"y\", step_mm = 5 }"),
         (
@@ -169,8 +172,8 @@ fn every_pattern_and_every_tool_keeps_to_the_surface() {
     }
 }
 
-/// What a ball leaves of the wave in a square of 12 mm, by the commanded way of its tip alone: the highest point above the
-/// surface, µm along its normal, and where that is.
+/// What a ball leaves of the wave in a square of 12 mm, by the commanded way of its tip alone: the highest
+/// point above the surface, µm along its normal, and where that is.
 fn highest_left(path: &str) -> (f64, [f64; 2]) {
     const RADIUS: f64 = 3.0;
     const FROM: [f64; 2] = [4.0, 30.0];

@@ -1,5 +1,5 @@
-//! How good threads have to be, measured against the truth of the plant: at constant speed, with overrides and loads,
-//! and against the same thread cut at another speed.
+//! How good threads have to be, measured against the truth of the plant: at constant speed, with overrides
+//! and loads, and against the same thread cut at another speed.
 
 use std::fs;
 

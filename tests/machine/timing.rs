@@ -7,7 +7,8 @@ use machine::Machine;
 use motion::{FeedBlock, Limits};
 use protocol::Axis;
 
-/// A machine file with travel for programs that were written for other machines: that of the lathe, or of the mill.
+/// A machine file with travel for programs that were written for other machines: that of the lathe, or of the
+/// mill.
 fn machine_file(place: &Place, mill: bool) -> PathBuf {
     let name = if mill { "small-mill" } else { "small-lathe" };
     let shipped = project().join("examples/machines").join(name).with_extension("toml");
@@ -62,8 +63,8 @@ fn twenty_thousand_short_lines_take_the_time_of_their_feed() {
     let way_s = 20_000.0 * 0.2 / 50.0;
     assert!(taken_s < 1.01 * way_s, "{taken_s} s for a way of {way_s} s at its feed");
 
-    // With a stop at every end each piece is a block from rest to rest, with the limits of one axis divided by its share
-    // in the direction: 1 along an axis, the root of a half across.
+    // With a stop at every end each piece is a block from rest to rest, with the limits of one axis divided
+    // by its share in the direction: 1 along an axis, the root of a half across.
     let stops = foretold(&place, "stops.ngc", machine);
     let text = std::fs::read_to_string(&file).expect("it was written");
     let axis = Machine::from_toml(&text).expect("it is right").axis[&Axis::X].limits();
@@ -122,7 +123,8 @@ fn jobs_of_long_moves_gain_nothing_by_planning_ahead() {
     }
 }
 
-/// What ARCHITECTURE.md says of merging: a circle in short chords, rounded to a thousandth, with and without it.
+/// What ARCHITECTURE.md says of merging: a circle in short chords, rounded to a thousandth, with and without
+/// it.
 #[test]
 fn short_lines_that_were_rounded_are_merged() {
     let place = Place::new();

@@ -1,7 +1,8 @@
-//! Everything that reads what others wrote gets mutations of what is known, thousands of each in a run of the tests and
-//! as many as one likes at night: `PITCHLOCK_MUTATIONS=10000000 cargo test --release --test mutations`. No panic, an end
-//! of every program within its limits, and no more memory than the length of the input explains. (This test counts the
-//! bytes that are taken, and no time: work is bounded by lines and calls.)
+//! Everything that reads what others wrote gets mutations of what is known, thousands of each in a run of the
+//! tests and as many as one likes at night:
+//! `PITCHLOCK_MUTATIONS=10000000 cargo test --release --test mutations`. No panic, an end of every program
+//! within its limits, and no more memory than the length of the input explains. (This test counts the bytes
+//! that are taken, and no time: work is bounded by lines and calls.)
 //!
 //! A failure tells the number of its mutation; `PITCHLOCK_MUTATION=number` runs that one alone.
 

@@ -1,4 +1,5 @@
-//! Mutations of known inputs. In: a corpus, a number. Out: bytes, the same ones for the same number every time.
+//! Mutations of known inputs. In: a corpus, a number. Out: bytes, the same ones for the same number every
+//! time.
 
 use testing::Seed;
 

@@ -62,8 +62,8 @@ pub fn observed(
     observation
 }
 
-/// A folder for one test: run folders, and the temporary files of the program. Its path is short, because sockets
-/// live below it.
+/// A folder for one test: run folders, and the temporary files of the program. Its path is short, because
+/// sockets live below it.
 pub struct Place(tempfile::TempDir);
 
 /// What a command answered.

@@ -1,5 +1,5 @@
-//! What a machine can check of how the code reads, how the crates depend on each other, and whether the documents are
-//! right.
+//! What a machine can check of how the code reads, how the crates depend on each other, and whether the
+//! documents are right.
 
 mod documents;
 mod figures;

@@ -1,5 +1,6 @@
-//! The modules of every crate, and what each file needs of the others. In: the text of the sources. Out: for each crate its
-//! files, and the file in which the item stands that a path names, through whatever passes it on with `use`.
+//! The modules of every crate, and what each file needs of the others. In: the text of the sources. Out: for
+//! each crate its files, and the file in which the item stands that a path names, through whatever passes it
+//! on with `use`.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -77,8 +78,8 @@ impl Sources {
         Sources::new(texts.iter().map(source).collect())
     }
 
-    /// The file with the item that a path names when it stands in the file `from`; `None` if it names a module, or
-    /// nothing of this crate.
+    /// The file with the item that a path names when it stands in the file `from`; `None` if it names a
+    /// module, or nothing of this crate.
     pub(crate) fn item(&self, from: usize, path: &[String]) -> Option<usize> {
         self.item_within(from, path, FAR)
     }
@@ -118,8 +119,8 @@ impl Sources {
         globs.filter_map(|glob| self.item_within(at, &[&glob.path, path].concat(), steps)).next()
     }
 
-    /// The files that a file needs: those with the items which it names. What it only passes on with `pub use` is not
-    /// among them.
+    /// The files that a file needs: those with the items which it names. What it only passes on with
+    /// `pub use` is not among them.
     pub(crate) fn needs(&self, from: usize) -> BTreeSet<usize> {
         let file = &self.files[from];
         let imported = file.imports.iter().filter(|import| !import.public).map(|import| import.path.clone());

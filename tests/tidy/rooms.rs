@@ -1,5 +1,5 @@
-//! The sources as a house: no circle of many files, no type whose `impl` is spread over several rooms, one convention for
-//! module files.
+//! The sources as a house: no circle of many files, no type whose `impl` is spread over several rooms, one
+//! convention for module files.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -31,8 +31,8 @@ fn circles(sources: &Sources) -> Vec<Vec<PathBuf>> {
     all.into_iter().filter(|circle| circle.len() > 1).map(paths).collect()
 }
 
-/// Circles that ARCHITECTURE.md names with a reason: one of the files, and how many they are. Rows of the table under
-/// the heading `Circles of files`: file, number, reason.
+/// Circles that ARCHITECTURE.md names with a reason: one of the files, and how many they are. Rows of the
+/// table under the heading `Circles of files`: file, number, reason.
 fn named_circles() -> BTreeMap<PathBuf, usize> {
     let page = read("ARCHITECTURE.md");
     let part = page.split("\n### ").find_map(|part| part.strip_prefix("Circles of files\n"));

@@ -19,8 +19,8 @@ fn files_are_short() {
     none(&long.collect::<Vec<_>>());
 }
 
-/// A function begins with `fn` at the start of an item and ends at the brace of the same indentation: rustfmt sees to
-/// that.
+/// A function begins with `fn` at the start of an item and ends at the brace of the same indentation: rustfmt
+/// sees to that.
 fn functions(text: &str) -> Vec<(String, usize)> {
     let lines: Vec<&str> = text.lines().collect();
     let indentation = |line: &str| line.len() - line.trim_start().len();

@@ -1,5 +1,5 @@
-//! Rust as far as tidy needs it. In: the text of a source. Out: its words and signs without comments and literals, its
-//! `use` declarations one name at a time, the paths in the rest.
+//! Rust as far as tidy needs it. In: the text of a source. Out: its words and signs without comments and
+//! literals, its `use` declarations one name at a time, the paths in the rest.
 
 use std::iter::Peekable;
 

@@ -1,9 +1,9 @@
-//! The torque that the drive commands. The drive does not report it, but its velocity loop is configured from the
-//! machine file and works on the encoder alone, so it can be computed beside it.
-//! In: the commanded speed in mm/s, the encoder's speed over the last cycle in mm/s, the torque offset in N·m. Out: N·m.
+//! The torque that the drive commands. The drive does not report it, but its velocity loop is configured from
+//! the machine file and works on the encoder alone, so it can be computed beside it. In: the commanded speed
+//! in mm/s, the encoder's speed over the last cycle in mm/s, the torque offset in N·m. Out: N·m.
 //!
 //! ```text
-//! u = Kp (v_cmd − v) + I + offset,   I += Kp T/Ti (v_cmd − v),   Kp = M 2π f_v lead/2π                        (M54)
+//! u = Kp (v_cmd − v) + I + offset,   I += Kp T/Ti (v_cmd − v),   Kp = M 2π f_v lead/2π                 (M54)
 //! ```
 
 use core::f64::consts::TAU;

@@ -1,5 +1,5 @@
-//! A multisine on the torque: many sines at once, each a whole number of times in a period. In: the axis as configured,
-//! the control cycle. Out: torque by cycle, with a peak of 1.
+//! A multisine on the torque: many sines at once, each a whole number of times in a period. In: the axis as
+//! configured, the control cycle. Out: torque by cycle, with a peak of 1.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,8 +10,9 @@
 //! amplitude of a line  ∝  min(|1 + L|, 10) + (10 f T)²
 //! phase of a line      so that the energy is spread evenly over the period (Schroeder 1970)
 //! ```
-//! Below its bandwidth the velocity loop takes from the torque what it is given: low lines are raised. What the encoder
-//! rounds weighs with f², being differenced and divided by a speed that falls: high lines are raised, too.
+//! Below its bandwidth the velocity loop takes from the torque what it is given: low lines are raised. What
+//! the encoder rounds weighs with f², being differenced and divided by a speed that falls: high lines are
+//! raised, too.
 
 use core::f64::consts::TAU;
 

@@ -1,4 +1,5 @@
-//! Linear least squares. In: rows of an overdetermined system A x = y. Out: x with standard deviations, and what is left.
+//! Linear least squares. In: rows of an overdetermined system A x = y. Out: x with standard deviations, and
+//! what is left.
 //!
 //! ```text
 //! x = argmin |A x − y|²,   s² = |A x − y|²/(m − n),   deviation of x_i = s ((AᵀA)⁻¹_ii)^½

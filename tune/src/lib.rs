@@ -1,9 +1,9 @@
-//! Commissioning of one axis from short test moves: what moves, what rubs, what delays, what swings; and the loops that
-//! follow from it.
+//! Commissioning of one axis from short test moves: what moves, what rubs, what delays, what swings; and the
+//! loops that follow from it.
 //!
-//! Enters: a [`Bench`], on which a machine shows its measurements and takes drive commands. Leaves: a [`Tuned`] axis:
-//! every identified value with its deviation, the margins of the loops before and after, and the proposed `[axis.*]`.
-//! Nothing is known of the machine but its `[axis.*]` and what it measures.
+//! Enters: a [`Bench`], on which a machine shows its measurements and takes drive commands. Leaves: a
+//! [`Tuned`] axis: every identified value with its deviation, the margins of the loops before and after, and
+//! the proposed `[axis.*]`. Nothing is known of the machine but its `[axis.*]` and what it measures.
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -1,7 +1,8 @@
-//! Margins of the loops, from the measured response. In: gains of a configuration, lines. Out: phase and gain margins.
+//! Margins of the loops, from the measured response. In: gains of a configuration, lines. Out: phase and gain
+//! margins.
 //!
 //! ```text
-//! velocity loop   L = C G,                C = Kp (1 + T/(Ti (1 − z⁻¹)))                                       (M82)
+//! velocity loop   L = C G,                C = Kp (1 + T/(Ti (1 − z⁻¹)))                                (M82)
 //! position loop   L = Kv C Gx/(1 + C G) T/(1 − z⁻¹),   Gx of the encoder that the loop closes over
 //! phase margin    least 180° + arg L where |L| = 1;   gain margin  least 1/|L| where arg L = 180°
 //! ```

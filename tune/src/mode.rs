@@ -1,5 +1,5 @@
-//! The mode of the slide. In: the response from commanded torque to speed, delay and lag of the torque. Out: frequency and
-//! damping of the slide against the standing motor, its mass; none where none is seen.
+//! The mode of the slide. In: the response from commanded torque to speed, delay and lag of the torque. Out:
+//! frequency and damping of the slide against the standing motor, its mass; none where none is seen.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -9,12 +9,12 @@
 //!
 //! ```text
 //! P = jω X/F,   X = G U T/(1 − z⁻¹)   from the speed that is measured as one difference
-//! F = 2π/lead U (1 − z⁻¹)/(jωT) exp(−jωδ)/(1 + jωτ)   a held command, delayed, lagging                         (M81)
+//! F = 2π/lead U (1 − z⁻¹)/(jωT) exp(−jωδ)/(1 + jωτ)   a held command, delayed, lagging                 (M81)
 //! P = (c2 s² + c1 s + c0)/(s³ + d2 s² + d1 s + d0):   M = 1/c2,  M + m = d1/c0,  w² = c0/c2,  2ζw = c1/c2
 //! without a mode  P = c/(s + d)
 //! ```
-//! The six coefficients are linear after multiplying with the denominator; dividing by the denominator found before
-//! weighs every line by its true error (Sanathanan and Koerner 1963).
+//! The six coefficients are linear after multiplying with the denominator; dividing by the denominator found
+//! before weighs every line by its true error (Sanathanan and Koerner 1963).
 
 use core::f64::consts::TAU;
 
@@ -86,7 +86,8 @@ pub(crate) fn identify(lines: &[Line], config: &AxisConfig, path: &TorquePath, c
     (visible && stiff.residual > CLEARER * elastic.residual).then_some(mode)
 }
 
-/// Fits c_k s^k … over s^n + d_k s^k …, both of degree n − 1 below the leading term, s in [`UNIT`]. `N` = 2 n.
+/// Fits c_k s^k … over s^n + d_k s^k …, both of degree n − 1 below the leading term, s in [`UNIT`]. `N` = 2
+/// n.
 fn rational<const N: usize>(points: &[Point], degree: usize) -> Option<Fit<N>> {
     let mut found: Option<Fit<N>> = None;
     for _ in 0..ROUNDS {

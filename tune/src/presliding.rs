@@ -1,5 +1,5 @@
-//! Stiffness of friction before it slides, from reversals of some micrometres. In: torque and position over slow
-//! strokes. Out: N/mm.
+//! Stiffness of friction before it slides, from reversals of some micrometres. In: torque and position over
+//! slow strokes. Out: N/mm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -8,13 +8,13 @@
 //! | s0 | N/mm | stiffness; s0 L is the friction at which it breaks away |
 //!
 //! ```text
-//! F = s0 z,   dz = dx − |dx| z/L,  so over a stretch of one direction  z → ±L + (z ∓ L) exp(−|dx|/L)         (M79)
+//! F = s0 z,   dz = dx − |dx| z/L,  so over a stretch of one direction  z → ±L + (z ∓ L) exp(−|dx|/L)   (M79)
 //! ```
-//! For a given L the path z follows from the measured positions alone, and s0 is linear: it is eliminated, and L found by
-//! search. Torque and position are means over 10 ms: of a count that toggles, a mean keeps a small part.
-//! The axis slides slowly before the first reversal, so z is known there.
-//! Several frictions one behind the other are not one spring: the deviation is half the difference between what the
-//! wider and what the narrower strokes say, and a share of the value, which is what one spring misses of two.
+//! For a given L the path z follows from the measured positions alone, and s0 is linear: it is eliminated,
+//! and L found by search. Torque and position are means over 10 ms: of a count that toggles, a mean keeps a
+//! small part. The axis slides slowly before the first reversal, so z is known there. Several frictions one
+//! behind the other are not one spring: the deviation is half the difference between what the wider and what
+//! the narrower strokes say, and a share of the value, which is what one spring misses of two.
 
 use core::ops::Range;
 

@@ -1,10 +1,12 @@
-//! The `[axis.*]` that follows from what was identified. In: what was identified, the margins that are wanted. Out: the
-//! axis as it should be configured.
+//! The `[axis.*]` that follows from what was identified. In: what was identified, the margins that are
+//! wanted. Out: the axis as it should be configured.
 //!
 //! ```text
-//! velocity lead −T/2: speed is measured by one difference;   acceleration lead δ + T/2 + τ                   (M54)
-//! f_v: the highest with the wanted margins of the velocity loop, with Ti = 4/(2π f_v): the integral takes 14° there
-//! Kv:  the highest with the wanted margins of the position loop; no higher than it was over a scale behind a backlash  (M82)
+//! velocity lead −T/2: speed is measured by one difference;   acceleration lead δ + T/2 + τ             (M54)
+//! f_v: the highest with the wanted margins of the velocity loop, with Ti = 4/(2π f_v):
+//!      the integral takes 14° there
+//! Kv:  the highest with the wanted margins of the position loop;
+//!      no higher than it was over a scale behind a backlash                                (M82)
 //! ```
 
 use core::f64::consts::TAU;
@@ -94,7 +96,8 @@ pub(crate) fn gains(
     Ok(())
 }
 
-/// The identified keys and gains with the digits that a machine file shall show. Leads keep those of a microsecond.
+/// The identified keys and gains with the digits that a machine file shall show. Leads keep those of a
+/// microsecond.
 pub(crate) fn rounded(config: AxisConfig) -> AxisConfig {
     let to = |value: f64, digits: usize| {
         format!("{value:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(value)

@@ -1,18 +1,20 @@
-//! Frequency response of an axis in motion. In: a multisine on the torque while the axis runs at a constant speed. Out:
-//! for each of its lines, what speed and measured torque answer to commanded torque.
+//! Frequency response of an axis in motion. In: a multisine on the torque while the axis runs at a constant
+//! speed. Out: for each of its lines, what speed and measured torque answer to commanded torque.
 //!
-//! The axis runs so that friction keeps its sign; mass, mode and viscous friction are linear about that speed. Where a
-//! run over all periods would be slow, each run takes fewer of them. The velocity loop stays closed, so commanded torque is not the multisine but the whole output of the loop.
+//! The axis runs so that friction keeps its sign; mass, mode and viscous friction are linear about that
+//! speed. Where a run over all periods would be slow, each run takes fewer of them. The velocity loop stays
+//! closed, so commanded torque is not the multisine but the whole output of the loop.
 //!
 //! ```text
-//! U, V, τ: Fourier sums over a period of commanded torque, speed (one difference of positions), measured torque
+//! U, V, τ: Fourier sums over a period of commanded torque, speed (one difference of positions),
+//!          measured torque
 //! G = mean V/mean U,   D = mean τ/mean U,   over the periods after the first of each run
 //! ```
-//! Below the lowest line the axis is taken as what it is there, a mass with viscous friction behind the delay and the lag
-//! that were identified.
+//! Below the lowest line the axis is taken as what it is there, a mass with viscous friction behind the delay
+//! and the lag that were identified.
 //!
-//! What the encoder rounds is not in step with the periods, and averages away; the scatter of the periods says how much
-//! is left.
+//! What the encoder rounds is not in step with the periods, and averages away; the scatter of the periods
+//! says how much is left.
 
 use core::f64::consts::TAU;
 
@@ -37,8 +39,8 @@ const SETTLE_S: f64 = 0.2;
 const PERIODS_A_RUN: [usize; 4] = [6, 3, 2, 1];
 /// Speed of the runs that is wanted, of the highest of a test run.
 const RUN_SHARE: f64 = 0.1;
-/// Peak of the multisine, of the torque limit, at first. More would let the slide reverse where it swings, and friction
-/// would bend the response.
+/// Peak of the multisine, of the torque limit, at first. More would let the slide reverse where it swings,
+/// and friction would bend the response.
 const PEAK_SHARE: f64 = 0.1;
 /// The speed must not fall below this share of that of the run: else the multisine is halved.
 const SLOWEST: f64 = 0.2;
@@ -62,7 +64,8 @@ pub struct Line {
     pub deviation: f64,
 }
 
-/// Runs with the multisine within `reach_mm` (signed) and back: the lines, and the speed they were measured at, mm/s.
+/// Runs with the multisine within `reach_mm` (signed) and back: the lines, and the speed they were measured
+/// at, mm/s.
 pub(crate) fn measure<B: Bench>(
     stand: &mut Stand<B>,
     config: &AxisConfig,
@@ -118,7 +121,8 @@ impl Plan {
     }
 }
 
-/// Lines every half hertz below the lowest one that was measured, for a mass in kg with viscous friction in N s/mm.
+/// Lines every half hertz below the lowest one that was measured, for a mass in kg with viscous friction in N
+/// s/mm.
 pub(crate) fn below(
     lines: &[Line],
     config: &AxisConfig,

@@ -1,5 +1,6 @@
-//! Mass and friction of an axis from runs back and forth at several speeds. In: runs with measured torque and position.
-//! Out: mass in kg, Coulomb friction in N, viscous friction in N s/mm, a constant force in N (weight, balance).
+//! Mass and friction of an axis from runs back and forth at several speeds. In: runs with measured torque and
+//! position. Out: mass in kg, Coulomb friction in N, viscous friction in N s/mm, a constant force in N
+//! (weight, balance).
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -9,13 +10,13 @@
 //!
 //! ```text
 //! over every window in which the axis does not turn back:
-//! ∫F dt = M Δv/1000 + Fc sgn(v) D + b Δx + F0 D                                                            (M78)
+//! ∫F dt = M Δv/1000 + Fc sgn(v) D + b Δx + F0 D                                                        (M78)
 //! ```
-//! Impulses need no acceleration: positions are differenced once, at the borders of a window, and a count of the encoder
-//! weighs little against the change of speed between them. Windows below a tenth of the highest speed are left out:
-//! friction has not come to its sliding value there.
-//! Friction is no better known than its model is true. What the model misses of it counts against the mass, the more the
-//! less the axis accelerates.
+//! Impulses need no acceleration: positions are differenced once, at the borders of a window, and a count of
+//! the encoder weighs little against the change of speed between them. Windows below a tenth of the highest
+//! speed are left out: friction has not come to its sliding value there. Friction is no better known than its
+//! model is true. What the model misses of it counts against the mass, the more the less the axis
+//! accelerates.
 
 use machine::AxisConfig;
 use motion::{FeedBlock, Limits, Sample, junction_distance};

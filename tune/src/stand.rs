@@ -1,8 +1,9 @@
-//! Drives one axis through test moves. In: a law of motion and a torque offset over time. Out: what was measured and
-//! commanded in each control cycle of the move; or a refusal, if the axis does not do what it should.
+//! Drives one axis through test moves. In: a law of motion and a torque offset over time. Out: what was
+//! measured and commanded in each control cycle of the move; or a refusal, if the axis does not do what it
+//! should.
 //!
-//! The axis runs on its drive's velocity loop and a position loop as configured, with the speed of the law fed forward.
-//! Mass and friction are not, so what is believed of them does not colour what is measured.
+//! The axis runs on its drive's velocity loop and a position loop as configured, with the speed of the law
+//! fed forward. Mass and friction are not, so what is believed of them does not colour what is measured.
 
 use machine::AxisConfig;
 use motion::Sample;
@@ -83,8 +84,8 @@ impl<'a, B: Bench> Stand<'a, B> {
         Ok(stand)
     }
 
-    /// Follows a law from the present reference for a time, with a torque offset in N·m by cycle. Samples of the law
-    /// are mm from the start of the test.
+    /// Follows a law from the present reference for a time, with a torque offset in N·m by cycle. Samples of
+    /// the law are mm from the start of the test.
     pub(crate) fn follow(
         &mut self,
         duration_s: f64,

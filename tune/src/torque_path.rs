@@ -1,4 +1,5 @@
-//! From commanded to measured torque: delay and lag. In: the response at the lines of a multisine. Out: seconds.
+//! From commanded to measured torque: delay and lag. In: the response at the lines of a multisine. Out:
+//! seconds.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -8,7 +9,7 @@
 //!
 //! ```text
 //! a command holds for a cycle, δ late, behind a first-order lag:
-//! D = a z⁻¹ D + b1 z^−(d+1) + b2 z^−(d+2)                                                                     (M80)
+//! D = a z⁻¹ D + b1 z^−(d+1) + b2 z^−(d+2)                                                              (M80)
 //! a = exp(−T/τ),  b1 = g (1 − a exp(φT/τ)),  b2 = g (1 − a) − b1,  g: gain
 //! ```
 //! Linear in a, b1, b2 for a given d; the d that leaves least is taken.

@@ -48,8 +48,8 @@ pub struct Tuned {
     pub lag_s: Estimate,
     /// The mode of the slide, if one is seen.
     pub mode: Option<Mode>,
-    /// Shortest approach whose stroke leaves no more than the wanted residual in that mode, s (M8a); none for a rotary
-    /// axis, nor behind a backlash, where the mode is not to be trusted.
+    /// Shortest approach whose stroke leaves no more than the wanted residual in that mode, s (M8a); none for
+    /// a rotary axis, nor behind a backlash, where the mode is not to be trusted.
     pub approach_s: Option<f64>,
     /// Frequency response in motion; below 6 Hz that of a mass with viscous friction.
     pub lines: Vec<Line>,
@@ -74,7 +74,8 @@ impl Tuned {
     }
 }
 
-/// Measures an axis that stands still somewhere in its travel, and proposes its `[axis.*]`. The drive is off afterwards.
+/// Measures an axis that stands still somewhere in its travel, and proposes its `[axis.*]`. The drive is off
+/// afterwards.
 ///
 /// # Errors
 /// A [`Refusal`] that says what was wrong and what to do. The axis has been stopped then.
@@ -157,7 +158,8 @@ fn measure<B: Bench>(
     }
     let after = margins::of(&lines, &proposal, cycle_s);
     scatter(axis, [before, after], &lines, speed)?;
-    // Approaches are strokes of linear axes; and a backlash makes the slide seem to swing slower than it does.
+    // Approaches are strokes of linear axes; and a backlash makes the slide seem to swing slower than it
+    // does.
     let trusted = mode.filter(|_| !axis.is_rotary() && config.backlash_mm <= 0.0);
     Ok(Tuned {
         axis,

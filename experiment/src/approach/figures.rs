@@ -1,6 +1,6 @@
-//! Pictures of the approach. In: measured passes. Out: for each override the four pictures of the original, position,
-//! speed, acceleration and servo error over time; then the structures beside each other, torques, and errors over the
-//! override.
+//! Pictures of the approach. In: measured passes. Out: for each override the four pictures of the original,
+//! position, speed, acceleration and servo error over time; then the structures beside each other, torques,
+//! and errors over the override.
 
 use machine::Feedforward;
 use serde_json::{Value, json};

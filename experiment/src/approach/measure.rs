@@ -1,5 +1,5 @@
-//! One pass of the published experiment on the whole machine. In: a machine, an override in per cent, a seed. Out: servo
-//! errors of X in µm, its torque in N·m, and the approach as curves.
+//! One pass of the published experiment on the whole machine. In: a machine, an override in per cent, a seed.
+//! Out: servo errors of X in µm, its torque in N·m, and the approach as curves.
 
 use machine::Machine;
 use protocol::{Axis, AxisState};

@@ -1,7 +1,7 @@
-//! Experiment `approach`: X moves to depth in step with the spindle, 5 mm in one turn at 300 1/min, and the spindle
-//! override stands at 120, 100, 80, 60 or 40 %. In: a machine. Out: servo error and torque of X for each structure of
-//! feedforward, beside what was published.
-//! Source: "Smooth acceleration of transverse axis movements in CNC threading machining"; its law is M1–M8.
+//! Experiment `approach`: X moves to depth in step with the spindle, 5 mm in one turn at 300 1/min, and the
+//! spindle override stands at 120, 100, 80, 60 or 40 %. In: a machine. Out: servo error and torque of X for
+//! each structure of feedforward, beside what was published. Source: "Smooth acceleration of transverse axis
+//! movements in CNC threading machining"; its law is M1–M8.
 //!
 //! | figure | is taken |
 //! |---|---|
@@ -47,7 +47,8 @@ const SEEDS: u64 = 10;
 /// Seeds for the comparison with the reference simulation.
 const REFERENCE_SEEDS: u64 = 4;
 
-/// Errors beyond which a machine is stopped, mm: wide enough for structures that are made only to be compared with.
+/// Errors beyond which a machine is stopped, mm: wide enough for structures that are made only to be compared
+/// with.
 const WIDE_MM: f64 = 10.0;
 
 /// Inputs and figures of one case.
@@ -119,7 +120,8 @@ fn truth(machine: &Machine) -> Result<Belief, ExperimentError> {
     Belief::of_truth(machine, Axis::X).map_err(|error| ExperimentError::Input(error.to_string()))
 }
 
-/// The machine with the loops, the encoder and the observer of the reference figures, which knows itself exactly.
+/// The machine with the loops, the encoder and the observer of the reference figures, which knows itself
+/// exactly.
 fn as_in_reference(machine: &Machine) -> Result<Machine, ExperimentError> {
     let mut machine = machine.clone();
     let spindle = &mut machine.spindle;

@@ -1,8 +1,8 @@
 //! What was published, beside what was measured here. In: measured passes. Out: tables.
 //!
-//! The paper gives a band: servo errors of X within ±8 µm in the approach, 0 … −1 µm at its end, at 100, 80 and 60 %
-//! of override. The reference simulation gives figures for each structure; its loops, encoder and observer are set for
-//! the comparison (`as_in_reference`), its plant is that of the built-in machine.
+//! The paper gives a band: servo errors of X within ±8 µm in the approach, 0 … −1 µm at its end, at 100, 80
+//! and 60 % of override. The reference simulation gives figures for each structure; its loops, encoder and
+//! observer are set for the comparison (`as_in_reference`), its plant is that of the built-in machine.
 
 use machine::Feedforward;
 
@@ -16,8 +16,8 @@ pub(super) const OVERRIDES: [f64; 3] = [100.0, 80.0, 60.0];
 pub(super) const BAND_UM: f64 = 8.0;
 pub(super) const END_UM: [f64; 2] = [-1.0, 0.0];
 
-/// Figures of the reference simulation for a structure at each of the overrides: least and largest error in the
-/// approach, error at its end, µm.
+/// Figures of the reference simulation for a structure at each of the overrides: least and largest error in
+/// the approach, error at its end, µm.
 const REFERENCE: [(Feedforward, [[f64; 3]; 3]); 6] = [
     (Feedforward::None, [[0.0, 796.0, 77.0], [0.0, 649.0, 39.0], [0.0, 494.0, 16.0]]),
     (Feedforward::DifferenceV, [[-19.0, 19.0, 6.7], [-11.0, 12.0, 4.0], [-6.3, 6.4, 1.7]]),
@@ -27,7 +27,8 @@ const REFERENCE: [(Feedforward, [[f64; 3]; 3]); 6] = [
     (Feedforward::Full, [[-1.3, 1.1, 0.3], [-1.0, 1.1, 0.3], [-0.9, 1.1, 0.2]]),
 ];
 
-/// A structure at an override: least and largest error in the approach and at its end, µm, in the reference and here.
+/// A structure at an override: least and largest error in the approach and at its end, µm, in the reference
+/// and here.
 struct Pair {
     name: String,
     override_pct: f64,

@@ -1,4 +1,5 @@
-//! What is misprinted in the published examples. In: a computed row. Out: the printed figure, the right one, the reason.
+//! What is misprinted in the published examples. In: a computed row. Out: the printed figure, the right one,
+//! the reason.
 //!
 //! Equations (16) and (6) of the source give t1 ≥ π J/DJ; its (17) is printed with 4π. So its (18),
 //! sqrt(A DJ/2π), is half of sqrt(2 A DJ/π) (M19), and the examples evaluate (18).

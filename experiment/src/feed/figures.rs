@@ -1,5 +1,5 @@
-//! Pictures of the ramps and blocks. In: rows. Out: for each example s, v, a, j, dj over time, one above the other; for
-//! the blocks their feed over time. Way in mm and feed in mm/s, the rest in m and s.
+//! Pictures of the ramps and blocks. In: rows. Out: for each example s, v, a, j, dj over time, one above the
+//! other; for the blocks their feed over time. Way in mm and feed in mm/s, the rest in m and s.
 
 use motion::{FeedBlock, Sample};
 use serde_json::{Value, json};

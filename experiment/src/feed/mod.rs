@@ -1,7 +1,7 @@
-//! Experiment `feed`: ramps of feed with a sin² jerk, and blocks made of them. In: the three examples of the published
-//! method, and four blocks. Out: a row for each. Units m and s, as in print.
-//! Source: "Формирование гладкого закона изменения рывка на участках разгона-торможения при высокоскоростной обработке
-//! на оборудовании с ЧПУ", examples 1–3; its equations are M16–M23.
+//! Experiment `feed`: ramps of feed with a sin² jerk, and blocks made of them. In: the three examples of the
+//! published method, and four blocks. Out: a row for each. Units m and s, as in print. Source: "Формирование
+//! гладкого закона изменения рывка на участках разгона-торможения при высокоскоростной обработке на
+//! оборудовании с ЧПУ", examples 1–3; its equations are M16–M23.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|

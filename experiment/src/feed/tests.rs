@@ -1,4 +1,5 @@
-//! The rows against the reference values (`tests/reference/feed_profile.json`), and what is said of misprints.
+//! The rows against the reference values (`tests/reference/feed_profile.json`), and what is said of
+//! misprints.
 
 use motion::Limits;
 use serde_json::Value;
@@ -100,7 +101,8 @@ fn the_right_figures_stand_beside_the_misprints() {
     assert!(rows[3..].iter().all(|row| row.example.is_none() && row.corrections.is_empty()));
 }
 
-/// The blocks show every kind: programmed feed reached and not, equal and different ends, each bound of a short one.
+/// The blocks show every kind: programmed feed reached and not, equal and different ends, each bound of a
+/// short one.
 #[test]
 fn the_blocks_keep_their_limits_and_show_both_kinds() {
     let rows = rows().expect("they are feasible");

@@ -1,5 +1,6 @@
-//! The observer by itself, as the reference has it: a spindle whose angle is known in closed form, an encoder that rounds
-//! it, the observer at 1 kHz. In: which observer, encoder, bandwidth, case. Out: error of the helix in µm.
+//! The observer by itself, as the reference has it: a spindle whose angle is known in closed form, an encoder
+//! that rounds it, the observer at 1 kHz. In: which observer, encoder, bandwidth, case. Out: error of the
+//! helix in µm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -25,7 +26,8 @@ const CHANGE_S: f64 = 1.0;
 const SETTLED_S: f64 = 0.8;
 /// Phases of the count: of one alone a beat between counts and cycles may hide an error.
 pub(super) const PHASES: u32 = 9;
-/// 500 1/min is 250/3 counts a cycle at 2500 lines, which would lock the phase for ever. No spindle turns so evenly.
+/// 500 1/min is 250/3 counts a cycle at 2500 lines, which would lock the phase for ever. No spindle turns so
+/// evenly.
 const S_RPM: f64 = 500.37;
 
 /// Which observer.

@@ -1,4 +1,5 @@
-//! Pictures: error of the helix over time while the spindle changes its speed, and over the bandwidth of the observer.
+//! Pictures: error of the helix over time while the spindle changes its speed, and over the bandwidth of the
+//! observer.
 
 use serde_json::{Value, json};
 

@@ -3,7 +3,8 @@
 use super::{ASKED_LINES, Case, Row, um};
 use report::table::Column;
 
-/// The most that a helix may be off in a case, µm, and what was found; nothing where no pass was cut to its end.
+/// The most that a helix may be off in a case, µm, and what was found; nothing where no pass was cut to its
+/// end.
 pub(super) struct Goal {
     pub(super) case: Case,
     asked_um: f64,

@@ -1,8 +1,9 @@
-//! The same on the whole machine, in its own control cycle: a pass of a thread is cut, and the observer of the truth says
-//! how far Z lay beside the true helix. In: machine, encoder, bandwidth, case. Out: error of the helix in µm.
+//! The same on the whole machine, in its own control cycle: a pass of a thread is cut, and the observer of
+//! the truth says how far Z lay beside the true helix. In: machine, encoder, bandwidth, case. Out: error of
+//! the helix in µm.
 //!
-//! Here the spindle has inertia, ripple and a drive, and Z has mass and friction: their errors are in the figure. The
-//! dip is made by a torque M = J Δω/D, which comes on and goes within a millisecond.
+//! Here the spindle has inertia, ripple and a drive, and Z has mass and friction: their errors are in the
+//! figure. The dip is made by a torque M = J Δω/D, which comes on and goes within a millisecond.
 
 use core::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
-//! Experiment `observer`: how well the spindle's angle is known from its encoder, and what that makes of a helix. In: a
-//! machine. Out: a row for each encoder, bandwidth and case, error of the helix in µm at a lead of 5 mm; beside the
-//! figures of the reference.
+//! Experiment `observer`: how well the spindle's angle is known from its encoder, and what that makes of a
+//! helix. In: a machine. Out: a row for each encoder, bandwidth and case, error of the helix in µm at a lead
+//! of 5 mm; beside the figures of the reference.
 //!
 //! | case | the spindle |
 //! |---|---|
@@ -78,9 +78,11 @@ pub(super) struct Row {
     bandwidth_hz: f64,
     lead_mm: f64,
     case: Case,
-    /// True Z beside the true helix in a pass on the whole machine, largest of some seeds; null where none was cut.
+    /// True Z beside the true helix in a pass on the whole machine, largest of some seeds; null where none
+    /// was cut.
     helix_max_abs_um: Option<f64>,
-    /// The regulator's observer alone at 1 kHz, median over where the counts lie; and the largest of any place.
+    /// The regulator's observer alone at 1 kHz, median over where the counts lie; and the largest of any
+    /// place.
     observer_max_abs_um: f64,
     observer_worst_um: f64,
     /// The same median for the observer of the reference.
@@ -111,7 +113,8 @@ impl Row {
     }
 }
 
-/// Every case: each encoder with each bandwidth; those of the machine and those that are asked for among them.
+/// Every case: each encoder with each bandwidth; those of the machine and those that are asked for among
+/// them.
 fn cases(machine: &Machine) -> Vec<(u32, f64, Case)> {
     let (own_lines, own_hz) = (machine.spindle.encoder_lines, machine.spindle.observer_hz);
     let mut pairs: Vec<(u32, f64)> =
@@ -126,10 +129,11 @@ fn cases(machine: &Machine) -> Vec<(u32, f64, Case)> {
     pairs.into_iter().flat_map(of_pair).collect()
 }
 
-/// Cuts the passes of every row, and puts in what was found. Gives a note for each encoder with which the machine does
-/// not come to the end of a pass.
+/// Cuts the passes of every row, and puts in what was found. Gives a note for each encoder with which the
+/// machine does not come to the end of a pass.
 ///
-/// A turn of the slow case takes five minutes on the machine: it is cut with the machine's own bandwidth, at one seed.
+/// A turn of the slow case takes five minutes on the machine: it is cut with the machine's own bandwidth, at
+/// one seed.
 fn cut(stand: &Stand, rows: &mut [Row]) -> Result<Vec<String>, ExperimentError> {
     let own_hz = stand.machine.spindle.observer_hz;
     let seeds = |row: &Row| match row.case {

@@ -10,8 +10,9 @@ fn lag(bandwidth_hz: f64, case: Case) -> f64 {
     alone::errors(Kind::Plain, 250_000, bandwidth_hz, case).typical_um
 }
 
-/// Within 20 %, or apart for a reason that can be seen: the reference is below what sharp corners of the speed leave with
-/// nothing rounded, or rounding comes on top; at constant speed rounding beats with the cycle.
+/// Within 20 %, or apart for a reason that can be seen: the reference is below what sharp corners of the
+/// speed leave with nothing rounded, or rounding comes on top; at constant speed rounding beats with the
+/// cycle.
 #[test]
 fn the_reference_is_reproduced_or_the_difference_explained() {
     let mut within = 0;
@@ -38,7 +39,8 @@ fn the_reference_is_reproduced_or_the_difference_explained() {
     assert!(within >= 12, "{within} of 20");
 }
 
-/// At 0.2 1/min counts come one by one up to some thousand lines, and half a count is the error; finer ones are averaged.
+/// At 0.2 1/min counts come one by one up to some thousand lines, and half a count is the error; finer ones
+/// are averaged.
 #[test]
 fn counts_that_come_one_by_one_leave_half_a_count() {
     for lines in LINES {

@@ -1,5 +1,5 @@
-//! Pictures of the positioner. In: what was computed. Out: bounds over the size of the part, what was drawn against them,
-//! what linearising leaves out, drives for an accuracy, errors along the seam.
+//! Pictures of the positioner. In: what was computed. Out: bounds over the size of the part, what was drawn
+//! against them, what linearising leaves out, drives for an accuracy, errors along the seam.
 
 use serde_json::{Value, json};
 use shape::DriveErrors;

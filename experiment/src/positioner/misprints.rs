@@ -1,5 +1,5 @@
-//! What is misprinted in the published formulas, and how that is known. In: nothing. Out: what is printed, what is right,
-//! and a number that shows it.
+//! What is misprinted in the published formulas, and how that is known. In: nothing. Out: what is printed,
+//! what is right, and a number that shows it.
 //!
 //! | symbol | meaning |
 //! |---|---|

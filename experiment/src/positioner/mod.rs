@@ -1,8 +1,8 @@
-//! Experiment `positioner`: how far errors of four drives move the beam of a positioner on its part, by bounds, by poses
-//! and at random; what drives a wanted accuracy needs; and a seam in the whole machine. In: sizes of parts, errors of the
-//! drives; a positioner. Out: a row for each case. mm, µm, degrees.
-//! Source: "Mathematical model of kinematics and requirements for drives of a precision positioning system", (2)–(10); its
-//! equations are M46–M52, in `shape`; M90, M91 are new.
+//! Experiment `positioner`: how far errors of four drives move the beam of a positioner on its part, by
+//! bounds, by poses and at random; what drives a wanted accuracy needs; and a seam in the whole machine. In:
+//! sizes of parts, errors of the drives; a positioner. Out: a row for each case. mm, µm, degrees. Source:
+//! "Mathematical model of kinematics and requirements for drives of a precision positioning system",
+//! (2)–(10); its equations are M46–M52, in `shape`; M90, M91 are new.
 
 mod figures;
 mod misprints;
@@ -57,7 +57,8 @@ pub(super) struct Row {
     sampled_rms_um: [f64; 3],
     /// Largest of those with sizes and errors at their ends, in any pose.
     sampled_ends_max_um: [f64; 3],
-    /// Largest difference between exact and linear (M50) displacement of all that were drawn, and its bound (M91).
+    /// Largest difference between exact and linear (M50) displacement of all that were drawn, and its bound
+    /// (M91).
     linearisation_um: f64,
     linearisation_bound_um: f64,
     /// What drives an accuracy needs on this part (M90).

@@ -1,5 +1,5 @@
-//! Displacements of points by errors of the drives: drawn at random, and at the poses where they are largest. In: size of
-//! part and positioner, errors of the drives. Out: mm.
+//! Displacements of points by errors of the drives: drawn at random, and at the poses where they are largest.
+//! In: size of part and positioner, errors of the drives. Out: mm.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -8,8 +8,8 @@
 //! | u, q | −X sin β + Y cos β, X cos β + Y sin β: a point of the part turned by β |
 //!
 //! ```text
-//! dz = δ((2L − q) sin α + (L + u) cos α)      at y2 = z2 = Z = L, both angles in error by −δ                 (M50)
-//! largest where (−q, u) = √2 L (2, 1)/√5, (sin α, cos α) ~ (2L − q, L + u):  (√5 + √2) L δ                   (M51)
+//! dz = δ((2L − q) sin α + (L + u) cos α)      at y2 = z2 = Z = L, both angles in error by −δ           (M50)
+//! largest where (−q, u) = √2 L (2, 1)/√5, (sin α, cos α) ~ (2L − q, L + u):  (√5 + √2) L δ             (M51)
 //! ```
 
 use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};

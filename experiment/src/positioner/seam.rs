@@ -1,6 +1,6 @@
-//! A seam in the whole machine: the pipe and its branch of `examples/positioner/cylinders.toml`, welded on four axes with
-//! backlash and encoders. In: a positioner. Out: how far the beam was from the seam, how far off the bisector, and its
-//! feed; commanded, and true.
+//! A seam in the whole machine: the pipe and its branch of `examples/positioner/cylinders.toml`, welded on
+//! four axes with backlash and encoders. In: a positioner. Out: how far the beam was from the seam, how far
+//! off the bisector, and its feed; commanded, and true.
 
 use machine::Machine;
 use rig::observe::{TraceReport, Traced};

@@ -1,5 +1,5 @@
-//! Tables of the positioner: bounds beside what was attained and drawn, drives for an accuracy, the seam. In: what was
-//! computed. Out: tables.
+//! Tables of the positioner: bounds beside what was attained and drawn, drives for an accuracy, the seam. In:
+//! what was computed. Out: tables.
 
 use rig::observe::DeviationReport;
 

@@ -1,9 +1,9 @@
-//! The residuals beside those of the reference simulation, which gives for each law and approach time the largest over
-//! modes of 60 to 120 Hz and the one at 80 Hz, in one to three digits, µm.
+//! The residuals beside those of the reference simulation, which gives for each law and approach time the
+//! largest over modes of 60 to 120 Hz and the one at 80 Hz, in one to three digits, µm.
 //!
-//! It says neither how far its modes are apart nor what exactly a residual is. All of its 48 figures come out to their
-//! last digit with modes in steps of 2 Hz and the largest deflection from the end of the approach on; the amplitude of
-//! the decaying swing, up to 6 % more, does not give them, nor do steps of 1 or 5 Hz.
+//! It says neither how far its modes are apart nor what exactly a residual is. All of its 48 figures come out
+//! to their last digit with modes in steps of 2 Hz and the largest deflection from the end of the approach
+//! on; the amplitude of the decaying swing, up to 6 % more, does not give them, nor do steps of 1 or 5 Hz.
 
 use super::{APPROACHES_S, Mode, Profile, SHOWN_HZ, STROKE_MM, largest, three};
 use report::table::{Place, Table};

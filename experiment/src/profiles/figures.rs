@@ -1,5 +1,5 @@
-//! Pictures: how quiet an approach time is, the residual over the mode, the laws, and the swing itself. In: rows and
-//! approach times. Out: figures in µm, s, Hz.
+//! Pictures: how quiet an approach time is, the residual over the mode, the laws, and the swing itself. In:
+//! rows and approach times. Out: figures in µm, s, Hz.
 
 use serde_json::{Value, json};
 

@@ -49,8 +49,8 @@ impl Profile {
         }
     }
 
-    /// Peaks of speed, acceleration and jerk as multiples of length/durationⁿ; a step of the acceleration is an infinite
-    /// jerk.
+    /// Peaks of speed, acceleration and jerk as multiples of length/durationⁿ; a step of the acceleration is
+    /// an infinite jerk.
     pub(super) fn peaks(self) -> [f64; 3] {
         match self {
             Profile::TrapezoidalSpeed => [1.5, 4.5, f64::INFINITY],
@@ -110,7 +110,8 @@ impl Profile {
     }
 }
 
-/// The first half of a stroke with sin² jerk: onto twice the mean speed without a stretch of constant acceleration.
+/// The first half of a stroke with sin² jerk: onto twice the mean speed without a stretch of constant
+/// acceleration.
 fn half(length: f64, duration: f64) -> Ramp {
     Ramp::new(2.0 * length / duration, 0.5 * duration, 0.5)
 }
@@ -169,7 +170,8 @@ impl Law {
 mod tests {
     use super::*;
 
-    /// From rest to rest over the length, speed and acceleration being derivatives, with the peaks that are stated.
+    /// From rest to rest over the length, speed and acceleration being derivatives, with the peaks that are
+    /// stated.
     #[test]
     fn every_law_goes_the_way_and_has_its_peaks() {
         let (length, duration, steps) = (-5.0, 0.2, 24_000);

@@ -1,5 +1,5 @@
-//! Experiment `profiles`: what an approach of 5 mm leaves in a lightly damped mode, for six laws of motion. In: nothing
-//! but the constants below. Out: a row for each law, approach time and mode. µm, s, Hz.
+//! Experiment `profiles`: what an approach of 5 mm leaves in a lightly damped mode, for six laws of motion.
+//! In: nothing but the constants below. Out: a row for each law, approach time and mode. µm, s, Hz.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -7,8 +7,8 @@
 //! | f, ζ | Hz, – | frequency and damping of the mode |
 //! | N = f T/2 | – | periods of the mode in half the approach; the bound of M8a is ΔX/(π² N² (N² − 1)) |
 //!
-//! The drive is ideal: the motor is where the law says, and the mass swings behind it. The residual is the largest
-//! deflection of the mass from the end of the approach on.
+//! The drive is ideal: the motor is where the law says, and the mass swings behind it. The residual is the
+//! largest deflection of the mass from the end of the approach on.
 
 mod compared;
 mod figures;

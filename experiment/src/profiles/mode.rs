@@ -1,5 +1,5 @@
-//! A lightly damped mode behind an ideal drive. In: a law of motion, frequency in Hz. Out: how far the mass swings from
-//! where it is led, mm.
+//! A lightly damped mode behind an ideal drive. In: a law of motion, frequency in Hz. Out: how far the mass
+//! swings from where it is led, mm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -12,10 +12,11 @@
 //! ```text
 //! u″ + 2 ζ w u′ + w² u = −a(t),  at rest before
 //! q(t) = ∫₀ᵗ a(τ) exp(λ (t − τ)) dτ,  u(t) = −Im q(t)/w_d
-//! after the law: q(T + s) = q(T) exp(λ s), amplitude |q(T)|/w_d, turning points where ψ + w_d s is a multiple of π
+//! after the law: q(T + s) = q(T) exp(λ s), amplitude |q(T)|/w_d
+//! turning points where ψ + w_d s is a multiple of π
 //! ```
-//! Spring and damper both act between law and mass, so the equation of u is exact. The integral is Gauss's with eight
-//! points in every half period and less; a test holds it to 1e-9 of the closed forms.
+//! Spring and damper both act between law and mass, so the equation of u is exact. The integral is Gauss's
+//! with eight points in every half period and less; a test holds it to 1e-9 of the closed forms.
 
 use core::f64::consts::{PI, TAU};
 
@@ -126,7 +127,8 @@ mod tests {
         }
     }
 
-    /// Constant accelerations in closed form: ∫exp(λ(T − τ)) over a piece is the difference of exp/−λ at its ends.
+    /// Constant accelerations in closed form: ∫exp(λ(T − τ)) over a piece is the difference of exp/−λ at its
+    /// ends.
     #[test]
     fn with_damping_trapezoidal_speed_leaves_its_closed_form() {
         for (t, hz) in TIMES.into_iter().flat_map(|t| modes().map(move |hz| (t, hz))) {

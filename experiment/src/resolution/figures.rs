@@ -1,5 +1,5 @@
-//! Pictures: servo error and torque noise over the quantum, an approach with three of them, and the error of a feed.
-//! In: the rows and the passes of the first seed. Out: figures in mm, µm, N·m, s.
+//! Pictures: servo error and torque noise over the quantum, an approach with three of them, and the error of
+//! a feed. In: the rows and the passes of the first seed. Out: figures in mm, µm, N·m, s.
 
 use adviser::resolution::Counts;
 use machine::Machine;

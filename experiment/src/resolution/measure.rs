@@ -1,4 +1,5 @@
-//! One pass with positions that are rounded. In: a machine, a seed. Out: servo error of X in µm, torque in N·m.
+//! One pass with positions that are rounded. In: a machine, a seed. Out: servo error of X in µm, torque in
+//! N·m.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,10 +12,11 @@
 //! ```text
 //! τ(n+1) = c + (τ(n) − c) exp(−T/T_c),  so c = (τ(n+1) − τ(n) E)/(1 − E) with E = exp(−T/T_c)
 //! torque noise = rms of c(t + h) − c(t) in the approach
-//! foretold: M lead/2π · q/h² · (20/12 + (2π f_v h)² 6/12)^½                                                 (M77)
+//! foretold: M lead/2π · q/h² · (20/12 + (2π f_v h)² 6/12)^½                                            (M77)
 //! ```
-//! M77: a step of the acceleration is a third difference of rounded positions, one of the speed a second (M28); the
-//! velocity loop makes torque of both. The leads of the two differ, so their errors of rounding are independent.
+//! M77: a step of the acceleration is a third difference of rounded positions, one of the speed a second
+//! (M28); the velocity loop makes torque of both. The leads of the two differ, so their errors of rounding
+//! are independent.
 
 use core::f64::consts::TAU;
 

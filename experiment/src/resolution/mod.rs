@@ -1,11 +1,11 @@
-//! Experiment `resolution`: what rounded positions do to speed, acceleration and servo error. In: a machine. Out: a row
-//! for each quantum of position, beside the reference simulation; and the figures of the published method, computed.
-//! Source of these: "Investigation of the required discreteness of interpolation movement parameters in cyber-physical
-//! systems"; its formulas are M28–M35, in `adviser::resolution`.
+//! Experiment `resolution`: what rounded positions do to speed, acceleration and servo error. In: a machine.
+//! Out: a row for each quantum of position, beside the reference simulation; and the figures of the published
+//! method, computed. Source of these: "Investigation of the required discreteness of interpolation movement
+//! parameters in cyber-physical systems"; its formulas are M28–M35, in `adviser::resolution`.
 //!
-//! The pass is that of `experiment approach` at 100 %. The regulator of X rounds positions to the quantum, makes speed
-//! and acceleration by differences of them about the lead of each feedforward, and holds its output for two control
-//! cycles (`difference-va`, centred). Every figure is the median of several seeds.
+//! The pass is that of `experiment approach` at 100 %. The regulator of X rounds positions to the quantum,
+//! makes speed and acceleration by differences of them about the lead of each feedforward, and holds its
+//! output for two control cycles (`difference-va`, centred). Every figure is the median of several seeds.
 
 mod figures;
 mod measure;

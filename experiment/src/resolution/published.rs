@@ -1,5 +1,5 @@
-//! The figures of the published method, computed by `adviser::resolution`, and what a machine and its wire need and have.
-//! In: the published cases, a machine. Out: tables. mm, mm/min, m/s², m/s³, Hz.
+//! The figures of the published method, computed by `adviser::resolution`, and what a machine and its wire
+//! need and have. In: the published cases, a machine. Out: tables. mm, mm/min, m/s², m/s³, Hz.
 
 use adviser::resolution::{
     Counts, Demand, FeedError, Required, Steps, counts_per_mm, double_mm, order, position_mm, single_mm,
@@ -111,7 +111,8 @@ fn needed(machine: &Published, n: usize) -> String {
     format!("{}: {}", step(value), three(counts.discrepancy(value)))
 }
 
-/// A quantity of a machine: its name, its unit, the step it needs, what the wire has, 1e-9 mm and 1 µm over the need.
+/// A quantity of a machine: its name, its unit, the step it needs, what the wire has, 1e-9 mm and 1 µm over
+/// the need.
 type Need = (&'static str, &'static str, f64, f64);
 
 pub(super) fn wire(machine: &Machine) -> Table {

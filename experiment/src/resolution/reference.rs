@@ -1,9 +1,9 @@
 //! The rows beside those of the reference simulation, under its conditions. In: a stand. Out: tables.
 //!
-//! Its conditions: the loops of the built-in machine, spindle encoder of 2500 lines, observer of 15 Hz, a controller
-//! that knows the axis, positions held for 1 ms. It does not say by how much the leads are longer because of the hold.
-//! A hold of two control cycles delays by half a cycle more than one of one cycle, on average: 0.25 ms. Three values are
-//! tried.
+//! Its conditions: the loops of the built-in machine, spindle encoder of 2500 lines, observer of 15 Hz, a
+//! controller that knows the axis, positions held for 1 ms. It does not say by how much the leads are longer
+//! because of the hold. A hold of two control cycles delays by half a cycle more than one of one cycle, on
+//! average: 0.25 ms. Three values are tried.
 
 use protocol::Axis;
 use sim_plant::Belief;
@@ -12,8 +12,8 @@ use super::{Row, Series, nm, quantum, series, span, um};
 use crate::{ExperimentError, stand::Stand};
 use report::table::{Column, Place, Table};
 
-/// What the reference gives for a quantum: least and largest error in the approach and that at its end in µm, torque
-/// noise in N·m.
+/// What the reference gives for a quantum: least and largest error in the approach and that at its end in µm,
+/// torque noise in N·m.
 pub(super) struct Printed {
     pub(super) quantum_mm: Option<f64>,
     pub(super) approach_um: [f64; 2],

@@ -25,8 +25,8 @@ fn inputs(file: &Value, list: &str, keys: &[&str]) -> Vec<Vec<f64>> {
     cases.iter().map(|case| keys.iter().map(|key| number(case, key)).collect()).collect()
 }
 
-/// Every case that is printed is one of the reference, whose figures `motion` is held to. A file with more cases than
-/// are printed is as good.
+/// Every case that is printed is one of the reference, whose figures `motion` is held to. A file with more
+/// cases than are printed is as good.
 #[test]
 fn reference_cases_are_printed() {
     let file = reference();
@@ -79,8 +79,8 @@ fn with(rows: &[Row], quantum_mm: Option<f64>) -> &Row {
     rows.iter().find(|row| row.quantum_mm == quantum_mm).expect("it was run")
 }
 
-/// The figures of mathematics: errors in the approach within a fifth from 1e-4 mm on, or as far as one pass of any seed
-/// goes; the torque noise within a quarter, which is its last digit.
+/// The figures of mathematics: errors in the approach within a fifth from 1e-4 mm on, or as far as one pass
+/// of any seed goes; the torque noise within a quarter, which is its last digit.
 #[test]
 fn under_its_conditions_the_reference_comes_out() {
     let beside = beside(&stand(1)).expect("it runs");

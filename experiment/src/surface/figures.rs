@@ -1,5 +1,5 @@
-//! Pictures of errors: over the step, accumulated along a path, the feed, and the m of the published correction. In:
-//! what was computed. Out: figures in µm, mm, %.
+//! Pictures of errors: over the step, accumulated along a path, the feed, and the m of the published
+//! correction. In: what was computed. Out: figures in µm, mm, %.
 
 use serde_json::{Value, json};
 use shape::{Correction, Section};

@@ -1,6 +1,6 @@
-//! The wave on the whole machine: a few lines of `examples/shape/wave.toml`, with a ball of 6 mm on the small mill, with
-//! each correction. In: a seed. Out: how far the tip was from the surface that it has to stay on, and its feed;
-//! commanded, and true. µm, mm/min, s.
+//! The wave on the whole machine: a few lines of `examples/shape/wave.toml`, with a ball of 6 mm on the small
+//! mill, with each correction. In: a seed. Out: how far the tip was from the surface that it has to stay on,
+//! and its feed; commanded, and true. µm, mm/min, s.
 
 use machine::{Machine, SMALL_MILL};
 use protocol::Axis;
@@ -24,7 +24,8 @@ const EVERY: u64 = 20;
 pub(super) struct Run {
     pub(super) correction: Correction,
     pub(super) report: TraceReport,
-    /// Time since the first cut in s, X and Y of the true tip in mm from the zero of the formulas, and what was measured.
+    /// Time since the first cut in s, X and Y of the true tip in mm from the zero of the formulas, and what
+    /// was measured.
     pub(super) curve: Vec<(f64, [f64; 2], Traced)>,
 }
 

@@ -1,5 +1,5 @@
-//! Pictures of the wave on the whole machine: where the tip is off, what the corrections leave of the commanded path, and
-//! the feed. In: runs. Out: figures in µm, mm, s, mm/min.
+//! Pictures of the wave on the whole machine: where the tip is off, what the corrections leave of the
+//! commanded path, and the feed. In: runs. Out: figures in µm, mm, s, mm/min.
 
 use serde_json::{Value, json};
 use shape::Correction;

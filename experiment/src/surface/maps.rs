@@ -1,5 +1,5 @@
-//! Pictures seen from above: the parts with the paths on them, and where on a part the errors are. In: what was computed.
-//! Out: figures in mm, µm.
+//! Pictures seen from above: the parts with the paths on them, and where on a part the errors are. In: what
+//! was computed. Out: figures in mm, µm.
 
 use serde_json::{Value, json};
 use shape::Correction;

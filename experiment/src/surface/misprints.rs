@@ -1,5 +1,5 @@
-//! What is misprinted in the published formulas, each by itself: what it is, and what it makes of the next point. In: the
-//! works of the reference values. Out: rows of a table, µm.
+//! What is misprinted in the published formulas, each by itself: what it is, and what it makes of the next
+//! point. In: the works of the reference values. Out: rows of a table, µm.
 //!
 //! A section is looked at alone where a formula is of one section, so nothing else hides what it does.
 
@@ -8,7 +8,8 @@ use shape::{Section, Sections, Touch};
 use super::work::Work;
 use report::table::{Column, Table};
 
-/// A misprint, and the largest error of the next point without any correction, with it, and with it put right.
+/// A misprint, and the largest error of the next point without any correction, with it, and with it put
+/// right.
 pub(super) struct Misprint {
     pub(super) equation: &'static str,
     pub(super) what: &'static str,

@@ -1,9 +1,9 @@
-//! Experiment `surface`: how far feed ratios miss a curve or a surface, without a correction, with the published one as
-//! it is printed, with its signs and with its mixed term put right, and with exact ratios. In: nothing but the constants
-//! of `work`. Out: a row for each work, correction and step. µm, mm, %.
+//! Experiment `surface`: how far feed ratios miss a curve or a surface, without a correction, with the
+//! published one as it is printed, with its signs and with its mixed term put right, and with exact ratios.
+//! In: nothing but the constants of `work`. Out: a row for each work, correction and step. µm, mm, %.
 //!
-//! Source: "An alternative approach to control the shaping of parts with spatially complex surfaces"; its formulas are
-//! M36–M45, in `shape`. Every ratio here is computed by the code that moves the machine.
+//! Source: "An alternative approach to control the shaping of parts with spatially complex surfaces"; its
+//! formulas are M36–M45, in `shape`. Every ratio here is computed by the code that moves the machine.
 
 mod figures;
 mod machine;
@@ -139,8 +139,8 @@ impl Computed {
         self.rows.iter().find(|row| row.surface == name && row.correction == correction && row.h_mm == h)
     }
 
-    /// Power of the step with which an error falls from the step that is shown first to a quarter of it; `None` where
-    /// it is rounding.
+    /// Power of the step with which an error falls from the step that is shown first to a quarter of it;
+    /// `None` where it is rounding.
     fn order(&self, row: &Row, of: fn(&Row) -> f64) -> Option<f64> {
         let finer = self.row(row.surface, row.correction, 0.25).map(of)?;
         (finer > ROUNDING_UM).then(|| 0.5 * libm::log2(of(row) / finer))

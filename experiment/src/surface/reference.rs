@@ -1,5 +1,5 @@
-//! Beside the reference values in 50 digits (`shaping.json`). In: the works that are in that file. Out: a table, µm. Each
-//! figure is that of the last step of its case; a test compares every row of the file.
+//! Beside the reference values in 50 digits (`shaping.json`). In: the works that are in that file. Out: a
+//! table, µm. Each figure is that of the last step of its case; a test compares every row of the file.
 
 use shape::Correction;
 

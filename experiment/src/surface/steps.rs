@@ -1,5 +1,5 @@
-//! Steps along a work, and how far they miss it. In: a work, a correction, a step of the parameter. Out: deviations in
-//! mm, feed in shares of the one that is asked for.
+//! Steps along a work, and how far they miss it. In: a work, a correction, a step of the parameter. Out:
+//! deviations in mm, feed in shares of the one that is asked for.
 //!
 //! | figure | of what |
 //! |---|---|
@@ -83,7 +83,8 @@ fn starts(work: &Work, h: f64) -> impl Iterator<Item = f64> {
     (0..steps).map(move |n| from + h * f64::from(n))
 }
 
-/// All steps of a work; the deviation accumulated after each, over the parameter, comes with the largest ones.
+/// All steps of a work; the deviation accumulated after each, over the parameter, comes with the largest
+/// ones.
 pub(super) fn misses(
     work: &Work,
     correction: Correction,
@@ -113,8 +114,8 @@ pub(super) fn next_points(work: &Work, correction: Correction, h: f64, x_leads: 
     starts(work, h).map(|t| (t, Step::of(work, correction, t, h, x_leads).next(work)[0])).collect()
 }
 
-/// Feed along a work, over the parameter: way on the work in a cycle, over the way `l` that is asked for, minus 1. The
-/// step of the master is that of M45, with the ratios of the correction over that same step.
+/// Feed along a work, over the parameter: way on the work in a cycle, over the way `l` that is asked for,
+/// minus 1. The step of the master is that of M45, with the ratios of the correction over that same step.
 pub(super) fn feed(work: &Work, correction: Correction, l: f64, x_leads: bool) -> Vec<(f64, f64)> {
     let [mut t, end] = work.text.t;
     let mut errors = Vec::new();

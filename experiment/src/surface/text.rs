@@ -1,4 +1,5 @@
-//! The words of the page. In: what was computed, where a sentence says a figure. Out: paragraphs and captions.
+//! The words of the page. In: what was computed, where a sentence says a figure. Out: paragraphs and
+//! captions.
 
 use shape::{Correction, chord_feed, radius, tangent_feed};
 

@@ -1,6 +1,6 @@
-//! What is shaped in the experiment: plane curves Z = f(X), and paths on surfaces Z = ψ(X, Y), of some under a ball. In:
-//! the texts of their formulas. Out: the path of the point that moves, with its derivatives, and the surface that it
-//! has to stay on. mm.
+//! What is shaped in the experiment: plane curves Z = f(X), and paths on surfaces Z = ψ(X, Y), of some under
+//! a ball. In: the texts of their formulas. Out: the path of the point that moves, with its derivatives, and
+//! the surface that it has to stay on. mm.
 
 use interpreter::formula;
 use shape::{Formula, Gradient, Op, Place, Series, Tool, Touch};
@@ -143,8 +143,9 @@ impl Work {
         self.path(t).map(|axis| axis.value())
     }
 
-    /// Height of the surface on which the point moves, at X and Y, and its gradient. A tool touches beside its tip: the
-    /// place of contact is found by going back by what the tip misses, which is a contraction where the ball fits.
+    /// Height of the surface on which the point moves, at X and Y, and its gradient. A tool touches beside
+    /// its tip: the place of contact is found by going back by what the tip misses, which is a contraction
+    /// where the ball fits.
     pub(super) fn height(&self, at: [f64; 2]) -> (f64, [f64; 2]) {
         let surface = |[x, y]: [f64; 2]| self.psi.eval(Gradient::variables(x, y));
         let mut contact = at;

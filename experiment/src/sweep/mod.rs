@@ -1,5 +1,5 @@
-//! Experiment `sweep`: how well X keeps to its law over the range of passes, overrides and beliefs. In: a machine. Out: a
-//! row for each pass under each condition, with the servo error of X in µm.
+//! Experiment `sweep`: how well X keeps to its law over the range of passes, overrides and beliefs. In: a
+//! machine. Out: a row for each pass under each condition, with the servo error of X in µm.
 //!
 //! | what varies | how |
 //! |---|---|
@@ -138,7 +138,8 @@ impl Condition {
     }
 }
 
-/// A machine whose spindle encoder has twice the lines: what the count of the encoder costs is what it takes away.
+/// A machine whose spindle encoder has twice the lines: what the count of the encoder costs is what it takes
+/// away.
 fn with_finer_encoder(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     machine.spindle.encoder_lines = machine.spindle.encoder_lines.saturating_mul(2);

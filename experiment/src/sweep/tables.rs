@@ -1,5 +1,5 @@
-//! The tables of the sweep. In: rows. Out: figures over all of them, the worst of them by name, figures by belief, by
-//! override and by pass, and every row.
+//! The tables of the sweep. In: rows. Out: figures over all of them, the worst of them by name, figures by
+//! belief, by override and by pass, and every row.
 
 use super::{FRICTION_ERRORS, MASS_ERRORS, OVERRIDES, PASSES, Row};
 use report::table::{Column, Place, Table};

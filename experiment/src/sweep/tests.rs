@@ -22,7 +22,8 @@ fn wrong_beliefs_cost_little() {
     assert!(rows.iter().all(|row| row.approach_max_abs_um > 0.1), "no approach is without any error");
 }
 
-/// With the encoder that the machine has, the one pass in which X moves 22 mm a turn goes beyond what is asked for.
+/// With the encoder that the machine has, the one pass in which X moves 22 mm a turn goes beyond what is
+/// asked for.
 #[test]
 fn the_encoder_shows_where_x_moves_far_in_a_turn() {
     let (far, near): (Vec<Row>, Vec<Row>) =

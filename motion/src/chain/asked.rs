@@ -1,5 +1,5 @@
-//! What is asked of the feed: by the program, by the operator, by the spindle.
-//! In: feeds in mm/s or mm per revolution, overrides. Out: which of two feeds is lower, and how high one may become, mm/s.
+//! What is asked of the feed: by the program, by the operator, by the spindle. In: feeds in mm/s or mm per
+//! revolution, overrides. Out: which of two feeds is lower, and how high one may become, mm/s.
 
 /// Highest multiple of a programmed feed that overrides can ask for.
 pub const MOST_RATIO: f64 = 2.0;

@@ -1,8 +1,9 @@
-//! What s does from one decision to the next, and the check that it does so: a law is integrated and compared with its
-//! target and its limits before it is released.
+//! What s does from one decision to the next, and the check that it does so: a law is integrated and compared
+//! with its target and its limits before it is released.
 //!
-//! In: a plan. Out: samples of s in mm/sⁿ; a verdict. The check knows nothing of how a plan was made: it takes jerk and
-//! acceleration from the law at the nodes of a Gauss quadrature, phase by phase, and adds up speed and way itself.
+//! In: a plan. Out: samples of s in mm/sⁿ; a verdict. The check knows nothing of how a plan was made: it
+//! takes jerk and acceleration from the law at the nodes of a Gauss quadrature, phase by phase, and adds up
+//! speed and way itself.
 
 use crate::change::SpeedChange;
 use crate::feed::FeedBlock;
@@ -12,8 +13,8 @@ use crate::sample::Sample;
 /// Relative error that a released law may have.
 pub(super) const ACCURACY: f64 = 1e-6;
 
-/// Accelerations below this, mm/s², are nothing: after hours at a creep the last bits of the time are as long as a pulse
-/// that changes the feed by its own last bits.
+/// Accelerations below this, mm/s², are nothing: after hours at a creep the last bits of the time are as long
+/// as a pulse that changes the feed by its own last bits.
 const LEAST_ACCELERATION: f64 = 1e-3;
 
 /// Nodes and weights of the Gauss–Legendre quadrature with five points on [0, 1].
@@ -38,10 +39,12 @@ pub(super) enum Law {
     Fold(Fold),
 }
 
-/// A block law whose first pulse of jerk is left before its middle, at `at`, by its mirror image: with u = t − at
+/// A block law whose first pulse of jerk is left before its middle, at `at`, by its mirror image: with u = t
+/// − at
 ///
 /// ```text
-/// j(at + u) = j(at − u),  a = 2 a(at) − a(at − u),  v = v(at − u) + 2 a(at) u,  s = 2 s(at) − s(at − u) + a(at) u²
+/// j(at + u) = j(at − u),  a = 2 a(at) − a(at − u)
+/// v = v(at − u) + 2 a(at) u,  s = 2 s(at) − s(at − u) + a(at) u²
 /// ```
 /// until u = at, where the jerk is 0 again; from there a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +55,8 @@ pub(super) struct Fold {
 }
 
 impl Fold {
-    /// A block law folded at a time in the first half of its first pulse, before the change is known; then the state from
-    /// which that begins.
+    /// A block law folded at a time in the first half of its first pulse, before the change is known; then
+    /// the state from which that begins.
     pub(super) fn at_end(block: &FeedBlock, at: f64) -> Sample {
         Fold::mirrored(block, at, at)
     }
@@ -102,7 +105,8 @@ impl Fold {
         [self.at, self.turns(), a, b, c, c, c]
     }
 
-    /// Of the pulse the whole, although only its beginning is gone through; of its mirror image the acceleration at the end.
+    /// Of the pulse the whole, although only its beginning is gone through; of its mirror image the
+    /// acceleration at the end.
     fn peak(&self) -> Limits {
         let (block, change) = (self.block.peak(), self.change.peak());
         let turn = Fold::at_end(&self.block, self.at);
@@ -172,7 +176,8 @@ impl Law {
         }
     }
 
-    /// The block law, if at `t` it is in the first half of the pulse that begins to speed it up: there it can be folded.
+    /// The block law, if at `t` it is in the first half of the pulse that begins to speed it up: there it can
+    /// be folded.
     pub(super) fn folds(&self, t: f64) -> Option<&FeedBlock> {
         match self {
             Law::Block(block) if block.accel().dv() > 0.0 && t < 0.5 * block.ends()[0] => Some(block),
@@ -193,7 +198,8 @@ impl Law {
         }
     }
 
-    /// The highest speed that the law still makes for from `t` on; of a law that brakes, the speed at its end.
+    /// The highest speed that the law still makes for from `t` on; of a law that brakes, the speed at its
+    /// end.
     pub(super) fn goal(&self, t: f64) -> f64 {
         match self {
             Law::Block(block) if t <= block.ends()[3] => block.peak_feed(),
@@ -222,8 +228,8 @@ impl Law {
         }
     }
 
-    /// Whether the law does what it promises: at most 70 samples, whatever the law. A pulse of sin² jerk is integrated
-    /// in two halves, to some 1e-8.
+    /// Whether the law does what it promises: at most 70 samples, whatever the law. A pulse of sin² jerk is
+    /// integrated in two halves, to some 1e-8.
     pub(super) fn keeps(&self, promise: &Promise) -> bool {
         let Promise { start, acceleration, end, way, limits } = promise;
         let (peak, most) = (self.peak(), 1.0 + ACCURACY);

@@ -1,6 +1,6 @@
-//! Timed motion over a chain of blocks: corners are rounded, the feed is planned ahead, s(t) goes on cycle by cycle.
-//! In: lines and arcs with their feeds; once a cycle, what the operator asks for. Out: once a cycle, the motion of every
-//! axis, mm/sⁿ.
+//! Timed motion over a chain of blocks: corners are rounded, the feed is planned ahead, s(t) goes on cycle by
+//! cycle. In: lines and arcs with their feeds; once a cycle, what the operator asks for. Out: once a cycle,
+//! the motion of every axis, mm/sⁿ.
 //!
 //! | part | holds |
 //! |---|---|
@@ -14,9 +14,10 @@
 //! ```text
 //! blocks → path p(s) with blends → sections with limits → exits (look-ahead) → law s(t) → axes p(s(t))
 //! ```
-//! Every law starts and ends without jerk, so a new one can follow at any such moment: an override or a hold replaces
-//! the law in hand as soon as its pulse of jerk is over. Whatever state a law leaves behind is one from which the
-//! machine can stop on what is known of the path: that is what the hard pass of the look-ahead guarantees.
+//! Every law starts and ends without jerk, so a new one can follow at any such moment: an override or a hold
+//! replaces the law in hand as soon as its pulse of jerk is over. Whatever state a law leaves behind is one
+//! from which the machine can stop on what is known of the path: that is what the hard pass of the look-ahead
+//! guarantees.
 
 mod asked;
 mod junction;
@@ -279,8 +280,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         Some(self.finished(step))
     }
 
-    /// Goes on to the end of the law in hand, for the sake of the time that takes, s. `None` if there is nothing to do.
-    /// The caller has closed the chain or filled it, so that it does not wait.
+    /// Goes on to the end of the law in hand, for the sake of the time that takes, s. `None` if there is
+    /// nothing to do. The caller has closed the chain or filled it, so that it does not wait.
     pub fn skip(&mut self, ask: &Ask) -> Option<f64> {
         if self.is_empty() {
             return None;
@@ -299,11 +300,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.pieces.front().or(self.tail.as_ref()).map(|piece| &piece.block.tag)
     }
 
-    /// Where on the front block the machine is when it has gone `way` mm in the law; leaves the blocks behind that are
-    /// completed.
+    /// Where on the front block the machine is when it has gone `way` mm in the law; leaves the blocks behind
+    /// that are completed.
     fn place(&mut self, way: f64) -> f64 {
-        // At rest the end of a block is passed where it is reached but for rounding; by rounding alone it is not passed
-        // while the machine still brakes to stand there.
+        // At rest the end of a block is passed where it is reached but for rounding; by rounding alone it is
+        // not passed while the machine still brakes to stand there.
         let brakes = self.law.end_speed() == 0.0 && self.law.way() - way <= SAME;
         let slack = match (self.rests(), brakes) {
             (true, _) => SAME,

@@ -1,13 +1,14 @@
-//! The look-ahead: stretches of path with their limits, and the feeds at their borders (M24, M26).
-//! In: stretches in the order of the path, the ratios that overrides ask for. Out: the highest feed at the end of each
-//! stretch from which everything ahead can still be kept.
+//! The look-ahead: stretches of path with their limits, and the feeds at their borders (M24, M26). In:
+//! stretches in the order of the path, the ratios that overrides ask for. Out: the highest feed at the end of
+//! each stretch from which everything ahead can still be kept.
 //!
-//! At a border there is no acceleration, so a ramp lies within one section. Stretches that are short against a ramp
-//! are therefore joined: the section has the lowest feed and the lowest limits of its parts, and loses next to nothing
-//! because no ramp would have fitted into the part that was faster.
+//! At a border there is no acceleration, so a ramp lies within one section. Stretches that are short against
+//! a ramp are therefore joined: the section has the lowest feed and the lowest limits of its parts, and loses
+//! next to nothing because no ramp would have fitted into the part that was faster.
 //!
-//! Two passes run side by side. The hard one keeps what the path allows and never changes with an override; it is what
-//! makes every state of the machine one from which it can stop. The soft one keeps the programmed feeds, too.
+//! Two passes run side by side. The hard one keeps what the path allows and never changes with an override;
+//! it is what makes every state of the machine one from which it can stop. The soft one keeps the programmed
+//! feeds, too.
 
 use std::collections::VecDeque;
 
@@ -56,8 +57,8 @@ impl Section {
         if asked < LEAST_FEED { 0.0 } else { asked.min(self.limits.v) }
     }
 
-    /// The feed without overrides: what is joined must not depend on one that happens to be 0. The spindle counts as long
-    /// as it turns.
+    /// The feed without overrides: what is joined must not depend on one that happens to be 0. The spindle
+    /// counts as long as it turns.
     fn nominal(&self, ratios: &Ratios) -> f64 {
         match self.feed {
             Feed::PerSecond(feed) => feed.min(self.limits.v),
@@ -103,7 +104,8 @@ impl Sections {
         self.ring.front()
     }
 
-    /// Appends a stretch; if it may, joins it to the last section where they are better one, and both to the one before.
+    /// Appends a stretch; if it may, joins it to the last section where they are better one, and both to the
+    /// one before.
     pub(super) fn push(&mut self, zone: Section, ratios: &Ratios, joins: bool) {
         self.total += zone.length;
         self.ring.push_back(zone);
@@ -170,7 +172,8 @@ impl Sections {
         true
     }
 
-    /// Goes on by `way` mm, within the front section or across its end. What is left of a section below [`SAME`] is nothing.
+    /// Goes on by `way` mm, within the front section or across its end. What is left of a section below
+    /// [`SAME`] is nothing.
     pub(super) fn go(&mut self, way: f64) {
         let mut left = way;
         while let Some(front) = self.ring.front_mut() {
@@ -200,8 +203,8 @@ impl Sections {
     }
 }
 
-/// Highest entry from which a section can be kept. A stop at its end may be nearer than an exit a little below the entry:
-/// (F − e/2) T(e) rises with e, then falls.
+/// Highest entry from which a section can be kept. A stop at its end may be nearer than an exit a little
+/// below the entry: (F − e/2) T(e) rises with e, then falls.
 fn hard_entry(exit: f64, top: f64, length: f64, limits: &Limits) -> f64 {
     let entry = reach(exit, top, length, limits);
     if entry < top { entry.max(reach(0.0, top, length, limits)) } else { entry }
@@ -221,9 +224,9 @@ fn joined(last: &Section, zone: &Section, ratios: &Ratios) -> Section {
 
 /// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
 ///
-/// They are if ramps between both feeds take as long a way as both. A faster stretch behind a longer section waits for
-/// what follows: more of its kind makes it long enough, or a slower one takes it in. A section that hides a faster stretch
-/// is itself a slow one: it takes nothing in that is as fast as this and long.
+/// They are if ramps between both feeds take as long a way as both. A faster stretch behind a longer section
+/// waits for what follows: more of its kind makes it long enough, or a slower one takes it in. A section that
+/// hides a faster stretch is itself a slow one: it takes nothing in that is as fast as this and long.
 fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool {
     // Feeds per revolution cannot be told from each other's limits while nothing turns.
     let blind = matches!(last.feed, Feed::PerRevolution(..)) && ratios.turns <= 0.0;

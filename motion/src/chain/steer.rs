@@ -1,5 +1,5 @@
-//! Which law s(t) follows next. In: the state of the machine on its path, the sections ahead, what the operator asks
-//! for. Out: a law that has been checked (`law.rs`).
+//! Which law s(t) follows next. In: the state of the machine on its path, the sections ahead, what the
+//! operator asks for. Out: a law that has been checked (`law.rs`).
 //!
 //! | in hand | when | follows |
 //! |---|---|---|
@@ -8,8 +8,9 @@
 //! | block law | the look-ahead sees further; it runs at constant speed | a block law to the end of the section |
 //! | any | it is over | a block law to the end of the section, or rest |
 //!
-//! A change of speed may cross sections. It keeps the tightest limits of all of them and the top feed at every border,
-//! and where it ends the rest of the path can still be kept; else the law in hand goes on, which can.
+//! A change of speed may cross sections. It keeps the tightest limits of all of them and the top feed at
+//! every border, and where it ends the rest of the path can still be kept; else the law in hand goes on,
+//! which can.
 
 use super::law::{Fold, Law, Promise};
 use super::section::Section;
@@ -25,7 +26,8 @@ use crate::search;
 const MOST_LAWS: usize = 64;
 /// Most sections that a change of speed may cross.
 const MOST_CROSSED: usize = 256;
-/// Relative excess over a hard exit that rounding may leave, when a law is replaced just where it was to brake.
+/// Relative excess over a hard exit that rounding may leave, when a law is replaced just where it was to
+/// brake.
 const ROUNDED: f64 = 1e-8;
 /// Cycles for which a chain at rest waits for more blocks before it sets off with what it has.
 const PATIENCE: u32 = 8;
@@ -66,8 +68,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
     }
 
-    /// Goes on to the end of the law in hand, or only so far that it does not come near the end of what is known while more
-    /// may follow; the time it took.
+    /// Goes on to the end of the law in hand, or only so far that it does not come near the end of what is
+    /// known while more may follow; the time it took.
     pub(super) fn leap(&mut self, ask: &Ask) -> f64 {
         self.take(ask);
         self.run_dry(ask, 0.0);
@@ -206,7 +208,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.sections.go(gone);
     }
 
-    /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in hand.
+    /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in
+    /// hand.
     fn block(&self, front: &Section, v: f64, cap: f64, single: bool, gone: f64) -> Option<FeedBlock> {
         let limits = Limits { v: front.limits.v.max(v), ..front.limits };
         let (mut length, mut exit) = (front.length, front.exit_soft);
@@ -229,14 +232,15 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         Law::Block(block).keeps(&promise).then_some(block)
     }
 
-    /// Whether the machine is where a block ends: at the end of the front one, or at its start, when the one before has been
-    /// left behind.
+    /// Whether the machine is where a block ends: at the end of the front one, or at its start, when the one
+    /// before has been left behind.
     fn at_block_end(&self) -> bool {
         let ends = |piece: &Piece<N, T>| (piece.block.path.length() - self.along).abs() <= SAME;
         self.along.abs() <= SAME || self.pieces.front().is_some_and(ends)
     }
 
-    /// Way to the first end of a block that is at least `least` mm ahead, `gone` mm behind the start of the law in hand, mm.
+    /// Way to the first end of a block that is at least `least` mm ahead, `gone` mm behind the start of the
+    /// law in hand, mm.
     fn block_end(&self, gone: f64, least: f64) -> f64 {
         let mut way = -self.along - gone;
         for piece in &self.pieces {
@@ -261,8 +265,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         limits
     }
 
-    /// A change to the speed `target` that begins `gone` mm behind the start of the front section; `None` if the path
-    /// ahead does not allow it.
+    /// A change to the speed `target` that begins `gone` mm behind the start of the front section; `None` if
+    /// the path ahead does not allow it.
     fn change(&self, v: f64, a: f64, target: f64, gone: f64) -> Option<SpeedChange> {
         let front = self.sections.front()?;
         let mut limits = front.limits;
@@ -288,8 +292,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         None
     }
 
-    /// The tightest limits of the sections that a change crosses; `None` if it would break the top feed of one of
-    /// them, or leave a state from which the rest cannot be kept.
+    /// The tightest limits of the sections that a change crosses; `None` if it would break the top feed of
+    /// one of them, or leave a state from which the rest cannot be kept.
     fn crossed(&self, change: &SpeedChange, target: f64, gone: f64) -> Option<Limits> {
         let mut limits = Limits::NONE;
         let mut left = gone + change.distance();
@@ -317,8 +321,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 
 /// The exit nearest to `exit` that a way of `length` allows, at most `hard` when it brakes.
 ///
-/// A ramp down to a little less takes a longer way than one down to much less: (F − e/2) T(e) rises with e, then falls.
-/// Where no exit between the speed and the hard one can be reached, one below it can.
+/// A ramp down to a little less takes a longer way than one down to much less: (F − e/2) T(e) rises with e,
+/// then falls. Where no exit between the speed and the hard one can be reached, one below it can.
 fn nearest_exit(v: f64, exit: f64, hard: f64, length: f64, limits: &Limits) -> f64 {
     if exit > v {
         return reach(v, exit, length, limits);

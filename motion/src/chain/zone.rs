@@ -14,8 +14,8 @@
 //! j ≤ (J′ − 3k₂va)/k₁,  j ≤ D′/16k₂v
 //! d ≤ (D′ − 4k₂vj − 3k₂a² − 6k₃v²a)/k₁                                                            (M66)
 //! ```
-//! Every term of M55 then fits beside the others, whatever their signs. A slow feed leaves nearly all of the limits to
-//! changes of feed; only where the path itself asks for a share is it taken.
+//! Every term of M55 then fits beside the others, whatever their signs. A slow feed leaves nearly all of the
+//! limits to changes of feed; only where the path itself asks for a share is it taken.
 
 use crate::blend::Blend;
 use crate::limits::Limits;
@@ -54,8 +54,8 @@ impl<const N: usize> Bend<N> {
     }
 
     /// Over a line that two blends of corners share, each as wide as the line is long. With x from its start,
-    /// `p₂ = (Δ₀ + Δ₁)/2L + (Δ₀ − Δ₁)/2L cos(πx/L)`: where corners turn alike nothing is left of p₃ and p₄, and a finely
-    /// divided curve can be as fast as the curve.
+    /// `p₂ = (Δ₀ + Δ₁)/2L + (Δ₀ − Δ₁)/2L cos(πx/L)`: where corners turn alike nothing is left of p₃ and p₄,
+    /// and a finely divided curve can be as fast as the curve.
     pub(super) fn filled(
         path: &Path<N>,
         start: &Blend<N>,
@@ -75,8 +75,8 @@ impl<const N: usize> Bend<N> {
         Bend(bounds)
     }
 
-    /// Over a whole line that two blends of corners share in part. Their sum is sampled: it is smaller than the
-    /// sum of their bounds.
+    /// Over a whole line that two blends of corners share in part. Their sum is sampled: it is smaller than
+    /// the sum of their bounds.
     ///
     /// Between samples h apart |f| is at most the larger of both plus h²/8 max|f″|.
     pub(super) fn shared(

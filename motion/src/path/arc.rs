@@ -1,5 +1,5 @@
-//! An arc or a helix: a radius that turns about its centre, and drift beside its plane (M56–M58).
-//! In: radius vectors at both ends, turns and drift, mm. Out: position and derivatives by the way s, bounds of them, the
+//! An arc or a helix: a radius that turns about its centre, and drift beside its plane (M56–M58). In: radius
+//! vectors at both ends, turns and drift, mm. Out: position and derivatives by the way s, bounds of them, the
 //! limits that s(t) has to keep.
 //!
 //! | symbol | unit | meaning |
@@ -23,8 +23,8 @@
 //! p⁗ = (s⁗ − 6 c² s′² s″) t + (4 c s′ s‴ + 3 c s″² − c³ s′⁴) n      t along, n to the centre     (M57)
 //! ```
 //!
-//! The limits of an arc share every bound of its plane, divided by q, out among the terms of M57, whatever their
-//! directions (M58):
+//! The limits of an arc share every bound of its plane, divided by q, out among the terms of M57, whatever
+//! their directions (M58):
 //!
 //! | bound | terms and their shares | gives |
 //! |---|---|---|
@@ -42,7 +42,8 @@ use core::f64::consts::TAU;
 use super::{norm, tightest};
 use crate::limits::Limits;
 
-/// An arc shorter than this counts as a whole turn, mm: the rounding of its ends must not decide between both.
+/// An arc shorter than this counts as a whole turn, mm: the rounding of its ends must not decide between
+/// both.
 const CLOSED_MM: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,8 +177,8 @@ impl<const N: usize> Arc<N> {
         libm::hypot(self.r0.max(self.r1), 4.0 * self.rho) / (self.flat() * self.per_radian)
     }
 
-    /// Whether an angle, but for whole turns, lies on an arc of this length. Where the radius changes an axis turns
-    /// back a little beside its quadrant, at most ρ/r away.
+    /// Whether an angle, but for whole turns, lies on an arc of this length. Where the radius changes an axis
+    /// turns back a little beside its quadrant, at most ρ/r away.
     fn passes(&self, angle: f64, length: f64) -> bool {
         let aside = (self.rho / self.r0.min(self.r1)).abs();
         let angle = if angle < 0.0 { angle + TAU } else { angle };
@@ -185,8 +186,8 @@ impl<const N: usize> Arc<N> {
     }
 }
 
-/// Angle from `start` to `end` about the centre in the sense of ±1, rad, over 0 up to a whole turn; ends that lie at
-/// one place at this radius, mm, make a whole turn.
+/// Angle from `start` to `end` about the centre in the sense of ±1, rad, over 0 up to a whole turn; ends that
+/// lie at one place at this radius, mm, make a whole turn.
 fn swept(start: [f64; 2], end: [f64; 2], sense: f64, radius: f64) -> f64 {
     let cross = sense * (start[0] * end[1] - start[1] * end[0]);
     let within = libm::atan2(cross, start[0] * end[0] + start[1] * end[1]);

@@ -1,4 +1,5 @@
-//! A polynomial on 0 … 1 by its control points, and bounds of it: the hull of its control points holds it (M85).
+//! A polynomial on 0 … 1 by its control points, and bounds of it: the hull of its control points holds it
+//! (M85).
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -16,9 +17,11 @@
 /// Degree of a piece.
 pub(super) const DEGREE: usize = 7;
 
-/// A bound of a magnitude that is higher than a value which is reached by less than this, relative, is good enough.
+/// A bound of a magnitude that is higher than a value which is reached by less than this, relative, is good
+/// enough.
 const TIGHT: f64 = 1e-3;
-/// Halvings of a polynomial for the sake of such a bound: the hull of a part is nearer by a factor of a thousand then.
+/// Halvings of a polynomial for the sake of such a bound: the hull of a part is nearer by a factor of a
+/// thousand then.
 const HALVINGS: u32 = 5;
 
 /// Control points; those beyond the degree are 0.
@@ -49,7 +52,8 @@ impl Hull {
         self.most_within(HALVINGS)
     }
 
-    /// Bounds of the value: reached within `tolerance`, unless it turns back more often than it can be halved.
+    /// Bounds of the value: reached within `tolerance`, unless it turns back more often than it can be
+    /// halved.
     pub(super) fn range(&self, tolerance: f64, halvings: u32) -> [f64; 2] {
         let ([low, high], [least, most]) = (self.ends(), self.hull());
         if halvings == 0 || low - least <= tolerance && most - high <= tolerance {

@@ -1,7 +1,7 @@
-//! A path as a function of its length: line, arc, helix or a piece of a curve, and what motion along it asks of N axes
-//! (M55).
-//! In: a displacement, radius vectors, or derivatives at both ends, mm; a law s(t) in mm/sⁿ. Out: samples of every axis,
-//! the limits that s(t) has to keep, the box that holds the path, what jumps where two paths meet.
+//! A path as a function of its length: line, arc, helix or a piece of a curve, and what motion along it asks
+//! of N axes (M55). In: a displacement, radius vectors, or derivatives at both ends, mm; a law s(t) in mm/sⁿ.
+//! Out: samples of every axis, the limits that s(t) has to keep, the box that holds the path, what jumps
+//! where two paths meet.
 //!
 //! | part | holds |
 //! |---|---|
@@ -20,9 +20,9 @@
 //! ```
 //! Along a line axes bound v, a, j, d by their constant share alone.
 //!
-//! Length is that of the *metric* axes, in mm: those that are linear. A rotary axis goes along, in degrees; if no
-//! metric axis moves, the length of a line is that of all, so a rotary axis alone has its way in degrees. What makes the
-//! length of a piece says whoever makes it.
+//! Length is that of the *metric* axes, in mm: those that are linear. A rotary axis goes along, in degrees;
+//! if no metric axis moves, the length of a line is that of all, so a rotary axis alone has its way in
+//! degrees. What makes the length of a piece says whoever makes it.
 //!
 //! Source: chain rule.
 
@@ -43,7 +43,8 @@ const FASTEST: f64 = 1e12;
 ///
 /// ```
 /// use motion::{Path, Sample};
-/// // A quarter of a circle of 10 mm in the plane of the axes 0 and 1, from (10, 0) to (0, 10) as seen from its centre.
+/// // A quarter of a circle of 10 mm in the plane of the axes 0 and 1, from (10, 0) to (0, 10), seen from its
+/// // centre.
 /// let arc = Path::arc([0, 1], [10.0, 0.0], [0.0, 10.0], 1, [0.0; 2], &[true; 2]).expect("it has a radius");
 /// assert!((arc.length() - 5.0 * std::f64::consts::PI).abs() < 1e-12);
 /// let [x, y] = arc.follow(&Sample::uniform(0.0, 2.0));
@@ -63,8 +64,8 @@ enum Shape<const N: usize> {
 }
 
 impl<const N: usize> Path<N> {
-    /// A straight line; `None` if it has no length. `displacement` in mm, of rotary axes in degrees; `metric` says
-    /// which axes make the length. The share of one that is not metric may exceed 1.
+    /// A straight line; `None` if it has no length. `displacement` in mm, of rotary axes in degrees; `metric`
+    /// says which axes make the length. The share of one that is not metric may exceed 1.
     #[must_use]
     pub fn line(displacement: [f64; N], metric: &[bool; N]) -> Option<Path<N>> {
         let length = match norm(&displacement, metric) {
@@ -76,16 +77,17 @@ impl<const N: usize> Path<N> {
         usable.then_some(Path { length, shape: Shape::Line { direction } })
     }
 
-    /// An arc in the plane of two axes, from `start` to `end`, both seen from the centre, mm. It turns from the first
-    /// axis of the plane towards the second if `turns` is positive, the other way if negative; ±1 is at most one whole
-    /// turn, each one more a whole turn more. Start and end at one place make a whole turn.
+    /// An arc in the plane of two axes, from `start` to `end`, both seen from the centre, mm. It turns from
+    /// the first axis of the plane towards the second if `turns` is positive, the other way if negative; ±1
+    /// is at most one whole turn, each one more a whole turn more. Start and end at one place make a whole
+    /// turn.
     ///
-    /// If the radii differ, the radius changes evenly with the angle. So do the axes outside of the plane: `drift` is
-    /// their way over the whole arc, in mm or degrees, 0 inside the plane. Those that are `metric` make a helix of the
-    /// arc and count in its length.
+    /// If the radii differ, the radius changes evenly with the angle. So do the axes outside of the plane:
+    /// `drift` is their way over the whole arc, in mm or degrees, 0 inside the plane. Those that are `metric`
+    /// make a helix of the arc and count in its length.
     ///
-    /// `None` if an end lies at the centre, something is not finite, `turns` is 0, `plane` names no two axes, or one of
-    /// them drifts.
+    /// `None` if an end lies at the centre, something is not finite, `turns` is 0, `plane` names no two axes,
+    /// or one of them drifts.
     #[must_use]
     pub fn arc(
         plane: [usize; 2],
@@ -99,15 +101,15 @@ impl<const N: usize> Path<N> {
         Some(Path { length, shape: Shape::Arc(arc) })
     }
 
-    /// A piece of a curve of `length` mm from `start` to `end`: position of every axis and its derivatives 1 … 3 by s there,
-    /// mm (degrees) … 1/mm², of one that stands still 0. In between it is a polynomial of degree 7 (M84). Pieces of one
-    /// curve join without a jump of these derivatives.
+    /// A piece of a curve of `length` mm from `start` to `end`: position of every axis and its derivatives 1
+    /// … 3 by s there, mm (degrees) … 1/mm², of one that stands still 0. In between it is a polynomial of
+    /// degree 7 (M84). Pieces of one curve join without a jump of these derivatives.
     ///
     /// `None` if something is not finite, or there is no length.
     ///
     /// ```
     /// use motion::Path;
-    /// // Half a radian of a circle of 1 mm about (0, 0): its end is that of the circle, and so is its middle.
+    /// // Half a radian of a circle of 1 mm about (0, 0): its end and its middle are those of the circle.
     /// let at = |phi: f64| {
     ///     let (s, c) = libm::sincos(phi);
     ///     [[c, s], [-s, c], [-c, -s], [s, -c]]
@@ -149,8 +151,8 @@ impl<const N: usize> Path<N> {
         along.along(&self.at(along.s))
     }
 
-    /// Limits of s within which no axis exceeds its own (M57, M58; of a piece M66). An axis that does not move bounds
-    /// nothing.
+    /// Limits of s within which no axis exceeds its own (M57, M58; of a piece M66). An axis that does not
+    /// move bounds nothing.
     #[must_use]
     pub fn limits(&self, axes: &[Limits; N]) -> Limits {
         match &self.shape {
@@ -160,7 +162,8 @@ impl<const N: usize> Path<N> {
         }
     }
 
-    /// Bounds of |p₁| of every axis: its share in the way, in mm or degrees by mm. Those of lines and circles are reached.
+    /// Bounds of |p₁| of every axis: its share in the way, in mm or degrees by mm. Those of lines and circles
+    /// are reached.
     #[must_use]
     pub fn shares(&self) -> [f64; N] {
         match &self.shape {
@@ -198,8 +201,8 @@ impl<const N: usize> Path<N> {
         [less(q1, p1), less(q2, p2), less(q3, p3)]
     }
 
-    /// The box that holds the path, from its start, mm: lowest and highest of every axis, points between the ends at
-    /// which an axis turns back included.
+    /// The box that holds the path, from its start, mm: lowest and highest of every axis, points between the
+    /// ends at which an axis turns back included.
     #[must_use]
     pub fn bounds(&self) -> [[f64; N]; 2] {
         let [end, ..] = self.at(self.length);

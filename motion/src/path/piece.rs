@@ -1,6 +1,6 @@
-//! A piece of a curve: every axis a polynomial of degree 7 in the way, from what the curve is at both ends (M84).
-//! In: position and derivatives 1 … 3 of every axis at both ends, mm (degrees) … 1/mm²; the length, mm. Out: position and
-//! derivatives by the way s, bounds of them, the box that holds the piece.
+//! A piece of a curve: every axis a polynomial of degree 7 in the way, from what the curve is at both ends
+//! (M84). In: position and derivatives 1 … 3 of every axis at both ends, mm (degrees) … 1/mm²; the length,
+//! mm. Out: position and derivatives by the way s, bounds of them, the box that holds the piece.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -12,12 +12,14 @@
 //! ```text
 //! p(s) = Σ b_k C(7, k) uᵏ (1 − u)^(7−k),  pₙ = 7!/(7−n)! Δⁿ(u)/Lⁿ
 //! b₀ = 0,           b₁ = h₁/7,           b₂ = 2 h₁/7 + h₂/42,           b₃ = 3 h₁/7 + h₂/14 + h₃/210
-//! b₇ = p(L) − p(0), b₆ = b₇ − g₁/7,      b₅ = b₇ − 2 g₁/7 + g₂/42,      b₄ = b₇ − 3 g₁/7 + g₂/14 − g₃/210      (M84)
+//! b₇ = p(L) − p(0), b₆ = b₇ − g₁/7,      b₅ = b₇ − 2 g₁/7 + g₂/42,  b₄ = b₇ − 3 g₁/7 + g₂/14 − g₃/210  (M84)
 //! ```
-//! Δⁿ(u) is that of the first n + 1 points after 7 − n steps of de Casteljau. Pieces of a curve that share their ends
-//! agree in p … p₃ there, so no blend is needed between them; p₄ jumps, and jerk rate is only bounded.
+//! Δⁿ(u) is that of the first n + 1 points after 7 − n steps of de Casteljau. Pieces of a curve that share
+//! their ends agree in p … p₃ there, so no blend is needed between them; p₄ jumps, and jerk rate is only
+//! bounded.
 //!
-//! Beside the curve a piece lies max |p₈| L⁸/(8! 2⁸) at most (Hermite's remainder); of a circle of 10 mm, 1e-10 mm at 3.2 mm.
+//! Beside the curve a piece lies max |p₈| L⁸/(8! 2⁸) at most (Hermite's remainder); of a circle of 10 mm,
+//! 1e-10 mm at 3.2 mm.
 //!
 //! Source: two-point Hermite interpolation in Bernstein's form.
 

@@ -1,5 +1,5 @@
-//! Random blocks and changes of speed over wide limits: within them, never backwards, ends exact, nothing that is not a
-//! number. `PITCHLOCK_BLOCKS` says how many.
+//! Random blocks and changes of speed over wide limits: within them, never backwards, ends exact, nothing
+//! that is not a number. `PITCHLOCK_BLOCKS` says how many.
 
 use motion::{FeedBlock, Limits, Sample, SpeedChange};
 use testing::{Seed, count};
@@ -66,8 +66,8 @@ fn block(random: &mut Seed, limits: &Limits) -> Option<FeedBlock> {
     Some(block)
 }
 
-/// A state of the block without jerk: within the constant acceleration of one of its ramps, or where both pulses of it
-/// meet. Taken from the ramp: hours of cruise would round the moment.
+/// A state of the block without jerk: within the constant acceleration of one of its ramps, or where both
+/// pulses of it meet. Taken from the ramp: hours of cruise would round the moment.
 fn settled(random: &mut Seed, block: &FeedBlock) -> Sample {
     let speeds_up = random.chance(0.5);
     let ramp = if speeds_up { block.accel() } else { block.decel() };
@@ -83,15 +83,17 @@ fn release(a: f64, limits: &Limits) -> f64 {
     0.5 * a * (2.0 * a_pos / limits.j).max((std::f64::consts::TAU * a_pos / limits.dj).sqrt())
 }
 
-/// A change of speed from a state that a block has left behind, and another that takes over from it. The target is one
-/// that a chain asks for: beyond what is left of a braking the speed would swing through 0, so there is none there.
+/// A change of speed from a state that a block has left behind, and another that takes over from it. The
+/// target is one that a chain asks for: beyond what is left of a braking the speed would swing through 0, so
+/// there is none there.
 fn change(random: &mut Seed, block: &FeedBlock, limits: &Limits) {
     let mut now = settled(random, block);
     for _ in 0..2 {
         let top = if now.a < 0.0 { (now.v + release(now.a, limits)).max(0.0) } else { limits.v };
         let target = top * share(random);
         let change = SpeedChange::plan(now.v, now.a, target, limits);
-        // While an acceleration is turned into braking the speed goes on rising: the chain looks at the top of it.
+        // While an acceleration is turned into braking the speed goes on rising: the chain looks at the top
+        // of it.
         let peak = change.peak();
         let most = Limits { v: limits.v.max(change.at(change.top()).v), ..*limits };
         assert!(within(&peak, &most), "{peak:?} over {limits:?} from {now:?} to {target}");

@@ -1,7 +1,7 @@
 //! Smooth curves in space by their length, in pieces: the direction turns in waves about two angles.
 //!
-//! The tangent is (cos ψ cos θ, cos ψ sin θ, sin ψ) with angles θ(s), ψ(s), sums of sines; its derivatives are those of
-//! products, the position is its integral (Gauss–Legendre, five points on each of many parts).
+//! The tangent is (cos ψ cos θ, cos ψ sin θ, sin ψ) with angles θ(s), ψ(s), sums of sines; its derivatives
+//! are those of products, the position is its integral (Gauss–Legendre, five points on each of many parts).
 
 use crate::programs::N;
 use motion::Path;

@@ -1,4 +1,5 @@
-//! Feed hold: it stops the machine on its path, within the way that the limits allow, and what follows is the same part.
+//! Feed hold: it stops the machine on its path, within the way that the limits allow, and what follows is the
+//! same part.
 
 use crate::programs::{N, program, through};
 use crate::rounded::{Rounded, distance};
@@ -110,7 +111,8 @@ fn a_hold_in_the_first_pulse_turns_it_back() {
             stand.tick(&Ask { hold: true, ..ask() });
             fastest = fastest.max(stand.speed());
         }
-        // The mirror image of the pulse doubles what it has gained; leading that back takes a²/J of speed more.
+        // The mirror image of the pulse doubles what it has gained; leading that back takes a²/J of speed
+        // more.
         let (t, a) = (moment as f64 * CYCLE_S, 2.0 * pressed.a);
         let most = a * t + a * a / AXES[0].j;
         assert!(fastest <= 1.3 * most + 1.0, "{fastest} mm/s, {most} expected, after a hold at {pressed:?}");

@@ -1,6 +1,6 @@
-//! Random programs under everything that an operator, a spindle and a slow sender do: every axis within its limits at
-//! every cycle, every block completed, the end reached exactly. `PITCHLOCK_PROGRAMS` says how many, and
-//! `PITCHLOCK_PROGRAM` runs the one of this number alone.
+//! Random programs under everything that an operator, a spindle and a slow sender do: every axis within its
+//! limits at every cycle, every block completed, the end reached exactly. `PITCHLOCK_PROGRAMS` says how many,
+//! and `PITCHLOCK_PROGRAM` runs the one of this number alone.
 
 use crate::programs::{Line, N, Place, end_of, program};
 use crate::stand::{AXES, CYCLE_S, Stand, ask};
@@ -65,7 +65,8 @@ fn run(number: u64) {
     stand.every = if random.chance(0.5) { 1 } else { 1 + random.next() % 60 };
     let mut asked = ask();
     while stand.tick(&asked) {
-        // Who holds and lets go all the time does not come to an end: at last the operator lets the machine go.
+        // Who holds and lets go all the time does not come to an end: at last the operator lets the machine
+        // go.
         if stand.ticks() < PLAYFUL {
             events.act(&mut random, &mut asked);
         }
@@ -88,7 +89,8 @@ fn random_programs_keep_every_limit_and_reach_their_end() {
     assert!(failures.is_empty(), "programs {failures:?}");
 }
 
-/// Nothing but a slow sender: as long as more is announced and comes at this pace, the chain waits for no one.
+/// Nothing but a slow sender: as long as more is announced and comes at this pace, the chain waits for no
+/// one.
 #[test]
 fn a_sender_of_one_block_a_cycle_is_fast_enough_for_blocks_of_a_cycle() {
     for number in 0..count("PITCHLOCK_PROGRAMS", 300) / 10 {

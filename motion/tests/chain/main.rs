@@ -1,4 +1,5 @@
-//! Chains of blocks: every axis within its limits at every moment, every target reached, on the path, in time.
+//! Chains of blocks: every axis within its limits at every moment, every target reached, on the path, in
+//! time.
 
 mod blocks;
 mod curve;

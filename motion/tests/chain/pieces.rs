@@ -1,4 +1,5 @@
-//! Pieces of curves on a chain: one path without joints, as fast as the curve allows, beside lines, held and stopped.
+//! Pieces of curves on a chain: one path without joints, as fast as the curve allows, beside lines, held and
+//! stopped.
 
 use crate::curve::Curve;
 use crate::programs::{CHORD_MM, Line, N, Place, end_of};
@@ -55,7 +56,8 @@ fn a_circle_in_pieces_takes_the_time_of_the_arc() {
     }
 }
 
-/// Shorter pieces have tighter bounds. They gain nothing worth while: those as long as their accuracy allows are good.
+/// Shorter pieces have tighter bounds. They gain nothing worth while: those as long as their accuracy allows
+/// are good.
 #[test]
 fn short_pieces_are_hardly_faster() {
     for seed in 0..4 {
@@ -71,7 +73,8 @@ fn short_pieces_are_hardly_faster() {
     }
 }
 
-/// Where no limit binds the feed is as programmed, along the path and of the tip in space; nothing is rounded at joints.
+/// Where no limit binds the feed is as programmed, along the path and of the tip in space; nothing is rounded
+/// at joints.
 #[test]
 fn the_feed_is_constant_over_joints() {
     const FEED: f64 = 30.0;
@@ -115,7 +118,8 @@ fn speed_at_end(blocks: &[Line], number: usize) -> f64 {
     least
 }
 
-/// A line runs into a curve: a jump of curvature is made smooth, a corner is stopped at or rounded as the mode says.
+/// A line runs into a curve: a jump of curvature is made smooth, a corner is stopped at or rounded as the
+/// mode says.
 #[test]
 fn corners_between_pieces_and_lines() {
     let curve = Curve::random(&mut Seed::of_case(3), 0.0, 12.0);

@@ -1,5 +1,5 @@
-//! Random programs: lines short and long, corners sharp and flat, arcs and helices, curves in pieces, feeds of every
-//! kind, every path mode, little room beside the path.
+//! Random programs: lines short and long, corners sharp and flat, arcs and helices, curves in pieces, feeds
+//! of every kind, every path mode, little room beside the path.
 
 use crate::curve::Curve;
 use motion::Path;

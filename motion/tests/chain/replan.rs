@@ -1,7 +1,7 @@
 //! A plan made anew at any step is the plan: same path, same end, same time within a cycle.
 //!
-//! A change of an override that no block of the program goes by lets the chain plan again without asking for anything
-//! else.
+//! A change of an override that no block of the program goes by lets the chain plan again without asking for
+//! anything else.
 
 use crate::programs::{Line, program};
 use crate::rounded::Rounded;

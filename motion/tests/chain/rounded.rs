@@ -1,8 +1,9 @@
-//! Where a chain must lead, by the rules of path modes alone: no plan, no time. In: a program. Out: the position of the
-//! axes after any way on any block, mm; how far a point is from the programmed path, mm.
+//! Where a chain must lead, by the rules of path modes alone: no plan, no time. In: a program. Out: the
+//! position of the axes after any way on any block, mm; how far a point is from the programmed path, mm.
 //!
-//! A junction is rounded over an equal way on both sides. Between lines that is at most the shorter one, or their common
-//! length; beside an arc at most half of either element, with half the tolerance and not beyond the room that is left.
+//! A junction is rounded over an equal way on both sides. Between lines that is at most the shorter one, or
+//! their common length; beside an arc at most half of either element, with half the tolerance and not beyond
+//! the room that is left.
 
 use crate::programs::{Line, N};
 use crate::stand::Seen;
@@ -78,8 +79,8 @@ pub(crate) fn distance(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// Distance of a point, seen from the start of a path, from the nearest point of the path near `s`: never less than the
-/// true distance, because it is that of a point of the path.
+/// Distance of a point, seen from the start of a path, from the nearest point of the path near `s`: never
+/// less than the true distance, because it is that of a point of the path.
 pub(crate) fn nearest(path: &Path<N>, point: &[f64; N], s: f64) -> f64 {
     let clamped = |s: f64| s.clamp(0.0, path.length());
     let mut s = clamped(s);

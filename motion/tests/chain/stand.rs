@@ -1,10 +1,10 @@
 //! A test stand: feeds a chain and watches every cycle.
 //!
-//! Between two cycles h apart every derivative has to be the integral of the next one. What the trapezium with its
-//! correction by the end slopes leaves of an integral is bounded by the jerk rate D (Peano):
+//! Between two cycles h apart every derivative has to be the integral of the next one. What the trapezium
+//! with its correction by the end slopes leaves of an integral is bounded by the jerk rate D (Peano):
 //!
 //! ```text
-//! Δs − h/2 Σv + h²/12 Δa ≤ D h⁴/192,   Δv − h/2 Σa + h²/12 Δj ≤ √3/54 D h³,   Δa − h/2 Σj ≤ D h²/4,   Δj ≤ D h
+//! Δs − h/2 Σv + h²/12 Δa ≤ D h⁴/192,   Δv − h/2 Σa + h²/12 Δj ≤ √3/54 D h³,  Δa − h/2 Σj ≤ D h²/4,  Δj ≤ D h
 //! ```
 
 use crate::programs::{Line, N, Place, end_of};

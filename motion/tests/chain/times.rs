@@ -1,8 +1,8 @@
-//! Time of motion: single moves against the fastest ones with rectangular jerk, a finely divided contour against its
-//! feed and against stops.
+//! Time of motion: single moves against the fastest ones with rectangular jerk, a finely divided contour
+//! against its feed and against stops.
 //!
-//! A sin² pulse has the mean of half its peak, so a move from rest to rest takes the time of the fastest one with
-//! rectangular jerk at half the jerk (M27). That one has a closed form, by way L and limits V, A, J:
+//! A sin² pulse has the mean of half its peak, so a move from rest to rest takes the time of the fastest one
+//! with rectangular jerk at half the jerk (M27). That one has a closed form, by way L and limits V, A, J:
 //!
 //! ```text
 //! peak feed F:  L = 2 F sqrt(F/J) below F = A²/J, L = F²/A + F A/J above it, at most V
@@ -184,9 +184,9 @@ fn a_stub_does_not_slow_its_neighbours() {
     }
 }
 
-/// A long line behind a short one, or before it: the short one has the feed of the corner, the long one its own. Both
-/// together take hardly longer than with a stop between them: over its reach, up to a millimetre here, the blend takes a
-/// share of the acceleration.
+/// A long line behind a short one, or before it: the short one has the feed of the corner, the long one its
+/// own. Both together take hardly longer than with a stop between them: over its reach, up to a millimetre
+/// here, the blend takes a share of the acceleration.
 #[test]
 fn a_long_line_does_not_run_at_the_feed_of_a_corner() {
     for corner in [Corner::Blend(0.01), Corner::Blend(0.1)] {

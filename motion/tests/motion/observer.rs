@@ -1,7 +1,8 @@
-//! The spindle observer on quantised counts (M53): helix error in µm at a lead of 5 mm/rev, measured at 1 kHz.
+//! The spindle observer on quantised counts (M53): helix error in µm at a lead of 5 mm/rev, measured at 1
+//! kHz.
 //!
-//! The true angle is known in closed form, in revolutions; the encoder gives floor(4 N angle), the observer gets the
-//! middle of the count. Table of the design: maximum error per encoder, bandwidth and scenario.
+//! The true angle is known in closed form, in revolutions; the encoder gives floor(4 N angle), the observer
+//! gets the middle of the count. Table of the design: maximum error per encoder, bandwidth and scenario.
 
 use motion::SpindleObserver;
 
@@ -31,8 +32,8 @@ impl Spindle {
     }
 }
 
-/// Largest helix error in µm after settling, over `seconds`; several starting phases, so that no lucky beat between
-/// counts and cycles hides an error.
+/// Largest helix error in µm after settling, over `seconds`; several starting phases, so that no lucky beat
+/// between counts and cycles hides an error.
 fn worst_helix_error(lines: f64, f_o: f64, spindle: Spindle, seconds: f64) -> f64 {
     let quanta = 4.0 * lines;
     let mut worst = 0.0_f64;
@@ -51,8 +52,8 @@ fn worst_helix_error(lines: f64, f_o: f64, spindle: Spindle, seconds: f64) -> f6
     worst * LEAD_UM / quanta
 }
 
-/// The table is one run of each scenario, rounded to 0.01 µm; here the worst of four phases counts, and override
-/// and dip have sharp corners. Both directions give the same error to the phase of the count.
+/// The table is one run of each scenario, rounded to 0.01 µm; here the worst of four phases counts, and
+/// override and dip have sharp corners. Both directions give the same error to the phase of the count.
 #[test]
 fn m53_table_of_helix_errors() {
     let rows = [
@@ -62,7 +63,8 @@ fn m53_table_of_helix_errors() {
         (5000.0, 30.0, [0.04, 0.29, 0.37, 0.12]),
         (5000.0, 40.0, [0.05, 0.18, 0.20, 0.12]),
     ];
-    // Not exactly 500: 250/3 counts per cycle would lock the phase of the count for ever, a bias no spindle keeps.
+    // Not exactly 500: 250/3 counts per cycle would lock the phase of the count for ever, a bias no spindle
+    // keeps.
     let rpm500 = Spindle::constant(500.37);
     let scenarios = [
         ("constant", rpm500, 3.0),
@@ -87,8 +89,8 @@ fn m53_table_of_helix_errors() {
     }
 }
 
-/// Runs an observer at 30 Hz on the exact angle of a constant acceleration, in rev and s, and returns its errors in
-/// angle, speed and acceleration `lead` seconds after the last measurement.
+/// Runs an observer at 30 Hz on the exact angle of a constant acceleration, in rev and s, and returns its
+/// errors in angle, speed and acceleration `lead` seconds after the last measurement.
 fn steady_errors(speed: f64, acceleration: f64, lead: f64) -> [f64; 3] {
     let angle = |t: f64| (speed + 0.5 * acceleration * t) * t;
     let mut observer = SpindleObserver::new(30.0, T);
@@ -114,8 +116,8 @@ fn constant_acceleration_leaves_no_steady_error() {
     }
 }
 
-/// What `following` gives between two measurements is how the estimate moved from one to the other: half a cycle back,
-/// its speed is that of the way from the estimate before.
+/// What `following` gives between two measurements is how the estimate moved from one to the other: half a
+/// cycle back, its speed is that of the way from the estimate before.
 #[test]
 fn an_axis_that_follows_is_told_how_the_estimate_moves() {
     let mut observer = SpindleObserver::new(40.0, T);
@@ -135,8 +137,8 @@ fn an_axis_that_follows_is_told_how_the_estimate_moves() {
     }
 }
 
-/// 0.2 rev/min at 2500 lines: 33 counts/s come one by one. The speed observed still swings by about itself (1.2
-/// from top to bottom), with the full bandwidth by six times as much; what changes is seen at once.
+/// 0.2 rev/min at 2500 lines: 33 counts/s come one by one. The speed observed still swings by about itself
+/// (1.2 from top to bottom), with the full bandwidth by six times as much; what changes is seen at once.
 #[test]
 fn counts_that_come_one_by_one_are_averaged() {
     let unevenness = |mut observer: SpindleObserver| {

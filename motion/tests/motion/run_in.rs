@@ -1,7 +1,8 @@
 //! The shortest run-in of a thread: how soon the commanded Z lies on the helix. Ideal spindle, mm and s.
 //!
-//! Phase rule: the run-in is centred on the programmed start angle, C0 + ΔC/2, so the helix through the programmed
-//! start point is z = F (C − C0 − ΔC/2)/360 = V (p − T/2), p the time since C0 at programmed speed (M1, M10).
+//! Phase rule: the run-in is centred on the programmed start angle, C0 + ΔC/2, so the helix through the
+//! programmed start point is z = F (C − C0 − ΔC/2)/360 = V (p − T/2), p the time since C0 at programmed speed
+//! (M1, M10).
 
 use motion::{Limits, Ramp};
 
@@ -9,7 +10,8 @@ const LIMITS: Limits = Limits { v: 100.0, a: 500.0, j: 50_000.0, dj: 1.0e7 };
 const LEAD: f64 = 2.0;
 const POINTS: u32 = 200_000;
 
-/// Commanded Z at the first sample from which on the axis stays within `tolerance` mm of the helix, mm of travel.
+/// Commanded Z at the first sample from which on the axis stays within `tolerance` mm of the helix, mm of
+/// travel.
 fn travel_until_within(tolerance: f64, run_in: &Ramp) -> f64 {
     let last_outside = samples(run_in)
         .filter(|&(p, z)| (z - run_in.dv() * (p - 0.5 * run_in.duration())).abs() > tolerance)
@@ -54,8 +56,8 @@ fn run_in_meets_the_helix_at_1000_rpm() {
     assert!(one <= 1.20, "1 µm after {one} mm");
 }
 
-/// Sampled jerk, and the jerk regained from differences of the sampled acceleration, so that the law cannot excuse
-/// itself by reporting a jerk it does not make.
+/// Sampled jerk, and the jerk regained from differences of the sampled acceleration, so that the law cannot
+/// excuse itself by reporting a jerk it does not make.
 #[test]
 fn run_in_keeps_its_limits() {
     for s_rpm in [600.0, 1000.0] {

@@ -1,5 +1,5 @@
-//! Every channel of a machine: what it carries, from whom, to whom, how deep, and what happens when it is full.
-//! This file is the one place to change any of that.
+//! Every channel of a machine: what it carries, from whom, to whom, how deep, and what happens when it is
+//! full. This file is the one place to change any of that.
 
 use std::{any::Any, marker::PhantomData};
 
@@ -13,8 +13,8 @@ use super::{IpcError, Process, count::CountPacket, port};
 /// Machine code that may be on its way: the interpreter sends item `n` once `n - CODE_DEPTH` have been taken.
 pub const CODE_DEPTH: u64 = 64;
 
-// Two interpolator cycles of a machine with the longest (200 control cycles) fit, and a recorder that is woken for
-// every RECORD_WAKE cycles need not hurry.
+// Two interpolator cycles of a machine with the longest (200 control cycles) fit, and a recorder that is
+// woken for every RECORD_WAKE cycles need not hurry.
 const RECORD_DEPTH: usize = 1024;
 
 /// How often those who send to the recorder should wake it, control cycles.

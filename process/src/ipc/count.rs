@@ -1,4 +1,5 @@
-//! How many messages went through each channel, as every process counts its own ends and the launcher adds them up.
+//! How many messages went through each channel, as every process counts its own ends and the launcher adds
+//! them up.
 
 use protocol::Message;
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,10 @@
 //! The folder and the shared memory of a name space: made once, wiped when nobody of it lives.
 //!
-//! `<temporary files>/pitchlock-<user>/<id>/` holds what iceoryx2 keeps in files and sockets, `/dev/shm/pl<id>_*` what
-//! it keeps in shared memory, and `/dev/shm/pitchlock-<id>` says who owns it and where that folder is. Every living
-//! process of the name space, owner or not, holds a shared lock on that last file; the operating system drops the
-//! lock however the process ends. Who gets it exclusively knows that nobody is left, and wipes: the file itself last,
-//! so that a wipe that is interrupted will be repeated.
+//! `<temporary files>/pitchlock-<user>/<id>/` holds what iceoryx2 keeps in files and sockets,
+//! `/dev/shm/pl<id>_*` what it keeps in shared memory, and `/dev/shm/pitchlock-<id>` says who owns it and
+//! where that folder is. Every living process of the name space, owner or not, holds a shared lock on that
+//! last file; the operating system drops the lock however the process ends. Who gets it exclusively knows
+//! that nobody is left, and wipes: the file itself last, so that a wipe that is interrupted will be repeated.
 
 use std::{
     fs::{self, File},
@@ -149,7 +149,8 @@ fn base() -> Result<PathBuf, IpcError> {
     Ok(base)
 }
 
-/// Takes the shared lock. Somebody who wipes may have been faster; then the marker is locked, or has no name any more.
+/// Takes the shared lock. Somebody who wipes may have been faster; then the marker is locked, or has no name
+/// any more.
 fn hold(alive: &File, marker: &Path) -> Result<(), IpcError> {
     flock(alive, FlockOperation::NonBlockingLockShared).map_err(|error| IpcError::file(marker, error))?;
     match alive.metadata() {

@@ -78,8 +78,8 @@ impl Member {
         Waker::open(&self.node, wake_name(process))
     }
 
-    /// Rendezvous. Waits until every one of these ports has found its other ends, tells the launcher, and returns
-    /// when it says that everybody has come so far.
+    /// Rendezvous. Waits until every one of these ports has found its other ends, tells the launcher, and
+    /// returns when it says that everybody has come so far.
     ///
     /// # Errors
     /// [`IpcError::NotConnected`] names the ports that have not found their other ends until the deadline.
@@ -94,8 +94,8 @@ impl Member {
         Ok(())
     }
 
-    /// Sleeps until another process wakes this one; returns at once if one did since the last time. It may return
-    /// without a reason, and one return may stand for many wake-ups: look at the receivers.
+    /// Sleeps until another process wakes this one; returns at once if one did since the last time. It may
+    /// return without a reason, and one return may stand for many wake-ups: look at the receivers.
     ///
     /// # Errors
     /// [`IpcError::Bus`] if the event is broken.
@@ -125,8 +125,8 @@ impl Member {
         self.ear.heard.is(GONE + process.number())
     }
 
-    /// Hands over the counts of all ports and waits until everybody has finished. Ports stay open until then, so
-    /// that nobody's last message finds its receiver gone.
+    /// Hands over the counts of all ports and waits until everybody has finished. Ports stay open until then,
+    /// so that nobody's last message finds its receiver gone.
     ///
     /// # Errors
     /// A refusal of iceoryx2.
@@ -161,8 +161,8 @@ fn connect(ports: &[&dyn Port], deadline: Moment) -> Result<(), IpcError> {
     }
 }
 
-/// Makes this process known to iceoryx2. Everything that iceoryx2 would do on its own is off: it cleans up nothing,
-/// catches no signals, reads no configuration file.
+/// Makes this process known to iceoryx2. Everything that iceoryx2 would do on its own is off: it cleans up
+/// nothing, catches no signals, reads no configuration file.
 pub(crate) fn create_node(folder: &Folder, process: Process) -> Result<Node, IpcError> {
     iceoryx2::prelude::set_log_level(LogLevel::Error);
     let name = process.name();
@@ -175,8 +175,8 @@ pub(crate) fn create_node(folder: &Folder, process: Process) -> Result<Node, Ipc
         .map_err(|error| IpcError::bus(&name, error))
 }
 
-/// Has this process killed when its owner ends in whatever way. A process that is its own owner (a test) is left
-/// alone.
+/// Has this process killed when its owner ends in whatever way. A process that is its own owner (a test) is
+/// left alone.
 fn die_with(owner: i32) -> Result<(), IpcError> {
     use rustix::process::{Pid, Signal, getpid, getppid, set_parent_process_death_signal};
     let owner = Pid::from_raw(owner);

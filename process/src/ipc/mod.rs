@@ -1,8 +1,8 @@
 //! The channels between the processes of one machine, over iceoryx2.
 //!
-//! The launcher owns a [`NameSpace`]: it creates every channel of [`channel`] before it starts a process, and wipes
-//! all traces in the end. Each process joins it as a [`Member`], opens [`Sender`]s and [`Receiver`]s, and stands at
-//! the start until everybody is connected:
+//! The launcher owns a [`NameSpace`]: it creates every channel of [`channel`] before it starts a process, and
+//! wipes all traces in the end. Each process joins it as a [`Member`], opens [`Sender`]s and [`Receiver`]s,
+//! and stands at the start until everybody is connected:
 //!
 //! ```no_run
 //! use process::ipc::{IpcError, Member, Patience, Process, channel, time::Moment};
@@ -29,10 +29,11 @@
 //! # }
 //! ```
 //!
-//! Three habits keep this safe. Data decide, never the wake-up: a receiver looks again after every wake, because one
-//! wake may stand for many messages or for none. Every message of a lossless channel is accounted for: the sender
-//! compares the receivers reached with those expected, the receiver checks the running number. And nobody cleans up
-//! while others work: only the owner does, when a process has died or all have ended.
+//! Three habits keep this safe. Data decide, never the wake-up: a receiver looks again after every wake,
+//! because one wake may stand for many messages or for none. Every message of a lossless channel is accounted
+//! for: the sender compares the receivers reached with those expected, the receiver checks the running
+//! number. And nobody cleans up while others work: only the owner does, when a process has died or all have
+//! ended.
 
 pub mod channel;
 mod count;

@@ -1,4 +1,5 @@
-//! The owner's side: a machine's own corner of shared memory, invisible to other machines on the same computer.
+//! The owner's side: a machine's own corner of shared memory, invisible to other machines on the same
+//! computer.
 
 use std::any::Any;
 
@@ -12,9 +13,11 @@ use super::{
     wake::{DONE, END, Ear, GONE, READY, ROLL_CALL, START, create_event, wake_name},
 };
 
-/// The channels of one machine. The launcher creates it before it starts processes, and drops it after they ended.
+/// The channels of one machine. The launcher creates it before it starts processes, and drops it after they
+/// ended.
 ///
-/// Whatever died whenever: the next `create` of this user wipes what was left, and touches nothing that lives.
+/// Whatever died whenever: the next `create` of this user wipes what was left, and touches nothing that
+/// lives.
 pub struct NameSpace {
     // In the order in which they have to go.
     member: Member,
@@ -112,7 +115,8 @@ impl NameSpace {
         Ok(self.silent(DONE))
     }
 
-    /// Tells everybody that a process has died, after its ports were taken away: senders that wait for it return.
+    /// Tells everybody that a process has died, after its ports were taken away: senders that wait for it
+    /// return.
     ///
     /// # Errors
     /// [`IpcError::Bus`] if the event is broken.

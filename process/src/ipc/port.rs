@@ -48,7 +48,8 @@ pub(crate) fn create_service<T: Payload>(
         .map_err(|error| IpcError::bus(&name, error))
 }
 
-/// Opens what the owner made. Only that type and size are the same is asked; the rest is read from the channel.
+/// Opens what the owner made. Only that type and size are the same is asked; the rest is read from the
+/// channel.
 fn open_service<T: Payload>(node: &Node, name: &str) -> Result<Service, IpcError> {
     use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as Error;
     let deadline = Moment::now().after(Duration::from_secs(2));
@@ -71,8 +72,8 @@ pub(crate) fn service_name(name: &str) -> Result<iceoryx2::prelude::ServiceName,
     format!("pitchlock/{name}").as_str().try_into().map_err(|error| IpcError::bus(name, error))
 }
 
-/// Name of a channel, of the type that it carries, with its version, and of its most bytes: ends that differ in any of these do
-/// not find each other.
+/// Name of a channel, of the type that it carries, with its version, and of its most bytes: ends that differ
+/// in any of these do not find each other.
 fn typed_name<T: Payload>(name: &str) -> Result<iceoryx2::prelude::ServiceName, IpcError> {
     service_name(&format!("{name}/{}/{}", T::NAME, T::MOST_BYTES))
 }

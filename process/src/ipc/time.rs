@@ -1,5 +1,5 @@
-//! Time of the operating system, for process shells only: moments, waiting for one, and the set-up that makes waking
-//! up punctual. Nothing here may reach a module, whose only time is the [`Cycle`](crate::Cycle).
+//! Time of the operating system, for process shells only: moments, waiting for one, and the set-up that makes
+//! waking up punctual. Nothing here may reach a module, whose only time is the [`Cycle`](crate::Cycle).
 
 use std::time::Duration;
 
@@ -50,8 +50,9 @@ pub fn sleep_until(moment: Moment) {
     {}
 }
 
-/// Keeps this process on one processor, numbered from 0. In virtual time all processes of a machine are fastest on
-/// the same one: each waits for the other anyway, and waking up on another costs more than taking turns.
+/// Keeps this process on one processor, numbered from 0. In virtual time all processes of a machine are
+/// fastest on the same one: each waits for the other anyway, and waking up on another costs more than taking
+/// turns.
 ///
 /// # Errors
 /// [`IpcError::System`] if there is no such processor.
@@ -64,8 +65,8 @@ pub fn pin_to(processor: usize) -> Result<(), IpcError> {
         .map_err(|error| IpcError::System { what: "pinning to a processor", source: error.into() })
 }
 
-/// Wakes this process as near to its moments as the operating system can: no timer slack, and before others that want
-/// the processor.
+/// Wakes this process as near to its moments as the operating system can: no timer slack, and before others
+/// that want the processor.
 ///
 /// # Errors
 /// [`IpcError::System`] if this user may not raise priorities. The slack is gone all the same.

@@ -1,13 +1,14 @@
 //! Wake-ups: one event per process, which everybody may ring and only that process hears.
 //!
-//! A wake-up carries a number. [`DATA`] only says "look"; the others are what the owner tells: start, end, and who has
-//! died. They are counted in shared memory and never lost, but several may arrive as one, and one may arrive for
-//! nothing: whoever waits looks at its receivers again.
+//! A wake-up carries a number. [`DATA`] only says "look"; the others are what the owner tells: start, end,
+//! and who has died. They are counted in shared memory and never lost, but several may arrive as one, and one
+//! may arrive for nothing: whoever waits looks at its receivers again.
 //!
-//! No sleep is without limit. iceoryx2 0.10.0 notifies in three steps: note the number, send a datagram, mark the event
-//! as notified. A listener that swallows the datagram of a sender who is interrupted before the third step, and sleeps
-//! again, lies beside an event that is marked: nobody sends a datagram to it any more. A listener whose sleep ends by
-//! itself finds what was noted. The limit costs nothing, and decides nothing but how long such a rare case takes.
+//! No sleep is without limit. iceoryx2 0.10.0 notifies in three steps: note the number, send a datagram, mark
+//! the event as notified. A listener that swallows the datagram of a sender who is interrupted before the
+//! third step, and sleeps again, lies beside an event that is marked: nobody sends a datagram to it any more.
+//! A listener whose sleep ends by itself finds what was noted. The limit costs nothing, and decides nothing
+//! but how long such a rare case takes.
 
 use std::time::Duration;
 
@@ -79,8 +80,8 @@ impl Waker {
         Ok(Waker { name, service, notifier })
     }
 
-    /// Tells the process that there may be data. If it has died, nobody is woken, and that is no error: whoever
-    /// waits for its answer will notice.
+    /// Tells the process that there may be data. If it has died, nobody is woken, and that is no error:
+    /// whoever waits for its answer will notice.
     ///
     /// # Errors
     /// [`IpcError::Bus`] if the event is broken.

@@ -93,8 +93,8 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     Ok(member.finish(&counts)?)
 }
 
-/// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock step it
-/// is there; in real time the newest one counts.
+/// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock
+/// step it is there; in real time the newest one counts.
 fn take_status(
     member: &mut Member,
     to: &mut ToAxis,
@@ -120,8 +120,8 @@ fn take_status(
     }
 }
 
-/// Takes machine code and gives credit. In lock step until the queue is full or the program has ended, so that nothing
-/// depends on how fast the interpreter is.
+/// Takes machine code and gives credit. In lock step until the queue is full or the program has ended, so
+/// that nothing depends on how fast the interpreter is.
 fn take_code(
     member: &mut Member,
     interpolator: &mut Interpolator,

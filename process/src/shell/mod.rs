@@ -1,6 +1,7 @@
 //! What the process shells have in common: their arguments, their errors, their clock.
 //!
-//! A shell reads its configuration, opens its ports, and then receives, ticks and sends until the last measurement.
+//! A shell reads its configuration, opens its ports, and then receives, ticks and sends until the last
+//! measurement.
 
 mod args;
 pub mod interpolator;
@@ -115,8 +116,8 @@ pub fn wait(member: &mut Member, clock: Clock) -> Result<(), ShellError> {
     Ok(())
 }
 
-/// Sends a message, and goes on without receivers that have died: the launcher sees that and ends the run. In real time
-/// a queue that stays full costs the message, which its receiver counts as lost.
+/// Sends a message, and goes on without receivers that have died: the launcher sees that and ends the run. In
+/// real time a queue that stays full costs the message, which its receiver counts as lost.
 ///
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.

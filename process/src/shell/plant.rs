@@ -1,7 +1,8 @@
 //! The process of the plant: it beats the time of the machine.
 //!
-//! In lock step a cycle lasts until every drive has its command; in real time until the next moment of the clock, and
-//! what has not come by then is a late answer: the drive holds the command before, and trips at the third in a row.
+//! In lock step a cycle lasts until every drive has its command; in real time until the next moment of the
+//! clock, and what has not come by then is a late answer: the drive holds the command before, and trips at
+//! the third in a row.
 
 use std::{path::PathBuf, time::Duration};
 
@@ -189,8 +190,8 @@ impl Beat {
         Beat { period, next: Moment::now().after(period.unwrap_or_default()) }
     }
 
-    /// Sleeps to the end of the cycle. If this process was itself held up, the next cycle keeps at least half of its
-    /// length: the regulators need it.
+    /// Sleeps to the end of the cycle. If this process was itself held up, the next cycle keeps at least half
+    /// of its length: the regulators need it.
     fn wait(&mut self) {
         let Some(period) = self.period else { return };
         sleep_until(self.next);

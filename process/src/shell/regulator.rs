@@ -74,8 +74,9 @@ struct Frames {
 }
 
 impl Frames {
-    /// The frame that takes effect with this measurement: one interpolator cycle after the tick that made it. In lock
-    /// step it is waited for, because it is on its way; in real time one that is late takes effect when it comes.
+    /// The frame that takes effect with this measurement: one interpolator cycle after the tick that made it.
+    /// In lock step it is waited for, because it is on its way; in real time one that is late takes effect
+    /// when it comes.
     fn due(
         &mut self,
         member: &mut Member,

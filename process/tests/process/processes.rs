@@ -1,4 +1,5 @@
-//! Name spaces across processes that live, die and are killed. This test program starts itself in other roles.
+//! Name spaces across processes that live, die and are killed. This test program starts itself in other
+//! roles.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::{

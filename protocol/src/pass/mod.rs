@@ -1,8 +1,8 @@
-//! A threading pass as one packet: S, C0, ΔC, ΔZ, ΔX of the run-in, the angle where the thread ends, and the same
-//! for the run-out. It travels whole, before anything moves (self-contained rule).
+//! A threading pass as one packet: S, C0, ΔC, ΔZ, ΔX of the run-in, the angle where the thread ends, and the
+//! same for the run-out. It travels whole, before anything moves (self-contained rule).
 //!
-//! Angles in degrees of the spindle since the index the pass starts from, growing in the direction of the spindle;
-//! lengths in mm; S in 1/min.
+//! Angles in degrees of the spindle since the index the pass starts from, growing in the direction of the
+//! spindle; lengths in mm; S in 1/min.
 
 mod stored;
 
@@ -15,9 +15,9 @@ use crate::{
     units::{Axis, PerAxis, Position},
 };
 
-/// What one axis does in a pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead (M13),
-/// the lead (M14), a brake (M15), and a stroke out (M2). A part that does not occur has length or lead 0; the retract
-/// window is given all the same, because it says how long the axis belongs to the pass.
+/// What one axis does in a pass, as a function of the spindle angle: a stroke in (M2), a ramp onto its lead
+/// (M13), the lead (M14), a brake (M15), and a stroke out (M2). A part that does not occur has length or lead
+/// 0; the retract window is given all the same, because it says how long the axis belongs to the pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct AxisLaw {
@@ -71,8 +71,8 @@ impl AxisLaw {
         stroke.max(run_in)
     }
 
-    /// Angle at which the run-out of this axis begins, degrees. The retract window counts even if its stroke is 0:
-    /// an axis that only holds is in the pass as long as the others.
+    /// Angle at which the run-out of this axis begins, degrees. The retract window counts even if its stroke
+    /// is 0: an axis that only holds is in the pass as long as the others.
     pub fn leaves_deg(&self) -> f64 {
         if self.lead_mm != 0.0 { self.retract_c_deg.min(self.brake_c_deg) } else { self.retract_c_deg }
     }

@@ -1,7 +1,8 @@
-//! A pass as it is sent and kept in files. In: a [`ThreadPass`]. Out: the same, bit for bit, in a fifth of the bytes.
+//! A pass as it is sent and kept in files. In: a [`ThreadPass`]. Out: the same, bit for bit, in a fifth of
+//! the bytes.
 //!
-//! What an axis does not do is left out, the windows that all axes on a helix have in common stand once, an end is told
-//! by its way from the start, and numbers that people choose are short ([`Short`]).
+//! What an axis does not do is left out, the windows that all axes on a helix have in common stand once, an
+//! end is told by its way from the start, and numbers that people choose are short ([`Short`]).
 
 use core::fmt::{Formatter, Result as Written};
 

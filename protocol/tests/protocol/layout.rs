@@ -1,5 +1,5 @@
-//! The layout of every message of one size. A channel compares name and size of what it carries, but not the order of the
-//! fields: whoever changes a layout has to change the version in the type's name, and this file.
+//! The layout of every message of one size. A channel compares name and size of what it carries, but not the
+//! order of the fields: whoever changes a layout has to change the version in the type's name, and this file.
 
 use std::mem::offset_of;
 

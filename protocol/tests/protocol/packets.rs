@@ -1,4 +1,5 @@
-//! Machine code as packets: every item travels, each kind within its size; damaged, cut off and foreign bytes are refused.
+//! Machine code as packets: every item travels, each kind within its size; damaged, cut off and foreign bytes
+//! are refused.
 #![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;

@@ -127,7 +127,8 @@ fn traces_that_no_interpreter_sends_are_refused() {
     }
 }
 
-/// A layout that cannot be compared field by field: whoever changes it has to change the version in the name of the packet.
+/// A layout that cannot be compared field by field: whoever changes it has to change the version in the name
+/// of the packet.
 #[test]
 fn the_bytes_of_a_trace_are_those_of_this_version() {
     let of = |trace: &Work| {

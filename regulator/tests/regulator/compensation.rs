@@ -203,8 +203,8 @@ fn a_worn_axis_is_where_it_is_commanded() {
     assert!(corrected.iter().all(|um| *um < 0.02), "{corrected:?}");
 }
 
-/// With a scale the loop sees the slide: what the controller does not know of the screw goes away, and the servo error is
-/// that of the slide.
+/// With a scale the loop sees the slide: what the controller does not know of the screw goes away, and the
+/// servo error is that of the slide.
 #[test]
 fn a_scale_closes_the_loop_over_the_slide() {
     let plain = slide_errors(&machine(ideal));

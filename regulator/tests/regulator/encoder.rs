@@ -1,5 +1,5 @@
-//! Supervision of the spindle encoder (M70, M71) on angles that are known in closed form: what a spindle can do raises no
-//! alarm, what it cannot is named.
+//! Supervision of the spindle encoder (M70, M71) on angles that are known in closed form: what a spindle can
+//! do raises no alarm, what it cannot is named.
 
 use machine::Machine;
 use protocol::{Cycle, Fault, Measurement};
@@ -55,7 +55,8 @@ impl Bench {
         self.go_blind(angle)
     }
 
-    /// At a constant speed for some turns, or until a fault is found; whether the index is seen, turn by turn.
+    /// At a constant speed for some turns, or until a fault is found; whether the index is seen, turn by
+    /// turn.
     fn turn_on(&mut self, rpm: f64, turns: f64, seen: bool) -> Option<EncoderFault> {
         let start = self.before;
         let mut cycles = 0_u32;

@@ -1,4 +1,5 @@
-//! One regulator against a recorded or ideal machine: states, streams, encoder, structures of control, compensation.
+//! One regulator against a recorded or ideal machine: states, streams, encoder, structures of control,
+//! compensation.
 
 mod allocation;
 mod compensation;

@@ -1,5 +1,5 @@
-//! A stand for the regulator of one axis: frames, a spindle that does not turn evenly, and measurements. The axis goes
-//! 12 mm up in timed motion, 5 mm down and up again in a pass.
+//! A stand for the regulator of one axis: frames, a spindle that does not turn evenly, and measurements. The
+//! axis goes 12 mm up in timed motion, 5 mm down and up again in a pass.
 #![allow(clippy::unwrap_used, dead_code)]
 
 use machine::{AxisConfig, Machine};
@@ -100,8 +100,8 @@ fn measurement(cycle: u64, motor_mm: f64, scale_mm: f64) -> Measurement {
     measurement
 }
 
-/// Runs the regulator of X over everything. `axis` says where motor and scale are in a cycle, given the answer of the
-/// cycle before; `see` gets what was measured and what the regulator answered.
+/// Runs the regulator of X over everything. `axis` says where motor and scale are in a cycle, given the
+/// answer of the cycle before; `see` gets what was measured and what the regulator answered.
 pub(crate) fn run(
     machine: &Machine,
     mut axis: impl FnMut(u64, &Out) -> [f64; 2],

@@ -67,7 +67,8 @@ impl Friction {
     }
 }
 
-/// Runs a structure; `check` gets the course, the axis, measured position and answer of every cycle with a command.
+/// Runs a structure; `check` gets the course, the axis, measured position and answer of every cycle with a
+/// command.
 fn walk(change: impl FnOnce(&mut AxisConfig), mut check: impl FnMut(&Course, &AxisConfig, f64, &Out)) {
     let machine = machine(change);
     let config = &machine.axis[&protocol::Axis::X];

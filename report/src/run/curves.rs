@@ -1,5 +1,5 @@
-//! The curves of a report, gathered while the trace is read once. In: rows in mm and degrees. Out: curves in µm over
-//! degrees or turns, in mm, in per cent of limits, and over seconds.
+//! The curves of a report, gathered while the trace is read once. In: rows in mm and degrees. Out: curves in
+//! µm over degrees or turns, in mm, in per cent of limits, and over seconds.
 
 use protocol::{Axis, AxisState};
 use rig::observe::{PassReport, Summary};
@@ -10,12 +10,13 @@ use super::cutting::CutCurves;
 use super::traces::TraceCurves;
 use crate::envelope::Envelope;
 
-/// Points kept of all passes together; a single curve has at least [`LEAST_SLOTS`] and at most [`MOST_SLOTS`] intervals.
+/// Points kept of all passes together; a single curve has at least [`LEAST_SLOTS`] and at most [`MOST_SLOTS`]
+/// intervals.
 const ALL_SLOTS: usize = 12_000;
 const LEAST_SLOTS: usize = 60;
 const MOST_SLOTS: usize = 700;
-/// The tool path keeps a point when the tool has moved this far since the last one kept, mm; the distance is doubled
-/// whenever there are too many points.
+/// The tool path keeps a point when the tool has moved this far since the last one kept, mm; the distance is
+/// doubled whenever there are too many points.
 const PATH_STEP_MM: f64 = 0.02;
 const PATH_POINTS: usize = 24_000;
 

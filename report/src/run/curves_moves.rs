@@ -1,5 +1,5 @@
-//! The curves of timed motion. In: rows in mm and degrees. Out: contour error over seconds, deviation of the worst circle
-//! over the angle gone, in µm.
+//! The curves of timed motion. In: rows in mm and degrees. Out: contour error over seconds, deviation of the
+//! worst circle over the angle gone, in µm.
 
 use rig::observe::{CircleReport, Summary};
 use rig::trace::Row;

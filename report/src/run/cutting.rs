@@ -1,5 +1,5 @@
-//! What cutting took: its table, its curves, its picture. In: reports of passes, rows of the trace. Out: N, N·m, kW, mm²
-//! a pass; force and torque over seconds since the tool went in.
+//! What cutting took: its table, its curves, its picture. In: reports of passes, rows of the trace. Out: N,
+//! N·m, kW, mm² a pass; force and torque over seconds since the tool went in.
 
 use maud::{Markup, html};
 use rig::observe::{CuttingReport, PassReport, Summary};

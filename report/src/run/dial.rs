@@ -1,7 +1,8 @@
-//! A polar picture on straight axes, which the bundle of the plotting script has. In: values around a circle, the range
-//! of the values. Out: traces and a layout with rings, spokes and their numbers.
+//! A polar picture on straight axes, which the bundle of the plotting script has. In: values around a circle,
+//! the range of the values. Out: traces and a layout with rings, spokes and their numbers.
 //!
-//! A value r at the angle θ is drawn at the distance r − r₀ from the middle, with r₀ the value of the middle itself.
+//! A value r at the angle θ is drawn at the distance r − r₀ from the middle, with r₀ the value of the middle
+//! itself.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,5 @@
-//! The figures of a trace: deviation, direction and feed over the way, and a map of the deviation over the part.
+//! The figures of a trace: deviation, direction and feed over the way, and a map of the deviation over the
+//! part.
 
 use rig::observe::{TraceReport, WorkKind};
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
-//! The report of a run: one page, `report.html`, that opens without a network, reads well on a phone and on paper.
-//! In: a run folder (`summary.json`, the trace, the program). Out: `report.html` in the same folder.
+//! The report of a run: one page, `report.html`, that opens without a network, reads well on a phone and on
+//! paper. In: a run folder (`summary.json`, the trace, the program). Out: `report.html` in the same folder.
 
 mod by_pass;
 mod curves;
@@ -50,8 +50,8 @@ struct Run {
     program: Option<String>,
 }
 
-/// Draws `report.html` into a run folder and gives its path. A run without a trace, or with a damaged one, is drawn as
-/// far as it goes, and the page says so.
+/// Draws `report.html` into a run folder and gives its path. A run without a trace, or with a damaged one, is
+/// drawn as far as it goes, and the page says so.
 ///
 /// # Errors
 /// [`ReportError`] names the file.

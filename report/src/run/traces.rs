@@ -1,5 +1,6 @@
-//! Contours, surfaces and seams: their table, and the curves gathered for their pictures. In: reports of traces, rows of
-//! the trace. Out: µm, degrees and mm/min over the way in mm, and the deviation over the part.
+//! Contours, surfaces and seams: their table, and the curves gathered for their pictures. In: reports of
+//! traces, rows of the trace. Out: µm, degrees and mm/min over the way in mm, and the deviation over the
+//! part.
 
 use maud::{Markup, html};
 use protocol::Axis;

@@ -3,12 +3,12 @@
 use protocol::Axis;
 use rig::observe::{Outcome, PassReport, Summary, TraceReport, WorkKind};
 
-/// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is several
-/// times what a sound machine shows.
+/// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is
+/// several times what a sound machine shows.
 const LOOK_UM: f64 = 5.0;
 
-/// A slide further than this from its programmed place in the thread deserves a look, µm; elasticity and friction alone
-/// make three or four.
+/// A slide further than this from its programmed place in the thread deserves a look, µm; elasticity and
+/// friction alone make three or four.
 const LOOK_SLIDE_UM: f64 = 8.0;
 
 /// Timed motion further than this from its path deserves a look, µm; a sound machine keeps within a few.
@@ -100,8 +100,8 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     }
     let worst = |of: fn(&PassReport) -> f64| cut.iter().map(|pass| of(pass)).fold(0.0, f64::max);
     let spread = summary.thread.phase_spread_um;
-    // Where backlash is compensated, or the loop closes over a scale, the nut stands off on purpose, so that the slide
-    // does not.
+    // Where backlash is compensated, or the loop closes over a scale, the nut stands off on purpose, so that
+    // the slide does not.
     let both = worst(|pass| pass.helix_max_abs_um.min(pass.slide_helix_max_abs_um));
     let grade = if both.max(spread) > LOOK_UM { Grade::Look } else { Grade::Good };
     let same = if cut.len() > 1 {
@@ -125,7 +125,8 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     }
 }
 
-/// How far the passes are from their helix: at the nut, which the controller leads, and at the slide behind it.
+/// How far the passes are from their helix: at the nut, which the controller leads, and at the slide behind
+/// it.
 pub(super) fn helix(summary: &Summary) -> String {
     let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
     let (nut, slide) = (worst(|pass| pass.helix_max_abs_um), worst(|pass| pass.slide_helix_max_abs_um));

@@ -1,5 +1,6 @@
-//! How round a circle is. In: the arcs of the program that go around at least half, by their lines, and one [`Record`]
-//! each control cycle, mm. Out: for every such arc that was travelled, how far the true path was from its radius, µm.
+//! How round a circle is. In: the arcs of the program that go around at least half, by their lines, and one
+//! [`Record`] each control cycle, mm. Out: for every such arc that was travelled, how far the true path was
+//! from its radius, µm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -8,9 +9,9 @@
 //! | ψ | degrees | direction of c from m, from the first axis of the plane to the second |
 //! | d | µm | deviation: \|p − m\| − R |
 //!
-//! A circle begins where c lies on it and moves along it while its line is in hand, and ends where c leaves it. A
-//! *quadrant* is one of the four directions in which one of the axes turns back; its glitch is the deviation farthest
-//! from the mean of the circle within [`QUADRANT_DEG`] of it.
+//! A circle begins where c lies on it and moves along it while its line is in hand, and ends where c leaves
+//! it. A *quadrant* is one of the four directions in which one of the axes turns back; its glitch is the
+//! deviation farthest from the mean of the circle within [`QUADRANT_DEG`] of it.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +19,8 @@ use protocol::{Arc, Axis, AxisState, Code, Item, PerAxis, Position};
 
 use super::{CircleReport, Record};
 
-/// A commanded point that is nearer to the circle than this lies on it, mm. Where a rounded corner leads to the circle or
-/// away from it, the path leaves it on purpose.
+/// A commanded point that is nearer to the circle than this lies on it, mm. Where a rounded corner leads to
+/// the circle or away from it, the path leaves it on purpose.
 const ON_MM: f64 = 0.000_5;
 /// Largest part of the commanded speed that may lead away from the circle.
 const AWAY: f64 = 0.02;
@@ -74,8 +75,8 @@ pub(super) struct Circles {
     reports: Vec<CircleReport>,
 }
 
-/// Finds what an [`Observer`](super::Observer) wants to know of a program beforehand: its passes, its formulas and traces,
-/// and the arcs that go around at least half. Give it every item in order.
+/// Finds what an [`Observer`](super::Observer) wants to know of a program beforehand: its passes, its
+/// formulas and traces, and the arcs that go around at least half. Give it every item in order.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     at: PerAxis<Position>,

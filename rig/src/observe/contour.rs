@@ -1,5 +1,5 @@
-//! How far the axes are from the commanded path in timed motion. In: one [`Record`] each control cycle, mm. Out: the
-//! contour error, µm.
+//! How far the axes are from the commanded path in timed motion. In: one [`Record`] each control cycle, mm.
+//! Out: the contour error, µm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -9,7 +9,8 @@
 //! ```text
 //! e = p − c,   contour error = |e − (e·v) v/v²|          the part that is normal to the motion
 //! ```
-//! What is along the path is a matter of time, not of shape, and is left out. Rotary axes have no place in a distance.
+//! What is along the path is a matter of time, not of shape, and is left out. Rotary axes have no place in a
+//! distance.
 
 use protocol::AxisState;
 
@@ -18,8 +19,8 @@ use super::{MovesReport, Record};
 /// Slower than this is standing, mm/s: there is no direction to be normal to.
 const STANDS_MM_S: f64 = 1e-3;
 
-/// The contour error of linear axes, each as true minus commanded position and commanded speed, mm and mm/s; `None` if
-/// they stand.
+/// The contour error of linear axes, each as true minus commanded position and commanded speed, mm and mm/s;
+/// `None` if they stand.
 pub(crate) fn contour_error_mm(axes: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let (mut error, mut along, mut speed) = (0.0, 0.0, 0.0);
     for (e, v) in axes {

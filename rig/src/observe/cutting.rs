@@ -1,5 +1,5 @@
-//! What cutting cost in one pass. In: the truth of every control cycle of the pass. Out: a [`CuttingReport`]; none if
-//! nothing was cut.
+//! What cutting cost in one pass. In: the truth of every control cycle of the pass. Out: a [`CuttingReport`];
+//! none if nothing was cut.
 
 use core::f64::consts::TAU;
 

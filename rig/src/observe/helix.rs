@@ -1,5 +1,5 @@
-//! How far a tool lies from the helix that the program means. In: true positions in mm and spindle angles in degrees.
-//! Out: errors in µm, their mean and slope over the thread.
+//! How far a tool lies from the helix that the program means. In: true positions in mm and spindle angles in
+//! degrees. Out: errors in µm, their mean and slope over the thread.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -12,8 +12,8 @@
 //! | w | rev | weight of a sample: the turn since the sample before it |
 //!
 //! ```text
-//! z_helix(C) = z_s + F (C − C_s)/360               the prolonged helix goes through the programmed start point
-//! phase = Σ w e / Σ w                              mean over the angle, so a spindle that dwells does not weigh more
+//! z_helix(C) = z_s + F (C − C_s)/360             the prolonged helix goes through the programmed start point
+//! phase = Σ w e / Σ w                      mean over the angle, so a spindle that dwells does not weigh more
 //! slope = Σ w (u − ū)(e − ē) / Σ w (u − ū)²        least squares
 //! ```
 
@@ -28,8 +28,8 @@ pub(super) struct Helix {
 }
 
 impl Helix {
-    /// The helix through the programmed start point at the programmed start angle. The law only says on which turn:
-    /// a run-in whose middle misses the start angle (phase rule) shows as a phase error.
+    /// The helix through the programmed start point at the programmed start angle. The law only says on which
+    /// turn: a run-in whose middle misses the start angle (phase rule) shows as a phase error.
     pub(super) fn of(pass: &ThreadPass, law: &AxisLaw) -> Helix {
         let middle = law.run_in_c0_deg + 0.5 * law.run_in_dc_deg;
         let turns = ((middle - pass.start_angle_deg) / 360.0).round();

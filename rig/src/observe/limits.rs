@@ -1,5 +1,5 @@
-//! Whether timed motion keeps to the limits of the axes. In: one [`Record`] each control cycle, mm and s. Out: the share
-//! of each limit that is used.
+//! Whether timed motion keeps to the limits of the axes. In: one [`Record`] each control cycle, mm and s.
+//! Out: the share of each limit that is used.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,8 +10,8 @@
 //! ```text
 //! |v| ≤ V,   |a| ≤ A,   |a(t) − a(t−h)| ≤ h J,   |a(t) − 2 a(t−h) + a(t−2h)| ≤ h² D
 //! ```
-//! The last two hold for every law with |j| ≤ J and |dj/dt| ≤ D, so they never accuse a good one. Between its ticks the
-//! law is not sent; what regulators interpolate there is theirs, and is not held against it.
+//! The last two hold for every law with |j| ≤ J and |dj/dt| ≤ D, so they never accuse a good one. Between its
+//! ticks the law is not sent; what regulators interpolate there is theirs, and is not held against it.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,9 @@
-//! The observer of the truth: sees what the plant really did, which no controller does, and measures every pass.
+//! The observer of the truth: sees what the plant really did, which no controller does, and measures every
+//! pass.
 //!
-//! In: once per control cycle a [`Record`], positions in mm, angles in degrees. Out: an [`Observation`], errors in
-//! µm, and the hash of the run. Errors are measured at the motor, the side that is controlled; those of the slide
-//! behind the elastic mode are reported apart.
+//! In: once per control cycle a [`Record`], positions in mm, angles in degrees. Out: an [`Observation`],
+//! errors in µm, and the hash of the run. Errors are measured at the motor, the side that is controlled;
+//! those of the slide behind the elastic mode are reported apart.
 //!
 //! A [`Summary`] is what `summary.json` holds.
 
@@ -109,7 +110,8 @@ pub struct Observation {
 }
 
 impl Observer {
-    /// An observer of a machine and of its program, of which what [`Watch`] wants is enough. A pass that no regulator would accept is not expected.
+    /// An observer of a machine and of its program, of which what [`Watch`] wants is enough. A pass that no
+    /// regulator would accept is not expected.
     pub fn new(machine: &Machine, items: &[Item]) -> Observer {
         let pass = |item: &Item| match item.code {
             Code::Pass(pass) if pass.check().is_ok() => Some((pass.pass, (item.line, pass))),
@@ -150,8 +152,8 @@ impl Observer {
         self.take_faults(record, is_tick);
     }
 
-    /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle angle,
-    /// otherwise as commanded.
+    /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle
+    /// angle, otherwise as commanded.
     pub fn programmed_mm(&self, record: &Record, axis: Axis) -> f64 {
         let in_pass = self.current.as_ref();
         in_pass.and_then(|pass| pass.programmed_mm(axis, record.truth.spindle_deg)).unwrap_or_else(|| {
@@ -195,8 +197,8 @@ impl Observer {
         }
     }
 
-    /// The true index lies at a multiple of 360°; the cycle that first shows it is less than half a turn away from
-    /// it in either direction of the spindle, so it is the nearest.
+    /// The true index lies at a multiple of 360°; the cycle that first shows it is less than half a turn away
+    /// from it in either direction of the spindle, so it is the nearest.
     fn take_index(&mut self, truth: &Truth) {
         if truth.measurement.index_number != self.index_number {
             self.index_number = truth.measurement.index_number;
@@ -276,8 +278,8 @@ impl Observer {
 }
 
 impl Observation {
-    /// The summary of a run, as far as it can be observed. `clock` is `virtual` or `real`; processes, channels, wall
-    /// time and deadline misses are for the launcher to fill.
+    /// The summary of a run, as far as it can be observed. `clock` is `virtual` or `real`; processes,
+    /// channels, wall time and deadline misses are for the launcher to fill.
     pub fn summary(self, program: &str, clock: &str) -> Summary {
         Summary {
             version: VERSION,

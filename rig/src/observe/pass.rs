@@ -1,5 +1,5 @@
-//! Measures one pass while it is cut. In: the true state and the statuses of every control cycle, mm and degrees.
-//! Out: a [`PassReport`], µm.
+//! Measures one pass while it is cut. In: the true state and the statuses of every control cycle, mm and
+//! degrees. Out: a [`PassReport`], µm.
 //!
 //! | window | cycles |
 //! |---|---|
@@ -195,8 +195,8 @@ impl PassObserver {
         }
     }
 
-    /// Takes a control cycle. `index_deg` is the true angle of the index that measurements show. Whether the pass
-    /// goes on.
+    /// Takes a control cycle. `index_deg` is the true angle of the index that measurements show. Whether the
+    /// pass goes on.
     pub(super) fn cycle(&mut self, record: &Record, index_deg: f64, is_tick: bool) -> bool {
         let had_index = self.index_deg().is_some();
         let (mut moving, mut waiting) = (false, false);
@@ -230,13 +230,15 @@ impl PassObserver {
         waiting
     }
 
-    /// True angle since the index that an axis took, in the direction of the pass, degrees; 0 before it took one.
+    /// True angle since the index that an axis took, in the direction of the pass, degrees; 0 before it took
+    /// one.
     fn angle_deg(&self, axis: Axis, spindle_deg: f64) -> f64 {
         let index = self.track(axis).and_then(|track| track.index_deg);
         index.map_or(0.0, |index| self.pass.direction * (spindle_deg - index))
     }
 
-    /// Where the pass wants an axis at the true spindle angle, mm; `None` while it does not belong to the pass.
+    /// Where the pass wants an axis at the true spindle angle, mm; `None` while it does not belong to the
+    /// pass.
     pub(super) fn programmed_mm(&self, axis: Axis, spindle_deg: f64) -> Option<f64> {
         let track = self.track(axis).filter(|track| track.state.is_in_pass())?;
         Some(track.start_mm + track.law.at(self.angle_deg(axis, spindle_deg)).s)

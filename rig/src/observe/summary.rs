@@ -1,7 +1,8 @@
 //! `summary.json`, version 1: what a run was, what it did, and how good its threads are.
 //!
-//! The observer fills what it can see ([`crate::observe::Observation::summary`]); processes, channels and wall time
-//! are the launcher's. Lengths in mm, errors in µm, angles in degrees, speeds in 1/min. Every number is finite.
+//! The observer fills what it can see ([`crate::observe::Observation::summary`]); processes, channels and
+//! wall time are the launcher's. Lengths in mm, errors in µm, angles in degrees, speeds in 1/min. Every
+//! number is finite.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -66,8 +67,8 @@ pub struct FaultReport {
     pub text: String,
 }
 
-/// Servo error of one axis in a pass: commanded minus measured at the sample instant, µm; or the error of its slide:
-/// commanded minus true.
+/// Servo error of one axis in a pass: commanded minus measured at the sample instant, µm; or the error of its
+/// slide: commanded minus true.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoError {
     /// Smallest while the axis runs in; 0 for an axis that does not.
@@ -78,7 +79,8 @@ pub struct ServoError {
     pub end_um: f64,
     /// Largest magnitude on the helix, its first sample included.
     pub thread_max_abs_um: f64,
-    /// Largest magnitude on the helix from one turn after it was reached: what is left when the run-in has died away.
+    /// Largest magnitude on the helix from one turn after it was reached: what is left when the run-in has
+    /// died away.
     pub settled_max_abs_um: f64,
 }
 
@@ -135,8 +137,8 @@ pub struct PassReport {
     pub x: ServoError,
     /// Servo error of Z.
     pub z: ServoError,
-    /// Error of the slide of X: commanded minus true slide, at the same instants. It holds what the servo error cannot
-    /// see: backlash, error of the screw, elasticity.
+    /// Error of the slide of X: commanded minus true slide, at the same instants. It holds what the servo
+    /// error cannot see: backlash, error of the screw, elasticity.
     #[serde(default)]
     pub x_slide: ServoError,
     /// Error of the slide of Z.
@@ -201,8 +203,8 @@ pub struct ThreadReport {
     pub phase_spread_um: f64,
 }
 
-/// Timed motion. Contour error: distance of the true position (linear axes, at the motors) from the commanded path,
-/// normal to it, while the axes move.
+/// Timed motion. Contour error: distance of the true position (linear axes, at the motors) from the commanded
+/// path, normal to it, while the axes move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MovesReport {
@@ -210,7 +212,8 @@ pub struct MovesReport {
     pub count: u64,
     /// Time in motion, s.
     pub time_s: f64,
-    /// Interpolator cycles in which an axis was commanded beyond a limit of its speed, acceleration, jerk or jerk rate.
+    /// Interpolator cycles in which an axis was commanded beyond a limit of its speed, acceleration, jerk or
+    /// jerk rate.
     pub limit_violations: u64,
     /// How often the machine stopped on its path because machine code did not come in time.
     pub starved: u32,
@@ -226,8 +229,8 @@ pub struct MovesReport {
     pub circles: Vec<CircleReport>,
 }
 
-/// A circle that was travelled. Deviation: distance of the true position (at the motors) from the centre, minus the
-/// radius.
+/// A circle that was travelled. Deviation: distance of the true position (at the motors) from the centre,
+/// minus the radius.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CircleReport {
     /// Line of the part program.
@@ -252,8 +255,9 @@ pub struct CircleReport {
     pub round_max_um: f64,
     /// Mean deviation.
     pub mean_um: f64,
-    /// Quadrant glitches at 0, 90, 180 and 270 degrees from the first axis to the second: the deviation farthest from
-    /// the mean within 15 degrees of it, less the mean; 0 for a quadrant that was not travelled.
+    /// Quadrant glitches at 0, 90, 180 and 270 degrees from the first axis to the second: the deviation
+    /// farthest from the mean within 15 degrees of it, less the mean; 0 for a quadrant that was not
+    /// travelled.
     pub quadrants_um: [f64; 4],
 }
 
@@ -308,7 +312,8 @@ pub struct Summary {
     pub thread: ThreadReport,
     /// Timed motion.
     pub moves: MovesReport,
-    /// Contours, surfaces and seams in the order of their cutting; of more than 200 those with the largest deviation.
+    /// Contours, surfaces and seams in the order of their cutting; of more than 200 those with the largest
+    /// deviation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub traces: Vec<TraceReport>,
     /// More of them, each with less deviation than those.

@@ -1,4 +1,5 @@
-//! A trace as comma-separated text. States are spelled by name; numbers in the shortest form that reads back exactly.
+//! A trace as comma-separated text. States are spelled by name; numbers in the shortest form that reads back
+//! exactly.
 
 use std::fs::File;
 use std::path::Path;

@@ -1,5 +1,6 @@
-//! A trace as MCAP: one channel, messages in little-endian CDR. Every field has eight bytes, so nothing needs padding:
-//! a message is the four bytes that announce little-endian CDR, and then the cells one after the other.
+//! A trace as MCAP: one channel, messages in little-endian CDR. Every field has eight bytes, so nothing needs
+//! padding: a message is the four bytes that announce little-endian CDR, and then the cells one after the
+//! other.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

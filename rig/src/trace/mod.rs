@@ -1,8 +1,9 @@
-//! What happened in every control cycle: one [`Row`] a cycle, written as MCAP or CSV, and read back from either.
+//! What happened in every control cycle: one [`Row`] a cycle, written as MCAP or CSV, and read back from
+//! either.
 //!
-//! An MCAP trace opens in Foxglove and PlotJuggler: one channel `/cycle`, messages in CDR with a `ros2msg` schema
-//! (every field eight bytes, so a cycle costs a fraction of what JSON would), chunks compressed with zstd. A CSV trace
-//! opens everywhere. Columns are the same in both, see [`columns`]; positions in mm.
+//! An MCAP trace opens in Foxglove and PlotJuggler: one channel `/cycle`, messages in CDR with a `ros2msg`
+//! schema (every field eight bytes, so a cycle costs a fraction of what JSON would), chunks compressed with
+//! zstd. A CSV trace opens everywhere. Columns are the same in both, see [`columns`]; positions in mm.
 
 mod csv_file;
 mod mcap_file;
@@ -61,7 +62,8 @@ pub struct TraceWriter {
 }
 
 impl TraceWriter {
-    /// Creates the trace of a machine with these axes in the order of the wire; a file of that name is replaced.
+    /// Creates the trace of a machine with these axes in the order of the wire; a file of that name is
+    /// replaced.
     ///
     /// # Errors
     /// Names the file and why it cannot be written.

@@ -1,6 +1,6 @@
-//! One control cycle as a row of columns. In: a record of the run. Out: cells of eight bytes, in one order for every
-//! file. Positions in mm, angles in degrees, speeds of the spindle in 1/min, of axes in mm/sⁿ, torques in N·m; degrees for
-//! mm where an axis is rotary.
+//! One control cycle as a row of columns. In: a record of the run. Out: cells of eight bytes, in one order
+//! for every file. Positions in mm, angles in degrees, speeds of the spindle in 1/min, of axes in mm/sⁿ,
+//! torques in N·m; degrees for mm where an axis is rotary.
 
 use protocol::{Axis, AxisState};
 
@@ -123,8 +123,8 @@ impl Row {
         self.axes.iter().find(|(other, _)| *other == axis).map(|(_, row)| row)
     }
 
-    /// Distance of the true position (linear axes, at the motors) from the commanded path, mm; `None` if the axes stand
-    /// or are not in timed motion.
+    /// Distance of the true position (linear axes, at the motors) from the commanded path, mm; `None` if the
+    /// axes stand or are not in timed motion.
     pub fn contour_error_mm(&self) -> Option<f64> {
         let linear = self.axes.iter().filter(|(axis, _)| !axis.is_rotary());
         let streaming = self.axes.iter().all(|(_, row)| row.state == AxisState::Streaming);
@@ -251,7 +251,8 @@ const CUT_COLUMNS: [(&str, &str); 4] = [
     ("spindle_torque", "N m, of the motor"),
 ];
 
-/// A name and a unit of what is measured of a contour, a surface or a seam, first by commanded, then by true positions.
+/// A name and a unit of what is measured of a contour, a surface or a seam, first by commanded, then by true
+/// positions.
 const TRACED_COLUMNS: [(&str, &str); 6] = [
     ("commanded_deviation", "mm"),
     ("commanded_angle", "deg"),

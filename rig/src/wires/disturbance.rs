@@ -1,7 +1,8 @@
-//! What can become of a message on a wire: it comes late, never, twice, damaged, or an old one comes in its place.
+//! What can become of a message on a wire: it comes late, never, twice, damaged, or an old one comes in its
+//! place.
 //!
-//! A disturbance knows a message as bytes, so that it is the same for all of them. A function of the wire and the cycle
-//! says which messages it concerns.
+//! A disturbance knows a message as bytes, so that it is the same for all of them. A function of the wire and
+//! the cycle says which messages it concerns.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -44,8 +45,8 @@ impl UnderWay {
     }
 }
 
-/// Messages come later, in order, by so many of the moments at which their wire carries one: ticks for a frame, control
-/// cycles for a drive command. Once late, a wire stays late.
+/// Messages come later, in order, by so many of the moments at which their wire carries one: ticks for a
+/// frame, control cycles for a drive command. Once late, a wire stays late.
 pub struct Late {
     by: usize,
     which: Which,

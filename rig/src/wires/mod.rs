@@ -1,7 +1,7 @@
-//! What lies between the modules of a [`Rig`](crate::Rig). Every message goes through the wires on its way: enters what a
-//! module has sent, leaves what arrives, which may be the same, something else or nothing. [`Straight`] wires change
-//! nothing and cost nothing; [`Disturbed`] wires delay, lose, double, damage or freeze what other wires carry, and can be
-//! stacked.
+//! What lies between the modules of a [`Rig`](crate::Rig). Every message goes through the wires on its way:
+//! enters what a module has sent, leaves what arrives, which may be the same, something else or nothing.
+//! [`Straight`] wires change nothing and cost nothing; [`Disturbed`] wires delay, lose, double, damage or
+//! freeze what other wires carry, and can be stacked.
 //!
 //! ```
 //! use machine::Machine;
@@ -38,17 +38,20 @@ pub enum Wire {
     Measurement(Axis),
     /// The frame of the tick before to the regulator of an axis.
     Frame(Axis),
-    /// The status of an axis, every cycle, to the interpolator, which looks at the latest one that has arrived.
+    /// The status of an axis, every cycle, to the interpolator, which looks at the latest one that has
+    /// arrived.
     Status(Axis),
-    /// The spindle command of the tick before to the plant, where the latest one that has arrived is in force.
+    /// The spindle command of the tick before to the plant, where the latest one that has arrived is in
+    /// force.
     Spindle,
-    /// The drive command of an axis, every cycle, to the plant. Without a new one the drive goes on with the one before.
+    /// The drive command of an axis, every cycle, to the plant. Without a new one the drive goes on with the
+    /// one before.
     Drive(Axis),
 }
 
-/// What lies between the modules. Each method carries one message: it is called once for each message that may arrive
-/// (`sent` is `None` if nobody has sent one), in the cycle in which the message is due, and gives what arrives instead.
-/// Unless a wire says otherwise, it is straight.
+/// What lies between the modules. Each method carries one message: it is called once for each message that
+/// may arrive (`sent` is `None` if nobody has sent one), in the cycle in which the message is due, and gives
+/// what arrives instead. Unless a wire says otherwise, it is straight.
 pub trait Wires {
     /// [`Wire::Code`].
     fn code<'a>(&'a mut self, _now: Cycle, sent: Option<&'a CodePacket>) -> Option<&'a CodePacket> {

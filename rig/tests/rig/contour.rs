@@ -1,5 +1,5 @@
-//! How near a mill keeps to a circle of 10 mm at 2 m/min: the whole machine in one process, its controllers knowing masses and
-//! frictions a little wrong, as in the built-in machine file.
+//! How near a mill keeps to a circle of 10 mm at 2 m/min: the whole machine in one process, its controllers
+//! knowing masses and frictions a little wrong, as in the built-in machine file.
 #![allow(clippy::unwrap_used)]
 
 use machine::{Machine, SMALL_MILL};

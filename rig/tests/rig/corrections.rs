@@ -1,5 +1,5 @@
-//! How fast work from formulas may be followed: what a correction leaves of its steps stays within the chord error, and
-//! pieces of small bends are ahead of the axes at any feed.
+//! How fast work from formulas may be followed: what a correction leaves of its steps stays within the chord
+//! error, and pieces of small bends are ahead of the axes at any feed.
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
@@ -45,8 +45,9 @@ fn run_as(items: &[Item], observed: &[Item]) -> Observation {
     Stand { machine: &mill(), items, scenario: "", seed: 5 }.run_as(observed, |_| None)
 }
 
-/// A line over z = 2 sin(x/3) under a ball of 3 mm, faster than a chord error of half a micrometre lets it be: what a
-/// correction leaves of its steps stays within that error, and steps along the tangent are half as long as exact ones.
+/// A line over z = 2 sin(x/3) under a ball of 3 mm, faster than a chord error of half a micrometre lets it
+/// be: what a correction leaves of its steps stays within that error, and steps along the tangent are half as
+/// long as exact ones.
 #[test]
 fn the_chord_error_binds_with_every_correction() {
     let formula = wave(2.0, 1.0 / 3.0);
@@ -101,7 +102,8 @@ fn small_bends_at_high_feed_do_not_run_dry() {
     assert!((took - foretold).abs() < 0.01 * foretold, "{took} s, foretold {foretold} s");
 }
 
-/// What is commanded beside the path is wrong, however true the axes are. With a correction its error is what is looked at.
+/// What is commanded beside the path is wrong, however true the axes are. With a correction its error is what
+/// is looked at.
 #[test]
 fn a_command_farther_off_than_the_chord_error_is_wrong() {
     let seen = |observed: &[Item]| run_as(&bends(0.0), observed).traces.remove(0);

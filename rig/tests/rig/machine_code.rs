@@ -1,4 +1,5 @@
-//! Machine code against the plant: how round the motors turn on arcs, what the operator does meanwhile, pauses, coolant.
+//! Machine code against the plant: how round the motors turn on arcs, what the operator does meanwhile,
+//! pauses, coolant.
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;

@@ -1,5 +1,5 @@
-//! What the operator does while the machine runs: overrides, hold, stop. Every change must keep the limits of every
-//! axis and end at the same place.
+//! What the operator does while the machine runs: overrides, hold, stop. Every change must keep the limits of
+//! every axis and end at the same place.
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;

@@ -1,6 +1,6 @@
-//! Seams whose direction goes through that of the turn axis, begins or ends there, or passes it by, in the whole machine:
-//! job, interpreter, interpolator, regulators, plant. No rotary axis turns by more than the direction asks for, and the beam
-//! stays on the seam.
+//! Seams whose direction goes through that of the turn axis, begins or ends there, or passes it by, in the
+//! whole machine: job, interpreter, interpolator, regulators, plant. No rotary axis turns by more than the
+//! direction asks for, and the beam stays on the seam.
 
 #![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 

@@ -1,10 +1,10 @@
-//! Somebody presses buttons at any moment: hold, cycle start, stop, abort, single block, in threads of every kind and in
-//! timed motion, by seeds and at every cycle around each border of a pass. An observer that knows nothing but the axes
-//! and the program checks every cycle of it:
+//! Somebody presses buttons at any moment: hold, cycle start, stop, abort, single block, in threads of every
+//! kind and in timed motion, by seeds and at every cycle around each border of a pass. An observer that knows
+//! nothing but the axes and the program checks every cycle of it:
 //!
 //! * no commanded position changes by more than V·T in a control cycle, no commanded speed by more than A·T;
-//! * whatever moves in a pass moves along its law: every pass is cut once, in its order, to its end and on its helix, or
-//!   was called off before anything moved, and is not reported as a pass;
+//! * whatever moves in a pass moves along its law: every pass is cut once, in its order, to its end and on
+//!   its helix, or was called off before anything moved, and is not reported as a pass;
 //! * nothing is done twice, nothing is left out, and after the end nothing moves.
 
 use std::collections::BTreeSet;
@@ -75,7 +75,8 @@ impl Job {
         Seen { cycles: observation.cycles, observation, moves, end_mm: last_mm, borders }
     }
 
-    /// Runs it with these presses. Cycle start is pressed again and again from `release` on: nobody waits for ever.
+    /// Runs it with these presses. Cycle start is pressed again and again from `release` on: nobody waits for
+    /// ever.
     fn press(&self, what: &str, presses: &[(u64, Request)], release: u64) {
         let seen = self.run(what, |cycle| {
             let pressed = presses.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
@@ -233,8 +234,8 @@ fn a_press_at_every_cycle_around_each_border_of_a_pass() {
     }
 }
 
-/// Interpolator cycles from the shortest to the longest that a machine file allows: a hold just before the index never
-/// leads one axis away alone.
+/// Interpolator cycles from the shortest to the longest that a machine file allows: a hold just before the
+/// index never leads one axis away alone.
 #[test]
 fn nothing_has_moved_when_a_pass_is_called_off_at_any_interpolator_cycle() {
     for ticks in [1_u32, 2, 4, 10, 20, 40] {

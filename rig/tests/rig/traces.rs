@@ -1,5 +1,5 @@
-//! Shape from formulas in the whole machine: what is commanded lies on the curve, the feed along it is what is asked for,
-//! and the operator can do what he does in any other move.
+//! Shape from formulas in the whole machine: what is commanded lies on the curve, the feed along it is what
+//! is asked for, and the operator can do what he does in any other move.
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
@@ -102,7 +102,8 @@ fn lines(zigzag: bool) -> Vec<Item> {
     ])
 }
 
-/// How far the ball is from touching the hill, mm: its centre lies 3 mm above the plane that touches the hill nearest to it.
+/// How far the ball is from touching the hill, mm: its centre lies 3 mm above the plane that touches the hill
+/// nearest to it.
 fn off_the_hill(tip: [f64; 3]) -> f64 {
     let [x, y, z] = [tip[0] - 20.0, tip[1] + 30.0, tip[2] + 103.0];
     let height = |x: f64, y: f64| 0.02 * x * x + 8.0 * libm::sin(x / 15.0) * libm::cos(y / 20.0);
@@ -193,7 +194,8 @@ fn a_surface_is_cut_leg_by_leg() {
     }
 }
 
-/// The published ratios of a step leave what they are known to leave: most without correction, and nothing adds up.
+/// The published ratios of a step leave what they are known to leave: most without correction, and nothing
+/// adds up.
 #[test]
 fn corrections_lead_the_followers_as_they_are_known_to() {
     let off_mm = |correction: Correction| {
@@ -298,7 +300,8 @@ fn traces_that_cannot_be_followed_are_faults_that_stop_the_axes_before() {
     assert!((-200.0..-190.0).contains(&end[0]), "{end:?}");
 }
 
-/// A rapid through the part: the machine refuses it before, whichever end of the way across is the higher one.
+/// A rapid through the part: the machine refuses it before, whichever end of the way across is the higher
+/// one.
 #[test]
 fn a_retract_below_the_surface_is_refused() {
     for (clear_mm, deeper) in [(-1.0, 0.5), (-6.0, 5.0)] {

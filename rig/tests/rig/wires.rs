@@ -1,5 +1,5 @@
-//! Wires that disturb: each does what it says to the messages it concerns and leaves the others alone; and what the
-//! machine makes of it.
+//! Wires that disturb: each does what it says to the messages it concerns and leaves the others alone; and
+//! what the machine makes of it.
 #![allow(clippy::unwrap_used)]
 
 use std::{cell::RefCell, rc::Rc};
@@ -17,7 +17,8 @@ use crate::stand::compiled;
 
 const FRAMES_OF_X: Wire = Wire::Frame(Axis::X);
 
-/// What arrives on a wire of frames of which each carries its moment as its line; a moment without a frame is 0.
+/// What arrives on a wire of frames of which each carries its moment as its line; a moment without a frame is
+/// 0.
 fn arriving(disturbance: impl Disturbance, sent: &[u32]) -> Vec<u32> {
     let mut wires = Straight.with(disturbance);
     let arrives = |(now, line): (usize, &u32)| {
@@ -121,7 +122,8 @@ fn disturbances_that_concern_nothing_change_nothing() {
     assert_eq!(run(wires, positions), run(Straight, positions));
 }
 
-/// Frames of the tick before, drive commands and statuses of this cycle, the panel in the cycle after the request.
+/// Frames of the tick before, drive commands and statuses of this cycle, the panel in the cycle after the
+/// request.
 #[test]
 fn an_exchange_shows_what_went_between_the_modules() {
     let machine = Machine::default();

@@ -1,6 +1,6 @@
-//! How closely a tool fits a surface where it touches it: whether it cuts into it, and how high the ridge is that it leaves
-//! to the next path. In: a formula, a place, a tool, the direction of the path seen from above. Out: curvatures 1/mm,
-//! lengths mm.
+//! How closely a tool fits a surface where it touches it: whether it cuts into it, and how high the ridge is
+//! that it leaves to the next path. In: a formula, a place, a tool, the direction of the path seen from
+//! above. Out: curvatures 1/mm, lengths mm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -19,12 +19,13 @@
 //! k = D_bb − D_tb²/D_tt,  h = k δ²/8, with the height of a circle h = 1/k − (1/k² − δ²/4)^½
 //! δ = p ((1 + ψ_x² + ψ_y²)/(1 + ψ_t²))^½                                                             (M89)
 //! ```
-//! Where rings turn, the place that is farthest from all paths lies on the way from corner to corner, which is ℓ long for
-//! p = 1: d from the sides of one ring and as far from the corner of the next, d = δ ℓ/(δ + ℓ). There 2 d takes the place
-//! of δ; on a level place it is 2 (2 − √2) p = 1.17 p.
+//! Where rings turn, the place that is farthest from all paths lies on the way from corner to corner, which
+//! is ℓ long for p = 1: d from the sides of one ring and as far from the corner of the next, d = δ ℓ/(δ + ℓ).
+//! There 2 d takes the place of δ; on a level place it is 2 (2 − √2) p = 1.17 p.
 //!
-//! k is the curvature, across the path and seen from the surface, of what the tool leaves behind: the surface it sweeps
-//! touches the tool all along its line of contact, the direction conjugate to t under D, and the surface along the path.
+//! k is the curvature, across the path and seen from the surface, of what the tool leaves behind: the surface
+//! it sweeps touches the tool all along its line of contact, the direction conjugate to t under D, and the
+//! surface along the path.
 //!
 //! Source: second fundamental forms, and the envelope of a moving body.
 
@@ -85,8 +86,8 @@ impl Touch {
         0.5 * (tt + bb) + libm::hypot(0.5 * (tt - bb), tb)
     }
 
-    /// How fast a tool and the surface part (D), by the direction of a path seen from above. Not finite where a tool that is
-    /// no ball touches a level place.
+    /// How fast a tool and the surface part (D), by the direction of a path seen from above. Not finite where
+    /// a tool that is no ball touches a level place.
     #[must_use]
     pub fn parting(&self, tool: &Tool, along: [f64; 2]) -> Parting {
         let [t, b] = self.frame(along);
@@ -166,8 +167,9 @@ impl Parting {
         k * half * half / (1.0 + (1.0 - (k * half) * (k * half)).max(0.0).sqrt())
     }
 
-    /// Whether a tool on neighbouring paths at the distance δ leaves a ridge between them: with k δ/2 ≥ 1 the round that it
-    /// sweeps does not reach as far. Of what is not finite this is not known, and it says that it does.
+    /// Whether a tool on neighbouring paths at the distance δ leaves a ridge between them: with k δ/2 ≥ 1 the
+    /// round that it sweeps does not reach as far. Of what is not finite this is not known, and it says that
+    /// it does.
     #[must_use]
     pub fn overlaps(&self, delta_mm: f64) -> bool {
         let share = self.ridge() * 0.5 * delta_mm;

@@ -1,5 +1,6 @@
-//! The surface that the tip of a tool moves on while the tool touches another one. In: gradient and second derivatives of
-//! the surface that is touched, the tool. Out: height, gradient and second derivatives under the tip. mm.
+//! The surface that the tip of a tool moves on while the tool touches another one. In: gradient and second
+//! derivatives of the surface that is touched, the tool. Out: height, gradient and second derivatives under
+//! the tip. mm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -16,7 +17,8 @@ use crate::Tool;
 
 impl Touch {
     /// The surface on which the tip of a tool moves while it touches this one, at the place of the tip that
-    /// belongs to this point (M93). `None` where the tool does not fit: where the surface is bent more than the tool.
+    /// belongs to this point (M93). `None` where the tool does not fit: where the surface is bent more than
+    /// the tool.
     #[must_use]
     pub fn under(&self, tool: &Tool) -> Option<Touch> {
         let ([gx, gy], [hxx, hxy, hyy]) = (self.slope, self.second);

@@ -1,7 +1,7 @@
 //! A formula as a short program in reverse Polish order: what machine code carries of an expression.
 //!
-//! Variables are numbered: 0 is x (or t), 1 is y. In memory, on the wire and in files an operation is one byte, and a
-//! constant eight bytes more:
+//! Variables are numbered: 0 is x (or t), 1 is y. In memory, on the wire and in files an operation is one
+//! byte, and a constant eight bytes more:
 //!
 //! | byte | operation |
 //! |---|---|
@@ -56,8 +56,8 @@ pub enum FormulaError {
     TooDeep,
     /// An operation lacks its arguments, or more than one value is left.
     Incomplete,
-    /// A constant that is not finite, a variable beyond the second, an exponent beyond its range, or a byte that is no
-    /// operation.
+    /// A constant that is not finite, a variable beyond the second, an exponent beyond its range, or a byte
+    /// that is no operation.
     OutOfRange,
 }
 
@@ -169,7 +169,8 @@ impl Formula {
         let mut stack = [T::constant(0.0); Formula::DEPTH];
         let mut top = 0;
         for op in self.ops() {
-            // `new` has counted: there are always as many values as an operation takes, and room for what it leaves.
+            // `new` has counted: there are always as many values as an operation takes, and room for what it
+            // leaves.
             top = top + 1 - arguments(&op);
             let last = top - 1;
             match op {

@@ -1,5 +1,5 @@
-//! A formula in a file and on the wire: its operations and its constants, as many as there are. Neither writing nor
-//! reading allocates.
+//! A formula in a file and on the wire: its operations and its constants, as many as there are. Neither
+//! writing nor reading allocates.
 
 use core::fmt::{Formatter, Result as Written};
 use core::marker::PhantomData;

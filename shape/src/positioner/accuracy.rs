@@ -1,5 +1,5 @@
-//! How far errors of its drives move the beam of a positioner on the part, and what drives a wanted accuracy needs.
-//! In: errors of slides in mm, of angles in rad, sizes in mm. Out: mm; symbols as in [`Positioner`].
+//! How far errors of its drives move the beam of a positioner on the part, and what drives a wanted accuracy
+//! needs. In: errors of slides in mm, of angles in rad, sizes in mm. Out: mm; symbols as in [`Positioner`].
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -21,7 +21,8 @@ pub struct DriveErrors {
 }
 
 impl Positioner {
-    /// M50: displacement of a point by small errors of the drives, mm, to first order. The y1, x1, x2 play no part.
+    /// M50: displacement of a point by small errors of the drives, mm, to first order. The y1, x1, x2 play no
+    /// part.
     #[must_use]
     pub fn linear_error(&self, point: [f64; 3], drives: &Drives, error: &Drives) -> [f64; 3] {
         let [x, y, z] = point;
@@ -47,15 +48,15 @@ impl Positioner {
         [x - x0, y - y0, z - z0]
     }
 
-    /// What is known when only a size L is: every length of the positioner and of the part is L at most. With it M52
-    /// is M51, whose factors √2 and √5 + √2 are attained.
+    /// What is known when only a size L is: every length of the positioner and of the part is L at most. With
+    /// it M52 is M51, whose factors √2 and √5 + √2 are attained.
     #[must_use]
     pub fn of_size(size_mm: f64) -> Positioner {
         Positioner { y2: size_mm, z2: size_mm, ..Positioner::default() }
     }
 
-    /// M52: largest displacement, to first order, of any point with coordinates no larger than `largest`, in any pose,
-    /// mm.
+    /// M52: largest displacement, to first order, of any point with coordinates no larger than `largest`, in
+    /// any pose, mm.
     #[must_use]
     pub fn error_bound(&self, largest: [f64; 3], errors: DriveErrors) -> [f64; 3] {
         let DriveErrors { linear_mm: m, angular_rad: d } = errors;
@@ -70,9 +71,9 @@ impl Positioner {
         errors.angular_rad * errors.angular_rad * (tilt / 2.0 + turn)
     }
 
-    /// M90: the largest errors that drives may have so that no point with coordinates no larger than `largest` is
-    /// displaced by more than `accuracy_mm` along any axis of the machine. Slides get `linear_share` of it, 0 to 1;
-    /// what M50 neglects is counted.
+    /// M90: the largest errors that drives may have so that no point with coordinates no larger than
+    /// `largest` is displaced by more than `accuracy_mm` along any axis of the machine. Slides get
+    /// `linear_share` of it, 0 to 1; what M50 neglects is counted.
     #[must_use]
     pub fn required(&self, largest: [f64; 3], accuracy_mm: f64, linear_share: f64) -> DriveErrors {
         let [tilt, turn] = self.arms(largest);
@@ -98,8 +99,8 @@ impl DriveErrors {
         [self.linear_mm + 2.0_f64.sqrt() * size_mm * self.angular_rad, self.linear_mm + turned, turned]
     }
 
-    /// Increments of the drives whose rounding stays within these errors: mm, rad. A drive that goes to the nearest
-    /// increment is off by half of one.
+    /// Increments of the drives whose rounding stays within these errors: mm, rad. A drive that goes to the
+    /// nearest increment is off by half of one.
     #[must_use]
     pub fn increments(self) -> (f64, f64) {
         (2.0 * self.linear_mm, 2.0 * self.angular_rad)

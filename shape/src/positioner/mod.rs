@@ -1,5 +1,6 @@
-//! Kinematics of the four-axis positioner: two slides, a tilting table on them, a turntable on that. A beam that stands
-//! still meets the part where the positioner brings it. In and out: mm, rad; angles are positive clockwise (M46).
+//! Kinematics of the four-axis positioner: two slides, a tilting table on them, a turntable on that. A beam
+//! that stands still meets the part where the positioner brings it. In and out: mm, rad; angles are positive
+//! clockwise (M46).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -9,8 +10,8 @@
 //! | xA, yA, zA | the point in the frame of the machine |
 //! | w, q | y2 − X sin β + Y cos β, X cos β + Y sin β |
 //!
-//! Equations M46–M52 after "Mathematical model of kinematics and requirements for drives of a precision positioning
-//! system", (2)–(10), with its misprints put right.
+//! Equations M46–M52 after "Mathematical model of kinematics and requirements for drives of a precision
+//! positioning system", (2)–(10), with its misprints put right.
 
 mod accuracy;
 
@@ -19,7 +20,8 @@ pub use accuracy::DriveErrors;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Offsets of a positioner, mm: from the frame of the machine to the axis of the tilt, from there to that of the turn.
+/// Offsets of a positioner, mm: from the frame of the machine to the axis of the tilt, from there to that of
+/// the turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Positioner {
     /// x1: along the tilt axis.
@@ -101,9 +103,10 @@ impl Positioner {
         about_x(drives.alpha, about_z(drives.beta, direction))
     }
 
-    /// M49: drives that bring `point` under a beam at `beam` (xA, yA) and turn `direction` onto +Z. α in −π … π, β the
-    /// turn nearest to `beta_near`; where the direction is ±Z every β would do, and it is `beta_near`. The direction
-    /// need not be of length 1; if it is 0 or not finite the drives are not finite.
+    /// M49: drives that bring `point` under a beam at `beam` (xA, yA) and turn `direction` onto +Z. α in −π …
+    /// π, β the turn nearest to `beta_near`; where the direction is ±Z every β would do, and it is
+    /// `beta_near`. The direction need not be of length 1; if it is 0 or not finite the drives are not
+    /// finite.
     #[must_use]
     pub fn inverse(
         &self,

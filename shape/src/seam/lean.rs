@@ -8,11 +8,12 @@
 //! | h | – | distance from ±Z with the sign of α |
 //!
 //! ```text
-//! f = (τ − τ₀) g,   g₃ = f₄,   gₙ = fₙ₊₁ + τ₀ gₙ₊₁;   h = ±(τ − τ₀) |g|,   (lx, ly)/h = ±g/|g|               (M98)
+//! f = (τ − τ₀) g,   g₃ = f₄,   gₙ = fₙ₊₁ + τ₀ gₙ₊₁;   h = ±(τ − τ₀) |g|,   (lx, ly)/h = ±g/|g|         (M98)
 //! f₄ = (3 d″ − η d‴)/12η² + O(η²),   d(η) = f(η) − f₀ − f₁ η − f₂ η² − f₃ η³
 //! ```
-//! So α goes through 0 or 180° and β stays on its way: the distance |f| would have a corner there, and its azimuth a step
-//! of 180°. Series end with f₃; f₄, of which the third derivative of β needs to know, comes from a place beside.
+//! So α goes through 0 or 180° and β stays on its way: the distance |f| would have a corner there, and its
+//! azimuth a step of 180°. Series end with f₃; f₄, of which the third derivative of β needs to know, comes
+//! from a place beside.
 
 use crate::number::Number;
 use crate::positioner::nearest_turn;
@@ -49,8 +50,8 @@ pub(super) struct Angles {
 }
 
 impl Lean {
-    /// A direction of a seam that goes on in the sense of ±1. Where it is ±Z all along, β is `idle`, rad. `fourth` finds
-    /// f₄.
+    /// A direction of a seam that goes on in the sense of ±1. Where it is ±Z all along, β is `idle`, rad.
+    /// `fourth` finds f₄.
     pub(super) fn of(
         [lx, ly, lz]: [Series; 3],
         sense: f64,
@@ -117,8 +118,8 @@ impl Lean {
     }
 }
 
-/// h and g of M98, if f goes through 0 within `rounded`; h is positive at the place, or where f is 0 there, behind it in
-/// the sense of the seam.
+/// h and g of M98, if f goes through 0 within `rounded`; h is positive at the place, or where f is 0 there,
+/// behind it in the sense of the seam.
 fn through(f: [Series; 2], fourth: [f64; 2], rounded: f64, sense: f64) -> Option<(Series, [Series; 2])> {
     // Ways are counted along f₁, where the root is a simple one.
     let [x1, y1] = f.map(|c| c.0[1]);

@@ -1,5 +1,5 @@
-//! A seam: where the beam is on the part, and the direction that is turned towards it. In: t. Out: the axes of the
-//! positioner that bring the seam under the beam (mm, degrees), with their derivatives.
+//! A seam: where the beam is on the part, and the direction that is turned towards it. In: t. Out: the axes
+//! of the positioner that bring the seam under the beam (mm, degrees), with their derivatives.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,10 +10,11 @@
 //! | n₁, n₂ | – | outward unit normals; θ the angle between them, σ the share of it |
 //!
 //! ```text
-//! p = at + r e(t) + h (axis + k e(t)),   F(p) = c0 + c1 h₂ + c2 h₂² + c3 ρ₂² = 0:  A h² + B h + C = 0        (M92)
+//! p = at + r e(t) + h (axis + k e(t)),   F(p) = c0 + c1 h₂ + c2 h₂² + c3 ρ₂² = 0:  A h² + B h + C = 0  (M92)
 //! h = 2C/(−B ∓ √(B² − 4AC)) = (−B ± √…)/2A,   l = sin((1 − σ)θ) n₁ + sin(σθ) n₂
 //! ```
-//! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49; `lean` has their angles.
+//! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49; `lean`
+//! has their angles.
 
 mod lean;
 
@@ -30,7 +31,8 @@ const BESIDE: f64 = 1e-3;
 /// Three coordinates as functions of t.
 type Vector = [Series; 3];
 
-/// Position and direction in the frame of the work-holder, as functions of t. The direction need not be of length 1.
+/// Position and direction in the frame of the work-holder, as functions of t. The direction need not be of
+/// length 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue of machine code holds it by value
 pub enum SeamCurve {
@@ -49,7 +51,8 @@ pub struct Meeting {
     pub first: Ruled,
     /// The other.
     pub second: Quadric,
-    /// A generator pierces the second surface twice: where it leaves its inside as h grows, else where it enters.
+    /// A generator pierces the second surface twice: where it leaves its inside as h grows, else where it
+    /// enters.
     pub leaving: bool,
     /// Direction between both outward normals: 0 that of the first, 1 that of the second, 1/2 the bisector.
     pub share: f64,
@@ -70,8 +73,8 @@ pub struct Ruled {
     pub slope: f64,
 }
 
-/// A surface of the second order about an axis: with the way h along it and the distance ρ from it, the points where
-/// `c0 + c1 h + c2 h² + c3 ρ² = 0`. What is positive is outside.
+/// A surface of the second order about an axis: with the way h along it and the distance ρ from it, the
+/// points where `c0 + c1 h + c2 h² + c3 ρ² = 0`. What is positive is outside.
 ///
 /// | | c0 | c1 | c2 | c3 |
 /// |---|---|---|---|---|
@@ -96,15 +99,15 @@ pub struct Seam {
     pub curve: SeamCurve,
     /// t at the start and at the end.
     pub t: [f64; 2],
-    /// Which of both solutions of M49 it is at the start; where the direction begins with ±Z, just behind it. A direction
-    /// that goes through ±Z takes it from one to the other.
+    /// Which of both solutions of M49 it is at the start; where the direction begins with ±Z, just behind it.
+    /// A direction that goes through ±Z takes it from one to the other.
     pub branch: Branch,
     /// β where the direction is ±Z all along the seam and any would do, degrees.
     pub idle_beta_deg: f64,
 }
 
-/// A seam on its positioner, as a [`Curve`] of the parameter of the seam. Axes: x, y, α, β. Its tip is the point of the
-/// seam: the beam travels along it.
+/// A seam on its positioner, as a [`Curve`] of the parameter of the seam. Axes: x, y, α, β. Its tip is the
+/// point of the seam: the beam travels along it.
 #[derive(Clone, Copy, Debug)]
 pub struct SeamPath<'a> {
     seam: &'a Seam,
@@ -114,8 +117,8 @@ pub struct SeamPath<'a> {
 }
 
 impl Seam {
-    /// The axes of a positioner along the seam; its beam stands at `beam` (xA, yA), mm. The first six formulas count,
-    /// if the seam is of formulas; where they lack it is nowhere.
+    /// The axes of a positioner along the seam; its beam stands at `beam` (xA, yA), mm. The first six
+    /// formulas count, if the seam is of formulas; where they lack it is nowhere.
     #[must_use]
     pub fn on<'a>(&'a self, formulas: &'a [Formula], positioner: Positioner, beam: [f64; 2]) -> SeamPath<'a> {
         SeamPath { seam: self, formulas, positioner, beam }
@@ -186,8 +189,8 @@ impl Curve<4> for SeamPath<'_> {
         Point { axes: self.axes(point, &angles), tip: point }
     }
 
-    /// At the start on the branch of the seam, behind it on that which is nearest, so α goes through 0 with the direction;
-    /// angles by the turns that are nearest.
+    /// At the start on the branch of the seam, behind it on that which is nearest, so α goes through 0 with
+    /// the direction; angles by the turns that are nearest.
     fn near(&self, t: f64, here: &[f64; 4]) -> Point<4> {
         let [point, direction] = self.place(t);
         let lean = self.lean(t, &direction);
@@ -269,7 +272,8 @@ impl Quadric {
         let b = (own * h0 * h1 + rest * dot(&from, along)) * 2.0 + h1 * c1;
         let c = own * h0 * h0 + rest * dot(&from, &from) + h0 * c1 + Series::constant(c0);
         let root = (b * b - a * c * 4.0).sqrt();
-        // F grows where the line leaves: there 2 A h + B = √…; of both forms of a root the one that does not cancel.
+        // F grows where the line leaves: there 2 A h + B = √…; of both forms of a root the one that does not
+        // cancel.
         let (sign, outwards) = if leaving { (1.0, b.value() >= 0.0) } else { (-1.0, b.value() <= 0.0) };
         if outwards { -(c * 2.0) / (b + root * sign) } else { (root * sign - b) / (a * 2.0) }
     }

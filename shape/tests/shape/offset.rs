@@ -1,9 +1,11 @@
-//! The tool on a surface and beside a contour, against distances that are found by search, without any derivative.
+//! The tool on a surface and beside a contour, against distances that are found by search, without any
+//! derivative.
 
 use proptest::prelude::*;
 use shape::{Contour, Curve, Formula, Function, Leg, Op, Pattern, Side, Surface, Tool, Touch};
 
-/// `a x + b y + c sin(x/p + q) cos(y/s)`: gentle enough for the tools below, steep enough never to be level if `tilted`.
+/// `a x + b y + c sin(x/p + q) cos(y/s)`: gentle enough for the tools below, steep enough never to be level
+/// if `tilted`.
 #[derive(Clone, Copy, Debug)]
 struct Wave {
     a: f64,

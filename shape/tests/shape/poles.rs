@@ -1,4 +1,5 @@
-//! Seams whose direction goes through that of the turn axis, ±Z, begins or ends there, or passes by: no axis jumps.
+//! Seams whose direction goes through that of the turn axis, ±Z, begins or ends there, or passes by: no axis
+//! jumps.
 
 #![allow(clippy::disallowed_methods)] // what is checked against may be platform maths
 
@@ -14,7 +15,8 @@ fn positioner() -> Positioner {
     Positioner { x1: 120.0, y1: -35.0, z1: 250.0, x2: 15.0, y2: 8.0, z2: -50.0 }
 }
 
-/// A seam along x, mm, whose direction leans by 0.02 t in a vertical plane, and by `beside` out of it, seen from ±Z.
+/// A seam along x, mm, whose direction leans by 0.02 t in a vertical plane, and by `beside` out of it, seen
+/// from ±Z.
 fn leaning(azimuth: f64, beside: f64, up: f64, t: [f64; 2], branch: Branch) -> Seam {
     let mut c = [[0.0; 8]; 6];
     let (sin, cos) = azimuth.sin_cos();
@@ -36,8 +38,8 @@ fn start(seam: &Seam) -> [f64; 4] {
     seam.on(&[], positioner(), BEAM).at(seam.t[0]).axes.map(|axis| axis.value())
 }
 
-/// Walks a seam as the interpolator does, and asks at a thousand places of each piece whether the beam is on the seam and
-/// looks along its direction.
+/// Walks a seam as the interpolator does, and asks at a thousand places of each piece whether the beam is on
+/// the seam and looks along its direction.
 fn walked(seam: &Seam) -> Result<Walk, SpanError> {
     let path = seam.on(&[], positioner(), BEAM);
     let from = start(seam);
@@ -86,8 +88,8 @@ fn joins(walk: &Walk) {
 
 const AZIMUTHS: [f64; 6] = [0.0, 0.3, PI / 2.0, 2.0, -1.0, PI];
 
-/// Of a direction that stays in a plane only the tilt moves, wherever the pole is: inside, at the start, at the end; in
-/// the middle of a piece or where the walker looks.
+/// Of a direction that stays in a plane only the tilt moves, wherever the pole is: inside, at the start, at
+/// the end; in the middle of a piece or where the walker looks.
 #[test]
 fn a_direction_goes_through_the_pole_in_a_plane() {
     for azimuth in AZIMUTHS {
@@ -137,8 +139,8 @@ fn a_direction_passes_the_pole_by() {
     assert!(matches!(near, Err(SpanError::Unresolved { .. })));
 }
 
-/// β bends where the direction goes through the pole on a curve: it has its slope there, not a jump, and derivatives up to
-/// the third are those of the places beside.
+/// β bends where the direction goes through the pole on a curve: it has its slope there, not a jump, and
+/// derivatives up to the third are those of the places beside.
 #[test]
 fn a_direction_goes_through_the_pole_on_a_curve() {
     let mut c = [[0.0; 8]; 6];
@@ -175,8 +177,8 @@ fn a_direction_goes_through_the_pole_on_a_curve() {
     }
 }
 
-/// A ring around a pipe that lies: its normal, across the pipe, goes through the pole at the top. Rounding of sine and
-/// cosine is in it.
+/// A ring around a pipe that lies: its normal, across the pipe, goes through the pole at the top. Rounding of
+/// sine and cosine is in it.
 #[test]
 fn a_ring_around_a_pipe_goes_over_the_top() {
     for degrees in [0.0_f64, 17.0, 45.0, 133.0] {

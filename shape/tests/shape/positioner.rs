@@ -41,9 +41,9 @@ fn the_matrices_give_m47() {
     }
 }
 
-/// Ten million poses, a third of them with a direction near ±Z: h down to 1e-15, and exactly 0. The part goes back
-/// under the beam within 1e-10 mm, its direction looks along it within 1e-10 rad, and the pose itself is found again
-/// among both branches.
+/// Ten million poses, a third of them with a direction near ±Z: h down to 1e-15, and exactly 0. The part goes
+/// back under the beam within 1e-10 mm, its direction looks along it within 1e-10 rad, and the pose itself is
+/// found again among both branches.
 #[test]
 fn ten_million_poses_there_and_back() {
     let mut random = Seed::new(2);
@@ -87,8 +87,9 @@ fn ten_million_poses_there_and_back() {
     }
 }
 
-/// M50 differs from the exact displacement by no more than M91, and no error of the drives displaces a point by more
-/// than M52; drives as M90 wants them keep the accuracy, and are wanted no better than by a few per cent of need.
+/// M50 differs from the exact displacement by no more than M91, and no error of the drives displaces a point
+/// by more than M52; drives as M90 wants them keep the accuracy, and are wanted no better than by a few per
+/// cent of need.
 #[test]
 fn bounds_hold_and_are_nearly_reached() {
     let mut random = Seed::new(3);
@@ -126,8 +127,8 @@ fn bounds_hold_and_are_nearly_reached() {
     }
 }
 
-/// What the source prints as its example, (10): 0.0369, 0.0501, 0.0201 mm; M51 shows that less is enough, and it is
-/// reached: √5 + √2 at a corner of the part.
+/// What the source prints as its example, (10): 0.0369, 0.0501, 0.0201 mm; M51 shows that less is enough, and
+/// it is reached: √5 + √2 at a corner of the part.
 #[test]
 fn the_published_example() {
     let errors = DriveErrors { linear_mm: 0.03, angular_rad: 0.0014_f64.to_radians() };

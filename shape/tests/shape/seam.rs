@@ -99,7 +99,8 @@ fn two_pipes_meet_on_both_and_the_direction_bisects_their_normals() {
     }
 }
 
-/// Other pairs: every point lies on both surfaces, the direction lies between the normals at its share of the angle.
+/// Other pairs: every point lies on both surfaces, the direction lies between the normals at its share of the
+/// angle.
 #[test]
 fn every_pair_of_surfaces_meets_on_both() {
     let tilted = unit([0.2, -0.1, 1.0]);
@@ -239,7 +240,8 @@ fn keeps_the_turn(path: &SeamPath, alpha: f64) {
     }
 }
 
-/// Around the pipe and on, three times, forwards and back: β never turns by more than the way between two places asks.
+/// Around the pipe and on, three times, forwards and back: β never turns by more than the way between two
+/// places asks.
 #[test]
 fn the_turn_goes_on_around_and_around() {
     let seam = seam(SeamCurve::Meeting(pipes()), Branch::Negative);
@@ -257,7 +259,8 @@ fn the_turn_goes_on_around_and_around() {
     }
 }
 
-/// The walker winds β up with the seam, from the turn where the axes stand, and its pieces join without a jump.
+/// The walker winds β up with the seam, from the turn where the axes stand, and its pieces join without a
+/// jump.
 #[test]
 fn a_walker_goes_around_from_the_turn_where_it_stands() {
     for turns in [-2.0, 0.0, 1.0] {

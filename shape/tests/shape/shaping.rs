@@ -1,5 +1,5 @@
-//! Ratios and curvature beyond the reference file: closed forms, orders of convergence, random curves and surfaces, and
-//! the surface of the tip against numerical differentiation.
+//! Ratios and curvature beyond the reference file: closed forms, orders of convergence, random curves and
+//! surfaces, and the surface of the tip against numerical differentiation.
 
 use proptest::prelude::*;
 use shape::{
@@ -21,7 +21,8 @@ proptest! {
         prop_assume!(step.abs() > 1e-3);
         let (x, h) = (at * r, step * r);
         let ((y, section), (next, _)) = (circle(r, x), circle(r, x + h));
-        // With the arc s as the length of the step; M38 has that of the tangent, which is longer or shorter by the second order.
+        // With the arc s as the length of the step; M38 has that of the tangent, which is longer or shorter
+        // by the second order.
         let s = r * (libm::asin((x + h) / r) - libm::asin(x / r));
         let m = section.exact_m(h, (next - y) / h) * 2.0 * section.turn(h) / (s * section.curvature());
         prop_assert!((m - 0.5).abs() < 1e-9, "{m}");
@@ -52,7 +53,8 @@ proptest! {
         let under = surface(x, y).under(&tool).expect("the surface is bent less than the tool");
         let tip = |x: f64, y: f64| tip(x, y, &tool);
         prop_assert!((under.z - tip(x, y)[2]).abs() < 1e-14);
-        // Along two directions of the contact the tip moves along the tangent plane, and its gradient changes by H.
+        // Along two directions of the contact the tip moves along the tangent plane, and its gradient changes
+        // by H.
         let d = 1e-5;
         for (dx, dy) in [(d, 0.0), (0.0, d)] {
             let (p, q) = (tip(x + dx, y + dy), tip(x - dx, y - dy));

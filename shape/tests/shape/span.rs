@@ -1,4 +1,5 @@
-//! Pieces of curves (M84, M86): near the curve, of its length, joined without jumps; what cannot be followed is refused.
+//! Pieces of curves (M84, M86): near the curve, of its length, joined without jumps; what cannot be followed
+//! is refused.
 
 use core::cell::{Cell, RefCell};
 use core::f64::consts::{PI, TAU};
@@ -116,8 +117,8 @@ fn m86_a_helix() {
     near(followed(&helix, [-3.0, 40.0]).0, 43.0 * libm::hypot(8.0, 1.5));
 }
 
-/// y = x²/2 has the length (x √(1 + x²) + asinh x)/2, here in a twentieth of its size, and where the slope is 1000 the
-/// parameter hardly moves.
+/// y = x²/2 has the length (x √(1 + x²) + asinh x)/2, here in a twentieth of its size, and where the slope is
+/// 1000 the parameter hardly moves.
 #[test]
 fn m86_slopes_up_to_a_thousand() {
     let parabola = by(|t| [t, t * t * 10.0, NONE, NONE]);

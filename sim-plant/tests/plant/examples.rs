@@ -1,4 +1,5 @@
-//! The scenarios that are shipped, played to a spindle that cuts seven passes of 2500° without any controller.
+//! The scenarios that are shipped, played to a spindle that cuts seven passes of 2500° without any
+//! controller.
 
 use crate::stand::Stand;
 use machine::Machine;

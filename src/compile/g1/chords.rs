@@ -1,5 +1,5 @@
-//! Chords along a way: the fewest points whose straight joins lie within a tolerance of it.
-//! In: pieces of a way, one behind the other, from any zero; mm and degrees; how a distance is measured. Out: points on the
+//! Chords along a way: the fewest points whose straight joins lie within a tolerance of it. In: pieces of a
+//! way, one behind the other, from any zero; mm and degrees; how a distance is measured. Out: points on the
 //! way, each the end of a chord as long as the tolerance lets it be, and the length of the way under it.
 //!
 //! | symbol | unit | meaning |

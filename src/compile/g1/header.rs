@@ -1,5 +1,5 @@
-//! What straight lines were made from, as comments. In: items, the machine they are for, the name of their program. Out:
-//! lines that begin with `; `.
+//! What straight lines were made from, as comments. In: items, the machine they are for, the name of their
+//! program. Out: lines that begin with `; `.
 
 use machine::{Kinematics, Machine};
 use protocol::{Code, FORMULAS, Item, Shape, Work};
@@ -8,8 +8,8 @@ use shape::{Formula, Op};
 /// Most lines that say what was traced.
 const MOST: usize = 40;
 
-/// What stands above the lines of `items`: what they were made from, for which machine, and what they change there.
-/// `program` is the name of the program, without its folder.
+/// What stands above the lines of `items`: what they were made from, for which machine, and what they change
+/// there. `program` is the name of the program, without its folder.
 pub(crate) fn header(items: &[Item], machine: &Machine, program: &str) -> Vec<String> {
     let mut formulas = [Formula::default(); FORMULAS];
     let mut traced: Vec<String> = Vec::new();

@@ -1,12 +1,15 @@
-//! Machine code as a program of straight lines: what a control that knows no formulas would need for the same path.
-//! In: items, and the machine they are for. Out: lines of RS274/NGC, one at a time, and how many bytes and blocks they are.
+//! Machine code as a program of straight lines: what a control that knows no formulas would need for the same
+//! path. In: items, and the machine they are for. Out: lines of RS274/NGC, one at a time, and how many bytes
+//! and blocks they are.
 //!
-//! A trace becomes chords within its chord error: nine tenths of it for the chords, at most one for the rounding of their
-//! ends. Arcs become chords within `path.chord_mm`. Corners may be rounded by as much (G64 P Q0): where a way bends, what is
-//! cut off at the ends of chords lies on the side to which their middles stand off, so both do not add up.
+//! A trace becomes chords within its chord error: nine tenths of it for the chords, at most one for the
+//! rounding of their ends. Arcs become chords within `path.chord_mm`. Corners may be rounded by as much (G64
+//! P Q0): where a way bends, what is cut off at the ends of chords lies on the side to which their middles
+//! stand off, so both do not add up.
 //!
-//! Coordinates count from the zero of the formulas. Words that stay are not repeated, zeros at the end not written. A seam
-//! turns the part: its blocks have the time they take (G93), and its chord error is that of the beam on the part.
+//! Coordinates count from the zero of the formulas. Words that stay are not repeated, zeros at the end not
+//! written. A seam turns the part: its blocks have the time they take (G93), and its chord error is that of
+//! the beam on the part.
 
 mod chords;
 mod header;

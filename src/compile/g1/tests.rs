@@ -1,4 +1,5 @@
-//! Jobs said in straight lines: read again they are programs, and lie within the chord error of the true path.
+//! Jobs said in straight lines: read again they are programs, and lie within the chord error of the true
+//! path.
 
 use std::path::Path;
 

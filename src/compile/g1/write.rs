@@ -1,4 +1,5 @@
-//! Lines of RS274/NGC. In: points in mm and degrees of the machine. Out: lines with only those words that changed.
+//! Lines of RS274/NGC. In: points in mm and degrees of the machine. Out: lines with only those words that
+//! changed.
 
 use machine::Kinematics;
 use protocol::{Axis, Feed, PathMode, PerAxis, Position, SpindleMode, SpindleSpeed};

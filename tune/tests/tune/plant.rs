@@ -1,4 +1,5 @@
-//! An axis of the simulated machine, tuned by what it measures: identified values against the truth, and refusals.
+//! An axis of the simulated machine, tuned by what it measures: identified values against the truth, and
+//! refusals.
 
 use machine::Machine;
 use protocol::{Axis, DriveCommand, Measurement, PerAxis, SpindleCommand};
@@ -93,7 +94,8 @@ fn identified_values_are_those_of_the_plant() {
         within("mass", found.mass_kg.value, truth.mass_kg(), 0.5);
         within("Coulomb friction", found.coulomb_n.value, 270.0 * truth.friction, 1.0);
         within("viscous friction", found.viscous_n_s_mm.value, 2.6, 2.0);
-        // Two frictions that break away one after the other are not one spring, but the one nearest to both lies below.
+        // Two frictions that break away one after the other are not one spring, but the one nearest to both
+        // lies below.
         let presliding = found.presliding_n_mm.expect("there is friction");
         within("presliding", presliding.value, truth.presliding_n_mm(), 25.0);
         within("delay", found.delay_s.value, 5e-4, 1.0);

@@ -1,5 +1,5 @@
-//! Random junctions (M59–M62): smooth through the junction and at the ends of the bump, derivatives are derivatives,
-//! the deviation is kept and made use of.
+//! Random junctions (M59–M62): smooth through the junction and at the ends of the bump, derivatives are
+//! derivatives, the deviation is kept and made use of.
 
 use super::draw::{magnitude, signed, times};
 use motion::{Blend, Path};
@@ -17,7 +17,8 @@ fn junctions() -> impl Strategy<Value = (Jumps, f64)> {
     magnitude(1e-3, 1e2).prop_flat_map(|half| (jumps(half), Just(half)))
 }
 
-/// A path of powers with the jumps at 0: nothing before, Δ1 u + Δ2 u²/2 + Δ3 u³/6 behind; with the bump added.
+/// A path of powers with the jumps at 0: nothing before, Δ1 u + Δ2 u²/2 + Δ3 u³/6 behind; with the bump
+/// added.
 fn rounded(jumps: &Jumps, half: f64, u: f64) -> [[f64; 2]; 5] {
     let [d1, d2, d3] = jumps;
     let mut p = [[0.0; 2]; 5];
@@ -178,7 +179,8 @@ fn m62_a_right_angle_uses_its_tolerance() {
     assert!((0.6 * 0.05..=0.05).contains(&most), "{most}");
 }
 
-/// A line into a quarter of a circle that touches it: the curvature goes over, the direction hardly leaves the plane's.
+/// A line into a quarter of a circle that touches it: the curvature goes over, the direction hardly leaves
+/// the plane's.
 #[test]
 fn m59_a_line_goes_over_into_a_tangent_arc() {
     let line = Path::line([10.0, 0.0], &[true; 2]).expect("it has a length");

@@ -3,7 +3,8 @@
 use motion::{Limits, Sample};
 use proptest::prelude::*;
 
-/// A magnitude between `low` and `high`, even on the logarithmic scale: every decade is as likely as the next.
+/// A magnitude between `low` and `high`, even on the logarithmic scale: every decade is as likely as the
+/// next.
 pub(crate) fn magnitude(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (libm::log(low)..libm::log(high)).prop_map(libm::exp)
 }
@@ -38,9 +39,9 @@ pub(crate) fn times(duration: f64, points: u32) -> impl Iterator<Item = f64> {
     (0..=points).map(move |i| duration * f64::from(i) / f64::from(points))
 }
 
-/// Every derivative is the derivative of the one above it: between neighbouring times each of s, v, a, j changes by
-/// no more than its rate allows (`peak`), which also forbids jumps at the joints; and s, v, a follow the trapezium
-/// of their rates to second order, which ties the values to each other.
+/// Every derivative is the derivative of the one above it: between neighbouring times each of s, v, a, j
+/// changes by no more than its rate allows (`peak`), which also forbids jumps at the joints; and s, v, a
+/// follow the trapezium of their rates to second order, which ties the values to each other.
 pub(crate) fn smooth(duration: f64, peak: &Limits, law: impl Fn(f64) -> Sample) -> Result<(), TestCaseError> {
     const POINTS: u32 = 400;
     let step = duration / f64::from(POINTS);

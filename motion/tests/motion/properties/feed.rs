@@ -61,8 +61,8 @@ proptest! {
         }
     }
 
-    /// Joints of the three parts: no jump in feed, acceleration or jerk. Only blocks that last: rounding of the
-    /// path at 1e4 mm hides a step of a nanosecond.
+    /// Joints of the three parts: no jump in feed, acceleration or jerk. Only blocks that last: rounding of
+    /// the path at 1e4 mm hides a step of a nanosecond.
     #[test]
     fn m23_block_is_smooth((length, f0, f, f_end, limits) in block_and_limits()) {
         if let Ok(block) = FeedBlock::plan(length, f0, f, f_end, &limits) {
@@ -96,8 +96,8 @@ proptest! {
         prop_assert_eq!(reachable_feed(from, from, length, &limits), from);
     }
 
-    /// A chain of blocks after a backward and a forward pass: every block has a profile, and feeds meet at the
-    /// junctions.
+    /// A chain of blocks after a backward and a forward pass: every block has a profile, and feeds meet at
+    /// the junctions.
     #[test]
     fn m26_look_ahead_leaves_only_blocks_that_can_be_planned(
         blocks in prop::collection::vec((magnitude(1e-4, 1e3), magnitude(1e-3, 1.0)), 1..20), limits in limits(),

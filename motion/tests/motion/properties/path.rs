@@ -1,4 +1,5 @@
-//! Random paths (M55–M58): derivatives are derivatives, circles stay round, ends are met, axes keep their limits.
+//! Random paths (M55–M58): derivatives are derivatives, circles stay round, ends are met, axes keep their
+//! limits.
 
 use super::draw::{keeps, limits, magnitude, signed, times};
 use core::f64::consts::TAU;
@@ -10,8 +11,8 @@ const AXES: usize = 4;
 const PLANE: [usize; 2] = [2, 0];
 const METRIC: [bool; AXES] = [true, true, true, false];
 
-/// An arc as its test draws it: radii at both ends, mm, angle of the start, sweep, rad, sense and whole turns; drift of
-/// Y, mm, and of the rotary axis, degrees.
+/// An arc as its test draws it: radii at both ends, mm, angle of the start, sweep, rad, sense and whole
+/// turns; drift of Y, mm, and of the rotary axis, degrees.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
     r: [f64; 2],
@@ -117,7 +118,8 @@ proptest! {
         }
     }
 
-    /// M55 against differences in time, along a law with all of its derivatives. Units of time are those of the arc.
+    /// M55 against differences in time, along a law with all of its derivatives. Units of time are those of
+    /// the arc.
     #[test]
     fn m55_the_axes_follow_the_law(
         drawn in helices(0.01), share in 0.2..0.8_f64, law in prop::array::uniform4(-1.0..1.0_f64),
@@ -178,7 +180,8 @@ proptest! {
         prop_assert!(keeps(&terms, &axis), "{terms:?} of {axis:?}");
     }
 
-    /// The way of a helix is that of its metric axes: their speed along it is 1, and every axis meets its end.
+    /// The way of a helix is that of its metric axes: their speed along it is 1, and every axis meets its
+    /// end.
     #[test]
     fn m56_a_helix_drifts_evenly(drawn in helices(0.0), share in 0.0..=1.0_f64) {
         let path = drawn.path();
@@ -302,7 +305,8 @@ fn a_rotary_axis_makes_the_length_only_alone() {
     assert_eq!((alone.length(), alone.at(45.0)[0][3]), (90.0, -45.0));
 }
 
-/// A quarter of a helix of 10 mm that climbs as far as it goes: half of everything is left of the limits of the plane.
+/// A quarter of a helix of 10 mm that climbs as far as it goes: half of everything is left of the limits of
+/// the plane.
 #[test]
 fn m58_a_steep_helix() {
     let climb = 5.0 * core::f64::consts::PI;

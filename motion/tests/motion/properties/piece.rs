@@ -1,4 +1,5 @@
-//! Random pieces (M84, M85): ends met with their derivatives, bounds that hold and are nearly reached, limits kept.
+//! Random pieces (M84, M85): ends met with their derivatives, bounds that hold and are nearly reached, limits
+//! kept.
 
 use super::draw::{limits, magnitude, signed, times};
 use motion::{FeedBlock, Limits, Path};
@@ -91,7 +92,8 @@ proptest! {
         }
     }
 
-    /// Nothing exceeds the bounds, whatever the ends; where the curve is smooth they are reached but for 1 per cent.
+    /// Nothing exceeds the bounds, whatever the ends; where the curve is smooth they are reached but for 1
+    /// per cent.
     #[test]
     fn m85_bounds_hold_and_are_nearly_reached((drawn, is_smooth) in prop_oneof![
         any_ends().prop_map(|drawn| (drawn, false)), smooth().prop_map(|drawn| (drawn, true)),
@@ -155,8 +157,8 @@ proptest! {
         }
     }
 
-    /// Beside a circle no further than Hermite's remainder, (L/R)⁸ R/(8! 2⁸) for an axis, and joined to the next piece
-    /// without a jump.
+    /// Beside a circle no further than Hermite's remainder, (L/R)⁸ R/(8! 2⁸) for an axis, and joined to the
+    /// next piece without a jump.
     #[test]
     fn m84_pieces_of_a_circle(radius in magnitude(0.01, 1e3), angle in magnitude(1e-3, 0.5), from in 0.0..6.3_f64) {
         let at = |phi: f64| -> Hermite {

@@ -57,7 +57,8 @@ proptest! {
         prop_assert_eq!(ramp.braking_at(3.0 * ramp.duration()), Sample::uniform(ramp.distance(), 0.0));
     }
 
-    /// The lag behind the helix (section 2) and the way still to brake make up the distance that was left to go.
+    /// The lag behind the helix (section 2) and the way still to brake make up the distance that was left to
+    /// go.
     #[test]
     fn m15_braking_lags_the_helix_by_the_way_of_the_ramp(ramp in ramps(), share in 0.0..1.0) {
         let p = share * ramp.duration();
@@ -94,8 +95,8 @@ proptest! {
         smooth(ramp.duration(), &ramp.peak(), |p| ramp.at(p))?;
     }
 
-    /// Any member of the family, slowed down until it keeps the limits, takes at least as long: the peaks of a ramp
-    /// by the same dv fall with its duration as 1/T, 1/T², 1/T³.
+    /// Any member of the family, slowed down until it keeps the limits, takes at least as long: the peaks of
+    /// a ramp by the same dv fall with its duration as 1/T, 1/T², 1/T³.
     #[test]
     fn m20_no_member_of_the_family_is_faster(dv in signed(1e-6, 1e3), limits in limits(), lambda in 1e-4..=0.5) {
         let unit = Ramp::new(dv, 1.0, lambda).peak();

@@ -74,8 +74,8 @@ proptest! {
         prop_assert!(keeps(&difference, &rounding), "{difference:?}");
     }
 
-    /// The chain rule against differences of the driven path x(p(t)), p' = r(t) = r + r' t; away from the middle,
-    /// where dj jumps.
+    /// The chain rule against differences of the driven path x(p(t)), p' = r(t) = r + r' t; away from the
+    /// middle, where dj jumps.
     #[test]
     fn m8_changing_ratio_agrees_with_differences(share in prop_oneof![0.1..0.45, 0.55..0.9], r in 0.5..1.5, r_dot in -2.0..2.0) {
         let stroke = Stroke::new(5.0, 0.2);

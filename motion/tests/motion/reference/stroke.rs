@@ -55,8 +55,8 @@ fn reference_x_profile() {
     }
 }
 
-/// Peaks are magnitudes; the file signs v and a with the stroke. w and a_p are not stored as such: w = π/D, and
-/// the peak jerk over the peak acceleration is w again (M5, M6).
+/// Peaks are magnitudes; the file signs v and a with the stroke. w and a_p are not stored as such: w = π/D,
+/// and the peak jerk over the peak acceleration is w again (M5, M6).
 fn check_parameters(case: &Case, stroke: &Stroke) {
     let (id, sign, peak) = (&case.id, case.delta_x_mm.signum(), stroke.peak());
     assert_eq!(stroke.length(), case.delta_x_mm, "{id}");

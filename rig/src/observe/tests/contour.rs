@@ -30,7 +30,8 @@ fn program() -> [Item; 2] {
     ]
 }
 
-/// Goes around once; the true position is off by this many mm outwards and backwards at a direction in degrees.
+/// Goes around once; the true position is off by this many mm outwards and backwards at a direction in
+/// degrees.
 fn around(off: impl Fn(f64) -> [f64; 2]) -> MovesReport {
     let machine = Machine::from_toml(SMALL_MILL).expect("a mill");
     let mut observer = Observer::new(&machine, &program());

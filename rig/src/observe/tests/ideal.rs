@@ -1,5 +1,6 @@
-//! An ideal machine: regulators that follow their laws by the true spindle angle without error, and a plant that is
-//! where it should be, plus exactly the errors that a test asks for. In: passes. Out: the records of a run.
+//! An ideal machine: regulators that follow their laws by the true spindle angle without error, and a plant
+//! that is where it should be, plus exactly the errors that a test asks for. In: passes. Out: the records of
+//! a run.
 
 use machine::Machine;
 use protocol::{

@@ -40,8 +40,8 @@ fn cut(share: impl Fn(u64) -> f64, off: impl Fn(u64) -> f64) -> (TraceReport, Ve
     cut_with(share, |_| 0.0, off)
 }
 
-/// Goes up the plane at a share of the feed and with an acceleration, mm/s², that depend on the cycle; the true tool stands
-/// off by so many mm.
+/// Goes up the plane at a share of the feed and with an acceleration, mm/s², that depend on the cycle; the
+/// true tool stands off by so many mm.
 fn cut_with(
     share: impl Fn(u64) -> f64,
     acceleration: impl Fn(u64) -> f64,
@@ -118,7 +118,8 @@ fn a_feed_that_falls_without_a_reason_is_seen() {
     assert!((feed.held_pct - 90.0).abs() < 0.1, "{feed:?}");
 }
 
-/// Up to the feed in 0.1 s, at 40 % of the acceleration of Z: that is a reason for the ramp, and for nothing after it.
+/// Up to the feed in 0.1 s, at 40 % of the acceleration of Z: that is a reason for the ramp, and for nothing
+/// after it.
 #[test]
 fn a_ramp_explains_no_feed_that_stays_low() {
     let at_most = |most: f64| {

@@ -1,5 +1,5 @@
-//! What a trace is held against. In: a trace with its formulas, and where the axes are, mm and degrees. Out: how far the
-//! tool or the beam is from where it shall be.
+//! What a trace is held against. In: a trace with its formulas, and where the axes are, mm and degrees. Out:
+//! how far the tool or the beam is from where it shall be.
 
 use machine::Machine;
 use protocol::{Axis, FORMULAS, PerAxis, Position, Shape, Work};
@@ -17,7 +17,8 @@ pub(super) struct Seen {
     pub(super) deviation_mm: f64,
     /// Angle between the direction of a seam and the beam, degrees; else 0.
     pub(super) angle_deg: f64,
-    /// The point whose speed is the feed, from the zero of the formulas: the tip of the tool, or the beam on the part, mm.
+    /// The point whose speed is the feed, from the zero of the formulas: the tip of the tool, or the beam on
+    /// the part, mm.
     pub(super) tip: [f64; 3],
 }
 

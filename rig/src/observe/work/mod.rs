@@ -1,10 +1,11 @@
-//! Measures the traces of a program: contours, surfaces, seams. In: their formulas, and one [`Record`] each control cycle.
-//! Out: for every one that was cut, how far the commanded and the true tool or beam were from it, and its feed.
+//! Measures the traces of a program: contours, surfaces, seams. In: their formulas, and one [`Record`] each
+//! control cycle. Out: for every one that was cut, how far the commanded and the true tool or beam were from
+//! it, and its feed.
 //!
-//! The interpolator says of every setpoint which trace it cuts, so approaches and retracts are known as what they are. A
-//! setpoint is due [`SETPOINT_LEAD`] ticks after the one that made it; a control cycle is cut if the setpoints before and
-//! after it are. Pieces of one seam, as of one through points, are traces of the same line that go over into each other:
-//! they get one report.
+//! The interpolator says of every setpoint which trace it cuts, so approaches and retracts are known as what
+//! they are. A setpoint is due [`SETPOINT_LEAD`] ticks after the one that made it; a control cycle is cut if
+//! the setpoints before and after it are. Pieces of one seam, as of one through points, are traces of the
+//! same line that go over into each other: they get one report.
 
 mod gauge;
 mod outline;
@@ -180,7 +181,8 @@ impl Works {
     }
 }
 
-/// How much there is to see in a report: cycles without a figure, a feed that is low for no reason; then the deviation, µm.
+/// How much there is to see in a report: cycles without a figure, a feed that is low for no reason; then the
+/// deviation, µm.
 fn weight(report: &TraceReport) -> (bool, f64) {
     let odd = report.is_wrong() || report.unmeasured_cycles > 0 || report.feed.unexplained_s > 0.0;
     (odd, report.slide.max_abs_um())

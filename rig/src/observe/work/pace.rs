@@ -1,17 +1,19 @@
-//! Whether a trace is cut at its feed. In: every control cycle the way of the commanded and of the true point, mm, and
-//! the feed that is asked for, mm/s; every tick the shares of limits in use. Out: the time at the feed, and the deviation
-//! from it.
+//! Whether a trace is cut at its feed. In: every control cycle the way of the commanded and of the true
+//! point, mm, and the feed that is asked for, mm/s; every tick the shares of limits in use. Out: the time at
+//! the feed, and the deviation from it.
 //!
 //! ```text
 //! feed = |p(t) − p(t − T)| / T                          T: control cycle
-//! chord error of an interpolator cycle h = |p(t) − 2 p(t − h) + p(t − 2h)| / 8, its part normal to p(t) − p(t − 2h)
+//! chord error of an interpolator cycle h = |p(t) − 2 p(t − h) + p(t − 2h)| / 8,
+//!     its part normal to p(t) − p(t − 2h)
 //! ```
-//! The feed is *held* where the commanded one lies within [`HELD`] of what is asked for. Where it is lower, a limit must be
-//! the reason: of the axes, or the chord error. Lower feed is looked at in windows of [`WINDOW_S`]; one is explained if a
-//! limit is used to [`BINDS`] in it or in the window before. Planned bounds hold for several derivatives at once and over
-//! a stretch of the path, so a limit that binds is not always used to the full where it binds; and jerk fades out before
-//! the feed is reached, which is what the window before is for. A tool that stands is held or waits, which is counted
-//! elsewhere; how it came to stand is looked at.
+//! The feed is *held* where the commanded one lies within [`HELD`] of what is asked for. Where it is lower, a
+//! limit must be the reason: of the axes, or the chord error. Lower feed is looked at in windows of
+//! [`WINDOW_S`]; one is explained if a limit is used to [`BINDS`] in it or in the window before. Planned
+//! bounds hold for several derivatives at once and over a stretch of the path, so a limit that binds is not
+//! always used to the full where it binds; and jerk fades out before the feed is reached, which is what the
+//! window before is for. A tool that stands is held or waits, which is counted elsewhere; how it came to
+//! stand is looked at.
 
 use super::report::FeedReport;
 
@@ -109,7 +111,8 @@ impl Pace {
         }
     }
 
-    /// In every cycle: the way since the one before of the commanded and of the true point, and the feed asked for.
+    /// In every cycle: the way since the one before of the commanded and of the true point, and the feed
+    /// asked for.
     pub(super) fn cycle(&mut self, commanded_mm: f64, true_mm: f64, feed_mm_s: f64) {
         self.way_mm += commanded_mm;
         let asked = feed_mm_s * self.cycle_s;

@@ -1,5 +1,5 @@
-//! What `summary.json` says of traces: how far tool or beam were from where they shall be, and at which feed. Errors in
-//! µm, angles in degrees.
+//! What `summary.json` says of traces: how far tool or beam were from where they shall be, and at which feed.
+//! Errors in µm, angles in degrees.
 
 use std::collections::BTreeMap;
 
@@ -19,8 +19,8 @@ pub enum WorkKind {
     Seam,
 }
 
-/// How far a tool is from touching its surface or contour, positive where it stands off; or a beam from its seam,
-/// positive to the left (M96, M97).
+/// How far a tool is from touching its surface or contour, positive where it stands off; or a beam from its
+/// seam, positive to the left (M96, M97).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DeviationReport {
@@ -30,7 +30,8 @@ pub struct DeviationReport {
     pub high_um: f64,
     /// Root of the mean square.
     pub rms_um: f64,
-    /// Where its magnitude is largest, from the zero of the formulas: the tip of the tool, or the beam on the part.
+    /// Where its magnitude is largest, from the zero of the formulas: the tip of the tool, or the beam on the
+    /// part.
     pub worst_mm: [f64; 3],
     /// When that is, s.
     pub worst_t_s: f64,
@@ -45,8 +46,8 @@ impl DeviationReport {
     }
 }
 
-/// Feed along the path of the tool, or of the beam on the part. Per cent of what is asked for: the programmed feed times
-/// the feed override.
+/// Feed along the path of the tool, or of the beam on the part. Per cent of what is asked for: the programmed
+/// feed times the feed override.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FeedReport {
@@ -64,7 +65,8 @@ pub struct FeedReport {
     pub true_high_pct: f64,
     /// Root of the mean square.
     pub true_rms_pct: f64,
-    /// Time at a lower feed although no limit was used to a quarter just then: in windows of 50 ms, see `docs/run-folder.md`.
+    /// Time at a lower feed although no limit was used to a quarter just then: in windows of 50 ms, see
+    /// `docs/run-folder.md`.
     pub unexplained_s: f64,
     /// Largest chord error of an interpolator cycle.
     pub chord_max_um: f64,
@@ -107,8 +109,8 @@ pub struct TraceReport {
     pub way_mm: f64,
     /// Lowest and highest coordinates of the commanded way, from the zero of the formulas.
     pub reach_mm: [[f64; 2]; 3],
-    /// How far off it may be commanded: the chord error that the work asks for. None if it asks for a correction, whose
-    /// error is what is looked at.
+    /// How far off it may be commanded: the chord error that the work asks for. None if it asks for a
+    /// correction, whose error is what is looked at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub most_um: Option<f64>,
     /// Deviation of the commanded positions.
@@ -125,7 +127,8 @@ impl TraceReport {
     /// Measuring and rounding, µm.
     const MEASURED_UM: f64 = 1e-4;
 
-    /// Whether it was commanded farther off than it may be: the part is not what the formula says, however true the axes.
+    /// Whether it was commanded farther off than it may be: the part is not what the formula says, however
+    /// true the axes.
     pub fn is_wrong(&self) -> bool {
         self.most_um.is_some_and(|most| self.commanded.max_abs_um() > most + TraceReport::MEASURED_UM)
     }

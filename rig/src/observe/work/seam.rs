@@ -1,5 +1,6 @@
-//! Where a beam meets a seam. In: where the four drives of the positioner are, mm and rad. Out: the distance of the beam
-//! from the seam, mm, and the angle between the direction that belongs to the seam and the beam, degrees.
+//! Where a beam meets a seam. In: where the four drives of the positioner are, mm and rad. Out: the distance
+//! of the beam from the seam, mm, and the angle between the direction that belongs to the seam and the beam,
+//! degrees.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,8 +12,8 @@
 //! (b − p)·p′ = 0 in the plane of X and Y,   d = |b − p|        the beam's nearest point of the seam  (M97)
 //! angle = atan2(hypot(kₓ, k_y), k_z) at that point
 //! ```
-//! d is positive where the beam lies left of the seam. The nearest point is found by Newton's method from that of the
-//! cycle before: what is early or late along the seam is not an error of its shape.
+//! d is positive where the beam lies left of the seam. The nearest point is found by Newton's method from
+//! that of the cycle before: what is early or late along the seam is not an error of its shape.
 
 use shape::{Drives, Positioner, Series};
 

@@ -1,4 +1,5 @@
-//! How far a tool is from touching a surface. In: where its tip is, mm. Out: the deviation, mm, and where it touches.
+//! How far a tool is from touching a surface. In: where its tip is, mm. Out: the deviation, mm, and where it
+//! touches.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -14,10 +15,11 @@
 //! eₓ + e_z gₓ = 0,   e_y + e_z g_y = 0        e is normal to the surface                             (M96)
 //! d = e·n − r
 //! ```
-//! For a ball that is the distance of its centre from the surface, less its radius. The two equations are solved by
-//! Newton's method, from the contact of the cycle before: the parameter of the path has no part in it, so what is early
-//! or late along the path is not an error of shape. An error δ in x, y makes one of δ²/2r in d. A second contact elsewhere
-//! under the tool is found by looking for it every [`SEARCH`] cycles; the one that cuts deepest counts.
+//! For a ball that is the distance of its centre from the surface, less its radius. The two equations are
+//! solved by Newton's method, from the contact of the cycle before: the parameter of the path has no part in
+//! it, so what is early or late along the path is not an error of shape. An error δ in x, y makes one of
+//! δ²/2r in d. A second contact elsewhere under the tool is found by looking for it every [`SEARCH`] cycles;
+//! the one that cuts deepest counts.
 
 use shape::{Formula, Gradient, Tool};
 
@@ -27,7 +29,8 @@ const STEPS: usize = 20;
 const RESIDUAL_MM: f64 = 1e-7;
 /// A surface with less slope is level: the flat of a tool lies on it.
 const LEVEL: f64 = 1e-9;
-/// Directions in which a contact is searched for when there is none to start from, and now and then for a deeper one.
+/// Directions in which a contact is searched for when there is none to start from, and now and then for a
+/// deeper one.
 const DIRECTIONS: u32 = 12;
 /// How far from the tip, in radii of the tool.
 const RINGS: [f64; 2] = [0.7, 0.95];
@@ -179,7 +182,8 @@ mod tests {
         Formula::new(&ops).expect("complete")
     }
 
-    /// Where the tip is when the tool stands off by `d` over a point of the wave, by its gradient as one writes it down.
+    /// Where the tip is when the tool stands off by `d` over a point of the wave, by its gradient as one
+    /// writes it down.
     fn tip(tool: Tool, [x, y]: [f64; 2], d: f64) -> [f64; 3] {
         let z = 0.02 * x * x + 8.0 * libm::sin(x / 15.0) * libm::cos(y / 20.0);
         let g = gradient([x, y]);
@@ -198,8 +202,8 @@ mod tests {
         ]
     }
 
-    /// Places at which the flat of a tool does not cut into the wave beside its contact: it turns faster with the slope
-    /// than the surface bends.
+    /// Places at which the flat of a tool does not cut into the wave beside its contact: it turns faster with
+    /// the slope than the surface bends.
     fn grid(tool: Tool) -> impl Iterator<Item = [f64; 2]> {
         let all = (0..=25)
             .flat_map(|i| (0..=20).map(move |j| [0.3 + 3.9 * f64::from(i), 0.2 + 3.9 * f64::from(j)]));
