@@ -1,5 +1,5 @@
-//! Arcs and helices. In: an arc of the program, what is in force, where the axes rest. Out: an arc of the machine within
-//! the travel.
+//! Arcs and helices. In: an arc of the program, what is in force, where the axes rest. Out: an arc of the
+//! machine within the travel.
 
 use gcode::Problem;
 use gcode::canon::{self, Plane};
@@ -11,7 +11,8 @@ use crate::modal::Modal;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 
-/// Refuses arcs in a plane that the machine does not have, or that is turned out of its axes, and threads along arcs.
+/// Refuses arcs in a plane that the machine does not have, or that is turned out of its axes, and threads
+/// along arcs.
 pub(crate) fn check_plane(modal: &Modal, machine: &Machine) -> Done {
     let (first, second, _) = modal.plane.axes();
     let lacks = |coordinate: usize| {

@@ -45,8 +45,8 @@ impl Check {
     }
 }
 
-/// Reads a program that is at hand as text, in the dialect of the machine file, and keeps its machine code. See
-/// [`check_program`].
+/// Reads a program that is at hand as text, in the dialect of the machine file, and keeps its machine code.
+/// See [`check_program`].
 pub fn check(name: &str, source: &str, machine: &Machine) -> Check {
     let mut items = Vec::new();
     let program = Program::from_text(name, source, &options::options(machine));
@@ -62,9 +62,9 @@ pub fn check_job(name: &str, source: &str, machine: &Machine) -> Check {
     Check { items, ..check }
 }
 
-/// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass, and an
-/// estimate of its duration. `machine` has been checked; `each` gets the machine code, item by item, so that a program of
-/// any length takes no more memory than its diagnostics and passes.
+/// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass,
+/// and an estimate of its duration. `machine` has been checked; `each` gets the machine code, item by item,
+/// so that a program of any length takes no more memory than its diagnostics and passes.
 pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(Item)) -> Check {
     let mut interpreter = Interpreter::new(program, machine);
     let mut check = Check::default();

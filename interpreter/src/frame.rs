@@ -1,5 +1,5 @@
-//! Where a programmed point lies on the machine. In: units, offsets and rotation, as they are called. Out: mm and
-//! degrees, machine coordinates, X of a lathe a radius.
+//! Where a programmed point lies on the machine. In: units, offsets and rotation, as they are called. Out: mm
+//! and degrees, machine coordinates, X of a lathe a radius.
 //!
 //! ```text
 //! machine = R(u p + (G52, G92)) + (coordinate system) + (tool)       u: mm in one unit of the program

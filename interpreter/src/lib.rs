@@ -1,8 +1,8 @@
 //! Canonical machining functions to machine code: the interpreter of pitchlock.
 //!
-//! In: a part program, read by [`gcode`], and a machine file. Out: [`protocol::Item`]s, pulled one at a time, in mm
-//! with X of a lathe a radius; and [`Diagnostic`]s, several for one program, each with its place and a remedy. What the machine
-//! cannot do is refused by name; nothing is ignored in silence.
+//! In: a part program, read by [`gcode`], and a machine file. Out: [`protocol::Item`]s, pulled one at a time,
+//! in mm with X of a lathe a radius; and [`Diagnostic`]s, several for one program, each with its place and a
+//! remedy. What the machine cannot do is refused by name; nothing is ignored in silence.
 //!
 //! ```
 //! use interpreter::Interpreter;
@@ -66,8 +66,9 @@ use translate::Translator;
 
 /// Reads a part program and yields machine code, one item at a time.
 ///
-/// After an error it goes on with the next line, so that a reader can collect several; from the first error on the
-/// items only serve to find more of them, and must not be run. The last item is [`protocol::Code::End`].
+/// After an error it goes on with the next line, so that a reader can collect several; from the first error
+/// on the items only serve to find more of them, and must not be run. The last item is
+/// [`protocol::Code::End`].
 pub struct Interpreter {
     program: Program,
     translator: Translator,

@@ -1,10 +1,11 @@
 //! Lines become one where their ends lie near it (G64 Q). In: items. Out: items, lines fewer.
 //!
-//! Without Q the same is done with short lines, as a CAM system puts them out: rounded to a thousandth they have angles and
-//! lengths that no curve has, and that would be felt in the axes.
+//! Without Q the same is done with short lines, as a CAM system puts them out: rounded to a thousandth they
+//! have angles and lengths that no curve has, and that would be felt in the axes.
 //!
-//! Lines from S over P1, P2, … to E are one line from S to E if every P lies within Q of it and further along it than the
-//! one before, the feed is the same, and no rotary axis moves. Nothing else may lie between them. Rapids are left alone.
+//! Lines from S over P1, P2, … to E are one line from S to E if every P lies within Q of it and further along
+//! it than the one before, the feed is the same, and no rotary axis moves. Nothing else may lie between them.
+//! Rapids are left alone.
 
 use std::collections::VecDeque;
 
@@ -24,7 +25,8 @@ pub(crate) struct Merger {
 }
 
 impl Merger {
-    /// Takes the next item; `rest` is where the axes are before it. What cannot change any more goes to `items`.
+    /// Takes the next item; `rest` is where the axes are before it. What cannot change any more goes to
+    /// `items`.
     pub(crate) fn add(
         &mut self,
         item: Item,

@@ -1,5 +1,5 @@
-//! What stays in force from block to block: units, offsets, plane, feed, path mode, the lead of synchronised motion.
-//! In: calls. Out: what they make of a move; what this machine cannot do, by name.
+//! What stays in force from block to block: units, offsets, plane, feed, path mode, the lead of synchronised
+//! motion. In: calls. Out: what they make of a move; what this machine cannot do, by name.
 
 use gcode::canon::{FeedMode, Plane};
 use gcode::problem::{Blame, short};

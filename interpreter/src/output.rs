@@ -1,7 +1,8 @@
-//! What leaves the interpreter: items in the order of the program, and problems that are found later than at their call.
+//! What leaves the interpreter: items in the order of the program, and problems that are found later than at
+//! their call.
 //!
-//! In: codes, with where the axes rest before them and what the path may do. Out: items. A path mode goes before the
-//! first move that it is for; short lines may become one before they leave.
+//! In: codes, with where the axes rest before them and what the path may do. Out: items. A path mode goes
+//! before the first move that it is for; short lines may become one before they leave.
 
 use std::collections::VecDeque;
 

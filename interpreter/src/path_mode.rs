@@ -1,4 +1,5 @@
-//! What the path may do between moves: G61, G61.1, G64. In: calls. Out: a path mode, and whether all lines are merged.
+//! What the path may do between moves: G61, G61.1, G64. In: calls. Out: a path mode, and whether all lines
+//! are merged.
 
 use gcode::Problem;
 use gcode::canon;
@@ -22,8 +23,8 @@ impl PathAsked {
         PathAsked { mode: PathMode::within(tolerance_mm), merges_all: false }
     }
 
-    /// G61, G61.1, G64 P. Without P, or with P0, the tolerance is that of the machine, mm; `unit`: mm in one of the
-    /// program's.
+    /// G61, G61.1, G64 P. Without P, or with P0, the tolerance is that of the machine, mm; `unit`: mm in one
+    /// of the program's.
     pub(crate) fn asked(
         mode: canon::PathMode,
         unit: f64,

@@ -1,5 +1,5 @@
-//! Where the program is, and where the axes are. In: targets of the program, where passes and jobs end. Out: points of
-//! the machine, mm and degrees, X of a lathe a radius; refusals of what lies outside the travel.
+//! Where the program is, and where the axes are. In: targets of the program, where passes and jobs end. Out:
+//! points of the machine, mm and degrees, X of a lathe a radius; refusals of what lies outside the travel.
 
 use gcode::Problem;
 use gcode::problem::Blame;
@@ -62,8 +62,8 @@ impl Points {
         self.axes(point) == self.axes_at_rest()
     }
 
-    /// Notes where a move is to go, and refuses it if that lies outside the travel. What has been refused before is not
-    /// refused again before it changes.
+    /// Notes where a move is to go, and refuses it if that lies outside the travel. What has been refused
+    /// before is not refused again before it changes.
     pub(crate) fn target(&mut self, to: gcode::Pose, machine: &Machine) -> Done {
         let before = std::mem::replace(&mut self.asked, to);
         let (before, axes) = (self.kinematics.axes(&before), self.kinematics.axes(&to));

@@ -71,7 +71,8 @@ pub(crate) fn letter(axis: Axis) -> char {
     axis.name().chars().next().unwrap_or(' ').to_ascii_uppercase()
 }
 
-/// Refuses a position outside the travel of its axis, and one of an axis that there is not; `at` in mm or degrees.
+/// Refuses a position outside the travel of its axis, and one of an axis that there is not; `at` in mm or
+/// degrees.
 pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame) -> Done {
     let Some(config) = machine.axis.get(&axis) else {
         let is_origin = Position::from_mm(at) == Position(0);

@@ -1,5 +1,5 @@
-//! The spindle: S, G96, G97, M3, M4, M5. In: calls. Out: an item where the words of a block together change what the
-//! spindle is to do, or where an offset moves the axis that surface speed counts from.
+//! The spindle: S, G96, G97, M3, M4, M5. In: calls. Out: an item where the words of a block together change
+//! what the spindle is to do, or where an offset moves the axis that surface speed counts from.
 
 use gcode::Problem;
 use gcode::canon::{FeedMode, X};
@@ -44,7 +44,8 @@ impl Spindle {
         self.mode != SpindleMode::Stop && self.s > 0.0
     }
 
-    /// What makes mm/min of a feed: revolutions per minute under G95, infinite where they are not constant, else 1.
+    /// What makes mm/min of a feed: revolutions per minute under G95, infinite where they are not constant,
+    /// else 1.
     pub(crate) fn turns_in_feed(&self, mode: FeedMode) -> f64 {
         match mode {
             FeedMode::PerRevolution => self.turning().map_or(f64::INFINITY, |(rpm, _)| rpm),
@@ -111,8 +112,8 @@ impl Spindle {
         Ok(())
     }
 
-    /// What has changed since it was sent last, which it counts as now. S of G96 becomes 1/min where G97 leaves it in
-    /// force, as in LinuxCNC; one that the spindle cannot turn at becomes 0, and is reported.
+    /// What has changed since it was sent last, which it counts as now. S of G96 becomes 1/min where G97
+    /// leaves it in force, as in LinuxCNC; one that the spindle cannot turn at becomes 0, and is reported.
     pub(crate) fn settle(&mut self, frame: &Frame, machine: &Machine) -> (Done, Option<Code>) {
         let in_range = if self.is_surface() { Ok(()) } else { rpm_in_range(self.s, Blame::Block, machine) };
         if in_range.is_err() {

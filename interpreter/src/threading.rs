@@ -1,8 +1,8 @@
-//! Synchronised motion: G33 and the threading cycles. In: a block or a cycle, where the axes rest. Out: passes, and the
-//! timed moves to their starts.
+//! Synchronised motion: G33 and the threading cycles. In: a block or a cycle, where the axes rest. Out:
+//! passes, and the timed moves to their starts.
 //!
-//! A G33 waits until it is known what comes next: a G0 that moves only X becomes its retract, made in step with the
-//! spindle.
+//! A G33 waits until it is known what comes next: a G0 that moves only X becomes its retract, made in step
+//! with the spindle.
 
 use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
@@ -25,8 +25,8 @@ const LEADS: [f64; 2] = [0.001, 1000.0];
 const INFEED_DEG: f64 = 80.0;
 /// Highest degression.
 const DEGRESSION: f64 = 100.0;
-/// So many counts of the spindle encoder at least have to lie within the servo error that Z may have on the helix. On the
-/// small lathe a lead of 5 mm faults with one of them at most speeds, with two at some.
+/// So many counts of the spindle encoder at least have to lie within the servo error that Z may have on the
+/// helix. On the small lathe a lead of 5 mm faults with one of them at most speeds, with two at some.
 const COUNTS_IN_THREAD_ERROR: f64 = 4.0;
 /// The end of a law may miss the programmed one by this much, mm.
 const ROUNDING: f64 = 1e-8;

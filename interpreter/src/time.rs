@@ -1,10 +1,10 @@
 //! How long machine code takes. In: codes in the order of the program. Out: seconds at 100 % override.
 //!
-//! Moves are planned by the same chain that the interpolator runs (M16–M26, M66), so look-ahead, blends and path modes
-//! count as they do on the machine; a chain ends on an interpolator cycle. The spindle follows its ramp while rapids
-//! move; a feed waits until it is at speed. A pass begins at an index: the first one half a turn after it was armed, in
-//! the mean, the others a whole number of turns after the one before. A program is over when the spindle stands. How long
-//! a pause lasts is up to the operator; it counts as nothing.
+//! Moves are planned by the same chain that the interpolator runs (M16–M26, M66), so look-ahead, blends and
+//! path modes count as they do on the machine; a chain ends on an interpolator cycle. The spindle follows its
+//! ramp while rapids move; a feed waits until it is at speed. A pass begins at an index: the first one half a
+//! turn after it was armed, in the mean, the others a whole number of turns after the one before. A program
+//! is over when the spindle stands. How long a pause lasts is up to the operator; it counts as nothing.
 
 use machine::{Machine, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
@@ -13,7 +13,8 @@ use route::{Advance, Course, Move, Route, Routed, Unworkable};
 
 /// Interpolator cycles until the drives are on, and setpoints act.
 const START_CYCLES: f64 = 7.0;
-/// Interpolator cycles from rest to the first index that counts: in position, armed, looked at, called off in time.
+/// Interpolator cycles from rest to the first index that counts: in position, armed, looked at, called off in
+/// time.
 const ARMING_CYCLES: f64 = 9.0;
 /// Bandwidth of the filter through which the interpolator watches the spindle, rad/s.
 const WATCH: f64 = SpindleConfig::WATCH_HZ * core::f64::consts::TAU;
@@ -203,7 +204,8 @@ impl<'m> Clock<'m> {
             let rested = self.chain.rests();
             let Some(time) = self.chain.skip(&at(self.speed.rpm(x))) else { return false };
             self.moved += time;
-            // A chain that stays at rest has a feed that is none: it takes no time here, and for ever on the machine.
+            // A chain that stays at rest has a feed that is none: it takes no time here, and for ever on the
+            // machine.
             return !(rested && time == 0.0 && self.chain.rests());
         }
         let cycle = self.machine.general.interpolator_cycle_s;

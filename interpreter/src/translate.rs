@@ -1,5 +1,5 @@
-//! Calls become items. In: canonical functions in the order of the program. Out: machine code, and what this machine
-//! cannot do, by name.
+//! Calls become items. In: canonical functions in the order of the program. Out: machine code, and what this
+//! machine cannot do, by name.
 //!
 //! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
@@ -37,8 +37,8 @@ pub(crate) struct Translator {
 }
 
 impl Sink for Translator {
-    /// Takes a call. What the machine cannot do is reported, and the program goes on: its own state is not disturbed,
-    /// so that what else is wrong is found, and nothing that is not.
+    /// Takes a call. What the machine cannot do is reported, and the program goes on: its own state is not
+    /// disturbed, so that what else is wrong is found, and nothing that is not.
     fn call(&mut self, place: Place, call: Call<'_>) -> Done {
         self.output.comes_from(place);
         if let Err(problem) = self.take(place, call) {
@@ -172,7 +172,8 @@ impl Translator {
                 Ok(())
             }
             _ => {
-                // A retract that is part of the pass still ends at its own point, should Z have run beyond it.
+                // A retract that is part of the pass still ends at its own point, should Z have run beyond
+                // it.
                 if self.threads.waits() {
                     self.release(self.retract(&call));
                 }

@@ -1,5 +1,5 @@
-//! Texts to formulas: what they mean, what is refused and where, and their derivatives against those that exmex finds
-//! by symbols.
+//! Texts to formulas: what they mean, what is refused and where, and their derivatives against those that
+//! exmex finds by symbols.
 
 use exmex::{Differentiate, Express, FlatEx};
 use interpreter::formula::{Misread, parse};
@@ -142,7 +142,8 @@ fn hostile_texts_are_refused_and_no_more() {
     assert!(refused(&format!("{}x{}", "x+(".repeat(20), ")".repeat(20))).help.contains("fewer brackets"));
 }
 
-/// A smooth formula of x and y that exists wherever −1 ≤ x, y ≤ 1. Everything is in brackets, so both readers agree.
+/// A smooth formula of x and y that exists wherever −1 ≤ x, y ≤ 1. Everything is in brackets, so both readers
+/// agree.
 fn smooth() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         Just("x".to_owned()),

@@ -124,7 +124,8 @@ fn pieces_through_points_join_smoothly() {
     assert!(bend(first, 0.0).iter().chain(&bend(last, 1.0)).all(|third| third.abs() < 1e-9), "natural ends");
 }
 
-/// Of both solutions that whose angles are nearest; a branch that is asked for; C by the turn nearest to where it stands.
+/// Of both solutions that whose angles are nearest; a branch that is asked for; C by the turn nearest to
+/// where it stands.
 #[test]
 fn the_solution_is_that_which_is_nearest() {
     let placed = |a: f64, c: f64, job: &str| {
@@ -155,7 +156,8 @@ fn the_solution_is_that_which_is_nearest() {
     near(placed(-45.0, 80.0, &format!("{CYLINDERS}branch = \"positive\"")), [45.0, 90.0]);
 }
 
-/// C may turn from −720 to 720: a seam of a whole turn that would begin too near to the end is taken a turn back.
+/// C may turn from −720 to 720: a seam of a whole turn that would begin too near to the end is taken a turn
+/// back.
 #[test]
 fn the_turn_leaves_room_for_the_whole_seam() {
     let mut machine = machine();
@@ -237,8 +239,8 @@ fn what_is_no_seam_is_refused_with_its_place() {
     assert!(said(&check).contains("a seam needs a positioner"), "{}", said(&check));
 }
 
-/// Straight through the direction of the turn axis A goes on and C stands, inside a seam, at its start, at its end, in a
-/// point and between points; and the other solution can be asked for.
+/// Straight through the direction of the turn axis A goes on and C stands, inside a seam, at its start, at
+/// its end, in a point and between points; and the other solution can be asked for.
 #[test]
 fn a_direction_may_go_through_that_of_the_turn_axis() {
     let line = |t: &str, branch: &str| {

@@ -1,5 +1,5 @@
-//! Operations of which some are constants. What holds no variable is computed here, by the formula itself; powers become
-//! products, roots, or exp and ln.
+//! Operations of which some are constants. What holds no variable is computed here, by the formula itself;
+//! powers become products, roots, or exp and ln.
 
 use shape::{Formula, Function, Op};
 

@@ -1,7 +1,9 @@
-//! What belongs together in a formula. In: words that `scan` has passed. Out: operations in the order of a [`Formula`].
+//! What belongs together in a formula. In: words that `scan` has passed. Out: operations in the order of a
+//! [`Formula`].
 //!
-//! [`Climb::part`] reads operands and the operations between them as long as these bind tightly enough, and reads
-//! what binds more tightly first (precedence climbing). `^` binds more tightly than a sign, and from right to left.
+//! [`Climb::part`] reads operands and the operations between them as long as these bind tightly enough, and
+//! reads what binds more tightly first (precedence climbing). `^` binds more tightly than a sign, and from
+//! right to left.
 //!
 //! [`Formula`]: shape::Formula
 
@@ -80,7 +82,8 @@ impl Climb<'_> {
         self.words.as_slice().first().map(|word| word.kind)
     }
 
-    /// The operation of two operands that comes next, and how tightly it binds; none at the end and before `)`.
+    /// The operation of two operands that comes next, and how tightly it binds; none at the end and before
+    /// `)`.
     fn joins(&self) -> Option<(char, u8)> {
         match self.peek()? {
             Kind::Sign(sign @ ('+' | '-')) => Some((sign, SUM)),

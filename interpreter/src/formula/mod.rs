@@ -1,7 +1,8 @@
 //! The text of a formula to a [`Formula`].
 //!
-//! In: a text such as `0.02*x^2 + 8*sin(x/15)*cos(y/20)` and the names of its variables, the first of which is variable
-//! 0 of the formula. Out: the formula, its constants computed; or a [`Misread`] with the place and a remedy.
+//! In: a text such as `0.02*x^2 + 8*sin(x/15)*cos(y/20)` and the names of its variables, the first of which
+//! is variable 0 of the formula. Out: the formula, its constants computed; or a [`Misread`] with the place
+//! and a remedy.
 //!
 //! | file | from | to |
 //! |---|---|---|

@@ -1,4 +1,5 @@
-//! The words of a formula with their places. What passes here is well formed but for the order of its operations.
+//! The words of a formula with their places. What passes here is well formed but for the order of its
+//! operations.
 
 use core::f64::consts;
 use std::ops::Range;

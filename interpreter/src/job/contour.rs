@@ -1,6 +1,7 @@
 //! A plane contour as a job. In: its keys. Out: its formula, one trace; or where the tool cannot go.
 //!
-//! On a mill y is a formula of x, and Z stands still; on a lathe x, a radius, is a formula of z, and the tool comes along X.
+//! On a mill y is a formula of x, and Z stands still; on a lathe x, a radius, is a formula of z, and the tool
+//! comes along X.
 
 use machine::Kinematics;
 use protocol::{Axis, Feed, Position, Shape};
@@ -18,7 +19,8 @@ const LEAST: f64 = 4000.0;
 const ALONG_RADIUS: f64 = 8.0;
 /// unless there would be more of them.
 const MOST: f64 = 1e6;
-/// Places where a piece is compared with the contour are this share of the way along the first axis apart, or less.
+/// Places where a piece is compared with the contour are this share of the way along the first axis apart, or
+/// less.
 const APART: f64 = 1.0 / 400.0;
 /// Most of them.
 const LOOKS: f64 = 2e6;

@@ -1,7 +1,8 @@
-//! How fast a path can be gone along at all. In: pieces of it, limits of the axes, mm and s. Out: the highest feed of any
-//! place, and what is said of a job that asks for more.
+//! How fast a path can be gone along at all. In: pieces of it, limits of the axes, mm and s. Out: the highest
+//! feed of any place, and what is said of a job that asks for more.
 //!
-//! At the feed v the axes have the speed v p′, the acceleration v² p″ and the jerk v³ p‴, if v is constant; each has a limit.
+//! At the feed v the axes have the speed v p′, the acceleration v² p″ and the jerk v³ p‴, if v is constant;
+//! each has a limit.
 
 use machine::Machine;
 use motion::Path;

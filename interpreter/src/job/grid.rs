@@ -1,7 +1,9 @@
-//! A surface looked at on a grid over its domain. In: formula, domain, tool, mm. Out: where it does not exist, where the tool
-//! does not fit, how far apart its paths may lie, and what else of it a tool would touch.
+//! A surface looked at on a grid over its domain. In: formula, domain, tool, mm. Out: where it does not
+//! exist, where the tool does not fit, how far apart its paths may lie, and what else of it a tool would
+//! touch.
 //!
-//! What is finer than the grid is not seen. Its nodes are an eighth of the radius of the tool apart, or nearer.
+//! What is finer than the grid is not seen. Its nodes are an eighth of the radius of the tool apart, or
+//! nearer.
 
 use shape::{Formula, Parting, Surface, Tool, Touch};
 
@@ -139,7 +141,8 @@ impl Grid {
         2.0 * self.surface.tool.radius_mm / spread
     }
 
-    /// How fast the tool and the surface part at all nodes, and the distance on the surface of paths 1 mm apart.
+    /// How fast the tool and the surface part at all nodes, and the distance on the surface of paths 1 mm
+    /// apart.
     fn partings(&self, lay: Lay) -> impl Iterator<Item = (Parting, f64)> {
         let tool = &self.surface.tool;
         lay.directions().into_iter().flat_map(move |along| {
@@ -151,7 +154,8 @@ impl Grid {
         })
     }
 
-    /// Refuses a tool that touches the surface elsewhere, too. `tips`: where it stands, by the point of contact.
+    /// Refuses a tool that touches the surface elsewhere, too. `tips`: where it stands, by the point of
+    /// contact.
     pub(super) fn touches_nothing_else(&self, tips: &[([f64; 2], [f64; 3])]) -> Result<(), Fault> {
         let tool = &self.surface.tool;
         let [columns, rows] = [(self.surface.x, self.cells[0]), (self.surface.y, self.cells[1])]

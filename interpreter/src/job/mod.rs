@@ -1,5 +1,6 @@
-//! Jobs: work that is given as formulas instead of points. In: the text of a job (TOML), a machine, the zero of the
-//! formulas, the feed in force. Out: moves to where it begins, formulas, traces, moves away; or what is wrong, by key.
+//! Jobs: work that is given as formulas instead of points. In: the text of a job (TOML), a machine, the zero
+//! of the formulas, the feed in force. Out: moves to where it begins, formulas, traces, moves away; or what
+//! is wrong, by key.
 //!
 //! | module | kind of job |
 //! |---|---|
@@ -103,7 +104,8 @@ impl Job<'_> {
         Work { shape: work, origin: origin_mm.map(Position::from_mm), feed_mm_min, chord_mm, correction }
     }
 
-    /// Where the axes stand if some of them are at places seen from the zero of the formulas, mm, and the others rest.
+    /// Where the axes stand if some of them are at places seen from the zero of the formulas, mm, and the
+    /// others rest.
     pub(crate) fn at<const N: usize>(&self, axes: [Axis; N], from_zero: [f64; N]) -> PerAxis<Position> {
         let mut at = self.rest;
         for (axis, mm) in axes.into_iter().zip(from_zero) {
@@ -118,8 +120,8 @@ impl Job<'_> {
         place.and_then(|n| self.origin_mm.get(n).copied()).unwrap_or(0.0)
     }
 
-    /// Refuses a box that is not within the travel; its corners as seen from the zero of the formulas, mm. `keys`: what says
-    /// how far it goes on each axis.
+    /// Refuses a box that is not within the travel; its corners as seen from the zero of the formulas, mm.
+    /// `keys`: what says how far it goes on each axis.
     pub(crate) fn reaches<const N: usize>(
         &self,
         axes: [Axis; N],
@@ -145,7 +147,8 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// The key to blame for a way beyond the travel, and what to do; the zero of the formulas may lie from low to high, mm.
+    /// The key to blame for a way beyond the travel, and what to do; the zero of the formulas may lie from
+    /// low to high, mm.
     fn remedy<'k>(&self, axis: Axis, [low, high]: [f64; 2], key: &'k str) -> (&'k str, String) {
         let [low, high] = [(low * 1e3).ceil() / 1e3, (high * 1e3).floor() / 1e3];
         if low > high {
@@ -163,8 +166,8 @@ impl Job<'_> {
         }
     }
 
-    /// Moves to where the work begins: with the axis `across` to `clear` first, then the others, then down at feed. `sign`
-    /// says on which side of the part it is clear.
+    /// Moves to where the work begins: with the axis `across` to `clear` first, then the others, then down at
+    /// feed. `sign` says on which side of the part it is clear.
     pub(crate) fn approach(
         &self,
         across: Axis,

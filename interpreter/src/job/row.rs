@@ -1,12 +1,13 @@
-//! Values in a row. In: an array of the text of a job. Out: as many values as there must be, or how many there are.
+//! Values in a row. In: an array of the text of a job. Out: as many values as there must be, or how many
+//! there are.
 
 use std::fmt::{self, Formatter};
 use std::marker::PhantomData;
 
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
-/// N values in square brackets, no more and no fewer. (An array of fixed length that serde reads leaves what is behind
-/// its last value unread.)
+/// N values in square brackets, no more and no fewer. (An array of fixed length that serde reads leaves what
+/// is behind its last value unread.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Row<T, const N: usize>(pub(crate) [T; N]);
 

@@ -1,5 +1,5 @@
-//! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force. Out: what a job
-//! file sets before it begins, moves and work, warnings; or what is wrong, by key.
+//! A job where it stands: within a program, or as a program of its own. In: its text, and what is in force.
+//! Out: what a job file sets before it begins, moves and work, warnings; or what is wrong, by key.
 
 use gcode::Job as Source;
 use gcode::Place;
@@ -202,7 +202,8 @@ fn blame(place: Place, source: &Source, fault: Fault, severity: Severity) -> (Pl
     (there, problem)
 }
 
-/// Refuses a tool that the table does not have, if there is one; warns of another diameter than that of the job, mm.
+/// Refuses a tool that the table does not have, if there is one; warns of another diameter than that of the
+/// job, mm.
 fn other_tool(
     tools: &ToolTable,
     source: &Source,

@@ -1,4 +1,5 @@
-//! A surface as a job. In: its keys. Out: formulas, the pattern of the paths, one trace; or where the tool cannot go.
+//! A surface as a job. In: its keys. Out: formulas, the pattern of the paths, one trace; or where the tool
+//! cannot go.
 
 use std::fmt::{Display, Formatter};
 

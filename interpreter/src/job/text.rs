@@ -1,5 +1,5 @@
-//! The text of a job. In: TOML, with or without the header `[job]`. Out: the keys that every kind has, those of its kind, and
-//! where a key stands in the text.
+//! The text of a job. In: TOML, with or without the header `[job]`. Out: the keys that every kind has, those
+//! of its kind, and where a key stands in the text.
 
 use std::ops::Range;
 

@@ -1,5 +1,6 @@
-//! Paths walked from leg to leg before anything moves, in the pieces in which the interpolator will walk them. In: a surface
-//! and its formulas, mm. Out: the places of the tool, its way, the box it stays in; or where it cannot go on.
+//! Paths walked from leg to leg before anything moves, in the pieces in which the interpolator will walk
+//! them. In: a surface and its formulas, mm. Out: the places of the tool, its way, the box it stays in; or
+//! where it cannot go on.
 
 use protocol::Axis;
 use shape::{Curve, Formula, Leg, Plan, SpanError, Surface, SurfaceCurve, Touch, Walker};
@@ -12,7 +13,8 @@ use super::{Fault, Job};
 const APART: f64 = 1.0 / 400.0;
 /// Most places.
 const PLACES: usize = 2_000_000;
-/// They lie so far into their shares of a piece: beside the places where its maker compared it with its curve.
+/// They lie so far into their shares of a piece: beside the places where its maker compared it with its
+/// curve.
 pub(super) const BESIDE: f64 = 0.382;
 /// A piece lies so near to its curve there, mm: rounding, far above what its maker keeps.
 const NEAR_MM: f64 = 1e-6;

@@ -1,5 +1,5 @@
-//! The cuts of a threading cycle. In: the cycle as the program means it ([`gcode::canon::ThreadCycle`]: depths, infeed,
-//! tapers). Out: one [`Cut`] for each pass.
+//! The cuts of a threading cycle. In: the cycle as the program means it ([`gcode::canon::ThreadCycle`]:
+//! depths, infeed, tapers). Out: one [`Cut`] for each pass.
 
 use gcode::canon::ThreadCycle;
 

@@ -1,5 +1,5 @@
-//! When Z may begin to brake behind a retracting tool. In: the two laws, mm and s at the same speed of the spindle.
-//! Out: a delay in s.
+//! When Z may begin to brake behind a retracting tool. In: the two laws, mm and s at the same speed of the
+//! spindle. Out: a delay in s.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -8,8 +8,9 @@
 //! | e(u) | mm | lag of Z behind the helix, V u - z(u), increasing |
 //! | φ | – | half angle of the flank |
 //!
-//! The trailing flank is not touched while e <= x tan φ (M15), as long as the tool is in the thread. At time t that
-//! allows braking to have lasted u = e⁻¹(x(t) tan φ), so it must not begin before t - u: the least delay is
+//! The trailing flank is not touched while e <= x tan φ (M15), as long as the tool is in the thread. At time
+//! t that allows braking to have lasted u = e⁻¹(x(t) tan φ), so it must not begin before t - u: the least
+//! delay is
 //!
 //! ```text
 //! d = max over t of ( t - e⁻¹(x(t) tan φ) ),  0 <= t <= time at which the tool is clear of the thread
@@ -22,8 +23,8 @@ const GRID: u32 = 48;
 /// Steps of a bisection in doubles, and of the refinement.
 const STEPS: u32 = 50;
 
-/// Least delay in s from the beginning of `retract` to that of `brake`, so that the flank is not touched until the
-/// tool has gone `clear_mm`. `brake` is the axial ramp; both at the same spindle speed.
+/// Least delay in s from the beginning of `retract` to that of `brake`, so that the flank is not touched
+/// until the tool has gone `clear_mm`. `brake` is the axial ramp; both at the same spindle speed.
 pub(crate) fn least_delay(brake: &Ramp, retract: &Stroke, clear_mm: f64, tan_flank: f64) -> f64 {
     let duration = retract.duration();
     let clear = largest(duration, |t| retract.at(t).s.abs() <= clear_mm);

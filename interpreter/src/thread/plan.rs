@@ -1,5 +1,5 @@
-//! The law of one pass: from geometry and limits to windows of spindle angle. In: a [`Cut`] in mm and 1/min, the
-//! machine. Out: a [`ThreadPass`], angles in degrees since the index; or the reason why there is none.
+//! The law of one pass: from geometry and limits to windows of spindle angle. In: a [`Cut`] in mm and 1/min,
+//! the machine. Out: a [`ThreadPass`], angles in degrees since the index; or the reason why there is none.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,13 +11,14 @@
 //! | c | deg | angle from where the helix goes through the start point; C = c + 360 k |
 //!
 //! ```text
-//! run-in     T from Ramp::fastest(R V) (M21);  window  -ΔC/2 … ΔC/2, so that z = F c/360 after it    (M14, phase rule)
+//! run-in  T from Ramp::fastest(R V) (M21);  window  -ΔC/2 … ΔC/2:  z = F c/360 after it  (M14, phase rule)
 //! approach   T from Stroke::shortest (M7);     ends with the run-in
 //! brake      T as the run-in;                  within: centred on c_end = 360 L/F, so that it ends at L
 //! retract    T as the approach;                begins before the brake by the delay of flank.rs
 //! both       take FEWEST_COUNTS of the encoder at least, which binds at a few 1/min
 //! beyond     the retract begins at c_end, the brake after the delay
-//! k          the least number of turns that puts every window the machine's margin after the index; a start angle is added
+//! k  the least number of turns that puts every window the machine's margin after the index;
+//!    a start angle is added
 //! ```
 
 use machine::{Machine, RunOut};
@@ -134,7 +135,8 @@ impl Design {
     fn new(cut: &Cut, machine: &Machine, x: Limits, z: Limits) -> Design {
         let share = machine.threading.limit_share_pct / 100.0;
         let (x, z) = (x.share(share), z.share(share));
-        // On a tapered helix strokes of X add to its run-in and its braking: each gets its part of the limits.
+        // On a tapered helix strokes of X add to its run-in and its braking: each gets its part of the
+        // limits.
         let shared = |stroke_mm: f64| cut.lead.x != 0.0 && stroke_mm != 0.0;
         let path_limits = |stroke_mm| along(cut.lead, if shared(stroke_mm) { x.share(0.5) } else { x }, z);
         let (in_limits, out_limits) = (path_limits(cut.approach_mm), path_limits(cut.retract_mm));
@@ -216,7 +218,8 @@ fn approach(cut: &Cut, design: &Design, run_in_end: f64) -> Result<Span, Refusal
     let stroke = cut.approach_mm.abs();
     let least = design.stroke_deg(stroke, &design.approach_limits);
     let Some(taper) = cut.entry else { return Ok(Span { c: run_in_end - least, dc: least }) };
-    // The last `height` of the stroke lies on the taper: the share of the window it takes, by symmetry of the law.
+    // The last `height` of the stroke lies on the taper: the share of the window it takes, by symmetry of the
+    // law.
     let share = time_of(taper.height_mm / stroke);
     let taper_dc = angle(cut, taper.length_mm);
     if taper_dc < least * share {
@@ -250,7 +253,8 @@ fn time_of(way: f64) -> f64 {
     largest(1.0, |share| unit.at(share).s <= way)
 }
 
-/// The packet. `turn` is the angle from the index to the start point of the helix: whole turns and the start angle.
+/// The packet. `turn` is the angle from the index to the start point of the helix: whole turns and the start
+/// angle.
 fn pass(
     cut: &Cut,
     windows: &Windows,

@@ -1,12 +1,12 @@
 //! The cut of a G33 block. In: the path and K, mm; what the next block does with X. Out: a [`Cut`].
 //!
-//! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that of X
-//! K sin φ.
+//! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that
+//! of X K sin φ.
 
 use super::cut::{Cut, Point};
 
-/// A tool that has gone this many leads away from the path is out of any thread profile: those are less than one
-/// lead deep.
+/// A tool that has gone this many leads away from the path is out of any thread profile: those are less than
+/// one lead deep.
 const CLEAR_LEADS: f64 = 1.3;
 
 /// A G33 block: mm, radius; checked.

@@ -38,8 +38,8 @@ fn is_code(text: &str) -> bool {
         && !text.ends_with('-')
 }
 
-/// Texts in quotation marks that are codes: those with a hyphen, and those that a maker takes first (but a name
-/// that comes before).
+/// Texts in quotation marks that are codes: those with a hyphen, and those that a maker takes first (but a
+/// name that comes before).
 fn codes_of(source: &str) -> BTreeSet<String> {
     let without_comments = source.lines().filter(|line| !line.trim_start().starts_with("//"));
     let text = without_comments.collect::<Vec<_>>().join("\n");

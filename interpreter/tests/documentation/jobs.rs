@@ -1,7 +1,9 @@
-//! `docs/surfaces.md`: its jobs are right, its tables of refusals are what is said, its tables of keys are the keys.
+//! `docs/surfaces.md`: its jobs are right, its tables of refusals are what is said, its tables of keys are
+//! the keys.
 //!
-//! A fence `toml mill` or `toml lathe` is a job file for the built-in machine of this kind, `ngc mill` a program. Rows of
-//! a table behind `<!-- jobs: … -->` change the first job of that kind, line by line; the second cell is part of what is said.
+//! A fence `toml mill` or `toml lathe` is a job file for the built-in machine of this kind, `ngc mill` a
+//! program. Rows of a table behind `<!-- jobs: … -->` change the first job of that kind, line by line; the
+//! second cell is part of what is said.
 
 use std::collections::BTreeSet;
 

@@ -128,8 +128,8 @@ fn a_spindle_without_speed_is_a_warning() {
 
 #[test]
 fn time_adds_up() {
-    // 2 s of dwell, 400 1/min at 800 1/min per s but for the band that counts as at speed, 60 mm at 60 mm/min (ramps add
-    // little), and half a second until the spindle stands, 0.1 s more until that is seen.
+    // 2 s of dwell, 400 1/min at 800 1/min per s but for the band that counts as at speed, 60 mm at 60 mm/min
+    // (ramps add little), and half a second until the spindle stands, 0.1 s more until that is seen.
     let check = good("G0 X10 Z0\nG4 P2\nS400 M3\nG1 Z-60 F60\nM2\n");
     let rapid = good("G0 X10 Z0\nM2\n").time_s;
     assert!(rapid > 0.5 && rapid < 2.0, "{rapid}");

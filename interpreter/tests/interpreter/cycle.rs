@@ -1,5 +1,5 @@
-//! G76: which passes a cycle has, and where. The numbers are those LinuxCNC's interpreter gives for the same words
-//! (four decimals): Z of the start, X at depth, Z of the end of every pass.
+//! G76: which passes a cycle has, and where. The numbers are those LinuxCNC's interpreter gives for the same
+//! words (four decimals): Z of the start, X at depth, Z of the end of every pass.
 
 use protocol::{Axis, Code, Item, SpindleSpeed, ThreadPass};
 

@@ -35,7 +35,8 @@ fn moves_feeds_and_arcs() {
 
 #[test]
 fn a_thread_in_one_block_of_either_dialect() {
-    // Depth 1.227, first cut 0.35, constant area, drive line 2.5 mm outside the crest, flank infeed of 30 degrees.
+    // Depth 1.227, first cut 0.35, constant area, drive line 2.5 mm outside the crest, flank infeed of 30
+    // degrees.
     let fanuc =
         "O1\nG21 G97 S400 M03\nG00 X25. Z8.\nG76 P010060 Q0 R0\nG76 X17.546 Z-20. P1227 Q350 F2.\nM30\n";
     let linuxcnc =

@@ -1,5 +1,5 @@
-//! Ridges between paths, measured on what the tool leaves: how far the material stands up from the surface, along its
-//! normal, until the first place that the tool comes to on any path. No curvature is asked for.
+//! Ridges between paths, measured on what the tool leaves: how far the material stands up from the surface,
+//! along its normal, until the first place that the tool comes to on any path. No curvature is asked for.
 
 use shape::{Formula, Leg, Plan, Surface, Touch};
 
@@ -72,8 +72,8 @@ fn ridge(surface: &Surface, psi: &Formula, along_y: bool) -> f64 {
     highest
 }
 
-/// A job whose highest ridge is what was asked for, but for what makes whole lines of it, and for places between those that
-/// are looked at here.
+/// A job whose highest ridge is what was asked for, but for what makes whole lines of it, and for places
+/// between those that are looked at here.
 fn keeps(text: &str, along_y: bool, scallop_mm: f64) {
     let check = good(text, &mill());
     let (psi, surface) = (formulas(&check.items)[0], surface(&check.items));

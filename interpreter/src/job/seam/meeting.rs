@@ -1,5 +1,5 @@
-//! Two surfaces of which a seam is the intersection. In: their keys. Out: [`Meeting`], axes as unit vectors; or what is
-//! wrong with a key.
+//! Two surfaces of which a seam is the intersection. In: their keys. Out: [`Meeting`], axes as unit vectors;
+//! or what is wrong with a key.
 
 use std::fmt;
 

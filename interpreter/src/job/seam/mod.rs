@@ -1,5 +1,5 @@
-//! A seam as a job: under the beam of a positioner. In: its keys, in the frame of the work-holder. Out: moves to where it
-//! begins, formulas, one trace for each smooth piece; or why the positioner cannot go there.
+//! A seam as a job: under the beam of a positioner. In: its keys, in the frame of the work-holder. Out: moves
+//! to where it begins, formulas, one trace for each smooth piece; or why the positioner cannot go there.
 //!
 //! | module | from | to |
 //! |---|---|---|

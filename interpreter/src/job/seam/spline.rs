@@ -1,5 +1,6 @@
-//! A smooth curve through points: the natural spline of degree 5. In: points of six coordinates. Out: one polynomial piece
-//! from point to point, each of its own parameter 0 … 1; where pieces meet, four derivatives are continuous.
+//! A smooth curve through points: the natural spline of degree 5. In: points of six coordinates. Out: one
+//! polynomial piece from point to point, each of its own parameter 0 … 1; where pieces meet, four derivatives
+//! are continuous.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -12,8 +13,8 @@
 //! p⁗(0) = (−360 Δp + h (192 m₀ + 168 m₁) + h² (36 M₀ − 24 M₁))/h⁴
 //! p⁗(h) = (360 Δp − h (168 m₀ + 192 m₁) − h² (24 M₀ − 36 M₁))/h⁴
 //! ```
-//! Equal third and fourth derivatives on both sides of a point, none at both ends: two equations a point for m and M, a
-//! block tridiagonal system. Of all curves through the points this has the least ∫ p‴².
+//! Equal third and fourth derivatives on both sides of a point, none at both ends: two equations a point for
+//! m and M, a block tridiagonal system. Of all curves through the points this has the least ∫ p‴².
 //!
 //! Source: two-point Hermite interpolation of degree 5.
 
@@ -25,7 +26,8 @@ const COORDINATES: usize = 6;
 /// m and M of every coordinate.
 type Slopes = SMatrix<f64, 2, COORDINATES>;
 
-/// Third and fourth derivatives at one end of a piece, as they depend on m, M at its start, at its end, and on Δp.
+/// Third and fourth derivatives at one end of a piece, as they depend on m, M at its start, at its end, and
+/// on Δp.
 struct End {
     start: Matrix2<f64>,
     end: Matrix2<f64>,
@@ -57,8 +59,8 @@ impl End {
     }
 }
 
-/// The pieces through `points`, coefficients of u⁰ … u⁷ of every coordinate. Distances are those of the first three
-/// coordinates. `None` for fewer than two points, or for neighbours that are one.
+/// The pieces through `points`, coefficients of u⁰ … u⁷ of every coordinate. Distances are those of the first
+/// three coordinates. `None` for fewer than two points, or for neighbours that are one.
 pub(super) fn through(points: &[[f64; COORDINATES]]) -> Option<Vec<[[f64; 8]; COORDINATES]>> {
     let distances: Vec<f64> = points.windows(2).map(distance).collect();
     let mean = distances.iter().sum::<f64>() / distances.len() as f64;

@@ -1,6 +1,7 @@
-//! How a positioner goes along a seam: both solutions walked before anything moves, in the pieces in which the interpolator
-//! will walk them. In: seams, their formulas, where the axes rest, mm and degrees. Out: the solution that stays within the
-//! travel and begins nearest to where the axes rest; or why there is none, and where.
+//! How a positioner goes along a seam: both solutions walked before anything moves, in the pieces in which
+//! the interpolator will walk them. In: seams, their formulas, where the axes rest, mm and degrees. Out: the
+//! solution that stays within the travel and begins nearest to where the axes rest; or why there is none, and
+//! where.
 
 use machine::{AxisConfig, Machine, POSITIONER_AXES, PositionerConfig};
 use protocol::Axis;
@@ -39,7 +40,8 @@ pub(super) struct Travelled {
 /// The solution that is nearest, of those within the travel.
 ///
 /// # Errors
-/// The seam does not exist everywhere, leaves the travel in both solutions, or asks too much of a rotary axis.
+/// The seam does not exist everywhere, leaves the travel in both solutions, or asks too much of a rotary
+/// axis.
 pub(super) fn nearest(
     job: &Job,
     seams: &[Seam],
