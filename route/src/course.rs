@@ -14,7 +14,7 @@
 use motion::Path;
 use motion::chain::{Block, Corner};
 use protocol::{Axis, Feed, PerAxis, Position, Shape, Work, units::AXES};
-use shape::{Curve, Plan, Span, SpanError, Walked, Walker};
+use shape::{Curve, Piece, PieceError, Plan, Walked, Walker};
 
 use crate::{
     legs::Legs,
@@ -191,12 +191,12 @@ impl Course {
     /// One try of the next piece of the leg in hand; none behind its last.
     fn piece(&mut self, route: &Route, plan: Plan, mut walker: Walker<AXES>) -> Result<Advance, Unworkable> {
         let work = self.work;
-        let no_path = |error: SpanError| Unworkable::NoPath { error, spot: work.spot(&plan, error.t()) };
+        let no_path = |error: PieceError| Unworkable::NoPath { error, spot: work.spot(&plan, error.t()) };
         let curve = work.curve(plan, &route.formulas, &route.machine)?;
         let walked = walker.attempt(&curve).map_err(no_path)?;
         self.stage = Stage::Cut(plan, walker);
-        let Span { path, t: [t, next], to, clock, .. } = match walked {
-            Walked::Piece(span) => span,
+        let Piece { path, t: [t, next], to, clock, .. } = match walked {
+            Walked::Piece(piece) => piece,
             Walked::Shorter => return Ok(Advance::Nowhere),
             Walked::Over => {
                 self.leg += 1;
@@ -272,7 +272,7 @@ impl Course {
         let axes = curve.near(t, &self.at.map(Position::mm)).axes.map(|axis| axis.value());
         if !axes.iter().all(|axis| axis.is_finite()) {
             return Err(Unworkable::NoPath {
-                error: SpanError::NotFinite { t },
+                error: PieceError::NotFinite { t },
                 spot: self.work.spot(&plan, t),
             });
         }

@@ -2,7 +2,7 @@
 //! it cannot be followed, and the formulas that it refers to.
 
 use protocol::{Axis, FORMULAS, Feed, PerAxis, Position};
-use shape::{Clock, Formula, Plan, SpanError};
+use shape::{Clock, Formula, PieceError, Plan};
 
 /// Where a block lies on the machine, and whence in the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,7 +91,7 @@ pub enum Unworkable {
     #[error("{spot}: {error}")]
     NoPath {
         /// What is wrong with it.
-        error: SpanError,
+        error: PieceError,
         /// Where.
         spot: Spot,
     },

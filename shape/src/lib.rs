@@ -10,7 +10,7 @@
 //! | [`Positioner`] | which drives bring a seam under the beam, and how far errors of drives move it | M46–M52 |
 //! | [`Correction`], [`Place`] | feed ratios of followers to their master | M36–M43 |
 //! | [`chord_feed`], [`radius`], [`Touch::under`] | feed within a chord error, the surface that a tool moves on | M44, M45, M93 |
-//! | [`Walker`], [`Span`] | from a curve to pieces by length that a chain can plan | M86 |
+//! | [`Walker`], [`Piece`] | from a curve to pieces by length that a chain can plan | M86 |
 //!
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
@@ -22,11 +22,11 @@ mod fit;
 mod formula;
 mod number;
 mod pattern;
+mod piece;
 mod positioner;
 mod seam;
 mod series;
 mod shaping;
-mod span;
 mod surface;
 mod tool;
 
@@ -37,10 +37,10 @@ pub use fit::{Parting, Touch};
 pub use formula::{Formula, FormulaError, Op};
 pub use number::{Function, Gradient, Number};
 pub use pattern::{Leg, Pattern, Plan};
+pub use piece::{Clock, Piece, PieceError, Walked, Walker};
 pub use positioner::{Branch, DriveErrors, Drives, Positioner};
 pub use seam::{Meeting, Quadric, Ruled, Seam, SeamCurve, SeamPath};
 pub use series::{Series, length};
 pub use shaping::{Correction, FOLLOWERS, Place, Section, Sections, leader};
-pub use span::{Clock, Span, SpanError, Walked, Walker};
 pub use surface::{Surface, SurfaceCurve};
 pub use tool::Tool;

@@ -3,7 +3,7 @@
 //! where it cannot go on.
 
 use protocol::Axis;
-use shape::{Curve, Formula, Leg, Plan, SpanError, Surface, SurfaceCurve, Touch, Walker};
+use shape::{Curve, Formula, Leg, PieceError, Plan, Surface, SurfaceCurve, Touch, Walker};
 
 use super::feed::Pace;
 use super::grid::{cuts, here, hollow};
@@ -71,35 +71,35 @@ impl Walk {
         let mut walker = Walker::new(plan.t());
         loop {
             let next = walker.next(&curve).map_err(|error| stopped(&curve, formulas[0], plan, error))?;
-            let Some(span) = next else { return Ok(()) };
-            let [low, high] = span.path.bounds();
+            let Some(piece) = next else { return Ok(()) };
+            let [low, high] = piece.path.bounds();
             for axis in 0..3 {
-                self.bounds[0][axis] = self.bounds[0][axis].min(span.from[axis] + low[axis]);
-                self.bounds[1][axis] = self.bounds[1][axis].max(span.from[axis] + high[axis]);
+                self.bounds[0][axis] = self.bounds[0][axis].min(piece.from[axis] + low[axis]);
+                self.bounds[1][axis] = self.bounds[1][axis].max(piece.from[axis] + high[axis]);
             }
             if self.tips.is_empty() {
-                self.start = span.from;
+                self.start = piece.from;
             }
-            self.end = span.to;
-            self.cut_mm += span.path.length();
-            self.pace.goes_along(&span.path);
-            let places = (span.path.length() / apart).ceil().max(1.0);
+            self.end = piece.to;
+            self.cut_mm += piece.path.length();
+            self.pace.goes_along(&piece.path);
+            let places = (piece.path.length() / apart).ceil().max(1.0);
             if self.tips.len() as f64 + places > PLACES as f64 {
                 return Err(too_long(plan));
             }
             for n in 0..places as usize {
-                let s = span.path.length() * (n as f64 + BESIDE) / places;
-                let t = span.parameter(s);
+                let s = piece.path.length() * (n as f64 + BESIDE) / places;
+                let t = piece.parameter(s);
                 let contact = curve.contact(t).map(|axis| axis.value());
                 inside(surface, t, contact)?;
                 let tip = surface.tip(formulas[0], contact);
-                let [gone, ..] = span.path.at(s);
-                if !is_near(span.from, gone, tip) {
+                let [gone, ..] = piece.path.at(s);
+                if !is_near(piece.from, gone, tip) {
                     return Err(too_fine(plan, contact));
                 }
                 self.tips.push((contact, tip));
             }
-            inside(surface, span.t[1], curve.contact(span.t[1]).map(|axis| axis.value()))?;
+            inside(surface, piece.t[1], curve.contact(piece.t[1]).map(|axis| axis.value()))?;
         }
     }
 }
@@ -138,7 +138,7 @@ fn inside(surface: &Surface, t: f64, [x, y]: [f64; 2]) -> Result<(), Fault> {
 }
 
 /// Why the path ends before it should.
-fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError) -> Fault {
+fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: PieceError) -> Fault {
     let t = error.t();
     let point = curve.at(t);
     let [x, y] = curve.contact(t).map(|axis| axis.value());
@@ -162,9 +162,9 @@ fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: SpanError
     }
     let at = if matches!(plan, Plan::Curve { .. }) { format!("t = {t:.4}, ") } else { String::new() };
     let why = match error {
-        SpanError::NotFinite { .. } => "it has no finite value or slope",
-        SpanError::StandsStill { .. } => "it stands still",
-        SpanError::Unresolved { .. } => "it bends too sharply",
+        PieceError::NotFinite { .. } => "it has no finite value or slope",
+        PieceError::StandsStill { .. } => "it stands still",
+        PieceError::Unresolved { .. } => "it bends too sharply",
     };
     let message = format!("the path of the tool cannot be followed at {at}{}: {why} there", here(x, y));
     match plan {

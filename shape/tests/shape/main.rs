@@ -2,9 +2,9 @@
 
 mod number;
 mod offset;
+mod piece;
 mod poles;
 mod positioner;
 mod reference;
 mod seam;
 mod shaping;
-mod span;

@@ -4,7 +4,7 @@
 #![allow(clippy::disallowed_methods)] // what is checked against may be platform maths
 
 use shape::{
-    Branch, Curve, Drives, Meeting, Positioner, Quadric, Ruled, Seam, SeamCurve, SeamPath, Span, SpanError,
+    Branch, Curve, Drives, Meeting, Piece, PieceError, Positioner, Quadric, Ruled, Seam, SeamCurve, SeamPath,
     Walker,
 };
 use std::f64::consts::PI;
@@ -31,7 +31,7 @@ struct Walk {
     start: [f64; 4],
     end: [f64; 4],
     turned: [f64; 2],
-    pieces: Vec<Span<4>>,
+    pieces: Vec<Piece<4>>,
 }
 
 fn start(seam: &Seam) -> [f64; 4] {
@@ -40,26 +40,26 @@ fn start(seam: &Seam) -> [f64; 4] {
 
 /// Walks a seam as the interpolator does, and asks at a thousand places of each piece whether the beam is on
 /// the seam and looks along its direction.
-fn walked(seam: &Seam) -> Result<Walk, SpanError> {
+fn walked(seam: &Seam) -> Result<Walk, PieceError> {
     let path = seam.on(&[], positioner(), BEAM);
     let from = start(seam);
     let mut walk = Walk { start: from, end: from, turned: [0.0; 2], pieces: Vec::new() };
     let mut walker = Walker::new(seam.t).standing(from);
     let mut here = from;
-    while let Some(span) = walker.next(&path)? {
-        assert!(span.from.iter().zip(walk.end).all(|(a, b)| (a - b).abs() < 1e-9), "{:?}", span.from);
+    while let Some(piece) = walker.next(&path)? {
+        assert!(piece.from.iter().zip(walk.end).all(|(a, b)| (a - b).abs() < 1e-9), "{:?}", piece.from);
         for step in 1..=1000 {
-            let s = span.path.length() * f64::from(step) / 1000.0;
-            let [ways, ..] = span.path.at(s);
-            let axes: [f64; 4] = std::array::from_fn(|i| span.from[i] + ways[i]);
-            is_under_the_beam(&path, span.parameter(s), axes);
+            let s = piece.path.length() * f64::from(step) / 1000.0;
+            let [ways, ..] = piece.path.at(s);
+            let axes: [f64; 4] = std::array::from_fn(|i| piece.from[i] + ways[i]);
+            is_under_the_beam(&path, piece.parameter(s), axes);
             for i in [0, 1] {
                 walk.turned[i] += (axes[i + 2] - here[i + 2]).abs();
             }
             here = axes;
         }
-        walk.end = span.to;
-        walk.pieces.push(span);
+        walk.end = piece.to;
+        walk.pieces.push(piece);
     }
     Ok(walk)
 }
@@ -136,7 +136,7 @@ fn a_direction_passes_the_pole_by() {
     }
     // Too near to be followed, and not through it.
     let near = walked(&leaning(0.3, 1e-8, 1.0, [-20.0, 20.0], Branch::Positive));
-    assert!(matches!(near, Err(SpanError::Unresolved { .. })));
+    assert!(matches!(near, Err(PieceError::Unresolved { .. })));
 }
 
 /// β bends where the direction goes through the pole on a curve: it has its slope there, not a jump, and

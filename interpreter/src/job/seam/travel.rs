@@ -6,7 +6,7 @@
 use machine::{AxisConfig, Machine, POSITIONER_AXES, PositionerConfig};
 use protocol::Axis;
 use route::positioner::geometry;
-use shape::{Branch, Formula, Seam, SeamCurve, SeamPath, SpanError, Walker};
+use shape::{Branch, Formula, PieceError, Seam, SeamCurve, SeamPath, Walker};
 
 use super::super::{Fault, Job};
 
@@ -242,7 +242,7 @@ const UPRIGHT: &str =
     "tilt the part on the work-holder, or choose a direction that keeps clear of the turn axis";
 
 /// Why the seam cannot be followed.
-fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: SpanError) -> Fault {
+fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: PieceError) -> Fault {
     let at = place(error.t());
     let [point, direction] = path.place(error.t());
     let value = |vector: [shape::Series; 3]| vector.map(|c| c.value());
@@ -262,21 +262,21 @@ fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: 
                 format!("the direction stands still in that of the turn axis at {at}: C has no place there");
             (message, UPRIGHT)
         }
-        SpanError::NotFinite { .. } => (
+        PieceError::NotFinite { .. } => (
             format!("the seam is not smooth at {at}"),
             "end it there; of two surfaces: they must not touch without crossing",
         ),
-        SpanError::StandsStill { .. } => {
+        PieceError::StandsStill { .. } => {
             (format!("the seam stands still at {at}"), "choose another parameter, or leave this place out")
         }
-        SpanError::Unresolved { .. } if flat < NEAR_UPRIGHT * length => {
+        PieceError::Unresolved { .. } if flat < NEAR_UPRIGHT * length => {
             let off = libm::atan2(flat, direction[2].abs()).to_degrees();
             let message = format!(
                 "C would have to turn too sharply at {at}: the direction is {off:.4} deg off the turn axis"
             );
             (message, UPRIGHT)
         }
-        SpanError::Unresolved { .. } => (
+        PieceError::Unresolved { .. } => (
             format!("the seam bends too sharply at {at}"),
             "make it smooth, its direction nowhere 0; of two surfaces: they only touch there, so give the thinner one first",
         ),

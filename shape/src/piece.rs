@@ -60,7 +60,7 @@ const SHORTER: f64 = 0.6;
 
 /// A piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span<const N: usize> {
+pub struct Piece<const N: usize> {
     /// The piece, from its start.
     pub path: Path<N>,
     /// The parameter at its start and at its end.
@@ -89,7 +89,7 @@ impl Clock {
     }
 }
 
-impl<const N: usize> Span<N> {
+impl<const N: usize> Piece<N> {
     /// The parameter after a way of `s` mm on the piece, right to 1e-9 of its step.
     #[must_use]
     pub fn parameter(&self, s: f64) -> f64 {
@@ -102,7 +102,7 @@ impl<const N: usize> Span<N> {
 #[allow(clippy::large_enum_variant)] // there is one of it at a time, and it must not allocate
 pub enum Walked<const N: usize> {
     /// The next piece.
-    Piece(Span<N>),
+    Piece(Piece<N>),
     /// Nothing yet: the piece was too long, or not near enough to the curve. The next try is a shorter one.
     Shorter,
     /// The walker has come to the end.
@@ -111,7 +111,7 @@ pub enum Walked<const N: usize> {
 
 /// Why a curve cannot be followed, and at which parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SpanError {
+pub enum PieceError {
     /// A formula has no value there, or no derivative.
     NotFinite {
         /// The parameter.
@@ -129,26 +129,26 @@ pub enum SpanError {
     },
 }
 
-impl SpanError {
+impl PieceError {
     /// The parameter.
     #[must_use]
     pub fn t(&self) -> f64 {
         match *self {
-            SpanError::NotFinite { t } | SpanError::StandsStill { t } | SpanError::Unresolved { t } => t,
+            PieceError::NotFinite { t } | PieceError::StandsStill { t } | PieceError::Unresolved { t } => t,
         }
     }
 }
 
-impl fmt::Display for SpanError {
+impl fmt::Display for PieceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            SpanError::NotFinite { t } => {
+            PieceError::NotFinite { t } => {
                 write!(f, "the curve has no finite value or slope at {t}; change the formula or the range")
             }
-            SpanError::StandsStill { t } => {
+            PieceError::StandsStill { t } => {
                 write!(f, "the curve stands still at {t}; choose another parameter, or leave this place out")
             }
-            SpanError::Unresolved { t } => write!(
+            PieceError::Unresolved { t } => write!(
                 f,
                 "the curve bends too sharply near {t} for a piece of {LEAST_MM} mm; end it there, or make it smooth"
             ),
@@ -156,7 +156,7 @@ impl fmt::Display for SpanError {
     }
 }
 
-impl core::error::Error for SpanError {}
+impl core::error::Error for PieceError {}
 
 /// Goes along a curve. It is given the same curve every time.
 ///
@@ -172,12 +172,12 @@ impl core::error::Error for SpanError {}
 /// }
 /// let mut walker = Walker::new([0.0, std::f64::consts::PI]);
 /// let (mut length, mut pieces) = (0.0, 0);
-/// while let Some(span) = walker.next(&Circle)? {
-///     length += span.path.length();
+/// while let Some(piece) = walker.next(&Circle)? {
+///     length += piece.path.length();
 ///     pieces += 1;
 /// }
 /// assert!((length - 10.0 * std::f64::consts::PI).abs() < 1e-11 && pieces < 20);
-/// # Ok::<(), shape::SpanError>(())
+/// # Ok::<(), shape::PieceError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walker<const N: usize> {
@@ -215,11 +215,11 @@ impl<const N: usize> Walker<N> {
     /// [`Walker::attempt`] as it takes.
     ///
     /// # Errors
-    /// [`SpanError`]; the walker stands where the piece would have begun.
-    pub fn next<C: Curve<N>>(&mut self, curve: &C) -> Result<Option<Span<N>>, SpanError> {
+    /// [`PieceError`]; the walker stands where the piece would have begun.
+    pub fn next<C: Curve<N>>(&mut self, curve: &C) -> Result<Option<Piece<N>>, PieceError> {
         loop {
             match self.attempt(curve)? {
-                Walked::Piece(span) => return Ok(Some(span)),
+                Walked::Piece(piece) => return Ok(Some(piece)),
                 Walked::Shorter => {}
                 Walked::Over => return Ok(None),
             }
@@ -230,14 +230,14 @@ impl<const N: usize> Walker<N> {
     /// piece or an error.
     ///
     /// # Errors
-    /// [`SpanError`]; the walker stands where the piece would have begun.
-    pub fn attempt<C: Curve<N>>(&mut self, curve: &C) -> Result<Walked<N>, SpanError> {
+    /// [`PieceError`]; the walker stands where the piece would have begun.
+    pub fn attempt<C: Curve<N>>(&mut self, curve: &C) -> Result<Walked<N>, PieceError> {
         let left = self.end - self.t;
         if left == 0.0 {
             return Ok(Walked::Over);
         }
         if !left.is_finite() {
-            return Err(SpanError::NotFinite { t: if self.t.is_finite() { self.end } else { self.t } });
+            return Err(PieceError::NotFinite { t: if self.t.is_finite() { self.end } else { self.t } });
         }
         let start = match self.here {
             Some(knot) => knot,
@@ -249,14 +249,14 @@ impl<const N: usize> Walker<N> {
         let h = if whole { left } else { left.signum() * most.min(0.5 * left.abs()) };
         let tried = h.abs() * start.speed();
         let (step, fault) = match Step::of(curve, &start, if whole { self.end } else { self.t + h }) {
-            Ok(Step { span, end, excess }) if excess <= 1.0 => {
+            Ok(Step { piece, end, excess }) if excess <= 1.0 => {
                 let next = tried * (SAFETY * eighth_root(1.0 / excess)).clamp(0.3, 3.0);
-                (self.t, self.step, self.here) = (span.t[1], Some(next), Some(end));
-                return Ok(Walked::Piece(span));
+                (self.t, self.step, self.here) = (piece.t[1], Some(next), Some(end));
+                return Ok(Walked::Piece(piece));
             }
             Ok(Step { excess, .. }) => {
                 let share = (SAFETY * eighth_root(1.0 / excess)).clamp(0.1, SHORTER);
-                (share * tried, SpanError::Unresolved { t: self.t })
+                (share * tried, PieceError::Unresolved { t: self.t })
             }
             Err(why) => (0.25 * tried, why),
         };
@@ -282,15 +282,15 @@ struct Knot<const N: usize> {
 
 impl<const N: usize> Knot<N> {
     /// The curve about `t`, by the turns nearest to `near`; s grows in the sense of ±1.
-    fn of<C: Curve<N>>(curve: &C, t: f64, sense: f64, near: &[f64; N]) -> Result<Knot<N>, SpanError> {
+    fn of<C: Curve<N>>(curve: &C, t: f64, sense: f64, near: &[f64; N]) -> Result<Knot<N>, PieceError> {
         let point = curve.near(t, near);
         if !point.axes.iter().chain(&point.tip).all(Series::is_finite) {
-            return Err(SpanError::NotFinite { t });
+            return Err(PieceError::NotFinite { t });
         }
         let way = length(&point.tip);
         let onwards = (way * sense).reversed();
         if !(way.derivative(1) > 0.0 && way.is_finite() && onwards.is_finite()) {
-            return Err(SpanError::StandsStill { t });
+            return Err(PieceError::StandsStill { t });
         }
         let by_way = point.axes.map(|axis| axis.of(onwards));
         let axes = core::array::from_fn(|n| by_way.map(|axis| axis.derivative(n)));
@@ -316,13 +316,13 @@ impl<const N: usize> Knot<N> {
 /// A try: the piece, what is known of the curve at its end, and its error as a multiple of the one that may
 /// be, to be compared with 1. Where places are too far apart, it counts as one, too.
 struct Step<const N: usize> {
-    span: Span<N>,
+    piece: Piece<N>,
     end: Knot<N>,
     excess: f64,
 }
 
 impl<const N: usize> Step<N> {
-    fn of<C: Curve<N>>(curve: &C, start: &Knot<N>, to: f64) -> Result<Step<N>, SpanError> {
+    fn of<C: Curve<N>>(curve: &C, start: &Knot<N>, to: f64) -> Result<Step<N>, PieceError> {
         let h = to - start.t;
         // Turns count from the start of the piece: one of more than half a turn is not near its curve, and
         // cut.
@@ -333,12 +333,12 @@ impl<const N: usize> Step<N> {
             .map(|knots| ways(0.25 * h, knots.map(|knot| knot.speeds)));
         let whole = ways(0.5 * h, [start, &middle, &end].map(|knot| knot.speeds))[1];
         let length = first[1] + second[1];
-        let unresolved = SpanError::Unresolved { t: start.t };
+        let unresolved = PieceError::Unresolved { t: start.t };
         let path = Path::piece(&start.axes, &end.axes, length).ok_or(unresolved)?;
         let gone = Path::piece(&start.clock, &end.clock, length).ok_or(unresolved)?;
         let clock = Clock { start: start.t, gone };
         let [from, to] = [start.axes[0], end.axes[0]];
-        let span = Span { path, t: [start.t, end.t], from, to, clock };
+        let piece = Piece { path, t: [start.t, end.t], from, to, clock };
 
         let mut excess = worst(0.0, (whole - length).abs() / (ALIKE * length));
         // A piece of twice the length has places twice as far apart: as an error that grows with L⁸.
@@ -350,9 +350,9 @@ impl<const N: usize> Step<N> {
             for ((at, from), axis) in at.iter().zip(from).zip(knot.axes[0]) {
                 excess = worst(excess, (at - (axis - from)).abs() / (NEAR + ROUNDED * axis.abs()));
             }
-            excess = worst(excess, (span.parameter(s) - knot.t).abs() / in_time);
+            excess = worst(excess, (piece.parameter(s) - knot.t).abs() / in_time);
         }
-        Ok(Step { span, end, excess })
+        Ok(Step { piece, end, excess })
     }
 }
 

@@ -5,7 +5,7 @@ use core::cell::{Cell, RefCell};
 use core::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
-use shape::{Curve, Function, Number, Point, Series, Span, SpanError, Walker};
+use shape::{Curve, Function, Number, Piece, PieceError, Point, Series, Walker};
 
 /// A curve in X, Y, Z with a rotary axis that goes along and is not part of the way.
 struct By<F>(F);
@@ -35,33 +35,33 @@ fn number(value: f64) -> Series {
     Series::constant(value)
 }
 
-fn walk(curve: &impl Curve<4>, ends: [f64; 2]) -> Result<Vec<Span<4>>, SpanError> {
+fn walk(curve: &impl Curve<4>, ends: [f64; 2]) -> Result<Vec<Piece<4>>, PieceError> {
     let mut walker = Walker::new(ends);
-    let mut spans = Vec::new();
-    while let Some(span) = walker.next(curve)? {
-        spans.push(span);
-        assert!(spans.len() < 100_000, "at {} of {ends:?}", walker.t());
+    let mut pieces = Vec::new();
+    while let Some(piece) = walker.next(curve)? {
+        pieces.push(piece);
+        assert!(pieces.len() < 100_000, "at {} of {ends:?}", walker.t());
     }
-    Ok(spans)
+    Ok(pieces)
 }
 
 /// Everything that holds for the pieces of any curve. Gives their length, mm.
-fn holds(curve: &impl Curve<4>, ends: [f64; 2], spans: &[Span<4>]) -> f64 {
+fn holds(curve: &impl Curve<4>, ends: [f64; 2], pieces: &[Piece<4>]) -> f64 {
     const SAMPLES: u32 = 40;
     let mut t = ends[0];
-    for span in spans {
-        assert_eq!(span.t[0], t);
-        t = span.t[1];
-        let (length, [from, to]) = (span.path.length(), span.t);
+    for piece in pieces {
+        assert_eq!(piece.t[0], t);
+        t = piece.t[1];
+        let (length, [from, to]) = (piece.path.length(), piece.t);
         assert!(length <= 2.0 + 1e-9);
         for k in 0..=SAMPLES {
             let s = length * f64::from(k) / f64::from(SAMPLES);
-            let t = span.parameter(s);
-            let ([p, p1, ..], point) = (span.path.at(s), curve.at(t));
+            let t = piece.parameter(s);
+            let ([p, p1, ..], point) = (piece.path.at(s), curve.at(t));
             for (i, axis) in point.axes.iter().enumerate() {
                 // The parameter is right to 1e-9 of the step, which is this far on the curve.
                 let slack = 1e-9 * (axis.derivative(1) * (to - from)).abs();
-                let off = (span.from[i] + p[i] - axis.value()).abs() - 1e-14 * span.from[i].abs();
+                let off = (piece.from[i] + p[i] - axis.value()).abs() - 1e-14 * piece.from[i].abs();
                 assert!(off <= 1.5e-10 + slack, "axis {i} is {off} off at {t}");
             }
             // The feed is that of the tip.
@@ -69,10 +69,10 @@ fn holds(curve: &impl Curve<4>, ends: [f64; 2], spans: &[Span<4>]) -> f64 {
             assert!((pace - 1.0).abs() < 1e-6, "{pace} at {t}");
         }
         let [here, there] = [from, to].map(|t| curve.at(t).axes.map(|axis| axis.value()));
-        assert_eq!((span.from, span.to), (here, there));
+        assert_eq!((piece.from, piece.to), (here, there));
     }
     assert_eq!(t, ends[1]);
-    for pair in spans.windows(2) {
+    for pair in pieces.windows(2) {
         let jumps = pair[0].path.jumps(&pair[1].path);
         let (shorter, turns) =
             (pair[0].path.length().min(pair[1].path.length()), pair[1].path.shares()[3].max(1.0));
@@ -87,12 +87,12 @@ fn holds(curve: &impl Curve<4>, ends: [f64; 2], spans: &[Span<4>]) -> f64 {
         }
         assert_eq!(pair[0].to, pair[1].from);
     }
-    spans.iter().map(|span| span.path.length()).sum()
+    pieces.iter().map(|piece| piece.path.length()).sum()
 }
 
 fn followed(curve: &impl Curve<4>, ends: [f64; 2]) -> (f64, usize) {
-    let spans = walk(curve, ends).expect("a smooth curve");
-    (holds(curve, ends, &spans), spans.len())
+    let pieces = walk(curve, ends).expect("a smooth curve");
+    (holds(curve, ends, &pieces), pieces.len())
 }
 
 fn near(length: f64, right: f64) {
@@ -163,9 +163,9 @@ fn a_straight_line_has_pieces_of_nearly_two_millimetres() {
     near(length, 1000.0);
     assert!(pieces <= 560, "{pieces}");
     let ends = [0.0, 0.4001];
-    let spans = walk(&line, ends).expect("smooth");
-    near(holds(&line, ends, &spans), 2.0005);
-    assert!(spans.iter().all(|span| span.path.length() > 0.9));
+    let pieces = walk(&line, ends).expect("smooth");
+    near(holds(&line, ends, &pieces), 2.0005);
+    assert!(pieces.iter().all(|piece| piece.path.length() > 0.9));
 }
 
 /// Whatever the speed of the tip does, also where it grows along a step.
@@ -211,10 +211,10 @@ fn a_bump_on_a_line_is_seen() {
 fn m86_a_corner_of_a_hundredth() {
     let corner = by(|t| [t, (t * t + number(1e-4)).sqrt(), NONE, NONE]);
     let ends = [-20.0, 20.0];
-    let spans = walk(&corner, ends).expect("smooth");
-    holds(&corner, ends, &spans);
-    let shortest = spans.iter().map(|span| span.path.length()).fold(f64::INFINITY, f64::min);
-    assert!(shortest < 0.01 && spans.len() < 200, "{shortest} mm, {} pieces", spans.len());
+    let pieces = walk(&corner, ends).expect("smooth");
+    holds(&corner, ends, &pieces);
+    let shortest = pieces.iter().map(|piece| piece.path.length()).fold(f64::INFINITY, f64::min);
+    assert!(shortest < 0.01 && pieces.len() < 200, "{shortest} mm, {} pieces", pieces.len());
 }
 
 #[test]
@@ -223,15 +223,15 @@ fn what_cannot_be_followed_is_refused_with_its_place() {
     let root = refused(&|t| [t, (number(2.0) - t).sqrt(), NONE, NONE], [0.0, 3.0]);
     assert!((root.t() - 2.0).abs() < 0.01, "{root:?}");
     let still = refused(&|_| [number(1.0), number(2.0), NONE, NONE], [0.0, 1.0]);
-    assert_eq!(still, SpanError::StandsStill { t: 0.0 });
+    assert_eq!(still, PieceError::StandsStill { t: 0.0 });
     let turning = refused(&|t| [number(1.0), number(2.0), NONE, t], [0.0, 1.0]);
-    assert_eq!(turning, SpanError::StandsStill { t: 0.0 });
+    assert_eq!(turning, PieceError::StandsStill { t: 0.0 });
     let cusp = refused(&|t| [t * t, t * t * t, NONE, NONE], [-1.0, 1.0]);
     assert!(cusp.t().abs() < 0.1, "{cusp:?}");
     let nowhere = refused(&|t| [t * t, t, NONE, NONE], [0.0, f64::INFINITY]);
-    assert_eq!(nowhere, SpanError::NotFinite { t: f64::INFINITY });
+    assert_eq!(nowhere, PieceError::NotFinite { t: f64::INFINITY });
     let corner = refused(&|t| [t, (t * t).sqrt(), NONE, NONE], [-1.0, 2.0]);
-    assert!(matches!(corner, SpanError::Unresolved { .. }) && corner.t().abs() < 0.01, "{corner:?}");
+    assert!(matches!(corner, PieceError::Unresolved { .. }) && corner.t().abs() < 0.01, "{corner:?}");
     let step = refused(&|t| [t, (t * 1e9).apply(Function::Tanh), NONE, NONE], [-1.0, 2.0]);
     assert!(step.t().abs() < 0.01, "{step:?}");
     assert!(corner.to_string().contains("bends too sharply"));
@@ -271,18 +271,18 @@ proptest! {
         let (width, ends) = (libm::exp(width), [from, 40.0]);
         // A radius of 0.05 mm or more.
         let curve = bump(1e-3 * libm::pow(width * width / 1e-4, share), at, width);
-        let spans = walk(&curve, ends).expect("smooth");
-        for span in &spans {
+        let pieces = walk(&curve, ends).expect("smooth");
+        for piece in &pieces {
             // Dense against the piece and against the bump.
-            let length = span.path.length();
+            let length = piece.path.length();
             let samples = (100.0 * length / width.min(0.5)).ceil() as u32;
             for k in 0..=samples {
                 let s = length * f64::from(k) / f64::from(samples);
-                let [p, ..] = span.path.at(s);
-                let [.., bump, _] = curve.at(span.from[0] + p[0]).axes;
+                let [p, ..] = piece.path.at(s);
+                let [.., bump, _] = curve.at(piece.from[0] + p[0]).axes;
                 // Across the bump, which may be steep.
-                let off = (span.from[2] + p[2] - bump.value()).abs() / libm::hypot(1.0, bump.derivative(1));
-                prop_assert!(off < 1e-9, "{off} at {}", span.t[0]);
+                let off = (piece.from[2] + p[2] - bump.value()).abs() / libm::hypot(1.0, bump.derivative(1));
+                prop_assert!(off < 1e-9, "{off} at {}", piece.t[0]);
             }
         }
     }
@@ -305,7 +305,7 @@ proptest! {
             [t * pace + wave(0, t), wave(1, t), wave(2, t), wave(3, t)]
         });
         let ends = if backwards { [from + way, from] } else { [from, from + way] };
-        let spans = walk(&curve, ends).expect("smooth");
-        holds(&curve, ends, &spans);
+        let pieces = walk(&curve, ends).expect("smooth");
+        holds(&curve, ends, &pieces);
     }
 }
