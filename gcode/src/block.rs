@@ -10,10 +10,10 @@ use crate::problem::{Blame, Problem, Span};
 const WORDS: usize = 32;
 
 /// `@`: distance of a polar point. `^`: its angle. `$`: spindle. `,C` and `,R` of FANUC are `c` and `r`.
-pub const SPECIAL: [char; 5] = ['@', '^', '$', 'c', 'r'];
+pub(crate) const SPECIAL: [char; 5] = ['@', '^', '$', 'c', 'r'];
 
 /// The bit of a letter in [`Block::present`].
-pub const fn letter_bit(letter: char) -> u32 {
+pub(crate) const fn letter_bit(letter: char) -> u32 {
     1 << slot(letter)
 }
 
@@ -30,7 +30,7 @@ const fn slot(letter: char) -> usize {
 }
 
 /// The bits of some letters.
-pub const fn letter_bits(letters: &str) -> u32 {
+pub(crate) const fn letter_bits(letters: &str) -> u32 {
     let letters = letters.as_bytes();
     let (mut bits, mut i) = (0, 0);
     while i < letters.len() {
@@ -41,16 +41,16 @@ pub const fn letter_bits(letters: &str) -> u32 {
 }
 
 /// The letters of some bits of [`Block::present`], in the order of the alphabet.
-pub fn letters_of(bits: u32) -> impl Iterator<Item = char> {
+pub(crate) fn letters_of(bits: u32) -> impl Iterator<Item = char> {
     ('A'..='Z').chain(SPECIAL).filter(move |letter| bits & letter_bit(*letter) != 0)
 }
 
 /// Letters of X, Y, Z, A, B, C.
-pub const AXES: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+pub(crate) const AXES: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
 /// What a comment is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommentKind {
+pub(crate) enum CommentKind {
     /// Text for the reader of the program.
     Plain,
     /// `(MSG,...)`.
@@ -65,34 +65,25 @@ pub enum CommentKind {
 
 /// A comment of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Comment {
+pub(crate) struct Comment {
     /// Kind.
-    pub kind: CommentKind,
+    pub(crate) kind: CommentKind,
     /// Its text with the parameters of DEBUG, PRINT and LOG replaced; verbs of messages are left out, that of
     /// LOG stands in front.
-    pub text: String,
-}
-
-/// What stands on the left of `=`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Assigned {
-    /// `#n`.
-    Number(u32),
-    /// `#<name>`, lower case without blanks; names that begin with `_` are global.
-    Name(String),
+    pub(crate) text: String,
 }
 
 /// The words of one line.
 #[derive(Clone, Debug)]
-pub struct Block {
+pub(crate) struct Block {
     /// Line, from 1.
-    pub line: u32,
+    pub(crate) line: u32,
     /// File, see [`Place`].
-    pub file: u16,
+    pub(crate) file: u16,
     /// N word.
-    pub n: Option<u32>,
+    pub(crate) n: Option<u32>,
     /// How many digits N was written with, see [`Place`].
-    pub n_digits: u8,
+    pub(crate) n_digits: u8,
     present: u32,
     values: [f64; WORDS],
     spans: [Span; WORDS],
@@ -104,9 +95,7 @@ pub struct Block {
     m: [M; M_GROUPS],
     m_spans: [Span; M_GROUPS],
     /// The last comment of the line, and whether there is any.
-    pub comment: Option<Comment>,
-    /// Parameters to set before the words of the block take effect.
-    pub assignments: Vec<(Assigned, f64)>,
+    pub(crate) comment: Option<Comment>,
 }
 
 impl Default for Block {
@@ -126,18 +115,16 @@ impl Default for Block {
             m: [M(0); M_GROUPS],
             m_spans: [Span::default(); M_GROUPS],
             comment: None,
-            assignments: Vec::new(),
         }
     }
 }
 
 impl Block {
     /// Makes the block an empty one of `line`.
-    pub fn clear(&mut self, file: u16, line: u32) {
+    pub(crate) fn clear(&mut self, file: u16, line: u32) {
         (self.file, self.line, self.n, self.n_digits, self.present) = (file, line, None, 0, 0);
         (self.g_present, self.m_present) = (0, 0);
         self.comment = None;
-        self.assignments.clear();
     }
 
     /// Makes the block one of `line` that has nothing but its N word, with the count of its digits.
@@ -149,7 +136,7 @@ impl Block {
     }
 
     /// Where its calls come from.
-    pub fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> Place {
         Place { file: self.file, line: self.line, n: self.n, n_digits: self.n_digits }
     }
 
@@ -157,7 +144,7 @@ impl Block {
     ///
     /// # Errors
     /// The letter stands in the block already.
-    pub fn add(&mut self, letter: char, value: f64, span: Span) -> Result<(), Box<Problem>> {
+    pub(crate) fn add(&mut self, letter: char, value: f64, span: Span) -> Result<(), Box<Problem>> {
         if self.has(letter) {
             let message = format!("{letter} stands in this block already");
             let help = "leave one of the two out, or put them in different blocks";
@@ -173,7 +160,7 @@ impl Block {
     ///
     /// # Errors
     /// The block has a code of that group.
-    pub fn add_g(&mut self, group: usize, code: G, span: Span) -> Result<(), Box<Problem>> {
+    pub(crate) fn add_g(&mut self, group: usize, code: G, span: Span) -> Result<(), Box<Problem>> {
         const G80: G = G(800);
         let other = self.g(group);
         if code == G80 && other.is_some() {
@@ -191,7 +178,7 @@ impl Block {
     ///
     /// # Errors
     /// The block has a code of that group.
-    pub fn add_m(&mut self, group: usize, code: M, span: Span) -> Result<(), Box<Problem>> {
+    pub(crate) fn add_m(&mut self, group: usize, code: M, span: Span) -> Result<(), Box<Problem>> {
         if let Some(other) = self.m(group) {
             return Err(excluded(&code.to_string(), &other.to_string(), span));
         }
@@ -201,17 +188,17 @@ impl Block {
     }
 
     /// Whether the block has the word of a letter.
-    pub fn has(&self, letter: char) -> bool {
+    pub(crate) fn has(&self, letter: char) -> bool {
         self.present >> slot(letter) & 1 == 1
     }
 
     /// The letters it has, as bits of [`letter_bit`].
-    pub fn present(&self) -> u32 {
+    pub(crate) fn present(&self) -> u32 {
         self.present
     }
 
     /// The value of the word of a letter.
-    pub fn get(&self, letter: char) -> Option<f64> {
+    pub(crate) fn get(&self, letter: char) -> Option<f64> {
         self.has(letter).then(|| self.values[slot(letter)])
     }
 
@@ -223,47 +210,47 @@ impl Block {
     }
 
     /// The letters of its words (no G, no M, no N), in the order of the alphabet.
-    pub fn letters(&self) -> impl Iterator<Item = char> + use<> {
+    pub(crate) fn letters(&self) -> impl Iterator<Item = char> + use<> {
         letters_of(self.present)
     }
 
     /// The G code of a group.
-    pub fn g(&self, group: usize) -> Option<G> {
+    pub(crate) fn g(&self, group: usize) -> Option<G> {
         (self.g_present >> group & 1 == 1).then(|| self.g[group])
     }
 
     /// The M code of a group.
-    pub fn m(&self, group: usize) -> Option<M> {
+    pub(crate) fn m(&self, group: usize) -> Option<M> {
         (self.m_present >> group & 1 == 1).then(|| self.m[group])
     }
 
     /// Its G codes.
-    pub fn g_codes(&self) -> impl Iterator<Item = G> + '_ {
+    pub(crate) fn g_codes(&self) -> impl Iterator<Item = G> + '_ {
         places(self.g_present).map(|group| self.g[group])
     }
 
     /// Its M codes.
-    pub fn m_codes(&self) -> impl Iterator<Item = M> + '_ {
+    pub(crate) fn m_codes(&self) -> impl Iterator<Item = M> + '_ {
         places(self.m_present).map(|group| self.m[group])
     }
 
     /// Whether it has any word of X, Y, Z, A, B, C.
-    pub fn has_axes(&self) -> bool {
+    pub(crate) fn has_axes(&self) -> bool {
         AXES.into_iter().any(|letter| self.has(letter))
     }
 
     /// The values of its axis words.
-    pub fn axes(&self) -> [Option<f64>; 6] {
+    pub(crate) fn axes(&self) -> [Option<f64>; 6] {
         AXES.map(|letter| self.get(letter))
     }
 
     /// Whether it has no words, codes or comment.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.present == 0 && self.g_present == 0 && self.m_present == 0 && self.comment.is_none()
     }
 
     /// The bytes of the line that `blame` means.
-    pub fn span(&self, blame: Blame) -> Option<Span> {
+    pub(crate) fn span(&self, blame: Blame) -> Option<Span> {
         match blame {
             Blame::Span(span) => Some(span),
             Blame::Word(letter) => self.has(letter).then(|| self.spans[slot(letter)]),

@@ -29,64 +29,64 @@ impl fmt::Display for M {
 }
 
 /// Number of modal groups of G codes.
-pub const G_GROUPS: usize = 16;
+pub(crate) const G_GROUPS: usize = 16;
 /// Number of modal groups of M codes.
-pub const M_GROUPS: usize = 10;
+pub(crate) const M_GROUPS: usize = 10;
 
 /// Groups of G codes, as indexes.
-pub mod group {
+pub(crate) mod group {
     /// Not modal: G4 G10 G28 G28.1 G30 G30.1 G52 G53 G92.
-    pub const ONCE: usize = 0;
+    pub(crate) const ONCE: usize = 0;
     /// G0 to G3, G33, G38, G70 to G76, G80 to G89.
-    pub const MOTION: usize = 1;
+    pub(crate) const MOTION: usize = 1;
     /// G17 G18 G19.
-    pub const PLANE: usize = 2;
+    pub(crate) const PLANE: usize = 2;
     /// G90 G91.
-    pub const DISTANCE: usize = 3;
+    pub(crate) const DISTANCE: usize = 3;
     /// G90.1 G91.1.
-    pub const ARC_DISTANCE: usize = 4;
+    pub(crate) const ARC_DISTANCE: usize = 4;
     /// G93 G94 G95.
-    pub const FEED_MODE: usize = 5;
+    pub(crate) const FEED_MODE: usize = 5;
     /// G20 G21.
-    pub const UNITS: usize = 6;
+    pub(crate) const UNITS: usize = 6;
     /// G40 G41 G42.
-    pub const COMPENSATION: usize = 7;
+    pub(crate) const COMPENSATION: usize = 7;
     /// G43 G49.
-    pub const TOOL_LENGTH: usize = 8;
+    pub(crate) const TOOL_LENGTH: usize = 8;
     /// G92.1 G92.2 G92.3.
-    pub const SUSPENSION: usize = 9;
+    pub(crate) const SUSPENSION: usize = 9;
     /// G98 G99.
-    pub const RETRACT: usize = 10;
+    pub(crate) const RETRACT: usize = 10;
     /// G54 to G59.3.
-    pub const COORDINATES: usize = 12;
+    pub(crate) const COORDINATES: usize = 12;
     /// G61 G64.
-    pub const PATH: usize = 13;
+    pub(crate) const PATH: usize = 13;
     /// G96 G97.
-    pub const SPINDLE_MODE: usize = 14;
+    pub(crate) const SPINDLE_MODE: usize = 14;
     /// G7 G8.
-    pub const DIAMETER: usize = 15;
+    pub(crate) const DIAMETER: usize = 15;
 }
 
 /// Groups of M codes, as indexes.
-pub mod m_group {
+pub(crate) mod m_group {
     /// M0 M1 M2 M30 M60 (M99 at the end of a program).
-    pub const STOP: usize = 0;
+    pub(crate) const STOP: usize = 0;
     /// M62 to M68.
-    pub const IO: usize = 1;
+    pub(crate) const IO: usize = 1;
     /// M6 M61.
-    pub const TOOL: usize = 2;
+    pub(crate) const TOOL: usize = 2;
     /// M3 M4 M5 M19.
-    pub const SPINDLE: usize = 3;
+    pub(crate) const SPINDLE: usize = 3;
     /// M7.
-    pub const MIST: usize = 4;
+    pub(crate) const MIST: usize = 4;
     /// M8, M9.
-    pub const FLOOD: usize = 5;
+    pub(crate) const FLOOD: usize = 5;
     /// M48 to M53.
-    pub const OVERRIDE: usize = 6;
+    pub(crate) const OVERRIDE: usize = 6;
     /// M70 to M73.
-    pub const STATE: usize = 7;
+    pub(crate) const STATE: usize = 7;
     /// M98 M99.
-    pub const CALL: usize = 8;
+    pub(crate) const CALL: usize = 8;
 }
 
 /// The group of a G code of the dialect `linuxcnc`, or `None` if there is no such code.

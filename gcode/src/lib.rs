@@ -57,14 +57,14 @@
 //! | `text` | a file, standard input, a text | lines in constant memory, characters, numbers, comments |
 //! | [`canon`] | calls | text, as LinuxCNC's `rs274` prints it or tidier |
 //! | [`files`] | tool table, parameter file, machine file | values |
-//! | [`alone`] | one line, one value | a [`Block`], a number |
+//! | [`alone`] | one line, one value | what it says, a number |
 //!
 //! Lines that begin with `;@` are a [`Job`]: text for a receiver that knows what to do with it, see
 //! [`Sink::job`].
 #![forbid(unsafe_code)]
 
 pub mod alone;
-pub mod block;
+mod block;
 mod bounds;
 pub mod canon;
 pub mod codes;
@@ -79,7 +79,6 @@ mod program;
 mod state;
 mod text;
 
-pub use block::Block;
 pub use canon::{Call, Job, Place, Pose, Sink};
 pub use options::{Dialect, Limits, Options};
 pub use problem::{Diagnostic, Problem, Severity};

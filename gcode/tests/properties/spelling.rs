@@ -1,44 +1,13 @@
 //! Spelling does not matter: a block that is printed from what was read of it does the same, and so does one
 //! with other cases, blanks, zeros, signs, and its words in another order.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use gcode::block::CommentKind;
-use gcode::{Block, Dialect, Options, alone};
+use gcode::{Dialect, Options, alone};
 use proptest::prelude::*;
 
 use crate::blocks::{Effect, block, effect};
-
-/// A block in one spelling: N, codes, letters with all their digits, comment. `None` for what a block does
-/// not keep.
-fn printed(block: &Block) -> Option<String> {
-    let mut text = String::new();
-    if let Some(n) = block.n {
-        let _ = write!(text, "N{n:0width$} ", width = usize::from(block.n_digits));
-    }
-    for code in block.g_codes() {
-        let _ = write!(text, "{code} ");
-    }
-    for code in block.m_codes() {
-        let _ = write!(text, "{code} ");
-    }
-    for letter in block.letters() {
-        let _ = write!(text, "{letter}{} ", block.get(letter)?);
-    }
-    match &block.comment {
-        None => {}
-        Some(comment) if comment.kind == CommentKind::Plain => {
-            let _ = write!(text, "({})", comment.text);
-        }
-        Some(comment) if comment.kind == CommentKind::Message => {
-            let _ = write!(text, "(MSG,{})", comment.text);
-        }
-        Some(_) => return None,
-    }
-    Some(text)
-}
 
 /// A program with every line printed that says the same wherever it stands: no parameters, no O words, no
 /// M99.
@@ -47,8 +16,8 @@ fn reprinted(text: &str) -> String {
     let line = |line: &str| {
         let lower = line.to_ascii_lowercase();
         let fixed = lower.contains(['#', 'o', '%', '/']) || lower.contains("99");
-        let block = if fixed { None } else { alone::line(line.as_bytes(), &options).ok() };
-        block.and_then(|block| printed(&block)).unwrap_or_else(|| line.to_owned())
+        let read = if fixed { None } else { alone::line(line.as_bytes(), &options).ok() };
+        read.map_or_else(|| line.to_owned(), |read| read.to_string())
     };
     text.lines().map(line).collect::<Vec<_>>().join("\n") + "\n"
 }
