@@ -39,7 +39,7 @@ pub(crate) struct CanonArgs {
     #[arg(long, value_enum, default_value_t)]
     format: Format,
     /// Dialect of the part program.
-    #[arg(long, value_name = "DIALECT", value_parser = dialect, default_value = "linuxcnc")]
+    #[arg(long, value_name = "DIALECT", default_value = "linuxcnc")]
     dialect: Dialect,
     /// Tool table (LinuxCNC's format).
     #[arg(short, long = "tools", value_name = "FILE")]
@@ -90,14 +90,6 @@ fn on_error(number: &str) -> Result<OnError, String> {
         "1" => Err("there is no keyboard to go on from here; use 0 to go on or 2 to stop".into()),
         "2" => Ok(OnError::Stop),
         _ => Err("use 0 to go on with the next line or 2 to stop".into()),
-    }
-}
-
-fn dialect(name: &str) -> Result<Dialect, String> {
-    match name {
-        "linuxcnc" => Ok(Dialect::Linuxcnc),
-        "fanuc" => Ok(Dialect::Fanuc),
-        _ => Err("the dialects are linuxcnc and fanuc".into()),
     }
 }
 

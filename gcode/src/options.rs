@@ -1,18 +1,55 @@
 //! What a program is run with: language, start of the machine, tools, parameters, limits.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use crate::canon::{Plane, Pose, Units};
 use crate::files::ToolTable;
 
 /// Which language a program is written in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dialect {
     /// RS274/NGC as LinuxCNC speaks it.
+    #[default]
     Linuxcnc,
-    /// FANUC lathe programs.
+    /// FANUC lathe programs, G-code system A.
     Fanuc,
 }
+
+impl Dialect {
+    /// All of them.
+    pub const ALL: [Dialect; 2] = [Dialect::Linuxcnc, Dialect::Fanuc];
+
+    /// Its name, as users write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Dialect::Linuxcnc => "linuxcnc",
+            Dialect::Fanuc => "fanuc",
+        }
+    }
+
+    /// What it is, in a few words.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Dialect::Linuxcnc => "RS274/NGC as LinuxCNC speaks it",
+            Dialect::Fanuc => "FANUC lathe programs, G-code system A",
+        }
+    }
+}
+
+impl FromStr for Dialect {
+    type Err = UnknownDialect;
+
+    fn from_str(name: &str) -> Result<Dialect, UnknownDialect> {
+        let found = Dialect::ALL.into_iter().find(|dialect| dialect.name() == name);
+        found.ok_or_else(|| UnknownDialect(name.to_owned()))
+    }
+}
+
+/// A name that is not the name of a dialect.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a dialect: the dialects are linuxcnc and fanuc")]
+pub struct UnknownDialect(String);
 
 /// Where a program ends that would not end by itself. Messages name the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -58,7 +58,7 @@ use protocol::Item;
 use route::Unworkable;
 
 pub use check::{Check, check, check_job, check_program, time_s};
-pub use gcode::{Diagnostic, Severity};
+pub use gcode::{Diagnostic, Dialect, Severity};
 pub use job::JobNote;
 pub use options::{Language, OpenError, check_folders, is_job, no_other, open};
 pub use threading::PassNote;

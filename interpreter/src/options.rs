@@ -19,7 +19,8 @@ const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Language {
     /// Dialect of the part program; without it that of the machine file.
-    pub dialect: Option<machine::Dialect>,
+    #[serde(default, with = "by_name")]
+    pub dialect: Option<Dialect>,
     /// Leave out lines that begin with `/`.
     #[serde(default)]
     pub block_delete: bool,
@@ -70,9 +71,7 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     check_folders(&language.subroutines)?;
     no_other(path)?;
     let mut options = options(machine);
-    if let Some(dialect) = language.dialect {
-        options.dialect = of_program(dialect);
-    }
+    options.dialect = language.dialect.unwrap_or(options.dialect);
     if options.dialect == Dialect::Fanuc && machine.general.kinematics != machine::Kinematics::Lathe {
         return Err(OpenError::Dialect);
     }
@@ -141,14 +140,29 @@ pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
 pub(crate) fn options(machine: &Machine) -> Options {
     let position = home(machine);
     let mut options = Options { plane: plane_of(machine), position, ..Options::default() };
-    options.dialect = of_program(machine.general.dialect);
+    options.dialect = of_machine(machine.general.dialect);
     options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
 }
 
-fn of_program(dialect: machine::Dialect) -> Dialect {
+fn of_machine(dialect: machine::ProgramDialect) -> Dialect {
     match dialect {
-        machine::Dialect::Linuxcnc => Dialect::Linuxcnc,
-        machine::Dialect::Fanuc => Dialect::Fanuc,
+        machine::ProgramDialect::Linuxcnc => Dialect::Linuxcnc,
+        machine::ProgramDialect::Fanuc => Dialect::Fanuc,
+    }
+}
+
+/// The dialect by its name, in what is kept of a run.
+mod by_name {
+    use gcode::Dialect;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub(super) fn serialize<S: Serializer>(dialect: &Option<Dialect>, to: S) -> Result<S::Ok, S::Error> {
+        dialect.map(Dialect::name).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Dialect>, D::Error> {
+        let name = Option::<String>::deserialize(from)?;
+        name.map(|name| name.parse().map_err(D::Error::custom)).transpose()
     }
 }

@@ -84,16 +84,16 @@ pub struct General {
     pub interpolator_cycle_s: f64,
     /// Dialect of part programs.
     #[serde(default)]
-    pub dialect: Dialect,
+    pub dialect: ProgramDialect,
     /// Kinematics.
     #[serde(default)]
     pub kinematics: Kinematics,
 }
 
-/// Dialect of G-code.
+/// Dialect of part programs, as the machine file names it. What it means is the business of whoever reads programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Dialect {
+pub enum ProgramDialect {
     /// RS274/NGC as LinuxCNC speaks it.
     #[default]
     Linuxcnc,
@@ -146,16 +146,6 @@ pub const SMALL_MILL: &str = include_str!("../../examples/machines/small-mill.to
 
 /// A positioner to begin with.
 pub const POSITIONER: &str = include_str!("../../examples/machines/positioner.toml");
-
-impl Dialect {
-    /// As the machine file names it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Dialect::Linuxcnc => "linuxcnc",
-            Dialect::Fanuc => "fanuc",
-        }
-    }
-}
 
 impl Kinematics {
     /// As the machine file names it.

@@ -4,8 +4,6 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
-use machine;
-
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
@@ -113,7 +111,7 @@ impl RunFolder {
     /// Arguments that tell the interpreter how to read the program.
     pub(crate) fn language_args(&self) -> Vec<OsString> {
         let Language { dialect, block_delete, tools, subroutines: _ } = &self.language;
-        let dialect = dialect.map(machine::Dialect::name);
+        let dialect = dialect.map(interpreter::Dialect::name);
         let mut args: Vec<OsString> = Vec::new();
         if let Some(dialect) = dialect {
             args.extend(["--dialect".into(), dialect.into()]);

@@ -64,7 +64,7 @@ pub(crate) fn calls(mut program: Program) -> Said {
 
 /// As `pitchlock check --tools tool.tbl` runs it.
 fn checked(path: &Path, fanuc: bool, kinematics: Kinematics) -> Said {
-    let dialect = if fanuc { machine::Dialect::Fanuc } else { machine::Dialect::Linuxcnc };
+    let dialect = if fanuc { Dialect::Fanuc } else { Dialect::Linuxcnc };
     let language = Language { dialect: Some(dialect), tools: Some(tools()), ..Language::default() };
     let machine = Machine::from_toml(kinematics.example()).expect("a built-in machine");
     let program = open(path, &language, &machine).expect("the example was written");

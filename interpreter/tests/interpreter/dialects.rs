@@ -1,11 +1,11 @@
 //! Two equivalent programs, one in each dialect, give the same machine code.
 
 use interpreter::check;
-use machine::{Dialect, Machine};
+use machine::{Machine, ProgramDialect};
 use protocol::Code;
 
 /// The machine code of a program, without lines, changes of tool and the order of the spindle's words.
-fn codes(dialect: Dialect, source: &str) -> Vec<Code> {
+fn codes(dialect: ProgramDialect, source: &str) -> Vec<Code> {
     let mut machine = Machine::default();
     machine.general.dialect = dialect;
     let check = check("test", source, &machine);
@@ -15,7 +15,7 @@ fn codes(dialect: Dialect, source: &str) -> Vec<Code> {
 }
 
 fn assert_same(linuxcnc: &str, fanuc: &str) {
-    let (one, other) = (codes(Dialect::Linuxcnc, linuxcnc), codes(Dialect::Fanuc, fanuc));
+    let (one, other) = (codes(ProgramDialect::Linuxcnc, linuxcnc), codes(ProgramDialect::Fanuc, fanuc));
     assert!(one.len() > 4, "the programs do something");
     for (n, (one, other)) in one.iter().zip(&other).enumerate() {
         assert_eq!(one, other, "code {n} of\n{linuxcnc}\n{fanuc}");
@@ -56,7 +56,7 @@ fn a_single_pass_and_its_retract() {
 fn a_start_angle_moves_the_pass_along_the_spindle() {
     let pass = |q: u32| {
         let source = format!("O1\nG21 G97 S300 M03\nG00 X38. Z6.\nG32 Z-22. F1.5 Q{q}\nG00 X45.\nM30\n");
-        let codes = codes(Dialect::Fanuc, &source);
+        let codes = codes(ProgramDialect::Fanuc, &source);
         let pass = |code: &Code| if let Code::Pass(pass) = code { Some(*pass) } else { None };
         codes.iter().find_map(pass).expect("a pass")
     };

@@ -2,8 +2,9 @@
 
 use gcode::Program;
 use gcode::files::ToolTable;
+use interpreter::Dialect;
 use interpreter::{Check, Language, check, check_program, open};
-use machine::{Dialect, Kinematics, Machine};
+use machine::{Kinematics, Machine};
 use protocol::{Arc, Axis, Code, Feed, PathMode, Plane, Position};
 
 use crate::project;

@@ -85,7 +85,7 @@ fn feed_per_revolution_goes_with_it_and_threads_do_not() {
 #[test]
 fn fanuc_programs_say_it_with_g50() {
     let mut machine = Machine::default();
-    machine.general.dialect = machine::Dialect::Fanuc;
+    machine.general.dialect = machine::ProgramDialect::Fanuc;
     let source =
         "G50 S1200\nG96 S150 M03\nG00 X40. Z2.\nG50 S900\nG01 Z0. F0.2\nG97 S500\nG61 G01 Z-1.\nM30\n";
     let check = check("O1", source, &machine);

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use interpreter::Language;
-use machine::Dialect;
+use interpreter::{Dialect, Language};
 
 use super::Clock;
 
@@ -55,8 +54,8 @@ pub type Named<T> = (T, &'static str, &'static str);
 
 /// The dialects by their names.
 const DIALECTS: [Named<Dialect>; 2] = [
-    (Dialect::Linuxcnc, Dialect::Linuxcnc.name(), "RS274/NGC as LinuxCNC speaks it"),
-    (Dialect::Fanuc, Dialect::Fanuc.name(), "FANUC lathe programs, G-code system A"),
+    (Dialect::Linuxcnc, Dialect::Linuxcnc.name(), Dialect::Linuxcnc.about()),
+    (Dialect::Fanuc, Dialect::Fanuc.name(), Dialect::Fanuc.about()),
 ];
 
 /// Reads one of some values by its name.
