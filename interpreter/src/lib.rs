@@ -6,7 +6,8 @@
 //!
 //! ```
 //! use interpreter::Interpreter;
-//! use protocol::{Code, Machine};
+//! use machine::Machine;
+//! use protocol::Code;
 //!
 //! let program = "G21 G90 G94\nG0 X12 Z2\nG1 Z-20 F120\nM2\n";
 //! let items: Result<Vec<_>, _> = Interpreter::of_text("part.ngc", program, &Machine::default()).collect();

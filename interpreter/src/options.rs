@@ -50,7 +50,7 @@ pub enum OpenError {
         /// What it is.
         reason: String,
     },
-    /// A folder of subroutines is none.
+    /// A folder of subroutines does not exist.
     #[error("{}: there is no such folder for subroutines", .0.display())]
     Folder(PathBuf),
     /// Programs of lathes on a mill.
@@ -66,7 +66,7 @@ pub enum OpenError {
 /// Opens a program for a machine.
 ///
 /// # Errors
-/// The program or the tool table cannot be read, or the dialect is none of this machine.
+/// The program or the tool table cannot be read, or the machine does not read the dialect.
 pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Program, OpenError> {
     check_folders(&language.subroutines)?;
     no_other(path)?;

@@ -6,7 +6,7 @@
 //!
 //! | file | from | to |
 //! |---|---|---|
-//! | `scan` | text | words with their places; refuses what is no formula |
+//! | `scan` | text | words with their places; refuses what is not a formula |
 //! | `grammar` | words | operations, in the order that precedence gives them |
 //! | `constant` | operations | fewer operations: constants computed, powers as products or by exp and ln |
 //!
@@ -29,7 +29,7 @@ use shape::{Formula, FormulaError};
 /// Longest text, bytes.
 const LONGEST: usize = 1000;
 
-/// Why a text is no formula.
+/// Why a text is not a formula.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Misread {
     /// The place to blame, bytes of the text; empty where something is missing.

@@ -141,12 +141,15 @@ fn kind(text: &str, span: &Range<usize>, first: char, variables: &[&str]) -> Res
         '+' | '-' | '*' | '/' | '^' | '(' | ')' => Ok(Kind::Sign(first)),
         '0'..='9' | '.' => match word.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Kind::Operand(Op::Constant(value))),
-            _ => wrong(format!("{word} is no number of the machine"), "write a decimal such as 0.02 or 2e-2"),
+            _ => wrong(
+                format!("{word} is not a number that a machine can hold"),
+                "write a decimal such as 0.02 or 2e-2",
+            ),
         },
         ',' => {
             wrong("there is no comma in a formula".into(), "decimals have a point, functions one argument")
         }
-        '[' | ']' | '{' | '}' => wrong(format!("{first} is no bracket of a formula"), "write ( and )"),
+        '[' | ']' | '{' | '}' => wrong(format!("{first} is not a bracket of a formula"), "write ( and )"),
         '%' => wrong("the remainder has steps".into(), "a path must be smooth: write the job in parts"),
         '#' => {
             let help = "parameters such as #1 are not read in jobs: write the number";

@@ -269,7 +269,7 @@ fn fits(contour: &Contour, f: &Formula, name: &str) -> Result<(), Fault> {
     }
 }
 
-/// Refuses a tool that touches the contour elsewhere, too.
+/// Refuses a tool that also touches the contour elsewhere.
 fn touches_nothing_else(contour: &Contour, f: &Formula, name: &str) -> Result<(), Fault> {
     let curve = contour.curve(f);
     let points: Vec<[f64; 2]> = places(contour).map(|x| [x, height(f, x)]).collect();

@@ -154,7 +154,7 @@ impl Grid {
         })
     }
 
-    /// Refuses a tool that touches the surface elsewhere, too. `tips`: where it stands, by the point of
+    /// Refuses a tool that also touches the surface elsewhere. `tips`: where it stands, by the point of
     /// contact.
     pub(super) fn touches_nothing_else(&self, tips: &[([f64; 2], [f64; 3])]) -> Result<(), Fault> {
         let tool = &self.surface.tool;

@@ -282,7 +282,7 @@ pub(crate) fn domain(key: &str, [low, high]: [f64; 2]) -> Result<[f64; 2], Fault
     if low.abs() <= FAR && high.abs() <= FAR && high - low >= 1e-3 {
         return Ok([low, high]);
     }
-    let message = format!("{key} = [{low}, {high}] is no domain");
+    let message = format!("{key} = [{low}, {high}] is not a domain");
     Err(Fault::new(key, message, format!("give the lowest and the highest {key}, in mm, within ±{FAR}")))
 }
 
@@ -291,6 +291,6 @@ pub(crate) fn parameter(key: &str, [from, to]: [f64; 2]) -> Result<[f64; 2], Fau
     if from.abs() <= FAR && to.abs() <= FAR && (to - from).abs() >= 1e-6 {
         return Ok([from, to]);
     }
-    let message = format!("{key} = [{from}, {to}] is no range");
+    let message = format!("{key} = [{from}, {to}] is not a range");
     Err(Fault::new(key, message, format!("give {key} at the start and at the end, within ±{FAR}")))
 }

@@ -169,7 +169,9 @@ fn origin(source: &Source, header: &Header, frame: &Frame) -> Result<[f64; 3], F
                 "give the machine position of the zero of the formulas, as in origin_mm = [0.0, 0.0, -50.0]",
             )),
             Some(Row(origin)) if origin.iter().all(|mm| mm.abs() < 1e6) => Ok(origin),
-            Some(_) => Err(Fault::new("origin_mm", "this is not a position of a machine", "give it in mm")),
+            Some(_) => {
+                Err(Fault::new("origin_mm", "this is not a position that a machine has", "give it in mm"))
+            }
         };
     }
     if frame.rotation_deg != 0.0 {
@@ -253,7 +255,7 @@ fn suits(kind: Kind, machine: &Machine) -> Result<(), Fault> {
     if suited.contains(&machine.general.kinematics) {
         return Ok(());
     }
-    let message = format!("{message}, and {} is none", machine.general.name);
+    let message = format!("{message}, which {} is not", machine.general.name);
     Err(Fault::new("kind", message, format!("choose a machine file with kinematics = {help}")))
 }
 

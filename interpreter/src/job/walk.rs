@@ -150,7 +150,7 @@ fn stopped(curve: &SurfaceCurve, formula: &Formula, plan: Plan, error: PieceErro
     let cosine = a * c + b * d;
     if !curve.tool().is_ball() && (cosine.is_nan() || cosine < TURNS) {
         let message = format!(
-            "the surface is level near {}: there a tool that is no ball touches it with all of its end, and its path jumps",
+            "the surface is level near {}: there a tool that is not a ball touches it with all of its end, and its path jumps",
             here(x, y)
         );
         let help = "take kind = \"ball\", or a path that keeps clear of that place";

@@ -105,7 +105,7 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
         let v = lead.abs() * cut.s_rpm / 60.0;
         let limit = limit * (1.0 - VELOCITY_RESERVE);
         if v > limit {
-            return Err(Refusal::TooFast(axis, v, limit));
+            return Err(Refusal::TooFast { axis, needs_mm_s: v, limit_mm_s: limit });
         }
     }
     let design = Design::new(cut, machine, x, z);
@@ -118,10 +118,10 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
         let end = pass.axis(axis).end.mm();
         let [low, high] = travel(machine, axis);
         if !(low..=high).contains(&end) {
-            return Err(Refusal::Travel(axis, end));
+            return Err(Refusal::Travel { axis, at_mm: end });
         }
     }
-    pass.check().map_err(Refusal::Extreme)?;
+    pass.check().map_err(|refused| Refusal::Extreme { refused })?;
     let on_helix = |c: f64| cut.from.z + cut.lead.z * c / 360.0;
     let half_way = |window: Span| cut.lead.z.abs() * window.dc / 720.0;
     Ok(Plan {
@@ -223,7 +223,7 @@ fn approach(cut: &Cut, design: &Design, run_in_end: f64) -> Result<Span, Refusal
     let share = time_of(taper.height_mm / stroke);
     let taper_dc = angle(cut, taper.length_mm);
     if taper_dc < least * share {
-        return Err(Refusal::EntryTaper(least * share * cut.lead.z.abs() / 360.0));
+        return Err(Refusal::EntryTaper { least_mm: least * share * cut.lead.z.abs() / 360.0 });
     }
     let dc = taper_dc / share;
     Ok(Span { c: run_in_end.max(taper_dc) - dc, dc })
@@ -237,7 +237,7 @@ fn retract_window(cut: &Cut, design: &Design) -> Result<f64, Refusal> {
     let share = time_of(taper.height_mm / stroke);
     let taper_dc = angle(cut, taper.length_mm);
     if taper_dc < least * share {
-        return Err(Refusal::ExitTaper(least * share * cut.lead.z.abs() / 360.0));
+        return Err(Refusal::ExitTaper { least_mm: least * share * cut.lead.z.abs() / 360.0 });
     }
     Ok(taper_dc / share)
 }
@@ -298,14 +298,14 @@ fn pass(
     };
     let axes = [(Axis::X, x, cut.from.x), (Axis::Z, lead(cut.lead.z), cut.from.z)];
     for ((axis, mut law, from), limits) in axes.into_iter().zip(limits) {
-        law.check().map_err(Refusal::Extreme)?;
+        law.check().map_err(|refused| Refusal::Extreme { refused })?;
         let moves = law.law(cut.s_rpm);
         law.start = Position::from_mm(from);
         law.end = Position(law.start.0 + Position::from_mm(moves.at(law.done_deg()).s).0);
         // A law laid out for its very limits may miss ratio 1 by a rounding.
         let ratio = limits.top_ratio(&moves.peak());
         if ratio < 1.0 - 1e-9 {
-            return Err(Refusal::TooFast(axis, moves.peak().v, limits.v));
+            return Err(Refusal::TooFast { axis, needs_mm_s: moves.peak().v, limit_mm_s: limits.v });
         }
         // What is promised leaves a margin for changes of the spindle's speed (M8).
         let promised = limits.share(design.share).top_ratio(&moves.peak());

@@ -12,8 +12,15 @@ use super::plan::plan;
 /// Why a cut cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
-    /// An axis would have to be faster than it can, mm/s.
-    TooFast(Axis, f64, f64),
+    /// An axis would have to be faster than it can.
+    TooFast {
+        /// Which.
+        axis: Axis,
+        /// Speed that the thread needs of it, mm/s.
+        needs_mm_s: f64,
+        /// Its highest speed, mm/s.
+        limit_mm_s: f64,
+    },
     /// Run-in and run-out leave no thread between them: their lengths and the length there is, mm.
     NoThread {
         /// Way along the axis until the tool is at depth on the helix, mm.
@@ -23,14 +30,28 @@ pub enum Refusal {
         /// Programmed length, mm.
         length_mm: f64,
     },
-    /// X cannot make the taper at the start in its length; the least length, mm.
-    EntryTaper(f64),
-    /// X cannot make the taper at the end in its length; the least length, mm.
-    ExitTaper(f64),
-    /// An axis would leave its travel, at a position in mm.
-    Travel(Axis, f64),
+    /// X cannot make the taper at the start in its length.
+    EntryTaper {
+        /// Length in which it could, mm.
+        least_mm: f64,
+    },
+    /// X cannot make the taper at the end in its length.
+    ExitTaper {
+        /// Length in which it could, mm.
+        least_mm: f64,
+    },
+    /// An axis would leave its travel.
+    Travel {
+        /// Which.
+        axis: Axis,
+        /// Where it would be, mm.
+        at_mm: f64,
+    },
     /// A number of the pass is beyond what a regulator takes.
-    Extreme(Refused),
+    Extreme {
+        /// Which, and why.
+        refused: Refused,
+    },
 }
 
 /// Slowest speed the search considers, as a share of the programmed one.
@@ -75,12 +96,12 @@ impl Refusal {
         let lower = speed.map(|rpm| format!("the highest spindle speed that would do is S{}", short(rpm)));
         let slower = lower.clone().unwrap_or_else(|| "no spindle speed would do".to_owned());
         let (code, message, help) = match self {
-            Refusal::TooFast(axis, needs, limit) => (
+            Refusal::TooFast { axis, needs_mm_s, limit_mm_s } => (
                 "pass-not-feasible",
                 format!(
                     "at S{s} the thread needs {} mm/s of {axis}, which can do {}",
-                    short(needs),
-                    short(limit)
+                    short(needs_mm_s),
+                    short(limit_mm_s)
                 ),
                 format!("{slower}; a smaller lead would help too"),
             ),
@@ -98,27 +119,27 @@ impl Refusal {
                      too"
                 ),
             ),
-            Refusal::EntryTaper(least) | Refusal::ExitTaper(least) => {
-                let which = if matches!(self, Refusal::EntryTaper(_)) { "entry" } else { "exit" };
+            Refusal::EntryTaper { least_mm } | Refusal::ExitTaper { least_mm } => {
+                let which = if matches!(self, Refusal::EntryTaper { .. }) { "entry" } else { "exit" };
                 (
                     "pass-not-feasible",
                     format!("at S{s} X cannot make the {which} taper in its length E"),
-                    format!("make E at least {}, or lower S: {slower}", short(least + 5e-5)),
+                    format!("make E at least {}, or lower S: {slower}", short(least_mm + 5e-5)),
                 )
             }
-            Refusal::Travel(axis, at) => {
+            Refusal::Travel { axis, at_mm } => {
                 let name = axis.name();
                 let [low, high] = machine.axis.get(&axis).map_or([0.0, 0.0], |config| config.travel_mm);
                 let message = format!(
                     "the run-out would take {axis} to {} mm, outside axis.{name}.travel_mm = [{}, {}]",
-                    short(at),
+                    short(at_mm),
                     short(low),
                     short(high)
                 );
                 let help = lower.unwrap_or_else(|| "end the thread earlier".to_owned());
                 ("travel-limit", message, help)
             }
-            Refusal::Extreme(refused) => (
+            Refusal::Extreme { refused } => (
                 "pass-not-feasible",
                 format!("the pass is beyond what a regulator takes: {refused}"),
                 "use a lead, a speed and a length that a machine can have".to_owned(),

@@ -190,7 +190,7 @@ fn surfaces_of(keys: &Keys, origin: [f64; 3]) -> Result<Course, Fault> {
 
 fn points_of(points: &[Row<f64, 6>], origin: [f64; 3]) -> Result<Course, Fault> {
     if !(2..=MOST_POINTS).contains(&points.len()) {
-        let message = format!("{} points are no seam", points.len());
+        let message = format!("a seam cannot have {} points", points.len());
         return Err(Fault::new("points", message, format!("give 2 to {MOST_POINTS}")));
     }
     let mut places = Vec::with_capacity(points.len());

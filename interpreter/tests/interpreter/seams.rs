@@ -79,9 +79,9 @@ fn holds(check: &Check) -> usize {
     all.len()
 }
 
-const CYLINDERS: &str = include_str!("../../examples/positioner/cylinders.toml");
-const POINTS: &str = include_str!("../../examples/positioner/points.toml");
-const WAVE: &str = include_str!("../../examples/positioner/wave.toml");
+const CYLINDERS: &str = include_str!("../../../examples/positioner/cylinders.toml");
+const POINTS: &str = include_str!("../../../examples/positioner/points.toml");
+const WAVE: &str = include_str!("../../../examples/positioner/wave.toml");
 
 #[test]
 fn the_shipped_jobs_become_traces() {
@@ -196,7 +196,7 @@ fn what_is_no_seam_is_refused_with_its_place() {
         (&CYLINDERS.replace("share = 0.5", "part = 0.5"), "docs/positioner.md lists the others"),
         (&CYLINDERS.replace("share = 0.5", "share = \"half\""), "docs/positioner.md lists the keys"),
         (&CYLINDERS.replace("share = 0.5", "zero = [0, 0, 2]"), "zero points along the axis"),
-        ("kind = \"seam\"\nfeed_mm_min = 600\npoints = [[0, 0, 0, 0, 1, 1]]", "1 points are no seam"),
+        ("kind = \"seam\"\nfeed_mm_min = 600\npoints = [[0, 0, 0, 0, 1, 1]]", "a seam cannot have 1 points"),
         (
             "kind = \"seam\"\nfeed_mm_min = 600\npoints = [[0, 0, 0, 0, 1, 1], [5, 0, 0, 0, 0, 0]]",
             "point 2 has no place or no direction",
@@ -336,7 +336,7 @@ fn words_of_g_code_are_axis_positions() {
 /// Every fence `toml positioner` of the page is a job without a fault.
 #[test]
 fn the_jobs_of_the_page_can_be_done() {
-    let page = include_str!("../../docs/positioner.md");
+    let page = include_str!("../../../docs/positioner.md");
     let jobs: Vec<&str> =
         page.split("```toml positioner\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     assert_eq!(jobs.len(), 3);
