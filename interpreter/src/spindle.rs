@@ -2,7 +2,7 @@
 //! what the spindle is to do, or where an offset moves the axis that surface speed counts from.
 
 use gcode::Problem;
-use gcode::canon::{FeedMode, X};
+use gcode::canon::{FeedMode, Turn, X};
 use gcode::problem::{Blame, short};
 use machine::Machine;
 use protocol::{Code, Position, SpindleMode, SpindleSpeed};
@@ -79,8 +79,11 @@ impl Spindle {
     }
 
     /// M3 or M4.
-    pub(crate) fn start(&mut self, mode: SpindleMode, machine: &Machine) -> Done {
-        let word = if mode == SpindleMode::Clockwise { "M3" } else { "M4" };
+    pub(crate) fn start(&mut self, turn: Turn, machine: &Machine) -> Done {
+        let (word, mode) = match turn {
+            Turn::Clockwise => ("M3", SpindleMode::Clockwise),
+            Turn::Counterclockwise => ("M4", SpindleMode::Counterclockwise),
+        };
         needs_spindle(machine, word, Blame::Block)?;
         self.mode = mode;
         Ok(())

@@ -3,12 +3,12 @@
 //!
 //! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
-use gcode::canon::{self, ThreadCycle, Turn};
+use gcode::canon::{self, ThreadCycle};
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
 use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::Machine;
-use protocol::{Axis, Code, Feed, Item, SpindleMode, ThreadPass};
+use protocol::{Axis, Code, Feed, Item, ThreadPass};
 
 use crate::arc;
 use crate::auxiliary::{Auxiliary, find_tool};
@@ -193,10 +193,7 @@ impl Translator {
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,
             Call::SetSpindleSpeed(s) => self.spindle.set_speed(s, self.modal.frame.unit, machine)?,
-            Call::StartSpindle(Turn::Clockwise) => self.spindle.start(SpindleMode::Clockwise, machine)?,
-            Call::StartSpindle(Turn::Counterclockwise) => {
-                self.spindle.start(SpindleMode::Counterclockwise, machine)?;
-            }
+            Call::StartSpindle(turn) => self.spindle.start(turn, machine)?,
             Call::StopSpindle => self.spindle.stop(),
             Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
                 let number = u32::try_from(number).unwrap_or(0);
