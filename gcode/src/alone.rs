@@ -65,8 +65,8 @@ impl fmt::Display for Line {
     }
 }
 
-/// Reads a line at the start of a program: N and words, their values computed. Nothing is executed. A line that
-/// directs the flow (O words, IF, GOTO, ...) says nothing but its N.
+/// Reads a line at the start of a program: N and words, their values computed. Nothing is executed. A line
+/// that directs the flow (O words, IF, GOTO, ...) says nothing but its N.
 ///
 /// # Errors
 /// What is wrong with the line; [`crate::problem::Blame`] names the bytes.
