@@ -111,8 +111,8 @@ pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError>
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
-/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 outlast a
-/// run, too, unless they are vacant.
+/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 also outlast
+/// a run, unless they are vacant.
 fn outlasting(mut file: ParameterFile, dialect: Dialect, program: &Program) -> ParameterFile {
     file.values.retain(|(number, _)| program.parameter(*number).is_some());
     if dialect == Dialect::Fanuc {
@@ -147,7 +147,7 @@ fn print(
             Ok(Step::More) => {}
             Ok(Step::Ended) => break,
             Err(error) => {
-                // What was printed before comes first, and an output that is lost is no error of the program.
+                // What was printed before comes first; an output that is lost is not an error of the program.
                 printer.gave_up(error.code, program.is_read_to_end());
                 printer.flush()?;
                 good &= error.severity != Severity::Error || forgives(error.code);

@@ -42,7 +42,7 @@ impl Program {
         }
     }
 
-    /// The same, but a program with errors is a result, too.
+    /// The same, but a program with errors is a result as well.
     ///
     /// # Errors
     /// The file cannot be read, or is damaged.

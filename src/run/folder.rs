@@ -17,7 +17,7 @@ pub(crate) struct RunFolder {
     pub(crate) named: String,
     /// Copy of the program.
     pub(crate) program: PathBuf,
-    /// How it is read; the tool table is a copy, too.
+    /// How it is read; the tool table is a copy as well.
     pub(crate) language: Language,
     /// Copy of the machine file.
     pub(crate) machine: PathBuf,

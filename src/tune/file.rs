@@ -11,7 +11,7 @@ use crate::error::CliError;
 /// Writes the proposal of an axis into the text of a machine file.
 ///
 /// # Errors
-/// A text that is no TOML, or one without the section of the axis: it was read before, so neither is to be
+/// A text that is not TOML, or one without the section of the axis: it was read before, so neither is to be
 /// expected.
 pub(super) fn edited(text: &str, axis: Axis, proposal: &AxisConfig) -> Result<String, CliError> {
     let mut document: DocumentMut =

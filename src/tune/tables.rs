@@ -39,7 +39,7 @@ pub(super) fn changes(found: &Found, tuned: &Tuned) -> Table {
     let changes = change::changes(before, tuned);
     let widest = |of: fn(&Change) -> usize| changes.iter().map(of).max().unwrap_or(0);
     let (key, how) = (widest(|change| change.key.len()), widest(|change| change.how.chars().count()));
-    // Columns are flush right; words of one width are flush left, too.
+    // Columns are flush right; words of one width are flush left as well.
     let row = |change: &Change| {
         let deviation = change.deviation.map_or("chosen".into(), two);
         vec![

@@ -12,7 +12,7 @@
 //! ```
 //! Below its bandwidth the velocity loop takes from the torque what it is given: low lines are raised. What
 //! the encoder rounds weighs with f², being differenced and divided by a speed that falls: high lines are
-//! raised, too.
+//! raised as well.
 
 use core::f64::consts::TAU;
 

@@ -34,7 +34,7 @@ const LEAD_MM: f64 = 5.0;
 const LINES: [u32; 9] = [25, 100, 512, 1024, 2500, 5000, 10_000, 25_000, 250_000];
 /// Bandwidths of the observer, Hz.
 const BANDWIDTHS_HZ: [f64; 3] = [20.0, 30.0, 40.0];
-/// Encoders that are looked at with the bandwidth of the machine file, too.
+/// Encoders that are also looked at with the bandwidth of the machine file.
 const AT_OWN_BANDWIDTH: [u32; 3] = [1024, 2500, 5000];
 /// Encoder for which there are goals.
 const ASKED_LINES: u32 = 2500;

@@ -93,7 +93,7 @@ fn over_time(runs: &[Run], exact: &Run) -> Figure {
         title: "Deviation and feed over time".into(),
         caption: format!(
             "The first {SHOWN_S} s. Above: magnitude of the deviation of what is commanded, with each correction; \
-             logarithmic, less than 1e-5 µm is drawn as that. Between two setpoints, too, it is what the regulators \
+             logarithmic, less than 1e-5 µm is drawn as that. Between two setpoints it is also what the regulators \
              follow. Middle: true deviation with exact ratios. Below: feed along the path, commanded and true; it is lower \
              at the end of a line, where the path has a corner, and where a limit of an axis asks for it."
         ),

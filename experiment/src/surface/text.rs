@@ -127,11 +127,11 @@ fn misprinted(computed: &Computed) -> Vec<String> {
              three sections of a surface and have −τ above. In each section alone the minus adds about as much as it should take \
              away: XOZ {none_14} µm without correction, {printed_14} µm as printed, {right_14} µm with plus; YOZ \
              {none_15}, {printed_15}, {right_15} µm; XOY, the path seen from above, {none_16}, {printed_16}, {right_16} µm. \
-             (16) and (13) are of one and the same curve and can not both be right."
+             (16) and (13) are of one and the same curve and cannot both be right."
         ),
         format!(
             "(15) and (16), names. A section has one derivative and one angle: in (15) Z_Y throughout, and the angle of YOZ, in \
-             (16) dY/dX below, too. In print another section's stand in places. With the angle of XOZ in (15) the error is \
+             (16) dY/dX also below. In print another section's stand in places. With the angle of XOZ in (15) the error is \
              {angle_15} µm instead of {right_15} µm, with Z_X below in (16) it is {below_16} µm instead of {right_16} µm."
         ),
         format!(

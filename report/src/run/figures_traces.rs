@@ -9,7 +9,7 @@ use super::verdict::um;
 use crate::envelope::Envelope;
 use crate::paint::{BLUE, Figure, ORANGE, axis, curve, short};
 
-/// Deviation and feed of one trace over its way; of a seam its direction, too.
+/// Deviation and feed of one trace over its way; of a seam also its direction.
 pub(super) fn way(trace: &TraceReport, curves: &TraceCurves) -> Figure {
     let seam = trace.kind == WorkKind::Seam;
     let mut rows: Vec<(&str, &[Envelope; 2])> = vec![("deviation (µm)", &curves.deviation)];

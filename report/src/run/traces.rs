@@ -179,7 +179,7 @@ pub(super) fn table(summary: &Summary) -> Markup {
             p.caption {
                 "Deviation: how far the tool is from touching the surface or contour that its formula describes, positive \
                  where it stands off; of a seam, the distance of the beam from it. True: of the slides, behind drives, \
-                 screws and elasticity. What is early or late along the path is no deviation. The feed is held within 1 % \
+                 screws and elasticity. What is early or late along the path does not count. The feed is held within 1 % \
                  of what is asked for; elsewhere a limit makes it slower."
             }
         }
