@@ -42,6 +42,10 @@ pub enum MachineError {
     },
 }
 
+/// Longest interpolator cycle of a machine that cuts threads, s. The first setpoint behind a pass finds none a cycle
+/// before it, so the axis sets off with what a move covers in its first cycle: within this one, less than its limits.
+const LONGEST_ON_A_LATHE_S: f64 = 0.01;
+
 /// A machine file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -225,7 +229,8 @@ impl Machine {
     pub fn check(&self) -> Result<(), MachineError> {
         let general = &self.general;
         range("machine.cycle_s", general.cycle_s, 0.000_1, 0.004)?;
-        range("machine.interpolator_cycle_s", general.interpolator_cycle_s, general.cycle_s, 0.02)?;
+        let longest_s = if general.kinematics == Kinematics::Lathe { LONGEST_ON_A_LATHE_S } else { 0.02 };
+        range("machine.interpolator_cycle_s", general.interpolator_cycle_s, general.cycle_s, longest_s)?;
         let ratio = general.interpolator_cycle_s / general.cycle_s;
         if (ratio - ratio.round()).abs() > 1e-9 * ratio {
             return Err(refuse(
