@@ -100,7 +100,9 @@ impl Positioner {
     /// M46: how a direction of the work-holder looks in the frame of the machine.
     #[must_use]
     pub fn turned(direction: [f64; 3], drives: &Drives) -> [f64; 3] {
-        about_x(drives.alpha, about_z(drives.beta, direction))
+        let ((sa, ca), (sb, cb)) = (libm::sincos(drives.alpha), libm::sincos(drives.beta));
+        let [x, y, z] = direction;
+        [cb * x + sb * y, ca * cb * y - ca * sb * x + sa * z, sa * sb * x - sa * cb * y + ca * z]
     }
 
     /// M49: drives that bring `point` under a beam at `beam` (xA, yA) and turn `direction` onto +Z. α in −π …
