@@ -211,7 +211,7 @@ fn values_that_contradict_each_other_are_refused() {
         (
             "interpolator_cycle_s = 0.002",
             "interpolator_cycle_s = 0.02",
-            "machine.interpolator_cycle_s = 0.02: must lie between 0.0005 and 0.01",
+            "machine.interpolator_cycle_s = 0.02: must lie between 0.0005 and 0.005",
         ),
         ("travel_mm = [-5.0, 120.0]", "travel_mm = [120.0, -5.0]", "axis.x.travel_mm[1] = -5"),
         ("home_mm = 60.0", "home_mm = 121.0", "axis.x.home_mm = 121"),

@@ -238,7 +238,7 @@ fn a_press_at_every_cycle_around_each_border_of_a_pass() {
 /// index never leads one axis away alone.
 #[test]
 fn nothing_has_moved_when_a_pass_is_called_off_at_any_interpolator_cycle() {
-    for ticks in [3_u32, 4, 7, 10, 20] {
+    for ticks in [3_u32, 4, 7, 10] {
         let mut machine = Machine::default();
         machine.general.interpolator_cycle_s = f64::from(ticks) * machine.general.cycle_s;
         machine.check().expect("a machine file may say so");
