@@ -181,8 +181,7 @@ impl Interpolator {
                 let taken_back = panel.pressed(Panel::FEED_HOLD) || ends(panel);
                 pass::watch(task, &axes, cycle, self.machine.cycles_per_tick(), taken_back)
             }
-            // Setpoints lie ahead: the axes come to rest that much later than they were told to.
-            Task::Ending { .. } if self.spindle.stands() && self.patience.waited() > SETPOINT_LEAD => {
+            Task::Ending { stopped } if self.spindle.stands() && (!stopped || self.led_to_rest()) => {
                 Event::Stands
             }
             _ => Event::Nothing,
@@ -202,6 +201,11 @@ impl Interpolator {
         }
         self.travel.rest_at(here);
         Event::Enabled
+    }
+
+    /// Whether the axes have reached their last setpoint, which lay ahead when they were told to rest.
+    fn led_to_rest(&self) -> bool {
+        self.patience.waited() > SETPOINT_LEAD
     }
 
     /// At rest: begins what is next.
