@@ -1,4 +1,5 @@
-//! What the regulators say, taken together. In: the status of every axis. Out: one answer for all axes that exist.
+//! What the regulators say, taken together. In: the status of every axis. Out: one answer for all axes that
+//! exist.
 
 use machine::Machine;
 use protocol::{Axis, AxisState, AxisStatus, PerAxis, ThreadPass};

@@ -1,5 +1,5 @@
-//! The upper level: one tick each interpolator cycle. What it is doing is a [`Task`]; a tick finds an event, and the task
-//! goes one step.
+//! The upper level: one tick each interpolator cycle. What it is doing is a [`Task`]; a tick finds an event,
+//! and the task goes one step.
 
 use machine::Machine;
 use protocol::{
@@ -83,8 +83,8 @@ impl Interpolator {
         self.program.queue.received()
     }
 
-    /// No more machine code will come although the program has not ended. What is in the queue is still executed,
-    /// then it is a fault.
+    /// No more machine code will come although the program has not ended. What is in the queue is still
+    /// executed, then it is a fault.
     pub fn lost_source(&mut self) {
         self.program.queue.lost();
     }

@@ -1,8 +1,9 @@
 //! Machine code in, setpoints and passes out.
 //!
-//! Every interpolator cycle an [`Interpolator`] takes the measurement and the status of the axes, and answers with one
-//! frame per axis, a spindle command and its own status. Timed moves are planned ahead over chains of up to a thousand;
-//! a pass of a thread is armed on every axis, watched, and needs nothing more from here once it has begun.
+//! Every interpolator cycle an [`Interpolator`] takes the measurement and the status of the axes, and answers
+//! with one frame per axis, a spindle command and its own status. Timed moves are planned ahead over chains
+//! of up to a thousand; a pass of a thread is armed on every axis, watched, and needs nothing more from here
+//! once it has begun.
 //!
 //! | file | what |
 //! |---|---|

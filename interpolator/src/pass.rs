@@ -1,10 +1,11 @@
-//! A pass that is next: whether it may be armed here and now. In: the pass, where the axes rest, what they and the spindle
-//! say. Out: what to do about it in this tick.
+//! A pass that is next: whether it may be armed here and now. In: the pass, where the axes rest, what they
+//! and the spindle say. Out: what to do about it in this tick.
 //!
-//! Nothing has moved when a pass is called off, whatever the moment. Tick n looks at the statuses of cycle n − 1. While
-//! they say that no index has been seen, the index comes at cycle n at the earliest, and a frame that calls the pass off is
-//! in force at n + K, with K control cycles to a tick. [`Machine::can_follow`] proves that no axis moves so early, and every
-//! regulator gives a pass up until then, and none of them after it.
+//! Nothing has moved when a pass is called off, whatever the moment. Tick n looks at the statuses of cycle n
+//! − 1. While they say that no index has been seen, the index comes at cycle n at the earliest, and a frame
+//! that calls the pass off is in force at n + K, with K control cycles to a tick. [`Machine::can_follow`]
+//! proves that no axis moves so early, and every regulator gives a pass up until then, and none of them after
+//! it.
 
 use machine::Machine;
 use protocol::{Axis, AxisCommand, Cycle, Fault, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
@@ -16,15 +17,15 @@ use crate::{
     task::{Event, InHand, Order, Task},
 };
 
-/// Interpolator cycles from arming to the first index that counts: one for the way there, one for the status to come
-/// back, one for calling off, one to spare.
+/// Interpolator cycles from arming to the first index that counts: one for the way there, one for the status
+/// to come back, one for calling off, one to spare.
 const ARMING_TICKS: u64 = 4;
 
 /// Ticks after which a status answers a frame: one for the way there, one for the way back.
 const ANSWER_TICKS: u64 = 2;
 
-/// The regulators have watched the spindle for so many periods of their observer before a pass: what they did not know of
-/// its speed when they began is forgotten then.
+/// The regulators have watched the spindle for so many periods of their observer before a pass: what they did
+/// not know of its speed when they began is forgotten then.
 const WATCHED_PERIODS: f64 = 10.0;
 
 /// What becomes of a pass that is next.
@@ -87,7 +88,8 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     Ok(Ready::Arm(InHand { pass: *pass, not_before }))
 }
 
-/// What a pass in hand finds in a tick: `task` is one of those that have one, `ticks` the control cycles of one.
+/// What a pass in hand finds in a tick: `task` is one of those that have one, `ticks` the control cycles of
+/// one.
 pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, ticks: u64, taken_back: bool) -> Event {
     let answered = |sent: &Cycle| cycle >= sent.after(ANSWER_TICKS * ticks);
     match task {

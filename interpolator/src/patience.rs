@@ -2,7 +2,8 @@
 
 use crate::spindle::Spindle;
 
-/// Longest wait for drives, spindle, rest or index before it is a fault, s; three turns of the spindle are added.
+/// Longest wait for drives, spindle, rest or index before it is a fault, s; three turns of the spindle are
+/// added.
 const PATIENCE_S: f64 = 30.0;
 
 /// The waits.
@@ -19,8 +20,8 @@ impl Patience {
         Patience { tick_s, waited: 0, stalled: 0 }
     }
 
-    /// A tick begins. Nobody waits in vain while the operator holds the spindle at 0, or while a pass is cut, however
-    /// slowly.
+    /// A tick begins. Nobody waits in vain while the operator holds the spindle at 0, or while a pass is cut,
+    /// however slowly.
     pub(crate) fn tick(&mut self, spindle: &Spindle, cutting: bool) {
         self.waited = if spindle.held() || cutting { 0 } else { self.waited + 1 };
         self.stalled = if spindle.stalls() { self.stalled + 1 } else { 0 };

@@ -1,4 +1,5 @@
-//! Machine-code items waiting to be executed, and the one in hand. While there is room, the sender has credit.
+//! Machine-code items waiting to be executed, and the one in hand. While there is room, the sender has
+//! credit.
 
 use std::collections::VecDeque;
 
@@ -42,8 +43,8 @@ impl Queue {
     /// Takes an item off the wire.
     ///
     /// # Errors
-    /// The item is damaged, out of order, beyond the credit, or behind the end of the program. It is not taken, and
-    /// nothing after it: [`Queue::failed`] says so from then on.
+    /// The item is damaged, out of order, beyond the credit, or behind the end of the program. It is not
+    /// taken, and nothing after it: [`Queue::failed`] says so from then on.
     pub fn push(&mut self, packet: &CodePacket) -> Result<(), Refused> {
         let taken = self.take(packet);
         if taken.is_err() && self.source == Source::Sends {

@@ -1,7 +1,8 @@
-//! Moves that run without a stop between them unless their path needs one: the chain that looks ahead, and its last leg.
+//! Moves that run without a stop between them unless their path needs one: the chain that looks ahead, and
+//! its last leg.
 //!
-//! All moves of a run are of one kind, so that the same override acts on them. A move of the other kind ends the run; it
-//! begins the next one.
+//! All moves of a run are of one kind, so that the same override acts on them. A move of the other kind ends
+//! the run; it begins the next one.
 
 use machine::Machine;
 use motion::chain::{Ask, Block, Chain, Step};

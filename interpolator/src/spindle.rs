@@ -1,11 +1,11 @@
 //! The spindle as the interpolator commands and watches it: programmed speed, override, ceiling, at speed.
-//! In: direction and speed, the commanded X of every tick, measurements. Out: speeds in 1/min, signed: positive clockwise
-//! (M3).
+//! In: direction and speed, the commanded X of every tick, measurements. Out: speeds in 1/min, signed:
+//! positive clockwise (M3).
 //!
-//! At constant surface speed (G96) the speed follows the commanded X. Meanwhile the measured one lags; the band that
-//! counts as "at speed" is wider by n′/2πf then, with f the bandwidth of the watch and n′ the rate of the commanded
-//! speed, no more of it than the drive's ramp. A speed that has run away from the ramp, as after a rapid towards the
-//! axis, is not at speed before it has come there.
+//! At constant surface speed (G96) the speed follows the commanded X. Meanwhile the measured one lags; the
+//! band that counts as "at speed" is wider by n′/2πf then, with f the bandwidth of the watch and n′ the rate
+//! of the commanded speed, no more of it than the drive's ramp. A speed that has run away from the ramp, as
+//! after a rapid towards the axis, is not at speed before it has come there.
 
 use std::f64::consts::TAU;
 
@@ -112,14 +112,15 @@ impl Spindle {
         self.observer.at(0.0).speed * self.rpm_per_count_s
     }
 
-    /// Whether the observed speed lies in the band around the commanded one. A spindle that the override holds at 0 is
-    /// not at speed: nothing may feed into a part that stands.
+    /// Whether the observed speed lies in the band around the commanded one. A spindle that the override
+    /// holds at 0 is not at speed: nothing may feed into a part that stands.
     pub fn at_speed(&self) -> bool {
         let commanded = self.commanded();
         if self.held() {
             return false;
         }
-        // The watch sees single counts; half the speed it must be, or a slow spindle would be at speed standing.
+        // The watch sees single counts; half the speed it must be, or a slow spindle would be at speed
+        // standing.
         let least = STANDSTILL_RPM.min(0.5 * commanded.abs());
         let band = (self.at_speed_share * commanded.abs()).max(least);
         let rate = (self.rate * self.override_pct / 100.0).abs().min(self.ramp_rpm_s);
@@ -175,7 +176,8 @@ mod tests {
         Spindle::new(&Machine::default())
     }
 
-    /// Lets the measured speed go from `from` to `to` (1/min) within some ticks; X goes with `x`, told the tick.
+    /// Lets the measured speed go from `from` to `to` (1/min) within some ticks; X goes with `x`, told the
+    /// tick.
     fn turn(spindle: &mut Spindle, count: &mut f64, ticks: u32, rpm: impl Fn(u32) -> f64) {
         for tick in 0..ticks {
             *count += rpm(tick) / spindle.rpm_per_count_s * spindle.tick_s;

@@ -1,8 +1,8 @@
 //! Timed motion: moves go from the queue into a run that looks ahead, setpoints come out once a tick.
 //!
-//! A run ends before whatever else the program has: a dwell, the spindle, a pass, a move of the other kind. It ends also
-//! when no more machine code comes; the machine then stops on its path, the status counts it, and the next item begins a
-//! new run.
+//! A run ends before whatever else the program has: a dwell, the spindle, a pass, a move of the other kind.
+//! It ends also when no more machine code comes; the machine then stops on its path, the status counts it,
+//! and the next item begins a new run.
 
 use machine::Machine;
 use motion::chain::{Ask, MOST_RATIO, Ratios, Step};
@@ -20,8 +20,8 @@ use crate::{
 /// Most moves that one tick takes into the run: more than the run can leave behind in a tick.
 const MOVES_PER_TICK: usize = 32;
 
-/// Share by which the spindle's speed must change before the feed per revolution follows: its ripple and the noise of
-/// its encoder stay out of the axes.
+/// Share by which the spindle's speed must change before the feed per revolution follows: its ripple and the
+/// noise of its encoder stay out of the axes.
 const SPINDLE_STEP: f64 = 0.01;
 
 /// Where the axes are led, and along what.
@@ -140,7 +140,8 @@ impl Travel {
         Ok(())
     }
 
-    /// One tick of timed motion: the setpoints for `due`, what came of it, and the line that is executed if it is another.
+    /// One tick of timed motion: the setpoints for `due`, what came of it, and the line that is executed if
+    /// it is another.
     pub(crate) fn tick(
         &mut self,
         queue: &mut Queue,
@@ -209,7 +210,8 @@ impl Travel {
         })
     }
 
-    /// The machine stands at the end of its run, or on its path because the operator or a fault ends the program.
+    /// The machine stands at the end of its run, or on its path because the operator or a fault ends the
+    /// program.
     fn arrive(&mut self, panel: &Panel, moved: &mut Moved) {
         if self.run.is_over() && self.working.end_if_drawn() {
             self.moves += 1;

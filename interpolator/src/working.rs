@@ -1,12 +1,14 @@
 //! A trace in hand: its pieces go into the chain as it makes room, ahead of the axes.
 //!
-//! A trace may take several chains: where the tool leaves a surface another override acts. It is one block of the program
-//! all the same: single block waits at its end, and it counts as one move. Seams that follow each other where they meet are
-//! one path, without a stop between them, unless single block is on when the end of the first is drawn.
+//! A trace may take several chains: where the tool leaves a surface another override acts. It is one block of
+//! the program all the same: single block waits at its end, and it counts as one move. Seams that follow each
+//! other where they meet are one path, without a stop between them, unless single block is on when the end of
+//! the first is drawn.
 //!
-//! Where a correction leads the followers (M36–M43), a setpoint is the exact one of the tick before and the step of the
-//! ratios. What they leave of the step does not add up, and the steps are so short that it stays within the
-//! chord error (M44); speeds and accelerations are those of the path. At rest there is no step, so a trace ends where it should.
+//! Where a correction leads the followers (M36–M43), a setpoint is the exact one of the tick before and the
+//! step of the ratios. What they leave of the step does not add up, and the steps are so short that it stays
+//! within the chord error (M44); speeds and accelerations are those of the path. At rest there is no step, so
+//! a trace ends where it should.
 
 use motion::chain::Block;
 use protocol::{Code, Fault, Item, PerAxis, Position, Work, units::AXES};
@@ -15,10 +17,10 @@ use shape::{Correction, Plan};
 
 use crate::{queue::Queue, run::Run};
 
-/// Most tries of pieces in one tick, each of at most five evaluations of the curve: that bounds the work of the tick. As a
-/// rule a try is a piece. It is about as long as a third of the radius of its curve (M84), and the axes need more than a
-/// tick for so small a part of a bend that they can follow: so the pieces keep ahead of them. Where they do not, the axes
-/// stop on the path and set off again.
+/// Most tries of pieces in one tick, each of at most five evaluations of the curve: that bounds the work of
+/// the tick. As a rule a try is a piece. It is about as long as a third of the radius of its curve (M84), and
+/// the axes need more than a tick for so small a part of a bend that they can follow: so the pieces keep
+/// ahead of them. Where they do not, the axes stop on the path and set off again.
 const TRIES_PER_TICK: usize = 6;
 
 /// The trace in hand, or none.
@@ -30,7 +32,8 @@ pub(crate) struct Working {
     tracer: Option<Course>,
     /// A block that was drawn and begins the next run.
     ahead: Option<Block<AXES, Move>>,
-    /// Number of the trace in which the axes are, and the share of it that is done; nothing if no trace is in hand.
+    /// Number of the trace in which the axes are, and the share of it that is done; nothing if no trace is in
+    /// hand.
     here: Option<(u32, f64)>,
     /// The number of the trace, if the setpoints of this tick cut; else 0.
     cutting: u32,
@@ -98,8 +101,8 @@ impl Working {
         u64::from(number.saturating_sub(before))
     }
 
-    /// Where the axes are led in this tick: with ratios, from where they should have been in the tick before. `exact` is
-    /// where they should be now, `s` mm along a block.
+    /// Where the axes are led in this tick: with ratios, from where they should have been in the tick before.
+    /// `exact` is where they should be now, `s` mm along a block.
     pub(crate) fn lead(
         &mut self,
         route: &Route,
@@ -139,7 +142,8 @@ impl Working {
         Ok(())
     }
 
-    /// The next block of the trace, if there is one. Behind its last one, and before one that cannot be, the run ends.
+    /// The next block of the trace, if there is one. Behind its last one, and before one that cannot be, the
+    /// run ends.
     fn draw(
         &mut self,
         run: &mut Run,

@@ -1,6 +1,7 @@
 //! What a machine can check of how the code reads, how the crates depend on each other, and whether the
 //! documents are right.
 
+mod comments;
 mod documents;
 mod figures;
 mod modules;

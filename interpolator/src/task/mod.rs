@@ -1,5 +1,5 @@
-//! What the interpolator is doing, as one state machine: [`Task::step`] is the only way from one state to the next, and
-//! says what the axes are told meanwhile.
+//! What the interpolator is doing, as one state machine: [`Task::step`] is the only way from one state to the
+//! next, and says what the axes are told meanwhile.
 //!
 //! | from | event | to | axes |
 //! |---|---|---|---|
@@ -23,11 +23,12 @@
 //! | Ending | the spindle stands | Ended | stream |
 //! | any but Fault and Ended | fault | Fault; Moving brakes on its path first, unless an axis has faulted | as below |
 //!
-//! In Fault the axes are told: to call off a pass that has not begun; to hold, that is to follow their laws, in one that
-//! has; to stop at once if one of them faulted in timed motion; to hold otherwise.
+//! In Fault the axes are told: to call off a pass that has not begun; to hold, that is to follow their laws,
+//! in one that has; to stop at once if one of them faulted in timed motion; to hold otherwise.
 //!
-//! Once a pass has begun nothing takes it back. Whether it is over is judged by where the axes rest: its start and its end
-//! are different places, so a pass that has been cut cannot be taken for one that was called off.
+//! Once a pass has begun nothing takes it back. Whether it is over is judged by where the axes rest: its
+//! start and its end are different places, so a pass that has been cut cannot be taken for one that was
+//! called off.
 
 use protocol::{Cycle, Fault, MachineState, ThreadPass};
 

@@ -1,5 +1,5 @@
-//! Every state and every event: what follows is written down here once more, by name, as a table. What the table does not
-//! name must change nothing.
+//! Every state and every event: what follows is written down here once more, by name, as a table. What the
+//! table does not name must change nothing.
 
 use protocol::{Axis, AxisCommand};
 

@@ -1,5 +1,5 @@
-//! An ideal machine around an interpolator: drives are enabled, axes stand where they were told to, the spindle turns as
-//! commanded.
+//! An ideal machine around an interpolator: drives are enabled, axes stand where they were told to, the
+//! spindle turns as commanded.
 
 use interpolator::{In, Interpolator, Out};
 use machine::Machine;
