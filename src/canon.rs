@@ -111,8 +111,8 @@ pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError>
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
-/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 also outlast
-/// a run, unless they are vacant.
+/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 also
+/// outlast a run, unless they are vacant.
 fn outlasting(mut file: ParameterFile, dialect: Dialect, program: &Program) -> ParameterFile {
     file.values.retain(|(number, _)| program.parameter(*number).is_some());
     if dialect == Dialect::Fanuc {

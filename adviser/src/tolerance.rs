@@ -223,8 +223,8 @@ mod tests {
         let um = |name: &str, mm: f64| name.parse::<Grade>().and_then(|grade| grade.tolerance_um(mm));
         for (name, mm, words) in [
             ("IT19", 10.0, "IT01, IT0, IT1 … IT18"),
-            ("IT-1", 10.0, "no grade"),
-            ("", 10.0, "no grade"),
+            ("IT-1", 10.0, "not a grade"),
+            ("", 10.0, "not a grade"),
             ("IT7", 0.0, "above 0 and up to 3150 mm"),
             ("IT7", -4.0, "above 0"),
             ("IT7", 3150.1, "3150.1 mm"),

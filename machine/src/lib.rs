@@ -42,8 +42,9 @@ pub enum MachineError {
     },
 }
 
-/// Longest interpolator cycle of a machine that cuts threads, s. The first setpoint behind a pass finds none a cycle
-/// before it, so the axis sets off with what a move covers in its first cycle: within this one, less than its limits.
+/// Longest interpolator cycle of a machine that cuts threads, s. The first setpoint behind a pass finds none
+/// a cycle before it, so the axis sets off with what a move covers in its first cycle: within this one, less
+/// than its limits.
 const LONGEST_ON_A_LATHE_S: f64 = 0.005;
 
 /// A machine file.
@@ -94,7 +95,8 @@ pub struct General {
     pub kinematics: Kinematics,
 }
 
-/// Dialect of part programs, as the machine file names it. What it means is the business of whoever reads programs.
+/// Dialect of part programs, as the machine file names it. What it means is the business of whoever reads
+/// programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProgramDialect {

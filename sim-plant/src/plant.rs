@@ -39,7 +39,8 @@ struct AxisPlant {
 /// The simulated machine.
 ///
 /// ```
-/// use protocol::{Cycle, Machine, SpindleCommand};
+/// use machine::Machine;
+/// use protocol::{Cycle, SpindleCommand};
 /// use sim_plant::{Plant, Scenario};
 /// let mut plant = Plant::new(&Machine::default(), Scenario::none(), 1)?;
 /// let spindle = SpindleCommand { rpm: 600.0, ..SpindleCommand::default() };

@@ -203,7 +203,11 @@ mod tests {
             (&[[0.0, 1.0]][..], 0.0, "plant.axis.z.screw_error = 1: rows were found; a table has 2 to 256"),
             (&[[0.0, 1.0], [0.0, 2.0]], 0.0, "plant.axis.z.screw_error[1][0] = 0: must be at least"),
             (&[[0.0, 1.0], [f64::NAN, 2.0]], 0.0, "plant.axis.z.screw_error[1][0] = NaN: must lie between"),
-            (&[[0.0, 1.0], [1.0, 52.0]], 0.0, "plant.axis.z.screw_error[1][1] = 52: more than 50 µm"),
+            (
+                &[[0.0, 1.0], [1.0, 52.0]],
+                0.0,
+                "plant.axis.z.screw_error[1][1] = 52: differs by more than 50 µm",
+            ),
             (&[], 45.0, "plant.axis.z.screw_wobble_um = 45: must be at most 39.8 with a lead of 5 mm"),
         ] {
             let message = screw(rows, wobble_um, 0.0).unwrap_err().to_string();

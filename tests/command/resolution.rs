@@ -207,7 +207,7 @@ fn what_cannot_be_asked_is_refused() {
     place.write("mill.toml", SMALL_MILL);
     let cases: [(&[&str], &[&str]); 17] = [
         (&["--grade", "IT19"], &["--grade IT19", "IT01, IT0, IT1 … IT18", "--tolerance"]),
-        (&["--grade", "H7"], &["\"H7\"", "no grade"]),
+        (&["--grade", "H7"], &["\"H7\"", "not a grade"]),
         (&["--size", "4000"], &["--size 4000", "up to 3150 mm"]),
         (&["--size", "0"], &["--size 0", "above 0"]),
         (&["--grade", "IT0", "--size", "600"], &["--grade IT0", "IT1 or coarser"]),

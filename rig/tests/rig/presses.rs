@@ -234,8 +234,8 @@ fn a_press_at_every_cycle_around_each_border_of_a_pass() {
     }
 }
 
-/// Interpolator cycles from the shortest to the longest that the file of a lathe allows: a hold just before the
-/// index never leads one axis away alone.
+/// Interpolator cycles from the shortest to the longest that the file of a lathe allows: a hold just before
+/// the index never leads one axis away alone.
 #[test]
 fn nothing_has_moved_when_a_pass_is_called_off_at_any_interpolator_cycle() {
     for ticks in [3_u32, 4, 7, 10] {

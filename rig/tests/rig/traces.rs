@@ -249,7 +249,7 @@ fn the_operator_leaves_the_tool_on_the_surface() {
 /// Single block waits at the end of a trace, and nowhere in it, although one way only it takes many chains.
 #[test]
 fn a_trace_is_one_block() {
-    let requests = [(0, Request::SingleBlock(true))];
+    let requests = [(1, Request::SingleBlock(true))];
     let mut pauses = Vec::new();
     let seen = run(&lines(false), &requests, |record| {
         if record.machine.state() == MachineState::Paused && pauses.last() != Some(&record.machine.line) {
@@ -372,7 +372,7 @@ fn seams_that_meet_are_one_path() {
 fn seams_that_meet_stop_between_them_in_single_block_and_at_a_path_mode() {
     let (machine, program) = halves();
     let mut pauses = Vec::new();
-    let seen = run_on(&machine, &program, &[(0, Request::SingleBlock(true))], |record| {
+    let seen = run_on(&machine, &program, &[(1, Request::SingleBlock(true))], |record| {
         let paused = record.machine.state() == MachineState::Paused;
         if paused && pauses.last() != Some(&record.machine.line) {
             pauses.push(record.machine.line);
