@@ -226,10 +226,10 @@ impl Interpolator {
                 }
                 Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
                 Next::Move(_) => return self.move_on(panel, due, Wait::No, false),
-                Next::Work(trace) if !self.spindle.lets(Feed::PerMinute(trace.feed_mm_min)) => {
+                Next::Work(work) if !self.spindle.lets(Feed::PerMinute(work.feed_mm_min)) => {
                     Event::Waits(Wait::No)
                 }
-                Next::Work(trace) => match self.travel.begin_trace(self.program.line, &trace) {
+                Next::Work(work) => match self.travel.begin_work(self.program.line, &work) {
                     Ok(()) => return self.move_on(panel, due, Wait::No, false),
                     Err(fault) => Event::Fault(fault),
                 },
@@ -312,7 +312,7 @@ impl Interpolator {
             feed_override_pct: measurement.panel.feed_override_pct,
             depth_mm: self.pass.1,
             starved: self.travel.starved(),
-            tracing: self.travel.cutting(),
+            work: self.travel.cutting(),
         };
         Out { frames, spindle, status }
     }

@@ -1,5 +1,5 @@
-//! A pass that is next: whether it may be armed here and now. In: the pass, where the axes rest, what they
-//! and the spindle say. Out: what to do about it in this tick.
+//! A pass that is next: whether it may be armed here and now; a pass in hand: what a tick finds. In: the pass,
+//! where the axes rest, what they and the spindle say. Out: what to do about it in this tick.
 //!
 //! Nothing has moved when a pass is called off, whatever the moment. Tick n looks at the statuses of cycle n
 //! − 1. While they say that no index has been seen, the index comes at cycle n at the earliest, and a frame
@@ -88,10 +88,10 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     Ok(Ready::Arm(InHand { pass: *pass, not_before }))
 }
 
-/// What a pass in hand finds in a tick: `task` is one of those that have one, `ticks` the control cycles of
-/// one.
-pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, ticks: u64, taken_back: bool) -> Event {
-    let answered = |sent: &Cycle| cycle >= sent.after(ANSWER_TICKS * ticks);
+/// What a pass in hand finds in a tick: `task` is one of those that have one, `tick` the
+/// control cycles of a tick.
+pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, tick: u64, taken_back: bool) -> Event {
+    let answered = |sent: &Cycle| cycle >= sent.after(ANSWER_TICKS * tick);
     match task {
         Task::Arming { sent, .. } if !answered(sent) => Event::Nothing,
         Task::Arming { pass, .. } if axes.armed_with(pass.pass.pass) => Event::Armed,
@@ -101,8 +101,8 @@ pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, ticks: u64, taken_ba
         Task::Armed(pass) | Task::CallingOff { pass, .. } | Task::Cutting(pass) if axes.stream() => {
             let calling_off = matches!(task, Task::CallingOff { .. });
             match () {
-                () if axes.at_end_of(&pass.pass) => Event::Cut,
                 () if calling_off && axes.at_start_of(&pass.pass) => Event::CalledOff,
+                () if axes.at_end_of(&pass.pass) => Event::Cut,
                 () => Event::Fault(Fault::PassCalledOff),
             }
         }

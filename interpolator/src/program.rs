@@ -59,7 +59,7 @@ impl Program {
             self.line = item.line;
             match item.code {
                 Code::Line { feed, .. } | Code::Arc { feed, .. } => return Next::Move(feed),
-                Code::Work(trace) => return Next::Work(trace),
+                Code::Work(work) => return Next::Work(work),
                 Code::Pass(pass) => return Next::Pass(pass),
                 Code::End => return Next::End,
                 Code::Dwell { seconds } => {

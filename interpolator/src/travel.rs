@@ -105,7 +105,7 @@ impl Travel {
         self.starved
     }
 
-    /// Number of the trace that the setpoints of the last tick of motion cut, or 0.
+    /// Number of the work that the setpoints of the last tick of motion cut, or 0.
     pub(crate) fn cutting(&self) -> u32 {
         self.working.cutting()
     }
@@ -115,18 +115,18 @@ impl Travel {
         self.working.idle();
     }
 
-    /// Forgets what is left of the run and of a trace. The machine stands.
+    /// Forgets what is left of the run and of a work. The machine stands.
     pub(crate) fn clear(&mut self) {
         self.run.clear();
         self.working.end();
     }
 
-    /// A trace is next, or goes on behind a run.
+    /// A work is next, or goes on behind a run.
     ///
     /// # Errors
     /// The fault, if it cannot begin here.
-    pub(crate) fn begin_trace(&mut self, line: u32, trace: &Work) -> Result<(), Fault> {
-        self.working.begin(&self.route, line, trace, &self.here)
+    pub(crate) fn begin_work(&mut self, line: u32, work: &Work) -> Result<(), Fault> {
+        self.working.begin(&self.route, line, work, &self.here)
     }
 
     /// A straight rapid from here, as a run of its own.
@@ -223,7 +223,7 @@ impl Travel {
         moved.stands = true;
     }
 
-    /// Takes moves out of the queue, or pieces of a trace, for as long as they belong to the run.
+    /// Takes moves out of the queue, or pieces of a work, for as long as they belong to the run.
     fn take(&mut self, queue: &mut Queue, single: bool) -> Result<(), Fault> {
         if self.working.in_hand() {
             return self.working.fill(&mut self.run, &self.route, queue, single);

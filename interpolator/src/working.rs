@@ -1,6 +1,6 @@
-//! A trace in hand: its pieces go into the chain as it makes room, ahead of the axes.
+//! A work in hand: its pieces go into the chain as it makes room, ahead of the axes.
 //!
-//! A trace may take several chains: where the tool leaves a surface another override acts. It is one block of
+//! A work may take several chains: where the tool leaves a surface another override acts. It is one block of
 //! the program all the same: single block waits at its end, and it counts as one move. Seams that follow each
 //! other where they meet are one path, without a stop between them, unless single block is on when the end of
 //! the first is drawn.
@@ -8,7 +8,7 @@
 //! Where a correction leads the followers (M36–M43), a setpoint is the exact one of the tick before and the
 //! step of the ratios. What they leave of the step does not add up, and the steps are so short that it stays
 //! within the chord error (M44); speeds and accelerations are those of the path. At rest there is no step, so
-//! a trace ends where it should.
+//! a work ends where it should.
 
 use motion::chain::Block;
 use protocol::{Code, Fault, Item, PerAxis, Position, Work, units::AXES};
@@ -23,28 +23,28 @@ use crate::{queue::Queue, run::Run};
 /// ahead of them. Where they do not, the axes stop on the path and set off again.
 const TRIES_PER_TICK: usize = 6;
 
-/// The trace in hand, or none.
+/// The work in hand, or none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Working {
-    /// Traces that were begun to be drawn so far.
+    /// Works that were begun to be drawn so far.
     drawn: u32,
     /// What of the last of them is to be drawn yet.
-    tracer: Option<Course>,
+    course: Option<Course>,
     /// A block that was drawn and begins the next run.
     ahead: Option<Block<AXES, Move>>,
-    /// Number of the trace in which the axes are, and the share of it that is done; nothing if no trace is in
+    /// Number of the work in which the axes are, and the share of it that is done; nothing if no work is in
     /// hand.
     here: Option<(u32, f64)>,
-    /// The number of the trace, if the setpoints of this tick cut; else 0.
+    /// The number of the work, if the setpoints of this tick cut; else 0.
     cutting: u32,
-    /// A trace whose followers are led by ratios,
+    /// A work whose followers are led by ratios,
     led: Option<Work>,
     /// and where it was cut in the tick before: exact positions, and the parameter of the leg.
     before: Option<(PerAxis<Position>, Plan, f64)>,
 }
 
 impl Working {
-    /// A trace is next, or goes on behind a run.
+    /// A work is next, or goes on behind a run.
     ///
     /// # Errors
     /// The fault, if it cannot begin at `here`.
@@ -52,31 +52,31 @@ impl Working {
         &mut self,
         route: &Route,
         line: u32,
-        trace: &Work,
+        work: &Work,
         here: &PerAxis<Position>,
     ) -> Result<(), Fault> {
         if self.in_hand() {
             return Ok(());
         }
         let number = self.drawn + 1;
-        let tracer = Course::new(route, line, trace, here).map_err(|reason| fault(&reason))?;
-        let led = (trace.correction != Correction::Exact).then_some(*trace);
-        let (tracer, here) = (Some(tracer.numbered(number)), Some((number, 0.0)));
-        *self = Working { drawn: number, tracer, here, led, ..Working::default() };
+        let course = Course::new(route, line, work, here).map_err(|reason| fault(&reason))?;
+        let led = (work.correction != Correction::Exact).then_some(*work);
+        let (course, here) = (Some(course.numbered(number)), Some((number, 0.0)));
+        *self = Working { drawn: number, course, here, led, ..Working::default() };
         Ok(())
     }
 
-    /// Whether a trace is in hand.
+    /// Whether a work is in hand.
     pub(crate) fn in_hand(&self) -> bool {
         self.here.is_some()
     }
 
     /// Whether there is more of it than the run holds.
     pub(crate) fn more(&self) -> bool {
-        self.tracer.is_some()
+        self.course.is_some()
     }
 
-    /// The number of the trace that the setpoints of this tick cut, or 0.
+    /// The number of the work that the setpoints of this tick cut, or 0.
     pub(crate) fn cutting(&self) -> u32 {
         self.cutting
     }
@@ -86,14 +86,14 @@ impl Working {
         self.cutting = 0;
     }
 
-    /// Steps of progress that are left of the traces in hand.
+    /// Steps of progress that are left of the works in hand.
     pub(crate) fn left(&self) -> Option<u64> {
         let (number, done) = self.here?;
         let behind = u64::from(self.drawn.saturating_sub(number));
         Some((behind + 1) * Work::STEPS - ((done * Work::STEPS as f64) as u64).min(Work::STEPS))
     }
 
-    /// The setpoints of this tick lie in a block; how many traces that completes.
+    /// The setpoints of this tick lie in a block; how many works that completes.
     pub(crate) fn step(&mut self, leg: &Move) -> u64 {
         let Some(Stretch { number, share, cut }) = leg.work else { return 0 };
         let (before, _) = self.here.replace((number, share)).unwrap_or((number, 0.0));
@@ -111,14 +111,14 @@ impl Working {
         exact: PerAxis<Position>,
     ) -> PerAxis<Position> {
         let before = self.before.take();
-        let (Some(trace), Some(cut)) = (self.led, leg.work.and_then(|stretch| stretch.cut)) else {
+        let (Some(work), Some(cut)) = (self.led, leg.work.and_then(|stretch| stretch.cut)) else {
             return exact;
         };
         self.before = Some((exact, cut.plan, cut.clock.parameter(s)));
-        before.map_or(exact, |(from, plan, t)| route.led(&trace, (&plan, t), &from, &exact))
+        before.map_or(exact, |(from, plan, t)| route.led(&work, (&plan, t), &from, &exact))
     }
 
-    /// Takes pieces for as long as they belong to the run; with `single` block it ends with the trace.
+    /// Takes pieces for as long as they belong to the run; with `single` block it ends with the work.
     ///
     /// # Errors
     /// The fault, if the path cannot go on and no move is left that leads there.
@@ -142,7 +142,7 @@ impl Working {
         Ok(())
     }
 
-    /// The next block of the trace, if there is one. Behind its last one, and before one that cannot be, the
+    /// The next block of the work, if there is one. Behind its last one, and before one that cannot be, the
     /// run ends.
     fn draw(
         &mut self,
@@ -154,8 +154,8 @@ impl Working {
         if let Some(block) = self.ahead.take() {
             return Ok(Some(block));
         }
-        let Some(tracer) = &mut self.tracer else { return Ok(None) };
-        match tracer.next(route) {
+        let Some(course) = &mut self.course else { return Ok(None) };
+        match course.next(route) {
             Ok(Advance::Block(block)) => return Ok(Some(block)),
             Ok(Advance::Nowhere) => {}
             Ok(Advance::Over) => self.draw_next(run, route, queue, single),
@@ -165,24 +165,24 @@ impl Working {
         Ok(None)
     }
 
-    /// A trace has been drawn: the next item goes on as its own, or ends the run.
+    /// A work has been drawn: the next item goes on as its own, or ends the run.
     fn draw_next(&mut self, run: &mut Run, route: &Route, queue: &mut Queue, single: bool) {
         queue.done();
         let next = queue.head();
-        let before = self.tracer.take();
-        if let (Some(Item { line, code: Code::Work(trace) }), Some(before), Some(last)) =
+        let before = self.course.take();
+        if let (Some(Item { line, code: Code::Work(work) }), Some(before), Some(last)) =
             (&next, before, run.last())
             && !single
-            && let Ok(tracer) = Course::new(route, *line, trace, &last.to)
-            && tracer.goes_on(before.work())
+            && let Ok(course) = Course::new(route, *line, work, &last.to)
+            && course.goes_on(before.work())
         {
-            (self.drawn, self.tracer) = (self.drawn + 1, Some(tracer.numbered(self.drawn + 1)));
+            (self.drawn, self.course) = (self.drawn + 1, Some(course.numbered(self.drawn + 1)));
         } else {
             run.close();
         }
     }
 
-    /// A run is over: whether that ends the trace in hand.
+    /// A run is over: whether that ends the work in hand.
     pub(crate) fn end_if_drawn(&mut self) -> bool {
         let drawn = self.in_hand() && !self.more() && self.ahead.is_none();
         if drawn {
@@ -191,9 +191,9 @@ impl Working {
         drawn
     }
 
-    /// Forgets the trace in hand.
+    /// Forgets the work in hand.
     pub(crate) fn end(&mut self) {
-        (self.tracer, self.ahead, self.here) = (None, None, None);
+        (self.course, self.ahead, self.here) = (None, None, None);
         (self.led, self.before) = (None, None);
     }
 }

@@ -51,9 +51,9 @@ pub struct Panel {
 impl Panel {
     /// Feed hold is on: timed motion comes to rest, a thread goes on to its end.
     pub const FEED_HOLD: u32 = 1;
-    /// Motion stops on its path, then the program ends; a thread is cut to its end first.
+    /// Motion stops on its path, then the program ends; a thread is cut to its end first. It stays pressed.
     pub const STOP: u32 = 2;
-    /// Single block is on: after each block the program waits for cycle start.
+    /// Single block is on: after each move the program waits for cycle start.
     pub const SINGLE_BLOCK: u32 = 4;
     /// The program is to be ended at once: motion stops on its path, spindle and coolant go off.
     pub const ABORT: u32 = 8;

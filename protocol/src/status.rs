@@ -330,9 +330,9 @@ pub struct MachineStatus {
     /// How often the look-ahead ran dry while machine code was still to come: the machine stopped on its
     /// path, and went on when it was fed again.
     pub starved: u32,
-    /// Which trace of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and
+    /// Which work of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and
     /// retracts. A feed hold on the way changes nothing.
-    pub tracing: u32,
+    pub work: u32,
 }
 
 impl Message for MachineStatus {
@@ -371,7 +371,7 @@ pub struct SpindleCommand {
     pub finished: u32,
     /// Line of the part program being executed (scenarios are triggered by it).
     pub line: u32,
-    /// Pass in hand from arming to its end, else 0.
+    /// Pass in hand from arming to its end; 0 without one, and in fault.
     pub pass: u32,
     /// Nonzero while the program waits for cycle start: somebody at the panel is wanted.
     pub paused: u32,

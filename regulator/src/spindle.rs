@@ -3,7 +3,7 @@
 //! Counts are taken at the middle of their quantum. Observers run from the first measurement on and are never
 //! reset at the index; the index only gives the origin of C. A spindle may turn already when it is first
 //! seen: then its speed is taken from two counts 1/f_o apart. No pass is armed before 10/f_o
-//! (`interpolator/src/begin.rs`).
+//! (`interpolator/src/pass.rs`).
 //!
 //! There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads it, and it
 //! follows every correction of the estimate. An axis that only strokes is at rest at both ends, whatever the

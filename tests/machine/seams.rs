@@ -100,7 +100,7 @@ fn the_beam_keeps_to_the_seam_of_two_cylinders() {
         if !record.truth.cycle.0.is_multiple_of(500) {
             return;
         }
-        cuts = [cuts[1], record.machine.tracing];
+        cuts = [cuts[1], record.machine.work];
         if cuts != [1, 1] {
             return;
         }

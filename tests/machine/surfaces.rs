@@ -113,7 +113,7 @@ fn the_wave_is_cut_as_its_formula_says() {
     let mut worst = [0.0_f64; 2];
     let mut cuts = [0, 0];
     let observation = run(&changed(&[]), "", |record| {
-        cuts = [cuts[1], record.machine.tracing];
+        cuts = [cuts[1], record.machine.work];
         if !record.truth.cycle.0.is_multiple_of(1500) || cuts != [1, 1] {
             return;
         }
@@ -194,7 +194,7 @@ fn highest_left(path: &str) -> (f64, [f64; 2]) {
         });
         let tip: [f64; 3] = std::array::from_fn(|i| at[i] - origin[i]);
         let moved = tips.last().is_none_or(|last| (0..3).any(|i| (tip[i] - last[i]).abs() > 0.03));
-        if record.machine.tracing == 1 && moved {
+        if record.machine.work == 1 && moved {
             tips.push(tip);
         }
     });

@@ -56,7 +56,7 @@ layout!(axis_status: AxisStatus, 120, "pitchlock/axis-status/2", {
 layout!(machine_status: MachineStatus, 88, "pitchlock/machine-status/4", {
     cycle: 0, state: 8, fault: 12, line: 16, pass: 20, moves: 24, taken: 32, overrides_clamped: 40,
     stopped: 44, coolant: 46, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
-    starved: 80, tracing: 84,
+    starved: 80, work: 84,
 });
 layout!(spindle_command: SpindleCommand, 88, "pitchlock/spindle-command/3", {
     cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,

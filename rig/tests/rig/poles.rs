@@ -53,7 +53,7 @@ fn run(machine: &Machine, items: &[Item]) -> (Observation, Turned) {
     let mut turned = Turned::default();
     let seen = Stand { machine, items, scenario: "", seed: 5 }.run(|record| {
         let at = |axis: Axis| record.axes.iter().find(|(other, _)| *other == axis).unwrap().1.commanded_mm;
-        turned.see(record.machine.tracing, [at(Axis::A), at(Axis::C)]);
+        turned.see(record.machine.work, [at(Axis::A), at(Axis::C)]);
         None
     });
     (seen, turned)

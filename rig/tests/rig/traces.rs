@@ -159,7 +159,7 @@ struct Seen {
 impl Seen {
     fn see(&mut self, record: &Record) {
         self.cuts.rotate_left(1);
-        self.cuts[11] = record.machine.tracing;
+        self.cuts[11] = record.machine.work;
         let tip = [0, 1, 2].map(|i| record.axes[i].1.commanded_mm);
         if self.cuts == [1; 12] {
             self.off_mm = self.off_mm.max(off_the_hill(tip));
@@ -352,8 +352,8 @@ fn seams_that_meet_are_one_path() {
     let (mut slowest, mut traced, mut taken) = (f64::INFINITY, Vec::new(), Vec::new());
     let seen = run_on(&machine, &program, &[], |record| {
         taken.push(record.machine.taken);
-        if record.machine.tracing > 0 {
-            traced.push(record.machine.tracing);
+        if record.machine.work > 0 {
+            traced.push(record.machine.work);
         }
         if (300..2000).contains(&traced.len()) {
             slowest = slowest.min(record.axes.iter().map(|(_, axis)| axis.velocity_mm_s.abs()).sum());

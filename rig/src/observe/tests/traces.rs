@@ -72,7 +72,7 @@ fn cut_with(
         }
         if cycle.is_multiple_of(tick) {
             let made_for = cycle + SETPOINT_LEAD * tick;
-            status.tracing = u32::from(CUTS.contains(&made_for));
+            status.work = u32::from(CUTS.contains(&made_for));
             (status.cycle, status.line, status.state) = (Cycle(cycle), LINE, MachineState::Moving as u32);
         }
         observer.cycle(&Record { truth: &truth, axes: &axes, machine: &status });
@@ -174,7 +174,7 @@ fn pieces_of_a_seam_are_one_seam_and_the_worst_are_kept() {
                 cycle: Cycle(made * tick),
                 state: MachineState::Moving as u32,
                 feed_override_pct: 100.0,
-                tracing,
+                work: tracing,
                 ..Default::default()
             };
             let truth = Truth { cycle: Cycle(cycle), ..Truth::default() };

@@ -158,7 +158,7 @@ impl Works {
         let now = record.truth.cycle.0;
         if is_tick {
             let due = now + SETPOINT_LEAD * self.machine.cycles_per_tick();
-            self.nodes.push_back((due, record.machine.tracing));
+            self.nodes.push_back((due, record.machine.work));
         }
         while self.nodes.get(1).is_some_and(|(due, _)| *due <= now) {
             self.nodes.pop_front();
