@@ -105,10 +105,10 @@ impl Interpolator {
         self.travel.idle();
         let before = self.task.public();
         if let Some(fault) = self.fault(input) {
-            self.step(Event::Fault(fault));
+            self.step(&Event::Fault(fault));
         }
         let (setpoints, event) = self.work(input);
-        let order = self.step(event);
+        let order = self.step(&event);
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if self.task.public() != before {
             self.patience.begin();
@@ -137,26 +137,29 @@ impl Interpolator {
     }
 
     /// Goes one step, and does what belongs to it.
-    fn step(&mut self, event: Event) -> Order {
-        let (next, order) = self.task.step(event);
+    fn step(&mut self, event: &Event) -> Order {
+        let (over, begun) = (self.task.is_over(), matches!(self.task, Task::Cutting(_)));
+        if let (Some(arm), Event::Cut) = (self.task.pass(), event) {
+            self.travel.rest_at(std::array::from_fn(|axis| arm.pass.axes[axis].end));
+        }
+        let order = self.task.step(event);
         match (&order, event) {
             (Order::Arm(arm), _) => self.pass = (arm.pass.pass, arm.pass.depth_mm),
             (_, Event::Begun) => self.program.queue.done(),
-            (_, Event::Cut | Event::CalledOff) => self.spindle.set_ceiling(f64::INFINITY),
+            (_, Event::Cut) => {
+                self.spindle.set_ceiling(f64::INFINITY);
+                if !begun {
+                    self.program.queue.done();
+                }
+            }
+            (_, Event::CalledOff) => self.spindle.set_ceiling(f64::INFINITY),
             _ => {}
         }
-        if let (Some(arm), Event::Cut) = (self.task.pass(), event) {
-            self.travel.rest_at(std::array::from_fn(|axis| arm.pass.axes[axis].end));
-            if !matches!(self.task, Task::Cutting(_)) {
-                self.program.queue.done();
-            }
-        }
-        if next.is_over() && !self.task.is_over() {
+        if self.task.is_over() && !over {
             self.program.switch_off(&mut self.spindle);
             self.program.queue.done();
             self.travel.clear();
         }
-        self.task = next;
         order
     }
 

@@ -74,12 +74,12 @@ impl Queue {
     }
 
     /// The item in hand; if there is none, the next one is taken in hand.
-    pub fn head(&mut self) -> Option<Item> {
+    pub fn head(&mut self) -> Option<&Item> {
         if self.hand.is_none() {
             self.hand = self.items.pop_front();
             self.taken += self.hand.as_ref().map_or(0, Item::steps);
         }
-        self.hand
+        self.hand.as_ref()
     }
 
     /// The item in hand, without taking another.

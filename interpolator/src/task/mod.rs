@@ -195,49 +195,61 @@ pub(crate) struct Moved {
 }
 
 impl Task {
-    /// The state after an event, and what the axes are told in this tick.
-    pub(crate) fn step(self, event: Event) -> (Task, Order) {
-        let next = self.next(event);
-        let order = match (&self, &next) {
-            (_, Task::Arming { pass, sent: _ }) if !matches!(self, Task::Arming { .. }) => Order::Arm(*pass),
+    /// Goes on to the state after an event, and says what the axes are told in this tick.
+    pub(crate) fn step(&mut self, event: &Event) -> Order {
+        let Some(next) = self.next(event) else { return self.order_towards(self) };
+        let order = self.order_towards(&next);
+        *self = next;
+        order
+    }
+
+    fn order_towards(&self, next: &Task) -> Order {
+        match (self, next) {
+            (Task::Ready { .. }, Task::Arming { pass, .. }) => Order::Arm(*pass),
             (Task::Moving { .. } | Task::Ready { .. }, _) => Order::Stream,
             (_, Task::Fault { order, .. }) => *order,
             (_, Task::CallingOff { .. }) => Order::CallOff,
             (Task::Enabling | Task::Arming { .. } | Task::Armed(_) | Task::Cutting(_), _) => Order::Hold,
             (_, Task::Cutting(_)) => Order::Hold,
             _ => Order::Stream,
-        };
-        (next, order)
+        }
     }
 
-    fn next(self, event: Event) -> Task {
-        match (self, event) {
-            (over @ (Task::Fault { .. } | Task::Ended { .. }), _) => over,
-            (Task::Moving { wait, fault }, Event::Fault(new)) if new != Fault::AxisFault => {
-                Task::Moving { wait, fault: fault.or(Some(new)) }
+    /// The state after an event; nothing if it stays as it is.
+    fn next(&self, event: &Event) -> Option<Task> {
+        let next = match (self, event) {
+            (Task::Fault { .. } | Task::Ended { .. }, _) => return None,
+            (Task::Moving { wait, fault }, Event::Fault(new)) if *new != Fault::AxisFault => {
+                Task::Moving { wait: *wait, fault: fault.or(Some(*new)) }
             }
-            (_, Event::Fault(fault)) => Task::Fault { fault, order: self.order_in(fault) },
+            (_, Event::Fault(fault)) => Task::Fault { fault: *fault, order: self.order_in(*fault) },
             (Task::Enabling, Event::Enabled) => Task::Starting,
             (Task::Starting, Event::Streaming) => Task::Ready { wait: Wait::No },
-            (Task::Ready { .. }, Event::Waits(wait)) => Task::Ready { wait },
-            (Task::Ready { .. }, Event::Dwells(left)) => Task::Dwelling { left },
-            (Task::Ready { .. }, Event::Pauses(cycle_starts)) => Task::Paused { cycle_starts },
-            (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass, sent },
-            (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped },
+            (Task::Ready { wait: before }, Event::Waits(wait)) if before != wait => {
+                Task::Ready { wait: *wait }
+            }
+            (Task::Ready { .. }, Event::Dwells(left)) => Task::Dwelling { left: *left },
+            (Task::Ready { .. }, Event::Pauses(cycle_starts)) => Task::Paused { cycle_starts: *cycle_starts },
+            (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass: *pass, sent: *sent },
+            (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
             (Task::Ready { .. }, Event::Moved(moved)) => moved.task(None),
-            (Task::Moving { fault, .. }, Event::Moved(moved)) => moved.task(fault),
+            (Task::Moving { wait, fault }, Event::Moved(moved)) => {
+                let as_before = !moved.stands && moved.wait == *wait && moved.fault.is_none();
+                return (!as_before).then(|| moved.task(*fault));
+            }
             (Task::Dwelling { left }, Event::Nothing) => Task::Dwelling { left: left.saturating_sub(1) },
             (Task::Dwelling { .. } | Task::Paused { .. }, Event::Over) => Task::Ready { wait: Wait::No },
-            (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(pass),
-            (Task::Armed(pass), Event::TakenBack(sent)) => Task::CallingOff { pass, sent },
-            (Task::Armed(pass) | Task::CallingOff { pass, .. }, Event::Begun) => Task::Cutting(pass),
+            (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(*pass),
+            (Task::Armed(pass), Event::TakenBack(sent)) => Task::CallingOff { pass: *pass, sent: *sent },
+            (Task::Armed(pass) | Task::CallingOff { pass, .. }, Event::Begun) => Task::Cutting(*pass),
             (Task::CallingOff { .. }, Event::CalledOff) => Task::Ready { wait: Wait::No },
             (Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_), Event::Cut) => {
                 Task::Ready { wait: Wait::No }
             }
-            (Task::Ending { stopped }, Event::Stands) => Task::Ended { stopped },
-            (unchanged, _) => unchanged,
-        }
+            (Task::Ending { stopped }, Event::Stands) => Task::Ended { stopped: *stopped },
+            _ => return None,
+        };
+        Some(next)
     }
 
     /// What the axes are told once a fault has ended this task.

@@ -145,6 +145,12 @@ fn name(task: &Task) -> &'static str {
     }
 }
 
+/// The state after an event, and what the axes are told.
+fn stepped(mut task: Task, event: Event) -> (Task, Order) {
+    let order = task.step(&event);
+    (task, order)
+}
+
 fn kind(state: &'static str) -> &'static str {
     state.strip_suffix(" waiting").unwrap_or(state)
 }
@@ -168,7 +174,7 @@ fn every_state_after_every_event() {
         for (event, happened) in events() {
             let row = |from: &str| TABLE.iter().find(|row| (row.0, row.1) == (from, event)).map(|row| row.2);
             let wanted = row(state).or_else(|| row(kind(state))).or_else(|| faulted(state, event));
-            let (next, _) = task.step(happened);
+            let (next, _) = stepped(task, happened);
             match wanted {
                 Some(wanted) => assert_eq!(name(&next), wanted, "{state} × {event}"),
                 None => assert_eq!(next, task, "{state} × {event}"),
@@ -186,7 +192,7 @@ fn every_state_after_every_event() {
 fn what_the_axes_are_told() {
     for (state, task) in states() {
         for (event, happened) in events() {
-            let (next, order) = task.step(happened);
+            let (next, order) = stepped(task, happened);
             let what = format!("{state} × {event}: {order:?}");
             match (kind(state), name(&next)) {
                 ("ready", "arming") => assert_eq!(order, Order::Arm(arm()), "{what}"),
@@ -206,7 +212,7 @@ fn what_the_axes_are_told() {
 #[test]
 fn a_pass_that_has_begun_is_taken_back_by_nothing() {
     for (event, happened) in events() {
-        let (next, order) = Task::Cutting(arm()).step(happened);
+        let (next, order) = stepped(Task::Cutting(arm()), happened);
         assert!(matches!(order, Order::Hold), "{event}: {order:?}");
         let after = name(&next);
         assert!(["cutting", "ready", "fault, hold"].contains(&after), "{event}: {after}");
@@ -217,7 +223,7 @@ fn a_pass_that_has_begun_is_taken_back_by_nothing() {
 fn every_axis_is_armed_with_its_own_law() {
     let mut pass = arm();
     pass.pass.axes[Axis::Z.index()].lead_mm = 2.0;
-    let (_, order) = Task::Ready { wait: Wait::No }.step(Event::Pass(pass, Cycle(20)));
+    let (_, order) = stepped(Task::Ready { wait: Wait::No }, Event::Pass(pass, Cycle(20)));
     for (axis, lead_mm) in [(Axis::X, 0.0), (Axis::Z, 2.0)] {
         let AxisCommand::Arm { pass, s_rpm, not_before, law, .. } = order.of(axis) else {
             panic!("{axis:?} is not armed");
