@@ -1,5 +1,5 @@
-//! A pass that is next: whether it may be armed here and now; a pass in hand: what a tick finds. In: the pass,
-//! where the axes rest, what they and the spindle say. Out: what to do about it in this tick.
+//! A pass that is next: whether it may be armed here and now; a pass in hand: what a tick finds. In: the
+//! pass, where the axes rest, what they and the spindle say. Out: what to do about it in this tick.
 //!
 //! Nothing has moved when a pass is called off, whatever the moment. Tick n looks at the statuses of cycle n
 //! − 1. While they say that no index has been seen, the index comes at cycle n at the earliest, and a frame
