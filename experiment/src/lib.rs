@@ -1,7 +1,7 @@
 //! Published experiments, made again with the code that moves the machine. In: an experiment, the machine on
 //! its stand. Out: its findings as text for the screen, as one JSON document of rows, and as a page.
 //!
-//! An experiment is a function that gives [`Findings`]: rows of its own type, and what is to be said, tabled
+//! An experiment is a function that gives `Findings`: rows of its own type, and what is to be said, tabled
 //! and drawn of them. What is done with findings is the same for all, and stands in this file. Experiments
 //! that move a machine do so on a [`Stand`].
 #![forbid(unsafe_code)]

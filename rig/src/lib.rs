@@ -1,7 +1,7 @@
 //! The whole machine in one process, and what is measured of a run: [`observe`] sees the true state of the
 //! plant and measures every pass, [`trace`] writes and reads what happened in every control cycle, [`trial`]
-//! makes passes to be measured, [`bench`] tunes its axes. What lies between the modules are [`wires`], which
-//! a test can disturb.
+//! makes passes to be measured, [`mod@bench`] tunes its axes. What lies between the modules are [`wires`],
+//! which a test can disturb.
 
 pub mod bench;
 pub mod observe;

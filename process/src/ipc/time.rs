@@ -1,5 +1,5 @@
 //! Time of the operating system, for process shells only: moments, waiting for one, and the set-up that makes
-//! waking up punctual. Nothing here may reach a module, whose only time is the [`Cycle`](crate::Cycle).
+//! waking up punctual. Nothing here may reach a module, whose only time is the [`Cycle`](protocol::Cycle).
 
 use std::time::Duration;
 
