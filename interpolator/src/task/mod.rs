@@ -19,7 +19,8 @@
 //! | Armed | an axis has seen the index | Cutting | hold |
 //! | CallingOff | two ticks later the law of the pass leads an axis all the same | Cutting | hold |
 //! | CallingOff | every axis streams at the start of the pass | Ready | stream |
-//! | Armed, CallingOff, Cutting | every axis streams at the end of the pass | Ready | hold |
+//! | Armed, Cutting | every axis streams at the end of the pass | Ready | hold |
+//! | CallingOff | the same | Ready | stream |
 //! | Ending | the spindle stands | Ended | stream |
 //! | any but Fault and Ended | fault | Fault; Moving brakes on its path first, unless an axis has faulted | as below |
 //!
