@@ -124,6 +124,7 @@ impl Order {
                 s_rpm: pass.s_rpm,
                 direction: pass.direction,
                 not_before: *not_before,
+                out: pass.out,
                 law: *pass.axis(axis),
             },
         }

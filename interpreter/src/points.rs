@@ -2,6 +2,7 @@
 //! points of the machine, mm and degrees, X of a lathe a radius; refusals of what lies outside the travel.
 
 use gcode::Problem;
+use gcode::canon::X;
 use gcode::problem::Blame;
 use machine::{Kinematics, Machine};
 use protocol::{Axis, PerAxis, Position};
@@ -17,6 +18,8 @@ pub(crate) struct Points {
     programmed: gcode::Pose,
     rest: gcode::Pose,
     after_thread: bool,
+    /// Against the direction in which X moved last, ±1: out of the material before a thread.
+    outwards: f64,
 }
 
 impl Points {
@@ -24,7 +27,7 @@ impl Points {
     pub(crate) fn at_home(machine: &Machine) -> Points {
         let home = home(machine);
         let kinematics = machine.general.kinematics;
-        Points { kinematics, asked: home, programmed: home, rest: home, after_thread: false }
+        Points { kinematics, asked: home, programmed: home, rest: home, after_thread: false, outwards: 1.0 }
     }
 
     /// The programmed point.
@@ -88,8 +91,15 @@ impl Points {
         Err(Problem::error("cut-after-thread", Blame::Block, message, help))
     }
 
+    /// Direction of X out of the material, against its last infeed, ±1; outwards before there was one.
+    pub(crate) fn outwards(&self) -> f64 {
+        self.outwards
+    }
+
     /// The program is at a point now, by timed motion; the axes get there with the items of the move.
     pub(crate) fn program_goes_to(&mut self, point: gcode::Pose) {
+        let way = self.programmed[X] - point[X];
+        self.outwards = if way == 0.0 { self.outwards } else { way.signum() };
         (self.programmed, self.after_thread) = (point, false);
     }
 

@@ -212,7 +212,16 @@ pub(crate) fn single(
         let help = "put a G0 between the G33 blocks";
         return Err(Problem::error("not-available", Blame::Block, message, help));
     }
-    Ok(Single { s_rpm, direction, from, to, k_mm: lead_mm, start_deg, retract_to: None })
+    Ok(Single {
+        s_rpm,
+        direction,
+        from,
+        to,
+        k_mm: lead_mm,
+        start_deg,
+        retract_to: None,
+        outwards: points.outwards(),
+    })
 }
 
 /// A threading cycle in mm, machine coordinates.

@@ -17,7 +17,7 @@ pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_ROWS};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
-pub use spindle::{RunOut, SpindleConfig, Threading};
+pub use spindle::{Reaction, RunOut, SpindleConfig, Threading};
 
 /// What a machine file that cannot be used has wrong.
 #[derive(Debug, thiserror::Error)]

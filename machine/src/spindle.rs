@@ -1,6 +1,7 @@
 //! `[spindle]` and `[threading]` of the machine file: the spindle as the controller believes it to be, and
 //! how threads are laid out. Out: checked values, or the path of the key and the reason.
 
+use protocol::WayOut;
 use serde::{Deserialize, Serialize};
 
 use super::{Kinematics, Machine, MachineError, range, refuse};
@@ -43,6 +44,30 @@ pub struct Threading {
     pub limit_share_pct: f64,
     /// Half angle of the flank that a run-out must not touch, degrees: the smallest among the threads to cut.
     pub flank_half_angle_deg: f64,
+    /// What feed hold does in a thread.
+    pub on_hold: Reaction,
+    /// What stop and abort do in a thread.
+    pub on_stop: Reaction,
+    /// What a fault does that would let the pass be finished.
+    pub on_fault: Reaction,
+    /// How far the tool lifts off when it leaves a thread whose program names no way out (a G33 without a
+    /// retract), mm.
+    pub lift_mm: f64,
+    /// Counts of the spindle encoder that are lost or gained are corrected within ten turns up to this error
+    /// of the lead, µm; beyond it the tool leaves the thread.
+    pub lost_counts_um: f64,
+    /// Turns without an index after which the tool leaves the thread.
+    pub index_lost_turns: f64,
+}
+
+/// What becomes of a pass that is interrupted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reaction {
+    /// It is cut to its end first.
+    Finish,
+    /// The tool leaves the thread at once.
+    Leave,
 }
 
 impl Default for Threading {
@@ -52,6 +77,12 @@ impl Default for Threading {
             design_override_pct: 120.0,
             limit_share_pct: 90.0,
             flank_half_angle_deg: 14.5,
+            on_hold: Reaction::Finish,
+            on_stop: Reaction::Leave,
+            on_fault: Reaction::Leave,
+            lift_mm: 2.0,
+            lost_counts_um: 5.0,
+            index_lost_turns: 3.0,
         }
     }
 }
@@ -130,6 +161,17 @@ impl Threading {
     pub(super) fn check(&self) -> Result<(), MachineError> {
         range("threading.design_override_pct", self.design_override_pct, 100.0, 200.0)?;
         range("threading.limit_share_pct", self.limit_share_pct, 10.0, 100.0)?;
-        range("threading.flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0)
+        range("threading.flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0)?;
+        range("threading.lift_mm", self.lift_mm, 0.01, 100.0)?;
+        range("threading.lost_counts_um", self.lost_counts_um, 0.0, 1000.0)?;
+        range("threading.index_lost_turns", self.index_lost_turns, 1.0, 100.0)
+    }
+
+    /// What makes the axes leave a pass ([`WayOut::leaves`](protocol::WayOut::leaves)).
+    pub fn leaves(&self) -> u32 {
+        let on = |reaction, what| if reaction == Reaction::Leave { what } else { 0 };
+        on(self.on_hold, WayOut::ON_HOLD)
+            | on(self.on_stop, WayOut::ON_STOP)
+            | on(self.on_fault, WayOut::ON_FAULT)
     }
 }

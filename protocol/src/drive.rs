@@ -25,6 +25,13 @@ pub struct DriveCommand {
     pub torque_offset_nm: f64,
 }
 
+impl DriveCommand {
+    /// Bit of the control word that the standard leaves to the manufacturer (bit 11): the regulator asks the
+    /// other axes to leave the thread. The drive mirrors it in [`StatusWord::CALLS`], so that they see it
+    /// with their next measurement, without a message.
+    pub const CALLS: u32 = 1 << 11;
+}
+
 impl Message for DriveCommand {
     const NAME: &str = "pitchlock/drive-command/1";
 }
@@ -66,6 +73,15 @@ pub enum DriveState {
 pub struct StatusWord(pub u16);
 
 impl StatusWord {
+    /// Bit of the status word that the standard leaves to the manufacturer (bit 14): the regulator of this
+    /// axis asks the others to leave the thread ([`DriveCommand::CALLS`]).
+    pub const CALLS: u16 = 1 << 14;
+
+    /// Whether the regulator of this axis asks the others to leave the thread.
+    pub fn calls(self) -> bool {
+        self.0 & StatusWord::CALLS != 0
+    }
+
     /// The status word of a state, with the voltage-enabled bit.
     pub fn of(state: DriveState) -> StatusWord {
         StatusWord(match state {

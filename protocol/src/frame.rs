@@ -5,7 +5,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
     message::Message,
-    pass::{AxisLaw, check_speed},
+    pass::{AxisLaw, WayOut, check_speed},
     refused::{Refused, finite},
     units::{Cycle, Position},
 };
@@ -42,8 +42,16 @@ pub enum AxisCommand {
         direction: f64,
         /// First cycle whose index counts.
         not_before: Cycle,
+        /// How the tool leaves before the end.
+        out: WayOut,
         /// The law of this axis.
         law: AxisLaw,
+    },
+    /// Leave the pass in hand in the cycle `at`, the same one on every axis; repeated until they do, so that
+    /// a lost frame does no harm. Without a pass it is [`AxisCommand::Hold`].
+    Leave {
+        /// When.
+        at: Cycle,
     },
     /// Give up a pass that has not begun to move.
     CallOff,
@@ -71,14 +79,16 @@ pub struct AxisFrame {
     pub s_rpm: f64,
     /// Direction of the spindle, ±1.
     pub direction: f64,
-    /// First cycle whose index counts.
+    /// First cycle whose index counts; the cycle in which to leave.
     pub not_before: Cycle,
+    /// The way out of the pass.
+    pub out: WayOut,
     /// The law of the axis.
     pub law: AxisLaw,
 }
 
 impl Message for AxisFrame {
-    const NAME: &str = "pitchlock/axis-frame/1";
+    const NAME: &str = "pitchlock/axis-frame/2";
 }
 
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that
@@ -90,6 +100,7 @@ const ARM: u32 = 1;
 const CALL_OFF: u32 = 2;
 const STOP: u32 = 3;
 const HOLD: u32 = 4;
+const LEAVE: u32 = 5;
 
 impl AxisFrame {
     /// Puts a command on the wire.
@@ -98,11 +109,12 @@ impl AxisFrame {
         match *command {
             AxisCommand::Stream => frame.command = STREAM,
             AxisCommand::Hold => frame.command = HOLD,
-            AxisCommand::Arm { pass, s_rpm, direction, not_before, law } => {
+            AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law } => {
                 frame.command = ARM;
                 (frame.pass, frame.s_rpm, frame.direction) = (pass, s_rpm, direction);
-                (frame.not_before, frame.law) = (not_before, law);
+                (frame.not_before, frame.out, frame.law) = (not_before, out, law);
             }
+            AxisCommand::Leave { at } => (frame.command, frame.not_before) = (LEAVE, at),
             AxisCommand::CallOff => frame.command = CALL_OFF,
             AxisCommand::Stop => frame.command = STOP,
         }
@@ -124,15 +136,18 @@ impl AxisFrame {
                 if self.direction.abs() != 1.0 {
                     return Err(Refused::OutOfRange("spindle direction"));
                 }
+                self.out.check()?;
                 self.law.check()?;
                 AxisCommand::Arm {
                     pass: self.pass,
                     s_rpm: self.s_rpm,
                     direction: self.direction,
                     not_before: self.not_before,
+                    out: self.out,
                     law: self.law,
                 }
             }
+            LEAVE => AxisCommand::Leave { at: self.not_before },
             CALL_OFF => AxisCommand::CallOff,
             STOP => AxisCommand::Stop,
             other => return Err(Refused::UnknownCode { field: "axis command", code: other }),

@@ -33,7 +33,7 @@ pub use groove::Groove;
 pub use measurement::{AxisMeasurement, Measurement, Panel};
 pub use message::{Message, Payload};
 pub use operator::{OperatorRequest, Request};
-pub use pass::{AxisLaw, ThreadPass};
+pub use pass::{AxisLaw, ThreadPass, WayOut};
 pub use refused::Refused;
 pub use status::{AxisState, AxisStatus, Fault, MachineState, MachineStatus, SpindleCommand};
 pub use truth::{AxisTruth, CutTruth, Truth};

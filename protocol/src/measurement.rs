@@ -42,7 +42,8 @@ pub struct Panel {
     pub feed_override_pct: f64,
     /// Rapid override, per cent, 0 to 100.
     pub rapid_override_pct: f64,
-    /// Sum of [`Panel::FEED_HOLD`], [`Panel::STOP`], [`Panel::SINGLE_BLOCK`] and [`Panel::ABORT`].
+    /// Sum of [`Panel::FEED_HOLD`], [`Panel::STOP`], [`Panel::SINGLE_BLOCK`], [`Panel::ABORT`],
+    /// [`Panel::EMERGENCY_STOP`] and [`Panel::POWER_LOST`].
     pub buttons: u32,
     /// How often cycle start was pressed. A count, so that no press is lost between two looks at the panel.
     pub cycle_starts: u32,
@@ -57,6 +58,11 @@ impl Panel {
     pub const SINGLE_BLOCK: u32 = 4;
     /// The program is to be ended at once: motion stops on its path, spindle and coolant go off.
     pub const ABORT: u32 = 8;
+    /// Emergency stop, stop category 1: the tool leaves a thread while the spindle runs down, axes in timed
+    /// motion brake, then the drives go off. It stays pressed.
+    pub const EMERGENCY_STOP: u32 = 16;
+    /// The mains have failed: the drives have torque for as long as their link holds. It stays.
+    pub const POWER_LOST: u32 = 32;
 
     /// Whether a button is pressed.
     pub fn pressed(&self, button: u32) -> bool {

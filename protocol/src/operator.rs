@@ -27,6 +27,8 @@ pub enum Request {
     SingleBlock(bool),
     /// End the program at once: stop on the path, spindle and coolant off.
     Abort,
+    /// Emergency stop, stop category 1. It stays pressed.
+    EmergencyStop,
 }
 
 /// A [`Request`] on the wire.
@@ -59,6 +61,7 @@ impl OperatorRequest {
             Request::Stop => (6, 0.0),
             Request::SingleBlock(on) => (7, f64::from(u8::from(on))),
             Request::Abort => (8, 0.0),
+            Request::EmergencyStop => (9, 0.0),
         };
         OperatorRequest { sequence, kind, reserved: 0, value }
     }
@@ -81,6 +84,7 @@ impl OperatorRequest {
             6 => Request::Stop,
             7 => Request::SingleBlock(self.value != 0.0),
             8 => Request::Abort,
+            9 => Request::EmergencyStop,
             other => return Err(Refused::UnknownCode { field: "operator request", code: other }),
         })
     }

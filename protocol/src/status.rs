@@ -30,6 +30,8 @@ pub enum AxisState {
     RunOut = 6,
     /// Latched.
     Fault = 7,
+    /// On its way out of a pass that is not finished, or braking because nothing more arrives.
+    Leaving = 8,
 }
 
 impl AxisState {
@@ -40,11 +42,12 @@ impl AxisState {
 
     /// Whether the axis has seen the index of its pass, and not left the pass.
     pub fn has_begun(self) -> bool {
-        matches!(self, AxisState::WaitingForC0 | AxisState::RunIn | AxisState::Locked | AxisState::RunOut)
+        use AxisState::{Leaving, Locked, RunIn, RunOut, WaitingForC0};
+        matches!(self, WaitingForC0 | RunIn | Locked | RunOut | Leaving)
     }
 
     /// Every state in the order of its code.
-    pub const ALL: [AxisState; 8] = [
+    pub const ALL: [AxisState; 9] = [
         AxisState::Idle,
         AxisState::Streaming,
         AxisState::Armed,
@@ -53,6 +56,7 @@ impl AxisState {
         AxisState::Locked,
         AxisState::RunOut,
         AxisState::Fault,
+        AxisState::Leaving,
     ];
 
     /// The state of a code.
@@ -65,8 +69,18 @@ impl AxisState {
 
     /// The name used in traces.
     pub fn name(self) -> &'static str {
-        ["idle", "streaming", "armed", "waiting-for-c0", "run-in", "locked", "run-out", "fault"]
-            [self as usize]
+        const NAMES: [&str; 9] = [
+            "idle",
+            "streaming",
+            "armed",
+            "waiting-for-c0",
+            "run-in",
+            "locked",
+            "run-out",
+            "fault",
+            "leaving",
+        ];
+        NAMES[self as usize]
     }
 }
 
@@ -95,11 +109,22 @@ pub enum Fault {
     EncoderPulsesGained = 18,
     EncoderGlitch = 19,
     EncoderIndexMissing = 20,
+    EmergencyStop = 21,
+    PowerLost = 22,
+    RegulatorSilent = 23,
+    SpindleReversed = 24,
+    SpindleRunaway = 25,
+    SpindleDoesNotStop = 26,
+    EncoderStands = 27,
+    AxisJump = 28,
+    OtherAxis = 29,
+    InterpolatorSilent = 30,
+    ForceTooHigh = 31,
 }
 
 impl Fault {
     /// Every fault in the order of its code, which starts at 1.
-    pub const ALL: [Fault; 20] = [
+    pub const ALL: [Fault; 31] = [
         Fault::FollowingError,
         Fault::ThreadError,
         Fault::StreamStarved,
@@ -120,6 +145,17 @@ impl Fault {
         Fault::EncoderPulsesGained,
         Fault::EncoderGlitch,
         Fault::EncoderIndexMissing,
+        Fault::EmergencyStop,
+        Fault::PowerLost,
+        Fault::RegulatorSilent,
+        Fault::SpindleReversed,
+        Fault::SpindleRunaway,
+        Fault::SpindleDoesNotStop,
+        Fault::EncoderStands,
+        Fault::AxisJump,
+        Fault::OtherAxis,
+        Fault::InterpolatorSilent,
+        Fault::ForceTooHigh,
     ];
 
     /// The fault of a code; `None` for 0 and for what this version does not know.
@@ -150,6 +186,17 @@ impl Fault {
             Fault::EncoderPulsesGained => "encoder-pulses-gained",
             Fault::EncoderGlitch => "encoder-glitch",
             Fault::EncoderIndexMissing => "encoder-index-missing",
+            Fault::EmergencyStop => "emergency-stop",
+            Fault::PowerLost => "power-lost",
+            Fault::RegulatorSilent => "regulator-silent",
+            Fault::SpindleReversed => "spindle-reversed",
+            Fault::SpindleRunaway => "spindle-runaway",
+            Fault::SpindleDoesNotStop => "spindle-does-not-stop",
+            Fault::EncoderStands => "encoder-stands",
+            Fault::AxisJump => "axis-jump",
+            Fault::OtherAxis => "other-axis",
+            Fault::InterpolatorSilent => "interpolator-silent",
+            Fault::ForceTooHigh => "force-too-high",
         }
     }
 
@@ -192,6 +239,31 @@ impl Fault {
             Fault::EncoderIndexMissing => {
                 "the spindle turned more than once without an index; check encoder_lines, the encoder's index and its cable"
             }
+            Fault::EmergencyStop => "the emergency stop was pressed",
+            Fault::PowerLost => "the mains have failed",
+            Fault::RegulatorSilent => {
+                "a regulator says nothing new: it has died, hangs, or its channel is cut"
+            }
+            Fault::SpindleReversed => {
+                "the spindle turns the wrong way in a pass; check the wiring and direction of its drive"
+            }
+            Fault::SpindleRunaway => "the spindle turns faster than it was told to; check its drive",
+            Fault::SpindleDoesNotStop => {
+                "the spindle was told to stop and goes on turning; check its drive and brake"
+            }
+            Fault::EncoderStands => {
+                "the spindle encoder stands although its drive is told to turn: the encoder or its cable is dead, or the spindle is jammed"
+            }
+            Fault::AxisJump => {
+                "the position of the axis jumped by more than it can move; check its encoder, its scale and the cable"
+            }
+            Fault::OtherAxis => "another axis of the pass has failed: this one left the thread",
+            Fault::InterpolatorSilent => {
+                "the interpolator says nothing new: it has died, hangs, or its channel is cut"
+            }
+            Fault::ForceTooHigh => {
+                "the axis needs more torque than it has although the spindle was slowed down; check depth of cut and tool"
+            }
         }
     }
 }
@@ -230,8 +302,8 @@ pub struct AxisStatus {
     pub spindle_rpm: f64,
     /// 0x6040 as sent.
     pub control_word: u32,
-    /// With a fault of the spindle encoder: counts too many, or too few (negative), where they are known;
-    /// else 0.
+    /// Counts of the spindle encoder too many, or too few (negative): with a fault of the encoder those it
+    /// found, where they are known; else all that were corrected so far.
     pub encoder_counts: i32,
     /// 0x60FF as sent, mm/s.
     pub target_velocity_mm_s: f64,

@@ -180,7 +180,7 @@ fn in_pass(pass: Pass, stage: Stage, event: &Event) -> State {
 }
 
 fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
-    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, law }) = arm else {
+    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, law, .. }) = arm else {
         return (State::Streaming, false);
     };
     if event.cycle > not_before || !event.rests_at_start {

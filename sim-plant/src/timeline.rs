@@ -107,6 +107,7 @@ impl Timeline {
             Request::Stop => self.pressed.press(Panel::STOP, true),
             Request::SingleBlock(on) => self.pressed.press(Panel::SINGLE_BLOCK, on),
             Request::Abort => self.pressed.press(Panel::ABORT, true),
+            Request::EmergencyStop => self.pressed.press(Panel::EMERGENCY_STOP, true),
         }
     }
 

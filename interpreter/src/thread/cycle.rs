@@ -52,6 +52,7 @@ impl Cycle {
             approach_mm,
             // X goes back to the drive line, however far the cone took it.
             retract_mm: -approach_mm - slope * (to_z - from.z),
+            outwards: -words.crest.signum(),
             clear_mm: depth,
             depth_mm: depth,
             entry: words.chamfer_in.then_some(taper),

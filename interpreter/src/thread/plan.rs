@@ -23,7 +23,7 @@
 
 use machine::{Machine, RunOut};
 use motion::{Limits, Ramp, Stroke};
-use protocol::{Axis, AxisLaw, Position, ThreadPass};
+use protocol::{Axis, AxisLaw, Position, ThreadPass, WayOut};
 
 use super::cut::{Cut, Point};
 use super::flank::{largest, least_delay};
@@ -45,6 +45,11 @@ pub struct Plan {
     /// Way of Z while it reaches the lead, and while it leaves it, mm.
     pub delta_z_mm: [f64; 2],
 }
+
+/// What the tool keeps away from the crest before Z may brake, a share of the depth, and of the whole way out.
+const FREE_SHARE: f64 = 0.05;
+/// No groove is deeper than so many leads.
+const DEEPEST_LEADS: f64 = 1.3;
 
 /// Share of its speed that a stroke of X has at least, however fast X follows a tapered helix.
 const LEAST_STROKE: f64 = 0.05;
@@ -113,7 +118,7 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
     let earliest = windows.run_in.c.min(windows.approach.c);
     let margin = design.q * machine.index_margin_cycles() * machine.general.cycle_s;
     let turn = cut.start_deg + 360.0 * ((margin - earliest - cut.start_deg) / 360.0).ceil().max(0.0);
-    let pass = pass(cut, &windows, &design, turn, [x, z])?;
+    let pass = pass(cut, machine, &windows, &design, turn, [x, z])?;
     for axis in [Axis::X, Axis::Z] {
         let end = pass.axis(axis).end.mm();
         let [low, high] = travel(machine, axis);
@@ -257,6 +262,7 @@ fn time_of(way: f64) -> f64 {
 /// angle.
 fn pass(
     cut: &Cut,
+    machine: &Machine,
     windows: &Windows,
     design: &Design,
     turn: f64,
@@ -287,6 +293,7 @@ fn pass(
         x.stroke_dc_deg = approach.dc;
     }
     let mut pass = ThreadPass {
+        out: out(cut, machine),
         s_rpm: cut.s_rpm,
         direction: cut.direction,
         start_angle_deg: cut.start_deg,
@@ -313,6 +320,35 @@ fn pass(
         pass.axes[axis.index()] = law;
     }
     Ok(pass)
+}
+
+/// The way out: to where the retract leads, else to where the approach came from, else off by the lift of the
+/// machine file.
+fn out(cut: &Cut, machine: &Machine) -> WayOut {
+    let surface = cut.from.x + cut.approach_mm;
+    let slope = cut.lead.x / cut.lead.z;
+    let surfaces = [surface, surface + slope * (cut.to_z - cut.from.z)];
+    let lift = match (cut.retract_mm, cut.approach_mm) {
+        (0.0, 0.0) => machine.threading.lift_mm * cut.outwards,
+        (0.0, approach_mm) => -approach_mm,
+        (retract_mm, _) => retract_mm,
+    };
+    let outermost = |[one, other]: [f64; 2]| if lift > 0.0 { one.max(other) } else { one.min(other) };
+    let clear = match cut.retract_mm {
+        0.0 => outermost(surfaces) + lift,
+        retract_mm => surfaces[1] + retract_mm,
+    };
+    let [low, high] = travel(machine, Axis::X);
+    let clear = clear.clamp(low, high);
+    let groove = if cut.clear_mm > 0.0 { cut.clear_mm } else { DEEPEST_LEADS * cut.lead.z.abs() };
+    let most = (clear - outermost(surfaces)).abs() * (1.0 - FREE_SHARE);
+    let free = outermost(surfaces) + (groove * (1.0 + FREE_SHARE)).min(most).copysign(lift);
+    WayOut {
+        axis: Axis::X.index() as u32,
+        leaves: machine.threading.leaves(),
+        clear: Position::from_mm(clear),
+        free: Position::from_mm(free),
+    }
 }
 
 /// Limits of an axis as the machine file states them.

@@ -19,6 +19,8 @@ pub(crate) struct Single {
     pub(crate) k_mm: f64,
     /// Angle of the spindle at which the path begins, degrees from the index.
     pub(crate) start_deg: f64,
+    /// Direction of X out of the material, as the last infeed tells, ±1.
+    pub(crate) outwards: f64,
     /// Where the G0 of the next block takes X, if it does nothing else.
     pub(crate) retract_to: Option<f64>,
 }
@@ -39,6 +41,7 @@ impl Single {
             start_deg: self.start_deg,
             approach_mm: 0.0,
             retract_mm,
+            outwards: self.outwards,
             clear_mm: retract_mm.abs().min(CLEAR_LEADS * lead.z.abs()),
             depth_mm: 0.0,
             entry: None,

@@ -10,7 +10,7 @@ use serde::de::{Error, SeqAccess, Visitor};
 use serde::ser::SerializeSeq;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{AxisLaw, ThreadPass};
+use super::{AxisLaw, ThreadPass, WayOut};
 use crate::units::{AXES, Axis, PerAxis, Position};
 
 /// A pass.
@@ -27,6 +27,8 @@ pub(super) struct Stored {
     thread_end_deg: Option<Bits>,
     max_ratio: f64,
     depth_mm: f64,
+    /// Axis, what leaves, where it is clear; how much before that it is free.
+    out: (u8, u8, Position, i64),
     helix: Option<Helix>,
     laws: Laws,
 }
@@ -243,6 +245,12 @@ impl Law {
     }
 }
 
+/// What is beyond a byte is refused where it arrives.
+fn out_of(out: &WayOut) -> (u8, u8, Position, i64) {
+    let byte = |value: u32| u8::try_from(value).unwrap_or(u8::MAX);
+    (byte(out.axis), byte(out.leaves), out.clear, out.clear.0.wrapping_sub(out.free.0))
+}
+
 impl From<ThreadPass> for Stored {
     fn from(pass: ThreadPass) -> Stored {
         let common = pass.axes.iter().find_map(helix);
@@ -258,6 +266,7 @@ impl From<ThreadPass> for Stored {
             thread_end_deg: differs(end_deg, first_leaves(&pass.axes)).then_some(Bits(end_deg.to_bits())),
             max_ratio: pass.max_ratio,
             depth_mm: pass.depth_mm,
+            out: out_of(&pass.out),
             helix: common,
             laws: Laws(pass.axes.map(|law| Law::new(&law, common))),
         }
@@ -281,6 +290,12 @@ impl From<Stored> for ThreadPass {
                 .map_or_else(|| first_leaves(&axes), |end| f64::from_bits(end.0)),
             max_ratio: stored.max_ratio,
             depth_mm: stored.depth_mm,
+            out: WayOut {
+                axis: stored.out.0.into(),
+                leaves: stored.out.1.into(),
+                clear: stored.out.2,
+                free: Position(stored.out.2.0.wrapping_sub(stored.out.3)),
+            },
             axes,
         }
     }

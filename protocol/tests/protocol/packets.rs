@@ -46,6 +46,7 @@ fn busy_law(number: usize) -> AxisLaw {
 /// A pass that moves every axis in its own way.
 fn busy_pass() -> ThreadPass {
     ThreadPass {
+        out: WayOut::default(),
         pass: u32::MAX,
         start: u32::MAX,
         s_rpm: LONG,
@@ -172,10 +173,17 @@ fn law() -> impl Strategy<Value = AxisLaw> {
 
 fn pass() -> impl Strategy<Value = ThreadPass> {
     let laws = prop::collection::vec(prop_oneof![Just(AxisLaw::default()), law()].boxed(), 8);
-    (any::<[u32; 2]>(), prop::array::uniform7(number()), laws).prop_map(
-        |([pass, start], [s_rpm, direction, start_angle_deg, lead_mm, end, max_ratio, depth_mm], laws)| {
+    let out = (0u32..8, 0u32..8, position(), position());
+    (any::<[u32; 2]>(), prop::array::uniform7(number()), out, laws).prop_map(
+        |(
+            [pass, start],
+            [s_rpm, direction, start_angle_deg, lead_mm, end, max_ratio, depth_mm],
+            out,
+            laws,
+        )| {
             let (thread_end_deg, axes) = (end, laws.try_into().unwrap());
             ThreadPass {
+                out: WayOut { axis: out.0, leaves: out.1, clear: out.2, free: out.3 },
                 pass,
                 start,
                 s_rpm,

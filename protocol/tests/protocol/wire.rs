@@ -40,7 +40,14 @@ fn arc() -> Arc {
 }
 
 fn arm(law: AxisLaw) -> AxisCommand {
-    AxisCommand::Arm { pass: 3, s_rpm: 600.0, direction: 1.0, not_before: Cycle(77), law }
+    AxisCommand::Arm {
+        pass: 3,
+        s_rpm: 600.0,
+        direction: 1.0,
+        not_before: Cycle(77),
+        out: WayOut::default(),
+        law,
+    }
 }
 
 fn setpoint() -> Setpoint {

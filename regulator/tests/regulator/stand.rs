@@ -55,7 +55,7 @@ pub(crate) fn law() -> AxisLaw {
 
 pub(crate) fn arm() -> AxisCommand {
     let not_before = Cycle(ARMED + 20);
-    AxisCommand::Arm { pass: 1, s_rpm: 300.0, direction: 1.0, not_before, law: law() }
+    AxisCommand::Arm { pass: 1, s_rpm: 300.0, direction: 1.0, not_before, out: WayOut::default(), law: law() }
 }
 
 /// The frame that takes effect in a cycle.

@@ -64,7 +64,14 @@ fn run_out(pass: Pass) -> State {
 }
 
 fn arm(not_before: u64) -> AxisCommand {
-    AxisCommand::Arm { pass: 3, s_rpm: 600.0, direction: 1.0, not_before: Cycle(not_before), law: law() }
+    AxisCommand::Arm {
+        pass: 3,
+        s_rpm: 600.0,
+        direction: 1.0,
+        not_before: Cycle(not_before),
+        out: WayOut::default(),
+        law: law(),
+    }
 }
 
 fn quiet() -> Event {
