@@ -281,9 +281,11 @@ impl Interpolator {
     fn answer(&self, measurement: &Measurement, setpoints: &PerAxis<Setpoint>, order: &Order) -> Out {
         let (cycle, line) = (measurement.cycle, self.program.line);
         let mut frames = [AxisFrame::default(); AXES];
+        let stop_s = self.machine.stop_s(setpoints);
         for (axis, _) in self.machine.axes() {
             let i = axis.index();
-            frames[i] = AxisFrame::pack(cycle, line, setpoints[i], &order.of(axis));
+            let frame = AxisFrame::pack(cycle, line, setpoints[i], &order.of(axis));
+            frames[i] = AxisFrame { stop_s, ..frame };
         }
         let (state, arm) = (self.task.public(), self.task.pass());
         let pass = arm.map(|arm| &arm.pass);

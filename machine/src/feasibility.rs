@@ -1,9 +1,13 @@
 //! What the axes of a machine can do: reach a point, turn an arc, follow a pass. In: machine code that has
 //! been checked.
 
-use protocol::{Arc, PerAxis, Position, ThreadPass};
+use motion::Exit;
+use protocol::{Arc, Axis, PerAxis, Position, Setpoint, ThreadPass};
 
-use crate::{Kinematics, Machine};
+use crate::{AxisConfig, Kinematics, Machine};
+
+/// A stop without a plan takes so much longer than one that uses the limits to the full.
+const STOP_MARGIN: f64 = 1.1;
 
 /// Fewest control cycles between the index of a pass and its first motion: every regulator has seen the index
 /// by then.
@@ -61,6 +65,18 @@ impl Machine {
                     && (end - law.end.mm()).abs() < 1e-6
                     && [start, start + law.stroke_mm, end].iter().all(|mm| travel.contains(mm))
             })
+    }
+
+    /// Time in which every axis can brake to rest from its setpoint, s; 0 at rest.
+    pub fn stop_s(&self, setpoints: &PerAxis<Setpoint>) -> f64 {
+        let stop_s = |(axis, config): (Axis, &AxisConfig)| {
+            let Setpoint { velocity_mm_s, acceleration_mm_s2, .. } = setpoints[axis.index()];
+            match (velocity_mm_s, acceleration_mm_s2) {
+                (0.0, 0.0) => 0.0,
+                (v, a) => STOP_MARGIN * Exit::stop_s(v, a, &config.limits()),
+            }
+        };
+        self.axes().map(stop_s).fold(0.0, f64::max)
     }
 
     /// Whether a point lies within the travel of every axis.

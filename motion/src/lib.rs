@@ -27,6 +27,7 @@
 mod blend;
 pub mod chain;
 mod change;
+mod exit;
 mod feed;
 mod limits;
 mod observer;
@@ -41,6 +42,7 @@ mod versine;
 
 pub use blend::Blend;
 pub use change::SpeedChange;
+pub use exit::Exit;
 pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
 pub use limits::Limits;
 pub use observer::{SpindleMotion, SpindleObserver};

@@ -148,6 +148,15 @@ impl SpindleObserver {
         };
     }
 
+    /// Advances by one period without a measurement: what turns is taken to turn on at its speed.
+    pub fn coast(&mut self) {
+        if let Some(state) = &mut self.state {
+            state.acceleration = 0.0;
+            state.angle += state.speed * self.period;
+        }
+        self.drift = SpindleMotion::default();
+    }
+
     /// Motion `lead_s` seconds after the last measurement; 0 is the measurement itself. Each millisecond of
     /// lead at 30 Hz adds about 20 % of noise.
     #[must_use]

@@ -71,6 +71,9 @@ pub struct AxisFrame {
     pub line: u32,
     /// The next node of timed motion, [`SETPOINT_LEAD`] interpolator cycles ahead.
     pub setpoint: Setpoint,
+    /// Time in which every axis brakes to rest from the setpoint of this frame if no other follows, s: the
+    /// same for all axes, so that they stay on the tangent of their path.
+    pub stop_s: f64,
     /// Pass to arm.
     pub pass: u32,
     /// Zero.
@@ -94,6 +97,9 @@ impl Message for AxisFrame {
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that
 /// the regulators interpolate in, and one for the leads of feedforward (M54), which look beyond the present.
 pub const SETPOINT_LEAD: u64 = 3;
+
+/// Nothing takes longer to brake, s.
+const LONGEST_STOP_S: f64 = 1e3;
 
 const STREAM: u32 = 0;
 const ARM: u32 = 1;
@@ -128,6 +134,9 @@ impl AxisFrame {
     pub fn unpack(&self) -> Result<AxisCommand, Refused> {
         finite(self.setpoint.velocity_mm_s, "setpoint velocity")?;
         finite(self.setpoint.acceleration_mm_s2, "setpoint acceleration")?;
+        if !(0.0..=LONGEST_STOP_S).contains(&finite(self.stop_s, "braking time")?) {
+            return Err(Refused::OutOfRange("braking time"));
+        }
         Ok(match self.command {
             STREAM => AxisCommand::Stream,
             HOLD => AxisCommand::Hold,

@@ -6,6 +6,7 @@ use machine::{AxisConfig, Machine};
 use motion::{FeedBlock, Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisLaw, Cycle, DriveState, Measurement, Position, Setpoint, StatusWord,
+    WayOut,
 };
 use regulator::{In, Out, Regulator};
 

@@ -1,6 +1,6 @@
 //! Every state against every event: the transition table of `regulator::state`.
 
-use protocol::{AxisCommand, AxisLaw, Cycle, Fault, Position};
+use protocol::{AxisCommand, AxisLaw, Cycle, Fault, Position, WayOut};
 use regulator::{
     spindle::Index,
     state::{
