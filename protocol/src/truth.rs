@@ -5,6 +5,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes};
 use crate::{
     measurement::Measurement,
     message::Message,
+    module::{Doom, Module},
     units::{Cycle, PerAxis},
 };
 
@@ -62,8 +63,20 @@ pub struct Truth {
     pub axes: PerAxis<AxisTruth>,
     /// What was measured.
     pub measurement: Measurement,
+    /// Code of the module that a scenario wants killed, frozen or thawed in this cycle
+    /// ([`Module::code`]); 0 for none.
+    pub doomed: u32,
+    /// Code of what happens to it ([`Doom`]); 0 for nothing.
+    pub doom: u32,
+}
+
+impl Truth {
+    /// The module that is to be killed, frozen or thawed in this cycle, and which of that.
+    pub fn doom(&self) -> Option<(Doom, Module)> {
+        Some((Doom::from_code(self.doom)?, Module::from_code(self.doomed)?))
+    }
 }
 
 impl Message for Truth {
-    const NAME: &str = "pitchlock/truth/5";
+    const NAME: &str = "pitchlock/truth/6";
 }

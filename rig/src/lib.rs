@@ -4,6 +4,7 @@
 //! which a test can disturb.
 
 pub mod bench;
+mod lives;
 pub mod observe;
 mod rig;
 pub mod trace;

@@ -6,8 +6,8 @@ use std::{cell::RefCell, rc::Rc};
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisState, Cycle, Fault, Item, MachineState, MachineStatus, Measurement, PerAxis,
-    operator::Request,
+    Axis, AxisFrame, AxisState, Cycle, DriveState, Fault, Item, MachineState, MachineStatus, Measurement,
+    Module, PerAxis, operator::Request,
 };
 use rig::wires::{Damaging, Disturbance, Doubling, Freezing, Late, Losing, Straight, Wire, Wires};
 use rig::{Exchange, Rig};
@@ -210,4 +210,113 @@ fn a_test_can_bring_wires_of_its_own() {
     assert!(states.contains(&(AxisState::Streaming as u32)));
     let ticks = (states.len() as u64 - 1) / Machine::default().cycles_per_tick();
     assert_eq!(u64::from(frames.borrow()[Axis::X.index()]), ticks);
+}
+
+/// What is seen of a machine whose module dies in one cycle, or freezes and thaws: for each cycle the ages of
+/// the commands of the drives, whether a frame came, and the code that was taken.
+fn ages(
+    doom: impl Fn(&mut Rig<std::vec::IntoIter<Item>>, u64),
+    cycles: u64,
+) -> Vec<([u64; 2], bool, DriveState)> {
+    let mut rig = Rig::new(&Machine::default(), items().into_iter(), Scenario::none(), 1).unwrap();
+    let mut seen = Vec::new();
+    for cycle in 0..cycles {
+        doom(&mut rig, cycle);
+        rig.exchange(None, |exchange| {
+            let age = |axis: Axis| cycle - exchange.drives[axis.index()].cycle.0;
+            let drive = exchange.record.truth.measurement.axes[Axis::X.index()].drive();
+            let frame = exchange.frames[Axis::X.index()].is_some();
+            seen.push(([age(Axis::X), age(Axis::Z)], frame, drive.state().unwrap()));
+        });
+    }
+    seen
+}
+
+#[test]
+fn a_dead_regulator_answers_nothing_and_its_drive_trips() {
+    let x = Module::Regulator(Axis::X);
+    let seen = ages(|rig, cycle| if cycle == 900 { rig.kill(x) } else { rig.thaw(x) }, 1000);
+    for (cycle, (ages, frame, drive)) in (0..).zip(&seen) {
+        let dead_for = (cycle + 1_u64).saturating_sub(900);
+        assert_eq!(*ages, [dead_for, 0], "in cycle {cycle}");
+        assert_eq!(*frame, cycle > 0 && cycle % 4 == 0);
+        if cycle > 8 && cycle <= 902 {
+            assert_eq!(*drive, DriveState::OperationEnabled, "in cycle {cycle}");
+        }
+    }
+    assert_eq!(seen[903].2, DriveState::FaultReaction);
+    assert_eq!(seen[999].2, DriveState::Fault);
+}
+
+#[test]
+fn a_dead_interpolator_sends_no_frame_and_a_dead_interpreter_no_code() {
+    let seen = ages(
+        |rig, cycle| {
+            if cycle == 900 {
+                rig.kill(Module::Interpolator)
+            }
+        },
+        1000,
+    );
+    // What the tick before made still arrives.
+    let last = seen.iter().rposition(|(_, frame, _)| *frame);
+    assert_eq!(last, Some(900));
+
+    let program = |line: u32| format!("G1 X{} F3000\n", 20 - line % 2);
+    let program: String = (0..400).map(program).collect();
+    let items = compiled(&Machine::default(), &format!("G18 G21 G90 G8 G94\nG0 X20 Z50\n{program}M2\n"));
+    let ends = |killed: Option<u64>| {
+        let mut rig = Rig::new(&Machine::default(), items.clone().into_iter(), Scenario::none(), 1).unwrap();
+        let mut machine = MachineStatus::default();
+        for cycle in 0.. {
+            assert!(cycle < 100_000, "the program ends");
+            if killed == Some(cycle) {
+                rig.kill(Module::Interpreter);
+                assert!(rig.is_dead(Module::Interpreter) && !rig.is_dead(Module::Interpolator));
+            }
+            if !rig.cycle(None, |record| machine = *record.machine) {
+                break;
+            }
+        }
+        machine
+    };
+    let (whole, early) = (ends(None), ends(Some(200)));
+    assert_eq!((whole.fault, early.fault), (0, Fault::BadMachineCode as u32));
+    assert!(early.moves > 0 && early.moves < whole.moves, "what was sent is executed: {early:?}");
+    assert_eq!(ends(Some(9000)).moves, whole.moves, "whose code has all been sent may die");
+}
+
+#[test]
+fn a_frozen_regulator_works_off_what_waited_for_it() {
+    let z = Module::Regulator(Axis::Z);
+    let doom = |from: u64, to: u64| {
+        move |rig: &mut Rig<_>, cycle| match cycle {
+            _ if cycle == from => rig.freeze(z),
+            _ if cycle == to => rig.thaw(z),
+            _ => {}
+        }
+    };
+    // Two cycles are made good at once: nothing has changed afterwards.
+    let seen = ages(doom(900, 902), 1200);
+    let ages_of_z =
+        |range: std::ops::Range<usize>| seen[range].iter().map(|(ages, ..)| ages[1]).collect::<Vec<_>>();
+    assert_eq!(ages_of_z(899..904), [0, 1, 2, 0, 0]);
+    // Twelve take four cycles, three of each going into the old ones.
+    let seen = ages(doom(900, 912), 1200);
+    let ages_of_z: Vec<_> = seen[910..918].iter().map(|(ages, ..)| ages[1]).collect();
+    assert_eq!(ages_of_z, [11, 12, 9, 6, 3, 0, 0, 0]);
+}
+
+#[test]
+fn a_frozen_interpreter_counts_as_dead_after_a_second() {
+    let mut rig = Rig::new(&Machine::default(), items().into_iter(), Scenario::none(), 1).unwrap();
+    rig.freeze(Module::Interpreter);
+    let mut machine = MachineStatus::default();
+    let mut cycles = 0;
+    while rig.cycle(None, |record| machine = *record.machine) {
+        cycles += 1;
+        assert!(cycles < 10_000, "the machine ends");
+        assert_eq!(rig.is_dead(Module::Interpreter), cycles > 2000, "in cycle {cycles}");
+    }
+    assert_eq!(machine.fault, Fault::BadMachineCode as u32);
 }
