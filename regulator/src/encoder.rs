@@ -14,7 +14,7 @@
 //! ```text
 //! glitch          |d − d′| > 3 + A T² + 2 r |d′|                                     (M70)
 //! counts          |D| = 4 N; after a reversal 4 N or 0, to one count                 (M71)
-//! missing index   more than 4 N + margin without one, margin = 8 or 4 N / 50, whichever is more
+//! missing index   so many turns and a margin of 8 counts or 4 N / 50 without one, whichever is more
 //! ```
 //!
 //! (M70) predicts that the spindle turns on as in the cycle before. Over one cycle this is much sharper than
@@ -24,10 +24,14 @@
 //! not. A slow spindle is stopped in less than 50 ms: 300 N·m stop 0.15 kg m² with 19,100 1/min per s. Two
 //! cycles of ripple differ by 2 r |d′| at most, however often a turn it comes.
 //!
-//! Fewer counts than (M70) sees are found by (M71) at the next index. Counts latched at an index do not
-//! depend on the speed, so one count is enough. Having turned back, the spindle meets the index it met last;
-//! then a latch may differ by a count, because it comes from the other side. More than half a turn is no way
-//! back to the same index.
+//! Fewer counts than (M70) sees are found by (M71) at the next index, one is enough: counts latched at an
+//! index do not depend on the speed. They are corrected there, one count a cycle, as long as the sum over ten
+//! turns stays within what is tolerated; beyond it, it is a fault. Having turned back, the spindle meets the
+//! index it met last; then a latch may differ by a count, because it comes from the other side. More than half
+//! a turn is no way back to the same index.
+//!
+//! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
+//! that turns faster than some 70 1/min. At a lower speed nobody can tell it from a spindle that is jammed.
 
 use machine::Machine;
 use protocol::{Fault, Measurement};
@@ -43,6 +47,8 @@ const QUANTA: f64 = 3.0;
 /// What an index may come late by: so many counts, or this share of a turn.
 const MARGIN_COUNTS: i64 = 8;
 const MARGIN_SHARE: i64 = 50;
+/// Turns over which corrections add up.
+const TURNS: usize = 10;
 
 /// What is wrong with the encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +67,25 @@ pub struct Encoder {
     margin: i64,
     /// A T², count.
     step: f64,
+    /// Turns without an index that are let pass.
+    blind_turns: f64,
     seen: Option<Seen>,
     found: Option<EncoderFault>,
+    /// What the count shows too much, as known, and how much of that is taken off.
+    slip: i64,
+    taken: i64,
+    /// Corrections of the last turns.
+    recent: [i64; TURNS],
+    corrected: u32,
+    /// Cycles for which the count has stood still.
+    still: u64,
+}
+
+/// Counts too many or too few since the index before, in the direction of the spindle.
+#[derive(Clone, Copy, Debug)]
+struct Missed {
+    counts: i64,
+    forward: bool,
 }
 
 /// What has been seen so far.
@@ -88,9 +111,48 @@ impl Encoder {
             turn: turn as i64,
             margin: MARGIN_COUNTS.max(turn as i64 / MARGIN_SHARE),
             step: fastest * machine.general.cycle_s * machine.general.cycle_s,
+            blind_turns: machine.threading.index_lost_turns,
             seen: None,
             found: None,
+            slip: 0,
+            taken: 0,
+            recent: [0; TURNS],
+            corrected: 0,
+            still: 0,
         }
+    }
+
+    /// The count of a measurement, corrected.
+    pub fn count(&self, measurement: &Measurement) -> i64 {
+        measurement.spindle_count.saturating_sub(self.taken)
+    }
+
+    /// The count latched at the last index of a measurement, corrected.
+    pub fn index_count(&self, measurement: &Measurement) -> i64 {
+        measurement.index_count.saturating_sub(self.slip)
+    }
+
+    /// Counts lost or gained that were corrected so far.
+    pub fn corrected(&self) -> u32 {
+        self.corrected
+    }
+
+    /// Most counts that may be lost or gained within ten turns, where no thread says how much they matter.
+    pub fn margin(&self) -> i64 {
+        self.margin
+    }
+
+    /// Cycles for which the count has stood still.
+    pub fn still(&self) -> u64 {
+        self.still
+    }
+
+    /// Cycles have gone by without a measurement.
+    pub fn skip(&mut self) {
+        if let Some(seen) = &mut self.seen {
+            seen.change = None;
+        }
+        self.still = 0;
     }
 
     /// The fault found, if any.
@@ -98,8 +160,8 @@ impl Encoder {
         self.found
     }
 
-    /// Takes the measurement of one control cycle.
-    pub fn update(&mut self, measurement: &Measurement) {
+    /// Takes the measurement of one control cycle; so many counts may be lost or gained within ten turns.
+    pub fn update(&mut self, measurement: &Measurement, tolerated: i64) {
         if self.found.is_some() {
             return;
         }
@@ -111,17 +173,34 @@ impl Encoder {
         };
         let change = count.saturating_sub(seen.count);
         let glitch = seen.change.and_then(|before| self.glitch(change, before));
+        self.still = if change == 0 { self.still + 1 } else { 0 };
         (seen.count, seen.change) = (count, Some(change));
         (seen.low, seen.high) = (seen.low.min(count), seen.high.max(count));
         let turns = measurement.index_number.saturating_sub(seen.index_number);
-        let index = if turns > 0 { self.at_index(&seen, measurement.index_count, turns) } else { None };
+        let index = if turns > 0 { self.at_index(&seen, measurement.index_count, turns) } else { Ok(None) };
         if turns > 0 {
             let at = measurement.index_count;
             (seen.index_number, seen.index) = (measurement.index_number, Some(at));
             (seen.low, seen.high) = (at.min(count), at.max(count));
         }
-        self.found = glitch.or(index).or_else(|| self.missing(&seen));
+        let index = index.and_then(|missed| missed.map_or(Ok(()), |missed| self.correct(missed, tolerated)));
+        self.found = glitch.or(index.err()).or_else(|| self.missing(&seen));
+        self.taken += (self.slip - self.taken).signum();
         self.seen = Some(seen);
+    }
+
+    /// Takes counts that were lost or gained into account, unless they are too many.
+    fn correct(&mut self, missed: Missed, tolerated: i64) -> Result<(), EncoderFault> {
+        let Missed { counts, forward } = missed;
+        self.recent.rotate_left(1);
+        self.recent[TURNS - 1] = counts;
+        if self.recent.iter().sum::<i64>().saturating_abs() > tolerated {
+            let fault = if counts < 0 { Fault::EncoderPulsesLost } else { Fault::EncoderPulsesGained };
+            return Err(EncoderFault { fault, counts });
+        }
+        self.slip += if forward { counts } else { -counts };
+        self.corrected = self.corrected.saturating_add(counts.unsigned_abs() as u32);
+        Ok(())
     }
 
     /// (M70)
@@ -129,26 +208,28 @@ impl Encoder {
         let counts = change.saturating_sub(before);
         let possible = QUANTA + self.step + 2.0 * RIPPLE * (before as f64).abs();
         let beyond = counts as f64 > possible || (counts as f64) < -possible;
-        beyond.then_some(EncoderFault { fault: Fault::EncoderGlitch, counts })
+        let stands = EncoderFault { fault: Fault::EncoderStands, counts: 0 };
+        let glitch = EncoderFault { fault: Fault::EncoderGlitch, counts };
+        beyond.then_some(if change == 0 { stands } else { glitch })
     }
 
     /// (M71) at an index that was latched at the count `at`; `turns` is 1 unless a cycle is longer than a
-    /// turn.
-    fn at_index(&self, seen: &Seen, at: i64, turns: u64) -> Option<EncoderFault> {
-        let from = seen.index?;
+    /// turn. Indexes that were not seen lie whole turns in between.
+    fn at_index(&self, seen: &Seen, at: i64, turns: u64) -> Result<Option<Missed>, EncoderFault> {
+        let Some(from) = seen.index else { return Ok(None) };
         let turned = at.saturating_sub(from).saturating_abs();
-        let missed = turned.saturating_sub(self.turn.saturating_mul(turns.min(1 << 20) as i64));
+        let unseen = turned.saturating_add(self.turn / 2) / self.turn;
+        let missed = turned.saturating_sub(self.turn.saturating_mul(unseen.max(turns.min(1 << 20) as i64)));
         let within = |high: i64, low: i64| high.saturating_sub(low) <= 1;
         let forth = within(seen.high, seen.count) && within(from, seen.low);
         let back = within(seen.count, seen.low) && within(seen.high, from);
         if turned <= 1 {
-            return None;
+            return Ok(None);
         }
         if forth || back || turned > self.turn / 2 {
-            let fault = if missed < 0 { Fault::EncoderPulsesLost } else { Fault::EncoderPulsesGained };
-            return (missed != 0).then_some(EncoderFault { fault, counts: missed });
+            return Ok(Some(Missed { counts: missed, forward: at > from }));
         }
-        Some(EncoderFault { fault: Fault::EncoderPlausibility, counts: turned })
+        Err(EncoderFault { fault: Fault::EncoderPlausibility, counts: turned })
     }
 
     /// Whether an index should have come.
@@ -157,7 +238,7 @@ impl Encoder {
             Some(index) => seen.high.saturating_sub(index).max(index.saturating_sub(seen.low)),
             None => seen.high.saturating_sub(seen.low),
         };
-        (turned > self.turn + self.margin)
+        (turned as f64 > self.blind_turns * self.turn as f64 + self.margin as f64)
             .then_some(EncoderFault { fault: Fault::EncoderIndexMissing, counts: 0 })
     }
 }

@@ -8,6 +8,8 @@
 //! |---|---|
 //! | [`state`] | the states of an axis as one enum, one transition function |
 //! | [`spindle`] | spindle angle, speed and acceleration from counts (M53), index |
+//! | [`leave`] | how an axis leaves a pass or a stream (M99, M100) |
+//! | `watch` | what makes it leave: its own errors, the operator, the drives of the other axes |
 //! | [`encoder`] | whether the counts can be true, and every index comes (M70, M71) |
 //! | [`stream`] | timed motion between setpoints |
 //! | [`reference`](mod@reference) | where the axis shall be: now, and about it, at the leads of the feedforwards (M8, M54) |
@@ -19,6 +21,7 @@
 pub mod compensation;
 pub mod encoder;
 pub mod feedforward;
+pub mod leave;
 pub mod loops;
 pub mod reference;
 mod regulator;
@@ -26,5 +29,6 @@ pub mod screw;
 pub mod spindle;
 pub mod state;
 pub mod stream;
+mod watch;
 
 pub use regulator::{In, Out, Regulator};

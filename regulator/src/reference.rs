@@ -9,6 +9,7 @@ use protocol::Cycle;
 
 use crate::{
     compensation::Compensation,
+    leave::{Leaving, Way},
     spindle::Spindle,
     state::{Pass, Stage, State},
     stream::Stream,
@@ -46,9 +47,12 @@ impl Reference<'_> {
         let still = |mm: f64| Sample { s: mm, ..Sample::default() };
         match self.state {
             State::Idle | State::Fault(_) => still(self.measured_mm),
-            State::Streaming => self.stream.at(self.cycle, lead_s / self.cycle_s),
             State::InPass { pass, stage: Stage::Armed } => still(pass.law.start.mm()),
-            State::InPass { pass, .. } => {
+            State::Leaving(Leaving { way: Way::Timed { exit, from }, .. }) => {
+                exit.at((self.cycle.0 - from.0) as f64 * self.cycle_s + lead_s)
+            }
+            State::Leaving(Leaving { way: Way::Along(_), pass: Some(pass), .. })
+            | State::InPass { pass, .. } => {
                 let c = since(self.spindle, pass, lead_s);
                 let ratio = c.speed / pass.programmed_deg_s;
                 let ratio_rate = c.acceleration / pass.programmed_deg_s;
@@ -56,6 +60,7 @@ impl Reference<'_> {
                 sample.s += pass.law.start.mm();
                 sample
             }
+            State::Streaming | State::Leaving(_) => self.stream.at(self.cycle, lead_s / self.cycle_s),
         }
     }
 
@@ -63,8 +68,10 @@ impl Reference<'_> {
     pub fn angle_deg(&self) -> f64 {
         match self.state {
             State::Idle | State::Fault(_) | State::Streaming => 0.0,
-            State::InPass { stage: Stage::Armed, .. } => 0.0,
-            State::InPass { pass, .. } => self.spindle.since(pass, 0.0).angle,
+            State::InPass { stage: Stage::Armed, .. } | State::Leaving(Leaving { pass: None, .. }) => 0.0,
+            State::InPass { pass, .. } | State::Leaving(Leaving { pass: Some(pass), .. }) => {
+                self.spindle.since(pass, 0.0).angle
+            }
         }
     }
 

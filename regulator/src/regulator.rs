@@ -1,20 +1,25 @@
 //! The regulator of one axis: receive, decide, evaluate, command, report.
 
-use machine::Machine;
-use motion::Sample;
+use machine::{AxisConfig, Machine};
+use motion::{Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
-    Measurement, Refused, frame::SETPOINT_LEAD,
+    Measurement, Refused, Setpoint, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
     compensation::Compensation,
+    leave::{self, Cause, Leaving},
     loops::{Command, Loops},
     reference::{Motor, Reference},
     spindle::Spindle,
-    state::{Event, Stage, State},
+    state::{Event, State},
     stream::Stream,
+    watch::{Known, Watch},
 };
+
+/// A setpoint may go beyond a limit by this share: rounding, and what an axis does besides its path.
+const SPARE: f64 = 1.1;
 
 /// What one control cycle brings.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +48,14 @@ pub struct Regulator {
     spindle: Spindle,
     loops: Loops,
     compensation: Option<Compensation>,
-    /// The position loop closes over the linear scale.
-    scale: bool,
     cycle_s: f64,
-    limits: Supervision,
+    limits: Limits,
+    in_position_mm: f64,
+    watch: Watch,
+    /// Which of the measured positions is that of an axis: by its scale, or by its motor.
+    scales: [bool; AXES],
+    /// The cycle in which the interpolator wants the pass in hand to be left.
+    leave_at: Option<Cycle>,
     expected: Option<Cycle>,
     frame_due: Option<Cycle>,
     tick: u64,
@@ -55,14 +64,7 @@ pub struct Regulator {
     line: u32,
     refused: u32,
     last: Sample,
-}
-
-/// Errors beyond which an axis faults, mm.
-#[derive(Clone, Copy, Debug)]
-struct Supervision {
-    following: f64,
-    thread: f64,
-    in_position: f64,
+    answered: Out,
 }
 
 impl Regulator {
@@ -81,13 +83,12 @@ impl Regulator {
             spindle: Spindle::new(machine),
             compensation: Compensation::of(config, loops.reach_s(), cycle_s),
             loops,
-            scale: config.scale_step_mm.is_some(),
             cycle_s,
-            limits: Supervision {
-                following: config.following_error_mm,
-                thread: config.thread_error_mm,
-                in_position: config.in_position_mm,
-            },
+            limits: config.limits(),
+            in_position_mm: config.in_position_mm,
+            watch: Watch::new(machine, axis, config),
+            scales: std::array::from_fn(|i| has_scale(machine.axis.get(&Axis::ALL[i]))),
+            leave_at: None,
             expected: None,
             frame_due: None,
             tick: machine.cycles_per_tick(),
@@ -95,46 +96,55 @@ impl Regulator {
             line: 0,
             refused: 0,
             last: Sample::default(),
+            answered: Out::default(),
         }
     }
 
-    /// One control cycle.
+    /// One control cycle. A measurement that is not newer than the one before brings nothing: the answer
+    /// stays what it was, and the drive sees by its cycle that it is old.
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
+        let expected = self.expected.unwrap_or(measurement.cycle);
+        if measurement.cycle < expected {
+            return self.answered;
+        }
+        let missed = measurement.cycle.0 - expected.0;
+        self.expected = Some(measurement.cycle.after(1));
         if let Some(compensation) = &mut self.compensation {
             compensation.step();
         }
-        let measured_mm = self.measured_mm(measurement);
-        let gap = self.expected.is_some_and(|cycle| cycle != measurement.cycle);
-        self.expected = Some(measurement.cycle.after(1));
-        self.spindle.update(measurement);
-        let command = self.take(input.frame, measurement.cycle);
-        self.advance(measurement, command, gap, measured_mm);
+        let lead_mm = self.state.pass().map_or(0.0, |pass| pass.law.lead_mm);
+        self.spindle.update(measurement, missed, lead_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
-        let reference = Reference {
-            state: &self.state,
-            stream: &self.stream,
-            spindle: &self.spindle,
-            cycle: measurement.cycle,
-            cycle_s: self.cycle_s,
-            measured_mm,
-        };
+        let measured_mm = self.watch.position(self.measured_mm(measurement), missed, !idle);
+        let command = self.take(input.frame, measurement.cycle);
+        self.advance(measurement, command, missed, measured_mm);
+        let idle = matches!(self.state, State::Idle | State::Fault(_));
+        let Regulator { state, stream, spindle, compensation, loops, cycle_s, .. } = self;
+        let (cycle, cycle_s) = (measurement.cycle, *cycle_s);
+        let reference = Reference { state, stream, spindle, cycle, cycle_s, measured_mm };
         let angle_deg = reference.angle_deg();
-        match &mut self.compensation {
+        match compensation {
             Some(compensation) if idle => compensation.rest(),
             Some(compensation) => compensation.watch(reference.count_mm(), |lead_s| reference.axis(lead_s)),
             None => {}
         }
-        let motor = Motor { reference, compensation: self.compensation.as_ref() };
-        let command = if idle { self.loops.rest() } else { self.loops.tick(&motor, measured_mm) };
+        let motor = Motor { reference, compensation: compensation.as_ref() };
+        let command = if idle { loops.rest() } else { loops.tick(&motor, measured_mm) };
         self.last = reference.now();
-        self.answer(measurement, angle_deg, &command, measured_mm)
+        self.answered = self.answer(measurement, angle_deg, &command, measured_mm);
+        self.answered
+    }
+
+    fn reference(&self, cycle: Cycle, measured_mm: f64) -> Reference<'_> {
+        let Regulator { state, stream, spindle, cycle_s, .. } = self;
+        Reference { state, stream, spindle, cycle, cycle_s: *cycle_s, measured_mm }
     }
 
     /// Where the axis is: by its scale, or by its motor, whose compensation is taken off.
     fn measured_mm(&self, measurement: &Measurement) -> f64 {
         let measured = &measurement.axes[self.axis];
-        if self.scale {
+        if self.scales[self.axis] {
             return measured.scale.mm();
         }
         let motor_mm = measured.position.mm();
@@ -168,29 +178,74 @@ impl Regulator {
             return Err(Refused::OutOfRange("axis frame cycle"));
         }
         let ahead = frame.setpoint.cycle.0.saturating_sub(frame.cycle.0);
-        let streams = command == AxisCommand::Stream;
-        if streams && (ahead > SETPOINT_LEAD * self.tick || !self.stream.push(frame.setpoint)) {
-            return Err(Refused::OutOfRange("setpoint cycle"));
+        if command == AxisCommand::Stream && !matches!(self.state, State::Leaving(_) | State::Fault(_)) {
+            if ahead > SETPOINT_LEAD * self.tick {
+                return Err(Refused::OutOfRange("setpoint cycle"));
+            }
+            self.check_step(&frame.setpoint)?;
+            if !self.stream.push(frame.setpoint, frame.stop_s) {
+                return Err(Refused::OutOfRange("setpoint cycle"));
+            }
         }
         self.frame_due = Some(frame.cycle.after(self.tick));
         Ok(command)
+    }
+
+    /// Refuses a setpoint that no axis can follow from the one before.
+    fn check_step(&self, next: &Setpoint) -> Result<(), Refused> {
+        let last = self.stream.last();
+        let (v, a) = (next.velocity_mm_s, next.acceleration_mm_s2);
+        if v.abs() > SPARE * self.limits.v || a.abs() > SPARE * self.limits.a {
+            return Err(Refused::OutOfRange("setpoint"));
+        }
+        if !self.stream.begun() || next.cycle <= last.cycle || matches!(self.state, State::Idle) {
+            return Ok(());
+        }
+        let h = (next.cycle.0 - last.cycle.0) as f64 * self.cycle_s;
+        let mean = 0.5 * (last.velocity_mm_s + v) * h + (last.acceleration_mm_s2 - a) * h * h / 12.0;
+        let apart = (next.position.mm_from(last.position) - mean).abs();
+        // A quintic between the two with less than the highest jerk.
+        if apart > SPARE * self.limits.j * h * h * h + 1e-6 {
+            return Err(Refused::OutOfRange("setpoint position"));
+        }
+        Ok(())
     }
 
     fn advance(
         &mut self,
         measurement: &Measurement,
         command: Option<AxisCommand>,
-        gap: bool,
+        missed: u64,
         measured_mm: f64,
     ) {
         let cycle = measurement.cycle;
-        let drive = measurement.axes[self.axis].drive().state();
+        if let Some(AxisCommand::Leave { at }) = command {
+            self.leave_at = Some(at);
+        }
+        let known = Known {
+            state: &self.state,
+            measurement,
+            missed,
+            spindle: &self.spindle,
+            stream: &self.stream,
+            frame_due: self.frame_due,
+            leave_at: self.leave_at,
+            last: &self.last,
+            measured_mm,
+        };
+        let cause = self.watch.cause(&known);
+        let reference = self.reference(cycle, measured_mm);
+        let stopped = matches!(command, Some(AxisCommand::Stop));
+        let leaves = stopped || matches!(cause, Some(Cause::Leave(_)));
         let event = Event {
             cycle,
-            enabled: drive == Some(DriveState::OperationEnabled),
-            fault: self.fault(cycle, drive, gap, measured_mm),
+            enabled: measurement.axes[self.axis].drive().state() == Some(DriveState::OperationEnabled),
+            cause,
+            way: if leaves { leave::way_out(&reference, self.axis, &self.limits) } else { None },
+            brake: leave::brake(&reference, self.axis, self.is_free(measurement), &self.limits),
+            rests: leave::is_over(&reference),
             stream_begun: self.stream.begun()
-                && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.limits.in_position,
+                && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,
             rests_at_start: rests_at(&self.last, command.as_ref()),
             command,
             index: self.spindle.index(),
@@ -199,48 +254,23 @@ impl Regulator {
                 self.spindle.counted_since(pass) < pass.programmed_deg_s * self.call_off_s
             }),
         };
-        let before = self.state;
-        let (state, refused) = before.next(&event);
+        let (state, refused) = self.state.next(&event);
         self.refused += u32::from(refused);
-        if let (State::InPass { pass, stage: Stage::RunOut }, State::Streaming) = (&before, &state) {
-            self.stream.rest_at(pass.law.end, cycle);
+        if let (Some(rest), State::Streaming) = (leave::rest_of(&self.state), &state) {
+            self.stream.rest_at(rest, cycle);
+        }
+        if !matches!(state, State::InPass { .. }) {
+            self.leave_at = None;
         }
         self.state = state;
     }
 
-    /// What ends every state, most urgent first. The servo error is that of the reference of the cycle before
-    /// against its measurement, so it is known here without evaluating twice.
-    fn fault(&self, cycle: Cycle, drive: Option<DriveState>, gap: bool, measured_mm: f64) -> Option<Fault> {
-        let moving = !matches!(self.state, State::Idle | State::Fault(_));
-        if gap {
-            return Some(Fault::MeasurementGap);
-        }
-        if let Some(found) = self.spindle.fault() {
-            return Some(found.fault);
-        }
-        if moving && drive != Some(DriveState::OperationEnabled)
-            || matches!(drive, None | Some(DriveState::Fault | DriveState::FaultReaction))
-        {
-            return Some(Fault::DriveFault);
-        }
-        if !moving {
-            return None;
-        }
-        if matches!(self.state, State::Streaming) && self.stream.starved(cycle) {
-            return Some(Fault::StreamStarved);
-        }
-        // One cycle of motion lies between the last reference and this measurement.
-        let slip = self.last.v * self.cycle_s;
-        let error = (self.last.s + slip - measured_mm).abs();
-        // An error that is not a number is beyond every limit.
-        let within = |limit: f64| error.is_finite() && error <= limit;
-        match self.state {
-            State::InPass { stage: Stage::Locked, .. } if !within(self.limits.thread) => {
-                Some(Fault::ThreadError)
-            }
-            _ if !within(self.limits.following) => Some(Fault::FollowingError),
-            _ => None,
-        }
+    /// Whether the axis that lifts the tool is out of the groove.
+    fn is_free(&self, measurement: &Measurement) -> bool {
+        let Some(pass) = self.state.pass() else { return false };
+        let lifting = pass.out.axis as usize;
+        let measured = &measurement.axes[lifting];
+        pass.out.is_free(if self.scales[lifting] { measured.scale } else { measured.position })
     }
 
     fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {
@@ -248,7 +278,7 @@ impl Regulator {
         let control_word = self.control_word(measurement);
         let drive = DriveCommand {
             cycle,
-            control_word: control_word as u32,
+            control_word: control_word as u32 | self.calls(),
             reserved: 0,
             target_velocity_mm_s: command.target_velocity_mm_s,
             velocity_offset_mm_s: command.velocity_offset_mm_s,
@@ -261,10 +291,10 @@ impl Regulator {
         let status = AxisStatus {
             cycle,
             state: self.state.public() as u32,
-            fault: if let State::Fault(fault) = self.state { fault as u32 } else { 0 },
+            fault: self.fault().map_or(0, |fault| fault as u32),
             pass: self.state.pass().map_or(0, |pass| pass.number),
             line: self.line,
-            in_position: u32::from(streaming && still && error.abs() <= self.limits.in_position),
+            in_position: u32::from(streaming && still && error.abs() <= self.in_position_mm),
             refused: self.refused,
             commanded_mm: now.s,
             velocity_mm_s: now.v,
@@ -282,22 +312,45 @@ impl Regulator {
         Out { drive, status }
     }
 
-    /// The counts of the encoder's fault that is latched.
+    /// The fault that is latched, or will be once the axis has left.
+    fn fault(&self) -> Option<Fault> {
+        match self.state {
+            State::Fault(fault) => Some(fault),
+            State::Leaving(Leaving { fault, .. }) => fault,
+            _ => None,
+        }
+    }
+
+    /// The counts of the encoder's fault that is latched; else those that were corrected.
     fn encoder_counts(&self) -> i32 {
-        match (self.state, self.spindle.fault()) {
-            (State::Fault(fault), Some(found)) if found.fault == fault => {
-                found.counts.clamp(i32::MIN.into(), i32::MAX.into()) as i32
-            }
+        let counts = match (self.fault(), self.spindle.fault()) {
+            (Some(fault), Some(found)) if found.fault == fault => found.counts,
+            _ => self.spindle.corrected().into(),
+        };
+        counts.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    }
+
+    /// An axis that leaves a pass asks the others to.
+    fn calls(&self) -> u32 {
+        match self.state {
+            State::Leaving(Leaving { pass: Some(_), .. }) => DriveCommand::CALLS,
             _ => 0,
         }
     }
 
+    /// Stop category 1: the drives go off once the axes rest.
     fn control_word(&self, measurement: &Measurement) -> ControlWord {
-        if matches!(self.state, State::Fault(_)) {
-            return ControlWord::QuickStop;
+        match self.state {
+            State::Fault(Fault::EmergencyStop | Fault::PowerLost) => return ControlWord::DisableVoltage,
+            State::Fault(_) => return ControlWord::QuickStop,
+            _ => {}
         }
         measurement.axes[self.axis].drive().towards_operation().unwrap_or(ControlWord::DisableVoltage)
     }
+}
+
+fn has_scale(config: Option<&AxisConfig>) -> bool {
+    config.is_some_and(|config| config.scale_step_mm.is_some())
 }
 
 /// Whether the commanded axis rests where the pass in `command` starts. One count of the wire is allowed for

@@ -12,12 +12,15 @@
 
 use machine::Machine;
 use motion::{SpindleMotion, SpindleObserver};
-use protocol::{Cycle, Measurement, measurement::middle_of};
+use protocol::{Cycle, Fault, Measurement, measurement::middle_of};
 
 use crate::{
     encoder::{Encoder, EncoderFault},
     state::Pass,
 };
+
+/// More measurements than this are never made up for.
+const MOST_MISSED: u64 = 8;
 
 /// An index of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +42,8 @@ pub struct Spindle {
     opening: u64,
     encoder: Encoder,
     degrees_per_count: f64,
+    /// Error of the lead up to which counts are corrected, mm.
+    lost_counts_mm: f64,
     /// Count of the last measurement.
     count: i64,
     index: Option<Index>,
@@ -58,24 +63,66 @@ impl Spindle {
             opening: opening as u64,
             encoder: Encoder::new(machine),
             degrees_per_count: 360.0 / machine.spindle_counts(),
+            lost_counts_mm: machine.threading.lost_counts_um / 1000.0,
             count: 0,
             index: None,
             index_number: 0,
         }
     }
 
-    /// Takes the measurement of one control cycle.
-    pub fn update(&mut self, measurement: &Measurement) {
-        self.count = measurement.spindle_count;
+    /// Takes the measurement of one control cycle, which comes `missed` cycles after it should have; `lead_mm`
+    /// is that of the axis in the pass in hand, 0 without one. An encoder that can not be believed is not
+    /// asked any more: the spindle is taken to turn on at its speed.
+    pub fn update(&mut self, measurement: &Measurement, missed: u64, lead_mm: f64) {
+        for _ in 0..missed.min(MOST_MISSED) {
+            self.coast();
+        }
+        if missed > 0 {
+            self.encoder.skip();
+        }
+        self.encoder.update(measurement, self.tolerated(lead_mm));
+        if self.is_blind() {
+            return self.coast();
+        }
+        self.count = self.encoder.count(measurement);
         let angle = middle_of(self.count);
         self.leading.update(angle);
         self.stroking.update(angle);
-        self.open(measurement.spindle_count);
-        self.encoder.update(measurement);
+        self.open(self.count);
         if measurement.index_number != self.index_number {
-            self.index = Some(Index { count: measurement.index_count, cycle: measurement.index_cycle });
+            let count = self.encoder.index_count(measurement);
+            self.index = Some(Index { count, cycle: measurement.index_cycle });
             self.index_number = measurement.index_number;
         }
+    }
+
+    /// Counts that may be lost or gained within ten turns.
+    fn tolerated(&self, lead_mm: f64) -> i64 {
+        match lead_mm {
+            0.0 => self.encoder.margin(),
+            _ => (self.lost_counts_mm / (lead_mm.abs() / 360.0 * self.degrees_per_count)) as i64,
+        }
+    }
+
+    /// Whether the count has nothing to do with the angle any more.
+    pub fn is_blind(&self) -> bool {
+        let blinds = |fault| matches!(fault, Fault::EncoderGlitch | Fault::EncoderStands);
+        self.encoder.fault().is_some_and(|found| blinds(found.fault))
+    }
+
+    fn coast(&mut self) {
+        self.leading.coast();
+        self.stroking.coast();
+    }
+
+    /// Counts lost or gained that were corrected so far.
+    pub fn corrected(&self) -> u32 {
+        self.encoder.corrected()
+    }
+
+    /// Whether the spindle has stood for so many cycles.
+    pub fn stands_for(&self, cycles: u64) -> bool {
+        self.encoder.still() >= cycles
     }
 
     /// Gives the observers their speed at the end of the opening.

@@ -11,18 +11,24 @@
 //! | RunIn | C at the end of approach and run-in | Locked |
 //! | Locked | C where braking or retract begins | RunOut |
 //! | RunOut | C where the law ends | Streaming, at rest at the end of the law |
-//! | any but Fault | drive fault, encoder fault of the spindle, stop, servo error, starved stream | Fault |
+//! | WaitingForC0 … RunOut | something makes the axes leave | Leaving |
+//! | Streaming | a fault, a stop, emergency stop, a stream that runs dry | Leaving |
+//! | Leaving | at rest, no fault | Streaming, at rest where it stands |
+//! | Leaving | at rest, with a fault | Fault |
+//! | Idle, Armed | a fault, a stop | Fault |
+//! | any but Fault | the axis cannot be led any more | Fault |
 //!
 //! A pass is called off on every axis or on none: until when is an angle that all of them know, counted
 //! without an estimate, and before it no axis moves; an axis without an approach may already be at depth
-//! then.
+//! then. How an axis leaves is the matter of `leave.rs`.
 //!
 //! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards
 //! in the state it is in.
 
 use motion::PassLaw;
-use protocol::{AxisCommand, AxisLaw, AxisState, Cycle, Fault};
+use protocol::{AxisCommand, AxisLaw, AxisState, Cycle, Fault, WayOut};
 
+use crate::leave::{Cause, Leaving, Way};
 use crate::spindle::Index;
 
 /// A pass as this axis cuts it. Angles in degrees since the index.
@@ -38,6 +44,8 @@ pub struct Pass {
     pub not_before: Cycle,
     /// Count of the index C is counted from; valid from WaitingForC0 on.
     pub index_count: i64,
+    /// The way out of it.
+    pub out: WayOut,
     /// The law as it came.
     pub law: AxisLaw,
     /// The law to evaluate.
@@ -59,6 +67,8 @@ pub enum State {
         /// How far it is.
         stage: Stage,
     },
+    /// On its way out.
+    Leaving(Leaving),
     /// Latched.
     Fault(Fault),
 }
@@ -85,8 +95,14 @@ pub struct Event {
     pub cycle: Cycle,
     /// The drive is in operation.
     pub enabled: bool,
-    /// Something is wrong that ends every state.
-    pub fault: Option<Fault>,
+    /// Something ends what the axis does.
+    pub cause: Option<Cause>,
+    /// The way out from here, if there is a cause to leave.
+    pub way: Option<Way>,
+    /// The axis that lifts the tool is out of the groove, and this one can brake so.
+    pub brake: Option<Way>,
+    /// The timed way, or what is left of the stream, is over.
+    pub rests: bool,
     /// The stream holds setpoints for the present.
     pub stream_begun: bool,
     /// The axis rests where a pass that arrives would start.
@@ -102,6 +118,11 @@ pub struct Event {
 }
 
 impl Pass {
+    /// Whether this axis lifts the tool off.
+    pub fn lifts(&self, axis: usize) -> bool {
+        self.out.axis as usize == axis
+    }
+
     /// How far the axis goes for each degree at an angle since the index, mm.
     pub fn mm_per_degree(&self, angle_deg: f64) -> f64 {
         self.motion.at(angle_deg).v / self.programmed_deg_s
@@ -111,33 +132,58 @@ impl Pass {
 impl State {
     /// The state after an event, and whether a pass was refused.
     pub fn next(self, event: &Event) -> (State, bool) {
-        if let (Some(fault), false) = (event.fault, matches!(self, State::Fault(_))) {
-            return (State::Fault(fault), false);
-        }
-        if let (Some(AxisCommand::Stop), false) = (event.command, matches!(self, State::Fault(_))) {
-            return (State::Fault(Fault::Stopped), false);
-        }
+        let stopped = matches!(event.command, Some(AxisCommand::Stop));
+        let cause = event.cause.or(stopped.then_some(Cause::Leave(Some(Fault::Stopped))));
+        let state = match cause {
+            Some(cause) => self.ended(cause, event),
+            None => self,
+        };
         let arm = match event.command {
             Some(AxisCommand::Arm { .. }) => event.command,
             _ => None,
         };
-        let refused = arm.is_some() && !matches!(self, State::Streaming);
+        let refused = arm.is_some() && !matches!(state, State::Streaming);
         let called_off = matches!(event.command, Some(AxisCommand::CallOff));
-        let state = match self {
+        let state = match state {
             State::Idle if event.enabled && event.stream_begun => State::Streaming,
             State::Streaming => return streaming(event, arm),
             State::InPass { stage: Stage::Armed, .. } if called_off => State::Streaming,
             State::InPass { .. } if called_off && event.may_call_off => State::Streaming,
             State::InPass { pass, stage } => in_pass(pass, stage, event),
+            State::Leaving(leaving) => leaving.next(event),
             unchanged => unchanged,
         };
         (state, refused)
+    }
+
+    /// What becomes of a state that something ends. What ended it first stays its fault.
+    fn ended(self, cause: Cause, event: &Event) -> State {
+        match (self, cause) {
+            (State::Fault(_), _) => self,
+            (State::Leaving(leaving), Cause::Lost(fault)) => State::Fault(leaving.fault.unwrap_or(fault)),
+            (_, Cause::Lost(fault)) => State::Fault(fault),
+            (State::Leaving(leaving), Cause::Leave(fault)) => {
+                State::Leaving(Leaving { fault: leaving.fault.or(fault), ..leaving })
+            }
+            (State::Idle | State::InPass { stage: Stage::Armed, .. }, Cause::Leave(Some(fault))) => {
+                State::Fault(fault)
+            }
+            (State::Streaming, Cause::Leave(fault @ Some(_))) => {
+                State::Leaving(Leaving { pass: None, way: Way::Dry, fault })
+            }
+            (State::InPass { pass, stage }, Cause::Leave(fault)) if stage != Stage::Armed => {
+                let way = event.way.unwrap_or(Way::Along(stage));
+                State::Leaving(Leaving { pass: Some(pass), way, fault })
+            }
+            (unchanged, Cause::Leave(_)) => unchanged,
+        }
     }
 
     /// The pass in hand.
     pub fn pass(&self) -> Option<&Pass> {
         match self {
             State::InPass { pass, .. } => Some(pass),
+            State::Leaving(leaving) => leaving.pass.as_ref(),
             State::Idle | State::Streaming | State::Fault(_) => None,
         }
     }
@@ -148,6 +194,7 @@ impl State {
             State::Idle => AxisState::Idle,
             State::Streaming => AxisState::Streaming,
             State::InPass { stage, .. } => stage.public(),
+            State::Leaving(_) => AxisState::Leaving,
             State::Fault(_) => AxisState::Fault,
         }
     }
@@ -167,20 +214,49 @@ impl Stage {
 
 /// A pass goes from stage to stage by its angle, and from the last one back to the stream.
 fn in_pass(pass: Pass, stage: Stage, event: &Event) -> State {
-    let c = event.angle_deg;
-    let stage = match stage {
-        Stage::Armed => return armed(pass, event.index),
-        Stage::WaitingForC0 if c >= pass.law.begins_deg() => Stage::RunIn,
-        Stage::RunIn if c >= pass.law.locked_deg() => Stage::Locked,
-        Stage::Locked if c >= pass.law.leaves_deg() => Stage::RunOut,
-        Stage::RunOut if c >= pass.law.done_deg() => return State::Streaming,
-        unchanged => unchanged,
-    };
-    State::InPass { pass, stage }
+    if stage == Stage::Armed {
+        return armed(pass, event.index);
+    }
+    match stage.next(&pass.law, event.angle_deg) {
+        Some(stage) => State::InPass { pass, stage },
+        None => State::Streaming,
+    }
+}
+
+impl Stage {
+    /// The stage at an angle; nothing once the law is over.
+    fn next(self, law: &AxisLaw, c: f64) -> Option<Stage> {
+        Some(match self {
+            Stage::WaitingForC0 if c >= law.begins_deg() => Stage::RunIn,
+            Stage::RunIn if c >= law.locked_deg() => Stage::Locked,
+            Stage::Locked if c >= law.leaves_deg() => Stage::RunOut,
+            Stage::RunOut if c >= law.done_deg() => return None,
+            unchanged => unchanged,
+        })
+    }
+}
+
+impl Leaving {
+    /// The state after a cycle on the way.
+    fn next(self, event: &Event) -> State {
+        let along = match (self.way, &self.pass) {
+            (Way::Along(stage), Some(pass)) => stage.next(&pass.law, event.angle_deg).map(Way::Along),
+            _ => (!event.rests).then_some(self.way),
+        };
+        let way = match along {
+            Some(Way::Along(_)) => event.brake.or(along),
+            other => other,
+        };
+        match (way, self.fault) {
+            (Some(way), _) => State::Leaving(Leaving { way, ..self }),
+            (None, Some(fault)) => State::Fault(fault),
+            (None, None) => State::Streaming,
+        }
+    }
 }
 
 fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
-    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, law, .. }) = arm else {
+    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law }) = arm else {
         return (State::Streaming, false);
     };
     if event.cycle > not_before || !event.rests_at_start {
@@ -192,6 +268,7 @@ fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
         direction,
         not_before,
         index_count: 0,
+        out,
         law,
         motion: law.law(s_rpm),
     };

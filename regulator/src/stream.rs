@@ -1,8 +1,10 @@
 //! Timed motion between setpoints: a quintic through position, speed and acceleration of two neighbours.
 //!
-//! Time in control cycles, lengths in mm. Before the first setpoint and after the last one the axis holds.
+//! Time in control cycles, lengths in mm. Before the first setpoint the axis holds. Behind the last one it
+//! brakes to rest (M100) in the time that the frame of that setpoint says, the same on every axis; so a stream
+//! that runs dry ends on the tangent of its path, and feedforward that looks ahead of it sees no step.
 
-use motion::Sample;
+use motion::{Exit, Sample};
 use protocol::{Cycle, Position, Setpoint};
 
 /// How many setpoints are kept: one behind, and three to interpolate and look ahead in.
@@ -12,6 +14,8 @@ const KEPT: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Stream {
     nodes: [Setpoint; KEPT],
+    /// What follows the last of them.
+    stop: Exit,
     begun: bool,
     cycle_s: f64,
 }
@@ -19,7 +23,7 @@ pub struct Stream {
 impl Stream {
     /// A stream that has not begun. `cycle_s` is the control cycle.
     pub fn new(cycle_s: f64) -> Stream {
-        Stream { nodes: [Setpoint::default(); KEPT], begun: false, cycle_s }
+        Stream { nodes: [Setpoint::default(); KEPT], stop: Exit::default(), begun: false, cycle_s }
     }
 
     /// Whether there is a setpoint at all.
@@ -30,11 +34,23 @@ impl Stream {
     /// Forgets the past and rests at a position from `cycle` on.
     pub fn rest_at(&mut self, position: Position, cycle: Cycle) {
         self.nodes = [Setpoint { cycle, position, ..Setpoint::default() }; KEPT];
+        self.stop = Exit::stop_in(&rest(self.last()), 0.0);
         self.begun = true;
     }
 
-    /// Adds the next setpoint; false if it is not later than the last. The first one has nothing before it.
-    pub fn push(&mut self, node: Setpoint) -> bool {
+    /// Whether the axis has come to rest behind the last setpoint.
+    pub fn rests(&self, cycle: Cycle) -> bool {
+        cycle >= self.last().cycle && self.behind(cycle, 0.0) >= self.stop.duration()
+    }
+
+    /// Seconds from the last setpoint to `cycle` plus `offset` cycles.
+    fn behind(&self, cycle: Cycle, offset: f64) -> f64 {
+        (cycle.0 as f64 - self.last().cycle.0 as f64 + offset) * self.cycle_s
+    }
+
+    /// Adds the next setpoint, and in how many s the axis brakes if it is the last; false if it is not later
+    /// than the one before. The first one has nothing before it.
+    pub fn push(&mut self, node: Setpoint, stop_s: f64) -> bool {
         if !self.begun {
             self.rest_at(node.position, node.cycle);
             return true;
@@ -44,6 +60,7 @@ impl Stream {
         }
         self.nodes.rotate_left(1);
         self.nodes[KEPT - 1] = node;
+        self.stop = Exit::stop_in(&sample(&node), stop_s);
         true
     }
 
@@ -63,7 +80,7 @@ impl Stream {
         let time = |node: &Setpoint| node.cycle.0 as f64 - cycle.0 as f64;
         let later = self.nodes.iter().position(|node| time(node) > offset);
         match later {
-            None => rest(self.last()),
+            None => self.stop.at(self.behind(cycle, offset)),
             Some(0) => rest(&self.nodes[0]),
             Some(i) => {
                 let (a, b) = (&self.nodes[i - 1], &self.nodes[i]);
@@ -76,6 +93,10 @@ impl Stream {
 
 fn rest(node: &Setpoint) -> Sample {
     Sample { s: node.position.mm(), ..Sample::default() }
+}
+
+fn sample(node: &Setpoint) -> Sample {
+    Sample { v: node.velocity_mm_s, a: node.acceleration_mm_s2, ..rest(node) }
 }
 
 /// Quintic Hermite interpolation at the fraction `u` of an interval of `h` seconds.

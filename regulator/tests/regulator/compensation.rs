@@ -235,7 +235,7 @@ fn a_scale_closes_the_loop_over_the_slide() {
 #[test]
 fn supervision_sees_what_the_loop_sees() {
     let scaled = machine(|x| x.scale_step_mm = Some(1e-4));
-    let away = |cycle: u64| if cycle > 3000 { 0.5 } else { 0.0 };
+    let away = |cycle: u64| 0.002 * (cycle.clamp(3000, 3250) - 3000) as f64;
     let mut fault = 0;
     let scale_off = |cycle: u64, before: &regulator::Out| {
         let follows = before.status.commanded_mm + before.status.velocity_mm_s * T;

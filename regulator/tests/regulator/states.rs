@@ -1,6 +1,8 @@
 //! Every state against every event: the transition table of `regulator::state`.
 
+use motion::{Exit, Sample};
 use protocol::{AxisCommand, AxisLaw, Cycle, Fault, Position, WayOut};
+use regulator::leave::{Cause, Leaving, Way};
 use regulator::{
     spindle::Index,
     state::{
@@ -38,6 +40,7 @@ fn pass(index_count: i64) -> Pass {
         direction: 1.0,
         not_before: Cycle(100),
         index_count,
+        out: WayOut::default(),
         law,
         motion: law.law(600.0),
     }
@@ -78,7 +81,10 @@ fn quiet() -> Event {
     Event {
         cycle: Cycle(90),
         enabled: true,
-        fault: None,
+        cause: None,
+        way: None,
+        brake: None,
+        rests: false,
         stream_begun: true,
         rests_at_start: true,
         command: None,
@@ -167,30 +173,103 @@ fn from_the_first_angle_to_the_end() {
     ]);
 }
 
+fn leaving(way: Way, fault: Option<Fault>) -> State {
+    State::Leaving(Leaving { pass: Some(pass(77)), way, fault })
+}
+
+fn because(cause: Cause) -> Event {
+    Event { cause: Some(cause), ..quiet() }
+}
+
+fn timed() -> Way {
+    Way::Timed { exit: Exit::stop_in(&Sample::default(), 0.1), from: Cycle(90) }
+}
+
 #[test]
-fn faults_and_stops_end_every_state_and_stay() {
+fn what_leads_an_axis_no_more_ends_every_state() {
     let states = [
-        State::Idle,
-        State::Streaming,
+        Idle,
+        Streaming,
         armed(pass(0)),
         waiting_for_c0(pass(77)),
         run_in(pass(77)),
         locked(pass(77)),
         run_out(pass(77)),
+        leaving(timed(), None),
     ];
     for state in states {
-        let fault = Event { fault: Some(Fault::DriveFault), ..quiet() };
-        assert_eq!(state.next(&fault).0, State::Fault(Fault::DriveFault));
-        let stop = Event { command: Some(AxisCommand::Stop), ..quiet() };
-        assert_eq!(state.next(&stop).0, State::Fault(Fault::Stopped));
+        let lost = because(Cause::Lost(Fault::DriveFault));
+        assert_eq!(state.next(&lost).0, State::Fault(Fault::DriveFault));
     }
+    let first = leaving(timed(), Some(Fault::ThreadError));
+    let lost = because(Cause::Lost(Fault::DriveFault));
+    assert_eq!(first.next(&lost).0, State::Fault(Fault::ThreadError), "what came first is the fault");
     let latched = State::Fault(Fault::ThreadError);
     for event in [
         quiet(),
-        Event { fault: Some(Fault::DriveFault), ..quiet() },
-        Event { command: Some(AxisCommand::Stop), ..quiet() },
+        lost,
+        because(Cause::Leave(Some(Fault::EncoderGlitch))),
+        told(AxisCommand::Stop),
         Event { angle_deg: 1e9, index: index(200), ..quiet() },
     ] {
         assert_eq!(latched.next(&event).0, latched);
     }
+}
+
+#[test]
+fn a_cause_to_leave_in_every_state() {
+    let (glitch, operator) = (Cause::Leave(Some(Fault::EncoderGlitch)), Cause::Leave(None));
+    let fault = Some(Fault::EncoderGlitch);
+    let dry = State::Leaving(Leaving { pass: None, way: Way::Dry, fault });
+    let stopped = State::Leaving(Leaving { pass: None, way: Way::Dry, fault: Some(Fault::Stopped) });
+    walk(&[
+        ("idle", Idle, because(glitch), State::Fault(Fault::EncoderGlitch), false),
+        ("in timed motion", Streaming, because(glitch), dry, false),
+        ("told to stop", Streaming, told(AxisCommand::Stop), stopped, false),
+        ("armed", armed(pass(0)), because(glitch), State::Fault(Fault::EncoderGlitch), false),
+        ("the operator holds timed motion", Streaming, because(operator), Streaming, false),
+        ("the operator holds what has not begun", armed(pass(0)), because(operator), armed(pass(0)), false),
+    ]);
+    for stage in [Stage::WaitingForC0, Stage::RunIn, Stage::Locked, Stage::RunOut] {
+        let from = InPass { pass: pass(77), stage };
+        let [lifts, follows] = [timed(), Way::Along(stage)].map(Some);
+        let event = |cause, way| Event { way, angle_deg: 0.0, ..because(cause) };
+        walk(&[
+            ("lifts", from, event(glitch, lifts), leaving(timed(), fault), false),
+            ("follows the helix", from, event(operator, follows), leaving(Way::Along(stage), None), false),
+        ]);
+    }
+}
+
+#[test]
+fn from_leaving_to_rest() {
+    let along = |stage, fault| leaving(Way::Along(stage), fault);
+    let (fault, free) = (Some(Fault::OtherAxis), Event { brake: Some(timed()), ..quiet() });
+    let over = Event { rests: true, ..quiet() };
+    walk(&[
+        ("on the helix", along(Stage::Locked, None), at(500.0), along(Stage::Locked, None), false),
+        ("the end comes first", along(Stage::Locked, None), at(991.0), along(Stage::RunOut, None), false),
+        ("at the end of the pass", along(Stage::RunOut, None), at(1200.0), Streaming, false),
+        (
+            "the same with a fault",
+            along(Stage::RunOut, fault),
+            at(1200.0),
+            State::Fault(Fault::OtherAxis),
+            false,
+        ),
+        ("the tool is free", along(Stage::Locked, fault), free, leaving(timed(), fault), false),
+        ("on its way", leaving(timed(), None), quiet(), leaving(timed(), None), false),
+        ("at rest", leaving(timed(), None), over, Streaming, false),
+        ("at rest with a fault", leaving(timed(), fault), over, State::Fault(Fault::OtherAxis), false),
+        ("refuses a pass", leaving(timed(), None), told(arm(100)), leaving(timed(), None), true),
+        (
+            "is not called off",
+            leaving(timed(), None),
+            told(AxisCommand::CallOff),
+            leaving(timed(), None),
+            false,
+        ),
+    ]);
+    let late = because(Cause::Leave(Some(Fault::EmergencyStop)));
+    assert_eq!(along(Stage::Locked, None).next(&late).0, along(Stage::Locked, Some(Fault::EmergencyStop)));
 }

@@ -20,7 +20,7 @@ fn follows_a_profile_between_its_nodes() {
     let (mut worst_s, mut worst_v, mut worst_a) = (0.0_f64, 0.0_f64, 0.0_f64);
     for tick in 1..200_u64 {
         let ahead = at(4 * tick + 4);
-        assert!(stream.push(node(4 * tick + 4, ahead.s, ahead.v, ahead.a)));
+        assert!(stream.push(node(4 * tick + 4, ahead.s, ahead.v, ahead.a), 0.0));
         for sub in 0..4 {
             let cycle = 4 * tick + sub - 4;
             let (got, want) = (stream.at(Cycle(cycle), 2.5), block.at((cycle as f64 - 1.5) * T));
@@ -37,7 +37,7 @@ fn holds_before_the_first_and_after_the_last() {
     let mut stream = Stream::new(T);
     stream.rest_at(Position::from_mm(5.0), Cycle(10));
     assert_eq!(stream.at(Cycle(0), 0.0).s, 5.0);
-    assert!(stream.push(node(14, 6.0, 0.0, 0.0)));
+    assert!(stream.push(node(14, 6.0, 0.0, 0.0), 0.0));
     assert_eq!(stream.at(Cycle(14), 0.0).s, 6.0);
     let after = stream.at(Cycle(100), 0.0);
     assert_eq!((after.s, after.v, after.a), (6.0, 0.0, 0.0));
@@ -48,8 +48,8 @@ fn holds_before_the_first_and_after_the_last() {
 fn refuses_the_past_and_sees_starvation() {
     let mut stream = Stream::new(T);
     stream.rest_at(Position(0), Cycle(8));
-    assert!(!stream.push(node(8, 1.0, 0.0, 0.0)));
-    assert!(stream.push(node(12, 0.1, 10.0, 0.0)));
+    assert!(!stream.push(node(8, 1.0, 0.0, 0.0), 0.0));
+    assert!(stream.push(node(12, 0.1, 10.0, 0.0), 0.0));
     assert!(!stream.starved(Cycle(12)));
     assert!(stream.starved(Cycle(13)));
 }

@@ -25,9 +25,9 @@ impl Course {
 
     fn see(&mut self, cycle: u64, measurement: &Measurement, out: &Out) {
         self.cycle = cycle;
-        self.spindle.update(measurement);
+        self.spindle.update(measurement, 0, 0.0);
         if cycle.is_multiple_of(4) && frame(cycle).unpack().unwrap() == AxisCommand::Stream {
-            self.stream.push(frame(cycle).setpoint);
+            self.stream.push(frame(cycle).setpoint, 0.0);
         }
         self.index =
             (3..=6).contains(&out.status.state).then_some(self.index.unwrap_or(measurement.index_count));
@@ -39,6 +39,7 @@ impl Course {
     fn at(&self, lead_s: f64) -> Sample {
         let Some(index) = self.index else { return self.stream.at(Cycle(self.cycle), lead_s / T) };
         let pass = Pass {
+            out: protocol::WayOut::default(),
             number: 1,
             programmed_deg_s: 1800.0,
             direction: 1.0,

@@ -1,0 +1,118 @@
+//! How an axis leaves what it does: a pass, from wherever it is, or a stream. In: what makes it leave, the
+//! state and motion of the axis. Out: the way, and what follows it.
+//!
+//! | axis | way | ends |
+//! |---|---|---|
+//! | the one that lifts the tool | timed: by (M99) to where the tool is clear | there |
+//! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
+//! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
+//! | any, in timed motion | dry: by (M100) on the tangent, all axes in the same time | where it stands |
+//!
+//! The way out is a law of time: a spindle that stands, turns back, or whose encoder is dead does not keep the
+//! tool in the part. No spindle changes its speed much meanwhile, so it is bounded in angle too. The helix is
+//! followed by the angle, so that the groove stays what it is until the tool is out of it. Nothing goes
+//! beyond the end of the pass: there every axis brakes by its law.
+
+use motion::{Exit, Limits};
+use protocol::{Cycle, Fault, Position};
+
+use crate::reference::Reference;
+use crate::state::{Pass, Stage, State};
+
+/// An axis on the helix of a spindle that has stood for so long brakes where it is, s.
+const STANDS_S: f64 = 0.1;
+/// A retract that is under way is kept if its end comes no later than so many times a way out of its own.
+const SOON: f64 = 1.2;
+
+/// What ends what an axis does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The axis cannot be led any more: it has no torque, or nobody knows where it is.
+    Lost(Fault),
+    /// It leaves, because of a fault or of the operator.
+    Leave(Option<Fault>),
+}
+
+/// An axis that leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaving {
+    /// The pass it leaves; none in timed motion.
+    pub pass: Option<Pass>,
+    /// On which way.
+    pub way: Way,
+    /// What is latched when it is over.
+    pub fault: Option<Fault>,
+}
+
+/// The way on which an axis leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // there is one of it, and it must not allocate
+pub enum Way {
+    /// On the law of the pass.
+    Along(Stage),
+    /// By a law of time.
+    Timed {
+        /// The law.
+        exit: Exit,
+        /// The cycle in which it begins.
+        from: Cycle,
+    },
+    /// Behind the last setpoint of the stream.
+    Dry,
+}
+
+/// The way out of a pass that has begun, from where the axis is; nothing in any other state.
+pub(crate) fn way_out(reference: &Reference, axis: usize, limits: &Limits) -> Option<Way> {
+    let State::InPass { pass, stage } = reference.state else { return None };
+    if *stage == Stage::Armed || !pass.lifts(axis) {
+        return Some(Way::Along(*stage));
+    }
+    Some(lift(reference, pass, *stage, limits))
+}
+
+/// The way of the axis that lifts the tool.
+fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Way {
+    let exit = Exit::to(&reference.now(), pass.out.clear.mm(), limits);
+    let turning = reference.spindle.since(pass, 0.0);
+    let left_s = (pass.law.done_deg() - turning.angle) / turning.speed;
+    let soon = turning.speed > 0.0 && left_s <= SOON * exit.duration();
+    match stage {
+        Stage::RunOut if soon => Way::Along(stage),
+        _ => Way::Timed { exit, from: reference.cycle },
+    }
+}
+
+/// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
+/// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands.
+pub(crate) fn brake(reference: &Reference, axis: usize, free: bool, limits: &Limits) -> Option<Way> {
+    let State::Leaving(Leaving { pass: Some(pass), way: Way::Along(stage), .. }) = reference.state else {
+        return None;
+    };
+    if pass.lifts(axis) {
+        return Some(lift(reference, pass, *stage, limits));
+    }
+    let stands = reference.spindle.stands_for((STANDS_S / reference.cycle_s) as u64);
+    let brakes = || Way::Timed { exit: Exit::stop(&reference.now(), limits), from: reference.cycle };
+    (free || stands).then(brakes)
+}
+
+/// Whether a timed way, or what is left of the stream, is over.
+pub(crate) fn is_over(reference: &Reference) -> bool {
+    match reference.state {
+        State::Leaving(Leaving { way: Way::Timed { exit, from }, .. }) => {
+            (reference.cycle.0 - from.0) as f64 * reference.cycle_s >= exit.duration()
+        }
+        State::Leaving(_) => reference.stream.rests(reference.cycle),
+        _ => false,
+    }
+}
+
+/// Where an axis rests that goes back from a pass, or from a way out of it, to the stream.
+pub(crate) fn rest_of(state: &State) -> Option<Position> {
+    match state {
+        State::InPass { pass, stage: Stage::RunOut } => Some(pass.law.end),
+        State::Leaving(Leaving { pass: Some(pass), way: Way::Along(_), .. }) => Some(pass.law.end),
+        State::Leaving(Leaving { way: Way::Timed { exit, .. }, .. }) => Some(Position::from_mm(exit.end())),
+        _ => None,
+    }
+}

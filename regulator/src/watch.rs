@@ -1,0 +1,212 @@
+//! What ends what an axis does. In: the measurement of a cycle, the same for every axis, and what the axis
+//! knows of itself. Out: the first cause, most urgent first.
+//!
+//! Every regulator looks for itself, so all axes leave a pass in the same cycle and nobody has to be told.
+//! What one axis alone can know (its servo error) the others see in their next measurement: its drive mirrors
+//! the call ([`protocol::DriveCommand::CALLS`]), or is out of operation.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | T | s | control cycle |
+//! | d, d′ | mm | change of the measured position over this cycle, over the one before |
+//! | A | mm/s² | highest acceleration of the axis |
+//!
+//! ```text
+//! jump     |d − d′| > 10 A T² + 4 quanta                                                        (M102)
+//! ```
+//! Ten times the acceleration that is asked of an axis is more than its motor and any cut can give it.
+
+use machine::{AxisConfig, Machine};
+use motion::Sample;
+use protocol::{Axis, Cycle, DriveState, Fault, Measurement, Panel, WayOut, units::AXES};
+
+use crate::leave::Cause;
+use crate::spindle::Spindle;
+use crate::state::{Pass, Stage, State};
+use crate::stream::Stream;
+
+/// How much more an axis may be accelerated than is ever asked of it.
+const BEYOND: f64 = 10.0;
+/// Control cycles without a measurement that an axis bridges.
+const BRIDGED: u64 = 2;
+/// A frame that is so many ticks late tells of a sender that has died.
+const SILENT_TICKS: u64 = 3;
+
+/// What an axis watches.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    axis: usize,
+    others: [bool; AXES],
+    following_mm: f64,
+    thread_mm: f64,
+    cycle_s: f64,
+    tick: u64,
+    /// 10 A T² and four quanta, mm.
+    jump_mm: f64,
+    seen: Option<Seen>,
+    /// How far the measured position has jumped, mm.
+    jumped_mm: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    mm: f64,
+    change: Option<f64>,
+}
+
+/// What an axis knows in a cycle.
+pub(crate) struct Known<'a> {
+    pub(crate) state: &'a State,
+    pub(crate) measurement: &'a Measurement,
+    /// Cycles without a measurement before this one.
+    pub(crate) missed: u64,
+    pub(crate) spindle: &'a Spindle,
+    pub(crate) stream: &'a Stream,
+    /// When the next frame was due; none before the first.
+    pub(crate) frame_due: Option<Cycle>,
+    /// The cycle in which the interpolator wants the pass to be left.
+    pub(crate) leave_at: Option<Cycle>,
+    /// The reference of the cycle before, and what is measured now, mm.
+    pub(crate) last: &'a Sample,
+    pub(crate) measured_mm: f64,
+}
+
+impl Watch {
+    pub(crate) fn new(machine: &Machine, axis: Axis, config: &AxisConfig) -> Watch {
+        let cycle_s = machine.general.cycle_s;
+        let mut others = [false; AXES];
+        machine.axes().for_each(|(other, _)| others[other.index()] = other != axis);
+        let motor_mm = config.screw_lead_mm / f64::from(config.encoder_counts);
+        let quantum_mm = config.scale_step_mm.unwrap_or(motor_mm).max(motor_mm);
+        Watch {
+            axis: axis.index(),
+            others,
+            following_mm: config.following_error_mm,
+            thread_mm: config.thread_error_mm,
+            cycle_s,
+            tick: machine.cycles_per_tick(),
+            jump_mm: BEYOND * config.acceleration_mm_s2 * cycle_s * cycle_s + 4.0 * quantum_mm,
+            seen: None,
+            jumped_mm: None,
+        }
+    }
+
+    /// Takes the measured position of a cycle and gives it back without the jump that was seen (M102).
+    pub(crate) fn position(&mut self, measured_mm: f64, missed: u64, follows: bool) -> f64 {
+        let seen = self.seen.filter(|_| missed == 0);
+        let change = seen.map(|seen| measured_mm - seen.mm);
+        let beyond = match (change, seen.and_then(|seen| seen.change)) {
+            (Some(change), Some(before)) => change - before,
+            _ => 0.0,
+        };
+        self.seen = Some(Seen { mm: measured_mm, change });
+        if follows && self.jumped_mm.is_none() && (beyond.is_nan() || beyond.abs() > self.jump_mm) {
+            self.jumped_mm = Some(beyond);
+        }
+        measured_mm - self.jumped_mm.unwrap_or(0.0)
+    }
+
+    /// What ends what the axis does, if anything.
+    pub(crate) fn cause(&self, known: &Known) -> Option<Cause> {
+        let leave = |fault: Option<Fault>| fault.map(|fault| Cause::Leave(Some(fault)));
+        self.lost(known)
+            .or_else(|| leave(outside(known)))
+            .or_else(|| leave(self.encoders(known)))
+            .or_else(|| self.servo(known))
+            .or_else(|| leave(self.silence(known)))
+            .or_else(|| self.in_pass(known))
+    }
+
+    /// The axis has no torque.
+    fn lost(&self, known: &Known) -> Option<Cause> {
+        let drive = known.measurement.axes[self.axis].drive().state();
+        let moving = !matches!(known.state, State::Idle | State::Fault(_));
+        let dead = matches!(drive, None | Some(DriveState::Fault | DriveState::FaultReaction));
+        let off = moving && drive != Some(DriveState::OperationEnabled);
+        (dead || off).then_some(Cause::Lost(Fault::DriveFault))
+    }
+
+    /// What counts and positions say that cannot be.
+    fn encoders(&self, known: &Known) -> Option<Fault> {
+        if known.missed > BRIDGED {
+            return Some(Fault::MeasurementGap);
+        }
+        let may_finish = |pass: &&Pass| !pass.out.on(WayOut::ON_FAULT);
+        let finishes = known.state.pass().filter(may_finish).is_some();
+        let spindle = known.spindle.fault().map(|found| found.fault);
+        // The angle is still known, but for some counts.
+        let minor = |fault: &Fault| {
+            use Fault::{EncoderIndexMissing, EncoderPulsesGained, EncoderPulsesLost};
+            matches!(fault, EncoderPulsesLost | EncoderPulsesGained | EncoderIndexMissing)
+        };
+        let spindle = spindle.filter(|fault| !(finishes && minor(fault)));
+        spindle.or(self.jumped_mm.map(|_| Fault::AxisJump))
+    }
+
+    /// The servo error is that of the reference of the cycle before against its measurement, so it is known
+    /// without evaluating twice.
+    fn servo(&self, known: &Known) -> Option<Cause> {
+        // One cycle of motion lies between the last reference and this measurement.
+        let error = (known.last.s + known.last.v * self.cycle_s - known.measured_mm).abs();
+        // An error that is not a number is beyond every limit.
+        let within = |limit: f64| error.is_finite() && error <= limit;
+        match known.state {
+            State::Idle | State::Fault(_) | State::Leaving(_) => None,
+            State::InPass { stage: Stage::Locked, .. } if !within(self.thread_mm) => {
+                Some(Cause::Leave(Some(Fault::ThreadError)))
+            }
+            _ if within(self.following_mm) => None,
+            State::InPass { stage, .. } if *stage != Stage::Armed => {
+                Some(Cause::Leave(Some(Fault::FollowingError)))
+            }
+            _ => Some(Cause::Lost(Fault::FollowingError)),
+        }
+    }
+
+    /// Nothing new from above: a pass in hand is finished first.
+    fn silence(&self, known: &Known) -> Option<Fault> {
+        let cycle = known.measurement.cycle;
+        if !matches!(known.state, State::Streaming) {
+            return None;
+        }
+        if known.stream.starved(cycle) {
+            return Some(Fault::StreamStarved);
+        }
+        let silent = |due: Cycle| cycle > due.after(SILENT_TICKS * self.tick);
+        known.frame_due.filter(|due| silent(*due)).map(|_| Fault::InterpolatorSilent)
+    }
+
+    /// What makes every axis leave a pass that has begun.
+    fn in_pass(&self, known: &Known) -> Option<Cause> {
+        let pass = match known.state {
+            State::InPass { stage: Stage::Armed, .. } => return None,
+            State::InPass { pass, .. } => pass,
+            _ => return None,
+        };
+        let panel = &known.measurement.panel;
+        let presses = |buttons: u32, policy: u32| panel.pressed(buttons) && pass.out.on(policy);
+        if presses(Panel::FEED_HOLD, WayOut::ON_HOLD)
+            || presses(Panel::STOP | Panel::ABORT, WayOut::ON_STOP)
+            || known.leave_at.is_some_and(|at| known.measurement.cycle >= at)
+        {
+            return Some(Cause::Leave(None));
+        }
+        self.others_fail(known.measurement).then_some(Cause::Leave(Some(Fault::OtherAxis)))
+    }
+
+    fn others_fail(&self, measurement: &Measurement) -> bool {
+        measurement.axes.iter().zip(self.others).any(|(axis, other)| {
+            let drive = axis.drive();
+            other && (drive.state() != Some(DriveState::OperationEnabled) || drive.calls())
+        })
+    }
+}
+
+/// What the panel says that ends everything.
+fn outside(known: &Known) -> Option<Fault> {
+    let panel = &known.measurement.panel;
+    if panel.pressed(Panel::EMERGENCY_STOP) {
+        return Some(Fault::EmergencyStop);
+    }
+    panel.pressed(Panel::POWER_LOST).then_some(Fault::PowerLost)
+}
