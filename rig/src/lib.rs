@@ -1,12 +1,13 @@
 //! The whole machine in one process, and what is measured of a run: [`observe`] sees the true state of the
 //! plant and measures every pass, [`trace`] writes and reads what happened in every control cycle, [`trial`]
 //! makes passes to be measured, [`mod@bench`] tunes its axes. What lies between the modules are [`wires`],
-//! which a test can disturb.
+//! which a test can disturb. A [`supervisor`] brings it to rest when a part of it has died.
 
 pub mod bench;
 mod lives;
 pub mod observe;
 mod rig;
+pub mod supervisor;
 pub mod trace;
 pub mod trial;
 pub mod wires;

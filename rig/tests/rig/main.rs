@@ -9,6 +9,7 @@ mod poles;
 mod presses;
 mod rotary;
 mod stand;
+mod supervisor;
 mod traces;
 mod trial;
 mod wires;

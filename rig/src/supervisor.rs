@@ -1,0 +1,243 @@
+//! What is asked of the machine when one of its processes has died, and when the rest of it may be ended.
+//!
+//! In: who has died, an emergency stop by the operator, and every control cycle a [`Record`]. Out: what to do
+//! at the panel, and the [`End`]. No clock: every wait is bounded in control cycles, and a pass by the angle
+//! of the spindle.
+//!
+//! | dead | then |
+//! |---|---|
+//! | interpreter | what was sent is executed; the interpolator faults if that was not the whole program |
+//! | interpolator | a pass in hand is cut to its end by the regulators; then emergency stop |
+//! | regulator | emergency stop at once: its drive brakes by its own watchdog, the other axes leave the thread |
+//! | plant | the end: there is nothing left to look after |
+//!
+//! After an emergency stop the machine is at rest when no axis and no spindle has moved for [`REST_CYCLES`].
+//! It may take as long as the spindle goes on slowing down: each time it has lost a hundredth of its highest
+//! speed the wait begins anew. A wait that is longer than three times the ramp of the spindle and the slowest
+//! stop of an axis ends with [`End::NoRest`].
+
+use std::collections::BTreeMap;
+
+use machine::{AxisConfig, Machine, SpindleConfig};
+use protocol::{Axis, Code, Item, ThreadPass, operator::Request};
+
+use crate::observe::Record;
+
+/// So many control cycles in a row without motion are rest.
+pub const REST_CYCLES: u64 = 20;
+/// An axis that is slower than this stands, mm/s.
+const AXIS_STANDS_MM_S: f64 = 0.01;
+/// A machine may need that many times its ramps to come to rest.
+const RAMPS: f64 = 3.0;
+/// And this for what is no ramp: brakes, drives, messages, s.
+const SETTLING_S: f64 = 1.0;
+/// Turns that a pass may take more than its laws: the index it waits for, and a spindle that is uneven.
+const MORE_TURNS: f64 = 2.0;
+
+/// A part of the machine that can die.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// G-code to machine code.
+    Interpreter,
+    /// Machine code to axis commands.
+    Interpolator,
+    /// Spindle, axes, drives.
+    Plant,
+    /// One axis.
+    Regulator(Axis),
+}
+
+/// How it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// No axis moves, the spindle stands.
+    Rest,
+    /// This has not come to rest in the time that it can take.
+    NoRest(Moving),
+    /// The plant is gone: nothing is known any more.
+    PlantGone,
+}
+
+/// What has not come to rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moving {
+    /// An axis, mm/s.
+    Axis(Axis, f64),
+    /// The spindle, 1/min.
+    Spindle(f64),
+}
+
+impl core::fmt::Display for Moving {
+    fn fmt(&self, f: &mut core::fmt::Formatter) -> core::fmt::Result {
+        match self {
+            Moving::Axis(axis, mm_s) => write!(f, "{axis} still moves at {mm_s:.2} mm/s"),
+            Moving::Spindle(rpm) => write!(f, "the spindle still turns at {rpm:.0} 1/min"),
+        }
+    }
+}
+
+/// What it waits for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    /// Nobody is missing whom the machine needs.
+    Watching,
+    /// A pass is cut to its end. `left_deg`: what the spindle may still turn for it, once the pass is known;
+    /// `stood`: cycles for which it has not turned.
+    Finishing { left_deg: Option<f64>, stood: u64 },
+    /// The emergency stop has to be asked for.
+    Asking,
+    /// It was asked for. `waited`: cycles since the spindle has last lost `speed`; `rests`: cycles at rest.
+    Stopping { waited: u64, rpm: f64, rests: u64 },
+    /// Done.
+    Over(End),
+}
+
+/// Watches over one run.
+#[derive(Clone, Debug)]
+pub struct Supervisor {
+    axes: Vec<Axis>,
+    dead: Vec<Part>,
+    phase: Phase,
+    /// Angle at which each pass is over, degrees since its index.
+    passes: BTreeMap<u32, f64>,
+    longest_wait: u64,
+    /// A hundredth of the highest speed of the spindle, 1/min.
+    sign_rpm: f64,
+    spindle_deg: f64,
+}
+
+impl Supervisor {
+    /// A supervisor of a machine and of the passes of its program; other items may be left out.
+    pub fn new(machine: &Machine, items: &[Item]) -> Supervisor {
+        let pass = |item: &Item| match &item.code {
+            Code::Pass(pass) => Some((pass.pass, over_deg(pass))),
+            _ => None,
+        };
+        let stops = machine.axes().map(|(_, axis)| slowest_stop_s(axis));
+        let ramp_s = machine.spindle.max_rpm / machine.spindle.ramp_rpm_s;
+        let wait_s = RAMPS * (ramp_s + stops.fold(0.0, f64::max)) + SETTLING_S;
+        Supervisor {
+            axes: machine.axes().map(|(axis, _)| axis).collect(),
+            dead: Vec::new(),
+            phase: Phase::Watching,
+            passes: items.iter().filter_map(pass).collect(),
+            longest_wait: (wait_s / machine.general.cycle_s).ceil() as u64,
+            sign_rpm: 0.01 * machine.spindle.max_rpm,
+            spindle_deg: 0.0,
+        }
+    }
+
+    /// A part has died, or hangs and was killed. Its last words are in the next record at the latest.
+    pub fn died(&mut self, part: Part) {
+        self.dead.push(part);
+        match (part, self.phase) {
+            (Part::Plant, _) => self.phase = Phase::Over(End::PlantGone),
+            (_, Phase::Over(_) | Phase::Asking | Phase::Stopping { .. }) | (Part::Interpreter, _) => {}
+            (Part::Interpolator, _) => self.phase = Phase::Finishing { left_deg: None, stood: 0 },
+            (Part::Regulator(_), _) => self.phase = Phase::Asking,
+        }
+    }
+
+    /// The operator wants an emergency stop, or nobody is there any more who could want anything.
+    pub fn emergency_stop(&mut self) {
+        if matches!(self.phase, Phase::Watching | Phase::Finishing { .. }) {
+            self.phase = Phase::Asking;
+        }
+    }
+
+    /// One control cycle; every one, in order. What it gives is to be done at the panel.
+    pub fn cycle(&mut self, record: &Record) -> Option<Request> {
+        let turned = (record.truth.spindle_deg - self.spindle_deg).abs();
+        self.spindle_deg = record.truth.spindle_deg;
+        if let Phase::Finishing { left_deg, stood } = self.phase {
+            self.phase = self.finish(record, turned, left_deg, stood);
+        }
+        match self.phase {
+            Phase::Watching | Phase::Finishing { .. } | Phase::Over(_) => None,
+            Phase::Asking => {
+                let rpm = record.truth.spindle_rpm.abs();
+                self.phase = Phase::Stopping { waited: 0, rpm, rests: 0 };
+                Some(Request::EmergencyStop)
+            }
+            Phase::Stopping { waited, rpm, rests } => {
+                self.phase = self.stop(record, waited, rpm, rests);
+                None
+            }
+        }
+    }
+
+    /// Whether everything may be ended, and how it stands.
+    pub fn end(&self) -> Option<End> {
+        match self.phase {
+            Phase::Over(end) => Some(end),
+            _ => None,
+        }
+    }
+
+    /// Whether nothing is wrong, as far as this knows.
+    pub fn is_watching(&self) -> bool {
+        self.phase == Phase::Watching
+    }
+
+    /// Regulators cut a pass to its end without anybody above.
+    fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Phase {
+        let living = |axis: &Axis| !self.dead.contains(&Part::Regulator(*axis));
+        let mut axes = record.axes.iter().filter(|(axis, _)| living(axis));
+        let Some((_, cutting)) = axes.find(|(_, status)| status.state().is_in_pass()) else {
+            return Phase::Asking;
+        };
+        let whole_deg = || self.passes.get(&cutting.pass).map_or(0.0, |over| over + 360.0 * MORE_TURNS);
+        let left_deg = left_deg.unwrap_or_else(whole_deg) - turned;
+        let stands = record.truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
+        let stood = if stands { stood + 1 } else { 0 };
+        match left_deg < 0.0 || stood > self.longest_wait {
+            true => Phase::Asking,
+            false => Phase::Finishing { left_deg: Some(left_deg), stood },
+        }
+    }
+
+    /// The machine comes to rest.
+    fn stop(&self, record: &Record, waited: u64, rpm: f64, rests: u64) -> Phase {
+        let Some(moving) = self.moving(record) else {
+            let rests = rests + 1;
+            return match rests >= REST_CYCLES {
+                true => Phase::Over(End::Rest),
+                false => Phase::Stopping { waited, rpm, rests },
+            };
+        };
+        let now_rpm = record.truth.spindle_rpm.abs();
+        if now_rpm <= rpm - self.sign_rpm {
+            return Phase::Stopping { waited: 0, rpm: now_rpm, rests: 0 };
+        }
+        match waited >= self.longest_wait {
+            true => Phase::Over(End::NoRest(moving)),
+            false => Phase::Stopping { waited: waited + 1, rpm, rests: 0 },
+        }
+    }
+
+    fn moving(&self, record: &Record) -> Option<Moving> {
+        let truth = record.truth;
+        let speed = |axis: &Axis| (*axis, truth.axes[axis.index()].velocity_mm_s);
+        let mut axes = self.axes.iter().map(speed);
+        let turns = !stands(truth.spindle_rpm, SpindleConfig::STANDSTILL_RPM);
+        match axes.find(|(_, mm_s)| !stands(*mm_s, AXIS_STANDS_MM_S)) {
+            Some((axis, mm_s)) => Some(Moving::Axis(axis, mm_s)),
+            None => turns.then_some(Moving::Spindle(truth.spindle_rpm)),
+        }
+    }
+}
+
+/// What is not a number does not stand.
+fn stands(speed: f64, limit: f64) -> bool {
+    speed.abs() < limit
+}
+
+/// Angle at which the last axis of a pass is at rest.
+fn over_deg(pass: &ThreadPass) -> f64 {
+    pass.axes.iter().map(|law| law.done_deg()).fold(0.0, f64::max)
+}
+
+/// From the highest speed to rest at the highest acceleration and jerk.
+fn slowest_stop_s(axis: &AxisConfig) -> f64 {
+    axis.velocity_mm_s / axis.acceleration_mm_s2 + axis.acceleration_mm_s2 / axis.jerk_mm_s3
+}

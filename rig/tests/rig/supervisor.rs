@@ -1,0 +1,154 @@
+//! The supervisor alone: what it asks for and when it lets everybody go, from made-up cycles.
+
+use machine::Machine;
+use protocol::{
+    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineStatus, ThreadPass, Truth,
+    operator::Request,
+};
+use rig::{
+    observe::Record,
+    supervisor::{End, Moving, Part, REST_CYCLES, Supervisor},
+};
+
+/// A made-up machine that is in a state, and moves as told.
+struct Made {
+    supervisor: Supervisor,
+    truth: Truth,
+    axes: Vec<(Axis, AxisStatus)>,
+    asked: Vec<u64>,
+    cycle_s: f64,
+}
+
+impl Made {
+    /// In a pass that is over after ten turns.
+    fn in_pass() -> Made {
+        let law = AxisLaw { retract_c_deg: 3500.0, retract_dc_deg: 100.0, ..AxisLaw::default() };
+        let pass = ThreadPass { pass: 1, axes: [law; 8], ..ThreadPass::default() };
+        let items = [Item { line: 5, code: Code::Pass(pass) }];
+        let cuts = AxisStatus { state: AxisState::Locked as u32, pass: 1, ..AxisStatus::default() };
+        let mut made = Made {
+            supervisor: Supervisor::new(&Machine::default(), &items),
+            truth: Truth { spindle_rpm: 600.0, ..Truth::default() },
+            axes: vec![(Axis::X, cuts), (Axis::Z, cuts)],
+            asked: Vec::new(),
+            cycle_s: Machine::default().general.cycle_s,
+        };
+        made.move_z(10.0);
+        made
+    }
+
+    fn move_z(&mut self, mm_s: f64) {
+        self.truth.axes[Axis::Z.index()].velocity_mm_s = mm_s;
+    }
+
+    fn set(&mut self, state: AxisState) {
+        self.axes.iter_mut().for_each(|(_, status)| status.state = state as u32);
+    }
+
+    /// That many cycles, or until it is over.
+    fn go(&mut self, cycles: u64) {
+        for _ in 0..cycles {
+            if self.supervisor.end().is_some() {
+                return;
+            }
+            self.truth.cycle = Cycle(self.truth.cycle.0 + 1);
+            self.truth.spindle_deg += self.truth.spindle_rpm * 6.0 * self.cycle_s;
+            let machine = MachineStatus::default();
+            let record = Record { truth: &self.truth, axes: &self.axes, machine: &machine };
+            if let Some(request) = self.supervisor.cycle(&record) {
+                assert_eq!(request, Request::EmergencyStop);
+                self.asked.push(self.truth.cycle.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_machine_with_all_its_parts_is_left_alone_as_is_one_without_its_interpreter() {
+    let mut made = Made::in_pass();
+    made.go(100);
+    made.supervisor.died(Part::Interpreter);
+    made.go(100_000);
+    assert!(made.supervisor.is_watching() && made.asked.is_empty() && made.supervisor.end().is_none());
+}
+
+#[test]
+fn a_pass_without_its_interpolator_is_cut_to_its_end_before_the_emergency_stop() {
+    let mut made = Made::in_pass();
+    made.go(100);
+    made.supervisor.died(Part::Interpolator);
+    made.go(1000);
+    assert!(made.asked.is_empty());
+    made.set(AxisState::Fault);
+    made.move_z(0.0);
+    made.go(10);
+    assert_eq!(made.asked, [1101]);
+    assert_eq!(made.supervisor.end(), None, "the spindle turns");
+    made.truth.spindle_rpm = 0.0;
+    made.go(REST_CYCLES - 1);
+    assert_eq!(made.supervisor.end(), None);
+    made.go(1);
+    assert_eq!(made.supervisor.end(), Some(End::Rest));
+}
+
+#[test]
+fn a_pass_without_its_interpolator_may_turn_so_far_and_no_farther() {
+    let mut made = Made::in_pass();
+    made.supervisor.died(Part::Interpolator);
+    made.go(1_000_000);
+    // 3600° of the pass and two turns, at 600 1/min and 0.5 ms: 1.8° a cycle.
+    assert_eq!(made.asked.len(), 1);
+    assert!((2400..2405).contains(&made.asked[0]), "{:?}", made.asked);
+
+    let mut made = Made::in_pass();
+    made.supervisor.died(Part::Interpolator);
+    made.truth.spindle_rpm = 0.0;
+    made.go(1_000_000);
+    assert_eq!(made.asked.len(), 1, "nor may the spindle stand for ever");
+    assert_eq!(made.supervisor.end(), Some(End::NoRest(Moving::Axis(Axis::Z, 10.0))));
+}
+
+#[test]
+fn a_regulator_that_dies_stops_the_machine_at_once_and_only_once() {
+    let mut made = Made::in_pass();
+    made.go(100);
+    made.supervisor.died(Part::Regulator(Axis::X));
+    made.go(1);
+    made.supervisor.died(Part::Interpolator);
+    made.supervisor.emergency_stop();
+    made.go(100);
+    assert_eq!(made.asked, [101]);
+}
+
+#[test]
+fn a_spindle_that_slows_down_is_waited_for_and_one_that_does_not_is_named() {
+    let mut made = Made::in_pass();
+    made.move_z(0.0);
+    made.supervisor.emergency_stop();
+    // It coasts for a minute: far longer than its ramp.
+    for _ in 0..120_000 {
+        made.go(1);
+        made.truth.spindle_rpm = (made.truth.spindle_rpm - 600.0 / 121_000.0).max(0.0);
+    }
+    assert_eq!(made.supervisor.end(), None, "it still coasts");
+    made.truth.spindle_rpm = 0.0;
+    made.go(REST_CYCLES);
+    assert_eq!(made.supervisor.end(), Some(End::Rest));
+
+    let mut made = Made::in_pass();
+    made.move_z(0.0);
+    made.supervisor.emergency_stop();
+    made.go(1_000_000);
+    assert_eq!(made.supervisor.end(), Some(End::NoRest(Moving::Spindle(600.0))));
+    assert!(made.truth.cycle.0 < 30_000, "{:?}", made.truth.cycle);
+}
+
+#[test]
+fn without_the_plant_there_is_nothing_to_wait_for() {
+    let mut made = Made::in_pass();
+    made.supervisor.died(Part::Plant);
+    assert_eq!(made.supervisor.end(), Some(End::PlantGone));
+    made.supervisor.emergency_stop();
+    made.go(10);
+    assert!(made.asked.is_empty());
+}
