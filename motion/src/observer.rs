@@ -148,13 +148,10 @@ impl SpindleObserver {
         };
     }
 
-    /// Advances by one period without a measurement: what turns is taken to turn on at its speed.
-    pub fn coast(&mut self) {
-        if let Some(state) = &mut self.state {
-            state.acceleration = 0.0;
-            state.angle += state.speed * self.period;
-        }
-        self.drift = SpindleMotion::default();
+    /// Advances by one period without a measurement, at this speed (per s).
+    pub fn coast(&mut self, speed: f64) {
+        let angle = self.state.unwrap_or_default().angle + speed * self.period;
+        self.start(angle, speed);
     }
 
     /// Motion `lead_s` seconds after the last measurement; 0 is the measurement itself. Each millisecond of

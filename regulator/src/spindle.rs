@@ -110,9 +110,11 @@ impl Spindle {
         self.encoder.fault().is_some_and(|found| blinds(found.fault))
     }
 
+    /// The slow observer knows the speed best: the ripple of the spindle hardly moves it.
     fn coast(&mut self) {
-        self.leading.coast();
-        self.stroking.coast();
+        let speed = self.stroking.at(0.0).speed;
+        self.leading.coast(speed);
+        self.stroking.coast(speed);
     }
 
     /// Counts lost or gained that were corrected so far.

@@ -262,7 +262,7 @@ fn codes_of_states_and_faults_are_stable() {
     for (code, state) in AxisState::ALL.into_iter().enumerate() {
         assert_eq!((state as usize, AxisState::from_code(code as u32)), (code, Ok(state)));
     }
-    assert_eq!(AxisState::from_code(8), Err(Refused::UnknownCode { field: "axis state", code: 8 }));
+    assert_eq!(AxisState::from_code(9), Err(Refused::UnknownCode { field: "axis state", code: 9 }));
     for (number, fault) in protocol::Fault::ALL.into_iter().enumerate() {
         assert_eq!((fault as usize, protocol::Fault::from_code(fault as u32)), (number + 1, Some(fault)));
     }
