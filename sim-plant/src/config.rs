@@ -27,6 +27,14 @@ pub enum PlantError {
     /// A section for an axis that the machine does not have.
     #[error("[plant.axis.{0}]: the machine has no [axis.{0}]; add it or remove this section")]
     NoSuchAxis(&'static str),
+    /// An event of the scenario for an axis that the machine does not have.
+    #[error("event {event} of the scenario acts on axis {axis}: the machine has no [axis.{axis}]")]
+    NoAxisToActOn {
+        /// Which event, from 1.
+        event: usize,
+        /// Name of the axis.
+        axis: &'static str,
+    },
 }
 
 /// `[plant]`
@@ -39,6 +47,8 @@ pub(crate) struct PlantConfig {
     pub(crate) spindle: SpindleTrain,
     /// `[plant.cutting]`
     pub(crate) cutting: Cutting,
+    /// `[plant.power]`
+    pub(crate) power: Power,
 }
 
 /// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
@@ -74,6 +84,8 @@ pub(crate) struct AxisTrain {
     pub(crate) quick_stop_mm_s2: f64,
     /// Speed at which the drive trips, mm/s.
     pub(crate) overspeed_mm_s: f64,
+    /// Force at the slide with which the brake of the motor stops and holds it, N.
+    pub(crate) brake_n: f64,
 }
 
 impl Default for AxisTrain {
@@ -97,6 +109,7 @@ impl Default for AxisTrain {
             current_lag_s: 0.0005,
             quick_stop_mm_s2: 3000.0,
             overspeed_mm_s: 290.0,
+            brake_n: 10_000.0,
         }
     }
 }
@@ -174,6 +187,20 @@ impl Default for Cutting {
     }
 }
 
+/// `[plant.power]`
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Power {
+    /// For how long the drives of the axes have torque after the mains have failed, s.
+    pub(crate) link_hold_s: f64,
+}
+
+impl Default for Power {
+    fn default() -> Self {
+        Power { link_hold_s: 0.1 }
+    }
+}
+
 impl PlantConfig {
     /// Reads and checks the truth about a machine.
     pub(crate) fn of(machine: &Machine) -> Result<PlantConfig, PlantError> {
@@ -186,6 +213,7 @@ impl PlantConfig {
         }
         config.spindle.check()?;
         config.cutting.check()?;
+        range("plant.power.link_hold_s", config.power.link_hold_s, 0.0, 10.0)?;
         Ok(config)
     }
 }
@@ -209,6 +237,7 @@ impl AxisTrain {
             ("current_lag_s", self.current_lag_s, 1e-6, 0.1),
             ("quick_stop_mm_s2", self.quick_stop_mm_s2, 1.0, 1e6),
             ("overspeed_mm_s", self.overspeed_mm_s, 1.0, 1e5),
+            ("brake_n", self.brake_n, 1.0, 1e6),
         ] {
             range(&format!("{section}.{name}"), value, low, high)?;
         }
@@ -293,6 +322,8 @@ mod tests {
                 "[cutting]\nface_mm = -5\nback_mm = 0",
                 "plant.cutting.back_mm = 0: must lie between -100000 and -5",
             ),
+            ("[axis.x]\nbrake_n = 0", "plant.axis.x.brake_n = 0: must lie between 1 and"),
+            ("[power]\nlink_hold_s = 11", "plant.power.link_hold_s = 11: must lie between 0 and 10"),
             ("[axis.y]\nmode_hz = 80", "[plant.axis.y]: the machine has no [axis.y]"),
             ("[axis.x]\nmode = 80", "unknown field `mode`"),
             ("[spindle]\nripple_per_rev = 1.5", "ripple_per_rev"),

@@ -11,11 +11,14 @@
 //! torque = Kp (v_cmd − v_meas) + I + torque offset,   dI/dt = Kp/Ti (v_cmd − v_meas)                   (M54)
 //! ```
 //! The integral stands still while the torque is at its limit and the error would drive it further.
+//!
+//! A command that no regulator gives trips the drive: numbers that are none, a speed beyond that of the trip,
+//! a torque offset well beyond the limit, the answer to a measurement that was not made yet.
 
 use core::f64::consts::TAU;
 
 use machine::AxisConfig;
-use protocol::{Cycle, DriveCommand, StatusWord};
+use protocol::{Cycle, DriveCommand, DriveState, StatusWord};
 
 use crate::config::AxisTrain;
 use crate::drive_state::StateMachine;
@@ -24,6 +27,17 @@ use crate::drive_state::StateMachine;
 const OLDEST_COMMAND: u64 = 3;
 /// Below this measured speed a braking axis stands still, mm/s.
 const STANDSTILL_MM_S: f64 = 1.0;
+/// Largest torque offset that is believed, a share of the limit.
+const OFFSET_SHARE: f64 = 1.5;
+
+/// What happens to a drive from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trip {
+    /// It reports a fault and brakes on its ramp.
+    Brakes,
+    /// Its motor has no torque any more, and the brake holds.
+    TorqueLost,
+}
 
 /// The drive of one axis.
 #[derive(Clone, Debug)]
@@ -36,6 +50,8 @@ pub(crate) struct Drive {
     overspeed_mm_s: f64,
     integral_nm: f64,
     braking_mm_s: f64,
+    calls: bool,
+    trip: Option<Trip>,
 }
 
 impl Drive {
@@ -52,35 +68,60 @@ impl Drive {
             overspeed_mm_s: train.overspeed_mm_s,
             integral_nm: 0.0,
             braking_mm_s: 0.0,
+            calls: false,
+            trip: None,
         }
     }
 
+    /// The state, and what the regulator wants the others to see.
     pub(crate) fn status_word(&self) -> StatusWord {
-        StatusWord::of(self.machine.state())
+        let StatusWord(word) = StatusWord::of(self.machine.state());
+        StatusWord(if self.calls { word | StatusWord::CALLS } else { word })
+    }
+
+    /// Whether the drive follows its regulator.
+    pub(crate) fn is_enabled(&self) -> bool {
+        self.machine.state() == DriveState::OperationEnabled
+    }
+
+    /// Something happens to the drive in its next cycle.
+    pub(crate) fn trip(&mut self, trip: Trip) {
+        self.trip = Some(trip);
     }
 
     /// The answer to a command in a cycle: torque for the next one, or `None` without power, when the brake
     /// holds.
     pub(crate) fn answer(&mut self, now: Cycle, command: &DriveCommand, v_meas: f64) -> Option<f64> {
         let v_cmd = command.target_velocity_mm_s + command.velocity_offset_mm_s;
-        let sound = (v_cmd + command.torque_offset_nm).is_finite();
         let was_powered = self.machine.powered();
-        let late = was_powered && now.0 >= command.cycle.0 + OLDEST_COMMAND;
+        let late = was_powered && now.0 >= command.cycle.0.saturating_add(OLDEST_COMMAND);
         let overspeed = was_powered && v_meas.abs() > self.overspeed_mm_s;
         let standstill = !was_powered || (self.braking_mm_s == 0.0 && v_meas.abs() < STANDSTILL_MM_S);
-        self.machine.step(command.control_word, !sound || late || overspeed, standstill);
+        let tripped = !self.believes(now, command, v_cmd) || late || overspeed;
+        self.calls = command.control_word & DriveCommand::CALLS != 0;
+        match self.trip.take() {
+            Some(Trip::TorqueLost) => self.machine.fail(command.control_word),
+            trip => self.machine.step(command.control_word, tripped || trip.is_some(), standstill),
+        }
         if !self.machine.powered() {
             self.integral_nm = 0.0;
             self.braking_mm_s = 0.0;
             return None;
         }
-        if self.machine.state() == protocol::DriveState::OperationEnabled {
+        if self.is_enabled() {
             self.braking_mm_s = v_meas;
             return Some(self.velocity_loop(v_cmd - v_meas, command.torque_offset_nm));
         }
         let left = self.braking_mm_s.abs() - self.braking_step;
         self.braking_mm_s = if left > 0.0 { left.copysign(self.braking_mm_s) } else { 0.0 };
         Some(self.velocity_loop(self.braking_mm_s - v_meas, 0.0))
+    }
+
+    /// Whether a regulator could have meant this. Comparisons with what is no number are false.
+    fn believes(&self, now: Cycle, command: &DriveCommand, v_cmd: f64) -> bool {
+        v_cmd.abs() <= self.overspeed_mm_s
+            && command.torque_offset_nm.abs() <= OFFSET_SHARE * self.limit_nm
+            && command.cycle <= now
     }
 
     fn velocity_loop(&mut self, error_mm_s: f64, offset_nm: f64) -> f64 {

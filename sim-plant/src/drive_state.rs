@@ -16,6 +16,7 @@
 //! | any | fault reaction | a trip | 13 |
 //! | fault reaction | fault | itself, at standstill | 14 |
 //! | fault | switch-on disabled | rising edge of fault reset | 15 |
+//! | any | fault | the motor loses its torque | – |
 
 use protocol::DriveState;
 
@@ -62,6 +63,11 @@ impl StateMachine {
     pub(crate) fn powered(&self) -> bool {
         use DriveState::{FaultReaction, OperationEnabled, QuickStopActive};
         matches!(self.state, OperationEnabled | QuickStopActive | FaultReaction)
+    }
+
+    /// A cycle in which the motor is without torque: a fault that no reaction precedes.
+    pub(crate) fn fail(&mut self, word: u32) {
+        (self.state, self.word_before) = (DriveState::Fault, word);
     }
 
     /// One cycle.

@@ -52,6 +52,8 @@ pub(crate) struct DriveTrain {
     screw_error: Option<ScrewError>,
     screw_viscous: f64,
     slide_viscous: f64,
+    /// Speed that the brake takes from the motor in a step, m/s.
+    brake_step: f64,
     lag_left: f64,
     lag_mean: f64,
     screw: Bristles,
@@ -123,6 +125,7 @@ impl DriveTrain {
             screw_error: ScrewError::new(train, screw_lead_mm, belief.home_mm, &section)?,
             screw_viscous,
             slide_viscous,
+            brake_step: step_s / motor_kg * train.brake_n,
             lag_left,
             lag_mean: train.current_lag_s / step_s * (1.0 - lag_left),
             screw: Bristles::new(train.screw_coulomb_n, train.screw_coulomb_n, 1.0, screw_n_m, step_s),
@@ -148,17 +151,16 @@ impl DriveTrain {
         (nut_m, slope * motor_m_s)
     }
 
-    /// One control cycle: towards a torque command in N·m, or held by the brake without one; with a force on
-    /// the slide in N.
+    /// One control cycle: towards a torque command in N·m, or without torque and held by the brake, which first
+    /// has to stop what moves; with a force on the slide in N.
     pub(crate) fn advance(&mut self, command_nm: Option<f64>, force_n: f64) {
         let Motion { motor_m: mut x, motor_m_s: mut v, slide_m: mut y, slide_m_s: mut w, torque_nm: mut tau } =
             self.motion;
         let (mut screw, mut guide) = (self.screw, self.guide);
-        // A brake that holds is a motor of infinite mass.
-        let motor_step = if command_nm.is_some() { self.motor_step } else { 0.0 };
+        let braked = command_nm.is_none();
         let command = command_nm.unwrap_or(0.0);
-        if command_nm.is_none() {
-            (v, tau) = (0.0, 0.0);
+        if braked {
+            tau = 0.0;
         }
         for _ in 0..self.steps {
             let mean = command + (tau - command) * self.lag_mean;
@@ -168,7 +170,10 @@ impl DriveTrain {
             let on_motor =
                 self.force_per_torque * mean - slope * push - self.screw_viscous * v - screw.force(v);
             let on_slide = push - self.slide_viscous * w - guide.force(w) + force_n;
-            v += motor_step * on_motor;
+            v += self.motor_step * on_motor;
+            if braked {
+                v = if v.abs() > self.brake_step { v - self.brake_step.copysign(v) } else { 0.0 };
+            }
             w += self.slide_step * on_slide;
             x += v * self.step_s;
             y += w * self.step_s;

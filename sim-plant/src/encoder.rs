@@ -1,73 +1,23 @@
-//! Faults of the spindle encoder that a scenario brings: counts that come from nowhere or go astray, an index
-//! that is not seen. In: the values of an event, then the cycle. Out: what to add to the counter, and whether
-//! the index is seen. The spindle itself knows nothing of it: what is true stays true.
+//! Faults of the spindle encoder that a scenario brings: counts that come from nowhere or go astray, a counter
+//! that stands, noise, eccentricity, an index that is not seen. In: the values of an event, then in each cycle
+//! what a sound encoder would show. Out: what this one shows. The spindle itself knows nothing of it: what is
+//! true stays true.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | q | turns | true angle |
+//! | a, n | counts | amplitude of the eccentricity; largest noise |
+//!
+//! ```text
+//! count = floor(4 lines q + offset + a sin(2π q)) + shift + one of −n … n
+//! ```
+//! A counter that stands has lost what it did not count: it goes on from where it stood.
 
-use serde::Deserialize;
+use core::f64::consts::TAU;
 
-use crate::scenario::{Action, check_duration};
+use protocol::Cycle;
 
-/// Most counts of a glitch.
-const MOST: i64 = 1_000_000_000;
-
-/// `encoder_glitch_counts`
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a number of counts, or { counts, for_s }")]
-pub(crate) enum RawGlitch {
-    Lasting(i64),
-    Passing(RawPassingGlitch),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawPassingGlitch {
-    counts: i64,
-    for_s: f64,
-}
-
-impl RawGlitch {
-    pub(crate) fn check(&self) -> Result<Action, String> {
-        const KEY: &str = "encoder_glitch_counts";
-        let (counts, for_s) = match self {
-            RawGlitch::Lasting(counts) => (*counts, None),
-            RawGlitch::Passing(glitch) => (glitch.counts, Some(glitch.for_s)),
-        };
-        check_duration(KEY, for_s)?;
-        if counts == 0 || !(-MOST..=MOST).contains(&counts) {
-            return Err(format!("{KEY} = {counts}: must lie between -{MOST} and {MOST}, and not be 0"));
-        }
-        Ok(Action::Glitch { counts, for_s })
-    }
-}
-
-/// `index_lost`
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected true, or { for_s }")]
-pub(crate) enum RawIndexLost {
-    Once(bool),
-    Passing(RawPassingIndexLost),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawPassingIndexLost {
-    for_s: f64,
-}
-
-impl RawIndexLost {
-    pub(crate) fn check(&self) -> Result<Action, String> {
-        let for_s = match self {
-            RawIndexLost::Once(true) => None,
-            RawIndexLost::Once(false) => {
-                return Err(
-                    "index_lost: write true or { for_s }; without an event every index is seen".to_owned()
-                );
-            }
-            RawIndexLost::Passing(lost) => Some(lost.for_s),
-        };
-        check_duration("index_lost", for_s)?;
-        Ok(Action::IndexLost { for_s })
-    }
-}
+use crate::seed::Seed;
 
 /// How the encoder is disturbed in the present cycle.
 #[derive(Clone, Debug)]
@@ -80,12 +30,27 @@ pub(crate) struct Disturbance {
     lose_next: bool,
     /// First cycle in which an index is seen again.
     blind_until: u64,
+    /// First cycle in which the counter counts again, and what it showed last.
+    stands_until: u64,
+    shown: i64,
+    /// Largest noise, and amplitude of the eccentricity, counts.
+    noise: u32,
+    eccentricity: f64,
 }
 
 impl Disturbance {
     /// None yet; for a scenario of so many events.
     pub(crate) fn none(events: usize) -> Disturbance {
-        Disturbance { shift: 0, returns: Vec::with_capacity(events), lose_next: false, blind_until: 0 }
+        Disturbance {
+            shift: 0,
+            returns: Vec::with_capacity(events),
+            lose_next: false,
+            blind_until: 0,
+            stands_until: 0,
+            shown: 0,
+            noise: 0,
+            eccentricity: 0.0,
+        }
     }
 
     /// The counter jumps; back in the cycle `until`, if there is one.
@@ -112,14 +77,52 @@ impl Disturbance {
         });
     }
 
-    /// What the counter shows too much, counts.
-    pub(crate) fn shift(&self) -> i64 {
-        self.shift
+    /// The counter stands before the cycle `until`, or for good; no index is seen meanwhile.
+    pub(crate) fn stand(&mut self, until: Option<u64>) {
+        self.stands_until = until.unwrap_or(u64::MAX);
     }
 
-    /// Whether an index that passes in a cycle is seen; asked once for each.
-    pub(crate) fn sees_index(&mut self, cycle: u64) -> bool {
+    /// From now on the counter is off by up to so many counts.
+    pub(crate) fn be_noisy(&mut self, counts: u32) {
+        self.noise = counts;
+    }
+
+    /// From now on the encoder is eccentric, with an amplitude in counts.
+    pub(crate) fn be_eccentric(&mut self, counts: f64) {
+        self.eccentricity = counts;
+    }
+
+    /// Counts that an eccentric encoder is ahead at an angle in turns.
+    pub(crate) fn ahead(&self, turns: f64) -> f64 {
+        if self.eccentricity == 0.0 {
+            return 0.0;
+        }
+        self.eccentricity * libm::sin(TAU * (turns - turns.floor()))
+    }
+
+    /// What the counter shows in a cycle, for what a sound one would show.
+    pub(crate) fn show(&mut self, cycle: Cycle, count: i64) -> i64 {
+        if cycle.0 < self.stands_until {
+            self.shift = self.shown - count;
+        }
+        self.shown = count + self.shift;
+        self.shown + self.stray(cycle.0)
+    }
+
+    /// What is latched at an index that passes in a cycle; `None` if it is not seen. Asked once for each.
+    pub(crate) fn latch(&mut self, cycle: Cycle, count: i64) -> Option<i64> {
         let lost = std::mem::take(&mut self.lose_next);
-        !lost && cycle >= self.blind_until
+        let seen = !lost && cycle.0 >= self.blind_until.max(self.stands_until);
+        // Another stray than that of the count of this cycle.
+        seen.then(|| count + self.shift + self.stray(!cycle.0))
+    }
+
+    /// A number of counts from −n to n that looks random.
+    fn stray(&self, number: u64) -> i64 {
+        if self.noise == 0 {
+            return 0;
+        }
+        let most = i64::from(self.noise);
+        (Seed(number).fraction() * (2 * most + 1) as f64) as i64 - most
     }
 }

@@ -14,6 +14,8 @@
 //! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
 //! | `spindle` | motor, speed loop, ripple, encoder, index |
 //! | `encoder` | faults of the spindle encoder that a scenario brings |
+//! | `breakages` | what else it breaks: drives, counters of the axes, the drive of the spindle |
+//! | `orders` | what it wants of whoever runs the machine: modules killed, messages tampered with |
 //! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
 //! | `scenario`, `timeline` | what happens, and when |
 //! | `plant` | one control cycle of all of it |
@@ -22,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 mod belief;
+mod breakages;
 mod config;
 mod cutting;
 mod drive;
@@ -30,6 +33,7 @@ mod drive_train;
 mod encoder;
 mod friction;
 mod grooves;
+mod orders;
 mod plant;
 mod ramped;
 mod scale;
@@ -37,11 +41,11 @@ mod scenario;
 mod screw;
 mod seed;
 mod spindle;
-mod standing;
 mod timeline;
 
 pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2};
 pub use config::PlantError;
+pub use orders::{Channel, Packet, Tampering};
 pub use plant::Plant;
 pub use scenario::{Scenario, ScenarioError};
 pub use seed::Seed;

@@ -5,17 +5,19 @@
 use machine::Machine;
 use protocol::operator::Request;
 use protocol::{
-    Axis, Cycle, DriveCommand, Measurement, PerAxis, Position, SpindleCommand, StatusWord, Truth,
+    Axis, Cycle, DriveCommand, Measurement, Panel, PerAxis, Position, SpindleCommand, StatusWord, Truth,
 };
 
+use crate::breakages::AxisBreakage;
 use crate::config::{PlantConfig, PlantError};
 use crate::cutting::Cutter;
-use crate::drive::Drive;
+use crate::drive::{Drive, Trip};
 use crate::drive_train::DriveTrain;
+use crate::orders::{Order, Packet};
 use crate::scale::Scale;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, SpindleFault};
 use crate::seed::Seed;
-use crate::spindle::Spindle;
+use crate::spindle::{self, Spindle};
 use crate::timeline::{Moment, Timeline};
 
 /// One axis: drive, mechanics, encoder at the motor, perhaps a scale at the slide.
@@ -31,9 +33,23 @@ struct AxisPlant {
     inverse_cycle: f64,
     /// Where home lies within its count, a share of one.
     encoder_phase: f64,
+    /// Counts that the counter has jumped by.
+    jumped: f64,
     count: f64,
     count_before: f64,
     scale: Option<Scale>,
+}
+
+/// How fresh the spindle command is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Freshness {
+    /// Cycle of the command in force, and for how many control cycles it has been there.
+    cycle: Cycle,
+    age: u64,
+    /// From this age on it is stale: three ticks of its sender and the one that it takes to come into force.
+    stale: u64,
+    /// Whether commands come at all; on a bench nobody sends them.
+    come: bool,
 }
 
 /// The simulated machine.
@@ -57,6 +73,10 @@ pub struct Plant {
     spindle: Spindle,
     timeline: Timeline,
     cutter: Cutter,
+    freshness: Freshness,
+    /// Control cycles for which the mains have been off, and for which the drives have torque then.
+    outage: u64,
+    link_cycles: u64,
     truth: Truth,
 }
 
@@ -64,9 +84,13 @@ impl Plant {
     /// The machine before its first cycle: drives off, axes at home, the spindle at rest somewhere.
     ///
     /// # Errors
-    /// [`PlantError`] names the key of `[plant.*]` that cannot be, and why.
+    /// [`PlantError`] names the key of `[plant.*]` that cannot be, and why; or an event for an axis that there
+    /// is not.
     pub fn new(machine: &Machine, scenario: Scenario, seed: u64) -> Result<Plant, PlantError> {
         let config = PlantConfig::of(machine)?;
+        if let Some((event, axis)) = scenario.axes().find(|(_, axis)| !machine.axis.contains_key(axis)) {
+            return Err(PlantError::NoAxisToActOn { event, axis: axis.name() });
+        }
         let cycle_s = machine.general.cycle_s;
         let mut seed = Seed(seed);
         let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed);
@@ -82,6 +106,7 @@ impl Plant {
                 quantum_mm: belief.screw_lead_mm / f64::from(belief.encoder_counts),
                 inverse_cycle: 1.0 / cycle_s,
                 encoder_phase: seed.fraction(),
+                jumped: 0.0,
                 count: 0.0,
                 count_before: 0.0,
                 scale: None,
@@ -95,7 +120,10 @@ impl Plant {
         let z_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| z.home_mm);
         let timeline = Timeline::new(scenario, cycle_s, config.cutting.rise_s, z_mm);
         let cutter = Cutter::new(config.cutting, machine);
-        let mut plant = Plant { axes, spindle, timeline, cutter, truth: Truth::default() };
+        let freshness = Freshness { stale: 4 * machine.cycles_per_tick(), ..Freshness::default() };
+        let link_cycles = (config.power.link_hold_s / cycle_s).round() as u64;
+        let truth = Truth::default();
+        let mut plant = Plant { axes, spindle, timeline, cutter, freshness, outage: 0, link_cycles, truth };
         let turns = plant.spindle.turns();
         plant.sample(Cycle(0), turns, &SpindleCommand::default());
         Ok(plant)
@@ -116,6 +144,15 @@ impl Plant {
         self.timeline.pending()
     }
 
+    /// The messages that the scenario wants tampered with from this cycle on, by whoever runs the machine. Whom
+    /// it wants killed or frozen is in the truth ([`Truth::doom`]).
+    pub fn packet(&self) -> Option<Packet> {
+        match self.timeline.order() {
+            Some(Order::Packet(packet)) => Some(packet),
+            _ => None,
+        }
+    }
+
     /// An answer to the present measurement came too late; the drive goes on with the one before.
     pub fn note_late(&mut self) {
         self.truth.late_answers += 1;
@@ -131,17 +168,54 @@ impl Plant {
         request: Option<Request>,
     ) {
         let now = self.truth.cycle;
+        self.break_axes();
         for axis in &mut self.axes {
             let index = axis.axis.index();
             axis.advance(now, &drives[index], self.truth.axes[index].force_n);
         }
         let turns_before = self.spindle.turns();
         let [load_nm, ..] = self.timeline.burdens();
-        self.spindle.advance(spindle.rpm, load_nm + self.truth.cut.torque_nm);
+        let fault = self.timeline.breakages().spindle();
+        let jam_nm = if fault == Some(SpindleFault::Jam) { self.spindle.jam_nm() } else { 0.0 };
+        let drive = self.spindle_drive(spindle, fault);
+        self.spindle.advance(drive, load_nm + self.truth.cut.torque_nm + jam_nm);
         if let Some(request) = request {
             self.timeline.operate(request);
         }
         self.sample(now.after(1), turns_before, spindle);
+    }
+
+    /// What the scenario breaks at the axes, and the end of their link without mains.
+    fn break_axes(&mut self) {
+        if let Some(breakages) = self.timeline.breakages().take() {
+            self.axes.iter_mut().for_each(|axis| axis.suffer(&breakages[axis.axis.index()]));
+        }
+        if self.truth.measurement.panel.pressed(Panel::POWER_LOST) {
+            self.outage += 1;
+            if self.outage > self.link_cycles {
+                self.axes.iter_mut().for_each(|axis| axis.drive.trip(Trip::TorqueLost));
+            }
+        }
+    }
+
+    /// What the drive of the spindle does. By itself: with the emergency stop it brakes on its ramp, and one
+    /// that does not obey loses its torque; without mains it has none; and when nobody commands it any more
+    /// it brakes as soon as no axis follows its regulator.
+    fn spindle_drive(&mut self, command: &SpindleCommand, fault: Option<SpindleFault>) -> spindle::Drive {
+        use spindle::Drive;
+        let panel = &self.truth.measurement.panel;
+        let stopped = panel.pressed(Panel::EMERGENCY_STOP);
+        let deserted =
+            self.freshness.is_stale(command) && !self.axes.iter().any(|axis| axis.drive.is_enabled());
+        let rpm = if stopped || deserted { 0.0 } else { command.rpm };
+        match fault {
+            _ if panel.pressed(Panel::POWER_LOST) => Drive::Coasts,
+            Some(SpindleFault::Stall) => Drive::Coasts,
+            Some(SpindleFault::Runaway | SpindleFault::Reversal) if stopped => Drive::Coasts,
+            Some(SpindleFault::Runaway) => Drive::RunsAway(command.rpm),
+            Some(SpindleFault::Reversal) => Drive::To(-rpm),
+            Some(SpindleFault::Jam) | None => Drive::To(rpm),
+        }
     }
 
     /// Writes the truth of a cycle, and what is measured of it.
@@ -182,6 +256,10 @@ impl Plant {
         };
         self.timeline.advance(&moment, command);
         self.truth.measurement.panel = self.timeline.panel();
+        (self.truth.doom, self.truth.doomed) = match self.timeline.order() {
+            Some(Order::Doom(doom, module)) => (doom as u32, module.code()),
+            _ => (0, 0),
+        };
         self.cut(command);
     }
 
@@ -194,10 +272,33 @@ impl Plant {
         let [out, against] = self.cutter.directions();
         self.truth.axes[Axis::X.index()].force_n = radial_n + out * self.truth.cut.radial_n;
         self.truth.axes[Axis::Z.index()].force_n = axial_n + against * self.truth.cut.axial_n;
+        for axis in self.axes.iter().map(|own| own.axis) {
+            if let Some(force_n) = self.timeline.breakages().spike_n(axis) {
+                let truth = &mut self.truth.axes[axis.index()];
+                let steady_n = if matches!(axis, Axis::X | Axis::Z) { truth.force_n } else { 0.0 };
+                truth.force_n = steady_n + force_n;
+            }
+        }
+    }
+}
+
+impl Freshness {
+    /// Whether the command in force has not been followed by another for too long. Asked once a cycle.
+    fn is_stale(&mut self, command: &SpindleCommand) -> bool {
+        self.come |= command.cycle != self.cycle;
+        self.age = if command.cycle == self.cycle { self.age + 1 } else { 0 };
+        self.cycle = command.cycle;
+        self.come && self.age > self.stale
     }
 }
 
 impl AxisPlant {
+    /// Something breaks.
+    fn suffer(&mut self, breakage: &AxisBreakage) {
+        breakage.trip.into_iter().for_each(|trip| self.drive.trip(trip));
+        self.jumped += (breakage.jump_mm / self.quantum_mm).round();
+    }
+
     fn advance(&mut self, now: Cycle, command: &DriveCommand, force_n: f64) {
         let v_meas = (self.count - self.count_before) * self.quantum_mm * self.inverse_cycle;
         let answer = self.drive.answer(now, command, v_meas);
@@ -208,6 +309,9 @@ impl AxisPlant {
         self.count_before = self.count;
         let motor_mm = 1e3 * self.train.motion().motor_m;
         self.count = (motor_mm / self.quantum_mm + self.encoder_phase).floor();
+        if self.jumped != 0.0 {
+            self.count += self.jumped;
+        }
     }
 
     /// Where the slide will be in the middle of the cycle that begins, mm.

@@ -15,7 +15,8 @@
 //!     so speed = w (1 + r cos(2π n q + phi))
 //! count = floor(4 lines · angle + offset);  the index lies where the angle is a whole number of turns
 //! ```
-//! Friction and load only hold back: they can stop the spindle, and never drive it.
+//! Friction and load only hold back: they can stop the spindle, and never drive it. A drive can be at fault or
+//! without power; then it does not what is commanded ([`Drive`]).
 
 use core::f64::consts::TAU;
 
@@ -30,6 +31,22 @@ use crate::seed::Seed;
 const LONGEST_STEP_S: f64 = 125e-6;
 /// rad/s in one 1/min.
 const RAD_S_PER_RPM: f64 = TAU / 60.0;
+
+/// What the torque of something that jams is more than that of the motor.
+const JAM: f64 = 10.0;
+/// How far beyond its top speed a spindle runs away, a share of it.
+const RUNAWAY: f64 = 1.2;
+
+/// What the drive of the spindle does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Drive {
+    /// It goes to a speed on its ramp, 1/min.
+    To(f64),
+    /// It gives no torque.
+    Coasts,
+    /// It gives all its torque in the direction of the motion, at rest in that of a command.
+    RunsAway(f64),
+}
 
 /// The spindle and its drive.
 #[derive(Clone, Debug)]
@@ -110,9 +127,26 @@ impl Spindle {
         self.index_turn
     }
 
-    /// One control cycle towards a speed in 1/min, held back by a load in N·m, 0 or more.
-    pub(crate) fn advance(&mut self, command_rpm: f64, load_nm: f64) {
-        let command_nm = self.speed_loop(command_rpm);
+    /// What holds the spindle back when it jams, N·m.
+    pub(crate) fn jam_nm(&self) -> f64 {
+        JAM * self.train.peak_torque_nm
+    }
+
+    /// One control cycle, held back by a load in N·m, 0 or more.
+    pub(crate) fn advance(&mut self, drive: Drive, load_nm: f64) {
+        let command_nm = match drive {
+            Drive::To(rpm) => self.speed_loop(rpm),
+            Drive::Coasts => {
+                self.torque_nm = 0.0;
+                self.left_alone(0.0)
+            }
+            Drive::RunsAway(rpm) => {
+                let direction = if self.speed == 0.0 { rpm } else { self.speed };
+                let free = self.speed.abs() < RUNAWAY * self.top_speed;
+                let torque_nm = if free { self.limit_nm().copysign(direction) } else { 0.0 };
+                self.left_alone(torque_nm)
+            }
+        };
         let holding = (self.train.coulomb_nm + load_nm) * self.step_s / self.train.inertia_kg_m2;
         for _ in 0..self.steps {
             self.torque_nm = command_nm + (self.torque_nm - command_nm) * self.lag_left;
@@ -135,13 +169,24 @@ impl Spindle {
         let error = self.set - self.speed;
         let integral_nm = self.integral_nm + self.integral_gain * error;
         let torque = self.gain * error + integral_nm + self.train.inertia_kg_m2 * acceleration;
-        let power_limit_nm = self.train.peak_power_kw * 1e3 / self.speed.abs().max(1e-3);
-        let limit_nm = self.train.peak_torque_nm.min(power_limit_nm);
+        let limit_nm = self.limit_nm();
         let limited = torque.clamp(-limit_nm, limit_nm);
         if torque == limited || (torque > limited) != (error > 0.0) {
             self.integral_nm = integral_nm;
         }
         limited
+    }
+
+    /// Most torque of the motor at its speed, N·m.
+    fn limit_nm(&self) -> f64 {
+        let power_limit_nm = self.train.peak_power_kw * 1e3 / self.speed.abs().max(1e-3);
+        self.train.peak_torque_nm.min(power_limit_nm)
+    }
+
+    /// A torque past the speed loop, which goes on from the speed that there is.
+    fn left_alone(&mut self, torque_nm: f64) -> f64 {
+        (self.set, self.integral_nm) = (self.speed, 0.0);
+        torque_nm
     }
 
     /// From the rotor to what turns before the tool.
@@ -166,12 +211,14 @@ impl Spindle {
         encoder: &mut Disturbance,
         measurement: &mut Measurement,
     ) {
-        let count = |turns: f64| (turns * self.counts_per_turn + self.count_offset).floor() as i64;
-        measurement.spindle_count = count(self.turns) + encoder.shift();
+        let (per_turn, offset) = (self.counts_per_turn, self.count_offset);
+        let count = |turns: f64, ahead: f64| (turns * per_turn + offset + ahead).floor() as i64;
+        measurement.spindle_count = encoder.show(now, count(self.turns, encoder.ahead(self.turns)));
         let (low, high) = (before.floor(), self.turns.floor());
-        if low != high && encoder.sees_index(now.0) {
-            let turn = if high > low { high } else { high + 1.0 };
-            measurement.index_count = count(turn) + encoder.shift();
+        let turn = if high > low { high } else { high + 1.0 };
+        let latched = if low != high { encoder.latch(now, count(turn, encoder.ahead(turn))) } else { None };
+        if let Some(index_count) = latched {
+            measurement.index_count = index_count;
             self.index_turn = turn;
             measurement.index_number += (high - low).abs() as u64;
             measurement.index_cycle = now;

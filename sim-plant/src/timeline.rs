@@ -1,13 +1,16 @@
 //! The scenario being played: which event is due, and what it does to the panel and to the cut. In: once a
 //! control cycle, the cycle, the true Z in mm, the true angle of the spindle in degrees, the index, and the
 //! tags of the program. Out: the panel, the load of the spindle in N·m, the forces on the slides in N, what
-//! is wrong with the spindle encoder. What an event does to the panel is there in the cycle in which it is
-//! due, the rest in the next.
+//! is wrong with the spindle encoder, what else is broken, what whoever runs the machine is to do. What an
+//! event does to the panel and what it orders is there in the cycle in which it is due, the rest in the next.
 
 use protocol::operator::Request;
 use protocol::{Cycle, Panel, SpindleCommand};
 
+use crate::breakages::Breakages;
+use crate::drive::Trip;
 use crate::encoder::Disturbance;
+use crate::orders::{Order, Orders};
 use crate::ramped::Ramped;
 use crate::scenario::{Action, Burden, Event, Knob, Scenario, Trigger};
 
@@ -48,6 +51,8 @@ pub(crate) struct Timeline {
     burdens: [Ramped; 3],
     burden_until: [Option<u64>; 3],
     encoder: Disturbance,
+    breakages: Breakages,
+    orders: Orders,
     pass: PassInHand,
     z_before: f64,
 }
@@ -57,6 +62,8 @@ impl Timeline {
         Timeline {
             due: vec![true; scenario.events.len()],
             encoder: Disturbance::none(scenario.events.len()),
+            breakages: Breakages::default(),
+            orders: Orders::none(scenario.events.len()),
             events: scenario.events,
             cycle_s,
             rise_cycles: rise_s / cycle_s,
@@ -96,6 +103,16 @@ impl Timeline {
         &mut self.encoder
     }
 
+    /// What else is broken.
+    pub(crate) fn breakages(&mut self) -> &mut Breakages {
+        &mut self.breakages
+    }
+
+    /// What whoever runs the machine is to do in the present cycle.
+    pub(crate) fn order(&self) -> Option<Order> {
+        self.orders.now()
+    }
+
     /// Whoever stands at the machine does something at the panel.
     pub(crate) fn operate(&mut self, request: Request) {
         match request {
@@ -116,6 +133,7 @@ impl Timeline {
         let pass_before = self.pass.pass;
         self.follow_pass(moment, tags);
         self.encoder.advance(moment.cycle.0 + 1);
+        self.breakages.advance(moment.cycle.0);
         for index in 0..self.events.len() {
             let Event { trigger, action } = self.events[index];
             if self.due[index] && self.fires(trigger, pass_before, moment, tags) {
@@ -123,6 +141,7 @@ impl Timeline {
                 self.act(action, moment);
             }
         }
+        self.orders.advance(moment.cycle.0);
         self.attend(tags);
         self.z_before = moment.z_mm;
         self.knobs.iter_mut().for_each(Ramped::advance);
@@ -135,9 +154,11 @@ impl Timeline {
         }
     }
 
-    /// Nobody stands at a simulated machine: a pause that no event of the scenario can end is ended here.
+    /// Nobody stands at a simulated machine: a pause that no event of the scenario can end is ended here. A hold
+    /// is not a pause: whoever pressed it has a reason, and releases it.
     fn attend(&mut self, tags: &SpindleCommand) {
-        if tags.paused == 0 || self.somebody_will_come() {
+        let held = self.pressed.pressed(Panel::FEED_HOLD);
+        if tags.paused == 0 || held || self.somebody_will_come() {
             self.unattended = 0;
             return;
         }
@@ -151,7 +172,7 @@ impl Timeline {
     /// waits.
     fn somebody_will_come(&self) -> bool {
         let ends = |event: &Event| {
-            matches!(event.action, Action::Press(Request::CycleStart | Request::Stop | Request::Abort))
+            (event.action.ends() || event.action == Action::Press(Request::CycleStart))
                 && matches!(event.trigger, Trigger::Time { .. } | Trigger::Cycle { .. })
         };
         self.events.iter().zip(&self.due).any(|(event, due)| *due && ends(event))
@@ -198,11 +219,35 @@ impl Timeline {
                 let amount = nm_per_rpm * moment.spindle_rpm.abs();
                 self.burden(Burden::Spindle, amount, for_s, moment.cycle);
             }
-            // What the encoder shows from the next cycle on.
-            Action::Glitch { counts, for_s } => {
-                self.encoder.jump(counts, self.until(for_s, moment.cycle.after(1)));
+            Action::PowerLost => self.pressed.press(Panel::POWER_LOST, true),
+            Action::Spike { axis, force_n, for_s } => {
+                let until = self.until(Some(for_s), moment.cycle).unwrap_or_default();
+                self.breakages.spike(axis, force_n, until.max(moment.cycle.0 + 1));
             }
-            Action::IndexLost { for_s } => self.encoder.lose_index(self.until(for_s, moment.cycle.after(1))),
+            Action::AxisJump { axis, mm } => self.breakages.jump(axis, mm),
+            Action::DriveFault { axis, torque_lost } => {
+                self.breakages.trip(axis, if torque_lost { Trip::TorqueLost } else { Trip::Brakes });
+            }
+            Action::SpindleFault { fault, for_s } => {
+                self.breakages.break_spindle(fault, self.until(for_s, moment.cycle));
+            }
+            Action::Doom { doom, module, for_s } => {
+                self.orders.give(Order::Doom(doom, module), self.until(for_s, moment.cycle));
+            }
+            Action::Packet(packet) => self.orders.give(Order::Packet(packet), None),
+            encoder => self.disturb(encoder, moment.cycle.after(1)),
+        }
+    }
+
+    /// What the encoder shows from the cycle `next` on.
+    fn disturb(&mut self, action: Action, next: Cycle) {
+        match action {
+            Action::Glitch { counts, for_s } => self.encoder.jump(counts, self.until(for_s, next)),
+            Action::IndexLost { for_s } => self.encoder.lose_index(self.until(for_s, next)),
+            Action::EncoderStands { for_s } => self.encoder.stand(self.until(for_s, next)),
+            Action::EncoderNoise { counts } => self.encoder.be_noisy(counts),
+            Action::EncoderEccentricity { counts } => self.encoder.be_eccentric(counts),
+            _ => {}
         }
     }
 

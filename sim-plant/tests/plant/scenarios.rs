@@ -51,10 +51,13 @@ fn errors_name_event_key_and_remedy() {
         ),
         ("at = { cycle = 1 }\nradial_force_n = 'much'", "expected a force in N, or { force_n, for_s }"),
         (
-            "at = { cycle = 1 }\nkill = 'interpreter'",
-            "kill: this action is not available yet; remove the event",
+            "at = { cycle = 1 }\nkill = 'launcher'",
+            "kill = \"launcher\": must be \"interpreter\", \"interpolator\", or \"regulator-x\" of an axis",
         ),
-        ("at = { cycle = 1 }\npacket = { channel = 'x' }", "packet: this action is not available yet"),
+        (
+            "at = { cycle = 1 }\npacket = { channel = 'x', drop = true }",
+            "packet.channel = \"x\": must be one of",
+        ),
     ] {
         let message = refusal(&format!("[[event]]\nat = {{ line = 1 }}\nstop = true\n[[event]]\n{event}\n"));
         assert!(message.starts_with("event 2: ") && message.contains(expected), "{event}: {message}");

@@ -1,18 +1,18 @@
 //! Scenarios that would never end: a hold that nobody releases, an override that stays at 0.
 //! In: checked events. Out: the first event behind which the machine would stand for ever, and what to add.
 //!
-//! `stop` and `abort` end a program that stands; a hold is released by `cycle_start` too, an override by one
+//! `stop`, `abort`, `emergency_stop` and `power_lost` end a program that stands; a hold is released by `cycle_start` too, an override by one
 //! that is above 0 and does not come before it. Which of two events comes first is known of two times, of two
 //! cycles and of two passes; of others it is taken to be the one that helps.
 
 use protocol::operator::Request;
 
-use crate::scenario::{Action, Event, Knob, Trigger};
+use super::{Action, Event, Knob, Trigger};
 
 /// The event, counted from 0, behind which the machine would stand for ever, and what to do about it.
 pub(crate) fn forever(events: &[Event]) -> Option<(usize, String)> {
     let pressed = |request: Request| events.iter().any(|event| event.action == Action::Press(request));
-    if pressed(Request::Stop) || pressed(Request::Abort) {
+    if events.iter().any(|event| event.action.ends()) {
         return None;
     }
     let held = |event: &Event| event.action == Action::Press(Request::FeedHold);
