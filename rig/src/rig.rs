@@ -18,7 +18,7 @@ use sim_plant::{Plant, PlantError, Scenario};
 
 use crate::lives::{Desk, Life};
 use crate::observe::Record;
-use crate::wires::{Straight, Wires};
+use crate::wires::{Disturbed, Straight, Tamperer, Wires};
 
 /// Measurements and frames that wait for a module at most, as in the channels between processes.
 const MEASUREMENTS: usize = 64;
@@ -63,7 +63,8 @@ pub struct Rig<I, W = Straight> {
     interpolator: Interpolator,
     ticks_waiting: Desk<Measurement>,
     governors: Vec<Governor>,
-    wires: W,
+    /// The scenario tampers with what the wires carry.
+    wires: Disturbed<Tamperer, W>,
     code: I,
     interpreter: Life,
     /// Ticks for which the interpreter has been frozen, and how many make it a dead one.
@@ -124,7 +125,7 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
             ticks_waiting: Desk::new(TICKS),
             governors: machine.axes().map(|(axis, _)| governor(axis)).collect(),
             seen: machine.axes().map(|(axis, _)| (axis, AxisStatus::default())).collect(),
-            wires,
+            wires: Disturbed::new(Tamperer::default(), wires),
             code,
             interpreter: Life::Works,
             silent: (0, (PATIENCE_S / machine.general.interpolator_cycle_s).ceil() as u64),
@@ -156,6 +157,9 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
             Some((Doom::Thaw, module)) => self.thaw(module),
             None => {}
         }
+        if let Some(packet) = self.plant.packet() {
+            self.wires.disturbance.take(&packet, self.governors.iter().map(|own| own.axis));
+        }
 
         self.frames = [None; AXES];
         if tick {
@@ -180,7 +184,9 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
             let sent = made.as_ref().map(|out| &out.frames[axis.index()]);
             self.frames[axis.index()] = self.wires.frame(now, *axis, sent).copied();
         }
-        if let Some(spindle) = self.wires.spindle(now, made.as_ref().map(|out| &out.spindle)) {
+        let sent = made.as_ref().map(|out| &out.spindle);
+        // What is refused has not arrived.
+        if let Some(spindle) = self.wires.spindle(now, sent).filter(|spindle| spindle.check().is_ok()) {
             self.spindle = *spindle;
         }
     }
@@ -293,7 +299,7 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
 
     /// The wires, so that they can be disturbed while the machine runs.
     pub fn wires_mut(&mut self) -> &mut W {
-        &mut self.wires
+        &mut self.wires.wires
     }
 
     /// Numbers of the scenario's events that did not happen.

@@ -23,6 +23,20 @@ pub type Which = Box<dyn FnMut(Wire, Cycle) -> bool>;
 pub trait Disturbance {
     /// Takes what was sent, if anything, and gives what arrives.
     fn carry<M: Message>(&mut self, wire: Wire, now: Cycle, sent: Option<M>) -> Option<M>;
+
+    /// Whether every message arrives as it was sent until something is changed; asked before each, so that
+    /// what does nothing costs nothing.
+    fn is_idle(&self) -> bool {
+        false
+    }
+}
+
+/// A message with one of its bits turned over, counted round.
+pub(super) fn damaged<M: Message>(message: M, bit: usize) -> Option<M> {
+    let mut bytes = message.as_bytes().to_vec();
+    let bit = bit % (8 * bytes.len());
+    bytes[bit / 8] ^= 1 << (bit % 8);
+    M::read_from_bytes(&bytes).ok()
 }
 
 /// What is still on its way over each wire, as bytes; `None` where nothing was sent.
@@ -142,11 +156,9 @@ impl Disturbance for Damaging {
         if !(self.which)(wire, now) {
             return Some(message);
         }
-        let mut bytes = message.as_bytes().to_vec();
-        let bit = self.bit % (8 * bytes.len());
-        bytes[bit / 8] ^= 1 << (bit % 8);
+        let bit = self.bit;
         self.bit = self.bit.wrapping_add(Damaging::STRIDE);
-        M::read_from_bytes(&bytes).ok()
+        damaged(message, bit)
     }
 }
 

@@ -25,13 +25,16 @@ struct Arrived {
 }
 
 impl<D, W> Disturbed<D, W> {
-    pub(super) fn new(disturbance: D, wires: W) -> Disturbed<D, W> {
+    pub(crate) fn new(disturbance: D, wires: W) -> Disturbed<D, W> {
         Disturbed { disturbance, wires, arrived: Arrived::default() }
     }
 }
 
 impl<D: Disturbance, W: Wires> Wires for Disturbed<D, W> {
     fn code<'a>(&'a mut self, now: Cycle, sent: Option<&'a CodePacket>) -> Option<&'a CodePacket> {
+        if self.disturbance.is_idle() {
+            return self.wires.code(now, sent);
+        }
         let sent = self.wires.code(now, sent).copied();
         self.arrived.code = self.disturbance.carry(Wire::Code, now, sent);
         self.arrived.code.as_ref()
@@ -42,6 +45,9 @@ impl<D: Disturbance, W: Wires> Wires for Disturbed<D, W> {
         now: Cycle,
         sent: Option<&'a Measurement>,
     ) -> Option<&'a Measurement> {
+        if self.disturbance.is_idle() {
+            return self.wires.tick_measurement(now, sent);
+        }
         let sent = self.wires.tick_measurement(now, sent).copied();
         self.arrived.measurement = self.disturbance.carry(Wire::TickMeasurement, now, sent);
         self.arrived.measurement.as_ref()
@@ -53,12 +59,18 @@ impl<D: Disturbance, W: Wires> Wires for Disturbed<D, W> {
         axis: Axis,
         sent: Option<&'a Measurement>,
     ) -> Option<&'a Measurement> {
+        if self.disturbance.is_idle() {
+            return self.wires.measurement(now, axis, sent);
+        }
         let sent = self.wires.measurement(now, axis, sent).copied();
         self.arrived.measurement = self.disturbance.carry(Wire::Measurement(axis), now, sent);
         self.arrived.measurement.as_ref()
     }
 
     fn frame<'a>(&'a mut self, now: Cycle, axis: Axis, sent: Option<&'a AxisFrame>) -> Option<&'a AxisFrame> {
+        if self.disturbance.is_idle() {
+            return self.wires.frame(now, axis, sent);
+        }
         let sent = self.wires.frame(now, axis, sent).copied();
         self.arrived.frame = self.disturbance.carry(Wire::Frame(axis), now, sent);
         self.arrived.frame.as_ref()
@@ -70,12 +82,18 @@ impl<D: Disturbance, W: Wires> Wires for Disturbed<D, W> {
         axis: Axis,
         sent: Option<&'a AxisStatus>,
     ) -> Option<&'a AxisStatus> {
+        if self.disturbance.is_idle() {
+            return self.wires.status(now, axis, sent);
+        }
         let sent = self.wires.status(now, axis, sent).copied();
         self.arrived.status = self.disturbance.carry(Wire::Status(axis), now, sent);
         self.arrived.status.as_ref()
     }
 
     fn spindle<'a>(&'a mut self, now: Cycle, sent: Option<&'a SpindleCommand>) -> Option<&'a SpindleCommand> {
+        if self.disturbance.is_idle() {
+            return self.wires.spindle(now, sent);
+        }
         let sent = self.wires.spindle(now, sent).copied();
         self.arrived.spindle = self.disturbance.carry(Wire::Spindle, now, sent);
         self.arrived.spindle.as_ref()
@@ -87,6 +105,9 @@ impl<D: Disturbance, W: Wires> Wires for Disturbed<D, W> {
         axis: Axis,
         sent: Option<&'a DriveCommand>,
     ) -> Option<&'a DriveCommand> {
+        if self.disturbance.is_idle() {
+            return self.wires.drive(now, axis, sent);
+        }
         let sent = self.wires.drive(now, axis, sent).copied();
         self.arrived.drive = self.disturbance.carry(Wire::Drive(axis), now, sent);
         self.arrived.drive.as_ref()

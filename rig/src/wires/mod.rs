@@ -21,9 +21,11 @@
 
 mod disturbance;
 mod disturbed;
+mod tampering;
 
 pub use disturbance::{Damaging, Disturbance, Doubling, Freezing, Late, Losing, Message, Which};
 pub use disturbed::Disturbed;
+pub(crate) use tampering::Tamperer;
 
 use protocol::{Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveCommand, Measurement, SpindleCommand};
 

@@ -5,6 +5,7 @@ mod corrections;
 mod held;
 mod machine_code;
 mod operator;
+mod orders;
 mod poles;
 mod presses;
 mod rotary;
