@@ -4,6 +4,7 @@ mod belief;
 mod cutting;
 mod drives;
 mod examples;
+mod faults;
 mod scenarios;
 mod spindle;
 mod stand;
