@@ -46,7 +46,7 @@ fn busy_law(number: usize) -> AxisLaw {
 /// A pass that moves every axis in its own way.
 fn busy_pass() -> ThreadPass {
     ThreadPass {
-        out: WayOut::default(),
+        out: WayOut { axis: 7, leaves: 7, clear: Position(i64::MIN), free: Position(i64::MAX) },
         pass: u32::MAX,
         start: u32::MAX,
         s_rpm: LONG,
@@ -107,7 +107,7 @@ fn each_kind_of_item_has_its_largest_size() {
         ("tool", Code::Tool { number: u32::MAX }, 20),
         ("coolant", Code::Coolant { mist: true, flood: true }, 17),
         ("pause", Code::Pause, 15),
-        ("pass", Code::Pass(busy_pass()), 1129),
+        ("pass", Code::Pass(busy_pass()), 1141),
         ("formula", Code::Formula { slot: u8::MAX, formula: long_formula() }, 370),
         ("contour", work(Shape::Contour(contour, [Axis::C, Axis::C])), 87),
         ("lines", work(surface(lines)), 124),
