@@ -1,36 +1,124 @@
-//! What the regulators say, taken together. In: the status of every axis. Out: one answer for all axes that
-//! exist.
+//! What the regulators say, taken together. In: the status of every axis, as it arrives. Out: one answer for
+//! all axes that exist.
+//!
+//! A status that is damaged is no fact: the one before it counts on, and ages. A regulator whose last word is
+//! too old is silent.
 
 use machine::Machine;
-use protocol::{Axis, AxisState, AxisStatus, PerAxis, ThreadPass};
+use protocol::{
+    Axis, AxisState, AxisStatus, Cycle, DriveState, Fault, Measurement, PerAxis, Position, ThreadPass,
+    units::AXES,
+};
 
 /// Two ways of computing one position differ by less, mm: what the wire rounds to, and a sum of two strokes.
 const SAME_MM: f64 = 1e-6;
+
+/// A status may be so many control cycles older than the one that is due.
+const MOST_AGE: u64 = 3;
+
+/// No axis is so far away, so fast, or turns so far: beyond it a number is damage.
+const MOST: f64 = 1e12;
+
+/// The last status of each axis that can be believed.
+#[derive(Clone, Debug)]
+pub(crate) struct Heard {
+    statuses: PerAxis<AxisStatus>,
+    damaged: PerAxis<bool>,
+}
+
+impl Heard {
+    pub(crate) fn new() -> Heard {
+        Heard { statuses: [AxisStatus::default(); AXES], damaged: [false; AXES] }
+    }
+
+    /// Takes what has arrived by the tick of a cycle.
+    pub(crate) fn take(&mut self, machine: &Machine, arrived: &PerAxis<AxisStatus>, tick: Cycle) {
+        for (axis, _) in machine.axes() {
+            let (i, status) = (axis.index(), &arrived[axis.index()]);
+            self.damaged[i] = status.cycle > tick || !sound(status);
+            if !self.damaged[i] && status.cycle >= self.statuses[i].cycle {
+                self.statuses[i] = *status;
+            }
+        }
+    }
+}
+
+/// Whether a status can be one.
+fn sound(status: &AxisStatus) -> bool {
+    let numbers = [
+        status.commanded_mm,
+        status.velocity_mm_s,
+        status.acceleration_mm_s2,
+        status.servo_error_mm,
+        status.angle_deg,
+        status.spindle_rpm,
+    ];
+    AxisState::from_code(status.state).is_ok()
+        && (status.fault == 0 || Fault::from_code(status.fault).is_some())
+        && status.in_position <= 1
+        && numbers.iter().all(|number| number.abs() <= MOST)
+}
 
 /// Which axes the machine has, and what each of them said last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axes<'a> {
     machine: &'a Machine,
-    statuses: &'a PerAxis<AxisStatus>,
+    heard: &'a Heard,
+    tick: Cycle,
 }
 
 impl<'a> Axes<'a> {
-    pub(crate) fn new(machine: &'a Machine, statuses: &'a PerAxis<AxisStatus>) -> Axes<'a> {
-        Axes { machine, statuses }
+    pub(crate) fn new(machine: &'a Machine, heard: &'a Heard, tick: Cycle) -> Axes<'a> {
+        Axes { machine, heard, tick }
     }
 
     fn each(&self) -> impl Iterator<Item = (Axis, &'a AxisStatus)> + use<'a> {
-        let statuses = self.statuses;
+        let statuses = &self.heard.statuses;
         self.machine.axes().map(move |(axis, _)| (axis, &statuses[axis.index()]))
+    }
+
+    /// The axes whose regulators are not silent.
+    fn live(&self) -> impl Iterator<Item = (Axis, &'a AxisStatus)> {
+        self.each().filter(|(axis, _)| !self.is_silent(*axis))
     }
 
     fn all_in(&self, state: AxisState) -> bool {
         self.each().all(|(_, status)| status.state() == state)
     }
 
-    /// Whether one of them is in fault.
+    /// The status of an axis.
+    pub(crate) fn status(&self, axis: Axis) -> &'a AxisStatus {
+        &self.heard.statuses[axis.index()]
+    }
+
+    /// Whether the last word of a regulator is too old. One that arrives damaged is bridged for a tick.
+    fn is_silent(&self, axis: Axis) -> bool {
+        let i = axis.index();
+        let due = self.tick.0.saturating_sub(1);
+        let bridged = if self.heard.damaged[i] { self.machine.cycles_per_tick() } else { 0 };
+        due.saturating_sub(self.heard.statuses[i].cycle.0) > MOST_AGE + bridged
+    }
+
+    /// Whether one of the regulators is silent.
+    pub(crate) fn silent(&self) -> bool {
+        self.machine.axes().any(|(axis, _)| self.is_silent(axis))
+    }
+
+    /// What an axis says is wrong with it: the cause, not what it did to another axis.
+    pub(crate) fn cause(&self) -> Option<Fault> {
+        let follows = |fault: &Fault| !matches!(fault, Fault::OtherAxis | Fault::Stopped | Fault::AxisFault);
+        self.each().filter_map(|(_, status)| Fault::from_code(status.fault)).find(follows)
+    }
+
+    /// Whether one of them is in fault, or comes to rest because of one.
     pub(crate) fn in_fault(&self) -> bool {
-        self.each().any(|(_, status)| status.state() == AxisState::Fault)
+        self.each().any(|(_, status)| status.state() == AxisState::Fault || status.fault != 0)
+    }
+
+    /// Whether a drive does not hold its axis.
+    pub(crate) fn drive_off(&self, measurement: &Measurement) -> bool {
+        let state = |axis: Axis| measurement.axes[axis.index()].drive().state();
+        self.machine.axes().any(|(axis, _)| state(axis) != Some(DriveState::OperationEnabled))
     }
 
     /// Whether all follow setpoints.
@@ -56,6 +144,28 @@ impl<'a> Axes<'a> {
     /// Whether the law of a pass leads one of them already.
     pub(crate) fn under_law(&self) -> bool {
         self.each().any(|(_, status)| (AxisState::RunIn..=AxisState::RunOut).contains(&status.state()))
+    }
+
+    /// Whether one of them is on its way out of a pass.
+    pub(crate) fn leave(&self) -> bool {
+        self.each().any(|(_, status)| status.state() == AxisState::Leaving)
+    }
+
+    /// Whether all that live stand and belong to no pass.
+    pub(crate) fn rest(&self) -> bool {
+        self.live().all(|(_, status)| {
+            let over = matches!(status.state(), AxisState::Streaming | AxisState::Fault | AxisState::Idle);
+            over && status.velocity_mm_s == 0.0 && status.acceleration_mm_s2 == 0.0
+        })
+    }
+
+    /// Where each of them is led; what does not exist is where it was.
+    pub(crate) fn commanded(&self, here: &PerAxis<Position>) -> PerAxis<Position> {
+        let mut commanded = *here;
+        self.each().for_each(|(axis, status)| {
+            commanded[axis.index()] = Position::from_mm(status.commanded_mm);
+        });
+        commanded
     }
 
     /// Whether all rest where a pass ends.

@@ -1,20 +1,22 @@
 //! The upper level: one tick each interpolator cycle. What it is doing is a [`Task`]; a tick finds an event,
 //! and the task goes one step.
 
+use std::mem::discriminant;
+
 use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, Groove, MachineState,
-    MachineStatus, Measurement, Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass,
-    frame::SETPOINT_LEAD, units::AXES,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Feed, MachineStatus, Measurement, Panel,
+    PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
 };
 
 use crate::{
-    axes::Axes,
-    pass::{self, Ready, Stand},
+    axes::{Axes, Heard},
+    guard::Guard,
+    pass::{self, Look, Ready, Stand},
     patience::Patience,
     program::{Next, Program},
     spindle::Spindle,
-    task::{Event, Moved, Order, Task, Wait},
+    task::{Back, Event, Moved, Order, Task, Trouble, Wait, Way},
     travel::{Hands, Travel},
 };
 
@@ -41,14 +43,23 @@ pub struct Out {
 /// The interpolator. It holds no clock and allocates nothing after `new`.
 #[derive(Clone, Debug)]
 pub struct Interpolator {
-    machine: Machine,
-    task: Task,
-    program: Program,
-    travel: Travel,
-    spindle: Spindle,
-    patience: Patience,
+    pub(crate) machine: Machine,
+    pub(crate) task: Task,
+    pub(crate) program: Program,
+    pub(crate) travel: Travel,
+    pub(crate) spindle: Spindle,
+    pub(crate) patience: Patience,
+    pub(crate) guard: Guard,
+    /// What the regulators said last.
+    pub(crate) heard: Heard,
+    /// The panel of this tick; stop and abort stay pressed, however short the press.
+    panel: Panel,
+    /// Cycle of the measurement of the last tick.
+    last: Option<Cycle>,
+    /// Every axis that lives stands.
+    rests: bool,
     /// Number and depth of the pass in hand, or of the one before.
-    pass: (u32, f64),
+    pub(crate) pass: (u32, f64),
 }
 
 impl Interpolator {
@@ -61,6 +72,11 @@ impl Interpolator {
             travel: Travel::new(machine),
             spindle: Spindle::new(machine),
             patience: Patience::new(machine.general.interpolator_cycle_s),
+            guard: Guard::new(),
+            heard: Heard::new(),
+            panel: Panel::default(),
+            last: None,
+            rests: false,
             pass: (0, 0.0),
         }
     }
@@ -70,7 +86,7 @@ impl Interpolator {
     /// # Errors
     /// The item is damaged or out of order; once everything before it is done, a fault is latched.
     pub fn push(&mut self, packet: &CodePacket) -> Result<(), Refused> {
-        self.program.push(packet)
+        self.program.queue.push(packet)
     }
 
     /// Whether items can still be taken: a tick in virtual time waits until this is false.
@@ -89,71 +105,86 @@ impl Interpolator {
         self.program.queue.lost();
     }
 
-    /// Whether everything is at rest and the machine may be switched off.
+    /// Whether everything is at rest and the machine may be switched off. After a fault nobody waits for ever
+    /// for an axis or a spindle that does not come to rest.
     pub fn finished(&self) -> bool {
         match self.task {
             Task::Ended { .. } => true,
-            Task::Fault { .. } => self.spindle.stands() && self.patience.waited() > 1,
+            Task::Fault { .. } => {
+                let spindle = self.spindle.stands() || self.spindle.never_stops();
+                let axes = self.rests || self.patience.is_over(&self.spindle);
+                spindle && axes && self.led_to_rest()
+            }
             _ => false,
         }
     }
 
-    /// One interpolator cycle.
-    pub fn tick(&mut self, input: &In) -> Out {
-        self.spindle.update(input.measurement);
-        self.patience.tick(&self.spindle, matches!(self.task, Task::Cutting(_)));
-        self.travel.idle();
-        let before = self.task.public();
-        if let Some(fault) = self.fault(input) {
-            self.step(&Event::Fault(fault));
+    /// One interpolator cycle. A measurement that is not newer than the one of the tick before makes nothing.
+    pub fn tick(&mut self, input: &In) -> Option<Out> {
+        let measurement = input.measurement;
+        if self.last.is_some_and(|last| measurement.cycle <= last) {
+            return None;
         }
-        let (setpoints, event) = self.work(input);
+        self.last = Some(measurement.cycle);
+        let cycle_starts = self.look(input);
+        self.travel.idle();
+        let (task, public) = (discriminant(&self.task), self.task.public());
+        if let Some(trouble) = self.trouble(measurement) {
+            self.step(&Event::Fault(trouble));
+        }
+        let (setpoints, event) = self.work(measurement, cycle_starts);
         let order = self.step(&event);
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
-        if self.task.public() != before {
+        if (discriminant(&self.task), self.task.public()) != (task, public) {
             self.patience.begin();
         }
-        self.answer(input.measurement, &setpoints, &order)
+        Some(self.answer(measurement, &setpoints, &order))
     }
 
-    /// What ends every task.
-    fn fault(&self, input: &In) -> Option<Fault> {
-        let (axes, spindle) = (Axes::new(&self.machine, input.axes), &self.spindle);
-        let turning = spindle.commanded() != 0.0;
-        let in_vain = self.patience.is_over(spindle);
+    /// Takes in what a tick brings; how often cycle start had been pressed before.
+    fn look(&mut self, input: &In) -> u32 {
+        let (measurement, cycle_starts) = (input.measurement, self.panel.cycle_starts);
+        let ended = self.panel.buttons & (Panel::STOP | Panel::ABORT);
+        self.panel = measurement.panel;
+        self.panel.buttons |= ended;
+        self.heard.take(&self.machine, input.axes, measurement.cycle);
+        self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction));
+        let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
+        self.rests = axes.rest();
         match self.task {
-            Task::Fault { .. } | Task::Ended { .. } => None,
-            // What is wrong with the program waits until everything before it is done and the axes rest.
-            Task::Ready { .. } if self.program.is_broken_off() => Some(Fault::BadMachineCode),
-            _ if axes.in_fault() => Some(Fault::AxisFault),
-            Task::Enabling | Task::Starting if in_vain => Some(Fault::DriveFault),
-            Task::Ready { .. } if in_vain && turning && self.program.in_hand().is_some() => {
-                Some(if spindle.at_speed() { Fault::AxisNotInPosition } else { Fault::SpindleNotAtSpeed })
+            Task::Cutting(_) => {
+                let speeds = [self.spindle.observed(), self.spindle.programmed()];
+                self.guard.tick(&self.machine, &axes, measurement, speeds);
             }
-            Task::Armed(_) if in_vain && turning && !axes.begun() => Some(Fault::IndexNotSeen),
-            _ if self.patience.stalled(spindle) => Some(Fault::SpindleNotAtSpeed),
-            _ => None,
+            _ => self.guard = Guard::new(),
         }
+        self.spindle.guard(self.guard.share());
+        // Nobody waits in vain for a spindle that the operator holds at 0, or while a pass is cut, however
+        // slowly.
+        let for_spindle = matches!(self.task, Task::Ready { .. } | Task::Armed(_));
+        let cutting = matches!(self.task, Task::Cutting(_));
+        self.patience.tick(&self.spindle, !(cutting || for_spindle && self.spindle.held()));
+        cycle_starts
     }
 
     /// Goes one step, and does what belongs to it.
     fn step(&mut self, event: &Event) -> Order {
-        let (over, begun) = (self.task.is_over(), matches!(self.task, Task::Cutting(_)));
-        if let (Some(arm), Event::Cut) = (self.task.pass(), event) {
+        let over = self.task.is_over();
+        if let (Some(arm), Event::Cut(_)) = (self.task.pass(), event) {
             self.travel.rest_at(std::array::from_fn(|axis| arm.pass.axes[axis].end));
         }
         let order = self.task.step(event);
         match (&order, event) {
             (Order::Arm(arm), _) => self.pass = (arm.pass.pass, arm.pass.depth_mm),
-            (_, Event::Begun) => self.program.queue.done(),
-            (_, Event::Cut) => {
+            (_, Event::Cut(_)) => {
                 self.spindle.set_ceiling(f64::INFINITY);
-                if !begun {
-                    self.program.queue.done();
-                }
+                self.program.queue.done();
             }
-            (_, Event::CalledOff) => self.spindle.set_ceiling(f64::INFINITY),
+            (_, Event::CalledOff | Event::Left) => self.spindle.set_ceiling(f64::INFINITY),
             _ => {}
+        }
+        if self.stops_spindle() {
+            self.program.switch_off(&mut self.spindle);
         }
         if self.task.is_over() && !over {
             self.program.switch_off(&mut self.spindle);
@@ -164,26 +195,41 @@ impl Interpolator {
     }
 
     /// Goes on with the task in hand: the setpoints of this tick, and what came of it.
-    fn work(&mut self, input: &In) -> (PerAxis<Setpoint>, Event) {
-        let cycle = input.measurement.cycle;
+    fn work(&mut self, measurement: &Measurement, cycle_starts: u32) -> (PerAxis<Setpoint>, Event) {
+        let cycle = measurement.cycle;
         let due = cycle.after(SETPOINT_LEAD * self.machine.cycles_per_tick());
-        let panel = &input.measurement.panel;
-        let axes = Axes::new(&self.machine, input.axes);
+        let panel = &self.panel;
+        let axes = Axes::new(&self.machine, &self.heard, cycle);
         let event = match &self.task {
-            Task::Enabling => self.take_over(input.measurement),
+            Task::Enabling => self.take_over(measurement),
             Task::Starting if axes.stream() => Event::Streaming,
-            Task::Ready { wait } => return self.begin(input, due, wait.after(panel.cycle_starts)),
-            Task::Moving { wait, fault } => {
-                return self.move_on(panel, due, wait.after(panel.cycle_starts), fault.is_some());
+            Task::Ready { wait } => return self.begin(cycle, due, wait.after(panel.cycle_starts)),
+            Task::Moving { wait, fault, back } => {
+                let back = back.map(|back| back.after(panel));
+                return self.move_on(due, wait.after(panel.cycle_starts), fault.is_some(), back);
             }
-            Task::Dwelling { left } if *left <= 1 || ends(panel) => Event::Over,
+            Task::Dwelling { left } if *left <= 1 => Event::Over(Wait::behind_block(panel)),
+            Task::Dwelling { .. } if ends(panel) => Event::Over(Wait::No),
             Task::Paused { cycle_starts } if panel.cycle_starts != *cycle_starts || ends(panel) => {
-                Event::Over
+                Event::Over(Wait::No)
             }
-            task @ (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_)) => {
-                let taken_back = panel.pressed(Panel::FEED_HOLD) || ends(panel);
-                pass::watch(task, &axes, cycle, self.machine.cycles_per_tick(), taken_back)
+            task if task.pass().is_some() => {
+                let look = Look {
+                    axes: &axes,
+                    cycle,
+                    tick: self.machine.cycles_per_tick(),
+                    panel,
+                    cycle_starts,
+                    leave_at: self.leave_at(cycle),
+                    in_vain: self.patience.is_over(&self.spindle),
+                };
+                let event = pass::watch(task, &look);
+                if event == Event::Left {
+                    self.travel.rest_at(axes.commanded(self.travel.here()));
+                }
+                event
             }
+            Task::Returning { back } => self.lead_back(cycle, back.after(panel)),
             Task::Ending { stopped } if self.spindle.stands() && (!stopped || self.led_to_rest()) => {
                 Event::Stands
             }
@@ -212,8 +258,8 @@ impl Interpolator {
     }
 
     /// At rest: begins what is next.
-    fn begin(&mut self, input: &In, due: Cycle, wait: Wait) -> (PerAxis<Setpoint>, Event) {
-        let panel = &input.measurement.panel;
+    fn begin(&mut self, cycle: Cycle, due: Cycle, wait: Wait) -> (PerAxis<Setpoint>, Event) {
+        let panel = &self.panel;
         let event = if ends(panel) {
             Event::Ends(true)
         } else if wait != Wait::No {
@@ -228,15 +274,15 @@ impl Interpolator {
                     Event::Waits(Wait::No)
                 }
                 Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
-                Next::Move(_) => return self.move_on(panel, due, Wait::No, false),
+                Next::Move(_) => return self.move_on(due, Wait::No, false, None),
                 Next::Work(work) if !self.spindle.lets(Feed::PerMinute(work.feed_mm_min)) => {
                     Event::Waits(Wait::No)
                 }
                 Next::Work(work) => match self.travel.begin_work(self.program.line, &work) {
-                    Ok(()) => return self.move_on(panel, due, Wait::No, false),
-                    Err(fault) => Event::Fault(fault),
+                    Ok(()) => return self.move_on(due, Wait::No, false, None),
+                    Err(fault) => refused(fault, cycle),
                 },
-                Next::Pass(pass) => self.begin_pass(input, &pass),
+                Next::Pass(pass) => self.begin_pass(cycle, &pass),
                 Next::Dwell(seconds) => {
                     Event::Dwells((seconds / self.machine.general.interpolator_cycle_s).ceil() as u64)
                 }
@@ -248,79 +294,76 @@ impl Interpolator {
     }
 
     /// A pass is next: leads the axes to its start, waits for speed and rest, then arms every axis.
-    fn begin_pass(&mut self, input: &In, pass: &ThreadPass) -> Event {
+    fn begin_pass(&mut self, cycle: Cycle, pass: &ThreadPass) -> Event {
         let stand = Stand {
             machine: &self.machine,
             here: self.travel.here(),
-            axes: &Axes::new(&self.machine, input.axes),
-            cycle: input.measurement.cycle,
+            axes: &Axes::new(&self.machine, &self.heard, cycle),
+            cycle,
             rested: self.patience.waited(),
         };
         match pass::prepare(pass, &stand, &mut self.spindle) {
-            Ok(Ready::Arm(arm)) => Event::Pass(arm, input.measurement.cycle),
+            Ok(Ready::Arm(arm)) => Event::Pass(arm, cycle),
             Ok(Ready::Wait) => Event::Waits(Wait::No),
             Ok(Ready::Lead(start)) => match self.travel.lead_to(self.program.line, &start) {
                 Ok(()) => Event::Moved(Moved::default()),
-                Err(fault) => Event::Fault(fault),
+                Err(fault) => refused(fault, cycle),
             },
-            Err(fault) => Event::Fault(fault),
+            Err(fault) => refused(fault, cycle),
+        }
+    }
+
+    /// A pass was left, the tool is clear: leads the other axes to its start, waits, then leads the tool
+    /// there.
+    fn lead_back(&mut self, cycle: Cycle, back: Back) -> Event {
+        let (here, panel) = (*self.travel.here(), &self.panel);
+        if ends(panel) {
+            return Event::Ends(true);
+        }
+        let Some(pass) = self.program.pass() else { return Event::Returned };
+        let mut start = here;
+        self.machine.axes().for_each(|(axis, _)| start[axis.index()] = pass.axis(axis).start);
+        let mut clear = start;
+        let lifts = pass.out.axis as usize;
+        clear[lifts] = here[lifts];
+        let waits = back != Back::Goes || panel.pressed(Panel::FEED_HOLD);
+        let target = match () {
+            () if here != clear => clear,
+            () if waits => {
+                self.patience.begin();
+                return Event::Waiting(back);
+            }
+            () if here == start => return Event::Returned,
+            () => start,
+        };
+        match self.travel.lead_to(self.program.line, &target) {
+            Ok(()) => Event::Moved(Moved { back: Some(back), ..Moved::default() }),
+            Err(fault) => refused(fault, cycle),
         }
     }
 
     /// One tick of timed motion.
-    fn move_on(&mut self, panel: &Panel, due: Cycle, wait: Wait, stops: bool) -> (PerAxis<Setpoint>, Event) {
+    fn move_on(
+        &mut self,
+        due: Cycle,
+        wait: Wait,
+        stops: bool,
+        back: Option<Back>,
+    ) -> (PerAxis<Setpoint>, Event) {
+        let panel = &self.panel;
         if panel.pressed(Panel::ABORT) {
             self.program.switch_off(&mut self.spindle);
         }
-        let hands = Hands { panel, spindle: &self.spindle, wait, stops };
+        let hands = Hands { panel, spindle: &self.spindle, wait, stops, back };
         let (setpoints, moved, line) = self.travel.tick(&mut self.program.queue, &hands, due);
         self.program.line = line.unwrap_or(self.program.line);
         (setpoints, Event::Moved(moved))
     }
+}
 
-    fn answer(&self, measurement: &Measurement, setpoints: &PerAxis<Setpoint>, order: &Order) -> Out {
-        let (cycle, line) = (measurement.cycle, self.program.line);
-        let mut frames = [AxisFrame::default(); AXES];
-        let stop_s = self.machine.stop_s(setpoints);
-        for (axis, _) in self.machine.axes() {
-            let i = axis.index();
-            let frame = AxisFrame::pack(cycle, line, setpoints[i], &order.of(axis));
-            frames[i] = AxisFrame { stop_s, ..frame };
-        }
-        let (state, arm) = (self.task.public(), self.task.pass());
-        let pass = arm.map(|arm| &arm.pass);
-        let spindle = SpindleCommand {
-            cycle,
-            rpm: self.spindle.commanded(),
-            finished: u32::from(self.finished()),
-            line,
-            pass: pass.map_or(0, |pass| pass.pass),
-            paused: u32::from(state == MachineState::Paused),
-            index_not_before: arm.map_or(Cycle(0), |arm| arm.not_before),
-            direction: pass.map_or(0.0, |pass| pass.direction),
-            groove: pass.map(Groove::of).unwrap_or_default(),
-        };
-        let queue = &self.program.queue;
-        let status = MachineStatus {
-            cycle,
-            state: state as u32,
-            fault: self.task.fault().map_or(0, |fault| fault as u32),
-            line,
-            pass: self.pass.0,
-            moves: self.travel.moves(),
-            taken: queue.taken().saturating_sub(self.travel.pending(queue.in_hand())),
-            overrides_clamped: self.spindle.clamped(),
-            stopped: u16::from(self.task.stopped()),
-            coolant: self.program.coolant,
-            spindle_rpm: self.spindle.commanded(),
-            spindle_override_pct: self.spindle.override_pct(),
-            feed_override_pct: measurement.panel.feed_override_pct,
-            depth_mm: self.pass.1,
-            starved: self.travel.starved(),
-            work: self.travel.cutting(),
-        };
-        Out { frames, spindle, status }
-    }
+/// A thing of the program that cannot be: the axes rest before it.
+fn refused(fault: protocol::Fault, cycle: Cycle) -> Event {
+    Event::Fault(Trouble { fault, at_once: false, way: Way::Leave(cycle) })
 }
 
 /// Whether the operator ends the program.

@@ -7,18 +7,22 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`Interpolator`] | one tick: an event is found, the task goes one step |
+//! | [`Interpolator`], `answer` | one tick: an event is found, the task goes one step, frames go out |
 //! | `task` | what the interpolator is doing: every state, every event, one function |
 //! | `program`, [`queue`] | the item in hand, what is executed at rest, items waiting, credit |
 //! | `travel`, `run` | timed motion: moves that run without a stop, overrides, hold, single block |
 //! | `working` | the work in hand, piece by piece |
 //! | `pass` | a pass before it is armed, and while it is watched |
-//! | `axes` | what the regulators say, taken together |
-//! | [`spindle`] | programmed speed, override and its ceiling, at speed |
+//! | `axes` | what the regulators say, taken together, and whether they say anything new |
+//! | `supervise` | what ends every task: axes, drives, spindle, panel, waits that are too long |
+//! | `guard` | slows the spindle where an axis comes near its limits in a thread |
+//! | [`spindle`] | programmed speed, override and its ceiling, at speed; whether it does what it is told |
 //! | `patience` | waits that are too long |
 #![forbid(unsafe_code)]
 
+mod answer;
 mod axes;
+mod guard;
 mod interpolator;
 mod pass;
 mod patience;
@@ -26,6 +30,7 @@ mod program;
 pub mod queue;
 mod run;
 pub mod spindle;
+mod supervise;
 mod task;
 mod travel;
 mod working;

@@ -8,13 +8,13 @@
 //! it.
 
 use machine::Machine;
-use protocol::{Axis, AxisCommand, Cycle, Fault, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
+use protocol::{Axis, Cycle, Fault, Panel, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
 use route::START_REACH_MM;
 
 use crate::{
     axes::Axes,
     spindle::Spindle,
-    task::{Event, InHand, Order, Task},
+    task::{Back, Event, InHand, Task, Trouble, Wait, Way, Why},
 };
 
 /// Interpolator cycles from arming to the first index that counts: one for the way there, one for the status
@@ -88,45 +88,88 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     Ok(Ready::Arm(InHand { pass: *pass, not_before }))
 }
 
-/// What a pass in hand finds in a tick: `task` is one of those that have one, `tick` the
-/// control cycles of a tick.
-pub(crate) fn watch(task: &Task, axes: &Axes, cycle: Cycle, tick: u64, taken_back: bool) -> Event {
-    let answered = |sent: &Cycle| cycle >= sent.after(ANSWER_TICKS * tick);
+/// What a tick looks at while a pass is in hand.
+pub(crate) struct Look<'a> {
+    /// What the axes say.
+    pub(crate) axes: &'a Axes<'a>,
+    /// The tick, and the control cycles of a tick.
+    pub(crate) cycle: Cycle,
+    /// The same.
+    pub(crate) tick: u64,
+    /// The operator's panel.
+    pub(crate) panel: &'a Panel,
+    /// What cycle start had been pressed before this tick.
+    pub(crate) cycle_starts: u32,
+    /// The cycle in which every axis leaves if it is told so now.
+    pub(crate) leave_at: Cycle,
+    /// Nobody waits for the axes any longer.
+    pub(crate) in_vain: bool,
+}
+
+impl Look<'_> {
+    fn presses(&self, button: u32) -> bool {
+        self.panel.pressed(button)
+    }
+
+    fn ends(&self) -> bool {
+        self.presses(Panel::STOP) || self.presses(Panel::ABORT)
+    }
+
+    /// Why an axis leaves that tells of no fault.
+    fn why(&self) -> Why {
+        let held =
+            if self.presses(Panel::FEED_HOLD) { Back::Held } else { Back::CycleStart(self.cycle_starts) };
+        if self.ends() { Why::Stopped } else { Why::Held(held) }
+    }
+
+    fn answered(&self, sent: Cycle) -> bool {
+        self.cycle >= sent.after(ANSWER_TICKS * self.tick)
+    }
+}
+
+/// What a pass in hand finds in a tick: `task` is one of those that have one.
+pub(crate) fn watch(task: &Task, look: &Look) -> Event {
+    let Look { axes, cycle, panel, .. } = look;
     match task {
-        Task::Arming { sent, .. } if !answered(sent) => Event::Nothing,
+        Task::Arming { sent, .. } if !look.answered(*sent) => Event::Nothing,
         Task::Arming { pass, .. } if axes.armed_with(pass.pass.pass) => Event::Armed,
-        Task::Arming { .. } => Event::Fault(Fault::PassCalledOff),
+        Task::Arming { .. } => called_off(look),
+        Task::Leaving { pass, why, way } => leaving(pass, *why, *way, look),
+        _ if axes.leave() => Event::Leaves(look.why(), look.leave_at),
         Task::Armed(_) if axes.begun() => Event::Begun,
-        Task::CallingOff { sent, .. } if answered(sent) && axes.under_law() => Event::Begun,
+        Task::CallingOff { sent, .. } if look.answered(*sent) && axes.under_law() => Event::Begun,
         Task::Armed(pass) | Task::CallingOff { pass, .. } | Task::Cutting(pass) if axes.stream() => {
             let calling_off = matches!(task, Task::CallingOff { .. });
             match () {
                 () if calling_off && axes.at_start_of(&pass.pass) => Event::CalledOff,
-                () if axes.at_end_of(&pass.pass) => Event::Cut,
-                () => Event::Fault(Fault::PassCalledOff),
+                () if axes.at_end_of(&pass.pass) => Event::Cut(Wait::behind_block(panel)),
+                // They have left it within one tick.
+                () if look.ends() || look.presses(Panel::FEED_HOLD) => {
+                    Event::Leaves(look.why(), look.leave_at)
+                }
+                () => called_off(look),
             }
         }
-        Task::Armed(_) if taken_back => Event::TakenBack(cycle),
+        Task::Armed(_) if look.presses(Panel::FEED_HOLD) || look.ends() => Event::TakenBack(*cycle),
         _ => Event::Nothing,
     }
 }
 
-impl Order {
-    /// The command of one axis.
-    pub(crate) fn of(&self, axis: Axis) -> AxisCommand {
-        match self {
-            Order::Stream => AxisCommand::Stream,
-            Order::Hold => AxisCommand::Hold,
-            Order::CallOff => AxisCommand::CallOff,
-            Order::Stop => AxisCommand::Stop,
-            Order::Arm(InHand { pass, not_before }) => AxisCommand::Arm {
-                pass: pass.pass,
-                s_rpm: pass.s_rpm,
-                direction: pass.direction,
-                not_before: *not_before,
-                out: pass.out,
-                law: *pass.axis(axis),
-            },
+fn called_off(look: &Look) -> Event {
+    let way = Way::Leave(look.leave_at);
+    Event::Fault(Trouble { fault: Fault::PassCalledOff, at_once: false, way })
+}
+
+/// What a tick finds on the way out of a pass.
+fn leaving(pass: &InHand, why: Why, way: Way, look: &Look) -> Event {
+    let axes = look.axes;
+    match why {
+        _ if way == Way::CallOff && (axes.under_law() || axes.leave()) => Event::Leaves(why, look.leave_at),
+        _ if axes.stream() && axes.rest() && axes.at_end_of(&pass.pass) => {
+            Event::Cut(Wait::behind_block(look.panel))
         }
+        _ if axes.rest() || look.in_vain => Event::Left,
+        Why::Held(back) if back.after(look.panel) != back => Event::Waiting(back.after(look.panel)),
+        _ => Event::Nothing,
     }
 }

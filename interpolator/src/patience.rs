@@ -20,10 +20,9 @@ impl Patience {
         Patience { tick_s, waited: 0, stalled: 0 }
     }
 
-    /// A tick begins. Nobody waits in vain while the operator holds the spindle at 0, or while a pass is cut,
-    /// however slowly.
-    pub(crate) fn tick(&mut self, spindle: &Spindle, cutting: bool) {
-        self.waited = if spindle.held() || cutting { 0 } else { self.waited + 1 };
+    /// A tick begins; `counts` if somebody waits in it.
+    pub(crate) fn tick(&mut self, spindle: &Spindle, counts: bool) {
+        self.waited = if counts { self.waited + 1 } else { 0 };
         self.stalled = if spindle.stalls() { self.stalled + 1 } else { 0 };
     }
 

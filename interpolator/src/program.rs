@@ -1,8 +1,6 @@
 //! The program at rest: what is executed without motion, and what takes time next.
 
-use protocol::{
-    Code, CodePacket, Feed, Item, MachineStatus, Refused, SpindleMode, SpindleSpeed, ThreadPass, Work,
-};
+use protocol::{Code, Feed, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Work};
 use route::Route;
 
 use crate::{queue::Queue, spindle::Spindle};
@@ -44,11 +42,6 @@ pub(crate) enum Next {
 }
 
 impl Program {
-    /// Takes an item of machine code.
-    pub(crate) fn push(&mut self, packet: &CodePacket) -> Result<(), Refused> {
-        self.queue.push(packet)
-    }
-
     /// Executes what needs no time, as far as one tick goes, and says what is next.
     pub(crate) fn next(&mut self, held: bool, spindle: &mut Spindle, route: &mut Route) -> Next {
         for _ in 0..ITEMS_PER_TICK {
@@ -92,8 +85,11 @@ impl Program {
         self.queue.is_dry() && self.queue.failed()
     }
 
-    /// The item in hand.
-    pub(crate) fn in_hand(&self) -> Option<&Item> {
-        self.queue.in_hand()
+    /// The pass in hand.
+    pub(crate) fn pass(&self) -> Option<&ThreadPass> {
+        match &self.queue.in_hand()?.code {
+            Code::Pass(pass) => Some(pass),
+            _ => None,
+        }
     }
 }

@@ -13,7 +13,7 @@ use crate::{
     queue::Queue,
     run::Run,
     spindle::Spindle,
-    task::{Moved, Wait},
+    task::{Back, Moved, Wait},
     working::Working,
 };
 
@@ -51,6 +51,18 @@ pub(crate) struct Hands<'a> {
     pub(crate) wait: Wait,
     /// A fault waits for the axes to stand.
     pub(crate) stops: bool,
+    /// The motion leads back to a pass that was left: no move of the program, and the hold that led there
+    /// does not hold it.
+    pub(crate) back: Option<Back>,
+}
+
+impl Hands<'_> {
+    fn holds(&self) -> bool {
+        match self.back {
+            Some(back) => back.held_again(self.panel),
+            None => self.panel.pressed(Panel::FEED_HOLD),
+        }
+    }
 }
 
 impl Travel {
@@ -152,23 +164,22 @@ impl Travel {
         let ends = panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT);
         let single = panel.pressed(Panel::SINGLE_BLOCK);
         let taken = if hands.stops { Ok(()) } else { self.take(queue, single) };
-        let mut moved = Moved { wait: hands.wait, fault: taken.err(), ends, stands: false };
+        let mut moved = Moved { wait: hands.wait, fault: taken.err(), ends, stands: false, back: hands.back };
         let last = ends || hands.stops || moved.fault.is_some();
         let feeds = self.run.last().is_some_and(|leg| leg.feed != Feed::Rapid);
         let ask = Ask {
             ratios: self.ratios(panel, hands.spindle.observed()),
-            hold: last
-                || panel.pressed(Panel::FEED_HOLD)
-                || hands.wait != Wait::No
-                || feeds && hands.spindle.held(),
-            single: single && !self.working.in_hand(),
+            hold: last || hands.holds() || hands.wait != Wait::No || feeds && hands.spindle.held(),
+            single: single && !self.working.in_hand() && hands.back.is_none(),
             more: !queue.is_dry(),
         };
         let Some(step) = self.run.tick(&ask) else {
             self.arrive(panel, &mut moved);
             return (self.rest(due), moved, None);
         };
-        self.count(&step, queue);
+        if hands.back.is_none() {
+            self.count(&step, queue);
+        }
         if step.rejected {
             moved.fault = moved.fault.or(Some(Fault::PlanRejected));
         }
@@ -216,7 +227,7 @@ impl Travel {
         if self.run.is_over() && self.working.end_if_drawn() {
             self.moves += 1;
             if panel.pressed(Panel::SINGLE_BLOCK) {
-                moved.wait = Wait::CycleStart(panel.cycle_starts);
+                moved.wait = Wait::behind_block(panel);
             }
         }
         self.run.clear();

@@ -2,9 +2,12 @@
 //! been checked.
 
 use motion::Exit;
-use protocol::{Arc, Axis, PerAxis, Position, Setpoint, ThreadPass};
+use protocol::{Arc, Axis, AxisLaw, PerAxis, Position, Setpoint, ThreadPass};
 
 use crate::{AxisConfig, Kinematics, Machine};
+
+/// Places that differ by less are one, mm: what the wire rounds to, and a sum of two strokes.
+const SAME_MM: f64 = 1e-6;
 
 /// A stop without a plan takes so much longer than one that uses the limits to the full.
 const STOP_MARGIN: f64 = 1.1;
@@ -50,11 +53,14 @@ impl Machine {
     }
 
     /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its
-    /// travel, to the end the law names, and begins late enough to be called off. The pass has been checked.
+    /// travel, to the end the law names, which is not its start, and begins late enough to be called off. The
+    /// pass has been checked.
     pub fn can_follow(&self, pass: &ThreadPass) -> bool {
         let lathe = self.general.kinematics == Kinematics::Lathe; // only a lathe cuts threads
+        let ends_elsewhere = |law: &AxisLaw| (law.end.mm() - law.start.mm()).abs() > SAME_MM;
         lathe
             && self.can_call_off(pass)
+            && self.axes().any(|(axis, _)| ends_elsewhere(pass.axis(axis)))
             && self.axes().all(|(axis, config)| {
                 let law = pass.axis(axis);
                 let (start, way) = (law.start.mm(), law.law(pass.s_rpm));
@@ -62,7 +68,7 @@ impl Machine {
                 let end = start + way.at(law.done_deg()).s;
                 let travel = config.travel_mm[0]..=config.travel_mm[1];
                 top >= pass.max_ratio * (1.0 - 1e-9)
-                    && (end - law.end.mm()).abs() < 1e-6
+                    && (end - law.end.mm()).abs() < SAME_MM
                     && [start, start + law.stroke_mm, end].iter().all(|mm| travel.contains(mm))
             })
     }

@@ -11,27 +11,44 @@
 //! | Ready | the program ends, or the operator ends it | Ending | stream |
 //! | Moving | the axes stand, and a fault waited for that | Fault | stream, then as Fault |
 //! | Moving | the axes stand, and the operator ends the program | Ending | stream |
-//! | Moving | the axes stand at the end of the chain | Ready | stream |
+//! | Moving | the axes stand at the end of the chain | Ready, or Returning to a pass | stream |
 //! | Dwelling, Paused | over, or the operator ends the program | Ready | stream |
 //! | Arming | every axis is armed two ticks later | Armed | hold |
 //! | Arming | one is not | Fault | **call off** |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
 //! | Armed | an axis has seen the index | Cutting | hold |
 //! | CallingOff | two ticks later the law of the pass leads an axis all the same | Cutting | hold |
-//! | CallingOff | every axis streams at the start of the pass | Ready | stream |
-//! | Armed, Cutting | every axis streams at the end of the pass | Ready | hold |
-//! | CallingOff | the same | Ready | stream |
+//! | CallingOff | every axis streams at the start of the pass | Ready | hold |
+//! | Armed, CallingOff, Cutting | every axis streams at the end of the pass | Ready | hold |
+//! | Armed, CallingOff, Cutting | an axis leaves the pass | Leaving | **leave** |
+//! | Leaving, held | every axis rests | Returning; Ready at the end of the pass | hold |
+//! | Leaving, stopped | every axis rests | Ending | hold |
+//! | Leaving, for a fault | every axis that lives rests | Fault | hold |
+//! | Returning | the tool is clear: a move to the start of the pass goes | as Moving | stream |
+//! | Returning | released, every axis at the start of the pass | Ready | stream |
+//! | Returning | the operator ends the program | Ending | stream |
 //! | Ending | the spindle stands | Ended | stream |
-//! | any but Fault and Ended | fault | Fault; Moving brakes on its path first, unless an axis has faulted | as below |
+//! | Armed, CallingOff | fault | Leaving for it | **call off**; **leave** once an axis moves |
+//! | Cutting | fault | Leaving for it | **leave**, or hold where the pass may be finished |
+//! | Moving | fault that leaves every axis able to move | Moving, brakes on its path | stream |
+//! | any but Fault and Ended | fault | Fault | as below |
 //!
-//! In Fault the axes are told: to call off a pass that has not begun; to hold, that is to follow their laws,
-//! in one that has; to stop at once if one of them faulted in timed motion; to hold otherwise.
+//! In Fault the axes are told: to call off a pass that is being armed; to stop at once if one of them cannot
+//! be led any more; to hold otherwise. The first fault is the one that stays, but a cause takes the place of
+//! its consequence.
 //!
-//! Once a pass has begun nothing takes it back. Whether it is over is judged by where the axes rest: its
-//! start and its end are different places, so a pass that has been cut cannot be taken for one that was
-//! called off.
+//! An axis that leaves a pass by itself, for the panel or a fault, tells so; the interpolator tells the
+//! others, which know as well. A pass that was left by a hold stays in hand: it is armed again from its
+//! start, on the same groove. Whether a pass is over is judged by where the axes rest: its start and its end
+//! are different places, so a pass that has been cut cannot be taken for one that was called off.
 
-use protocol::{Cycle, Fault, MachineState, ThreadPass};
+mod event;
+mod order;
+
+use protocol::{Cycle, Fault, MachineState};
+
+pub(crate) use event::{Back, Event, InHand, Moved, Trouble, Wait, Way, Why};
+pub(crate) use order::Order;
 
 /// What the interpolator is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +69,8 @@ pub(crate) enum Task {
         wait: Wait,
         /// What ends the program as soon as the axes stand.
         fault: Option<Fault>,
+        /// It leads back to a pass that was left.
+        back: Option<Back>,
     },
     /// Waits so many ticks.
     Dwelling {
@@ -81,6 +100,20 @@ pub(crate) enum Task {
     },
     /// The regulators cut a pass.
     Cutting(InHand),
+    /// The regulators lead the tool out of a pass.
+    Leaving {
+        /// The pass.
+        pass: InHand,
+        /// Why.
+        why: Why,
+        /// How.
+        way: Way,
+    },
+    /// A pass was left, is still in hand, and is to be entered again; the axes rest, the tool is clear.
+    Returning {
+        /// What it waits for.
+        back: Back,
+    },
     /// The program is over, the spindle runs down.
     Ending {
         /// The operator ended it.
@@ -100,101 +133,6 @@ pub(crate) enum Task {
     },
 }
 
-/// A pass in hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct InHand {
-    /// The pass.
-    pub(crate) pass: ThreadPass,
-    /// The first cycle whose index counts.
-    pub(crate) not_before: Cycle,
-}
-
-/// Single block: what the next block waits for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wait {
-    /// Nothing.
-    #[default]
-    No,
-    /// That cycle start has been pressed more often than this.
-    CycleStart(u32),
-}
-
-impl Wait {
-    /// What is left to wait for, now that cycle start was pressed so often.
-    pub(crate) fn after(self, cycle_starts: u32) -> Wait {
-        if self == Wait::CycleStart(cycle_starts) { self } else { Wait::No }
-    }
-}
-
-/// What every axis is told in a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)] // lives on the stack for one tick
-pub(crate) enum Order {
-    /// Follow the setpoint of the frame.
-    Stream,
-    /// Hold, or go on with the pass in hand.
-    Hold,
-    /// Cut this pass.
-    Arm(InHand),
-    /// Give up a pass that has not begun to move.
-    CallOff,
-    /// Come to rest at once.
-    Stop,
-}
-
-/// What a tick finds. One that means nothing to a state leaves it as it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)] // lives on the stack for one tick
-pub(crate) enum Event {
-    /// Nothing that matters.
-    Nothing,
-    /// Something ends every task.
-    Fault(Fault),
-    /// Every drive holds its axis.
-    Enabled,
-    /// Every axis follows setpoints.
-    Streaming,
-    /// At rest, and single block may be waiting.
-    Waits(Wait),
-    /// The program dwells so many ticks.
-    Dwells(u64),
-    /// The program pauses; cycle start had been pressed so often.
-    Pauses(u32),
-    /// A dwell or a pause is over.
-    Over,
-    /// One tick of timed motion.
-    Moved(Moved),
-    /// A pass is next, and may begin.
-    Pass(InHand, Cycle),
-    /// Every axis waits for the index.
-    Armed,
-    /// The operator wants the machine to hold, or to end the program, in this tick.
-    TakenBack(Cycle),
-    /// An axis has seen the index; of a pass that is called off, its law leads an axis.
-    Begun,
-    /// The pass is called off, every axis rests at its start.
-    CalledOff,
-    /// The pass is cut, every axis rests at its end.
-    Cut,
-    /// The program is over; whether the operator ended it.
-    Ends(bool),
-    /// The spindle stands.
-    Stands,
-}
-
-/// What one tick of timed motion brought.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Moved {
-    /// What single block waits for now.
-    pub(crate) wait: Wait,
-    /// A move cannot be made: the machine stops before it.
-    pub(crate) fault: Option<Fault>,
-    /// The operator ends the program.
-    pub(crate) ends: bool,
-    /// The axes stand at the end of the chain, or on their path because the program ends there.
-    pub(crate) stands: bool,
-}
-
 impl Task {
     /// Goes on to the state after an event, and says what the axes are told in this tick.
     pub(crate) fn step(&mut self, event: &Event) -> Order {
@@ -207,11 +145,14 @@ impl Task {
     fn order_towards(&self, next: &Task) -> Order {
         match (self, next) {
             (Task::Ready { .. }, Task::Arming { pass, .. }) => Order::Arm(*pass),
-            (Task::Moving { .. } | Task::Ready { .. }, _) => Order::Stream,
+            (_, Task::Fault { order: Order::Stop, .. }) => Order::Stop,
+            (Task::Moving { .. } | Task::Ready { .. } | Task::Returning { .. }, _) => Order::Stream,
             (_, Task::Fault { order, .. }) => *order,
-            (_, Task::CallingOff { .. }) => Order::CallOff,
-            (Task::Enabling | Task::Arming { .. } | Task::Armed(_) | Task::Cutting(_), _) => Order::Hold,
-            (_, Task::Cutting(_)) => Order::Hold,
+            (_, Task::CallingOff { .. } | Task::Leaving { way: Way::CallOff, .. }) => Order::CallOff,
+            (_, Task::Leaving { way: Way::Leave(at), .. }) => Order::Leave(*at),
+            (Task::Enabling, _) => Order::Hold,
+            // The setpoint of a tick in which a pass ends is of the time before it.
+            (task, _) | (_, task) if task.pass().is_some() => Order::Hold,
             _ => Order::Stream,
         }
     }
@@ -220,10 +161,7 @@ impl Task {
     fn next(&self, event: &Event) -> Option<Task> {
         let next = match (self, event) {
             (Task::Fault { .. } | Task::Ended { .. }, _) => return None,
-            (Task::Moving { wait, fault }, Event::Fault(new)) if *new != Fault::AxisFault => {
-                Task::Moving { wait: *wait, fault: fault.or(Some(*new)) }
-            }
-            (_, Event::Fault(fault)) => Task::Fault { fault: *fault, order: self.order_in(*fault) },
+            (_, Event::Fault(trouble)) => self.after_fault(trouble),
             (Task::Enabling, Event::Enabled) => Task::Starting,
             (Task::Starting, Event::Streaming) => Task::Ready { wait: Wait::No },
             (Task::Ready { wait: before }, Event::Waits(wait)) if before != wait => {
@@ -233,33 +171,84 @@ impl Task {
             (Task::Ready { .. }, Event::Pauses(cycle_starts)) => Task::Paused { cycle_starts: *cycle_starts },
             (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass: *pass, sent: *sent },
             (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
-            (Task::Ready { .. }, Event::Moved(moved)) => moved.task(None),
-            (Task::Moving { wait, fault }, Event::Moved(moved)) => {
-                let as_before = !moved.stands && moved.wait == *wait && moved.fault.is_none();
+            (Task::Ready { .. } | Task::Returning { .. }, Event::Moved(moved)) => moved.task(None),
+            (Task::Moving { wait, fault, back }, Event::Moved(moved)) => {
+                let same = (*wait, *back) == (moved.wait, moved.back);
+                let as_before = !moved.stands && same && moved.fault.is_none();
                 return (!as_before).then(|| moved.task(*fault));
             }
             (Task::Dwelling { left }, Event::Nothing) => Task::Dwelling { left: left.saturating_sub(1) },
-            (Task::Dwelling { .. } | Task::Paused { .. }, Event::Over) => Task::Ready { wait: Wait::No },
+            (Task::Dwelling { .. } | Task::Paused { .. }, Event::Over(wait)) => Task::Ready { wait: *wait },
             (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(*pass),
             (Task::Armed(pass), Event::TakenBack(sent)) => Task::CallingOff { pass: *pass, sent: *sent },
             (Task::Armed(pass) | Task::CallingOff { pass, .. }, Event::Begun) => Task::Cutting(*pass),
             (Task::CallingOff { .. }, Event::CalledOff) => Task::Ready { wait: Wait::No },
-            (Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_), Event::Cut) => {
-                Task::Ready { wait: Wait::No }
+            (
+                Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_) | Task::Leaving { .. },
+                Event::Cut(_) | Event::Leaves(..) | Event::Waiting(_) | Event::Left,
+            ) => return self.out_of_pass(event),
+            (Task::Returning { back: before }, Event::Waiting(back)) if before != back => {
+                Task::Returning { back: *back }
             }
+            (Task::Returning { .. }, Event::Returned) => Task::Ready { wait: Wait::No },
+            (Task::Returning { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
             (Task::Ending { stopped }, Event::Stands) => Task::Ended { stopped: *stopped },
             _ => return None,
         };
         Some(next)
     }
 
-    /// What the axes are told once a fault has ended this task.
-    fn order_in(&self, fault: Fault) -> Order {
-        match (self, fault) {
-            (Task::Arming { .. } | Task::Armed(_) | Task::CallingOff { .. }, _) => Order::CallOff,
-            (Task::Cutting(_), _) => Order::Hold,
-            (_, Fault::AxisFault) => Order::Stop,
-            _ => Order::Hold,
+    /// What follows a pass that has begun.
+    fn out_of_pass(&self, event: &Event) -> Option<Task> {
+        let next = match (self, event) {
+            (Task::Leaving { pass, why, way: Way::CallOff }, Event::Leaves(_, at)) => {
+                Task::Leaving { pass: *pass, why: *why, way: Way::Leave(*at) }
+            }
+            (Task::Leaving { pass, why: Why::Held(_), way }, Event::Waiting(back)) => {
+                Task::Leaving { pass: *pass, why: Why::Held(*back), way: *way }
+            }
+            (Task::Leaving { why: Why::Held(back), .. }, Event::Left) => Task::Returning { back: *back },
+            (Task::Leaving { why: Why::Held(_), .. }, Event::Cut(wait)) => Task::Ready { wait: *wait },
+            (Task::Leaving { why: Why::Stopped, .. }, Event::Left | Event::Cut(_)) => {
+                Task::Ending { stopped: true }
+            }
+            (Task::Leaving { why: Why::Fault(fault), .. }, Event::Left | Event::Cut(_)) => {
+                Task::Fault { fault: *fault, order: Order::Hold }
+            }
+            (Task::Leaving { .. }, _) => return None,
+            (task, Event::Leaves(why, at)) => {
+                Task::Leaving { pass: *task.pass()?, why: *why, way: Way::Leave(*at) }
+            }
+            (_, Event::Cut(wait)) => Task::Ready { wait: *wait },
+            _ => return None,
+        };
+        Some(next)
+    }
+
+    /// The state after a fault. The first one stays, unless it was the consequence of this one.
+    fn after_fault(&self, trouble: &Trouble) -> Task {
+        let Trouble { fault, at_once, way } = *trouble;
+        match *self {
+            Task::Moving { fault: before, .. } if at_once => {
+                Task::Fault { fault: before.unwrap_or(fault), order: Order::Stop }
+            }
+            Task::Moving { wait, fault: before, back } => {
+                Task::Moving { wait, fault: before.or(Some(fault)), back }
+            }
+            Task::Arming { .. } => Task::Fault { fault, order: Order::CallOff },
+            Task::Armed(pass) | Task::CallingOff { pass, .. } => {
+                Task::Leaving { pass, why: Why::Fault(fault), way: Way::CallOff }
+            }
+            Task::Cutting(pass) => Task::Leaving { pass, why: Why::Fault(fault), way },
+            Task::Leaving { pass, why, way: before } => {
+                let first = match why {
+                    Why::Fault(first) if first != Fault::AxisFault => first,
+                    _ => fault,
+                };
+                let way = if before == Way::Finish { way } else { before };
+                Task::Leaving { pass, why: Why::Fault(first), way }
+            }
+            _ => Task::Fault { fault, order: if at_once { Order::Stop } else { Order::Hold } },
         }
     }
 
@@ -267,13 +256,17 @@ impl Task {
     pub(crate) fn public(&self) -> MachineState {
         match self {
             Task::Enabling | Task::Starting => MachineState::Starting,
-            Task::Ready { wait: Wait::No } => MachineState::Ready,
+            Task::Ready { wait: Wait::No } | Task::Returning { back: Back::Goes } => MachineState::Ready,
             Task::Moving { wait: Wait::No, .. } => MachineState::Moving,
-            Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } => MachineState::Paused,
-            Task::Dwelling { .. } | Task::Ending { .. } => MachineState::Waiting,
-            Task::Arming { .. } | Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_) => {
-                MachineState::Threading
+            Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } | Task::Returning { .. } => {
+                MachineState::Paused
             }
+            Task::Dwelling { .. } | Task::Ending { .. } => MachineState::Waiting,
+            Task::Arming { .. }
+            | Task::Armed(_)
+            | Task::CallingOff { .. }
+            | Task::Cutting(_)
+            | Task::Leaving { .. } => MachineState::Threading,
             Task::Ended { .. } => MachineState::Ended,
             Task::Fault { .. } => MachineState::Fault,
         }
@@ -285,7 +278,8 @@ impl Task {
             Task::Arming { pass, .. }
             | Task::Armed(pass)
             | Task::CallingOff { pass, .. }
-            | Task::Cutting(pass) => Some(pass),
+            | Task::Cutting(pass)
+            | Task::Leaving { pass, .. } => Some(pass),
             _ => None,
         }
     }
@@ -293,7 +287,7 @@ impl Task {
     /// The fault that is latched.
     pub(crate) fn fault(&self) -> Option<Fault> {
         match self {
-            Task::Fault { fault, .. } => Some(*fault),
+            Task::Fault { fault, .. } | Task::Leaving { why: Why::Fault(fault), .. } => Some(*fault),
             _ => None,
         }
     }
@@ -306,19 +300,6 @@ impl Task {
     /// Whether nothing begins any more: the spindle runs down, or stands.
     pub(crate) fn is_over(&self) -> bool {
         matches!(self, Task::Ending { .. } | Task::Ended { .. } | Task::Fault { .. })
-    }
-}
-
-impl Moved {
-    /// The task after it; `fault` had waited for the axes to stand.
-    fn task(self, fault: Option<Fault>) -> Task {
-        let fault = fault.or(self.fault);
-        match (self.stands, fault) {
-            (false, fault) => Task::Moving { wait: self.wait, fault },
-            (true, Some(fault)) => Task::Fault { fault, order: Order::Hold },
-            (true, None) if self.ends => Task::Ending { stopped: true },
-            (true, None) => Task::Ready { wait: self.wait },
-        }
     }
 }
 

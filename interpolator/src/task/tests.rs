@@ -1,7 +1,7 @@
 //! Every state and every event: what follows is written down here once more, by name, as a table. What the
 //! table does not name must change nothing.
 
-use protocol::{Axis, AxisCommand};
+use protocol::{Axis, AxisCommand, ThreadPass};
 
 use super::*;
 
@@ -9,23 +9,38 @@ fn arm() -> InHand {
     InHand { pass: ThreadPass { pass: 7, s_rpm: 600.0, ..ThreadPass::default() }, not_before: Cycle(40) }
 }
 
+fn leaving(why: Why, way: Way) -> Task {
+    Task::Leaving { pass: arm(), why, way }
+}
+
+const LEAVE: Way = Way::Leave(Cycle(60));
+
 /// A state of each kind, by name.
 fn states() -> Vec<(&'static str, Task)> {
     let waits = Wait::CycleStart(3);
+    let moving = |wait, fault, back| Task::Moving { wait, fault, back };
     vec![
         ("enabling", Task::Enabling),
         ("starting", Task::Starting),
         ("ready", Task::Ready { wait: Wait::No }),
         ("ready waiting", Task::Ready { wait: waits }),
-        ("moving", Task::Moving { wait: Wait::No, fault: None }),
-        ("moving waiting", Task::Moving { wait: waits, fault: None }),
-        ("braking", Task::Moving { wait: Wait::No, fault: Some(Fault::TravelLimit) }),
+        ("moving", moving(Wait::No, None, None)),
+        ("moving waiting", moving(waits, None, None)),
+        ("moving back", moving(Wait::No, None, Some(Back::Held))),
+        ("braking", moving(Wait::No, Some(Fault::TravelLimit), None)),
         ("dwelling", Task::Dwelling { left: 5 }),
         ("paused", Task::Paused { cycle_starts: 3 }),
         ("arming", Task::Arming { pass: arm(), sent: Cycle(20) }),
         ("armed", Task::Armed(arm())),
         ("calling off", Task::CallingOff { pass: arm(), sent: Cycle(48) }),
         ("cutting", Task::Cutting(arm())),
+        ("leaving held", leaving(Why::Held(Back::Held), LEAVE)),
+        ("leaving stopped", leaving(Why::Stopped, LEAVE)),
+        ("leaving, fault", leaving(Why::Fault(Fault::BadMachineCode), LEAVE)),
+        ("leaving, derived", leaving(Why::Fault(Fault::AxisFault), LEAVE)),
+        ("leaving, call off", leaving(Why::Fault(Fault::BadMachineCode), Way::CallOff)),
+        ("leaving, finish", leaving(Why::Fault(Fault::RegulatorSilent), Way::Finish)),
+        ("returning", Task::Returning { back: Back::Held }),
         ("ending", Task::Ending { stopped: false }),
         ("ending stopped", Task::Ending { stopped: true }),
         ("ended", Task::Ended { stopped: false }),
@@ -39,31 +54,42 @@ fn states() -> Vec<(&'static str, Task)> {
 fn events() -> Vec<(&'static str, Event)> {
     let moved = Moved::default();
     let stands = Moved { stands: true, ..moved };
+    let back = Some(Back::Held);
+    let fault = |fault, at_once| Event::Fault(Trouble { fault, at_once, way: Way::Leave(Cycle(72)) });
     vec![
         ("nothing", Event::Nothing),
-        ("axis fault", Event::Fault(Fault::AxisFault)),
-        ("other fault", Event::Fault(Fault::BadMachineCode)),
+        ("axis fault", fault(Fault::AxisJump, true)),
+        ("other fault", fault(Fault::BadMachineCode, false)),
         ("enabled", Event::Enabled),
         ("streaming", Event::Streaming),
         ("waits", Event::Waits(Wait::No)),
         ("waits for cycle start", Event::Waits(Wait::CycleStart(3))),
         ("dwells", Event::Dwells(5)),
         ("pauses", Event::Pauses(3)),
-        ("over", Event::Over),
+        ("over", Event::Over(Wait::No)),
+        ("over, block done", Event::Over(Wait::CycleStart(3))),
         ("moved", Event::Moved(moved)),
         ("moved, block done", Event::Moved(Moved { wait: Wait::CycleStart(3), ..moved })),
         ("moved, no further", Event::Moved(Moved { fault: Some(Fault::TravelLimit), ..moved })),
         ("moved, operator ends", Event::Moved(Moved { ends: true, ..moved })),
+        ("moved back", Event::Moved(Moved { back, ..moved })),
         ("stands", Event::Moved(stands)),
         ("stands, block done", Event::Moved(Moved { wait: Wait::CycleStart(3), ..stands })),
         ("stands, no further", Event::Moved(Moved { fault: Some(Fault::TravelLimit), ..stands })),
         ("stands, operator ends", Event::Moved(Moved { ends: true, ..stands })),
+        ("stands back", Event::Moved(Moved { back, ..stands })),
         ("pass", Event::Pass(arm(), Cycle(20))),
         ("armed", Event::Armed),
         ("taken back", Event::TakenBack(Cycle(48))),
         ("begun", Event::Begun),
         ("called off", Event::CalledOff),
-        ("cut", Event::Cut),
+        ("cut", Event::Cut(Wait::No)),
+        ("cut, block done", Event::Cut(Wait::CycleStart(3))),
+        ("leaves, held", Event::Leaves(Why::Held(Back::Held), Cycle(60))),
+        ("leaves, stopped", Event::Leaves(Why::Stopped, Cycle(60))),
+        ("released", Event::Waiting(Back::Goes)),
+        ("left", Event::Left),
+        ("returned", Event::Returned),
         ("ends", Event::Ends(false)),
         ("operator ends", Event::Ends(true)),
         ("spindle stands", Event::Stands),
@@ -85,36 +111,90 @@ const TABLE: &[(&str, &str, &str)] = &[
     ("ready", "moved, block done", "moving waiting"),
     ("ready", "moved, no further", "braking"),
     ("ready", "moved, operator ends", "moving"),
+    ("ready", "moved back", "moving back"),
     ("ready", "stands", "ready"),
     ("ready", "stands, block done", "ready waiting"),
     ("ready", "stands, no further", "fault, hold"),
     ("ready", "stands, operator ends", "ending stopped"),
+    ("ready", "stands back", "returning"),
     ("moving", "moved", "moving"),
     ("moving", "moved, block done", "moving waiting"),
     ("moving", "moved, no further", "braking"),
     ("moving", "moved, operator ends", "moving"),
+    ("moving", "moved back", "moving back"),
     ("moving", "stands", "ready"),
     ("moving", "stands, block done", "ready waiting"),
     ("moving", "stands, no further", "fault, hold"),
     ("moving", "stands, operator ends", "ending stopped"),
+    ("moving", "stands back", "returning"),
     ("moving", "other fault", "braking"),
+    ("moving back", "other fault", "braking back"),
+    ("moving back", "moved, no further", "braking"),
     ("braking", "stands", "fault, hold"),
     ("braking", "stands, block done", "fault, hold"),
     ("braking", "stands, no further", "fault, hold"),
     ("braking", "stands, operator ends", "fault, hold"),
+    ("braking", "stands back", "fault, hold"),
     ("braking", "moved, block done", "braking"),
+    ("braking", "moved back", "braking back"),
     ("braking", "other fault", "braking"),
     ("dwelling", "nothing", "dwelling"),
     ("dwelling", "over", "ready"),
+    ("dwelling", "over, block done", "ready waiting"),
     ("paused", "over", "ready"),
+    ("paused", "over, block done", "ready waiting"),
     ("arming", "armed", "armed"),
     ("armed", "taken back", "calling off"),
     ("armed", "begun", "cutting"),
     ("armed", "cut", "ready"),
+    ("armed", "cut, block done", "ready waiting"),
+    ("armed", "leaves, held", "leaving held"),
+    ("armed", "leaves, stopped", "leaving stopped"),
     ("calling off", "begun", "cutting"),
     ("calling off", "called off", "ready"),
     ("calling off", "cut", "ready"),
+    ("calling off", "cut, block done", "ready waiting"),
+    ("calling off", "leaves, held", "leaving held"),
+    ("calling off", "leaves, stopped", "leaving stopped"),
     ("cutting", "cut", "ready"),
+    ("cutting", "cut, block done", "ready waiting"),
+    ("cutting", "leaves, held", "leaving held"),
+    ("cutting", "leaves, stopped", "leaving stopped"),
+    ("leaving held", "released", "leaving released"),
+    ("leaving held", "left", "returning"),
+    ("leaving held", "cut", "ready"),
+    ("leaving held", "cut, block done", "ready waiting"),
+    ("leaving stopped", "left", "ending stopped"),
+    ("leaving stopped", "cut", "ending stopped"),
+    ("leaving stopped", "cut, block done", "ending stopped"),
+    ("leaving, fault", "left", "fault, hold"),
+    ("leaving, fault", "cut", "fault, hold"),
+    ("leaving, fault", "cut, block done", "fault, hold"),
+    ("leaving, derived", "left", "fault, hold"),
+    ("leaving, derived", "cut", "fault, hold"),
+    ("leaving, derived", "cut, block done", "fault, hold"),
+    ("leaving, call off", "leaves, held", "leaving, fault"),
+    ("leaving, call off", "leaves, stopped", "leaving, fault"),
+    ("leaving, call off", "left", "fault, hold"),
+    ("leaving, call off", "cut", "fault, hold"),
+    ("leaving, call off", "cut, block done", "fault, hold"),
+    ("leaving, finish", "left", "fault, hold"),
+    ("leaving, finish", "cut", "fault, hold"),
+    ("leaving, finish", "cut, block done", "fault, hold"),
+    ("returning", "moved", "moving"),
+    ("returning", "moved, block done", "moving waiting"),
+    ("returning", "moved, no further", "braking"),
+    ("returning", "moved, operator ends", "moving"),
+    ("returning", "moved back", "moving back"),
+    ("returning", "stands", "ready"),
+    ("returning", "stands, block done", "ready waiting"),
+    ("returning", "stands, no further", "fault, hold"),
+    ("returning", "stands, operator ends", "ending stopped"),
+    ("returning", "stands back", "returning"),
+    ("returning", "released", "returning released"),
+    ("returning", "returned", "ready"),
+    ("returning", "ends", "ending"),
+    ("returning", "operator ends", "ending stopped"),
     ("ending", "spindle stands", "ended"),
     ("ending stopped", "spindle stands", "ended stopped"),
 ];
@@ -126,7 +206,9 @@ fn name(task: &Task) -> &'static str {
         Task::Starting => "starting",
         Task::Ready { wait: Wait::No } => "ready",
         Task::Ready { .. } => "ready waiting",
+        Task::Moving { fault: Some(_), back: Some(_), .. } => "braking back",
         Task::Moving { fault: Some(_), .. } => "braking",
+        Task::Moving { back: Some(_), .. } => "moving back",
         Task::Moving { wait: Wait::No, .. } => "moving",
         Task::Moving { .. } => "moving waiting",
         Task::Dwelling { .. } => "dwelling",
@@ -135,6 +217,15 @@ fn name(task: &Task) -> &'static str {
         Task::Armed(_) => "armed",
         Task::CallingOff { .. } => "calling off",
         Task::Cutting(_) => "cutting",
+        Task::Leaving { why: Why::Held(Back::Goes), .. } => "leaving released",
+        Task::Leaving { why: Why::Held(_), .. } => "leaving held",
+        Task::Leaving { why: Why::Stopped, .. } => "leaving stopped",
+        Task::Leaving { way: Way::CallOff, .. } => "leaving, call off",
+        Task::Leaving { way: Way::Finish, .. } => "leaving, finish",
+        Task::Leaving { why: Why::Fault(Fault::AxisFault), .. } => "leaving, derived",
+        Task::Leaving { .. } => "leaving, fault",
+        Task::Returning { back: Back::Goes } => "returning released",
+        Task::Returning { .. } => "returning",
         Task::Ending { stopped: false } => "ending",
         Task::Ending { stopped: true } => "ending stopped",
         Task::Ended { stopped: false } => "ended",
@@ -152,18 +243,20 @@ fn stepped(mut task: Task, event: Event) -> (Task, Order) {
 }
 
 fn kind(state: &'static str) -> &'static str {
-    state.strip_suffix(" waiting").unwrap_or(state)
+    let plain = |suffix| state.strip_suffix(suffix);
+    plain(" waiting").or_else(|| plain(" back")).unwrap_or(state)
 }
 
 /// The state a fault leads to, where no row says otherwise.
 fn faulted(state: &'static str, event: &str) -> Option<&'static str> {
     let after = match (state, event) {
         (over, _) if over.starts_with("ended") || over.starts_with("fault") => return None,
-        ("arming" | "armed" | "calling off", "axis fault" | "other fault") => "fault, call off",
-        ("cutting", "axis fault" | "other fault") => "fault, hold",
+        (_, other) if other != "axis fault" && other != "other fault" => return None,
+        ("arming", _) => "fault, call off",
+        ("armed" | "calling off" | "leaving, call off", _) => "leaving, call off",
+        (in_pass, _) if in_pass == "cutting" || in_pass.starts_with("leaving") => "leaving, fault",
         (_, "axis fault") => "fault, stop",
-        (_, "other fault") => "fault, hold",
-        _ => return None,
+        _ => "fault, hold",
     };
     Some(after)
 }
@@ -182,7 +275,10 @@ fn every_state_after_every_event() {
         }
     }
     for (from, event, to) in TABLE {
-        let known = |name: &&str| states().iter().any(|(state, _)| state == name);
+        let known = |name: &&str| {
+            let released = ["leaving released", "returning released", "braking back"];
+            states().iter().any(|(state, _)| state == name) || released.contains(name)
+        };
         assert!(known(from) && known(to), "{from} → {to}");
         assert!(events().iter().any(|(name, _)| name == event), "{event}");
     }
@@ -194,29 +290,49 @@ fn what_the_axes_are_told() {
         for (event, happened) in events() {
             let (next, order) = stepped(task, happened);
             let what = format!("{state} × {event}: {order:?}");
-            match (kind(state), name(&next)) {
-                ("ready", "arming") => assert_eq!(order, Order::Arm(arm()), "{what}"),
-                ("ready" | "moving" | "braking", _) => assert_eq!(order, Order::Stream, "{what}"),
-                (_, "fault, hold") => assert_eq!(order, Order::Hold, "{what}"),
-                (_, "fault, call off" | "calling off") => assert_eq!(order, Order::CallOff, "{what}"),
-                (_, "fault, stop") => assert_eq!(order, Order::Stop, "{what}"),
-                ("enabling" | "arming" | "armed" | "cutting", _) | (_, "cutting") => {
-                    assert_eq!(order, Order::Hold, "{what}");
-                }
-                _ => assert_eq!(order, Order::Stream, "{what}"),
-            }
+            let wanted = match (kind(state), &next) {
+                ("ready", Task::Arming { .. }) => Order::Arm(arm()),
+                (_, Task::Fault { order: Order::Stop, .. }) => Order::Stop,
+                ("ready" | "moving" | "braking" | "returning", _) => Order::Stream,
+                (_, Task::Fault { order, .. }) => *order,
+                (_, Task::CallingOff { .. } | Task::Leaving { way: Way::CallOff, .. }) => Order::CallOff,
+                (_, Task::Leaving { way: Way::Leave(at), .. }) => Order::Leave(*at),
+                ("enabling" | "arming" | "armed" | "calling off" | "cutting", _) => Order::Hold,
+                (leaving, _) if leaving.starts_with("leaving") => Order::Hold,
+                _ => Order::Stream,
+            };
+            assert_eq!(order, wanted, "{what}");
         }
     }
 }
 
 #[test]
-fn a_pass_that_has_begun_is_taken_back_by_nothing() {
+fn a_pass_that_has_begun_is_called_off_by_nothing() {
     for (event, happened) in events() {
         let (next, order) = stepped(Task::Cutting(arm()), happened);
-        assert!(matches!(order, Order::Hold), "{event}: {order:?}");
+        assert!(matches!(order, Order::Hold | Order::Leave(_)), "{event}: {order:?}");
         let after = name(&next);
-        assert!(["cutting", "ready", "fault, hold"].contains(&after), "{event}: {after}");
+        let known = after.starts_with("leaving") || after.starts_with("ready") || after == "cutting";
+        assert!(known, "{event}: {after}");
     }
+}
+
+/// The first fault stays, but a cause takes the place of its consequence, and a fault that forbids to finish
+/// a pass makes the axes leave it.
+#[test]
+fn the_first_fault_is_the_one_that_is_told() {
+    let fault = |fault, at_once| Event::Fault(Trouble { fault, at_once, way: LEAVE });
+    let after = |task, event| stepped(task, event).0;
+    let first = leaving(Why::Fault(Fault::ThreadError), LEAVE);
+    assert_eq!(after(first, fault(Fault::DriveFault, true)), first);
+    let derived = leaving(Why::Fault(Fault::AxisFault), LEAVE);
+    assert_eq!(after(derived, fault(Fault::DriveFault, true)).fault(), Some(Fault::DriveFault));
+    let finishing = leaving(Why::Fault(Fault::RegulatorSilent), Way::Finish);
+    let leaves = leaving(Why::Fault(Fault::RegulatorSilent), LEAVE);
+    assert_eq!(after(finishing, fault(Fault::DriveFault, true)), leaves);
+    let braking = Task::Moving { wait: Wait::No, fault: Some(Fault::TravelLimit), back: None };
+    let stopped = Task::Fault { fault: Fault::TravelLimit, order: Order::Stop };
+    assert_eq!(after(braking, fault(Fault::AxisFault, true)), stopped);
 }
 
 #[test]

@@ -75,7 +75,8 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         }
         take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
         let was_finished = interpolator.finished();
-        let out = interpolator.tick(&In { measurement: &measurement, axes: &statuses });
+        let input = In { measurement: &measurement, axes: &statuses };
+        let Some(out) = interpolator.tick(&input) else { continue };
         deliver(&mut status, &out.status)?;
         for to in &mut axes {
             deliver(&mut to.frames, &out.frames[to.axis.index()])?;

@@ -6,12 +6,18 @@
 //! band that counts as "at speed" is wider by n′/2πf then, with f the bandwidth of the watch and n′ the rate
 //! of the commanded speed, no more of it than the drive's ramp. A speed that has run away from the ramp, as
 //! after a rapid towards the axis, is not at speed before it has come there.
+//!
+//! No spindle is commanded above its highest speed: an override that would ask for more is clamped.
+
+mod watch;
 
 use std::f64::consts::TAU;
 
 use machine::{Machine, SpindleConfig};
 use motion::SpindleObserver;
-use protocol::{Feed, Measurement, Position, SpindleMode, SpindleSpeed, measurement::middle_of};
+use protocol::{Fault, Feed, Measurement, Position, SpindleMode, SpindleSpeed, measurement::middle_of};
+
+use watch::Watch;
 
 const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
 const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
@@ -36,7 +42,14 @@ pub struct Spindle {
     at_speed_share: f64,
     ceiling_pct: f64,
     request_pct: f64,
+    /// What the guard of a thread leaves of the override, a share.
+    guarded: f64,
+    max_rpm: f64,
+    /// Whether the highest speed of the spindle binds.
+    at_top: bool,
+    top_said: bool,
     clamped: u32,
+    watch: Watch,
 }
 
 impl Spindle {
@@ -57,7 +70,12 @@ impl Spindle {
             at_speed_share: machine.spindle.at_speed_pct / 100.0,
             ceiling_pct: f64::INFINITY,
             request_pct: 100.0,
+            guarded: 1.0,
+            max_rpm: machine.spindle.max_rpm,
+            at_top: false,
+            top_said: false,
             clamped: 0,
+            watch: Watch::new(machine),
         }
     }
 
@@ -67,27 +85,58 @@ impl Spindle {
         self.grant();
     }
 
-    /// Override in force: what was asked for, as far as it is allowed.
-    fn grant(&mut self) {
-        self.override_pct = self.request_pct.min(self.ceiling_pct.min(self.override_max_pct));
+    /// What the guard of a thread leaves of the override, a share.
+    pub(crate) fn guard(&mut self, share: f64) {
+        self.clamped += u32::from(share < 1.0 && self.guarded == 1.0);
+        self.guarded = share;
+        self.grant();
     }
 
-    /// Takes a measurement and the panel's override.
-    pub fn update(&mut self, measurement: &Measurement) {
+    /// Override in force: what was asked for, as far as it is allowed.
+    fn grant(&mut self) {
+        let allowed = self.request_pct.min(self.allowed_pct());
+        let top_pct =
+            if self.programmed > 0.0 { 100.0 * self.max_rpm / self.programmed } else { f64::INFINITY };
+        self.at_top = allowed > top_pct;
+        self.override_pct = allowed.min(top_pct) * self.guarded;
+    }
+
+    /// The highest override of the machine and of the pass in hand, per cent.
+    fn allowed_pct(&self) -> f64 {
+        self.ceiling_pct.min(self.override_max_pct)
+    }
+
+    /// Takes a measurement and the panel's override. `pass` is the direction of a pass in hand.
+    pub(crate) fn update(&mut self, measurement: &Measurement, pass: Option<f64>) {
         self.observer.update(middle_of(measurement.spindle_count));
+        self.watch.update(measurement.spindle_count, self.commanded(), self.observed(), pass);
         let request = measurement.panel.spindle_override_pct;
         let request = if request.is_finite() { request.max(0.0) } else { self.request_pct };
-        let before = (self.request_pct, self.override_pct);
+        let before = (self.request_pct, self.request_pct.min(self.allowed_pct()));
         self.request_pct = request;
         self.grant();
-        let clamped = self.override_pct < request;
-        self.clamped += u32::from(clamped && (request, self.override_pct) != before);
+        let after = (request, request.min(self.allowed_pct()));
+        let limited = after.1 < request && after != before;
+        let topped = self.at_top && (!self.top_said || request != before.0);
+        self.top_said = self.at_top;
+        self.clamped += u32::from(limited || topped);
+    }
+
+    /// What is wrong with it, as far as its encoder and its commands tell.
+    pub(crate) fn fault(&self) -> Option<Fault> {
+        self.watch.fault()
+    }
+
+    /// Whether it should have come to rest long ago: nobody waits for it any longer.
+    pub(crate) fn never_stops(&self) -> bool {
+        self.watch.never_stops()
     }
 
     /// Programs direction and speed.
     pub fn program(&mut self, mode: SpindleMode, speed: SpindleSpeed) {
         (self.mode, self.speed) = (mode, speed);
         (self.programmed, self.rate) = (speed.rpm(self.x), 0.0);
+        self.grant();
     }
 
     /// Takes the commanded X, once per tick: the speed follows it under G96.
@@ -95,11 +144,12 @@ impl Spindle {
         let before = self.programmed;
         (self.x, self.programmed) = (x, self.speed.rpm(x));
         self.rate = (self.programmed - before) / self.tick_s;
+        self.grant();
     }
 
     /// Speed for the drive.
     pub fn commanded(&self) -> f64 {
-        self.mode.sign() * self.programmed * self.override_pct / 100.0
+        self.mode.sign() * (self.programmed * self.override_pct / 100.0).min(self.max_rpm)
     }
 
     /// Programmed speed without override.
@@ -161,108 +211,4 @@ impl Spindle {
 }
 
 #[cfg(test)]
-mod tests {
-    use protocol::{Panel, PerAxis};
-
-    use super::*;
-
-    /// 100 m/min about X 2 mm, at most 1200 1/min.
-    fn surface() -> SpindleSpeed {
-        let axis_mm = Position::from_mm(2.0);
-        SpindleSpeed::Surface { mm_s: 100_000.0 / 60.0, max_rpm: 1200.0, axis_mm }
-    }
-
-    fn spindle() -> Spindle {
-        Spindle::new(&Machine::default())
-    }
-
-    /// Lets the measured speed go from `from` to `to` (1/min) within some ticks; X goes with `x`, told the
-    /// tick.
-    fn turn(spindle: &mut Spindle, count: &mut f64, ticks: u32, rpm: impl Fn(u32) -> f64) {
-        for tick in 0..ticks {
-            *count += rpm(tick) / spindle.rpm_per_count_s * spindle.tick_s;
-            let panel = Panel { spindle_override_pct: 100.0, ..Panel::default() };
-            let axes = PerAxis::default();
-            let spindle_count = count.floor() as i64;
-            spindle.update(&Measurement { spindle_count, panel, axes, ..Measurement::default() });
-        }
-    }
-
-    fn x_for(rpm: f64) -> Position {
-        Position::from_mm(2.0 + 100_000.0 / (TAU * rpm))
-    }
-
-    #[test]
-    fn surface_speed_follows_x_up_to_the_highest() {
-        let mut spindle = spindle();
-        spindle.program(SpindleMode::Counterclockwise, surface());
-        for (x, rpm) in [(x_for(300.0), -300.0), (x_for(900.0), -900.0), (Position::from_mm(2.0), -1200.0)] {
-            spindle.at_x(x);
-            assert!((spindle.commanded() - rpm).abs() < 1e-6, "{}", spindle.commanded());
-        }
-        let beyond = 2.0 * 2.0 - x_for(300.0).mm();
-        spindle.at_x(Position::from_mm(beyond));
-        assert!((spindle.commanded() + 300.0).abs() < 1e-6, "behind the axis it is the same");
-        spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(500.0));
-        spindle.at_x(x_for(900.0));
-        assert_eq!(spindle.commanded(), 500.0);
-        let still = SpindleSpeed::Surface { mm_s: 0.0, max_rpm: 1200.0, axis_mm: Position(0) };
-        spindle.program(SpindleMode::Clockwise, still);
-        spindle.at_x(Position(0));
-        assert_eq!(spindle.commanded(), 0.0);
-    }
-
-    #[test]
-    fn at_speed_is_judged_against_the_speed_of_now() {
-        let (mut spindle, mut count) = (spindle(), 0.0);
-        spindle.program(SpindleMode::Clockwise, surface());
-        spindle.at_x(x_for(400.0));
-        assert!(!spindle.at_speed(), "it still stands");
-        turn(&mut spindle, &mut count, 1000, |_| 400.0);
-        assert!(spindle.at_speed());
-        // A step of X, as after a rapid: the next tick commands a speed that the spindle does not have.
-        for _ in 0..2 {
-            spindle.at_x(x_for(800.0));
-        }
-        assert!(!spindle.at_speed());
-        turn(&mut spindle, &mut count, 1000, |_| 800.0);
-        assert!(spindle.at_speed());
-    }
-
-    #[test]
-    fn a_slow_spindle_is_at_speed_when_it_turns_and_does_not_stall() {
-        for sign in [1.0, -1.0] {
-            let (mut spindle, mut count) = (spindle(), 0.0);
-            let mode = if sign > 0.0 { SpindleMode::Clockwise } else { SpindleMode::Counterclockwise };
-            spindle.program(mode, SpindleSpeed::Rpm(0.2));
-            turn(&mut spindle, &mut count, 1000, |_| 0.0);
-            assert!(!spindle.at_speed() && spindle.stalls(), "it stands");
-            turn(&mut spindle, &mut count, 2000, |_| -0.2 * sign);
-            assert!(!spindle.at_speed(), "the other way");
-            turn(&mut spindle, &mut count, 2000, |_| 0.2 * sign);
-            for _ in 0..2000 {
-                turn(&mut spindle, &mut count, 1, |_| 0.2 * sign);
-                assert!(spindle.at_speed() && !spindle.stalls(), "{}", spindle.observed());
-            }
-        }
-    }
-
-    #[test]
-    fn what_lags_behind_a_facing_cut_is_at_speed() {
-        let (mut spindle, mut count) = (spindle(), 0.0);
-        let (rate, lag_s) = (300.0, 0.02); // 1/min per s; the measured speed comes 20 ms late
-        spindle.program(SpindleMode::Clockwise, surface());
-        spindle.at_x(x_for(400.0));
-        turn(&mut spindle, &mut count, 1000, |_| 400.0);
-        let mut without = 0;
-        for tick in 1..500 {
-            let at = |t: f64| 400.0 + rate * t.max(0.0);
-            let t = f64::from(tick) * spindle.tick_s;
-            spindle.at_x(x_for(at(t)));
-            turn(&mut spindle, &mut count, 1, |_| at(t - lag_s));
-            assert!(spindle.at_speed(), "{} at {}", spindle.observed(), spindle.commanded());
-            without += u32::from((spindle.observed() - spindle.commanded()).abs() > STANDSTILL_RPM);
-        }
-        assert!(without > 0, "it does lag");
-    }
-}
+mod tests;

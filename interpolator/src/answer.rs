@@ -1,0 +1,63 @@
+//! What a tick answers: frames to the axes, the spindle command, the status. In: the setpoints and the order
+//! of the tick.
+
+use protocol::{
+    AxisFrame, Cycle, Groove, MachineState, MachineStatus, Measurement, PerAxis, Setpoint, SpindleCommand,
+    units::AXES,
+};
+
+use crate::{
+    interpolator::{Interpolator, Out},
+    task::Order,
+};
+
+impl Interpolator {
+    pub(crate) fn answer(
+        &self,
+        measurement: &Measurement,
+        setpoints: &PerAxis<Setpoint>,
+        order: &Order,
+    ) -> Out {
+        let (cycle, line) = (measurement.cycle, self.program.line);
+        let mut frames = [AxisFrame::default(); AXES];
+        let stop_s = self.machine.stop_s(setpoints);
+        for (axis, _) in self.machine.axes() {
+            let i = axis.index();
+            let frame = AxisFrame::pack(cycle, line, setpoints[i], &order.of(axis));
+            frames[i] = AxisFrame { stop_s, ..frame };
+        }
+        let (state, arm) = (self.task.public(), self.task.pass());
+        let pass = arm.map(|arm| &arm.pass);
+        let spindle = SpindleCommand {
+            cycle,
+            rpm: self.spindle.commanded(),
+            finished: u32::from(self.finished()),
+            line,
+            pass: pass.map_or(0, |pass| pass.pass),
+            paused: u32::from(state == MachineState::Paused),
+            index_not_before: arm.map_or(Cycle(0), |arm| arm.not_before),
+            direction: pass.map_or(0.0, |pass| pass.direction),
+            groove: pass.map(Groove::of).unwrap_or_default(),
+        };
+        let queue = &self.program.queue;
+        let status = MachineStatus {
+            cycle,
+            state: state as u32,
+            fault: self.task.fault().map_or(0, |fault| fault as u32),
+            line,
+            pass: self.pass.0,
+            moves: self.travel.moves(),
+            taken: queue.taken().saturating_sub(self.travel.pending(queue.in_hand())),
+            overrides_clamped: self.spindle.clamped(),
+            stopped: u16::from(self.task.stopped()),
+            coolant: self.program.coolant,
+            spindle_rpm: self.spindle.commanded(),
+            spindle_override_pct: self.spindle.override_pct(),
+            feed_override_pct: measurement.panel.feed_override_pct,
+            depth_mm: self.pass.1,
+            starved: self.travel.starved(),
+            work: self.travel.cutting(),
+        };
+        Out { frames, spindle, status }
+    }
+}

@@ -1,0 +1,103 @@
+use protocol::{Panel, PerAxis};
+
+use super::*;
+
+/// 100 m/min about X 2 mm, at most 1200 1/min.
+fn surface() -> SpindleSpeed {
+    let axis_mm = Position::from_mm(2.0);
+    SpindleSpeed::Surface { mm_s: 100_000.0 / 60.0, max_rpm: 1200.0, axis_mm }
+}
+
+fn spindle() -> Spindle {
+    Spindle::new(&Machine::default())
+}
+
+/// Lets the measured speed go from `from` to `to` (1/min) within some ticks; X goes with `x`, told the
+/// tick.
+fn turn(spindle: &mut Spindle, count: &mut f64, ticks: u32, rpm: impl Fn(u32) -> f64) {
+    for tick in 0..ticks {
+        *count += rpm(tick) / spindle.rpm_per_count_s * spindle.tick_s;
+        let panel = Panel { spindle_override_pct: 100.0, ..Panel::default() };
+        let axes = PerAxis::default();
+        let spindle_count = count.floor() as i64;
+        spindle.update(&Measurement { spindle_count, panel, axes, ..Measurement::default() }, None);
+    }
+}
+
+fn x_for(rpm: f64) -> Position {
+    Position::from_mm(2.0 + 100_000.0 / (TAU * rpm))
+}
+
+#[test]
+fn surface_speed_follows_x_up_to_the_highest() {
+    let mut spindle = spindle();
+    spindle.program(SpindleMode::Counterclockwise, surface());
+    for (x, rpm) in [(x_for(300.0), -300.0), (x_for(900.0), -900.0), (Position::from_mm(2.0), -1200.0)] {
+        spindle.at_x(x);
+        assert!((spindle.commanded() - rpm).abs() < 1e-6, "{}", spindle.commanded());
+    }
+    let beyond = 2.0 * 2.0 - x_for(300.0).mm();
+    spindle.at_x(Position::from_mm(beyond));
+    assert!((spindle.commanded() + 300.0).abs() < 1e-6, "behind the axis it is the same");
+    spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(500.0));
+    spindle.at_x(x_for(900.0));
+    assert_eq!(spindle.commanded(), 500.0);
+    let still = SpindleSpeed::Surface { mm_s: 0.0, max_rpm: 1200.0, axis_mm: Position(0) };
+    spindle.program(SpindleMode::Clockwise, still);
+    spindle.at_x(Position(0));
+    assert_eq!(spindle.commanded(), 0.0);
+}
+
+#[test]
+fn at_speed_is_judged_against_the_speed_of_now() {
+    let (mut spindle, mut count) = (spindle(), 0.0);
+    spindle.program(SpindleMode::Clockwise, surface());
+    spindle.at_x(x_for(400.0));
+    assert!(!spindle.at_speed(), "it still stands");
+    turn(&mut spindle, &mut count, 1000, |_| 400.0);
+    assert!(spindle.at_speed());
+    // A step of X, as after a rapid: the next tick commands a speed that the spindle does not have.
+    for _ in 0..2 {
+        spindle.at_x(x_for(800.0));
+    }
+    assert!(!spindle.at_speed());
+    turn(&mut spindle, &mut count, 1000, |_| 800.0);
+    assert!(spindle.at_speed());
+}
+
+#[test]
+fn a_slow_spindle_is_at_speed_when_it_turns_and_does_not_stall() {
+    for sign in [1.0, -1.0] {
+        let (mut spindle, mut count) = (spindle(), 0.0);
+        let mode = if sign > 0.0 { SpindleMode::Clockwise } else { SpindleMode::Counterclockwise };
+        spindle.program(mode, SpindleSpeed::Rpm(0.2));
+        turn(&mut spindle, &mut count, 1000, |_| 0.0);
+        assert!(!spindle.at_speed() && spindle.stalls(), "it stands");
+        turn(&mut spindle, &mut count, 2000, |_| -0.2 * sign);
+        assert!(!spindle.at_speed(), "the other way");
+        turn(&mut spindle, &mut count, 2000, |_| 0.2 * sign);
+        for _ in 0..2000 {
+            turn(&mut spindle, &mut count, 1, |_| 0.2 * sign);
+            assert!(spindle.at_speed() && !spindle.stalls(), "{}", spindle.observed());
+        }
+    }
+}
+
+#[test]
+fn what_lags_behind_a_facing_cut_is_at_speed() {
+    let (mut spindle, mut count) = (spindle(), 0.0);
+    let (rate, lag_s) = (300.0, 0.02); // 1/min per s; the measured speed comes 20 ms late
+    spindle.program(SpindleMode::Clockwise, surface());
+    spindle.at_x(x_for(400.0));
+    turn(&mut spindle, &mut count, 1000, |_| 400.0);
+    let mut without = 0;
+    for tick in 1..500 {
+        let at = |t: f64| 400.0 + rate * t.max(0.0);
+        let t = f64::from(tick) * spindle.tick_s;
+        spindle.at_x(x_for(at(t)));
+        turn(&mut spindle, &mut count, 1, |_| at(t - lag_s));
+        assert!(spindle.at_speed(), "{} at {}", spindle.observed(), spindle.commanded());
+        without += u32::from((spindle.observed() - spindle.commanded()).abs() > STANDSTILL_RPM);
+    }
+    assert!(without > 0, "it does lag");
+}

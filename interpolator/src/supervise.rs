@@ -1,0 +1,105 @@
+//! What ends every task: what the panel, the axes, their drives and the spindle say, and waits that are too
+//! long. In: a tick. Out: the first trouble, most urgent first, so that a cause comes before what it did.
+
+use protocol::{Cycle, Fault, Measurement, Panel, WayOut};
+
+use crate::{
+    axes::Axes,
+    interpolator::Interpolator,
+    task::{Task, Trouble, Way, Why},
+};
+
+/// Ticks from an order to leave a pass until it is in force on every axis: one for the way there, two that
+/// may be lost.
+const LEAVING_TICKS: u64 = 3;
+
+impl Interpolator {
+    /// What ends every task.
+    pub(crate) fn trouble(&self, measurement: &Measurement) -> Option<Trouble> {
+        if matches!(self.task, Task::Fault { .. } | Task::Ended { .. }) {
+            return None;
+        }
+        let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
+        let found = self.outside(measurement).or_else(|| self.axes_fail(&axes, measurement));
+        let waits = || self.spindle_fails().or_else(|| self.in_vain(&axes));
+        let (fault, at_once) =
+            found.map(|fault| (fault, true)).or_else(|| waits().map(|fault| (fault, false)))?;
+        // Whose regulator is silent may be cutting all the same, and its drive tells if it is not.
+        let may_finish = fault == Fault::RegulatorSilent
+            && self.task.pass().is_some_and(|arm| !arm.pass.out.on(WayOut::ON_FAULT));
+        let way = if may_finish { Way::Finish } else { Way::Leave(self.leave_at(measurement.cycle)) };
+        Some(Trouble { fault, at_once, way })
+    }
+
+    /// The cycle in which every axis leaves its pass if it is told so in this tick.
+    pub(crate) fn leave_at(&self, tick: Cycle) -> Cycle {
+        tick.after(LEAVING_TICKS * self.machine.cycles_per_tick())
+    }
+
+    fn outside(&self, measurement: &Measurement) -> Option<Fault> {
+        let pressed = |button| measurement.panel.pressed(button);
+        match () {
+            () if pressed(Panel::EMERGENCY_STOP) => Some(Fault::EmergencyStop),
+            () if pressed(Panel::POWER_LOST) => Some(Fault::PowerLost),
+            () => None,
+        }
+    }
+
+    /// An axis cannot be led any more.
+    fn axes_fail(&self, axes: &Axes, measurement: &Measurement) -> Option<Fault> {
+        let enabled = !matches!(self.task, Task::Enabling);
+        match axes.cause() {
+            Some(cause) => Some(cause),
+            None if axes.silent() => Some(Fault::RegulatorSilent),
+            None if enabled && axes.drive_off(measurement) => Some(Fault::DriveFault),
+            None if axes.in_fault() => Some(Fault::AxisFault),
+            None => None,
+        }
+    }
+
+    fn spindle_fails(&self) -> Option<Fault> {
+        // What is wrong with the program waits until everything before it is done and the axes rest.
+        if matches!(self.task, Task::Ready { .. }) && self.program.is_broken_off() {
+            return Some(Fault::BadMachineCode);
+        }
+        self.spindle.fault()
+    }
+
+    /// A wait that is too long.
+    fn in_vain(&self, axes: &Axes) -> Option<Fault> {
+        let (spindle, in_vain) = (&self.spindle, self.patience.is_over(&self.spindle));
+        let turning = spindle.commanded() != 0.0;
+        match self.task {
+            Task::Enabling | Task::Starting if in_vain => Some(Fault::DriveFault),
+            Task::Ready { .. } if in_vain && turning && self.program.queue.in_hand().is_some() => {
+                Some(if spindle.at_speed() { Fault::AxisNotInPosition } else { Fault::SpindleNotAtSpeed })
+            }
+            Task::Armed(_) if in_vain && turning && !axes.begun() => Some(Fault::IndexNotSeen),
+            Task::CallingOff { .. } if in_vain => Some(Fault::PassCalledOff),
+            Task::Leaving { .. } if in_vain => Some(Fault::AxisNotInPosition),
+            Task::Cutting(_) if self.guard.in_vain() => Some(Fault::ForceTooHigh),
+            _ if self.patience.stalled(spindle) => Some(Fault::SpindleNotAtSpeed),
+            _ => None,
+        }
+    }
+
+    /// Whether the spindle is stopped while the axes leave a pass: a fault of its encoder leaves the axes no
+    /// angle but the one that its speed foretells, and a pass that is finished needs it.
+    pub(crate) fn stops_spindle(&self) -> bool {
+        use Fault::{
+            EncoderGlitch, EncoderIndexMissing, EncoderPlausibility, EncoderPulsesGained, EncoderPulsesLost,
+            EncoderStands,
+        };
+        let Task::Leaving { why: Why::Fault(fault), way, .. } = self.task else { return false };
+        let by_angle = matches!(
+            fault,
+            EncoderGlitch
+                | EncoderIndexMissing
+                | EncoderPlausibility
+                | EncoderPulsesGained
+                | EncoderPulsesLost
+                | EncoderStands
+        );
+        !by_angle && way != Way::Finish
+    }
+}
