@@ -8,8 +8,8 @@
 //! | s0, v0, a0, j0 | mm … mm/s³ | state in which it begins |
 //!
 //! ```text
-//! to a place   s(u) of degree 7: s, s′, s″, s‴ as they are at u = 0, at rest at the place at u = 1        (M99)
-//! to rest      v(u) of degree 5: v, v′, v″ as they are at u = 0, all 0 at u = 1                          (M100)
+//! to a place   s(u) of degree 7: s, s′, s″, s‴ as they are at u = 0, at rest there at u = 1            (M99)
+//! to rest      v(u) of degree 5: v, v′, v″ as they are at u = 0, all 0 at u = 1                       (M100)
 //! ```
 //! Unlike the strokes of a pass (M2) they begin anywhere: on the way in, on a cone, in a retract. From rest
 //! (M99) asks for 2.19 L/T, 7.51 L/T² and 52.5 L/T³, within 10 % of a stroke. T is the shortest of a row of

@@ -8,8 +8,8 @@
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
 //! | any, in timed motion | dry: by (M100) on the tangent, all axes in the same time | where it stands |
 //!
-//! The way out is a law of time: a spindle that stands, turns back, or whose encoder is dead does not keep the
-//! tool in the part. No spindle changes its speed much meanwhile, so it is bounded in angle too. The helix is
+//! The way out is a law of time: a spindle that stands, turns back, or whose encoder is dead does not keep
+//! the tool in the part. No spindle changes its speed much meanwhile, so it is bounded in angle too. The helix is
 //! followed by the angle, so that the groove stays what it is until the tool is out of it. Nothing goes
 //! beyond the end of the pass: there every axis brakes by its law.
 

@@ -70,9 +70,9 @@ impl Spindle {
         }
     }
 
-    /// Takes the measurement of one control cycle, which comes `missed` cycles after it should have; `lead_mm`
-    /// is that of the axis in the pass in hand, 0 without one. An encoder that can not be believed is not
-    /// asked any more: the spindle is taken to turn on at its speed.
+    /// Takes the measurement of one control cycle, which comes `missed` cycles late; `lead_mm` is that of
+    /// the axis in the pass in hand, 0 without one. An encoder that cannot be believed is not asked any more:
+    /// the spindle is taken to turn on at its speed.
     pub fn update(&mut self, measurement: &Measurement, missed: u64, lead_mm: f64) {
         for _ in 0..missed.min(MOST_MISSED) {
             self.coast();

@@ -46,7 +46,7 @@ pub struct Plan {
     pub delta_z_mm: [f64; 2],
 }
 
-/// What the tool keeps away from the crest before Z may brake, a share of the depth, and of the whole way out.
+/// What the tool keeps away from the crest before Z may brake, a share of the depth, and of the way out.
 const FREE_SHARE: f64 = 0.05;
 /// No groove is deeper than so many leads.
 const DEEPEST_LEADS: f64 = 1.3;
