@@ -146,7 +146,7 @@ impl Exit {
     /// polynomial goes on backwards: feedforward that looks back sees the motion from which it began.
     #[must_use]
     pub fn at(&self, t: f64) -> Sample {
-        if t >= self.duration {
+        if t >= self.duration || self.duration == 0.0 {
             return Sample { s: self.end, ..Sample::default() };
         }
         self.polynomial(t / self.duration)
