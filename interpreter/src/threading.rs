@@ -15,7 +15,7 @@ use crate::modal::Synchronised;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Spindle;
-use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Single, Starts, plan};
+use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Policy, Single, Starts, plan};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 const SAME: f64 = 1e-9;
@@ -57,12 +57,14 @@ pub struct PassNote {
 struct Held {
     place: Place,
     single: Single,
+    policy: Policy,
 }
 
 /// The threads of a program.
 #[derive(Default)]
 pub(crate) struct Threads {
     held: Option<Held>,
+    policy: Policy,
     passes: u32,
     starts: Starts,
     notes: Vec<PassNote>,
@@ -82,6 +84,11 @@ impl Threads {
         &self.notes
     }
 
+    /// A comment may say what makes the tool leave the threads that follow.
+    pub(crate) fn comment(&mut self, text: &str) -> Done {
+        self.policy.comment(text)
+    }
+
     /// Whether a G33 waits for its retract.
     pub(crate) fn waits(&self) -> bool {
         self.held.is_some()
@@ -89,7 +96,7 @@ impl Threads {
 
     /// A G33 waits from now on.
     pub(crate) fn hold(&mut self, place: Place, single: Single) {
-        self.held = Some(Held { place, single });
+        self.held = Some(Held { place, single, policy: self.policy });
     }
 
     /// Plans the G33 that waits, if there is one. `rest` is where the axes are before it.
@@ -99,11 +106,12 @@ impl Threads {
         rest: &PerAxis<Position>,
         machine: &Machine,
     ) -> Option<Released> {
-        let Held { place, single } = self.held.take()?;
+        let Held { place, single, policy } = self.held.take()?;
         let cut = Single { retract_to, ..single }.cut();
         let pass = match plan(&cut, machine) {
-            Ok(planned) => {
+            Ok(mut planned) => {
                 let start = self.starts.number(&cut);
+                planned.pass.out.leaves = policy.leaves(planned.pass.out.leaves);
                 Ok(self.number(place.line, planned, start, rest, machine))
             }
             Err(why) => {
@@ -134,7 +142,9 @@ impl Threads {
             within_travel(machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.from.z, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.to_z, Blame::Block)?;
-            plans.push(plan(cut, machine).map_err(|why| why.problem(&cuts, machine))?);
+            let mut planned = plan(cut, machine).map_err(|why| why.problem(&cuts, machine))?;
+            planned.pass.out.leaves = self.policy.leaves(planned.pass.out.leaves);
+            plans.push(planned);
         }
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut));
         let passes = cuts.iter().zip(plans);

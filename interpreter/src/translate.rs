@@ -143,8 +143,8 @@ impl Translator {
 
     fn take(&mut self, place: Place, call: Call<'_>) -> Done {
         match call {
-            Call::Comment(_)
-            | Call::Note(_)
+            Call::Comment(text) => self.threads.comment(text),
+            Call::Note(_)
             | Call::OnReset
             | Call::SetFeedReference
             | Call::SetToolTableEntry(_)

@@ -7,6 +7,7 @@
 //! | `single.rs` | the cut of a G33 block |
 //! | `plan.rs` | the law of a cut: windows, phase, run-out, highest speed |
 //! | `flank.rs` | when Z may begin to brake behind a retracting tool |
+//! | `policy.rs` | what makes the tool leave a thread, as the program says it |
 //! | `refusal.rs` | why a cut has no law, and which speed would give it one |
 //! | `starts.rs` | which start of a multi-start thread a pass belongs to |
 
@@ -14,6 +15,7 @@ mod cut;
 mod cycle;
 mod flank;
 mod plan;
+mod policy;
 mod refusal;
 mod single;
 mod starts;
@@ -21,6 +23,7 @@ mod starts;
 pub use cut::{Cut, Point, Taper};
 pub(crate) use cycle::{Cycle, MOST_PASSES};
 pub use plan::{Plan, plan};
+pub(crate) use policy::Policy;
 pub use refusal::Refusal;
 pub(crate) use single::Single;
 pub(crate) use starts::Starts;

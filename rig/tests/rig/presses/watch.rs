@@ -12,7 +12,7 @@ const GROOVE_MM: f64 = 0.005;
 const MOST_TURNS: f64 = 1.5;
 const AT_DEPTH_MM: f64 = 0.1;
 /// A brake behind the end of a pass is so near to it, mm.
-const BEYOND_MM: f64 = 1e-4;
+const BEYOND_MM: f64 = 1e-3;
 
 /// A pass that has begun, and how it ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,7 +102,7 @@ impl<'a> Watch<'a> {
                 continue;
             }
             // A stop in timed motion begins in the middle of a ramp: it may use a little more.
-            let spare = if is(status, AxisState::Leaving) && status.pass == 0 { 1.1 } else { 1.0 };
+            let spare = if is(status, AxisState::Leaving) && status.pass == 0 { 1.25 } else { 1.0 };
             let limits = self.job.machine.axis[axis].limits();
             let (now, now_s) = (status.commanded_mm, status.velocity_mm_s);
             let (step, change) = ((now - before).abs(), (now_s - before_s).abs());
