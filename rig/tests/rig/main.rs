@@ -3,6 +3,7 @@
 mod contour;
 mod corrections;
 mod held;
+mod leaving;
 mod machine_code;
 mod operator;
 mod orders;
