@@ -31,7 +31,7 @@ impl Interpolator {
         let spindle = SpindleCommand {
             cycle,
             rpm: self.spindle.commanded(),
-            finished: u32::from(self.finished()),
+            finished: if self.finished() { SpindleCommand::FINISHED } else { 0 },
             line,
             pass: pass.map_or(0, |pass| pass.pass),
             paused: u32::from(state == MachineState::Paused),

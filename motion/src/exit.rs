@@ -10,6 +10,7 @@
 //! ```text
 //! to a place   s(u) of degree 7: s, s′, s″, s‴ as they are at u = 0, at rest there at u = 1            (M99)
 //! to rest      v(u) of degree 5: v, v′, v″ as they are at u = 0, all 0 at u = 1                       (M100)
+//! on a tangent v(u) = v0 (1 − u)³ (1 + 3u) + a0 T u (1 − u)³                                          (M101)
 //! ```
 //! Unlike the strokes of a pass (M2) they begin anywhere: on the way in, on a cone, in a retract. From rest
 //! (M99) asks for 2.19 L/T, 7.51 L/T² and 52.5 L/T³, within 10 % of a stroke. T is the shortest of a row of
@@ -77,16 +78,13 @@ impl Exit {
     /// If a limit is not positive.
     #[must_use]
     pub fn stop(from: &Sample, limits: &Limits) -> Exit {
-        let duration = Exit::stop_s(from.v, from.a, limits);
-        Exit::shortest(duration, limits, |duration| Exit::stop_in(from, duration))
+        let speed = from.v.abs() + 0.5 * from.a * from.a / limits.j;
+        let [by_a, by_j] = REST;
+        let duration = (by_a * speed / limits.a).max((by_j * speed / limits.j).sqrt());
+        Exit::shortest(duration.max(least(from, limits)), limits, |duration| Exit::rest(from, duration))
     }
 
-    /// The way to rest in a given time (M100); one of 0 s stands where it begins.
-    #[must_use]
-    pub fn stop_in(from: &Sample, duration: f64) -> Exit {
-        if duration <= 0.0 {
-            return Exit { c: [from.s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], duration: 0.0, end: from.s };
-        }
+    fn rest(from: &Sample, duration: f64) -> Exit {
         let t = duration;
         let (c0, c1, c2) = (from.v, from.a * t, 0.5 * from.j * t * t);
         let (d, v, a) = (-(c0 + c1 + c2), -(c1 + 2.0 * c2), -2.0 * c2);
@@ -97,12 +95,30 @@ impl Exit {
         Exit { c, duration, end: c.iter().sum() }
     }
 
-    /// Time to brake from a speed and an acceleration within a and j of `limits`, s; 0 at rest.
+    /// The way to rest in a given time (M101), the same for several axes, so that they stay in the plane of
+    /// their speed and acceleration; one of 0 s stands where it begins. It takes over speed and acceleration;
+    /// its jerk begins at once, and is at most twice the limit if the duration is at least
+    /// [`stop_s`](Exit::stop_s).
+    #[must_use]
+    pub fn stop_in(from: &Sample, duration: f64) -> Exit {
+        if duration <= 0.0 {
+            return Exit { c: [from.s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], duration: 0.0, end: from.s };
+        }
+        let (t, v, at) = (duration, from.v, from.a * duration);
+        // v(u) by powers of u, integrated.
+        let [c0, c1, c2, c3, c4] = [v, at, -6.0 * v - 3.0 * at, 8.0 * v + 3.0 * at, -3.0 * v - at];
+        let c = [from.s, c0 * t, c1 * t / 2.0, c2 * t / 3.0, c3 * t / 4.0, c4 * t / 5.0, 0.0, 0.0];
+        Exit { c, duration, end: c.iter().sum() }
+    }
+
+    /// Time in which (M101) brakes from a speed and an acceleration within v and a of `limits`, s; 0 at rest.
     #[must_use]
     pub fn stop_s(v: f64, a: f64, limits: &Limits) -> f64 {
-        let speed = v.abs() + 0.5 * a * a / limits.j;
-        let [by_a, by_j] = REST;
-        (by_a * speed / limits.a).max((by_j * speed / limits.j).sqrt()).max(3.0 * a.abs() / limits.j)
+        let rising = (a * v.signum()).clamp(0.0, limits.a);
+        let by_a = 2.0 * v.abs() / (limits.a - 0.15 * rising);
+        // 12 v/T² + 6 a/T, the jerk in which it begins, is twice the limit.
+        let root = (36.0 * rising * rising + 96.0 * limits.j * v.abs()).sqrt();
+        by_a.max((6.0 * rising + root) / (4.0 * limits.j)).max(3.0 * a.abs() / limits.j)
     }
 
     fn place(from: &Sample, end: f64, t: f64) -> Exit {
@@ -244,6 +260,28 @@ mod tests {
                 "{mm} mm: {} s against {stroke} s",
                 exit.duration()
             );
+        }
+    }
+
+    #[test]
+    fn on_the_tangent_speed_and_acceleration_keep_their_limits() {
+        // Every state from which a motion within the limits can be: braked as hard as may be, it stops short
+        // of the highest speed.
+        for v in -30..=30 {
+            for a in -20..=20 {
+                let (v, a) = (5.0 * f64::from(v), 100.0 * f64::from(a));
+                if (v + 0.5 * a * a.abs() / LIMITS.j).abs() > LIMITS.v {
+                    continue;
+                }
+                let from = Sample { v, a, ..Sample::default() };
+                let exit = Exit::stop_in(&from, 1.1 * Exit::stop_s(v, a, &LIMITS));
+                for look in 0..=500 {
+                    let at = exit.at(exit.duration() * f64::from(look) / 500.0);
+                    assert!(at.v.abs() <= 1.02 * LIMITS.v, "{from:?}: {at:?}");
+                    assert!(at.a.abs() <= LIMITS.a.max(a.abs()) * 1.001, "{from:?}: {at:?}");
+                    assert!(at.j.abs() <= 2.0 * LIMITS.j, "{from:?}: {at:?}");
+                }
+            }
         }
     }
 

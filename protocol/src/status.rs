@@ -255,7 +255,8 @@ pub struct SpindleCommand {
     pub cycle: Cycle,
     /// Commanded speed, 1/min, signed: positive clockwise (M3).
     pub rpm: f64,
-    /// Nonzero once the program is over and all is at rest: the machine may be switched off.
+    /// [`SpindleCommand::FINISHED`] once the program is over and all is at rest: the machine may be switched
+    /// off. Anything else says nothing, so that no single damaged bit ends a run.
     pub finished: u32,
     /// Line of the part program being executed (scenarios are triggered by it).
     pub line: u32,
@@ -276,6 +277,14 @@ impl Message for SpindleCommand {
 }
 
 impl SpindleCommand {
+    /// Says that the machine may be switched off.
+    pub const FINISHED: u32 = 0x4F56_4552;
+
+    /// Whether the machine may be switched off: the program is over, nothing turns, no pass is in hand.
+    pub fn is_last(&self) -> bool {
+        self.finished == SpindleCommand::FINISHED && self.rpm == 0.0 && self.pass == 0
+    }
+
     /// Refuses a speed that is not finite, and a groove that is none.
     ///
     /// # Errors

@@ -6,7 +6,7 @@
 //! | the one that lifts the tool | timed: by (M99) to where the tool is clear | there |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
-//! | any, in timed motion | dry: by (M100) on the tangent, all axes in the same time | where it stands |
+//! | any, in timed motion | dry: by (M101) on the tangent, all axes in the same time | where it stands |
 //!
 //! The way out is a law of time: a spindle that stands, turns back, or whose encoder is dead does not keep
 //! the tool in the part. No spindle changes its speed much meanwhile, so it is bounded in angle too. The helix is

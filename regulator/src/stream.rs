@@ -1,7 +1,7 @@
 //! Timed motion between setpoints: a quintic through position, speed and acceleration of two neighbours.
 //!
 //! Time in control cycles, lengths in mm. Before the first setpoint the axis holds. Behind the last one it
-//! brakes to rest (M100) in the time that the frame of that setpoint says, the same on every axis; so a
+//! brakes to rest (M101) in the time that the frame of that setpoint says, the same on every axis; so a
 //! stream that runs dry ends on the tangent of its path, and feedforward that looks ahead sees no step.
 
 use motion::{Exit, Sample};

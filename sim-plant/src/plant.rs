@@ -226,7 +226,7 @@ impl Plant {
         self.truth.spindle_torque_nm = self.spindle.torque_nm();
         let measurement = &mut self.truth.measurement;
         measurement.cycle = now;
-        measurement.last = u32::from(command.finished != 0);
+        measurement.last = u32::from(command.is_last());
         self.spindle.measure(turns_before, now, self.timeline.encoder(), measurement);
         for axis in &self.axes {
             let index = axis.axis.index();

@@ -26,6 +26,9 @@ const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
 #[derive(Clone, Debug)]
 pub struct Spindle {
     observer: SpindleObserver,
+    /// Count of the last measurement, and how far it moved in the last tick.
+    count: i64,
+    moved: i64,
     rpm_per_count_s: f64,
     tick_s: f64,
     ramp_rpm_s: f64,
@@ -57,6 +60,8 @@ impl Spindle {
     pub fn new(machine: &Machine) -> Spindle {
         Spindle {
             observer: SpindleObserver::new(WATCH_HZ, machine.general.interpolator_cycle_s),
+            count: 0,
+            moved: 0,
             rpm_per_count_s: 60.0 / machine.spindle_counts(),
             tick_s: machine.general.interpolator_cycle_s,
             ramp_rpm_s: machine.spindle.ramp_rpm_s,
@@ -109,6 +114,8 @@ impl Spindle {
     /// Takes a measurement and the panel's override. `pass` is the direction of a pass in hand.
     pub(crate) fn update(&mut self, measurement: &Measurement, pass: Option<f64>) {
         self.observer.update(middle_of(measurement.spindle_count));
+        self.moved = measurement.spindle_count.saturating_sub(self.count);
+        self.count = measurement.spindle_count;
         self.watch.update(measurement.spindle_count, self.commanded(), self.observed(), pass);
         let request = measurement.panel.spindle_override_pct;
         let request = if request.is_finite() { request.max(0.0) } else { self.request_pct };
@@ -194,9 +201,11 @@ impl Spindle {
         feed == Feed::Rapid || self.at_speed() && turns
     }
 
-    /// Whether it stands.
+    /// Whether it stands: the slow watch says so, which swings through zero when the spindle stops fast, and
+    /// so do the counts of the last tick.
     pub fn stands(&self) -> bool {
-        self.observed().abs() <= STANDSTILL_RPM
+        let counts = STANDSTILL_RPM / self.rpm_per_count_s * self.tick_s;
+        self.observed().abs() <= STANDSTILL_RPM && self.moved.abs() as f64 <= 1.0 + counts
     }
 
     /// Override in force, per cent.

@@ -19,10 +19,13 @@ use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, ThreadPass};
 use super::Record;
 use super::cutting::CuttingReport;
 use super::helix::{Helix, LineFit};
-use super::summary::{LimitsUsed, PassReport, ServoError};
+use super::summary::{LimitsUsed, PassEnd, PassReport, ServoError};
 
 /// What one axis frame carries because of a pass: number, S, direction, the first cycle that counts, the law.
 const PASS_BYTES: usize = size_of::<AxisFrame>() - offset_of!(AxisFrame, pass);
+
+/// Two ways of computing one position differ by less, mm.
+const SAME_MM: f64 = 1e-6;
 
 /// The least interval that holds every value seen.
 #[derive(Clone, Copy, Debug, Default)]
@@ -101,6 +104,10 @@ struct AxisTrack {
     used: [f64; 3],
     /// It came to rest at the end of its law.
     done: bool,
+    /// It left the pass.
+    left: bool,
+    /// Where its law ends, mm.
+    end_mm: f64,
 }
 
 impl AxisTrack {
@@ -108,13 +115,16 @@ impl AxisTrack {
     fn cycle(&mut self, pass: u32, status: &AxisStatus, slide_mm: f64, index_deg: f64) -> bool {
         let state = state_in(pass, status);
         let before = std::mem::replace(&mut self.state, state);
+        self.left |= state == AxisState::Leaving;
         if self.index_deg.is_none() && (AxisState::WaitingForC0..=AxisState::RunOut).contains(&state) {
             self.index_deg = Some(index_deg);
         }
         if !(AxisState::RunIn..=AxisState::RunOut).contains(&state) {
-            let was_under_law = matches!(before, AxisState::Locked | AxisState::RunOut);
-            self.done |= was_under_law && state == AxisState::Streaming;
-            return false;
+            use AxisState::{Leaving, Locked, RunOut};
+            let was_under_law = matches!(before, Locked | RunOut | Leaving);
+            let at_end = (status.commanded_mm - self.end_mm).abs() < SAME_MM;
+            self.done |= was_under_law && state == AxisState::Streaming && at_end;
+            return state == Leaving;
         }
         let settled = status.angle_deg >= self.settled_deg;
         self.servo.add(before, state, settled, status.servo_error_mm);
@@ -173,6 +183,8 @@ impl PassObserver {
             settled_deg: pass.axis(axis).locked_deg() + 360.0,
             used: [0.0; 3],
             done: false,
+            left: false,
+            end_mm: pass.axis(axis).end.mm(),
         };
         let along = if pass.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X };
         PassObserver {
@@ -296,8 +308,18 @@ impl PassObserver {
             begin_cycle: self.begin_cycle,
             end_cycle: self.end_cycle,
             thread_cycles: self.thread_cycles,
-            complete: self.axes.iter().all(|track| track.done),
+            complete: self.end() == PassEnd::Complete,
+            end: self.end(),
         })
+    }
+
+    /// How the pass ended.
+    fn end(&self) -> PassEnd {
+        if self.axes.iter().all(|track| track.done) {
+            return PassEnd::Complete;
+        }
+        let rests = |track: &AxisTrack| track.done || track.left && track.state != AxisState::Leaving;
+        if self.axes.iter().all(rests) { PassEnd::Left } else { PassEnd::CutOff }
     }
 
     fn track(&self, axis: Axis) -> Option<&AxisTrack> {

@@ -183,6 +183,22 @@ pub struct PassReport {
     pub thread_cycles: u64,
     /// Whether every axis ran out to its rest.
     pub complete: bool,
+    /// How it ended.
+    #[serde(default)]
+    pub end: PassEnd,
+}
+
+/// How a pass ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PassEnd {
+    /// Every axis ran out to its rest.
+    Complete,
+    /// Every axis left it, and rests.
+    Left,
+    /// The record ends, or an axis could not be led, before all of them rested.
+    #[default]
+    CutOff,
 }
 
 /// The limits of one axis that its motion is held against.
