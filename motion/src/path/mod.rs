@@ -56,6 +56,9 @@ pub struct Path<const N: usize> {
     shape: Shape<N>,
 }
 
+/// Ways of metric axes below this, mm and as a share of the whole, are rounding beside a turn.
+const BESIDE: f64 = 1e-4;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape<const N: usize> {
     Line { direction: [f64; N] },
@@ -65,13 +68,13 @@ enum Shape<const N: usize> {
 
 impl<const N: usize> Path<N> {
     /// A straight line; `None` if it has no length. `displacement` in mm, of rotary axes in degrees; `metric`
-    /// says which axes make the length. The share of one that is not metric may exceed 1.
+    /// says which axes make the length, unless all they do is to go where they already are but for the rounding
+    /// of an encoder: a turn by degrees would have no length then. The share of one that is not metric may
+    /// exceed 1.
     #[must_use]
     pub fn line(displacement: [f64; N], metric: &[bool; N]) -> Option<Path<N>> {
-        let length = match norm(&displacement, metric) {
-            0.0 => norm(&displacement, &[true; N]),
-            length => length,
-        };
+        let (length, all) = (norm(&displacement, metric), norm(&displacement, &[true; N]));
+        let length = if length < BESIDE.min(BESIDE * all) { all } else { length };
         let direction = displacement.map(|d| d / length);
         let usable = length > 0.0 && length.is_finite() && direction.iter().all(|d| d.is_finite());
         usable.then_some(Path { length, shape: Shape::Line { direction } })

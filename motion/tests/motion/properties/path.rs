@@ -341,3 +341,11 @@ fn what_is_no_arc_is_none() {
     assert!(Path::line([f64::NAN, 0.0, 0.0, 0.0], &METRIC).is_none());
     assert!(Path::line([1.0, 0.0, 0.0, f64::INFINITY], &METRIC).is_none());
 }
+
+#[test]
+fn a_turn_beside_the_rounding_of_an_encoder_has_a_length() {
+    let turn = Path::line([6e-6, 9.0], &[true, false]).expect("a line");
+    assert!((turn.length() - 9.0).abs() < 1e-9);
+    let slow = Path::line([0.5, 90.0], &[true, false]).expect("a line");
+    assert_eq!(slow.length(), 0.5, "what is a way stays one");
+}
