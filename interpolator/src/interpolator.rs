@@ -110,8 +110,11 @@ impl Interpolator {
     pub fn finished(&self) -> bool {
         match self.task {
             Task::Ended { .. } => true,
-            Task::Fault { .. } => {
-                let spindle = self.spindle.stands() || self.spindle.never_stops();
+            Task::Fault { fault, .. } => {
+                // An encoder that is dead shows a spindle at rest.
+                let blind = matches!(fault, protocol::Fault::EncoderStands | protocol::Fault::EncoderGlitch);
+                let run_down = !blind || self.patience.waited() > self.spindle.run_down_ticks();
+                let spindle = self.spindle.stands() && run_down || self.spindle.never_stops();
                 let axes = self.rests || self.patience.is_over(&self.spindle);
                 spindle && axes && self.led_to_rest()
             }

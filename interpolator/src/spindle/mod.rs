@@ -201,6 +201,11 @@ impl Spindle {
         feed == Feed::Rapid || self.at_speed() && turns
     }
 
+    /// Ticks in which it comes to rest from any speed, with half of that to spare.
+    pub(crate) fn run_down_ticks(&self) -> u64 {
+        (1.5 * self.max_rpm / self.ramp_rpm_s / self.tick_s) as u64
+    }
+
     /// Whether it stands: the slow watch says so, which swings through zero when the spindle stops fast, and
     /// so do the counts of the last tick.
     pub fn stands(&self) -> bool {
