@@ -4,6 +4,7 @@ mod contour;
 mod corrections;
 mod held;
 mod leaving;
+mod left;
 mod machine_code;
 mod operator;
 mod orders;

@@ -1,0 +1,97 @@
+//! Threads that are left because something is wrong, and what the machine says of it: the cause, within the
+//! time that the table of faults promises; the tool is out, the axes rest, and the run ends.
+#![allow(clippy::unwrap_used)]
+
+use machine::Machine;
+use protocol::{Axis, AxisState, Fault, operator::Request};
+use rig::observe::{Observation, Outcome, Record};
+
+use crate::stand::{Stand, compiled};
+
+/// A thread of 40 mm at 600 1/min: 26 turns.
+const THREAD: &str = "M3 S600\nG0 X12 Z8\nG0 X9.5\nG33 Z-32 K1.5\nG0 X12\nG0 Z10\nM5\nM2\n";
+
+/// What became of a run.
+struct Left {
+    seen: Observation,
+    /// The first fault that the machine told, and in which cycle.
+    told: Option<(Fault, u64)>,
+    /// Cycles from the event to the first axis that leaves.
+    leaves: Option<u64>,
+    /// X at the end, mm; how fast the axes and the spindle still are then, mm/s and 1/min.
+    x_mm: f64,
+    mm_s: f64,
+    rpm: f64,
+}
+
+/// Where in pass 1 it happens, degrees since its index.
+const AT_DEG: f64 = 3600.0;
+
+fn run(machine: &Machine, program: &str, event: &str) -> Left {
+    let items = compiled(machine, &format!("G18 G21 G90 G8 G94 G97\n{program}"));
+    let scenario = format!("[[event]]\nat = {{ pass = 1, angle_deg = {AT_DEG} }}\n{event}\n");
+    let (mut happened, mut told, mut leaves) = (None, None, None);
+    let (mut x_mm, mut mm_s, mut rpm) = (0.0, 0.0, 0.0);
+    let mut before = [0.0; protocol::units::AXES];
+    let watch = |record: &Record| {
+        let cycle = record.truth.cycle.0;
+        let at = record.axes.iter().any(|(_, status)| status.angle_deg >= AT_DEG);
+        happened = happened.or(at.then_some(cycle));
+        let since = |happened: Option<u64>| cycle - happened.unwrap_or(cycle);
+        if told.is_none() {
+            told = Fault::from_code(record.machine.fault).map(|fault| (fault, since(happened)));
+        }
+        if record.axes.iter().any(|(_, status)| status.state() == AxisState::Leaving) {
+            leaves = leaves.or(Some(since(happened)));
+        }
+        let motors = record.truth.axes.map(|axis| axis.motor_mm);
+        mm_s = motors
+            .iter()
+            .zip(&before)
+            .map(|(now, before): (&f64, &f64)| (now - before).abs())
+            .fold(0.0, f64::max)
+            / machine.general.cycle_s;
+        before = motors;
+        (x_mm, rpm) = (motors[Axis::X.index()], record.truth.spindle_rpm);
+        None::<Request>
+    };
+    let seen = Stand { machine, items: &items, scenario: &scenario, seed: 5 }.run(watch);
+    Left { seen, told, leaves, x_mm, mm_s, rpm }
+}
+
+/// What happens in the thread, the fault that the machine names, and cycles within which it does.
+const CAUSES: &[(&str, Fault, u64)] = &[
+    ("emergency_stop = true", Fault::EmergencyStop, 10),
+    ("power_lost = true", Fault::PowerLost, 10),
+    ("drive_fault = \"z\"", Fault::DriveFault, 12),
+    ("kill = \"regulator-z\"", Fault::RegulatorSilent, 16),
+    ("freeze = \"regulator-z\"", Fault::RegulatorSilent, 16),
+    ("packet = { channel = \"axis-status/z\", count = 100000, drop = true }", Fault::RegulatorSilent, 12),
+    ("spindle_fault = \"runaway\"", Fault::SpindleRunaway, 2000),
+    ("spindle_fault = \"reversal\"", Fault::SpindleReversed, 4000),
+    ("spindle_fault = \"jam\"", Fault::SpindleNotAtSpeed, 2600),
+    ("encoder_stands = true", Fault::EncoderStands, 200),
+    ("axis_jump = { axis = \"z\", mm = 0.045 }", Fault::AxisJump, 10),
+];
+
+#[test]
+fn the_cause_is_told_the_tool_is_out_and_the_run_ends() {
+    for (event, fault, within) in CAUSES {
+        let left = run(&Machine::default(), THREAD, event);
+        let told = left.told.unwrap_or_else(|| panic!("{event}: nothing is told"));
+        println!("{event}: {:?} after {} cycles, leaves {:?}", told.0, told.1, left.leaves);
+        assert_eq!(left.seen.outcome, Outcome::Faulted, "{event}");
+        assert_eq!(told.0, *fault, "{event}: {:?}", left.seen.faults);
+        assert!(told.1 <= *within, "{event}: told after {} cycles", told.1);
+        assert!(left.x_mm > 11.9, "{event}: X stands at {} mm", left.x_mm);
+        assert!(left.mm_s < 0.1, "{event}: an axis moves at {} mm/s", left.mm_s);
+        assert!(
+            left.rpm.abs() < 1.0
+                || *fault == Fault::SpindleRunaway
+                || *fault == Fault::SpindleReversed
+                || *fault == Fault::PowerLost,
+            "{event}: {} 1/min",
+            left.rpm
+        );
+    }
+}
