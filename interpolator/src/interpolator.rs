@@ -111,10 +111,7 @@ impl Interpolator {
         match self.task {
             Task::Ended { .. } => true,
             Task::Fault { fault, .. } => {
-                // An encoder that is dead shows a spindle at rest.
-                let blind = matches!(fault, protocol::Fault::EncoderStands | protocol::Fault::EncoderGlitch);
-                let run_down = !blind || self.patience.waited() > self.spindle.run_down_ticks();
-                let spindle = self.spindle.stands() && run_down || self.spindle.never_stops();
+                let spindle = self.spindle_is_over(fault);
                 let axes = self.rests || self.patience.is_over(&self.spindle);
                 spindle && axes && self.led_to_rest()
             }

@@ -86,20 +86,30 @@ impl Interpolator {
     /// Whether the spindle is stopped while the axes leave a pass: a fault of its encoder leaves the axes no
     /// angle but the one that its speed foretells, and a pass that is finished needs it.
     pub(crate) fn stops_spindle(&self) -> bool {
-        use Fault::{
-            EncoderGlitch, EncoderIndexMissing, EncoderPlausibility, EncoderPulsesGained, EncoderPulsesLost,
-            EncoderStands,
-        };
         let Task::Leaving { why: Why::Fault(fault), way, .. } = self.task else { return false };
-        let by_angle = matches!(
-            fault,
-            EncoderGlitch
-                | EncoderIndexMissing
-                | EncoderPlausibility
-                | EncoderPulsesGained
-                | EncoderPulsesLost
-                | EncoderStands
-        );
+        let by_angle = of_encoder(fault);
         !by_angle && way != Way::Finish
     }
+    /// Whether the spindle stands after a fault, or nobody waits for it any longer.
+    pub(crate) fn spindle_is_over(&self, fault: Fault) -> bool {
+        let stands = self.spindle.stands() && (self.spindle.ran_down() || !of_encoder(fault));
+        stands || self.spindle.never_stops()
+    }
+}
+
+/// Whether a fault is one of the spindle's encoder: what it shows is not to be believed.
+fn of_encoder(fault: Fault) -> bool {
+    use Fault::{
+        EncoderGlitch, EncoderIndexMissing, EncoderPlausibility, EncoderPulsesGained, EncoderPulsesLost,
+        EncoderStands,
+    };
+    matches!(
+        fault,
+        EncoderGlitch
+            | EncoderIndexMissing
+            | EncoderPlausibility
+            | EncoderPulsesGained
+            | EncoderPulsesLost
+            | EncoderStands
+    )
 }

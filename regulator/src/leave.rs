@@ -92,8 +92,13 @@ pub(crate) fn brake(reference: &Reference, axis: usize, free: bool, limits: &Lim
         return Some(lift(reference, pass, *stage, limits));
     }
     let stands = reference.spindle.stands_for((STANDS_S / reference.cycle_s) as u64);
-    let brakes = || Way::Timed { exit: Exit::stop(&reference.now(), limits), from: reference.cycle };
-    (free || stands).then(brakes)
+    if !(free || stands) {
+        return None;
+    }
+    let exit = Exit::stop(&reference.now(), limits);
+    // The law of the pass ends where it should, a brake that begins shortly before it does not.
+    let beyond = (exit.end() - pass.law.end.mm()) * pass.law.lead_mm.signum() > 0.0;
+    (stands || !beyond).then_some(Way::Timed { exit, from: reference.cycle })
 }
 
 /// Whether a timed way, or what is left of the stream, is over.

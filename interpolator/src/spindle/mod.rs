@@ -134,6 +134,12 @@ impl Spindle {
         self.watch.fault()
     }
 
+    /// Whether it has had three times as long as its ramp takes to come to rest: for one whose encoder nobody
+    /// believes.
+    pub(crate) fn ran_down(&self) -> bool {
+        self.watch.ran_down()
+    }
+
     /// Whether it should have come to rest long ago: nobody waits for it any longer.
     pub(crate) fn never_stops(&self) -> bool {
         self.watch.never_stops()
@@ -199,11 +205,6 @@ impl Spindle {
         let least = (0.5 * self.commanded().abs()).min(1.0);
         let turns = !matches!(feed, Feed::PerRevolution(_)) || self.observed().abs() >= least;
         feed == Feed::Rapid || self.at_speed() && turns
-    }
-
-    /// Ticks in which it comes to rest from any speed, with half of that to spare.
-    pub(crate) fn run_down_ticks(&self) -> u64 {
-        (1.5 * self.max_rpm / self.ramp_rpm_s / self.tick_s) as u64
     }
 
     /// Whether it stands: the slow watch says so, which swings through zero when the spindle stops fast, and

@@ -131,6 +131,11 @@ impl Watch {
         self.late as f64 * self.tick_s > STOP_S
     }
 
+    /// Whether its commands give it no reason to turn any more, whatever its encoder shows.
+    pub(super) fn ran_down(&self) -> bool {
+        self.most <= 0.0
+    }
+
     /// What is wrong.
     pub(super) fn fault(&self) -> Option<Fault> {
         match () {

@@ -79,19 +79,17 @@ fn the_cause_is_told_the_tool_is_out_and_the_run_ends() {
     for (event, fault, within) in CAUSES {
         let left = run(&Machine::default(), THREAD, event);
         let told = left.told.unwrap_or_else(|| panic!("{event}: nothing is told"));
-        println!("{event}: {:?} after {} cycles, leaves {:?}", told.0, told.1, left.leaves);
+        println!(
+            "{event}: {:?} after {} cycles, leaves {:?}, {:.0} 1/min",
+            told.0, told.1, left.leaves, left.rpm
+        );
         assert_eq!(left.seen.outcome, Outcome::Faulted, "{event}");
         assert_eq!(told.0, *fault, "{event}: {:?}", left.seen.faults);
         assert!(told.1 <= *within, "{event}: told after {} cycles", told.1);
         assert!(left.x_mm > 11.9, "{event}: X stands at {} mm", left.x_mm);
         assert!(left.mm_s < 0.1, "{event}: an axis moves at {} mm/s", left.mm_s);
-        assert!(
-            left.rpm.abs() < 1.0
-                || *fault == Fault::SpindleRunaway
-                || *fault == Fault::SpindleReversed
-                || *fault == Fault::PowerLost,
-            "{event}: {} 1/min",
-            left.rpm
-        );
+        // A spindle that obeys nobody is waited for only so long.
+        let obeys = !matches!(fault, Fault::SpindleRunaway | Fault::SpindleReversed);
+        assert!(left.rpm.abs() < 5.0 || !obeys, "{event}: {} 1/min", left.rpm);
     }
 }
