@@ -209,7 +209,7 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
     /// force, is lost.
     fn tick(&mut self, now: Cycle, measurement: &Measurement) {
         self.feed(now);
-        let input = interpolator::In { measurement: measurement, axes: &self.statuses };
+        let input = interpolator::In { measurement, axes: &self.statuses };
         let Some(out) = self.interpolator.tick(&input) else { return };
         self.machine_status = out.status;
         self.made = Some(out);
