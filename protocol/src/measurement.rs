@@ -52,7 +52,8 @@ pub struct Panel {
 impl Panel {
     /// Feed hold is on: timed motion comes to rest, a thread goes on to its end.
     pub const FEED_HOLD: u32 = 1;
-    /// Motion stops on its path, then the program ends; a thread is cut to its end first. It stays pressed.
+    /// Motion stops on its path, then the program ends; a thread is left, or cut to its end first. It stays
+    /// pressed.
     pub const STOP: u32 = 2;
     /// Single block is on: after each move the program waits for cycle start.
     pub const SINGLE_BLOCK: u32 = 4;

@@ -21,7 +21,7 @@ pub enum Request {
     FeedHold,
     /// Cycle start: leave feed hold, or go on after a pause of the program.
     CycleStart,
-    /// Stop on the path and end the program; a thread is cut to its end first.
+    /// Stop on the path and end the program; a thread is left, or cut to its end first.
     Stop,
     /// Wait for cycle start after each block, or no longer.
     SingleBlock(bool),

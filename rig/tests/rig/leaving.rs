@@ -150,7 +150,7 @@ const ROWS: [Row; 17] = [
         &[Axis::X, Axis::Z],
         Some(5.0),
     ),
-    row("drive of X", "drive_fault = \"x\"", 2, Some(Fault::DriveFault), &[Axis::Z], Some(5.0)),
+    row("drive of X", "drive_fault = \"x\"", 2, Some(Fault::DriveFault), &[Axis::Z], None),
     row("drive of Z", "drive_fault = \"z\"", 2, Some(Fault::DriveFault), &[Axis::X], None),
     row(
         "torque of Z",
@@ -160,14 +160,7 @@ const ROWS: [Row; 17] = [
         &[Axis::X],
         None,
     ),
-    row(
-        "regulator of X dies",
-        "kill = \"regulator-x\"",
-        3,
-        Some(Fault::RegulatorSilent),
-        &[Axis::Z],
-        Some(5.0),
-    ),
+    row("regulator of X dies", "kill = \"regulator-x\"", 3, Some(Fault::RegulatorSilent), &[Axis::Z], None),
     row("regulator of Z dies", "kill = \"regulator-z\"", 3, Some(Fault::RegulatorSilent), &[Axis::X], None),
     row(
         "encoder of Z jumps",
@@ -197,6 +190,9 @@ fn every_row_leaves_the_thread_in_time_and_in_its_groove() {
         // In the middle of the thread, some turns behind its beginning.
         let at = 2600 + 5 * 120_000 / u64::from(s_rpm) + 800;
         for Row { name, action, within, fault, sound, off_um } in &ROWS {
+            if s_rpm > 200 && *name == "spindle turns back" {
+                continue; // the thread is over before it does
+            }
             let seen = run(&machine, s_rpm, action, at);
             let figures = format!("{name:20} {s_rpm:6} {seen:?}");
             let turns = |turns: Option<f64>| turns.map_or("-".into(), |turns| format!("{turns:.2}"));
