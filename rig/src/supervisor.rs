@@ -1,4 +1,4 @@
-//! What is asked of the machine when one of its processes has died, and when the rest of it may be ended.
+//! What is asked of the machine when one of its modules has died, and when the rest of it may be ended.
 //!
 //! In: who has died, an emergency stop by the operator, and every control cycle a [`Record`]. Out: what to do
 //! at the panel, and the [`End`]. No clock: every wait is bounded in control cycles, and a pass by the angle
@@ -19,7 +19,7 @@
 use std::collections::BTreeMap;
 
 use machine::{AxisConfig, Machine, SpindleConfig};
-use protocol::{Axis, Code, Item, ThreadPass, operator::Request};
+use protocol::{Axis, Code, Item, Module, ThreadPass, operator::Request};
 
 use crate::observe::Record;
 
@@ -33,19 +33,6 @@ const RAMPS: f64 = 3.0;
 const SETTLING_S: f64 = 1.0;
 /// Turns that a pass may take more than its laws: the index it waits for, and a spindle that is uneven.
 const MORE_TURNS: f64 = 2.0;
-
-/// A part of the machine that can die.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
-    /// G-code to machine code.
-    Interpreter,
-    /// Machine code to axis commands.
-    Interpolator,
-    /// Spindle, axes, drives.
-    Plant,
-    /// One axis.
-    Regulator(Axis),
-}
 
 /// How it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,9 +71,8 @@ enum Phase {
     /// A pass is cut to its end. `left_deg`: what the spindle may still turn for it, once the pass is known;
     /// `stood`: cycles for which it has not turned.
     Finishing { left_deg: Option<f64>, stood: u64 },
-    /// The emergency stop has to be asked for.
-    Asking,
-    /// It was asked for. `waited`: cycles since the spindle has last lost `speed`; `rests`: cycles at rest.
+    /// The emergency stop was asked for. `waited`: cycles since the spindle was first as slow as `rpm`;
+    /// `rests`: cycles at rest.
     Stopping { waited: u64, rpm: f64, rests: u64 },
     /// Done.
     Over(End),
@@ -96,7 +82,7 @@ enum Phase {
 #[derive(Clone, Debug)]
 pub struct Supervisor {
     axes: Vec<Axis>,
-    dead: Vec<Part>,
+    dead: Vec<Module>,
     phase: Phase,
     /// Angle at which each pass is over, degrees since its index.
     passes: BTreeMap<u32, f64>,
@@ -127,43 +113,47 @@ impl Supervisor {
         }
     }
 
-    /// A part has died, or hangs and was killed. Its last words are in the next record at the latest.
-    pub fn died(&mut self, part: Part) {
-        self.dead.push(part);
-        match (part, self.phase) {
-            (Part::Plant, _) => self.phase = Phase::Over(End::PlantGone),
-            (_, Phase::Over(_) | Phase::Asking | Phase::Stopping { .. }) | (Part::Interpreter, _) => {}
-            (Part::Interpolator, _) => self.phase = Phase::Finishing { left_deg: None, stood: 0 },
-            (Part::Regulator(_), _) => self.phase = Phase::Asking,
+    /// A module has died, or hangs and was killed. What this gives is to be done at the panel, before
+    /// anybody hears of the death.
+    pub fn died(&mut self, module: Module) -> Option<Request> {
+        self.dead.push(module);
+        match (module, self.phase) {
+            (Module::Regulator(_), _) => return self.emergency_stop(),
+            (Module::Interpolator, Phase::Watching) => {
+                self.phase = Phase::Finishing { left_deg: None, stood: 0 };
+            }
+            _ => {}
         }
+        None
     }
 
-    /// The operator wants an emergency stop, or nobody is there any more who could want anything.
-    pub fn emergency_stop(&mut self) {
-        if matches!(self.phase, Phase::Watching | Phase::Finishing { .. }) {
-            self.phase = Phase::Asking;
+    /// The plant has died.
+    pub fn plant_died(&mut self) {
+        self.phase = Phase::Over(End::PlantGone);
+    }
+
+    /// An emergency stop is wanted; it is asked for once. What this gives is to be done at the panel.
+    pub fn emergency_stop(&mut self) -> Option<Request> {
+        if matches!(self.phase, Phase::Stopping { .. } | Phase::Over(_)) {
+            return None;
         }
+        self.phase = Phase::Stopping { waited: 0, rpm: f64::INFINITY, rests: 0 };
+        Some(Request::EmergencyStop)
     }
 
     /// One control cycle; every one, in order. What it gives is to be done at the panel.
     pub fn cycle(&mut self, record: &Record) -> Option<Request> {
         let turned = (record.truth.spindle_deg - self.spindle_deg).abs();
         self.spindle_deg = record.truth.spindle_deg;
-        if let Phase::Finishing { left_deg, stood } = self.phase {
-            self.phase = self.finish(record, turned, left_deg, stood);
-        }
         match self.phase {
-            Phase::Watching | Phase::Finishing { .. } | Phase::Over(_) => None,
-            Phase::Asking => {
-                let rpm = record.truth.spindle_rpm.abs();
-                self.phase = Phase::Stopping { waited: 0, rpm, rests: 0 };
-                Some(Request::EmergencyStop)
-            }
-            Phase::Stopping { waited, rpm, rests } => {
-                self.phase = self.stop(record, waited, rpm, rests);
-                None
-            }
+            Phase::Watching | Phase::Over(_) => {}
+            Phase::Finishing { left_deg, stood } => match self.finish(record, turned, left_deg, stood) {
+                Some(phase) => self.phase = phase,
+                None => return self.emergency_stop(),
+            },
+            Phase::Stopping { waited, rpm, rests } => self.phase = self.stop(record, waited, rpm, rests),
         }
+        None
     }
 
     /// Whether everything may be ended, and how it stands.
@@ -179,21 +169,17 @@ impl Supervisor {
         self.phase == Phase::Watching
     }
 
-    /// Regulators cut a pass to its end without anybody above.
-    fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Phase {
-        let living = |axis: &Axis| !self.dead.contains(&Part::Regulator(*axis));
+    /// Regulators cut a pass to its end without anybody above. `None` when that is over.
+    fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Option<Phase> {
+        let living = |axis: &Axis| !self.dead.contains(&Module::Regulator(*axis));
         let mut axes = record.axes.iter().filter(|(axis, _)| living(axis));
-        let Some((_, cutting)) = axes.find(|(_, status)| status.state().is_in_pass()) else {
-            return Phase::Asking;
-        };
+        let (_, cutting) = axes.find(|(_, status)| status.state().is_in_pass())?;
         let whole_deg = || self.passes.get(&cutting.pass).map_or(0.0, |over| over + 360.0 * MORE_TURNS);
         let left_deg = left_deg.unwrap_or_else(whole_deg) - turned;
         let stands = record.truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
         let stood = if stands { stood + 1 } else { 0 };
-        match left_deg < 0.0 || stood > self.longest_wait {
-            true => Phase::Asking,
-            false => Phase::Finishing { left_deg: Some(left_deg), stood },
-        }
+        let goes_on = left_deg >= 0.0 && stood <= self.longest_wait;
+        goes_on.then_some(Phase::Finishing { left_deg: Some(left_deg), stood })
     }
 
     /// The machine comes to rest.

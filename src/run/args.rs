@@ -3,7 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use process::shell::{Clock, LanguageArgs};
+use process::{
+    ipc::Process,
+    shell::{Clock, LanguageArgs},
+};
+use protocol::Doom;
 
 use crate::args::MachineArgs;
 
@@ -18,7 +22,10 @@ browser, no network), and the program, machine file and scenario that were used.
 M0, M1 and M60 wait for cycle start. An event of the scenario presses it; where none is left that could, it is pressed
 after 1 s on the machine, and the summary names the pause.
 
-Exit status: 0 done and good, 1 the run ended in a fault, 2 the program, machine file, scenario or an argument is wrong.";
+Ctrl-C (or SIGTERM, or closing the terminal) stops the machine and ends the program: a tool in a thread leaves it
+first. Ctrl-C again is an emergency stop, and once more ends the processes as they are.
+
+Exit status: 0 done and good, 1 the run ended in a fault or was broken off, 2 the program, machine file, scenario or an argument is wrong.";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RunArgs {
@@ -51,6 +58,13 @@ pub(crate) struct RunArgs {
     /// Form of the trace.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) trace: Trace,
+    /// If nothing has happened for so long, the process that all others wait for is taken for dead; 0 waits
+    /// for ever (for debuggers).
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]
+    pub(crate) watchdog_s: f64,
+    /// For tests: kills or freezes a process in a control cycle, as in `sim-plant:kill@1000`.
+    #[arg(long, value_name = "PROCESS:HOW@CYCLE", value_parser = fell, hide = true)]
+    pub(crate) fell: Vec<Fell>,
     /// Print summary.json to standard output, and nothing else.
     #[arg(long)]
     pub(crate) json: bool,
@@ -66,4 +80,35 @@ pub(crate) enum Trace {
     Csv,
     /// No trace; the report shows the figures only.
     None,
+}
+
+/// A process that a test kills or freezes.
+#[derive(Clone, Debug)]
+pub(crate) struct Fell {
+    /// Which.
+    pub(crate) process: Process,
+    /// What happens to it.
+    pub(crate) doom: Doom,
+    /// When.
+    pub(crate) cycle: u64,
+}
+
+fn fell(text: &str) -> Result<Fell, String> {
+    let parts = text.split_once('@').and_then(|(who, cycle)| Some((who.split_once(':')?, cycle)));
+    let ((process, how), cycle) = parts.ok_or("PROCESS:HOW@CYCLE")?;
+    let doom = match how {
+        "kill" => Doom::Kill,
+        "freeze" => Doom::Freeze,
+        _ => return Err("kill or freeze".into()),
+    };
+    let cycle = cycle.parse().map_err(|error| format!("{cycle}: {error}"))?;
+    let process = Process::from_name(process).ok_or_else(|| format!("{process} is not a process"))?;
+    Ok(Fell { process, doom, cycle })
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
+        _ => Err("seconds, 0 to 1000000".into()),
+    }
 }

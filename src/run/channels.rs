@@ -5,14 +5,18 @@ use std::collections::VecDeque;
 
 use machine::Machine;
 use process::ipc::{ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, channel};
+use process::shell::Clock;
 use protocol::{
     Axis, AxisStatus, MachineStatus, Message, Truth,
     operator::{OperatorRequest, Request},
 };
 use rig::observe::Record;
 
-use super::recorder::{Recorder, axes};
+use super::recorder::axes;
 use crate::error::CliError;
+
+/// In real time, whoever has said nothing for so long while the plant went on is dead or hangs, s.
+const SILENT_S: f64 = 1.0;
 
 /// One source, and what of it waits for the others.
 struct Source<T: Message> {
@@ -20,11 +24,13 @@ struct Source<T: Message> {
     waiting: VecDeque<T>,
     /// Its sender has died: what has not come will not come.
     gone: bool,
+    /// Cycle of the newest that has come.
+    newest: u64,
 }
 
 impl<T: Message> Source<T> {
     fn new(receiver: Receiver<T>) -> Source<T> {
-        Source { receiver, waiting: VecDeque::new(), gone: false }
+        Source { receiver, waiting: VecDeque::new(), gone: false, newest: 0 }
     }
 
     /// Whether the oldest that waits is such, or nothing will come any more.
@@ -41,11 +47,15 @@ impl<T: Message> Source<T> {
         }
     }
 
-    fn drain(&mut self) -> Result<(), IpcError> {
+    /// Takes what has come, and gives how many.
+    fn drain(&mut self, cycle: impl Fn(&T) -> u64, mut see: impl FnMut(&T)) -> Result<usize, IpcError> {
+        let before = self.waiting.len();
         while let Some(message) = self.receiver.receive()? {
+            self.newest = cycle(&message);
+            see(&message);
             self.waiting.push_back(message);
         }
-        Ok(())
+        Ok(self.waiting.len() - before)
     }
 }
 
@@ -57,6 +67,8 @@ pub(crate) struct Channels {
     operator: Sender<OperatorRequest>,
     requests: u64,
     cycles_per_tick: u64,
+    /// How far behind the truth whoever lives can be in real time, control cycles; `None` in lock step.
+    oldest: Option<u64>,
     late_answers: u64,
     seen: Vec<(Axis, AxisStatus)>,
     machine: MachineStatus,
@@ -65,7 +77,7 @@ pub(crate) struct Channels {
 
 impl Channels {
     /// Opens them.
-    pub(crate) fn open(space: &mut NameSpace, machine: &Machine) -> Result<Channels, CliError> {
+    pub(crate) fn open(space: &mut NameSpace, machine: &Machine, clock: Clock) -> Result<Channels, CliError> {
         let member = space.launcher();
         let axes = axes(machine);
         let mut statuses = Vec::new();
@@ -80,6 +92,7 @@ impl Channels {
                 .sender(channel::OPERATOR, Patience::Bounded(std::time::Duration::from_millis(100)))?,
             requests: 0,
             cycles_per_tick: machine.cycles_per_tick(),
+            oldest: (clock == Clock::Real).then(|| (SILENT_S / machine.general.cycle_s).ceil() as u64),
             late_answers: 0,
             seen: axes.iter().map(|axis| (*axis, AxisStatus::default())).collect(),
             machine: MachineStatus::default(),
@@ -94,20 +107,27 @@ impl Channels {
         ports
     }
 
-    /// Records every cycle of which everything is known. True if there was any. With `force` what is missing
-    /// is taken for lost.
-    pub(crate) fn record(&mut self, recorder: &mut Recorder, force: bool) -> Result<bool, CliError> {
-        self.truths.drain()?;
-        self.ticks.drain()?;
-        self.axes.iter_mut().try_for_each(|(_, source)| source.drain())?;
+    /// Takes what has come, and shows every truth to `see`. Gives how many messages there were.
+    pub(crate) fn drain(&mut self, see: impl FnMut(&Truth)) -> Result<usize, CliError> {
+        let mut all = self.truths.drain(|truth| truth.cycle.0, see)?;
+        all += self.ticks.drain(|status| status.cycle.0, |_| {})?;
+        for (_, source) in &mut self.axes {
+            all += source.drain(|status| status.cycle.0, |_| {})?;
+        }
+        Ok(all)
+    }
+
+    /// Gives every cycle of which everything is known to `record`. True if there was any. With `force` what
+    /// is missing is taken for lost.
+    pub(crate) fn record(&mut self, force: bool, mut record: impl FnMut(&Record)) -> bool {
         let mut any = false;
         while let Some(truth) = self.next(force) {
-            recorder.cycle(&Record { truth: &truth, axes: &self.seen, machine: &self.machine });
+            record(&Record { truth: &truth, axes: &self.seen, machine: &self.machine });
             self.ended |= truth.measurement.last != 0;
             self.late_answers = truth.late_answers;
             any = true;
         }
-        Ok(any)
+        any
     }
 
     /// The oldest truth, when all that belongs to it has come: a status of its cycle, or a later one because
@@ -117,7 +137,8 @@ impl Channels {
         let tick = cycle.0.is_multiple_of(self.cycles_per_tick);
         let statuses = self.axes.iter().all(|(_, source)| source.has(|status| status.cycle >= cycle));
         let complete = statuses && (!tick || self.ticks.has(|status| status.cycle >= cycle));
-        if !complete && !force {
+        let lost = self.oldest.is_some_and(|oldest| self.truths.newest > cycle.0 + oldest);
+        if !complete && !lost && !force {
             return None;
         }
         for ((_, source), (_, seen)) in self.axes.iter_mut().zip(&mut self.seen) {
@@ -145,11 +166,24 @@ impl Channels {
         }
     }
 
-    /// Whether an axis is in a pass, as far as recorded, and its regulator alive to end it.
-    pub(crate) fn in_pass(&self) -> bool {
-        let sources = self.axes.iter().map(|(_, source)| source);
-        let mut living = self.seen.iter().zip(sources).filter(|(_, source)| !source.gone);
-        living.any(|((_, status), _)| status.state().is_in_pass())
+    /// Who has said nothing for so long that it must have died or hang, in real time.
+    pub(crate) fn silent(&self) -> Option<Process> {
+        let oldest = self.oldest?;
+        let silent = |newest: u64, gone: bool| !gone && self.truths.newest > newest + oldest;
+        let axes = self.axes.iter().find(|(_, source)| silent(source.newest, source.gone));
+        let interpolator = silent(self.ticks.newest, self.ticks.gone);
+        axes.map(|(axis, _)| Process::Regulator(*axis)).or(interpolator.then_some(Process::Interpolator))
+    }
+
+    /// The first control cycle that a process has not answered.
+    pub(crate) fn unanswered(&self, process: Process) -> u64 {
+        let axis = |axis| self.axes.iter().find(|(other, _)| *other == axis);
+        match process {
+            Process::Regulator(of) => axis(of).map_or(0, |(_, source)| source.newest + 1),
+            Process::Interpolator => self.ticks.newest + self.cycles_per_tick,
+            Process::Plant => self.truths.newest + 1,
+            Process::Interpreter | Process::Launcher => self.truths.newest,
+        }
     }
 
     /// Answers that came after their cycle, in real time.

@@ -2,12 +2,15 @@
 
 mod args;
 mod channels;
+mod children;
+mod endings;
 mod folder;
 mod in_process;
 mod interrupts;
 mod processes;
 mod progress;
 mod recorder;
+mod watchdog;
 
 use std::{fmt::Write as _, process::ExitCode};
 
@@ -16,6 +19,7 @@ use process::shell::Clock;
 use rig::observe::{Outcome, Summary, WorkKind};
 
 use crate::{error::CliError, program::Program, screen};
+use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
 use folder::RunFolder;
 pub(crate) use recorder::axes;
@@ -36,6 +40,12 @@ pub(crate) struct Setup {
     pub(crate) folder: RunFolder,
     /// Whether progress is shown.
     pub(crate) progress: bool,
+    /// Whether nothing is said at all.
+    pub(crate) quiet: bool,
+    /// How long nothing may happen before somebody counts as frozen, s; 0 for ever.
+    pub(crate) watchdog_s: f64,
+    /// Whom a test kills or freezes.
+    pub(crate) fell: Vec<Fell>,
 }
 
 /// Runs a program. Anything wrong with the input ends this before the machine starts.
@@ -53,7 +63,8 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     }
     let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref())?;
     let progress = !quiet && !args.json;
-    let setup = Setup { machine, program, scenario, seed, clock: args.clock, folder, progress };
+    let (clock, watchdog_s, fell) = (args.clock, args.watchdog_s, args.fell.clone());
+    let setup = Setup { machine, program, scenario, seed, clock, folder, progress, quiet, watchdog_s, fell };
 
     let summary = if args.in_process { in_process::run(&setup)? } else { processes::run(&setup)? };
     summary.write(&setup.folder.path.join("summary.json"))?;
@@ -65,7 +76,7 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     } else if !quiet {
         screen::print(&summed_up(&summary, &report));
     }
-    Ok(if summary.outcome == Outcome::Faulted { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(if summary.outcome == Outcome::Completed { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// What `--single-block` adds to the scenario.
@@ -96,6 +107,13 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
             text,
             "fault     {} {} (cycle {}): {}",
             fault.source, fault.code, fault.cycle, fault.text
+        );
+    }
+    for warning in &summary.warnings {
+        let _ = writeln!(
+            text,
+            "warning   {} {} (cycle {}): {}",
+            warning.source, warning.code, warning.cycle, warning.text
         );
     }
     let outcome = match summary.outcome {

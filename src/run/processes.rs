@@ -1,104 +1,68 @@
-//! The machine as processes: start them, watch them, record, end them.
+//! The machine as processes: start them, watch them, record, bring the machine to rest, end them.
 
-use std::{
-    process::{Child, Command, Stdio},
-    time::Duration,
-};
+use std::time::Duration;
 
 use process::{
     ipc::{ChannelCount, NameSpace, Process, time::Moment, total},
     shell::{Clock, START_S},
 };
-use protocol::operator::Request;
-use rig::observe::{self, FaultReport, Outcome, Summary};
+use protocol::{Doom, operator::Request};
+use rig::{
+    observe::{self, Summary},
+    supervisor::{End, Supervisor},
+};
 
 use super::{
     Setup,
     channels::Channels,
-    interrupts::Interrupts,
+    children::Started,
+    endings::{Death, Endings},
+    interrupts::{Interrupts, Wish},
     recorder::{Recorder, axes},
+    watchdog::Watchdog,
 };
 use crate::error::CliError;
 
 /// How long the launcher sleeps when nobody wakes it.
 const NAP: Duration = Duration::from_millis(20);
-
-/// How long processes may take to end after the last measurement, or to finish a pass after one of them died,
-/// s.
-const END_S: f64 = 10.0;
-
-/// A process of this run. Dropping it ends the process.
-struct Started {
-    process: Process,
-    child: Child,
-    exit: Option<Option<i32>>,
-}
-
-impl Drop for Started {
-    fn drop(&mut self) {
-        // It may be gone already; then there is nothing to end.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
+/// The same when something is wrong.
+const SHORT_NAP: Duration = Duration::from_millis(1);
 
 /// Runs the machine to its end.
 pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
     let mut interrupts = Interrupts::catch()?;
     let axes = axes(&setup.machine);
     let mut space = NameSpace::create(&axes)?;
-    let mut channels = Channels::open(&mut space, &setup.machine)?;
+    let channels = Channels::open(&mut space, &setup.machine, setup.clock)?;
     let mut started = Vec::new();
     for process in Process::members(&axes) {
-        started.push(start(setup, &space, process)?);
+        started.push(Started::start(setup, &space.address(), process)?);
     }
     rendezvous(&mut space, &channels, &mut started, &mut interrupts)?;
-    let mut recorder = Recorder::new(setup)?;
+    let recorder = Recorder::new(setup)?;
     let begun = Moment::now();
     space.start()?;
-
-    let mut died = Vec::new();
-    let mut deadline = None;
-    let mut force = false;
-    while !channels.ended() {
-        let recorded = channels.record(&mut recorder, force)?;
-        if interrupts.came() {
-            if interrupts.count() > 1 {
-                break;
-            }
-            channels.operate(Request::Stop)?;
-        }
-        for process in newly_dead(&mut started)? {
-            space.bury(process)?;
-            channels.bury(process);
-            died.push(process);
-            deadline.get_or_insert_with(|| Moment::in_s(END_S));
-        }
-        // A pass in hand is cut to its end and the tool retracted, whoever died above.
-        let over = !died.is_empty() && (!channels.in_pass() || died.contains(&Process::Plant));
-        if over || deadline.is_some_and(Moment::passed) {
-            break;
-        }
-        // In real time messages may be lost, the last ones among them.
-        force = !recorded && setup.clock == Clock::Real && channels.last_has_come();
-        if !recorded {
-            space.launcher().wait_at_most(NAP)?;
-        }
-    }
-    let counts = end(&mut space, &mut started, &channels, died.is_empty() && channels.ended())?;
+    let mut launch = Launch {
+        setup,
+        supervisor: Supervisor::new(&setup.machine, &setup.program.watched),
+        watchdog: Watchdog::new(setup.watchdog_s),
+        endings: Endings::default(),
+        wish: Wish::None,
+        quits: false,
+        space,
+        channels,
+        started,
+        interrupts,
+        recorder,
+    };
+    launch.run()?;
+    let counts = launch.end()?;
+    let Launch { recorder, channels, started, endings, .. } = launch;
     let mut summary = recorder.finish(&setup.folder.named, setup.clock)?;
     summary.deadline_misses = channels.late_answers();
-    summary.processes = started.iter().map(report).collect();
+    summary.processes = started.iter().map(Started::report).collect();
     summary.channels = counts;
-    for process in &died {
-        summary.outcome = Outcome::Faulted;
-        summary.faults.push(FaultReport {
-            cycle: summary.cycles,
-            source: process.name(),
-            code: "process-died".into(),
-            text: "the process ended before the machine did; its last words are on standard error".into(),
-        });
-    }
+    endings.tell(&mut summary);
     Ok(complete(summary, setup, begun))
 }
 
@@ -107,48 +71,6 @@ pub(crate) fn complete(mut summary: Summary, setup: &Setup, begun: Moment) -> Su
     summary.seed = setup.seed;
     summary.wall_s = begun.elapsed().as_secs_f64();
     summary
-}
-
-/// Starts one process: this program again, under another command, in a process group of its own so that
-/// Ctrl-C reaches the launcher only.
-fn start(setup: &Setup, space: &NameSpace, process: Process) -> Result<Started, CliError> {
-    use std::os::unix::process::CommandExt as _;
-    let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
-    let mut command = Command::new(this);
-    command.stdin(Stdio::null()).stdout(Stdio::null()).process_group(0);
-    match process {
-        Process::Interpreter => {
-            command.arg("interpreter").arg(&setup.folder.program).args(setup.folder.language_args())
-        }
-        Process::Interpolator => command.arg("interpolator"),
-        Process::Plant => {
-            command.arg("sim-plant").arg("--seed").arg(setup.seed.to_string());
-            if let Some(scenario) = &setup.folder.scenario {
-                command.arg("--scenario").arg(scenario);
-            }
-            &mut command
-        }
-        Process::Regulator(axis) => command.arg("regulator").arg("--axis").arg(axis.name()),
-        Process::Launcher => unreachable!("the launcher starts the others"),
-    };
-    command.arg("--address").arg(space.address()).arg("--machine").arg(&setup.folder.machine);
-    match setup.clock {
-        // In lock step everybody waits for everybody: taking turns on one processor is fastest.
-        Clock::Virtual => {
-            command.arg("--clock").arg("virtual").arg("--processor").arg(processor().to_string())
-        }
-        Clock::Real => command.arg("--clock").arg("real"),
-    };
-    let child = command
-        .spawn()
-        .map_err(|error| CliError::Machine(format!("cannot start {}: {error}", process.name())))?;
-    Ok(Started { process, child, exit: None })
-}
-
-/// The processor for this machine's processes: machines started side by side spread over all there are.
-fn processor() -> usize {
-    let allowed = process::ipc::time::processors();
-    allowed[std::process::id() as usize % allowed.len()]
 }
 
 /// Waits until every process has connected all its ports.
@@ -164,13 +86,16 @@ fn rendezvous(
         if missing.is_empty() {
             return Ok(());
         }
-        if let Some(process) = newly_dead(started)?.first() {
-            return Err(CliError::Machine(format!(
-                "{} ended while the machine was starting",
-                process.name()
-            )));
+        for one in started.iter_mut() {
+            if one.has_ended()? {
+                return Err(CliError::Machine(format!(
+                    "{} {} while the machine was starting",
+                    one.process.name(),
+                    one.ending()
+                )));
+            }
         }
-        if interrupts.came() {
+        if interrupts.wish() != Wish::None {
             return Err(CliError::Machine("interrupted while the machine was starting".into()));
         }
         if deadline.passed() {
@@ -184,49 +109,210 @@ fn rendezvous(
     }
 }
 
-/// Processes that ended since the last look.
-fn newly_dead(started: &mut [Started]) -> Result<Vec<Process>, CliError> {
-    let mut dead = Vec::new();
-    for one in started.iter_mut().filter(|one| one.exit.is_none()) {
-        let status = one.child.try_wait().map_err(|error| CliError::Machine(error.to_string()))?;
-        if let Some(status) = status {
-            one.exit = Some(status.code());
-            dead.push(one.process);
-        }
-    }
-    Ok(dead)
+/// A machine that runs.
+struct Launch<'a> {
+    setup: &'a Setup,
+    recorder: Recorder,
+    channels: Channels,
+    // Behind the channels, which are ports in it.
+    started: Vec<Started>,
+    space: NameSpace,
+    interrupts: Interrupts,
+    supervisor: Supervisor,
+    watchdog: Watchdog,
+    endings: Endings,
+    /// What the operator wanted so far.
+    wish: Wish,
+    /// The plant was told to make an end.
+    quits: bool,
 }
 
-/// Lets everybody finish and go; whoever does not is ended.
-fn end(
-    space: &mut NameSpace,
-    started: &mut [Started],
-    channels: &Channels,
-    good: bool,
-) -> Result<Vec<observe::Channel>, CliError> {
-    let deadline = Moment::in_s(if good { END_S } else { 0.0 });
-    while good && !space.unfinished()?.is_empty() && !deadline.passed() {
-        process::ipc::time::sleep_until(Moment::in_s(0.001));
+impl Launch<'_> {
+    /// Until the last measurement, the death of the plant, or the patience of the operator.
+    fn run(&mut self) -> Result<(), CliError> {
+        let mut force = false;
+        while !self.channels.ended() {
+            let news = self.take()?;
+            self.look_at_the_keyboard()?;
+            self.look_for_the_dead()?;
+            let recorded = self.record(force)?;
+            self.endings.ends(self.supervisor.end());
+            match self.supervisor.end() {
+                None => {}
+                Some(End::PlantGone) => return Ok(()),
+                Some(End::Rest | End::NoRest(_)) if !self.quits => {
+                    self.quits = true;
+                    self.space.quit()?;
+                }
+                Some(_) => {}
+            }
+            if self.wish == Wish::End {
+                return Ok(());
+            }
+            self.look_for_the_frozen(news)?;
+            // In real time messages may be lost, the last ones among them.
+            force = !recorded && self.setup.clock == Clock::Real && self.channels.last_has_come();
+            if news == 0 && !recorded {
+                let nap = if self.supervisor.is_watching() { NAP } else { SHORT_NAP };
+                self.space.launcher().wait_at_most(nap)?;
+            }
+        }
+        Ok(())
     }
-    let mut counts = space.end()?;
-    counts.extend(channels.counts());
-    while started.iter().any(|one| one.exit.is_none()) && !deadline.passed() {
-        newly_dead(started)?;
-        process::ipc::time::sleep_until(Moment::in_s(0.001));
+
+    /// Takes what has come. Whoever is to be killed or stopped in a cycle is so before it is recorded.
+    fn take(&mut self) -> Result<usize, CliError> {
+        let mut dooms: Vec<(Process, Doom)> = Vec::new();
+        let fell = &self.setup.fell;
+        let mut stands = false;
+        let news = self.channels.drain(|truth| {
+            let named = fell.iter().filter(|fell| fell.cycle == truth.cycle.0);
+            let scenario = truth.doom().map(|(doom, module)| (Process::of(module), doom));
+            let before = dooms.len();
+            dooms.extend(named.map(|fell| (fell.process, fell.doom)).chain(scenario));
+            stands |= dooms.len() > before;
+        })?;
+        for (process, doom) in dooms {
+            self.started.iter_mut().filter(|one| one.process == process).for_each(|one| one.doom(doom));
+            self.look_for_the_dead()?;
+        }
+        if stands && self.setup.clock == Clock::Virtual {
+            self.space.go_on()?;
+        }
+        Ok(news)
     }
-    for one in started.iter_mut().filter(|one| one.exit.is_none()) {
-        // It may be gone by now; either way its status is collected.
-        let _ = one.child.kill();
-        one.exit = one.child.wait().ok().map(|status| status.code());
+
+    fn look_at_the_keyboard(&mut self) -> Result<(), CliError> {
+        let wish = self.interrupts.wish();
+        if wish == self.wish {
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.wish, wish);
+        if before == Wish::None {
+            self.recorder.say("stopping; Ctrl-C again is an emergency stop");
+            self.channels.operate(Request::Stop)?;
+        }
+        if before < Wish::EmergencyStop && wish >= Wish::EmergencyStop {
+            self.recorder.say("emergency stop; Ctrl-C again ends the processes as they are");
+            let request = self.supervisor.emergency_stop();
+            self.ask(request)?;
+        }
+        if wish == Wish::End {
+            self.recorder.say("the processes are ended as they are");
+            self.endings.broken_off();
+        }
+        Ok(())
     }
-    Ok(total(counts).into_iter().map(channel).collect())
+
+    /// Buries those who have died since the last look. The machine is stopped first: in lock step it waits
+    /// for the dead until it hears of the death.
+    fn look_for_the_dead(&mut self) -> Result<(), CliError> {
+        for index in 0..self.started.len() {
+            if self.started[index].has_ended()? {
+                let (process, ending) = (self.started[index].process, self.started[index].ending());
+                self.recorder.say(&format!("{} {ending}", process.name()));
+                let cycle = self.channels.unanswered(process);
+                self.endings.died(Death { process, ending, cycle, over: self.channels.ended() });
+                match process.module() {
+                    Some(module) => {
+                        let request = self.supervisor.died(module);
+                        self.ask(request)?;
+                    }
+                    None => self.supervisor.plant_died(),
+                }
+                self.channels.bury(process);
+                self.space.bury(process)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Kills whoever holds the machine up; the next look finds them dead.
+    fn look_for_the_frozen(&mut self, news: usize) -> Result<(), CliError> {
+        let mut frozen = Vec::from_iter(self.channels.silent());
+        if news > 0 {
+            self.watchdog.calm();
+        } else {
+            frozen.extend(self.watchdog.look(&mut self.space, &self.started)?);
+        }
+        for process in frozen {
+            self.kill_frozen(process);
+        }
+        Ok(())
+    }
+
+    fn kill_frozen(&mut self, process: Process) {
+        for one in self.started.iter_mut().filter(|one| one.process == process && one.lives()) {
+            self.recorder.say(&format!("{} does not answer any more: it is killed", process.name()));
+            self.endings.frozen(process);
+            one.doom(Doom::Kill);
+        }
+    }
+
+    fn record(&mut self, force: bool) -> Result<bool, CliError> {
+        let (recorder, supervisor) = (&mut self.recorder, &mut self.supervisor);
+        let mut request = None;
+        let any = self.channels.record(force, |record| {
+            recorder.cycle(record);
+            request = supervisor.cycle(record).or(request);
+        });
+        self.ask(request)?;
+        Ok(any)
+    }
+
+    fn ask(&mut self, request: Option<Request>) -> Result<(), CliError> {
+        match request {
+            // Without a plant there is no panel any more.
+            Some(request) if !self.endings.has_died(Process::Plant) => self.channels.operate(request),
+            _ => Ok(()),
+        }
+    }
+
+    /// Lets everybody finish and go; whoever does not is ended.
+    fn end(&mut self) -> Result<Vec<observe::Channel>, CliError> {
+        self.watchdog.calm();
+        while self.wish != Wish::End && self.someone_is_busy()? {
+            self.recorder_is_fed()?;
+            self.look_at_the_keyboard()?;
+            self.look_for_the_dead()?;
+            process::ipc::time::sleep_until(Moment::in_s(0.001));
+        }
+        let mut counts = self.space.end()?;
+        counts.extend(self.channels.counts());
+        let deadline = Moment::in_s(START_S);
+        while self.wish != Wish::End && self.started.iter().any(Started::lives) && !deadline.passed() {
+            for one in &mut self.started {
+                one.has_ended()?;
+            }
+            self.look_at_the_keyboard()?;
+            process::ipc::time::sleep_until(Moment::in_s(0.001));
+        }
+        self.started.iter_mut().for_each(Started::end);
+        let counts = total(counts);
+        self.endings.late(&counts);
+        Ok(counts.into_iter().map(channel).collect())
+    }
+
+    /// Whether somebody alive has not finished. Who does not although he has long known is taken for frozen.
+    fn someone_is_busy(&mut self) -> Result<bool, CliError> {
+        let unfinished = self.space.unfinished()?;
+        let living =
+            |process: &Process| self.started.iter().any(|one| one.process == *process && one.lives());
+        let busy: Vec<Process> = unfinished.into_iter().filter(living).collect();
+        if self.watchdog.is_over() {
+            busy.iter().for_each(|process| self.kill_frozen(*process));
+        }
+        Ok(!busy.is_empty())
+    }
+
+    /// What comes late is recorded, so that nobody waits for a place in a queue.
+    fn recorder_is_fed(&mut self) -> Result<(), CliError> {
+        self.channels.drain(|_| {})?;
+        Ok(())
+    }
 }
 
 fn channel(count: ChannelCount) -> observe::Channel {
-    let ChannelCount { name, sent, received, lost, bytes } = count;
-    observe::Channel { name, sent, received, lost, bytes }
-}
-
-fn report(one: &Started) -> observe::Process {
-    observe::Process { name: one.process.name(), pid: one.child.id(), exit: one.exit.flatten() }
+    let ChannelCount { name, sent, received, lost, bytes, late, late_in_row } = count;
+    observe::Channel { name, sent, received, lost, bytes, late, late_in_row }
 }

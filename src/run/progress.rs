@@ -1,5 +1,7 @@
 //! Progress on a terminal: passes, depth, time on the machine. Silent elsewhere.
 
+use std::io::Write as _;
+
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::MachineState;
 use rig::observe::Record;
@@ -14,6 +16,7 @@ pub(crate) struct Progress {
     bar: ProgressBar,
     passes: u32,
     cycle_s: f64,
+    quiet: bool,
 }
 
 impl Progress {
@@ -27,7 +30,7 @@ impl Progress {
             ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         let passes = setup.program.passes();
-        Progress { bar, passes, cycle_s: setup.machine.general.cycle_s }
+        Progress { bar, passes, cycle_s: setup.machine.general.cycle_s, quiet: setup.quiet }
     }
 
     /// Shows a cycle, now and then.
@@ -50,6 +53,16 @@ impl Progress {
             cycle as f64 * self.cycle_s,
             if paused { "  paused: waits for cycle start" } else { "" },
         ));
+    }
+
+    /// Says something on standard error, besides the bar. Nobody may be there to read it.
+    pub(crate) fn say(&self, text: &str) {
+        if !self.quiet {
+            let line = format!("pitchlock: {text}\n");
+            self.bar.suspend(|| {
+                let _ = std::io::stderr().write_all(line.as_bytes());
+            });
+        }
     }
 
     /// Takes the bar away.

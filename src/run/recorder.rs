@@ -48,6 +48,11 @@ impl Recorder {
         self.progress.cycle(record);
     }
 
+    /// Tells the operator something.
+    pub(crate) fn say(&self, text: &str) {
+        self.progress.say(text);
+    }
+
     /// Ends the recording.
     ///
     /// # Errors

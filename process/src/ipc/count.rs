@@ -18,6 +18,10 @@ pub struct ChannelCount {
     pub lost: u64,
     /// Bytes put into queues.
     pub bytes: u64,
+    /// Messages that were not there when they were due (real time).
+    pub late: u64,
+    /// The most of those in a row.
+    pub late_in_row: u64,
 }
 
 /// Adds up what both ends of each channel counted, by name, in the order of the names.
@@ -30,6 +34,8 @@ pub fn total(counts: impl IntoIterator<Item = ChannelCount>) -> Vec<ChannelCount
         sum.received += count.received;
         sum.lost += count.lost;
         sum.bytes += count.bytes;
+        sum.late += count.late;
+        sum.late_in_row = sum.late_in_row.max(count.late_in_row);
     }
     total.into_values().collect()
 }
@@ -45,10 +51,12 @@ pub(crate) struct CountPacket {
     received: u64,
     lost: u64,
     bytes: u64,
+    late: u64,
+    late_in_row: u64,
 }
 
 impl Message for CountPacket {
-    const NAME: &str = "pitchlock/count/1";
+    const NAME: &str = "pitchlock/count/2";
 }
 
 impl CountPacket {
@@ -56,7 +64,8 @@ impl CountPacket {
         let mut name = [0; NAME_BYTES];
         let text = count.name.as_bytes();
         name[..text.len()].copy_from_slice(text);
-        CountPacket { name, sent: count.sent, received: count.received, lost: count.lost, bytes: count.bytes }
+        let ChannelCount { sent, received, lost, bytes, late, late_in_row, .. } = *count;
+        CountPacket { name, sent, received, lost, bytes, late, late_in_row }
     }
 
     pub(crate) fn unpack(&self) -> ChannelCount {
@@ -67,6 +76,8 @@ impl CountPacket {
             received: self.received,
             lost: self.lost,
             bytes: self.bytes,
+            late: self.late,
+            late_in_row: self.late_in_row,
         }
     }
 }

@@ -32,7 +32,7 @@ pub(crate) struct Folder {
     path: PathBuf,
     id: String,
     owner: i32,
-    _alive: File,
+    alive: File,
 }
 
 impl Folder {
@@ -65,7 +65,7 @@ impl Folder {
         hold(&alive, &marker)?;
         write!(alive, "{owner} {}", path.display()).map_err(|error| IpcError::file(&marker, error))?;
         fs::create_dir(&path).map_err(|error| IpcError::file(&path, error))?;
-        Ok(Folder { path, id, owner, _alive: alive })
+        Ok(Folder { path, id, owner, alive })
     }
 
     /// Enters the name space of an owner, by its address.
@@ -79,7 +79,7 @@ impl Folder {
         if path != Path::new(address) {
             return Err(wrong());
         }
-        Ok(Folder { path, id, owner, _alive: alive })
+        Ok(Folder { path, id, owner, alive })
     }
 
     /// What a member needs to enter.
@@ -103,6 +103,17 @@ impl Folder {
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
         Ok(config)
+    }
+
+    /// Wipes this name space if nobody else lives in it. Whoever goes lets go of the shared lock before it
+    /// asks for the other one: so of several that go at once one gets it.
+    pub(crate) fn wipe_if_last(&self) -> Result<(), IpcError> {
+        let path = marker(&self.id);
+        flock(&self.alive, FlockOperation::Unlock).map_err(|error| IpcError::file(&path, error))?;
+        match flock(&self.alive, FlockOperation::NonBlockingLockExclusive) {
+            Ok(()) => self.wipe(),
+            Err(_) => Ok(()),
+        }
     }
 
     /// Wipes this name space. The owner does so when its processes have ended.

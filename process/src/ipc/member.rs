@@ -10,9 +10,10 @@ use super::{
     Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker, channel,
     count::CountPacket,
     folder::Folder,
+    orphan::{self, Presence, is_orphan},
     port::Node,
     time::{Moment, sleep_until},
-    wake::{DONE, END, Ear, GONE, READY, ROLL_CALL, START, wake_name},
+    wake::{AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, ROLL_CALL, START, WAITS, wake_name},
 };
 
 /// One process of the machine: opens ports, waits, starts and ends together with the others.
@@ -23,23 +24,23 @@ pub struct Member {
     roll_call: Waker,
     counts: Option<Sender<CountPacket>>,
     pub(crate) node: Node,
-    // Released last: while it is held, nobody takes the name space for abandoned.
-    _presence: Option<Folder>,
+    // Released last, and by ports after this: while it is held, nobody takes the name space for abandoned.
+    presence: Option<Presence>,
 }
 
 impl Member {
-    /// Joins the name space of the launcher that started this process. From here on the process dies with the
-    /// *thread* that started it: launchers start their processes from the main thread.
+    /// Joins the name space of the launcher that started this process. From here on the process knows when the
+    /// *thread* that started it ends ([`is_orphan`]): launchers start their processes from the main thread.
     ///
     /// # Errors
     /// A wrong address, a launcher that is gone, or a refusal of iceoryx2.
     pub fn join(address: &str, process: Process) -> Result<Member, IpcError> {
         let folder = Folder::enter(address)?;
-        die_with(folder.owner())?;
+        orphan::watch_for(folder.owner())?;
         let node = create_node(&folder, process)?;
         let mut member = Member::new(node, process)?;
         member.counts = Some(Sender::open(&member.node, channel::COUNT, Patience::Forever)?);
-        member._presence = Some(folder);
+        member.presence = Some(Presence::new(folder));
         Ok(member)
     }
 
@@ -50,7 +51,7 @@ impl Member {
             roll_call: Waker::open(&node, ROLL_CALL.into())?,
             counts: None,
             node,
-            _presence: None,
+            presence: None,
         })
     }
 
@@ -59,7 +60,7 @@ impl Member {
     /// # Errors
     /// [`IpcError::Bus`], for instance if the channel has its sender already.
     pub fn sender<T: Payload>(&self, channel: Channel<T>, patience: Patience) -> Result<Sender<T>, IpcError> {
-        Sender::open(&self.node, channel, patience)
+        Ok(Sender::open(&self.node, channel, patience)?.within(self.presence.clone()))
     }
 
     /// Opens the receiving end of a channel.
@@ -67,7 +68,7 @@ impl Member {
     /// # Errors
     /// [`IpcError::Bus`], for instance if all its receivers are there already.
     pub fn receiver<T: Payload>(&self, channel: Channel<T>) -> Result<Receiver<T>, IpcError> {
-        Receiver::open(&self.node, channel)
+        Ok(Receiver::open(&self.node, channel)?.within(self.presence.clone()))
     }
 
     /// Opens the means to wake another process.
@@ -75,7 +76,7 @@ impl Member {
     /// # Errors
     /// [`IpcError::Bus`].
     pub fn waker(&self, process: Process) -> Result<Waker, IpcError> {
-        Waker::open(&self.node, wake_name(process))
+        Ok(Waker::open(&self.node, wake_name(process))?.within(self.presence.clone()))
     }
 
     /// Rendezvous. Waits until every one of these ports has found its other ends, tells the launcher, and
@@ -90,6 +91,9 @@ impl Member {
         self.roll_call.tell(READY + self.process.number())?;
         while !self.ear.heard.is(START) {
             self.ear.wait()?;
+            if is_orphan() {
+                return Err(IpcError::LauncherGone);
+            }
         }
         Ok(())
     }
@@ -125,6 +129,32 @@ impl Member {
         self.ear.heard.is(GONE + process.number())
     }
 
+    /// Whether the launcher wants the next measurement to be the last.
+    pub fn is_to_quit(&self) -> bool {
+        self.ear.heard.is(QUIT)
+    }
+
+    /// Sleeps until the launcher has done what it wants to do in this cycle, or is gone.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn stand(&mut self) -> Result<(), IpcError> {
+        while !self.ear.heard.is(GO_ON) && !is_orphan() {
+            self.ear.wait()?;
+        }
+        self.ear.heard.forget(GO_ON);
+        Ok(())
+    }
+
+    /// Tells the launcher that this process lives, and has been waiting for another one for a while.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn waits_for(&self, whom: Process) -> Result<(), IpcError> {
+        self.roll_call.tell(WAITS + self.process.number())?;
+        self.roll_call.tell(AWAITED + whom.number())
+    }
+
     /// Hands over the counts of all ports and waits until everybody has finished. Ports stay open until then,
     /// so that nobody's last message finds its receiver gone.
     ///
@@ -135,7 +165,7 @@ impl Member {
             counts.iter().try_for_each(|count| sender.send(&CountPacket::pack(count)))?;
         }
         self.roll_call.tell(DONE + self.process.number())?;
-        while !self.ear.heard.is(END) {
+        while !self.ear.heard.is(END) && !is_orphan() {
             self.ear.wait()?;
         }
         Ok(())
@@ -173,23 +203,4 @@ pub(crate) fn create_node(folder: &Folder, process: Process) -> Result<Node, Ipc
         .signal_handling_mode(SignalHandlingMode::Disabled)
         .create::<ipc::Service>()
         .map_err(|error| IpcError::bus(&name, error))
-}
-
-/// Has this process killed when its owner ends in whatever way. A process that is its own owner (a test) is
-/// left alone.
-fn die_with(owner: i32) -> Result<(), IpcError> {
-    use rustix::process::{Pid, Signal, getpid, getppid, set_parent_process_death_signal};
-    let owner = Pid::from_raw(owner);
-    if owner == Some(getpid()) {
-        return Ok(());
-    }
-    set_parent_process_death_signal(Some(Signal::KILL)).map_err(|error| IpcError::System {
-        what: "tying this process to its launcher",
-        source: error.into(),
-    })?;
-    // If the owner died before the line above took effect, somebody else is the parent by now.
-    if getppid() != owner {
-        return Err(IpcError::Orphaned { owner: owner.map_or(0, Pid::as_raw_pid) });
-    }
-    Ok(())
 }

@@ -36,10 +36,12 @@
 //! ended.
 
 pub mod channel;
+pub mod child;
 mod count;
 mod folder;
 mod member;
 mod name_space;
+mod orphan;
 mod port;
 mod process;
 pub mod time;
@@ -49,6 +51,7 @@ pub use channel::{Channel, Keep};
 pub use count::{ChannelCount, total};
 pub use member::Member;
 pub use name_space::NameSpace;
+pub use orphan::is_orphan;
 pub use port::{Patience, Port, Receiver, Sender, Undelivered};
 pub use process::Process;
 pub use wake::Waker;
@@ -91,6 +94,12 @@ pub enum IpcError {
         /// Process id of the owner.
         owner: i32,
     },
+    /// The launcher ended before the machine started.
+    #[error("the launcher ended while the machine was starting")]
+    LauncherGone,
+    /// Somebody has not answered for long, and there is no launcher any more that would know why.
+    #[error("{0} says nothing, and the launcher is gone")]
+    Forsaken(String),
     /// The other ends of these channels did not appear in time.
     #[error("nobody is at the other end of {}", .0.join(", "))]
     NotConnected(Vec<String>),

@@ -10,7 +10,9 @@ use super::{
     count::CountPacket,
     folder::Folder,
     member::create_node,
-    wake::{DONE, END, Ear, GONE, READY, ROLL_CALL, START, create_event, wake_name},
+    wake::{
+        AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, ROLL_CALL, START, WAITS, create_event, wake_name,
+    },
 };
 
 /// The channels of one machine. The launcher creates it before it starts processes, and drops it after they
@@ -125,6 +127,39 @@ impl NameSpace {
         self.tell(GONE + process.number())
     }
 
+    /// Those whom others have been waiting for since the last look, and who do not wait for anybody.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn awaited(&mut self) -> Result<Vec<Process>, IpcError> {
+        self.ear.look()?;
+        let heard = self.ear.heard;
+        let holds_up =
+            |process: &Process| heard.is(AWAITED + process.number()) && !heard.is(WAITS + process.number());
+        let awaited = self.wakers.iter().map(|(process, _)| *process).filter(holds_up).collect();
+        for number in 0..Process::COUNT {
+            self.ear.heard.forget(WAITS + number);
+            self.ear.heard.forget(AWAITED + number);
+        }
+        Ok(awaited)
+    }
+
+    /// Has the plant make its next measurement the last one: everybody answers it and ends.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn quit(&self) -> Result<(), IpcError> {
+        self.tell_plant(QUIT)
+    }
+
+    /// Lets the plant go on, which stands because somebody was to be killed or stopped.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn go_on(&self) -> Result<(), IpcError> {
+        self.tell_plant(GO_ON)
+    }
+
     /// Lets everybody go, and gives the counts they handed over. Nobody alive may be unfinished.
     ///
     /// # Errors
@@ -143,7 +178,14 @@ impl NameSpace {
         self.wakers.iter().map(|(process, _)| *process).filter(silent).collect()
     }
 
+    /// Everybody is told, though one of them could not be.
     fn tell(&self, what: usize) -> Result<(), IpcError> {
-        self.wakers.iter().try_for_each(|(_, waker)| waker.tell(what))
+        let told: Vec<_> = self.wakers.iter().map(|(_, waker)| waker.tell(what)).collect();
+        told.into_iter().collect()
+    }
+
+    fn tell_plant(&self, what: usize) -> Result<(), IpcError> {
+        let mut plant = self.wakers.iter().filter(|(process, _)| *process == Process::Plant);
+        plant.try_for_each(|(_, waker)| waker.tell(what))
     }
 }

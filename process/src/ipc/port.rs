@@ -13,7 +13,12 @@ use iceoryx2::{
 
 use protocol::Payload;
 
-use super::{ChannelCount, IpcError, Keep, channel::Channel, time::Moment};
+use super::{
+    ChannelCount, IpcError, Keep,
+    channel::Channel,
+    orphan::{Presence, is_orphan},
+    time::Moment,
+};
 
 /// Travels with every message of a channel, counted by its sender from 0.
 #[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
@@ -93,7 +98,7 @@ pub trait Port {
 /// How long a sender waits for a place in a full queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patience {
-    /// As long as the receiver lives (virtual time; the launcher watches).
+    /// As long as the receiver and the launcher live (virtual time; the launcher watches).
     Forever,
     /// At most so long (real time).
     Bounded(Duration),
@@ -134,6 +139,7 @@ pub struct Sender<T: Payload> {
     next: RunningNumber,
     count: ChannelCount,
     message: PhantomData<fn(T)>,
+    _presence: Option<Presence>,
 }
 
 impl<T: Payload> Sender<T> {
@@ -144,7 +150,11 @@ impl<T: Payload> Sender<T> {
             service.publisher_builder().max_loaned_samples(1).set_degradation_handler(fail_if_degraded);
         let builder = builder.initial_max_slice_len(T::MOST_BYTES);
         let builder = match patience {
-            Patience::Forever => builder,
+            // Nobody frees the queue of a launcher that is gone.
+            Patience::Forever => builder.set_backpressure_handler(|_| match is_orphan() {
+                false => BackpressureAction::Retry,
+                true => BackpressureAction::DiscardDataAndFail,
+            }),
             Patience::Bounded(limit) => {
                 builder.set_backpressure_handler(move |full| match full.elapsed_time < limit {
                     true => BackpressureAction::Retry,
@@ -155,7 +165,13 @@ impl<T: Payload> Sender<T> {
         let publisher = builder.create().map_err(|error| IpcError::bus(&name, error))?;
         let expected = static_config(&service).max_subscribers();
         let count = ChannelCount { name, ..ChannelCount::default() };
-        Ok(Sender { service, publisher, expected, next: RunningNumber(0), count, message: PhantomData })
+        let (next, message) = (RunningNumber(0), PhantomData);
+        Ok(Sender { service, publisher, expected, next, count, message, _presence: None })
+    }
+
+    /// As long as this end is open, its process lives in the name space.
+    pub(crate) fn within(self, presence: Option<Presence>) -> Sender<T> {
+        Sender { _presence: presence, ..self }
     }
 
     /// Puts a message into the queue of every receiver.
@@ -215,6 +231,7 @@ pub struct Receiver<T: Payload> {
     next: RunningNumber,
     count: ChannelCount,
     message: PhantomData<fn() -> T>,
+    _presence: Option<Presence>,
 }
 
 impl<T: Payload> Receiver<T> {
@@ -230,7 +247,21 @@ impl<T: Payload> Receiver<T> {
         let expected = static_config(&service).max_publishers();
         let count = ChannelCount { name, ..ChannelCount::default() };
         let (keep, next) = (channel.keep, RunningNumber(0));
-        Ok(Receiver { service, subscriber, expected, keep, next, count, message: PhantomData })
+        Ok(Receiver {
+            service,
+            subscriber,
+            expected,
+            keep,
+            next,
+            count,
+            message: PhantomData,
+            _presence: None,
+        })
+    }
+
+    /// As long as this end is open, its process lives in the name space.
+    pub(crate) fn within(self, presence: Option<Presence>) -> Receiver<T> {
+        Receiver { _presence: presence, ..self }
     }
 
     /// The oldest message that waits, if any.

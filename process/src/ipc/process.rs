@@ -1,6 +1,6 @@
 //! The processes of a machine.
 
-use protocol::Axis;
+use protocol::{Axis, Module};
 
 /// A process of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,6 +36,25 @@ impl Process {
         }
     }
 
+    /// The module that runs in it, of those that run beside the plant.
+    pub fn module(self) -> Option<Module> {
+        match self {
+            Process::Launcher | Process::Plant => None,
+            Process::Interpreter => Some(Module::Interpreter),
+            Process::Interpolator => Some(Module::Interpolator),
+            Process::Regulator(axis) => Some(Module::Regulator(axis)),
+        }
+    }
+
+    /// The process of a module.
+    pub fn of(module: Module) -> Process {
+        match module {
+            Module::Interpreter => Process::Interpreter,
+            Module::Interpolator => Process::Interpolator,
+            Module::Regulator(axis) => Process::Regulator(axis),
+        }
+    }
+
     /// A small number of its own, below [`Process::COUNT`].
     pub(crate) fn number(self) -> usize {
         match self {
@@ -45,6 +64,14 @@ impl Process {
             Process::Plant => 3,
             Process::Regulator(axis) => 4 + axis.index(),
         }
+    }
+
+    /// The process of a name.
+    pub fn from_name(name: &str) -> Option<Process> {
+        if name == Process::Plant.name() {
+            return Some(Process::Plant);
+        }
+        Module::from_name(name).map(Process::of)
     }
 
     pub(crate) const COUNT: usize = 4 + protocol::units::AXES;

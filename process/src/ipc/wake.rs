@@ -1,7 +1,7 @@
 //! Wake-ups: one event per process, which everybody may ring and only that process hears.
 //!
 //! A wake-up carries a number. [`DATA`] only says "look"; the others are what the owner tells: start, end,
-//! and who has died. They are counted in shared memory and never lost, but several may arrive as one, and one
+//! who has died, and some that are for the plant alone. They are counted in shared memory and never lost, but several may arrive as one, and one
 //! may arrive for nothing: whoever waits looks at its receivers again.
 //!
 //! No sleep is without limit. iceoryx2 0.10.0 notifies in three steps: note the number, send a datagram, mark
@@ -20,6 +20,7 @@ use iceoryx2::{
 
 use super::{
     IpcError, Port, Process,
+    orphan::Presence,
     port::{Node, service_name},
 };
 
@@ -34,10 +35,18 @@ pub(crate) const START: usize = 1;
 pub(crate) const END: usize = 2;
 /// `GONE + number`: that process has died.
 pub(crate) const GONE: usize = 3;
+/// To the plant: the next measurement is the last one.
+pub(crate) const QUIT: usize = GONE + Process::COUNT;
+/// To the plant, which stands because somebody is to be killed or stopped in this cycle: it is done.
+pub(crate) const GO_ON: usize = QUIT + 1;
 /// On the roll call: `READY + number`, connected.
 pub(crate) const READY: usize = 0;
 /// On the roll call: `DONE + number`, finished.
 pub(crate) const DONE: usize = Process::COUNT;
+/// On the roll call: `WAITS + number`, lives, and has been waiting for somebody for a while.
+pub(crate) const WAITS: usize = 2 * Process::COUNT;
+/// On the roll call: `AWAITED + number`, somebody has been waiting for that one for a while.
+pub(crate) const AWAITED: usize = 3 * Process::COUNT;
 
 type Service = PortFactory<ipc::Service>;
 
@@ -56,7 +65,7 @@ pub(crate) fn create_event(node: &Node, name: &str) -> Result<Service, IpcError>
         .max_listeners(1)
         .max_notifiers(2 * Process::COUNT)
         .max_nodes(Process::COUNT + 1)
-        .event_id_max_value(2 * Process::COUNT)
+        .event_id_max_value(4 * Process::COUNT)
         .create()
         .map_err(|error| IpcError::bus(name, error))
 }
@@ -71,13 +80,19 @@ pub struct Waker {
     name: String,
     service: Service,
     notifier: Notifier<ipc::Service>,
+    _presence: Option<Presence>,
 }
 
 impl Waker {
     pub(crate) fn open(node: &Node, name: String) -> Result<Waker, IpcError> {
         let service = open_event(node, &name)?;
         let notifier = service.notifier_builder().create().map_err(|error| IpcError::bus(&name, error))?;
-        Ok(Waker { name, service, notifier })
+        Ok(Waker { name, service, notifier, _presence: None })
+    }
+
+    /// As long as this end is open, its process lives in the name space.
+    pub(crate) fn within(self, presence: Option<Presence>) -> Waker {
+        Waker { _presence: presence, ..self }
     }
 
     /// Tells the process that there may be data. If it has died, nobody is woken, and that is no error:
@@ -107,13 +122,17 @@ impl Port for Waker {
     }
 }
 
-/// What has been heard, by number. Only [`DATA`] is forgotten.
+/// What has been heard, by number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Heard(u64);
 
 impl Heard {
     pub(crate) fn is(self, what: usize) -> bool {
         self.0 & (1 << what) != 0
+    }
+
+    pub(crate) fn forget(&mut self, what: usize) {
+        self.0 &= !(1 << what);
     }
 }
 

@@ -4,7 +4,7 @@ use protocol::{Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Measureme
 
 use crate::{
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
-    shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
+    shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver},
 };
 
 use interpolator::{In, Interpolator};
@@ -33,6 +33,8 @@ struct ToInterpreter {
     code: Receiver<CodePacket>,
     credit: Sender<Credit>,
     interpreter: Waker,
+    /// For code, while the interpolator does something else.
+    hungry: Wait,
 }
 
 /// Runs the interpolator until the machine may be switched off.
@@ -50,6 +52,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         code: member.receiver(channel::MACHINE_CODE)?,
         credit: member.sender(channel::CREDIT, patience)?,
         interpreter: member.waker(Process::Interpreter)?,
+        hungry: Wait::on(Process::Interpreter),
     };
     let mut axes = machine
         .axes()
@@ -64,12 +67,14 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut interpolator = Interpolator::new(&machine);
     let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
     let mut finished = false;
+    let mut wait = Wait::on(Process::Plant);
     // The tick after the one that says "finished" is the last: its predecessor is in force then.
-    while !finished {
+    while !finished && !wait.is_in_vain(&member) {
         let Some(measurement) = measurements.receive()? else {
-            wait(&mut member, args.clock)?;
+            wait.sleep(&mut member, args.clock)?;
             continue;
         };
+        wait = Wait::on(Process::Plant);
         for to in &mut axes {
             take_status(&mut member, to, args.clock, &measurement, &mut statuses[to.axis.index()])?;
         }
@@ -84,7 +89,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         }
         deliver(&mut spindle, &out.spindle)?;
         plant.wake()?;
-        finished = was_finished;
+        finished = was_finished || measurement.last != 0;
     }
     deliver(&mut source.credit, &Credit::ENOUGH)?;
     source.interpreter.wake()?;
@@ -107,6 +112,7 @@ fn take_status(
         return Ok(());
     }
     let wanted = Cycle(measurement.cycle.0 - 1);
+    let mut wait = Wait::on(Process::Regulator(to.axis));
     loop {
         match to.statuses.receive()? {
             Some(status) => {
@@ -115,8 +121,8 @@ fn take_status(
                     return Ok(());
                 }
             }
-            None if clock == Clock::Real || member.is_gone(Process::Regulator(to.axis)) => return Ok(()),
-            None => wait(member, clock)?,
+            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(()),
+            None => wait.sleep(member, clock)?,
         }
     }
 }
@@ -135,19 +141,24 @@ fn take_code(
             // A refused packet is a fault of the machine; the next tick says so.
             let _ = interpolator.push(&packet);
             taken += 1;
+            source.hungry = Wait::on(Process::Interpreter);
             continue;
         }
         if taken > 0 {
             give_credit(interpolator, source)?;
             taken = 0;
         }
-        if member.is_gone(Process::Interpreter) {
+        if source.hungry.is_in_vain(member) {
             interpolator.lost_source();
         }
-        if clock == Clock::Real || !interpolator.wants() {
+        if !interpolator.wants() {
             break;
         }
-        wait(member, clock)?;
+        if clock == Clock::Real {
+            source.hungry.go_on(member)?;
+            break;
+        }
+        source.hungry.sleep(member, clock)?;
     }
     if taken > 0 { give_credit(interpolator, source) } else { Ok(()) }
 }

@@ -7,7 +7,7 @@ use protocol::{CodePacket, Credit, Item, code_file::CodeFile};
 
 use crate::{
     ipc::{Process, channel, time::Moment},
-    shell::{LanguageArgs, ProcessArgs, START_S, ShellError, deliver, wait},
+    shell::{LanguageArgs, ProcessArgs, START_S, ShellError, Wait, deliver},
 };
 
 use interpreter::{Interpreter, open};
@@ -41,14 +41,15 @@ pub fn run(args: &InterpreterArgs) -> Result<(), ShellError> {
     let mut taken = 0;
     'program: for (sequence, item) in (0..).zip(items) {
         let packet = CodePacket::pack(sequence, &item?);
+        let mut wait = Wait::on(Process::Interpolator);
         while sequence >= taken + channel::CODE_DEPTH {
             let news = credit.receive()?;
-            if news == Some(Credit::ENOUGH) || member.is_gone(Process::Interpolator) {
+            if news == Some(Credit::ENOUGH) || wait.is_in_vain(&member) {
                 break 'program;
             }
             match news {
                 Some(news) => taken = news.taken,
-                None => wait(&mut member, args.process.clock)?,
+                None => wait.sleep(&mut member, args.process.clock)?,
             }
         }
         deliver(&mut code, &packet)?;

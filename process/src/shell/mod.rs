@@ -8,10 +8,12 @@ pub mod interpolator;
 pub mod interpreter;
 pub mod plant;
 pub mod regulator;
+mod wait;
 
 use std::path::PathBuf;
 
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
+pub(crate) use wait::Wait;
 
 use machine::{Machine, MachineError};
 use protocol::Payload;
@@ -98,26 +100,8 @@ impl ProcessArgs {
     }
 }
 
-/// How often a process looks for messages in real time. A wake-up can be lost (see `ipc`), a clock cannot.
-const POLL: std::time::Duration = std::time::Duration::from_micros(50);
-
-/// Waits for news: in lock step asleep until woken, in real time by looking often.
-///
-/// # Errors
-/// [`ShellError::Ipc`] if the event of this process is broken.
-pub fn wait(member: &mut Member, clock: Clock) -> Result<(), ShellError> {
-    match clock {
-        Clock::Virtual => member.wait()?,
-        Clock::Real => {
-            time::sleep_until(time::Moment::now().after(POLL));
-            member.look()?;
-        }
-    }
-    Ok(())
-}
-
-/// Sends a message, and goes on without receivers that have died: the launcher sees that and ends the run. In
-/// real time a queue that stays full costs the message, which its receiver counts as lost.
+/// Sends a message, and goes on without receivers that have died: the launcher sees that and brings the
+/// machine to rest. In real time a queue that stays full costs the message, which its receiver counts as lost.
 ///
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.

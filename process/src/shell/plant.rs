@@ -6,7 +6,7 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use machine::Machine;
+use machine::{Machine, SpindleConfig};
 use protocol::{
     Axis, Cycle, DriveCommand, Measurement, PerAxis, SpindleCommand, Truth,
     operator::{OperatorRequest, Request},
@@ -15,10 +15,10 @@ use protocol::{
 
 use crate::{
     ipc::{
-        ChannelCount, IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel,
+        ChannelCount, IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, is_orphan,
         time::{Moment, lock_memory, sleep_until},
     },
-    shell::{Clock, ProcessArgs, START_S, ShellError, deliver, read_text},
+    shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver, read_text},
 };
 
 use sim_plant::{Plant, Scenario};
@@ -35,6 +35,9 @@ pub struct PlantArgs {
     /// Seed of everything random: encoder phases, spindle ripple.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// In these control cycles nothing goes on before the launcher says so: it kills or stops somebody.
+    #[arg(long, value_name = "CYCLE", hide = true)]
+    pub stand_at: Vec<u64>,
 }
 
 /// The ports to one regulator.
@@ -42,6 +45,23 @@ struct FromAxis {
     axis: Axis,
     commands: Receiver<DriveCommand>,
     regulator: Waker,
+    late: Late,
+}
+
+/// Answers that were not there when they were due.
+#[derive(Default)]
+struct Late {
+    all: u64,
+    in_row: u64,
+    most_in_row: u64,
+}
+
+impl Late {
+    fn note(&mut self, late: bool) {
+        self.all += u64::from(late);
+        self.in_row = if late { self.in_row + 1 } else { 0 };
+        self.most_in_row = self.most_in_row.max(self.in_row);
+    }
 }
 
 impl FromAxis {
@@ -50,7 +70,12 @@ impl FromAxis {
             axis,
             commands: member.receiver(channel::DRIVE_COMMAND.of(axis))?,
             regulator: member.waker(Process::Regulator(axis))?,
+            late: Late::default(),
         })
+    }
+
+    fn count(&self) -> ChannelCount {
+        ChannelCount { late: self.late.all, late_in_row: self.late.most_in_row, ..self.commands.count() }
     }
 }
 
@@ -82,15 +107,23 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
     let mut in_force = SpindleCommand::default();
     let mut refused = 0;
+    let mut forsaken = Forsaken::new(&machine);
     loop {
         let measurement = *plant.measurement();
         let tick = machine.is_tick(measurement.cycle);
-        ports.publish(plant.truth(), tick)?;
+        let doomed = plant.truth().doom().is_some() || args.stand_at.contains(&measurement.cycle.0);
+        ports.tell(plant.truth(), doomed)?;
+        if doomed && clock == Clock::Virtual {
+            member.stand()?;
+        }
+        ports.publish(&measurement, tick)?;
         beat.wait();
         for from in &mut ports.axes {
             let command = &mut drives[from.axis.index()];
             take_command(&mut member, from, clock, &measurement, command)?;
-            if command.cycle < measurement.cycle {
+            let late = command.cycle < measurement.cycle;
+            from.late.note(late);
+            if late {
                 plant.note_late();
             }
         }
@@ -100,7 +133,11 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         if measurement.last != 0 {
             break;
         }
-        let request = ports.operator.receive()?.and_then(|packet| understood(&packet, &mut refused));
+        let mut request = ports.operator.receive()?.and_then(|packet| understood(&packet, &mut refused));
+        if is_orphan() {
+            request = forsaken.asks(plant.truth()).or(request);
+        }
+        in_force.finished |= u32::from(member.is_to_quit() || forsaken.is_over());
         plant.tick(&drives, &in_force, request);
     }
     for event in plant.pending_events() {
@@ -156,24 +193,62 @@ impl Ports {
     fn counts(&self) -> Vec<ChannelCount> {
         let mut counts = vec![self.measurements.count(), self.ticks.count(), self.truths.count()];
         counts.extend([self.spindle.count(), self.operator.count()]);
-        counts.extend(self.axes.iter().map(|from| from.commands.count()));
+        counts.extend(self.axes.iter().map(FromAxis::count));
         counts
     }
 
-    /// Sends what is measured to whoever needs it, and the truth to the recorder.
-    fn publish(&mut self, truth: &Truth, tick: bool) -> Result<(), ShellError> {
-        let measurement = &truth.measurement;
-        deliver(&mut self.measurements, measurement)?;
-        self.axes.iter().try_for_each(|from| from.regulator.wake())?;
-        if tick {
-            deliver(&mut self.ticks, measurement)?;
-            self.interpolator.wake()?;
-        }
+    /// Sends the truth to the recorder, which is woken now and then, and at once if it is wanted.
+    fn tell(&mut self, truth: &Truth, wanted: bool) -> Result<(), ShellError> {
         deliver(&mut self.truths, truth)?;
-        if measurement.cycle.0.is_multiple_of(channel::RECORD_WAKE) || measurement.last != 0 {
+        let (cycle, last) = (truth.cycle.0, truth.measurement.last != 0);
+        if wanted || last || cycle.is_multiple_of(channel::RECORD_WAKE) {
             self.recorder.wake()?;
         }
         Ok(())
+    }
+
+    /// Sends what is measured to whoever needs it: the interpolator gets the last measurement even if there
+    /// is no tick.
+    fn publish(&mut self, measurement: &Measurement, tick: bool) -> Result<(), ShellError> {
+        deliver(&mut self.measurements, measurement)?;
+        self.axes.iter().try_for_each(|from| from.regulator.wake())?;
+        if tick || measurement.last != 0 {
+            deliver(&mut self.ticks, measurement)?;
+            self.interpolator.wake()?;
+        }
+        Ok(())
+    }
+}
+
+/// The launcher has gone: nobody records any more, nobody would end the machine. It is stopped like by an
+/// emergency stop, and ends when it rests, or when it should have come to rest long ago.
+struct Forsaken {
+    cycles: u64,
+    rests: u64,
+    longest: u64,
+}
+
+/// That many control cycles in a row without motion are rest.
+const REST_CYCLES: u64 = 20;
+
+impl Forsaken {
+    fn new(machine: &Machine) -> Forsaken {
+        let ramp_s = machine.spindle.max_rpm / machine.spindle.ramp_rpm_s;
+        let longest = ((3.0 * ramp_s + 10.0) / machine.general.cycle_s) as u64;
+        Forsaken { cycles: 0, rests: 0, longest }
+    }
+
+    /// One control cycle without a launcher.
+    fn asks(&mut self, truth: &Truth) -> Option<Request> {
+        let stands = truth.axes.iter().all(|axis| axis.velocity_mm_s.abs() < 0.01);
+        let stands = stands && truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
+        self.cycles += 1;
+        self.rests = if stands { self.rests + 1 } else { 0 };
+        (self.cycles == 1).then_some(Request::EmergencyStop)
+    }
+
+    fn is_over(&self) -> bool {
+        self.cycles > self.longest || self.rests > REST_CYCLES
     }
 }
 
@@ -207,6 +282,7 @@ fn take_command(
     measurement: &Measurement,
     command: &mut DriveCommand,
 ) -> Result<(), ShellError> {
+    let mut wait = Wait::on(Process::Regulator(from.axis));
     loop {
         match from.commands.receive()? {
             Some(next) => {
@@ -215,8 +291,8 @@ fn take_command(
                     return Ok(());
                 }
             }
-            None if clock == Clock::Real || member.is_gone(Process::Regulator(from.axis)) => return Ok(()),
-            None => member.wait()?,
+            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(()),
+            None => wait.sleep(member, clock)?,
         }
     }
 }
@@ -228,6 +304,7 @@ fn take_spindle(
     clock: Clock,
     in_force: &mut SpindleCommand,
 ) -> Result<(), ShellError> {
+    let mut wait = Wait::on(Process::Interpolator);
     loop {
         match spindle.receive()? {
             Some(command) if command.check().is_ok() => {
@@ -235,8 +312,8 @@ fn take_spindle(
                 return Ok(());
             }
             Some(_) => return Ok(()),
-            None if clock == Clock::Real || member.is_gone(Process::Interpolator) => return Ok(()),
-            None => member.wait()?,
+            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(()),
+            None => wait.sleep(member, clock)?,
         }
     }
 }

@@ -4,7 +4,7 @@ use protocol::{Axis, AxisFrame, Cycle, Measurement};
 
 use crate::{
     ipc::{Member, Process, Receiver, channel, time::Moment},
-    shell::{Clock, ProcessArgs, START_S, ShellError, deliver, wait},
+    shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver},
 };
 
 use regulator::{In, Regulator};
@@ -24,7 +24,7 @@ fn axis(name: &str) -> Result<Axis, String> {
     Axis::from_name(name).ok_or_else(|| "an axis is one of x y z a b c u v".into())
 }
 
-/// Runs a regulator until the last measurement.
+/// Runs a regulator until the last measurement, or the death of the plant.
 ///
 /// # Errors
 /// [`ShellError`] if the machine has no such axis, or the other processes cannot be reached.
@@ -49,11 +49,13 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
     member.start(&[&measurements, &frames.receiver, &drive, &status, &plant], Moment::in_s(START_S))?;
 
     let mut regulator = Regulator::new(&machine, axis);
-    loop {
+    let mut wait = Wait::on(Process::Plant);
+    while !wait.is_in_vain(&member) {
         let Some(measurement) = measurements.receive()? else {
-            wait(&mut member, args.clock)?;
+            wait.sleep(&mut member, args.clock)?;
             continue;
         };
+        wait = Wait::on(Process::Plant);
         let frame = frames.due(&mut member, args.clock, &measurement)?;
         let out = regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
         deliver(&mut status, &out.status)?;
@@ -88,16 +90,17 @@ impl Frames {
         if clock == Clock::Virtual && !tick {
             return Ok(None);
         }
+        let mut wait = Wait::on(Process::Interpolator);
         loop {
             self.next = match self.next.take() {
                 Some(frame) if frame.cycle.after(self.cycles_per_tick) <= cycle => return Ok(Some(frame)),
                 Some(frame) => Some(frame),
                 None => self.receiver.receive()?,
             };
-            let patient = clock == Clock::Virtual && !member.is_gone(Process::Interpolator);
+            let patient = clock == Clock::Virtual && !wait.is_in_vain(member);
             match (&self.next, patient) {
                 (Some(frame), _) if frame.cycle.after(self.cycles_per_tick) <= cycle => {}
-                (None, true) => wait(member, clock)?,
+                (None, true) => wait.sleep(member, clock)?,
                 _ => return Ok(None),
             }
         }

@@ -37,6 +37,9 @@ pub struct Process {
     pub pid: u32,
     /// Exit status; `None` if a signal ended it.
     pub exit: Option<i32>,
+    /// Name of the signal that ended it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal: Option<String>,
 }
 
 /// What went through one channel.
@@ -52,6 +55,12 @@ pub struct Channel {
     pub lost: u64,
     /// Bytes of payload sent.
     pub bytes: u64,
+    /// Samples that were not there when they were due (drive commands in real time).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub late: u64,
+    /// The most of those in a row.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub late_in_row: u64,
 }
 
 /// A fault when it was first seen.
@@ -318,6 +327,9 @@ pub struct Summary {
     pub channels: Vec<Channel>,
     /// Faults in the order of their coming.
     pub faults: Vec<FaultReport>,
+    /// What was not as it should be, and did no harm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<FaultReport>,
     /// Overrides that were clamped.
     pub overrides_clamped: u32,
     /// Late answers in real time.

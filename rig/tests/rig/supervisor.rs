@@ -2,12 +2,12 @@
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineStatus, ThreadPass, Truth,
+    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineStatus, Module, ThreadPass, Truth,
     operator::Request,
 };
 use rig::{
     observe::Record,
-    supervisor::{End, Moving, Part, REST_CYCLES, Supervisor},
+    supervisor::{End, Moving, REST_CYCLES, Supervisor},
 };
 
 /// A made-up machine that is in a state, and moves as told.
@@ -55,11 +55,24 @@ impl Made {
             self.truth.spindle_deg += self.truth.spindle_rpm * 6.0 * self.cycle_s;
             let machine = MachineStatus::default();
             let record = Record { truth: &self.truth, axes: &self.axes, machine: &machine };
-            if let Some(request) = self.supervisor.cycle(&record) {
-                assert_eq!(request, Request::EmergencyStop);
-                self.asked.push(self.truth.cycle.0);
-            }
+            let request = self.supervisor.cycle(&record);
+            self.ask(request);
         }
+    }
+
+    fn died(&mut self, module: Module) {
+        let request = self.supervisor.died(module);
+        self.ask(request);
+    }
+
+    fn emergency_stop(&mut self) {
+        let request = self.supervisor.emergency_stop();
+        self.ask(request);
+    }
+
+    fn ask(&mut self, request: Option<Request>) {
+        assert!(matches!(request, None | Some(Request::EmergencyStop)));
+        self.asked.extend(request.map(|_| self.truth.cycle.0));
     }
 }
 
@@ -67,7 +80,7 @@ impl Made {
 fn a_machine_with_all_its_parts_is_left_alone_as_is_one_without_its_interpreter() {
     let mut made = Made::in_pass();
     made.go(100);
-    made.supervisor.died(Part::Interpreter);
+    made.died(Module::Interpreter);
     made.go(100_000);
     assert!(made.supervisor.is_watching() && made.asked.is_empty() && made.supervisor.end().is_none());
 }
@@ -76,7 +89,7 @@ fn a_machine_with_all_its_parts_is_left_alone_as_is_one_without_its_interpreter(
 fn a_pass_without_its_interpolator_is_cut_to_its_end_before_the_emergency_stop() {
     let mut made = Made::in_pass();
     made.go(100);
-    made.supervisor.died(Part::Interpolator);
+    made.died(Module::Interpolator);
     made.go(1000);
     assert!(made.asked.is_empty());
     made.set(AxisState::Fault);
@@ -94,14 +107,14 @@ fn a_pass_without_its_interpolator_is_cut_to_its_end_before_the_emergency_stop()
 #[test]
 fn a_pass_without_its_interpolator_may_turn_so_far_and_no_farther() {
     let mut made = Made::in_pass();
-    made.supervisor.died(Part::Interpolator);
+    made.died(Module::Interpolator);
     made.go(1_000_000);
     // 3600° of the pass and two turns, at 600 1/min and 0.5 ms: 1.8° a cycle.
     assert_eq!(made.asked.len(), 1);
     assert!((2400..2405).contains(&made.asked[0]), "{:?}", made.asked);
 
     let mut made = Made::in_pass();
-    made.supervisor.died(Part::Interpolator);
+    made.died(Module::Interpolator);
     made.truth.spindle_rpm = 0.0;
     made.go(1_000_000);
     assert_eq!(made.asked.len(), 1, "nor may the spindle stand for ever");
@@ -112,19 +125,19 @@ fn a_pass_without_its_interpolator_may_turn_so_far_and_no_farther() {
 fn a_regulator_that_dies_stops_the_machine_at_once_and_only_once() {
     let mut made = Made::in_pass();
     made.go(100);
-    made.supervisor.died(Part::Regulator(Axis::X));
+    made.died(Module::Regulator(Axis::X));
     made.go(1);
-    made.supervisor.died(Part::Interpolator);
-    made.supervisor.emergency_stop();
+    made.died(Module::Interpolator);
+    made.emergency_stop();
     made.go(100);
-    assert_eq!(made.asked, [101]);
+    assert_eq!(made.asked, [100]);
 }
 
 #[test]
 fn a_spindle_that_slows_down_is_waited_for_and_one_that_does_not_is_named() {
     let mut made = Made::in_pass();
     made.move_z(0.0);
-    made.supervisor.emergency_stop();
+    made.emergency_stop();
     // It coasts for a minute: far longer than its ramp.
     for _ in 0..120_000 {
         made.go(1);
@@ -137,7 +150,7 @@ fn a_spindle_that_slows_down_is_waited_for_and_one_that_does_not_is_named() {
 
     let mut made = Made::in_pass();
     made.move_z(0.0);
-    made.supervisor.emergency_stop();
+    made.emergency_stop();
     made.go(1_000_000);
     assert_eq!(made.supervisor.end(), Some(End::NoRest(Moving::Spindle(600.0))));
     assert!(made.truth.cycle.0 < 30_000, "{:?}", made.truth.cycle);
@@ -146,9 +159,9 @@ fn a_spindle_that_slows_down_is_waited_for_and_one_that_does_not_is_named() {
 #[test]
 fn without_the_plant_there_is_nothing_to_wait_for() {
     let mut made = Made::in_pass();
-    made.supervisor.died(Part::Plant);
+    made.supervisor.plant_died();
     assert_eq!(made.supervisor.end(), Some(End::PlantGone));
-    made.supervisor.emergency_stop();
+    made.emergency_stop();
     made.go(10);
     assert!(made.asked.is_empty());
 }

@@ -1,0 +1,139 @@
+//! The processes of a run: how they are started, how they ended.
+
+use std::{
+    os::unix::process::{CommandExt as _, ExitStatusExt as _},
+    process::{Child, Command, ExitStatus, Stdio},
+};
+
+use process::{
+    ipc::{
+        Process,
+        child::{doom, signal_name},
+    },
+    shell::Clock,
+};
+use protocol::Doom;
+use rig::observe;
+
+use super::Setup;
+use crate::error::CliError;
+
+/// A process of this run. Dropping it ends the process.
+pub(crate) struct Started {
+    /// Which.
+    pub(crate) process: Process,
+    child: Child,
+    exit: Option<ExitStatus>,
+}
+
+impl Drop for Started {
+    fn drop(&mut self) {
+        // It may be gone already; then there is nothing to end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Started {
+    /// Starts one process: this program again, under another command, in a process group of its own so that
+    /// Ctrl-C reaches the launcher only.
+    pub(crate) fn start(setup: &Setup, address: &str, process: Process) -> Result<Started, CliError> {
+        let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
+        let mut command = Command::new(this);
+        command.stdin(Stdio::null()).stdout(Stdio::null()).process_group(0);
+        match process {
+            Process::Interpreter => {
+                command.arg("interpreter").arg(&setup.folder.program).args(setup.folder.language_args())
+            }
+            Process::Interpolator => command.arg("interpolator"),
+            Process::Plant => {
+                command.arg("sim-plant").arg("--seed").arg(setup.seed.to_string());
+                if let Some(scenario) = &setup.folder.scenario {
+                    command.arg("--scenario").arg(scenario);
+                }
+                for fell in &setup.fell {
+                    command.arg("--stand-at").arg(fell.cycle.to_string());
+                }
+                &mut command
+            }
+            Process::Regulator(axis) => command.arg("regulator").arg("--axis").arg(axis.name()),
+            Process::Launcher => unreachable!("the launcher starts the others"),
+        };
+        command.arg("--address").arg(address).arg("--machine").arg(&setup.folder.machine);
+        match setup.clock {
+            // In lock step everybody waits for everybody: taking turns on one processor is fastest.
+            Clock::Virtual => {
+                command.arg("--clock").arg("virtual").arg("--processor").arg(processor().to_string())
+            }
+            Clock::Real => command.arg("--clock").arg("real"),
+        };
+        let child = command
+            .spawn()
+            .map_err(|error| CliError::Machine(format!("cannot start {}: {error}", process.name())))?;
+        Ok(Started { process, child, exit: None })
+    }
+
+    /// Number of the process.
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Whether it has ended since the last look.
+    pub(crate) fn has_ended(&mut self) -> Result<bool, CliError> {
+        if self.exit.is_some() {
+            return Ok(false);
+        }
+        self.exit = self.child.try_wait().map_err(|error| CliError::Machine(error.to_string()))?;
+        Ok(self.exit.is_some())
+    }
+
+    /// Whether it runs, as of the last look.
+    pub(crate) fn lives(&self) -> bool {
+        self.exit.is_none()
+    }
+
+    /// Ends it, and waits until it has ended. It may be gone by now; either way its status is collected.
+    pub(crate) fn end(&mut self) {
+        if self.lives() {
+            let _ = self.child.kill();
+            self.exit = self.child.wait().ok();
+        }
+    }
+
+    /// Does something to it. It may have ended meanwhile.
+    pub(crate) fn doom(&mut self, how: Doom) {
+        match how {
+            Doom::Kill => {
+                let _ = self.child.kill();
+                let _ = self.child.wait();
+            }
+            Doom::Freeze | Doom::Thaw => {
+                let _ = doom(self.child.id(), how);
+            }
+        }
+    }
+
+    /// How it ended, for people.
+    pub(crate) fn ending(&self) -> String {
+        let signal = self.exit.and_then(|exit| exit.signal());
+        match (self.exit.and_then(|exit| exit.code()), signal) {
+            (_, Some(7)) => "was killed by SIGBUS: /dev/shm is full, it seems; run `pitchlock doctor`".into(),
+            (_, Some(number)) => format!("was killed by {}", signal_name(number)),
+            (Some(code), _) => format!("ended with exit status {code}; why is on standard error"),
+            (None, None) => "ended".into(),
+        }
+    }
+
+    /// As `summary.json` has it.
+    pub(crate) fn report(&self) -> observe::Process {
+        let signal = self.exit.and_then(|exit| exit.signal()).map(signal_name);
+        let exit = self.exit.and_then(|exit| exit.code());
+        observe::Process { name: self.process.name(), pid: self.child.id(), exit, signal }
+    }
+}
+
+/// The processor for this machine's processes: machines started side by side spread over all there are.
+fn processor() -> usize {
+    let allowed = process::ipc::time::processors();
+    allowed[std::process::id() as usize % allowed.len()]
+}

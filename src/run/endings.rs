@@ -1,0 +1,127 @@
+//! How a run ended, as far as only the launcher knows: who died, what did not come to rest, who broke it off.
+//! What caused a fault is listed before it.
+
+use process::ipc::{ChannelCount, Process};
+use rig::{
+    observe::{FaultReport, Outcome, Summary},
+    supervisor::End,
+};
+
+/// Late answers in a row at which a drive trips.
+const TRIPS: u64 = 3;
+
+/// A process that has died.
+pub(crate) struct Death {
+    /// Which.
+    pub(crate) process: Process,
+    /// How, for people.
+    pub(crate) ending: String,
+    /// The first control cycle that it has not answered.
+    pub(crate) cycle: u64,
+    /// The machine had ended before.
+    pub(crate) over: bool,
+}
+
+/// All of it.
+#[derive(Default)]
+pub(crate) struct Endings {
+    deaths: Vec<Death>,
+    frozen: Vec<Process>,
+    end: Option<End>,
+    broken_off: bool,
+    /// Regulators that were late so often in a row that their drives tripped, and how often they were late.
+    late: Vec<(String, u64)>,
+}
+
+impl Endings {
+    /// A process has died.
+    pub(crate) fn died(&mut self, death: Death) {
+        self.deaths.push(death);
+    }
+
+    /// A process is killed because it does not answer.
+    pub(crate) fn frozen(&mut self, process: Process) {
+        self.frozen.push(process);
+    }
+
+    /// Whether a process has died.
+    pub(crate) fn has_died(&self, process: Process) -> bool {
+        self.deaths.iter().any(|death| death.process == process)
+    }
+
+    /// How the machine was left.
+    pub(crate) fn ends(&mut self, end: Option<End>) {
+        self.end = self.end.or(end);
+    }
+
+    /// The operator did not wait for rest.
+    pub(crate) fn broken_off(&mut self) {
+        self.broken_off = true;
+    }
+
+    /// What was counted of late answers.
+    pub(crate) fn late(&mut self, counts: &[ChannelCount]) {
+        for count in counts.iter().filter(|count| count.late_in_row >= TRIPS) {
+            if let Some(axis) = count.name.strip_prefix("drive-command/") {
+                self.late.push((format!("regulator-{axis}"), count.late));
+            }
+        }
+    }
+
+    /// Writes all of it into the summary of the run.
+    pub(crate) fn tell(&self, summary: &mut Summary) {
+        for (regulator, late) in &self.late {
+            let faults = &mut summary.faults;
+            let trips = |fault: &FaultReport| fault.source == *regulator && fault.code == "drive-fault";
+            // Without a trip they were late when it did not matter: before the start, or at rest.
+            if let Some(index) = faults.iter().position(trips)
+                && !self.deaths.iter().any(|death| death.process.name() == *regulator)
+            {
+                let text = format!(
+                    "the third late answer of {regulator} in a row: its drive tripped. The computer was too slow ({late} late answers of it in all): more priority, a longer cycle_s, `pitchlock doctor`"
+                );
+                let (cycle, source) = (faults[index].cycle, regulator.clone());
+                faults.insert(index, FaultReport { cycle, source, code: "late-answers".into(), text });
+            }
+        }
+        // A program that came to its end, or was stopped, has missed nobody who died meanwhile.
+        let harmless = |death: &&Death| {
+            death.over || death.process == Process::Interpreter && summary.outcome != Outcome::Faulted
+        };
+        let (harmless, harmful): (Vec<_>, Vec<_>) = self.deaths.iter().partition(harmless);
+        summary.warnings.extend(harmless.into_iter().map(|death| self.report(death)));
+        for death in harmful {
+            let behind = |fault: &FaultReport| fault.cycle >= death.cycle;
+            let place = summary.faults.iter().position(behind).unwrap_or(summary.faults.len());
+            summary.faults.insert(place, self.report(death));
+        }
+        if let Some(End::NoRest(moving)) = self.end {
+            let text = format!(
+                "{moving} long after the emergency stop, and the processes were ended all the same: look at its drive"
+            );
+            summary.faults.push(launcher_s(summary.cycles, "no-rest", text));
+        }
+        if self.broken_off {
+            let text = "the operator ended the processes before the machine was at rest".into();
+            summary.faults.push(launcher_s(summary.cycles, "broken-off", text));
+        }
+        if !summary.faults.is_empty() {
+            summary.outcome = Outcome::Faulted;
+        }
+    }
+
+    fn report(&self, death: &Death) -> FaultReport {
+        let (code, text) = match self.frozen.contains(&death.process) {
+            true => (
+                "process-frozen",
+                "it did not answer any more, all others waited for it, and it was killed".into(),
+            ),
+            false => ("process-died", format!("the process {}", death.ending)),
+        };
+        FaultReport { cycle: death.cycle, source: death.process.name(), code: code.into(), text }
+    }
+}
+
+fn launcher_s(cycle: u64, code: &str, text: String) -> FaultReport {
+    FaultReport { cycle, source: "launcher".into(), code: code.into(), text }
+}
