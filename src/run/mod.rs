@@ -145,7 +145,7 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
             summary.overrides_clamped
         );
     }
-    if summary.deadline_misses > 0 {
+    if summary.deadline_misses > 0 && summary.clock == "real" {
         let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
     }
     let _ = writeln!(text, "trace     {}", summary.trace_hash);

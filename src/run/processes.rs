@@ -279,10 +279,13 @@ impl Launch<'_> {
         }
         let mut counts = self.space.end()?;
         counts.extend(self.channels.counts());
-        let deadline = Moment::in_s(START_S);
-        while self.wish != Wish::End && self.started.iter().any(Started::lives) && !deadline.passed() {
+        self.watchdog.calm();
+        while self.wish != Wish::End && self.started.iter().any(Started::lives) {
             for one in &mut self.started {
                 one.has_ended()?;
+            }
+            if self.watchdog.is_over() {
+                break;
             }
             self.look_at_the_keyboard()?;
             process::ipc::time::sleep_until(Moment::in_s(0.001));

@@ -1,14 +1,26 @@
-//! Processes that are killed at any moment: the machine comes to rest, says who died, leaves nothing behind,
-//! and the next start works.
+//! Processes that are killed and frozen in any control cycle, launchers that are killed at any moment: the
+//! machine comes to rest, an armed pass is finished or left, the dead are named, nothing is left behind, and
+//! the next start works. What the machine did is judged by the truth of its trace, never by the time it took.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+use protocol::Axis;
+use rig::{
+    observe::{Outcome, Summary},
+    trace::{self, Row},
+};
+use testing::{Seed, count};
 
 use crate::shop::{
     Answer, Place, alive, children, example, name_spaces, shared_memory, signal, until, wait_s,
 };
-use rig::observe::{Outcome, Summary};
 
 const KILLS: u32 = 20;
+/// Deaths of each process in each way, unless `PITCHLOCK_DEATHS` says otherwise.
+const DEATHS: u64 = 20;
 
 /// Moments between 0 and 1.5 s, the first half of them within the start-up: a sequence of Weyl, so that they
 /// are spread and the same every time.
@@ -40,40 +52,184 @@ fn a_launcher_killed_at_any_moment_spoils_no_later_run() {
     assert_eq!((name_spaces(&place), shared_memory(&place, &ids)), (vec![], vec![]), "nothing is left");
 }
 
-/// Starts a run, kills one of its processes when the machine is under way, and gives the answer.
-fn killed(place: &Place, program: &Path, name: &str) -> (Answer, BTreeSet<String>) {
-    let launcher = place.start(program);
-    until("the machine runs", || place.at("run/trace.mcap").exists());
-    wait_s(0.4);
-    let ids = name_spaces(place).into_iter().collect();
-    let victim = children(&launcher).into_iter().find(|(child, _)| child == name);
-    let (_, pid) = victim.unwrap_or_else(|| panic!("{name} does not run: {:?}", children(&launcher)));
-    signal(pid, "KILL");
+#[test]
+fn a_machine_whose_launcher_was_killed_comes_to_rest_and_wipes_itself() {
+    for program in ["thread", "feed"] {
+        let place = Place::new();
+        let program = programs(&place).into_iter().find(|one| one.name == program).expect("it is one");
+        let mut launcher = place.start(&program.path);
+        until("the machine runs", || place.at("run/trace.mcap").exists());
+        wait_s(0.2);
+        let ids: BTreeSet<_> = name_spaces(&place).into_iter().collect();
+        signal(launcher.id(), "KILL");
+        launcher.wait().expect("it was started here");
+        // The pipe of its words is closed when the last of its processes has ended.
+        let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
+        let rests = answer.stderr.contains("emergency stop") && answer.stderr.contains("is at rest");
+        assert!(rests, "{}: {}", program.name, answer.stderr);
+        until("the orphans have ended", || !alive(&place));
+        assert_eq!((ids.len(), name_spaces(&place), shared_memory(&place, &ids)), (1, vec![], vec![]));
+    }
+}
+
+/// A program that somebody dies in.
+struct Program {
+    name: &'static str,
+    path: PathBuf,
+    /// Its length, control cycles.
+    cycles: u64,
+    /// At the end X is beyond this if its regulator lives, mm.
+    clear_mm: f64,
+}
+
+/// One long thread, timed motion, many short passes.
+fn programs(place: &Place) -> Vec<Program> {
+    let head = "G18 G21 G90 G8\nM3 S1500\nG0 X20 Z20\n";
+    let thread = format!("{head}G0 X9\nG33 Z-120 K2\nG0 X20\nG0 Z20\nM5\nM2\n");
+    let feed = format!("{head}G94 G1 Z-100 F3000\nG2 X30 Z-110 K-10 I0\nG1 Z20 X20 F2000\nM5\nM2\n");
+    let pass = |n: u32| format!("G0 X{:.2}\nG33 Z-8 K2\nG0 X20\nG0 Z20\n", 9.9 - 0.05 * f64::from(n));
+    let many = format!("{head}{}M5\nM2\n", (0..8).map(pass).collect::<String>());
+    let program = |name, text: &str, clear_mm| {
+        let path = place.write(&format!("{name}.ngc"), text);
+        let cycles = place.run_inside(&path, None).cycles;
+        Program { name, path, cycles, clear_mm }
+    };
+    vec![program("thread", &thread, 12.0), program("feed", &feed, 19.0), program("many", &many, 12.0)]
+}
+
+/// Runs a program, in which a process is felled in a control cycle.
+fn felled(place: &Place, program: &Program, out: &str, what: &str) -> (Answer, BTreeSet<String>) {
+    let mut command = place.pitchlock();
+    command.arg("run").arg(&program.path).args(["--json", "--out", out, "--trace", "csv"]);
+    command.args(["--watchdog-s", "2", "--fell", what]);
+    command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+    let launcher = command.spawn().expect("it starts");
+    let mut ids = BTreeSet::new();
+    until("it has a name space, or has ended", || {
+        ids.extend(name_spaces(place));
+        !ids.is_empty() || !Path::new(&format!("/proc/{}/fd/1", launcher.id())).exists()
+    });
     (Answer::from(launcher.wait_with_output().expect("it was started here")), ids)
 }
 
-#[test]
-fn whoever_dies_is_named_and_everything_is_wiped() {
-    for name in ["regulator-x", "interpolator", "sim-plant", "interpreter", "regulator-z"] {
-        let place = Place::new();
-        let (answer, ids) = killed(&place, &example("m20x2"), name);
-        let summary: Summary = match serde_json::from_str(&answer.stdout) {
-            Ok(summary) => summary,
-            Err(error) => panic!("{name}: {error}: {} {}", answer.stdout, answer.stderr),
-        };
-        if name == "interpreter" && summary.outcome == Outcome::Completed {
-            continue; // Its work was done: the whole program fits into the queue.
+/// The last rows of a trace: X clear, no axis moves, the spindle stands.
+fn is_at_rest(folder: &Path, program: &Program, x_lives: bool) -> Result<(), String> {
+    let mut rows: Vec<Row> = Vec::new();
+    trace::read(&folder.join("trace.csv"), |row| {
+        rows.push(row);
+        if rows.len() > 8 {
+            rows.remove(0);
         }
-        assert_eq!(answer.status, Some(1), "{name}: {}", answer.stderr);
-        assert_eq!(summary.outcome, Outcome::Faulted, "{name}");
-        let named = summary.faults.iter().any(|fault| fault.source == name && fault.code == "process-died");
-        assert!(named, "{name}: {:?}", summary.faults);
-        let exit = summary.processes.iter().find(|process| process.name == name).map(|process| process.exit);
-        assert_eq!(exit, Some(None), "{name} was ended by a signal");
-        assert!(place.at("run/report.html").exists() && place.at("run/summary.json").exists(), "{name}");
-        let left = (name_spaces(&place), shared_memory(&place, &ids), alive(&place));
-        assert_eq!(left, (vec![], vec![], false), "{name}");
+    })
+    .map_err(|error| error.to_string())?;
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err("no trace".into()) };
+    for axis in [Axis::X, Axis::Z] {
+        let at = |row: &Row| row.axis(axis).map_or(f64::NAN, |axis| axis.true_mm);
+        // 0.01 mm/s over these seven cycles.
+        let way = (at(last) - at(first)).abs();
+        if way.is_nan() || way > 4e-5 {
+            return Err(format!("{axis} moves from {} to {}", at(first), at(last)));
+        }
     }
+    let x_mm = last.axis(Axis::X).map_or(f64::NAN, |axis| axis.true_mm);
+    if x_lives && (x_mm.is_nan() || x_mm < program.clear_mm) {
+        return Err(format!("X rests at {x_mm} mm"));
+    }
+    if last.spindle_rpm.abs() >= 1.0 {
+        return Err(format!("the spindle turns at {} 1/min", last.spindle_rpm));
+    }
+    Ok(())
+}
+
+/// Whether a death ended as it has to.
+fn judge(answer: &Answer, folder: &Path, program: &Program, name: &str, how: &str) -> Result<(), String> {
+    let summary: Summary = serde_json::from_str(&answer.stdout).map_err(|error| error.to_string())?;
+    let code = if how == "kill" { "process-died" } else { "process-frozen" };
+    let named = |fault: &rig::observe::FaultReport| fault.source == name && fault.code == code;
+    let done = name == "interpreter" && summary.outcome == Outcome::Completed;
+    if done {
+        // It had sent all there was; one that was frozen in its last sleep has not missed anything.
+        let told = summary.warnings.iter().all(named) && summary.faults.is_empty();
+        let good = told && answer.status == Some(0) && summary.passes.iter().all(|pass| pass.complete);
+        return if good { Ok(()) } else { Err(format!("{:?} {:?}", answer.status, summary.warnings)) };
+    }
+    let ends = (answer.status, summary.outcome) == (Some(1), Outcome::Faulted);
+    // The cause is listed before what came of it.
+    if !ends || !summary.faults.first().is_some_and(named) {
+        return Err(format!("status {:?}, {:?}: {:?}", answer.status, summary.outcome, summary.faults));
+    }
+    if summary.faults.iter().any(|fault| fault.code == "no-rest") {
+        return Err(format!("{:?}", summary.faults));
+    }
+    let exit = summary.processes.iter().find(|process| process.name == name);
+    if exit.and_then(|exit| exit.signal.as_deref()) != Some("SIGKILL") {
+        return Err(format!("{exit:?}"));
+    }
+    let others = summary.processes.iter().filter(|process| process.name != name);
+    if let Some(other) = others.into_iter().find(|other| other.exit != Some(0)) {
+        return Err(format!("{other:?}"));
+    }
+    if name == "sim-plant" { Ok(()) } else { is_at_rest(folder, program, name != "regulator-x") }
+}
+
+/// One process, killed or frozen in seeded cycles of all programs.
+fn dies_anywhere(name: &str, how: &str) -> Vec<String> {
+    let place = Place::new();
+    let programs = programs(&place);
+    let mut seed =
+        Seed::of_case(name.bytes().chain(how.bytes()).fold(0, |sum, byte| 31 * sum + u64::from(byte)));
+    let (mut wrong, mut ids) = (Vec::new(), BTreeSet::new());
+    for n in 0..count("PITCHLOCK_DEATHS", DEATHS) {
+        let program = &programs[n as usize % programs.len()];
+        let cycle = seed.within(1..program.cycles - 1);
+        let what = format!("{name}:{how}@{cycle}");
+        let (answer, space) = felled(&place, program, "run", &what);
+        ids.extend(space);
+        if let Err(reason) = judge(&answer, &place.at("run"), program, name, how) {
+            wrong.push(format!("{} {what}: {reason}\n{}", program.name, answer.stderr));
+        }
+        let left = (name_spaces(&place), shared_memory(&place, &ids), alive(&place));
+        if left != (vec![], vec![], false) {
+            wrong.push(format!("{} {what} leaves {left:?}", program.name));
+        }
+    }
+    let summary = place.run(&programs[2].path, "after", &["--trace", "none"]);
+    assert_eq!(summary.outcome, Outcome::Completed, "after all of {name} {how}");
+    wrong
+}
+
+fn nobody_is_missed(names: &[&'static str], how: &'static str) {
+    // A machine that waits for a watchdog leaves the processors to others.
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let all: Vec<_> = names.iter().map(|name| scope.spawn(move || dies_anywhere(name, how))).collect();
+        all.into_iter().flat_map(|one| one.join().expect("it judges")).collect()
+    });
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+const NAMES: [&str; 5] = ["interpreter", "interpolator", "regulator-x", "regulator-z", "sim-plant"];
+
+#[test]
+fn whoever_is_killed_in_any_cycle_is_named_and_the_machine_comes_to_rest() {
+    nobody_is_missed(&NAMES[..3], "kill");
+    nobody_is_missed(&NAMES[3..], "kill");
+}
+
+#[test]
+fn whoever_freezes_in_any_cycle_is_named_and_the_machine_comes_to_rest() {
+    nobody_is_missed(&NAMES, "freeze");
+}
+
+#[test]
+fn a_kill_by_a_regulators_cycle_gives_the_same_run_each_time() {
+    let place = Place::new();
+    let program = &programs(&place)[0];
+    let run = |out: &str| {
+        let (answer, _) = felled(&place, program, out, "regulator-z:kill@5001");
+        let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
+        (summary.trace_hash, summary.faults)
+    };
+    assert_eq!(run("one"), run("two"));
 }
 
 /// Self-contained rule over processes: 50 s on the machine in one pass, its interpolator is killed near the
@@ -82,8 +238,9 @@ fn whoever_dies_is_named_and_everything_is_wiped() {
 fn a_pass_is_cut_to_its_end_though_the_interpolator_was_killed() {
     let place = Place::new();
     let text = "G18 G21 G90 G8\nM3 S300\nG0 X20 Z150\nG0 X9\nG33 Z-350 K2\nG0 X20\nG0 Z150\nM5\nM2\n";
-    let program = place.write("long.ngc", text);
-    let (answer, _) = killed(&place, &program, "interpolator");
+    let path = place.write("long.ngc", text);
+    let program = Program { name: "long", path, cycles: 0, clear_mm: 12.0 };
+    let (answer, _) = felled(&place, &program, "run", "interpolator:kill@6000");
     let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
     assert_eq!((answer.status, summary.outcome), (Some(1), Outcome::Faulted), "{}", answer.stderr);
     assert!(summary.faults.iter().any(|fault| fault.source == "interpolator"), "{:?}", summary.faults);
@@ -92,4 +249,22 @@ fn a_pass_is_cut_to_its_end_though_the_interpolator_was_killed() {
     assert!(pass.complete && pass.same_index && pass.thread_cycles > 90_000, "{pass:#?}");
     assert!(pass.helix_max_abs_um <= 1.5 && pass.x.thread_max_abs_um <= 0.5, "{pass:#?}");
     assert!(summary.cycles < pass.end_cycle + 10_000, "the machine ends after the pass");
+    assert_eq!(is_at_rest(&place.at("run"), &program, true), Ok(()));
+}
+
+/// A process that is killed from outside, with a signal that comes when it comes.
+#[test]
+fn a_signal_from_outside_is_told_by_its_name() {
+    let place = Place::new();
+    let launcher = place.start(&example("m20x2"));
+    until("the machine runs", || place.at("run/trace.mcap").exists());
+    let victim = children(&launcher).into_iter().find(|(child, _)| child == "regulator-x");
+    signal(victim.expect("it runs").1, "BUS");
+    let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
+    let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
+    assert_eq!(answer.status, Some(1), "{}", answer.stderr);
+    let process = summary.processes.iter().find(|process| process.name == "regulator-x");
+    assert_eq!(process.map(|one| (one.exit, one.signal.as_deref())), Some((None, Some("SIGBUS"))));
+    assert!(summary.faults[0].text.contains("/dev/shm"), "{:?}", summary.faults);
+    assert!(place.at("run/report.html").exists() && place.at("run/summary.json").exists());
 }

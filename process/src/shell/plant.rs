@@ -140,6 +140,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         in_force.finished |= u32::from(member.is_to_quit() || forsaken.is_over());
         plant.tick(&drives, &in_force, request);
     }
+    forsaken.tell(plant.truth().cycle);
     for event in plant.pending_events() {
         tracing::warn!("event {event} of the scenario did not happen: its moment never came");
     }
@@ -242,6 +243,9 @@ impl Forsaken {
     fn asks(&mut self, truth: &Truth) -> Option<Request> {
         let stands = truth.axes.iter().all(|axis| axis.velocity_mm_s.abs() < 0.01);
         let stands = stands && truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
+        if self.cycles == 0 {
+            tracing::warn!("the launcher has gone: emergency stop in cycle {}", truth.cycle.0);
+        }
         self.cycles += 1;
         self.rests = if stands { self.rests + 1 } else { 0 };
         (self.cycles == 1).then_some(Request::EmergencyStop)
@@ -249,6 +253,15 @@ impl Forsaken {
 
     fn is_over(&self) -> bool {
         self.cycles > self.longest || self.rests > REST_CYCLES
+    }
+
+    /// Nobody but the log will know how it ended.
+    fn tell(&self, now: Cycle) {
+        match (self.cycles, self.rests) {
+            (0, _) => {}
+            (_, 0) => tracing::warn!("the machine has not come to rest by cycle {}", now.0),
+            _ => tracing::warn!("the machine is at rest in cycle {}", now.0),
+        }
     }
 }
 
