@@ -27,6 +27,8 @@ use crate::error::CliError;
 const NAP: Duration = Duration::from_millis(20);
 /// The same when something is wrong.
 const SHORT_NAP: Duration = Duration::from_millis(1);
+/// The plant has made an end so many control cycles after it was told to.
+const LAST_CYCLES: u64 = 4096;
 
 /// Runs the machine to its end.
 pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
@@ -48,7 +50,7 @@ pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
         watchdog: Watchdog::new(setup.watchdog_s),
         endings: Endings::default(),
         wish: Wish::None,
-        quits: false,
+        quits: None,
         space,
         channels,
         started,
@@ -123,8 +125,8 @@ struct Launch<'a> {
     endings: Endings,
     /// What the operator wanted so far.
     wish: Wish,
-    /// The plant was told to make an end.
-    quits: bool,
+    /// The plant was told to make an end when this was the newest cycle.
+    quits: Option<u64>,
 }
 
 impl Launch<'_> {
@@ -140,11 +142,15 @@ impl Launch<'_> {
             match self.supervisor.end() {
                 None => {}
                 Some(End::PlantGone) => return Ok(()),
-                Some(End::Rest | End::NoRest(_)) if !self.quits => {
-                    self.quits = true;
-                    self.space.quit()?;
+                Some(End::Rest | End::NoRest(_)) => {
+                    let now = self.channels.unanswered(Process::Plant);
+                    if self.quits.is_none() {
+                        self.space.quit()?;
+                    }
+                    if now > *self.quits.get_or_insert(now) + LAST_CYCLES {
+                        self.kill_frozen(Process::Plant);
+                    }
                 }
-                Some(_) => {}
             }
             if self.wish == Wish::End {
                 return Ok(());

@@ -176,8 +176,9 @@ fn judge(answer: &Answer, folder: &Path, program: &Program, name: &str, how: &st
 fn dies_anywhere(name: &str, how: &str) -> Vec<String> {
     let place = Place::new();
     let programs = programs(&place);
-    let mut seed =
-        Seed::of_case(name.bytes().chain(how.bytes()).fold(0, |sum, byte| 31 * sum + u64::from(byte)));
+    let mut seed = Seed::of_case(
+        name.bytes().chain(how.bytes()).map(u64::from).fold(0, |sum, byte| (31 * sum + byte) % 65_521),
+    );
     let (mut wrong, mut ids) = (Vec::new(), BTreeSet::new());
     for n in 0..count("PITCHLOCK_DEATHS", DEATHS) {
         let program = &programs[n as usize % programs.len()];
@@ -259,12 +260,12 @@ fn a_signal_from_outside_is_told_by_its_name() {
     let launcher = place.start(&example("m20x2"));
     until("the machine runs", || place.at("run/trace.mcap").exists());
     let victim = children(&launcher).into_iter().find(|(child, _)| child == "regulator-x");
-    signal(victim.expect("it runs").1, "BUS");
+    signal(victim.expect("it runs").1, "TERM");
     let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
     let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
     assert_eq!(answer.status, Some(1), "{}", answer.stderr);
     let process = summary.processes.iter().find(|process| process.name == "regulator-x");
-    assert_eq!(process.map(|one| (one.exit, one.signal.as_deref())), Some((None, Some("SIGBUS"))));
-    assert!(summary.faults[0].text.contains("/dev/shm"), "{:?}", summary.faults);
+    assert_eq!(process.map(|one| (one.exit, one.signal.as_deref())), Some((None, Some("SIGTERM"))));
+    assert!(summary.faults[0].text.contains("SIGTERM"), "{:?}", summary.faults);
     assert!(place.at("run/report.html").exists() && place.at("run/summary.json").exists());
 }

@@ -5,13 +5,17 @@ use std::collections::BTreeSet;
 use crate::shop::{
     Answer, Place, alive, example, name_spaces, scenario, shared_memory, signal, until, wait_s,
 };
-use rig::observe::{Outcome, Summary};
+use protocol::Axis;
+use rig::{
+    observe::{Outcome, Summary},
+    trace::{self, Row},
+};
 
 const NAMES: [&str; 5] = ["interpreter", "interpolator", "regulator-x", "regulator-z", "sim-plant"];
 
 /// What a run folder has to hold.
-fn is_complete(place: &Place, folder: &str, scenario: bool) {
-    let mut files = vec!["summary.json", "trace.mcap", "report.html", "m20x2.ngc", "machine.toml"];
+fn is_complete(place: &Place, folder: &str, program: &str, scenario: bool) {
+    let mut files = vec!["summary.json", "trace.mcap", "report.html", program, "machine.toml"];
     files.extend(scenario.then_some("scenario.toml"));
     for file in files {
         let path = place.at(folder).join(file);
@@ -43,7 +47,7 @@ fn a_run_is_five_processes_and_can_be_repeated_from_its_folder() {
     }
     let sent = |name: &str| summary.channels.iter().find(|channel| channel.name == name).map(|one| one.sent);
     assert_eq!(sent("drive-command/x"), Some(summary.cycles), "{:?}", summary.channels);
-    is_complete(&place, "run", true);
+    is_complete(&place, "run", "m20x2.ngc", true);
     assert!(place.at("run/scenario.toml").exists());
     let written: Summary = Summary::read(&place.at("run/summary.json")).expect("it was just written");
     assert_eq!(written, summary, "--json prints what is written");
@@ -51,7 +55,7 @@ fn a_run_is_five_processes_and_can_be_repeated_from_its_folder() {
     let repeated = place.run(&place.at("run"), "again", &[]);
     assert_eq!(repeated.trace_hash, summary.trace_hash);
     assert_eq!(repeated.seed, 7);
-    is_complete(&place, "again", true);
+    is_complete(&place, "again", "m20x2.ngc", true);
     let left = (name_spaces(&place), shared_memory(&place, &BTreeSet::new()), alive(&place));
     assert_eq!(left, (vec![], vec![], false), "nothing is left of the processes");
 }
@@ -79,20 +83,71 @@ fn machine_code_runs_like_the_program_it_was_made_of() {
     assert!(place.at("code/m20x2.mc").exists());
 }
 
-#[test]
-fn ctrl_c_stops_the_machine_and_the_folder_is_complete() {
-    let place = Place::new();
-    let launcher = place.start(&example("m20x2"));
+/// Starts a run of one long thread, sends it signals when it is under way, and gives the answer.
+fn interrupted(place: &Place, more: &[&str], signals: &[&str]) -> (Answer, Summary) {
+    let text = "G18 G21 G90 G8\nM3 S300\nG0 X20 Z150\nG0 X9\nG33 Z-1350 K2\nG0 X20\nG0 Z150\nM5\nM2\n";
+    let machine = place.ask(&["machine"]).stdout.replace("[-400.0", "[-2000.0");
+    place.write("long.toml", machine);
+    let program = place.write("long.ngc", text);
+    let mut command = place.pitchlock();
+    command.arg("run").arg(&program).args(["--json", "--out", "run", "--machine", "long.toml"]).args(more);
+    command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+    let launcher = command.spawn().expect("it starts");
     until("the machine runs", || place.at("run/trace.mcap").exists());
-    wait_s(0.4);
-    signal(launcher.id(), "INT");
+    wait_s(0.3);
+    for name in signals {
+        signal(launcher.id(), name);
+        // One signal that comes twice before it is looked at is one. Others follow each other at once.
+        wait_s(if signals.iter().all(|one| one == name) { 0.1 } else { 0.0 });
+    }
     let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
-    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
-    let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
-    assert_eq!(summary.outcome, Outcome::Stopped, "{:?}", summary.faults);
-    assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
-    assert!(summary.channels.iter().all(|channel| channel.lost == 0), "{:?}", summary.channels);
-    is_complete(&place, "run", false);
-    let left = (name_spaces(&place), shared_memory(&place, &BTreeSet::new()), alive(&place));
+    let summary: Summary = serde_json::from_str(&answer.stdout)
+        .unwrap_or_else(|error| panic!("{signals:?}: {error}: {} {}", answer.stdout, answer.stderr));
+    let left = (name_spaces(place), shared_memory(place, &BTreeSet::new()), alive(place));
     assert_eq!(left, (vec![], vec![], false), "nothing is left of the processes");
+    (answer, summary)
+}
+
+/// Where X and how fast the spindle is at the end of the trace.
+fn at_the_end(place: &Place) -> (f64, f64) {
+    let mut last = (f64::NAN, f64::NAN);
+    let x_mm = |row: &Row| row.axis(Axis::X).map_or(f64::NAN, |axis| axis.true_mm);
+    trace::read(&place.at("run/trace.mcap"), |row| last = (x_mm(&row), row.spindle_rpm)).expect("a trace");
+    last
+}
+
+#[test]
+fn ctrl_c_and_a_terminal_that_is_closed_stop_the_machine_and_the_folder_is_complete() {
+    for signals in [&["INT"][..], &["HUP", "HUP", "TERM"]] {
+        let place = Place::new();
+        let (answer, summary) = interrupted(&place, &[], signals);
+        assert_eq!(answer.status, Some(1), "a program that was not executed whole: {}", answer.stderr);
+        assert_eq!((summary.outcome, summary.faults.len()), (Outcome::Stopped, 0), "{:?}", summary.faults);
+        assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
+        assert!(summary.channels.iter().all(|channel| channel.lost == 0), "{:?}", summary.channels);
+        is_complete(&place, "run", "long.ngc", false);
+        let (x_mm, rpm) = at_the_end(&place);
+        assert!(!summary.passes[0].complete && x_mm > 12.0 && rpm.abs() < 1.0, "{x_mm} mm, {rpm} 1/min");
+    }
+}
+
+#[test]
+fn ctrl_c_after_a_signal_is_an_emergency_stop_and_the_run_ends_at_rest() {
+    let place = Place::new();
+    let (answer, summary) = interrupted(&place, &[], &["TERM", "INT"]);
+    assert_eq!((answer.status, summary.outcome), (Some(1), Outcome::Faulted), "{}", answer.stderr);
+    assert!(summary.faults.iter().all(|fault| fault.code == "emergency-stop"), "{:?}", summary.faults);
+    assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
+    let (x_mm, rpm) = at_the_end(&place);
+    assert!(x_mm > 12.0 && rpm.abs() < 1.0, "{x_mm} mm, {rpm} 1/min");
+}
+
+/// A machine that cannot come to rest: one of its processes is stopped, and no watchdog looks after it.
+#[test]
+fn a_third_ctrl_c_ends_a_machine_that_does_not_come_to_rest_and_says_so() {
+    let place = Place::new();
+    let frozen = ["--watchdog-s", "0", "--fell", "regulator-x:freeze@5000"];
+    let (answer, summary) = interrupted(&place, &frozen, &["INT", "INT", "INT"]);
+    assert_eq!((answer.status, summary.outcome), (Some(1), Outcome::Faulted), "{}", answer.stderr);
+    assert!(summary.faults.iter().any(|fault| fault.code == "broken-off"), "{:?}", summary.faults);
 }

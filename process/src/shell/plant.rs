@@ -137,7 +137,10 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         if is_orphan() {
             request = forsaken.asks(plant.truth()).or(request);
         }
-        in_force.finished |= u32::from(member.is_to_quit() || forsaken.is_over());
+        if member.is_to_quit() || forsaken.is_over() {
+            let finished = SpindleCommand::FINISHED;
+            in_force = SpindleCommand { finished, line: in_force.line, ..SpindleCommand::default() };
+        }
         plant.tick(&drives, &in_force, request);
     }
     forsaken.tell(plant.truth().cycle);
