@@ -72,7 +72,11 @@ impl Position {
 
     /// `self - origin` in mm, exact however far both are from zero.
     pub fn mm_from(self, origin: Position) -> f64 {
-        (i128::from(self.0) - i128::from(origin.0)) as f64 / Self::PER_MM
+        let apart = match self.0.checked_sub(origin.0) {
+            Some(apart) => apart as f64,
+            None => (i128::from(self.0) - i128::from(origin.0)) as f64,
+        };
+        apart / Self::PER_MM
     }
 }
 

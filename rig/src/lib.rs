@@ -5,6 +5,7 @@
 
 pub mod bench;
 mod lives;
+mod modules;
 pub mod observe;
 mod rig;
 pub mod supervisor;

@@ -15,20 +15,19 @@
 //! exponential. The step is implicit in z, so it is stable at every speed, and its steady state is F = g(v)
 //! exactly: with u = (v/v_s)² and G = Fs + Fc u,  z' = (z + v dt) G/(G + s0 |v| dt (1 + u)).
 
-/// Bristles between two surfaces.
+/// Bristles between two surfaces; their deflection, at first 0, is whose they are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bristles {
-    coulomb_n: f64,
-    static_n: f64,
-    inverse_stribeck_squared: f64,
-    stiffness_n_m: f64,
-    stiffness_step: f64,
-    step_s: f64,
-    deflection_m: f64,
+    pub(crate) coulomb_n: f64,
+    pub(crate) static_n: f64,
+    pub(crate) inverse_stribeck_squared: f64,
+    pub(crate) stiffness_n_m: f64,
+    pub(crate) stiffness_step: f64,
+    pub(crate) step_s: f64,
 }
 
 impl Bristles {
-    /// At rest without deflection. Forces in N, positive or both zero; Stribeck speed in m/s; stiffness in
+    /// Forces in N, positive or both zero; Stribeck speed in m/s; stiffness in
     /// N/m.
     pub(crate) fn new(coulomb_n: f64, static_n: f64, stribeck_m_s: f64, n_m: f64, step_s: f64) -> Bristles {
         Bristles {
@@ -39,18 +38,17 @@ impl Bristles {
             stiffness_n_m: n_m,
             stiffness_step: n_m * step_s,
             step_s,
-            deflection_m: 0.0,
         }
     }
 
-    /// Force against the motion after one step at a speed, N.
+    /// Force against the motion after one step at a speed, which takes the bristles along, N.
     #[inline]
-    pub(crate) fn force(&mut self, v: f64) -> f64 {
+    pub(crate) fn force(&self, deflection_m: &mut f64, v: f64) -> f64 {
         let u = v * v * self.inverse_stribeck_squared;
         let g = self.static_n + self.coulomb_n * u;
         let slip = self.stiffness_step * v.abs() * (1.0 + u);
-        self.deflection_m = (self.deflection_m + v * self.step_s) * g / (g + slip);
-        self.stiffness_n_m * self.deflection_m
+        *deflection_m = (*deflection_m + v * self.step_s) * g / (g + slip);
+        self.stiffness_n_m * *deflection_m
     }
 }
 
@@ -68,8 +66,8 @@ mod tests {
     fn slides_with_the_stribeck_curve() {
         for (v, expected) in [(0.1, 120.0 + 40.0 / (1.0 + (100.0f64 / 1.5).powi(2))), (1.5e-3, 140.0)] {
             for sign in [1.0, -1.0] {
-                let mut guide = guide();
-                let force = (0..200_000).map(|_| guide.force(sign * v)).last().unwrap();
+                let (guide, mut z) = (guide(), 0.0);
+                let force = (0..200_000).map(|_| guide.force(&mut z, sign * v)).last().unwrap();
                 assert!((force - sign * expected).abs() < 1e-6, "{force} N at {v} m/s");
             }
         }
@@ -77,20 +75,20 @@ mod tests {
 
     #[test]
     fn is_a_spring_before_it_slides() {
-        let mut guide = guide();
+        let (guide, mut z) = (guide(), 0.0);
         let mut moved = 0.0;
         for _ in 0..200 {
             moved += 1e-5 * STEP;
-            let force = guide.force(1e-5);
+            let force = guide.force(&mut z, 1e-5);
             assert!((force / (1.5e7 * moved) - 1.0).abs() < 0.01, "{force} N after {moved} m");
         }
     }
 
     #[test]
     fn stays_bounded_at_any_speed() {
-        let mut guide = guide();
+        let (guide, mut z) = (guide(), 0.0);
         for v in [1e3, -1e3, 1e6, 0.0, -1e-9] {
-            assert!(guide.force(v).abs() <= 160.0 * 1.000_001);
+            assert!(guide.force(&mut z, v).abs() <= 160.0 * 1.000_001);
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::breakages::AxisBreakage;
 use crate::config::{PlantConfig, PlantError};
 use crate::cutting::Cutter;
 use crate::drive::{Drive, Trip};
-use crate::drive_train::DriveTrain;
+use crate::drive_train::{Acting, DriveTrain};
 use crate::orders::{Order, Packet};
 use crate::scale::Scale;
 use crate::scenario::{Scenario, SpindleFault};
@@ -169,9 +169,22 @@ impl Plant {
     ) {
         let now = self.truth.cycle;
         self.break_axes();
-        for axis in &mut self.axes {
-            let index = axis.axis.index();
-            axis.advance(now, &drives[index], self.truth.axes[index].force_n);
+        for axes in self.axes.chunks_mut(2) {
+            let acting = |own: &mut AxisPlant| {
+                let index = own.axis.index();
+                own.acting(now, &drives[index], self.truth.axes[index].force_n)
+            };
+            match axes {
+                [one, other] => {
+                    let (here, there) = (acting(one), acting(other));
+                    one.train.advance_both(here, &mut other.train, there);
+                }
+                _ => axes.iter_mut().for_each(|own| {
+                    let here = acting(own);
+                    own.train.advance(here);
+                }),
+            }
+            axes.iter_mut().for_each(AxisPlant::count);
         }
         let turns_before = self.spindle.turns();
         let [load_nm, ..] = self.timeline.burdens();
@@ -299,13 +312,18 @@ impl AxisPlant {
         self.jumped += (breakage.jump_mm / self.quantum_mm).round();
     }
 
-    fn advance(&mut self, now: Cycle, command: &DriveCommand, force_n: f64) {
+    /// What acts on the mechanics until the next cycle, when the drive has a command.
+    fn acting(&mut self, now: Cycle, command: &DriveCommand, force_n: f64) -> Acting {
         let v_meas = (self.count - self.count_before) * self.quantum_mm * self.inverse_cycle;
         let answer = self.drive.answer(now, command, v_meas);
         // Power comes with the first torque; it goes at once, and the brake with it.
-        let acting = answer.and(self.torque_nm);
-        self.train.advance(acting, force_n);
+        let command_nm = answer.and(self.torque_nm);
         self.torque_nm = answer;
+        Acting { command_nm, force_n }
+    }
+
+    /// The encoder counts on to where the motor has come.
+    fn count(&mut self) {
         self.count_before = self.count;
         let motor_mm = 1e3 * self.train.motion().motor_m;
         self.count = (motor_mm / self.quantum_mm + self.encoder_phase).floor();

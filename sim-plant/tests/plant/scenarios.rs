@@ -1,6 +1,7 @@
 //! Scenarios: what a file may say, and what it does to the machine.
 
 use crate::stand::Stand;
+use machine::Machine;
 use protocol::operator::Request;
 use protocol::{Cycle, Panel};
 use sim_plant::{Plant, Scenario};
@@ -91,6 +92,72 @@ fn errors_of_the_encoder_name_key_and_remedy() {
     ] {
         let message = refusal(&format!("[[event]]\n{event}\n"));
         assert!(message.starts_with("event 1: ") && message.contains(expected), "{event}: {message}");
+    }
+}
+
+#[test]
+fn errors_of_faults_name_key_and_remedy() {
+    for (event, expected) in [
+        (
+            "emergency_stop = false",
+            "emergency_stop: a button can only be pressed: write true; it stays pressed",
+        ),
+        ("power_lost = false", "power_lost: write true; the mains do not come back"),
+        ("drive_fault = 'q'", "expected an axis, or { axis, torque_lost = true }"),
+        (
+            "spindle_fault = 'fire'",
+            "spindle_fault = \"fire\": must be \"runaway\", \"reversal\", \"stall\" or \"jam\"",
+        ),
+        ("spindle_fault = { fault = 'jam', for_s = 0 }", "spindle_fault.for_s = 0: must lie"),
+        ("encoder_stands = false", "encoder_stands: write true or { for_s }; without an event it counts"),
+        ("encoder_noise_counts = -1", "encoder_noise_counts = -1: must lie between 0 and 1000"),
+        ("encoder_noise_counts = 1.5", "expected i64"),
+        ("encoder_eccentricity_counts = nan", "encoder_eccentricity_counts = NaN: must lie"),
+        ("axis_jump = { axis = 'x', mm = 0 }", "axis_jump.mm = 0: must not be 0"),
+        ("axis_jump = { axis = 'x', mm = 1e4 }", "axis_jump.mm = 10000: must lie between -1000 and 1000"),
+        ("axis_jump = { mm = 1 }", "missing field `axis`"),
+        ("force_spike = { axis = 'z', force_n = 1e6, for_s = 1 }", "force_spike.force_n = 1000000: must lie"),
+        ("force_spike = { axis = 'z', force_n = 1 }", "missing field `for_s`"),
+        ("freeze = 'sim-plant'", "freeze = \"sim-plant\": must be \"interpreter\""),
+        ("freeze = { process = 'interpolator' }", "expected the name of a process, or { process, for_s }"),
+        (
+            "packet = { channel = 'credit', drop = true }",
+            "packet.channel = \"credit\": must be one of machine-code",
+        ),
+        ("packet = { channel = 'machine-code' }", "packet takes one of drop = true"),
+        (
+            "packet = { channel = 'machine-code', drop = true, corrupt = 3 }",
+            "packet takes one of drop = true",
+        ),
+        (
+            "packet = { channel = 'measurement', delay_cycles = 0 }",
+            "packet.delay_cycles = 0: must lie between 1",
+        ),
+        (
+            "packet = { channel = 'measurement', drop = true, count = 0 }",
+            "packet.count = 0: must lie between 1",
+        ),
+        ("kill = 'regulator-x'\nstop = true", "more than one action"),
+    ] {
+        let refused = Scenario::from_toml(&format!("[[event]]\nat = {{ cycle = 1 }}\n{event}\n"));
+        let message = refused.expect_err(event).to_string();
+        assert!(message.starts_with("event 1: ") && message.contains(expected), "{event}: {message}");
+    }
+}
+
+#[test]
+fn an_event_for_an_axis_that_there_is_not_is_refused() {
+    for event in [
+        "drive_fault = 'y'",
+        "axis_jump = { axis = 'y', mm = 1 }",
+        "kill = 'regulator-y'",
+        "packet = { channel = 'axis-status/y', drop = true }",
+    ] {
+        let text =
+            format!("[[event]]\nat = {{ cycle = 1 }}\nstop = true\n[[event]]\nat = {{ cycle = 1 }}\n{event}");
+        let scenario = Scenario::from_toml(&text).unwrap();
+        let refused = Plant::new(&Machine::default(), scenario, 1).expect_err(event).to_string();
+        assert_eq!(refused, "event 2 of the scenario acts on axis y: the machine has no [axis.y]");
     }
 }
 
