@@ -23,7 +23,7 @@ fn a_run_ends_when_one_axis_faults_in_a_thread() {
         let seen = seen.unwrap();
         let named: Vec<_> = seen.faults.iter().map(|fault| fault.code.as_str()).collect();
         assert!(
-            seen.outcome == Outcome::Faulted && named == ["thread-error", "axis-fault"],
+            seen.outcome == Outcome::Faulted && named == ["thread-error", "other-axis", "thread-error"],
             "{axis}: {named:?}"
         );
     }
