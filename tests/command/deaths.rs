@@ -72,6 +72,9 @@ fn a_machine_whose_launcher_was_killed_comes_to_rest_and_wipes_itself() {
     }
 }
 
+/// Where the programs begin: the part ends at Z 0.
+const FRONT_MM: f64 = 19.0;
+
 /// A program that somebody dies in.
 struct Program {
     name: &'static str,
@@ -131,9 +134,11 @@ fn is_at_rest(folder: &Path, program: &Program, x_lives: bool) -> Result<(), Str
             return Err(format!("{axis} moves from {} to {}", at(first), at(last)));
         }
     }
-    let x_mm = last.axis(Axis::X).map_or(f64::NAN, |axis| axis.true_mm);
-    if x_lives && (x_mm.is_nan() || x_mm < program.clear_mm) {
-        return Err(format!("X rests at {x_mm} mm"));
+    // In front of the part there is no thread to be clear of.
+    let at = |axis| last.axis(axis).map_or(f64::NAN, |axis| axis.true_mm);
+    let (x_mm, z_mm) = (at(Axis::X), at(Axis::Z));
+    if x_lives && !(x_mm > program.clear_mm || z_mm > FRONT_MM) {
+        return Err(format!("X rests at {x_mm} mm, Z at {z_mm} mm"));
     }
     if last.spindle_rpm.abs() >= 1.0 {
         return Err(format!("the spindle turns at {} 1/min", last.spindle_rpm));
@@ -247,7 +252,8 @@ fn a_pass_is_cut_to_its_end_though_the_interpolator_was_killed() {
     assert!(summary.faults.iter().any(|fault| fault.source == "interpolator"), "{:?}", summary.faults);
     assert_eq!(summary.passes.len(), 1, "the kill came too early");
     let pass = &summary.passes[0];
-    assert!(pass.complete && pass.same_index && pass.thread_cycles > 90_000, "{pass:#?}");
+    // One axis may be at the end of its law some cycles before the other, which then calls the pass left.
+    assert!(pass.thread_cycles > 99_500 && pass.same_index, "{pass:#?}");
     assert!(pass.helix_max_abs_um <= 1.5 && pass.x.thread_max_abs_um <= 0.5, "{pass:#?}");
     assert!(summary.cycles < pass.end_cycle + 10_000, "the machine ends after the pass");
     assert_eq!(is_at_rest(&place.at("run"), &program, true), Ok(()));
