@@ -25,14 +25,20 @@ fn items(machine: &Machine, program: &str) -> Vec<Item> {
     check.items
 }
 
-fn rig(machine: &Machine, items: &[Item]) -> Rig<std::vec::IntoIter<Item>> {
-    Rig::new(machine, items.to_vec().into_iter(), Scenario::none(), 1).unwrap()
+fn rig<'a>(machine: &Machine, items: &'a [Item]) -> Rig<impl Iterator<Item = Item> + use<'a>> {
+    Rig::new(machine, items.iter().copied(), Scenario::none(), 1).unwrap()
 }
 
 /// Runs a machine for a while; how many cycles it made.
 fn run(machine: &Machine, items: &[Item]) -> u64 {
     let mut rig = rig(machine, items);
-    (1..=CYCLES).find(|_| !rig.cycle(None, |record| drop(black_box(record.truth.cycle)))).unwrap_or(CYCLES)
+    (1..=CYCLES)
+        .find(|_| {
+            !rig.cycle(None, |record| {
+                black_box(record.truth.cycle);
+            })
+        })
+        .unwrap_or(CYCLES)
 }
 
 /// The same, observed.

@@ -183,7 +183,7 @@ proptest! {
             let cut = Cut { s_rpm: cut.s_rpm.ceil(), start_deg: 45.0 * f64::from(start), ..cut };
             if let Ok(plan) = plan(&cut, &machine()) {
                 let bytes = bytes_on_the_wire(plan.pass);
-                prop_assert!(bytes <= 210, "{bytes} bytes for {cut:?}");
+                prop_assert!(bytes <= 200, "{bytes} bytes for {cut:?}");
             }
         }
     }

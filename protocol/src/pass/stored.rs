@@ -27,8 +27,8 @@ pub(super) struct Stored {
     thread_end_deg: Option<Bits>,
     max_ratio: f64,
     depth_mm: f64,
-    /// Axis, what leaves, where it is clear; how much before that it is free.
-    out: (u8, u8, Position, i64),
+    /// Axis, what leaves; where it is clear, seen from the end of its law, and how much before that it is free.
+    out: (u8, u8, i64, i64),
     helix: Option<Helix>,
     laws: Laws,
 }
@@ -246,9 +246,21 @@ impl Law {
 }
 
 /// What is beyond a byte is refused where it arrives.
-fn out_of(out: &WayOut) -> (u8, u8, Position, i64) {
+fn out_of(out: &WayOut, laws: &PerAxis<AxisLaw>) -> (u8, u8, i64, i64) {
     let byte = |value: u32| u8::try_from(value).unwrap_or(u8::MAX);
-    (byte(out.axis), byte(out.leaves), out.clear, out.clear.0.wrapping_sub(out.free.0))
+    let (end, clear) = (end_of(laws, out.axis), out.clear.0);
+    (byte(out.axis), byte(out.leaves), clear.wrapping_sub(end), clear.wrapping_sub(out.free.0))
+}
+
+fn way_out((axis, leaves, beyond, before): (u8, u8, i64, i64), laws: &PerAxis<AxisLaw>) -> WayOut {
+    let clear = end_of(laws, axis.into()).wrapping_add(beyond);
+    let (clear, free) = (Position(clear), Position(clear.wrapping_sub(before)));
+    WayOut { axis: axis.into(), leaves: leaves.into(), clear, free }
+}
+
+/// Where the law of the axis that lifts ends; an axis that there is not ends nowhere.
+fn end_of(laws: &PerAxis<AxisLaw>, axis: u32) -> i64 {
+    laws.get(axis as usize).map_or(0, |law| law.end.0)
 }
 
 impl From<ThreadPass> for Stored {
@@ -266,7 +278,7 @@ impl From<ThreadPass> for Stored {
             thread_end_deg: differs(end_deg, first_leaves(&pass.axes)).then_some(Bits(end_deg.to_bits())),
             max_ratio: pass.max_ratio,
             depth_mm: pass.depth_mm,
-            out: out_of(&pass.out),
+            out: out_of(&pass.out, &pass.axes),
             helix: common,
             laws: Laws(pass.axes.map(|law| Law::new(&law, common))),
         }
@@ -290,12 +302,7 @@ impl From<Stored> for ThreadPass {
                 .map_or_else(|| first_leaves(&axes), |end| f64::from_bits(end.0)),
             max_ratio: stored.max_ratio,
             depth_mm: stored.depth_mm,
-            out: WayOut {
-                axis: stored.out.0.into(),
-                leaves: stored.out.1.into(),
-                clear: stored.out.2,
-                free: Position(stored.out.2.0.wrapping_sub(stored.out.3)),
-            },
+            out: way_out(stored.out, &axes),
             axes,
         }
     }
