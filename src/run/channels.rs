@@ -180,7 +180,8 @@ impl Channels {
         let axis = |axis| self.axes.iter().find(|(other, _)| *other == axis);
         match process {
             Process::Regulator(of) => axis(of).map_or(0, |(_, source)| source.newest + 1),
-            Process::Interpolator => self.ticks.newest + self.cycles_per_tick,
+            // What came of it can be there before its next tick.
+            Process::Interpolator => (self.ticks.newest + self.cycles_per_tick).min(self.truths.newest),
             Process::Plant => self.truths.newest + 1,
             Process::Interpreter | Process::Launcher => self.truths.newest,
         }

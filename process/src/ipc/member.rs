@@ -29,8 +29,8 @@ pub struct Member {
 }
 
 impl Member {
-    /// Joins the name space of the launcher that started this process. From here on the process knows when the
-    /// *thread* that started it ends ([`is_orphan`]): launchers start their processes from the main thread.
+    /// Joins the name space of the launcher that started this process. From here on the process knows when
+    /// the *thread* that started it ends ([`is_orphan`]): launchers start processes from the main thread.
     ///
     /// # Errors
     /// A wrong address, a launcher that is gone, or a refusal of iceoryx2.

@@ -1,5 +1,5 @@
-//! A process whose launcher has gone. It goes on as long as the machine needs to come to rest, waits for nobody
-//! for ever, and the last one to go wipes the name space.
+//! A process whose launcher has gone. It goes on as long as the machine needs to come to rest, waits for
+//! nobody for ever, and the last one to go wipes the name space.
 
 use std::{
     rc::Rc,

@@ -1,8 +1,8 @@
 //! Wake-ups: one event per process, which everybody may ring and only that process hears.
 //!
 //! A wake-up carries a number. [`DATA`] only says "look"; the others are what the owner tells: start, end,
-//! who has died, and some that are for the plant alone. They are counted in shared memory and never lost, but several may arrive as one, and one
-//! may arrive for nothing: whoever waits looks at its receivers again.
+//! who has died, and some that are for the plant alone. They are counted in shared memory and never lost, but
+//! several may arrive as one, and one may arrive for nothing: whoever waits looks at its receivers again.
 //!
 //! No sleep is without limit. iceoryx2 0.10.0 notifies in three steps: note the number, send a datagram, mark
 //! the event as notified. A listener that swallows the datagram of a sender who is interrupted before the

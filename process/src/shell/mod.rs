@@ -101,7 +101,8 @@ impl ProcessArgs {
 }
 
 /// Sends a message, and goes on without receivers that have died: the launcher sees that and brings the
-/// machine to rest. In real time a queue that stays full costs the message, which its receiver counts as lost.
+/// machine to rest. In real time a queue that stays full costs the message, and its receiver counts it as
+/// lost.
 ///
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.

@@ -1,5 +1,5 @@
-//! Waiting for one thing from another process. In lock step it lasts as long as it lasts, and whoever waits for
-//! a second says so once a second, so that the launcher knows who holds the machine up.
+//! Waiting for one thing from another process. In lock step it lasts as long as it lasts, and whoever waits
+//! for a second says so once a second, so that the launcher knows who holds the machine up.
 
 use std::time::Duration;
 
