@@ -1,0 +1,100 @@
+//! A case: a machine, a program, a seed of the plant and what happens. In: what was drawn. Out: the same as
+//! files that a person can run, and ready to be run here.
+
+use core::fmt::Write as _;
+
+use machine::Machine;
+use protocol::{Code, Item, ThreadPass};
+
+use crate::event::{Event, What};
+
+/// What is run for one seed.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// What it was drawn from.
+    pub seed: u64,
+    /// The machine.
+    pub machine: Machine,
+    /// The program in blocks; the first and the last belong to every program, each of the others can be left
+    /// out.
+    pub blocks: Vec<String>,
+    /// What the program is made of, for the counts.
+    pub kinds: Vec<&'static str>,
+    /// Seed of the plant.
+    pub plant_seed: u64,
+    /// What happens.
+    pub events: Vec<Event>,
+}
+
+/// A case whose program has been read.
+#[derive(Clone, Debug)]
+pub struct Ready {
+    /// The machine.
+    pub machine: Machine,
+    /// Its machine code.
+    pub items: Vec<Item>,
+    /// What it should take, s.
+    pub time_s: f64,
+}
+
+impl Case {
+    /// The program as text.
+    pub fn program(&self) -> String {
+        self.blocks.concat()
+    }
+
+    /// The machine file.
+    ///
+    /// # Errors
+    /// What of it cannot be written as TOML.
+    pub fn machine_file(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(&self.machine)
+    }
+
+    /// Reads the program; nothing if the machine refuses it, or the file of the machine would be refused.
+    pub fn ready(&self) -> Option<Ready> {
+        self.machine.check().ok()?;
+        let check = interpreter::check("soak.ngc", &self.program(), &self.machine);
+        check.is_good().then(|| Ready {
+            machine: self.machine.clone(),
+            items: check.items,
+            time_s: check.time_s,
+        })
+    }
+
+    /// The scenario that the plant plays.
+    pub fn scenario(&self) -> String {
+        let mut text = String::new();
+        self.events.iter().for_each(|event| event.scenario(&mut text));
+        text
+    }
+
+    /// The scenario as a file, with what a scenario cannot say in comments.
+    pub fn scenario_file(&self) -> String {
+        let mut text = String::new();
+        for event in &self.events {
+            let _ = writeln!(text, "# {}", event.told());
+        }
+        for event in &self.events {
+            match event.what {
+                What::Kill(module) | What::Freeze(module, _) => {
+                    let verb = if matches!(event.what, What::Kill(_)) { "kill" } else { "freeze" };
+                    let (at, name) = (event.at, module.name());
+                    let _ = writeln!(text, "[[event]]\nat = {{ cycle = {at} }}\n{verb} = \"{name}\"");
+                }
+                _ => event.scenario(&mut text),
+            }
+        }
+        text
+    }
+}
+
+impl Ready {
+    /// The passes of the program in their order.
+    pub fn passes(&self) -> impl Iterator<Item = &ThreadPass> {
+        self.items.iter().filter_map(|item| match &item.code {
+            Code::Pass(pass) => Some(pass),
+            _ => None,
+        })
+    }
+}

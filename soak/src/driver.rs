@@ -1,0 +1,125 @@
+//! Many seeds on every core. In: a range of seeds, a number of threads. Out: a [`Report`]: what broke, how many of
+//! each kind were drawn, how long each fault went unnoticed.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rig::wires::{Straight, Wires};
+
+use crate::case::Case;
+use crate::draw;
+use crate::judge::Broken;
+use crate::run::{self, Ran};
+
+/// A seed that broke an invariant.
+#[derive(Clone, Debug)]
+pub struct Failed {
+    /// The seed.
+    pub seed: u64,
+    /// What it broke.
+    pub broken: Broken,
+    /// The case.
+    pub case: Case,
+}
+
+/// What many seeds came to.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Seeds that were run.
+    pub seeds: u64,
+    /// Control cycles of all of their runs.
+    pub cycles: u64,
+    /// Those that broke an invariant, by seed.
+    pub failed: Vec<Failed>,
+    /// How often each kind of program and event was drawn.
+    pub drawn: BTreeMap<&'static str, u64>,
+    /// How often each outcome and fault was seen.
+    pub ended: BTreeMap<String, u64>,
+    /// Longest time from an event to the first word about it, control cycles, where it was the only one.
+    pub slowest: BTreeMap<&'static str, u64>,
+}
+
+impl Report {
+    fn merge(&mut self, other: Report) {
+        self.seeds += other.seeds;
+        self.cycles += other.cycles;
+        self.failed.extend(other.failed);
+        other.drawn.into_iter().for_each(|(kind, count)| *self.drawn.entry(kind).or_default() += count);
+        other.ended.into_iter().for_each(|(kind, count)| *self.ended.entry(kind).or_default() += count);
+        for (kind, cycles) in other.slowest {
+            let slowest = self.slowest.entry(kind).or_default();
+            *slowest = (*slowest).max(cycles);
+        }
+    }
+
+    fn take(&mut self, case: &Case, ran: &Ran) {
+        for kind in case.kinds.iter().copied().chain(case.events.iter().map(|event| event.what.kind())) {
+            *self.drawn.entry(kind).or_default() += 1;
+        }
+        *self.drawn.entry(if case.events.is_empty() { "undisturbed" } else { "disturbed" }).or_default() += 1;
+        let outcome = format!("{:?}", ran.observation.outcome).to_lowercase();
+        *self.ended.entry(outcome).or_default() += 1;
+        if let Some(fault) = ran.observation.faults.first() {
+            *self.ended.entry(fault.code.clone()).or_default() += 1;
+        }
+        if let ([event], Some(after)) = (case.events.as_slice(), ran.reacted_after) {
+            let slowest = self.slowest.entry(event.what.kind()).or_default();
+            *slowest = (*slowest).max(after);
+        }
+    }
+}
+
+/// One seed: the case, and what it broke.
+pub fn one(seed: u64) -> (Case, Ran) {
+    let (case, cycles, ran) = over(seed, || Straight);
+    (case, Ran { cycles, ..ran })
+}
+
+/// One seed over wires of a test. Undisturbed, the case runs over straight wires.
+pub fn over<W: Wires>(seed: u64, wires: impl FnOnce() -> W) -> (Case, u64, Ran) {
+    let (mut case, ready) = draw(seed);
+    let alone = run::undisturbed(&case, &ready);
+    if alone.broken.is_some() {
+        return (case, alone.cycles, alone);
+    }
+    let events = &mut draw::seed_of_events(seed);
+    case.events = draw::events(events, &ready.machine, alone.measured.cycles, &alone.measured.borders);
+    if case.events.is_empty() {
+        return (case, alone.cycles, alone);
+    }
+    let ran = run::disturbed_by(&case, &ready, &alone.measured, wires());
+    (case, alone.cycles + ran.cycles, ran)
+}
+
+/// Runs seeds on so many threads. `progress` hears of every seed: how many are done, how many failed.
+pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) + Sync)) -> Report {
+    let (next, done, broken) = (AtomicU64::new(seeds.start), AtomicU64::new(0), AtomicU64::new(0));
+    let whole = Mutex::new(Report::default());
+    let work = || {
+        let mut report = Report::default();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= seeds.end {
+                break;
+            }
+            let (case, ran) = one(seed);
+            report.seeds += 1;
+            report.cycles += ran.cycles;
+            report.take(&case, &ran);
+            if let Some(found) = ran.broken {
+                broken.fetch_add(1, Ordering::Relaxed);
+                report.failed.push(Failed { seed, broken: found, case });
+            }
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed));
+        }
+        if let Ok(mut whole) = whole.lock() {
+            whole.merge(report);
+        }
+    };
+    std::thread::scope(|scope| (0..jobs.max(1)).for_each(|_| drop(scope.spawn(work))));
+    let mut report = whole.into_inner().unwrap_or_default();
+    report.failed.sort_by_key(|failed| failed.seed);
+    report
+}

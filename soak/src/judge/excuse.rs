@@ -1,0 +1,85 @@
+//! What the physics of an event excuses. In: the events of a case and its machine. Out: by how much the tool may
+//! be beside its groove in a cycle, because no control could know better; whether an event lets the program be
+//! completed.
+//!
+//! | event | excuse |
+//! |---|---|
+//! | counts lost or gained, a glitch | as far as the encoder cannot see it before the next index: n/4N leads, for a turn and the way out |
+//! | force | the slide gives way by F/k, k = m (2πf)², and the servo by as much |
+//! | all others | none |
+
+use machine::Machine;
+use protocol::Axis;
+
+use crate::event::{Button, Event, Trouble, What};
+
+/// How much more a drive and its screw give way than the slide on them.
+const SERVO: f64 = 3.0;
+/// Fastest change of a spindle's speed that an encoder must not be blamed for: top speed to rest in 50 ms.
+const STALL_S: f64 = 0.05;
+
+/// What is excused at a moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Excuse {
+    /// Error of the spindle angle, turns.
+    pub(crate) turns: f64,
+    /// Along Z and along X, mm.
+    pub(crate) axial_mm: f64,
+    pub(crate) radial_mm: f64,
+}
+
+/// The excuse of an event in a cycle. `out` is how long a way out takes, `turn` how long a turn, both cycles.
+pub(crate) fn excuse(machine: &Machine, event: &Event, now: u64, out: u64, turn: u64) -> Excuse {
+    let What::Plant(trouble) = event.what else { return Excuse::default() };
+    let cycle_s = machine.general.cycle_s;
+    let until = |s: f64| event.at + (s / cycle_s) as u64;
+    if now < event.at {
+        return Excuse::default();
+    }
+    match trouble {
+        Trouble::Counts(counts) => counts_excuse(machine, counts, now < event.at + 2 * turn + out),
+        Trouble::Glitch(counts, s) => counts_excuse(machine, counts, now < until(s) + 2 * turn + out),
+        Trouble::Force(axis, force_n, s) if now < until(s + 0.1) => {
+            let mm = SERVO * force_n.abs() / stiffness_n_mm(machine, axis);
+            match axis {
+                Axis::Z => Excuse { axial_mm: mm, ..Excuse::default() },
+                _ => Excuse { radial_mm: mm, ..Excuse::default() },
+            }
+        }
+        _ => Excuse::default(),
+    }
+}
+
+fn counts_excuse(machine: &Machine, counts: i64, young: bool) -> Excuse {
+    let turn = machine.spindle_counts();
+    let cycle_s = machine.general.cycle_s;
+    let a = (machine.spindle.max_rpm / STALL_S).max(20_000.0) / 60.0 * turn;
+    let seen = 6.0 + a * cycle_s * cycle_s + 0.02 * machine.spindle.max_rpm / 60.0 * turn * cycle_s;
+    let unseen = (counts.unsigned_abs() as f64).min(seen);
+    Excuse { turns: if young { unseen / turn } else { 0.0 }, ..Excuse::default() }
+}
+
+/// The slide on its screw, N/mm.
+fn stiffness_n_mm(machine: &Machine, axis: Axis) -> f64 {
+    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
+    let value = |key: &str, usual: f64| {
+        truth.and_then(|table| table.get(key)).and_then(toml::Value::as_float).unwrap_or(usual)
+    };
+    let rad_s = core::f64::consts::TAU * value("mode_hz", 100.0);
+    value("slide_mass_kg", 110.0) * rad_s * rad_s / 1000.0
+}
+
+/// Whether a program is completed although this happens.
+pub(crate) fn is_harmless(what: &What) -> bool {
+    match what {
+        What::Press(button) => {
+            !matches!(button, Button::Stop | Button::Abort | Button::EmergencyStop)
+        }
+        _ => false,
+    }
+}
+
+/// Whether the operator ends the program by it.
+pub(crate) fn is_stop(what: &What) -> bool {
+    matches!(what, What::Press(Button::Stop | Button::Abort))
+}

@@ -1,0 +1,116 @@
+//! The end of a run. In: how it ended, what the observer makes of it. Out: what of that is not true.
+
+use protocol::{Axis, MachineState, Module};
+use rig::observe::{Observation, Outcome, Record};
+use rig::supervisor::End;
+
+use super::{Broken, Judge, excuse};
+use crate::event::{Fate, What};
+
+/// An axis that is slower than this stands, mm/s.
+const STANDS_MM_S: f64 = 0.05;
+/// And a spindle, 1/min.
+const STANDS_RPM: f64 = 2.0;
+/// Two ends are the same place, mm.
+const SAME_MM: f64 = 1e-6;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// The interpolator said that it is finished.
+    Finished,
+    /// A process had died, and the launcher let the rest go.
+    Launcher(End),
+    /// It did not end in the time it may take.
+    Never,
+}
+
+impl Judge<'_> {
+    /// What the end of the run breaks; `last` is its last cycle.
+    pub fn finish(&mut self, ending: Ending, last: &Record, observation: &Observation) {
+        let now = last.truth.cycle.0;
+        let found = self.end(ending, last).or_else(|| self.summary(ending, last, observation));
+        if let Some((invariant, text)) = found {
+            self.broken.get_or_insert(Broken::new(invariant, now, text));
+        }
+    }
+
+    fn end(&self, ending: Ending, last: &Record) -> Option<(&'static str, String)> {
+        let state = last.machine.state();
+        let axes = || {
+            let told = last.axes.iter().map(|(axis, status)| format!("{axis} {}", status.state().name()));
+            told.collect::<Vec<_>>().join(", ")
+        };
+        match ending {
+            Ending::Never => {
+                return Some(("no-end", format!("machine {state:?}, {}, {:.0} 1/min", axes(), last.truth.spindle_rpm)));
+            }
+            Ending::Launcher(End::NoRest(moving)) => return Some(("no-rest", moving.to_string())),
+            Ending::Launcher(End::Rest | End::PlantGone) => {}
+            Ending::Finished => {
+                if !matches!(state, MachineState::Ended | MachineState::Fault) {
+                    return Some(("untrue", format!("finished in state {state:?}")));
+                }
+            }
+        }
+        let speed = |axis: &Axis| last.truth.axes[axis.index()].velocity_mm_s;
+        if let Some((axis, _)) = last.axes.iter().find(|(axis, _)| speed(axis).abs() > STANDS_MM_S) {
+            return Some(("no-rest", format!("{axis} moves at {:.3} mm/s in the end", speed(axis))));
+        }
+        if last.truth.spindle_rpm.abs() > STANDS_RPM {
+            return Some(("no-rest", format!("the spindle turns at {:.1} 1/min in the end", last.truth.spindle_rpm)));
+        }
+        let lifted = self.tool.can_leave(last.truth.cycle.0);
+        (self.tool.is_touching() && lifted).then(|| ("in-the-part", "the tool is in the part in the end".into()))
+    }
+
+    /// The summary says what happened.
+    fn summary(
+        &self,
+        ending: Ending,
+        last: &Record,
+        observation: &Observation,
+    ) -> Option<(&'static str, String)> {
+        let all: Vec<u32> = self.known.passes.keys().copied().collect();
+        let complete: Vec<u32> =
+            observation.passes.iter().filter(|pass| pass.complete).map(|pass| pass.pass).collect();
+        if complete.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return Some(("twice", format!("passes {complete:?}")));
+        }
+        let reference = self.known.reference?;
+        let (moves, taken) = (last.machine.moves, last.machine.taken);
+        if moves > reference.moves || taken > reference.taken {
+            return Some(("twice", format!("{moves} moves of {}, {taken} steps of {}", reference.moves, reference.taken)));
+        }
+        let events = self.known.events;
+        let faults = || observation.faults.iter().map(|fault| format!("{} {}", fault.source, fault.code));
+        match observation.outcome {
+            Outcome::Completed if ending == Ending::Finished => {
+                let near = |(here, there): (&f64, &f64)| (here - there).abs() < SAME_MM;
+                let there = self.measured.end_mm.iter().zip(&reference.end_mm).all(near);
+                if complete != all || (moves, taken) != (reference.moves, reference.taken) || !there {
+                    let text = format!("completed with passes {complete:?} of {all:?}, {moves} moves of {}", reference.moves);
+                    return Some(("untrue", text));
+                }
+            }
+            Outcome::Completed => return Some(("untrue", format!("completed, but {ending:?}"))),
+            Outcome::Stopped if !events.iter().any(|event| excuse::is_stop(&event.what)) && !damaged(events) => {
+                return Some(("broken-off", "stopped, and nobody pressed stop".into()));
+            }
+            Outcome::Faulted if events.iter().all(|event| excuse::is_harmless(&event.what) || excuse::is_stop(&event.what)) => {
+                return Some(("broken-off", format!("faults from what does no harm: {:?}", faults().collect::<Vec<_>>())));
+            }
+            _ => {}
+        }
+        None
+    }
+}
+
+/// A bit of a message may be one of a button; who has died stops the program.
+fn damaged(events: &[crate::event::Event]) -> bool {
+    events.iter().any(|event| match event.what {
+        What::Wire { fate: Fate::Corrupt(_), .. } => true,
+        What::Kill(module) | What::Freeze(module, _) => module != Module::Interpreter,
+        _ => false,
+    })
+}

@@ -1,0 +1,196 @@
+//! The judge: sees the truth, knows the program, and asks nobody else. In: a machine, its machine code, the
+//! events, what the case does undisturbed; every control cycle the [`Exchange`] between the modules. Out: the
+//! first invariant that is broken.
+//!
+//! | invariant | says |
+//! |---|---|
+//! | `position-step`, `speed-change` | commanded: a step within V T, a change of speed within A T, in every state |
+//! | `bottom`, `flank` | a tool in the material is in its groove, as long as both drives have torque |
+//! | `leaves` | what makes the axes leave has taken the tool out of the material in a bounded time |
+//! | `ring` | a tool that cannot leave stands still against the part in a bounded time |
+//! | `twice` | no item is executed twice |
+//! | `moves-after-end` | the end is the end |
+//! | `no-end`, `no-rest` | every run ends in a bounded time, and then nothing moves |
+//! | `in-the-part` | at the end the tool is out of the material, if X could move |
+//! | `untrue`, `broken-off` | the summary says what happened; only a stop stops, only a fault faults |
+
+pub(crate) mod bounds;
+pub(crate) mod excuse;
+mod finish;
+mod limits;
+pub mod stock;
+mod tool;
+
+use std::collections::BTreeMap;
+
+use machine::Machine;
+use protocol::{Axis, AxisState, DriveState, MachineState, ThreadPass};
+use rig::Exchange;
+
+use crate::case::Ready;
+use crate::event::Event;
+pub use finish::Ending;
+use limits::Limits;
+use stock::PassStock;
+use tool::Tool;
+
+/// An invariant that did not hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// Its name.
+    pub invariant: &'static str,
+    /// The first cycle in which it did not hold.
+    pub cycle: u64,
+    /// What was seen.
+    pub text: String,
+}
+
+impl Broken {
+    pub(crate) fn new(invariant: &'static str, cycle: u64, text: String) -> Broken {
+        Broken { invariant, cycle, text }
+    }
+}
+
+/// What a case does when nothing happens.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// How long it takes, control cycles.
+    pub cycles: u64,
+    /// Turns of the spindle.
+    pub turns: f64,
+    /// Timed moves, and steps of machine code.
+    pub moves: u64,
+    /// Steps of progress.
+    pub taken: u64,
+    /// Where the axes are in the end, mm.
+    pub end_mm: Vec<f64>,
+    /// Cycles in which an axis, or the machine, goes from one state to another.
+    pub borders: Vec<u64>,
+    /// What the servo does in each pass: by how much the tool is too deep, and beside the groove, mm.
+    pub servo: BTreeMap<u32, (f64, f64)>,
+}
+
+/// What a judge knows of a case.
+pub(crate) struct Known<'a> {
+    pub(crate) machine: &'a Machine,
+    pub(crate) passes: BTreeMap<u32, (ThreadPass, Option<PassStock>)>,
+    pub(crate) events: &'a [Event],
+    pub(crate) reference: Option<&'a Reference>,
+}
+
+/// Judges one run.
+pub struct Judge<'a> {
+    known: Known<'a>,
+    limits: Limits,
+    tool: Tool,
+    measured: Reference,
+    states: Vec<u32>,
+    ended: Option<Vec<i64>>,
+    /// First cycle in which somebody said that something is wrong.
+    reacted: Option<u64>,
+    broken: Option<Broken>,
+    turns_from: Option<f64>,
+}
+
+impl<'a> Judge<'a> {
+    /// A judge before cycle 0. Without a reference it measures one.
+    pub fn new(ready: &'a Ready, events: &'a [Event], reference: Option<&'a Reference>) -> Judge<'a> {
+        let flank = ready.machine.threading.flank_half_angle_deg;
+        let passes = ready.passes().map(|pass| (pass.pass, (*pass, PassStock::of(pass, flank)))).collect();
+        Judge {
+            known: Known { machine: &ready.machine, passes, events, reference },
+            limits: Limits::default(),
+            tool: Tool::new(),
+            measured: Reference::default(),
+            states: Vec::new(),
+            ended: None,
+            reacted: None,
+            broken: None,
+            turns_from: None,
+        }
+    }
+
+    /// One control cycle; every one, in order.
+    pub fn cycle(&mut self, exchange: &Exchange) {
+        let record = &exchange.record;
+        let now = record.truth.cycle.0;
+        self.measure(exchange);
+        let limits = self.limits.cycle(self.known.machine, record.axes);
+        let tool = self.tool.cycle(&self.known, exchange, &mut self.measured.servo);
+        let later = self.after_end(exchange);
+        for broken in [limits, tool, later].into_iter().flatten() {
+            self.broken.get_or_insert(broken);
+        }
+        let from = self.known.events.first().map_or(u64::MAX, |event| event.at);
+        if self.reacted.is_none() && now >= from && is_reaction(exchange) {
+            self.reacted = Some(now);
+        }
+    }
+
+    /// The first invariant that was broken so far.
+    pub fn broken(&self) -> Option<&Broken> {
+        self.broken.as_ref()
+    }
+
+    /// Cycles from the first event to the first word about it.
+    pub fn reacted_after(&self) -> Option<u64> {
+        Some(self.reacted? - self.known.events.first()?.at)
+    }
+
+    /// What was measured, of an undisturbed run.
+    pub fn reference(self) -> Reference {
+        self.measured
+    }
+
+    fn measure(&mut self, exchange: &Exchange) {
+        let record = &exchange.record;
+        let mut states: Vec<u32> = record.axes.iter().map(|(_, status)| status.state).collect();
+        states.push(record.machine.state);
+        if states != self.states {
+            self.measured.borders.push(record.truth.cycle.0);
+            self.states = states;
+        }
+        let from = *self.turns_from.get_or_insert(record.truth.spindle_deg);
+        let measured = &mut self.measured;
+        measured.cycles = record.truth.cycle.0 + 1;
+        measured.turns = measured.turns.max((record.truth.spindle_deg - from).abs() / 360.0);
+        (measured.moves, measured.taken) = (record.machine.moves, record.machine.taken);
+        measured.end_mm.clear();
+        measured.end_mm.extend(record.axes.iter().map(|(_, status)| status.commanded_mm));
+    }
+
+    /// After the end of the program nothing is commanded any more.
+    fn after_end(&mut self, exchange: &Exchange) -> Option<Broken> {
+        let record = &exchange.record;
+        let follows = record.axes.iter().all(|(_, status)| status.state() == AxisState::Streaming);
+        if record.machine.state() != MachineState::Ended || !follows {
+            self.ended = None;
+            return None;
+        }
+        let counts = record.axes.iter().map(|(_, status)| (1e9 * status.commanded_mm).round() as i64);
+        let counts: Vec<i64> = counts.collect();
+        let before = self.ended.get_or_insert_with(|| counts.clone());
+        let moved = before.iter().zip(&counts).any(|(before, now)| (before - now).abs() > 2);
+        moved.then(|| {
+            Broken::new("moves-after-end", record.truth.cycle.0, format!("from {before:?} to {counts:?} nm/1000"))
+        })
+    }
+}
+
+/// Whether anybody says that something is wrong, or leaves.
+fn is_reaction(exchange: &Exchange) -> bool {
+    let record = &exchange.record;
+    let axis = |status: &protocol::AxisStatus| {
+        status.fault != 0
+            || status.refused != 0
+            || status.encoder_counts != 0
+            || matches!(status.state(), AxisState::Leaving | AxisState::Fault)
+    };
+    record.machine.fault != 0 || record.axes.iter().any(|(_, status)| axis(status))
+}
+
+/// Whether the drive of an axis does what its regulator says.
+pub(crate) fn is_led(exchange: &Exchange, axis: Axis) -> bool {
+    let drive = exchange.record.truth.measurement.axes[axis.index()].drive();
+    drive.state() == Some(DriveState::OperationEnabled)
+}

@@ -1,0 +1,138 @@
+//! The part, as the program means it: what of it the tool may touch in a pass. In: a [`ThreadPass`], the true
+//! place of tool and spindle. Out: how deep the tool is, and by how much it is beside its groove.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | s | mm | way of Z in the direction of the thread, from the start of the pass |
+//! | d | mm | depth of the tool below the crest; negative outside |
+//! | D(s), D | mm | depth of the groove at a place, at its deepest |
+//! | e | mm | true Z minus the helix at the true spindle angle, less whole leads |
+//! | φ | – | half angle of the flank |
+//!
+//! ```text
+//! bottom   d <= D(s)                       the tool is not deeper than its law at that Z
+//! flank    |e| <= (D − d) tan φ            the tool is within the groove, prolonged along the helix
+//! ```
+//!
+//! The part begins where Z has reached its lead: before that place no thread can be cut, so a sensible program
+//! has no material there. It ends nowhere, unless the pass has no retract: then there is a relief where Z begins
+//! to brake. A single pass (G33) does not say how deep it is: it is taken to be as deep as a thread of its lead
+//! is, but no more than half of its way out.
+
+use protocol::{Axis, ThreadPass};
+
+/// Places of a pass at which the depth of its groove is known.
+const STATIONS: usize = 400;
+/// Depth of a thread, a share of its lead.
+const DEPTH_LEADS: f64 = 0.62;
+/// The tool touches nothing that is less deep than this, mm.
+const SKIN_MM: f64 = 0.002;
+/// Beyond the last place of a pass the groove is still that of its end for so far, mm.
+const END_MM: f64 = 0.03;
+
+/// What a pass may touch.
+#[derive(Clone, Debug)]
+pub struct PassStock {
+    /// Its number.
+    pub pass: u32,
+    /// Advance of Z per turn, mm, positive.
+    pub lead: f64,
+    towards: f64,
+    direction: f64,
+    start_z: f64,
+    /// A point of the helix: angle and s.
+    helix: (f64, f64),
+    face: f64,
+    back: f64,
+    crest: f64,
+    slope: f64,
+    into: f64,
+    deepest: f64,
+    /// (s, D), s rising.
+    groove: Vec<(f64, f64)>,
+}
+
+/// Where the tool is in the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// d, mm.
+    pub depth_mm: f64,
+    /// By how much it is too deep, mm; negative: so much is left.
+    pub bottom_mm: f64,
+    /// By how much it is beside the groove, mm; negative: so much is left.
+    pub flank_mm: f64,
+}
+
+impl PassStock {
+    /// The stock of a pass along Z; nothing for any other.
+    pub fn of(pass: &ThreadPass, flank_deg: f64) -> Option<PassStock> {
+        let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
+        if z.lead_mm == 0.0 {
+            return None;
+        }
+        let towards = z.lead_mm.signum();
+        let (x_law, z_law) = (x.law(pass.s_rpm), z.law(pass.s_rpm));
+        let run = z.run_in_c0_deg + z.run_in_dc_deg;
+        let place = |c: f64| (towards * z_law.at(c).s, x.start.mm() + x_law.at(c).s);
+        let slope = x.lead_mm / z.lead_mm;
+        let root_at = |c: f64| {
+            let (s, mm) = place(c);
+            mm - slope * (z.start.mm() + towards * s)
+        };
+        let root = root_at(0.5 * (x.locked_deg().max(run) + x.leaves_deg().min(z.brake_c_deg)));
+        let clear = pass.out.clear.mm() - slope * (z.start.mm() + towards * place(run).0);
+        let into = if clear > root { -1.0 } else { 1.0 };
+        let single = (DEPTH_LEADS * z.lead_mm.abs()).min(0.5 * (clear - root).abs());
+        let depth = if pass.depth_mm > 0.0 { pass.depth_mm } else { single };
+        let crest = root - into * depth;
+        let done = pass.done_deg();
+        let first = x.begins_deg().min(z.begins_deg());
+        let station = |i: usize| first + (done - first) * i as f64 / STATIONS as f64;
+        let groove = (0..=STATIONS).map(station).map(|c| (place(c).0, into * (root_at(c) - crest)));
+        let retracts = x.retract_mm != 0.0;
+        let _ = flank_deg;
+        Some(PassStock {
+            pass: pass.pass,
+            lead: z.lead_mm.abs(),
+            towards,
+            direction: pass.direction,
+            start_z: z.start.mm(),
+            helix: (run, place(run).0),
+            face: place(run).0,
+            back: if retracts { f64::INFINITY } else { place(z.brake_c_deg).0 },
+            crest,
+            slope,
+            into,
+            deepest: depth,
+            groove: groove.collect(),
+        })
+    }
+
+    /// Where the tool is in the material, if it is; mm, degrees.
+    pub fn contact(&self, x_mm: f64, z_mm: f64, spindle_deg: f64, tan_flank: f64) -> Option<Contact> {
+        let s = self.towards * (z_mm - self.start_z);
+        let depth_mm = self.into * (x_mm - self.slope * z_mm - self.crest);
+        if depth_mm <= SKIN_MM || s <= self.face || s >= self.back {
+            return None;
+        }
+        let turns = (self.direction * spindle_deg - self.helix.0) / 360.0;
+        let ahead = (s - self.helix.1) / self.lead - turns;
+        let beside = (ahead - ahead.round()).abs() * self.lead;
+        Some(Contact {
+            depth_mm,
+            bottom_mm: depth_mm - self.groove_at(s),
+            flank_mm: beside - (self.deepest - depth_mm).max(0.0) * tan_flank,
+        })
+    }
+
+    /// D(s); nothing may be touched behind the last place.
+    fn groove_at(&self, s: f64) -> f64 {
+        let next = self.groove.partition_point(|(place, _)| *place < s);
+        match (next.checked_sub(1).and_then(|i| self.groove.get(i)), self.groove.get(next)) {
+            (Some((s0, d0)), Some((s1, d1))) if s1 > s0 => d0 + (d1 - d0) * (s - s0) / (s1 - s0),
+            (_, Some((_, d))) => *d,
+            (Some((last, d)), None) if s < last + END_MM => *d,
+            _ => 0.0,
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The tool in the material. In: the truth of each cycle. Out: the first cycle in which the tool is where it may
+//! not be, or still there when it should have left.
+
+use std::collections::BTreeMap;
+
+use protocol::{Axis, ThreadPass, WayOut};
+use rig::Exchange;
+
+use super::{Broken, Known, bounds, excuse, is_led, stock::Contact};
+use crate::event::{Button, What};
+
+/// Beside what the servo does undisturbed, mm.
+const TOLERANCE_MM: f64 = 0.005;
+/// What the servo may do undisturbed at most, mm; beyond it a machine is not fit to be a reference.
+const WORST_SERVO_MM: f64 = 0.06;
+/// A spindle that is slower than this stands, 1/min.
+const STANDS_RPM: f64 = 1.0;
+
+/// The tool, from cycle to cycle.
+#[derive(Clone, Debug)]
+pub(crate) struct Tool {
+    /// The pass that was cut last.
+    pass: Option<u32>,
+    /// Last cycle in which an axis had torque.
+    led: [Option<u64>; 2],
+    /// Cycle and angle since when the tool touches the part without X being able to leave.
+    stuck: Option<(u64, f64)>,
+    touching: bool,
+}
+
+impl Tool {
+    pub(crate) fn new() -> Tool {
+        Tool { pass: None, led: [Some(0); 2], stuck: None, touching: false }
+    }
+
+    /// Whether the tool was in the material in the cycle taken last.
+    pub(crate) fn is_touching(&self) -> bool {
+        self.touching
+    }
+
+    /// Whether X had torque in it.
+    pub(crate) fn can_leave(&self, now: u64) -> bool {
+        self.led[0] == Some(now)
+    }
+
+    pub(crate) fn cycle(
+        &mut self,
+        known: &Known,
+        exchange: &Exchange,
+        servo: &mut BTreeMap<u32, (f64, f64)>,
+    ) -> Option<Broken> {
+        let truth = exchange.record.truth;
+        let now = truth.cycle.0;
+        for (axis, led) in [Axis::X, Axis::Z].into_iter().zip(&mut self.led) {
+            if is_led(exchange, axis) {
+                *led = Some(now);
+            }
+        }
+        let in_hand = exchange.record.axes.iter().find(|(_, status)| status.state().is_in_pass());
+        if let Some((_, status)) = in_hand {
+            self.pass = Some(status.pass);
+        }
+        let (pass, stock) = known.passes.get(&self.pass?)?;
+        let stock = stock.as_ref()?;
+        let tan = libm::tan(known.machine.threading.flank_half_angle_deg.to_radians());
+        let [x_mm, z_mm] = [Axis::X, Axis::Z].map(|axis| truth.axes[axis.index()].slide_mm);
+        let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, tan);
+        self.touching = contact.is_some();
+        let Some(contact) = contact else {
+            self.stuck = None;
+            return None;
+        };
+        let [x_led, z_led] = self.led.map(|led| led == Some(now));
+        let turn = turn_cycles(known, pass);
+        if x_led && z_led {
+            let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
+            *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
+            if let Some(broken) = beside(known, pass, stock.lead, &contact, now, turn) {
+                return Some(broken);
+            }
+        }
+        if !x_led {
+            return self.stuck(known, exchange, pass);
+        }
+        self.late(known, pass, now)
+    }
+
+    /// The tool should have left by now.
+    fn late(&self, known: &Known, pass: &ThreadPass, now: u64) -> Option<Broken> {
+        let out = bounds::way_out(known.machine, pass);
+        let by_z = self.led[1].filter(|led| *led > 0).map(|led| (led, "Z lost its torque".to_owned()));
+        let pressed = known.events.iter().filter_map(|event| {
+            let leaves = |policy| pass.out.on(policy);
+            let (cause, until) = match event.what {
+                What::Press(Button::EmergencyStop) => (true, u64::MAX),
+                What::Press(Button::Stop | Button::Abort) => (leaves(WayOut::ON_STOP), u64::MAX),
+                What::Press(Button::Hold(cycles)) => (leaves(WayOut::ON_HOLD), event.at + cycles),
+                _ => (false, 0),
+            };
+            (cause && now <= until).then(|| (event.at, event.told()))
+        });
+        let due = |since: u64| now > since + out;
+        by_z.into_iter().chain(pressed).find(|(since, _)| due(*since)).map(|(since, why)| {
+            let text = format!("pass {}: the tool is still in the material {} cycles after: {why}", pass.pass, now - since);
+            Broken::new("leaves", now, text)
+        })
+    }
+
+    /// The tool cannot leave: the spindle stands in the end, before it has turned much further.
+    fn stuck(&mut self, known: &Known, exchange: &Exchange, pass: &ThreadPass) -> Option<Broken> {
+        let truth = exchange.record.truth;
+        let now = truth.cycle.0;
+        if truth.spindle_rpm.abs() < STANDS_RPM {
+            self.stuck = None;
+            return None;
+        }
+        let (since, from) = *self.stuck.get_or_insert((now, truth.spindle_deg));
+        let slowest = 0.3 * pass.s_rpm;
+        let rest = (pass.done_deg() / (6.0 * slowest) / known.machine.general.cycle_s) as u64;
+        let most = rest + bounds::spindle_stop(known.machine) + bounds::way_out(known.machine, pass);
+        (now - since > most).then(|| {
+            let turns = (truth.spindle_deg - from).abs() / 360.0;
+            let text = format!("pass {}: X stuck at depth, the spindle has turned {turns:.1} times since", pass.pass);
+            Broken::new("ring", now, text)
+        })
+    }
+}
+
+/// Cycles in a turn of the programmed speed.
+fn turn_cycles(known: &Known, pass: &ThreadPass) -> u64 {
+    (60.0 / pass.s_rpm / known.machine.general.cycle_s) as u64
+}
+
+/// The tool is beside its groove.
+fn beside(known: &Known, pass: &ThreadPass, lead: f64, contact: &Contact, now: u64, turn: u64) -> Option<Broken> {
+    let servo = match known.reference {
+        Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
+        None => (WORST_SERVO_MM, WORST_SERVO_MM),
+    };
+    let out = bounds::way_out(known.machine, pass);
+    let (mut bottom, mut flank) = (servo.0 + TOLERANCE_MM, servo.1 + TOLERANCE_MM);
+    for event in known.events {
+        let excuse = excuse::excuse(known.machine, event, now, out, turn);
+        bottom += excuse.radial_mm;
+        flank += excuse.axial_mm + excuse.turns * lead;
+    }
+    let told = |what: &str, by: f64, most: f64| {
+        format!(
+            "pass {}: {:.1} µm {what}, {:.1} allowed, {:.4} mm deep",
+            pass.pass,
+            1e3 * by,
+            1e3 * most,
+            contact.depth_mm
+        )
+    };
+    if contact.bottom_mm > bottom {
+        return Some(Broken::new("bottom", now, told("too deep", contact.bottom_mm, bottom)));
+    }
+    let beside = contact.flank_mm > flank;
+    beside.then(|| Broken::new("flank", now, told("into the flank", contact.flank_mm, flank)))
+}
