@@ -61,6 +61,9 @@ pub(crate) enum Command {
     /// encoders are.
     #[command(after_help = crate::resolution::HELP)]
     Resolution(Box<crate::resolution::ResolutionArgs>),
+    /// Try to break the machine: random programs, machines and faults, judged by the truth.
+    #[command(after_help = crate::soak::HELP)]
+    Soak(crate::soak::SoakArgs),
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(crate::doctor::DoctorArgs),

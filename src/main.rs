@@ -14,6 +14,7 @@ mod report;
 mod resolution;
 mod run;
 mod screen;
+mod soak;
 mod tune;
 
 use std::process::ExitCode;
@@ -46,6 +47,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),
+        Command::Soak(args) => soak::soak(args, quiet),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(process::shell::interpreter::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => {

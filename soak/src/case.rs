@@ -1,12 +1,10 @@
 //! A case: a machine, a program, a seed of the plant and what happens. In: what was drawn. Out: the same as
 //! files that a person can run, and ready to be run here.
 
-use core::fmt::Write as _;
-
 use machine::Machine;
 use protocol::{Code, Item, ThreadPass};
 
-use crate::event::{Event, What};
+use crate::event::Event;
 
 /// What is run for one seed.
 #[derive(Clone, Debug)]
@@ -69,23 +67,10 @@ impl Case {
         text
     }
 
-    /// The scenario as a file, with what a scenario cannot say in comments.
-    pub fn scenario_file(&self) -> String {
-        let mut text = String::new();
-        for event in &self.events {
-            let _ = writeln!(text, "# {}", event.told());
-        }
-        for event in &self.events {
-            match event.what {
-                What::Kill(module) | What::Freeze(module, _) => {
-                    let verb = if matches!(event.what, What::Kill(_)) { "kill" } else { "freeze" };
-                    let (at, name) = (event.at, module.name());
-                    let _ = writeln!(text, "[[event]]\nat = {{ cycle = {at} }}\n{verb} = \"{name}\"");
-                }
-                _ => event.scenario(&mut text),
-            }
-        }
-        text
+    /// The seed and what happens, as a person reads it.
+    pub fn told(&self) -> String {
+        let events: Vec<String> = self.events.iter().map(Event::told).collect();
+        format!("{}; {}", self.kinds.join(", "), events.join("; "))
     }
 }
 

@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use machine::Machine;
 use rig::wires::{Straight, Wires};
 
 use crate::case::Case;
@@ -73,12 +74,12 @@ impl Report {
 
 /// One seed: the case, and what it broke.
 pub fn one(seed: u64) -> (Case, Ran) {
-    let (case, cycles, ran) = over(seed, || Straight);
+    let (case, cycles, ran) = over(seed, |_| Straight);
     (case, Ran { cycles, ..ran })
 }
 
 /// One seed over wires of a test. Undisturbed, the case runs over straight wires.
-pub fn over<W: Wires>(seed: u64, wires: impl FnOnce() -> W) -> (Case, u64, Ran) {
+pub fn over<W: Wires>(seed: u64, wires: impl FnOnce(&Machine) -> W) -> (Case, u64, Ran) {
     let (mut case, ready) = draw(seed);
     let alone = run::undisturbed(&case, &ready);
     if alone.broken.is_some() {
@@ -89,8 +90,19 @@ pub fn over<W: Wires>(seed: u64, wires: impl FnOnce() -> W) -> (Case, u64, Ran) 
     if case.events.is_empty() {
         return (case, alone.cycles, alone);
     }
-    let ran = run::disturbed_by(&case, &ready, &alone.measured, wires());
+    let ran = run::disturbed_by(&case, &ready, &alone.measured, wires(&ready.machine));
     (case, alone.cycles + ran.cycles, ran)
+}
+
+/// One seed; nothing if a module panics.
+fn caught(seed: u64) -> Option<(Case, Ran)> {
+    std::panic::catch_unwind(|| one(seed)).ok()
+}
+
+/// What is reported of a seed in which a module panics.
+fn panicked(seed: u64) -> Failed {
+    let (case, _) = draw(seed);
+    Failed { seed, broken: Broken::new("panic", 0, "a module panics; the message is above".into()), case }
 }
 
 /// Runs seeds on so many threads. `progress` hears of every seed: how many are done, how many failed.
@@ -104,7 +116,13 @@ pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) + Sync)
             if seed >= seeds.end {
                 break;
             }
-            let (case, ran) = one(seed);
+            let Some((case, ran)) = caught(seed) else {
+                report.seeds += 1;
+                broken.fetch_add(1, Ordering::Relaxed);
+                report.failed.push(panicked(seed));
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed));
+                continue;
+            };
             report.seeds += 1;
             report.cycles += ran.cycles;
             report.take(&case, &ran);

@@ -5,7 +5,6 @@
 //! |---|---|
 //! | [`draw()`] | a case from a seed |
 //! | [`case`], [`event`] | what is run, and what happens, as files that a person can run |
-//! | `fates` | what becomes of messages |
 //! | [`run`] | one run of a case |
 //! | [`judge`] | the invariants, from outside |
 //! | [`shrink`] | the smallest case that still breaks the same invariant |
@@ -16,7 +15,6 @@ pub mod case;
 mod draw;
 pub mod driver;
 pub mod event;
-mod fates;
 pub mod judge;
 pub mod run;
 pub mod shrink;

@@ -4,15 +4,14 @@
 
 use machine::Machine;
 use protocol::{Item, Module, operator::Request};
-use rig::observe::{Observation, Observer, Record};
+use rig::observe::{Observation, Observer};
 use rig::supervisor::{Part, Supervisor};
 use rig::wires::{Straight, Wires};
 use rig::{Exchange, Rig};
 use sim_plant::Scenario;
 
 use crate::case::{Case, Ready};
-use crate::event::{Event, What};
-use crate::fates::Fates;
+use crate::event::What;
 use crate::judge::{Broken, Ending, Judge, Reference, bounds};
 
 /// How long the launcher lets a process hang, s.
@@ -46,53 +45,51 @@ pub fn undisturbed(case: &Case, ready: &Ready) -> Ran {
 
 /// Runs a case with its events.
 pub fn disturbed(case: &Case, ready: &Ready, reference: &Reference) -> Ran {
-    disturbed_by(case, ready, reference, Straight)
+    run(case, ready, Some(reference), Straight)
 }
 
 /// The same over wires of a test, below what happens to messages in the case.
 pub fn disturbed_by<W: Wires>(case: &Case, ready: &Ready, reference: &Reference, wires: W) -> Ran {
-    let fates = Fates::of(&case.events);
-    match fates.is_none() {
-        true => run(case, ready, Some(reference), wires),
-        false => run(case, ready, Some(reference), wires.with(fates)),
-    }
+    run(case, ready, Some(reference), wires)
 }
 
 /// Who dies and who hangs, and when the launcher notices.
-struct Launcher<'a> {
-    events: &'a [Event],
+struct Launcher {
+    /// Modules that die or hang in this case, and when the launcher loses patience.
+    doomed: Vec<(Module, Option<u64>)>,
+    dead: Vec<Module>,
     supervisor: Supervisor,
-    patience: u64,
 }
 
-impl Launcher<'_> {
-    /// Before a cycle.
-    fn act<I: Iterator<Item = Item>, W: Wires>(&mut self, rig: &mut Rig<I, W>, now: u64) {
-        for event in self.events {
-            match event.what {
-                What::Kill(module) if event.at == now => self.dies(rig, module),
-                What::Freeze(module, _) if event.at == now => rig.freeze(module),
-                What::Freeze(module, Some(cycles)) if cycles < self.patience && event.at + cycles == now => {
-                    rig.thaw(module);
-                }
-                What::Freeze(module, None) if event.at + self.patience == now => self.dies(rig, module),
-                What::Freeze(module, Some(cycles))
-                    if cycles >= self.patience && event.at + self.patience == now =>
-                {
-                    self.dies(rig, module);
-                }
-                _ => {}
-            }
-        }
+impl Launcher {
+    fn new(case: &Case, ready: &Ready) -> Launcher {
+        let cycle_s = ready.machine.general.cycle_s;
+        let patience = (PATIENCE_S / cycle_s) as u64;
+        let doomed = case.events.iter().filter_map(|event| match event.what {
+            What::Kill(module) => Some((module, None)),
+            What::Freeze(module, Some(s)) if s < PATIENCE_S => Some((module, None)),
+            What::Freeze(module, _) => Some((module, Some(event.at + patience))),
+            _ => None,
+        });
+        let supervisor = Supervisor::new(&ready.machine, &ready.items);
+        Launcher { doomed: doomed.collect(), dead: Vec::new(), supervisor }
     }
 
-    fn dies<I: Iterator<Item = Item>, W: Wires>(&mut self, rig: &mut Rig<I, W>, module: Module) {
-        rig.kill(module);
-        self.supervisor.died(match module {
-            Module::Interpreter => Part::Interpreter,
-            Module::Interpolator => Part::Interpolator,
-            Module::Regulator(axis) => Part::Regulator(axis),
-        });
+    /// Before a cycle.
+    fn act<I: Iterator<Item = Item>, W: Wires>(&mut self, rig: &mut Rig<I, W>, now: u64) {
+        for (module, until) in &self.doomed {
+            if *until == Some(now) {
+                rig.kill(*module);
+            }
+            if rig.is_dead(*module) && !self.dead.contains(module) {
+                self.dead.push(*module);
+                self.supervisor.died(match *module {
+                    Module::Interpreter => Part::Interpreter,
+                    Module::Interpolator => Part::Interpolator,
+                    Module::Regulator(axis) => Part::Regulator(axis),
+                });
+            }
+        }
     }
 }
 
@@ -101,21 +98,22 @@ fn run<W: Wires>(case: &Case, ready: &Ready, reference: Option<&Reference>, wire
     let scenario = Scenario::from_toml(&case.scenario()).expect("what is drawn is a scenario");
     let mut rig = Rig::with_wires(machine, ready.items.iter().copied(), scenario, case.plant_seed, wires)
         .expect("what is drawn is a plant");
-    let mut observer = Observer::new(machine, &ready.items);
+    let mut observer = Some(Observer::new(machine, &ready.items).without_hash());
     let mut judge = Judge::new(ready, &case.events, reference);
-    let patience = (PATIENCE_S / machine.general.cycle_s) as u64;
-    let supervisor = Supervisor::new(machine, &ready.items);
-    let mut launcher = Launcher { events: &case.events, supervisor, patience };
+    let mut launcher = Launcher::new(case, ready);
     let longest = longest(machine, ready, case, reference);
     let mut request: Option<Request> = None;
     let mut ending = Ending::Never;
     let mut cycles = 0;
+    let mut observation = None;
     for now in 0..longest {
         launcher.act(&mut rig, now);
         let mut finish = None;
         let more = rig.exchange(request.take(), |exchange: &Exchange| {
             let record = &exchange.record;
-            observer.cycle(record);
+            if let Some(observer) = &mut observer {
+                observer.cycle(record);
+            }
             judge.cycle(exchange);
             request = launcher.supervisor.cycle(record);
             finish = launcher.supervisor.end().map(Ending::Launcher);
@@ -123,7 +121,9 @@ fn run<W: Wires>(case: &Case, ready: &Ready, reference: Option<&Reference>, wire
             let over = if last { Some(Ending::Finished) } else { finish };
             if over.is_some() || now + 1 == longest {
                 ending = over.unwrap_or(Ending::Never);
-                close(&mut judge, ending, record, &mut observer, machine, ready);
+                let done = observer.take().map(Observer::finish).unwrap_or_default();
+                judge.finish(ending, record, &done);
+                observation = Some(done);
             }
         });
         cycles = now + 1;
@@ -135,17 +135,10 @@ fn run<W: Wires>(case: &Case, ready: &Ready, reference: Option<&Reference>, wire
         broken: judge.broken().cloned(),
         reacted_after: judge.reacted_after(),
         measured: judge.reference(),
-        observation: observer.finish(),
+        observation: observation.unwrap_or_default(),
         ending,
         cycles,
     }
-}
-
-/// The judge hears what the observer makes of the run; the observer is asked for it before it has ended, so a
-/// new one takes its place.
-fn close(judge: &mut Judge, ending: Ending, record: &Record, observer: &mut Observer, machine: &Machine, ready: &Ready) {
-    let done = std::mem::replace(observer, Observer::new(machine, &ready.items));
-    judge.finish(ending, record, &done.finish());
 }
 
 /// The bound of a run, control cycles.

@@ -16,6 +16,7 @@ mod machine_code;
 mod pass_rules;
 mod rest_to_rest;
 mod seams;
+mod soak;
 mod surfaces;
 mod thread_quality;
 mod timing;

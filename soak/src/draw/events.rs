@@ -4,10 +4,9 @@
 
 use machine::Machine;
 use protocol::{Axis, Module};
-use rig::wires::Wire;
 use testing::Seed;
 
-use crate::event::{Button, Event, Fate, Trouble, What};
+use crate::event::{Button, Channel, Event, Fate, SpindleFault, Trouble, What};
 
 /// Cycles around a border in which half of the events lie.
 const NEAR: u64 = 15;
@@ -39,10 +38,11 @@ fn moment(seed: &mut Seed, cycles: u64, borders: &[u64]) -> u64 {
 fn what(seed: &mut Seed, machine: &Machine, cycles: u64) -> What {
     let lathe = machine.axis.contains_key(&Axis::Z);
     match seed.below(100) {
-        0..30 => What::Press(button(seed)),
-        30..56 => wire(seed, machine),
-        56..66 => What::Kill(module(seed, machine)),
-        66..76 => What::Freeze(module(seed, machine), frozen(seed, cycles)),
+        0..24 => What::Press(button(seed)),
+        24..46 => packet(seed, machine),
+        46..54 => What::Kill(module(seed, machine)),
+        54..62 => What::Freeze(module(seed, machine), frozen(seed, machine, cycles)),
+        62..70 => What::Plant(drive(seed, machine)),
         _ if lathe && !machine.spindle.is_none() => What::Plant(trouble(seed, machine)),
         _ => What::Press(button(seed)),
     }
@@ -75,53 +75,82 @@ fn module(seed: &mut Seed, machine: &Machine) -> Module {
     }
 }
 
-/// How long a module stands still: some cycles, or for ever.
-fn frozen(seed: &mut Seed, cycles: u64) -> Option<u64> {
-    match seed.below(3) {
-        0 => None,
-        1 => Some(seed.within(1..12)),
-        _ => Some(seed.within(1..cycles.max(2))),
-    }
+/// How long a module stands still, s: some cycles, or for ever.
+fn frozen(seed: &mut Seed, machine: &Machine, cycles: u64) -> Option<f64> {
+    let cycles = match seed.below(3) {
+        0 => return None,
+        1 => seed.within(1..12),
+        _ => seed.within(1..cycles.max(2)),
+    };
+    Some(cycles as f64 * machine.general.cycle_s)
 }
 
-fn wire(seed: &mut Seed, machine: &Machine) -> What {
+fn packet(seed: &mut Seed, machine: &Machine) -> What {
     let axis = axis(seed, machine);
-    let wire = match seed.below(9) {
-        0 => Wire::Code,
-        1 => Wire::TickMeasurement,
-        2 => Wire::Spindle,
-        3 | 4 => Wire::Measurement(axis),
-        5 => Wire::Drive(axis),
-        6 => Wire::Status(axis),
-        _ => Wire::Frame(axis),
+    let channel = match seed.below(10) {
+        0 => Channel::Code,
+        1 => Channel::Ticks,
+        2 => Channel::Spindle,
+        3 => Channel::Measurements,
+        4 => Channel::Measurement(axis),
+        5 | 6 => Channel::Drive(axis),
+        7 => Channel::Status(axis),
+        _ => Channel::Frame(axis),
     };
     let fate = match seed.below(6) {
         0 => Fate::Drop,
-        1 => Fate::Delay(1 + seed.below(6) as u32),
+        1 => Fate::Delay(1 + seed.below(12) as u32),
         2 => Fate::Duplicate,
         3 => Fate::Reorder,
         _ => Fate::Corrupt(seed.below(1 << 16) as u32),
     };
-    // One message, some, a long time; a wire that carries one a tick needs more cycles for as many.
-    let messages = match seed.below(4) {
+    // One message, some, many.
+    let count = match seed.below(4) {
         0 | 1 => 1,
         2 => seed.within(2..12),
         _ => seed.within(12..400),
     };
-    What::Wire { wire, fate, cycles: messages * machine.cycles_per_tick() }
+    What::Packet(channel, fate, count)
+}
+
+/// What breaks at an axis, or everywhere.
+fn drive(seed: &mut Seed, machine: &Machine) -> Trouble {
+    let axis = axis(seed, machine);
+    let sign = if seed.chance(0.5) { 1.0 } else { -1.0 };
+    match seed.below(8) {
+        0..2 => Trouble::DriveFault(axis),
+        2..4 => Trouble::TorqueLost(axis),
+        4 => Trouble::PowerLost,
+        5 => Trouble::Jump(axis, sign * seed.scale(0.001, 1.0)),
+        _ => Trouble::Spike(axis, sign * seed.scale(100.0, 5000.0), seed.scale(0.0005, 0.02)),
+    }
 }
 
 fn trouble(seed: &mut Seed, machine: &Machine) -> Trouble {
     let turn = machine.spindle_counts();
     let sign = if seed.chance(0.5) { 1.0 } else { -1.0 };
     let axis = if seed.chance(0.5) { Axis::X } else { Axis::Z };
-    match seed.below(8) {
-        0 => Trouble::Dip(seed.between(5.0, 40.0), seed.between(0.02, 0.3)),
-        1 => Trouble::Stall(seed.between(70.0, 150.0), seed.between(0.1, 0.6)),
-        2 => Trouble::Force(axis, sign * seed.scale(50.0, 2000.0), seed.between(0.005, 0.2)),
-        3 => Trouble::Counts((sign * seed.scale(1.0, 60.0)) as i64),
-        4 => Trouble::Counts((sign * seed.scale(1.0, 0.5 * turn)) as i64),
-        5 => Trouble::Glitch((sign * seed.scale(2.0, 2.0 * turn)) as i64, seed.between(0.001, 0.05)),
-        _ => Trouble::IndexLost(seed.scale(0.01, 1.0)),
+    let fault = match seed.below(4) {
+        0 => SpindleFault::Runaway,
+        1 => SpindleFault::Reversal,
+        2 => SpindleFault::Stall,
+        _ => SpindleFault::Jam,
+    };
+    match seed.below(16) {
+        0 | 1 => Trouble::Dip(seed.between(5.0, 40.0), seed.between(0.02, 0.3)),
+        2 => Trouble::Load(seed.between(70.0, 150.0), seed.between(0.1, 0.6)),
+        3 | 4 => Trouble::Spindle(fault, seed.scale(0.02, 2.0)),
+        5 => Trouble::Force(axis, sign * seed.scale(50.0, 2000.0), seed.between(0.005, 0.2)),
+        6 | 7 => Trouble::Counts(nonzero(sign * seed.scale(1.0, 60.0))),
+        8 => Trouble::Counts(nonzero(sign * seed.scale(1.0, 0.5 * turn))),
+        9 | 10 => Trouble::Glitch(nonzero(sign * seed.scale(2.0, 2.0 * turn)), seed.between(0.001, 0.05)),
+        11 | 12 => Trouble::IndexLost(seed.scale(0.01, 1.0)),
+        13 => Trouble::Stands(if seed.chance(0.5) { None } else { Some(seed.scale(0.001, 0.5)) }),
+        14 => Trouble::Noise(1 + seed.below(6) as u32),
+        _ => Trouble::Eccentricity(seed.between(1.0, 20.0)),
     }
+}
+
+fn nonzero(counts: f64) -> i64 {
+    if counts < 0.0 { counts.min(-1.0) as i64 } else { counts.max(1.0) as i64 }
 }

@@ -113,13 +113,17 @@ pub(super) fn fanuc(seed: &mut Seed) -> Drawn {
     let cuts: String = match seed.chance(0.5) {
         true => {
             let to = |share: f64| 2.0 * (thread.crest - share * thread.height);
-            let taper = if seed.chance(0.4) { format!(" R{:.3}", -seed.between(0.1, 0.6)) } else { String::new() };
+            let taper =
+                if seed.chance(0.4) { format!(" R{:.3}", -seed.between(0.1, 0.6)) } else { String::new() };
             format!("G92 X{:.3} Z{end:.3}{taper} F{lead:.3}\nX{:.3}\n", to(0.6), to(1.0))
         }
         false => {
             let (p, q) = ((1000.0 * thread.height).round(), (600.0 * thread.height).round());
             let root = 2.0 * (thread.crest - thread.height);
-            format!("G76 P01{:02}60 Q50 R0.03\nG76 X{root:.3} Z{end:.3} P{p} Q{q} F{lead:.3}\n", seed.below(12))
+            format!(
+                "G76 P01{:02}60 Q50 R0.03\nG76 X{root:.3} Z{end:.3} P{p} Q{q} F{lead:.3}\n",
+                seed.below(12)
+            )
         }
     };
     let blocks = vec![

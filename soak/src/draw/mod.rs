@@ -1,5 +1,5 @@
 //! A case from a seed. In: a seed. Out: a [`Case`] without events, ready to run; then, once it is known what it
-//! does undisturbed, its events. The same seed gives the same case for ever on the same version.
+//! does undisturbed, its events. The same seed gives the same case on the same version.
 
 mod events;
 mod lathe;
@@ -14,20 +14,22 @@ use crate::case::{Case, Ready};
 pub(crate) use events::events;
 
 /// Programs that a machine refuses, or that take long, are drawn again so often.
-const TRIES: u64 = 40;
-/// A program takes no longer than this, s.
-const LONGEST_S: f64 = 3.5;
+const TRIES: u64 = 1000;
+/// A program takes no longer than this, s; and so much longer with each that was refused.
+const LONGEST_S: f64 = 3.2;
+const LONGER_S: f64 = 0.1;
 
 /// A random machine with a random program that it takes.
 ///
 /// # Panics
 /// If no program can be drawn at all: the generator is wrong.
 pub fn draw(number: u64) -> (Case, Ready) {
+    let kind = Seed::of_case(number).below(20);
     for attempt in 0..TRIES {
         let mut seed = Seed::of_case(number.wrapping_mul(TRIES).wrapping_add(attempt));
-        let case = one(number, &mut seed);
+        let case = one(number, kind, &mut seed);
         match case.ready() {
-            Some(ready) if ready.time_s < LONGEST_S => return (case, ready),
+            Some(ready) if ready.time_s < LONGEST_S + LONGER_S * attempt as f64 => return (case, ready),
             _ => {}
         }
     }
@@ -39,8 +41,8 @@ pub(crate) fn seed_of_events(number: u64) -> Seed {
     Seed::of_case(number ^ 0x6576_656E_7473)
 }
 
-fn one(number: u64, seed: &mut Seed) -> Case {
-    let (machine, blocks, kinds) = match seed.below(20) {
+fn one(number: u64, kind: usize, seed: &mut Seed) -> Case {
+    let (machine, blocks, kinds) = match kind {
         0 | 1 => timed::mill(seed),
         2 => timed::positioner(seed),
         3 | 4 => lathe::timed(seed),

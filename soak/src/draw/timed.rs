@@ -10,7 +10,7 @@ use super::machines;
 
 pub(super) fn mill(seed: &mut Seed) -> Drawn {
     let machine = machines::mill(seed);
-    let s_rpm = seed.scale(1000.0, 6000.0).round();
+    let s_rpm = seed.scale(500.0, 3000.0).round();
     let feed = seed.scale(1500.0, 8000.0).round();
     let mode = seed.of(&["G64 P0.01", "G64 P0.1", "G61", "G61.1"]);
     let z = machine.axis.get(&protocol::Axis::Z).map_or(0.0, |z| z.home_mm);
@@ -28,16 +28,16 @@ pub(super) fn mill(seed: &mut Seed) -> Drawn {
             _ => format!("G1 X{x:.3} Y{y:.3}\n"),
         });
     }
-    match seed.below(4) {
+    match seed.below(12) {
         0 => {
             kinds.push("formula");
             blocks.push(format!(
                 "G10 L2 P1 X0 Y0 Z{:.3}\nG54\nG0 Z10\nG0 X0 Y0\n;@ kind = \"contour\"\n;@ y = \"{:.2}*sin(x/{:.2})\"\n\
-                 ;@ x = [0, {:.2}]\n;@ depth_z_mm = -1\n;@ tool = {{ diameter_mm = 6, side = \"left\" }}\n",
+                 ;@ x = [0, {:.2}]\n;@ depth_z_mm = -1\n;@ tool = {{ diameter_mm = 4, side = \"left\" }}\n",
                 z - 20.0,
                 seed.between(0.5, 2.0),
                 seed.between(6.0, 12.0),
-                seed.between(8.0, 25.0),
+                seed.between(4.0, 12.0),
             ));
         }
         1 => {

@@ -23,6 +23,15 @@ pub(crate) fn way_out(machine: &Machine, pass: &ThreadPass) -> u64 {
     (s / machine.general.cycle_s).ceil() as u64 + LAG_CYCLES + 3 * machine.cycles_per_tick()
 }
 
+/// Control cycles in which the axes of timed motion are at rest, once one of them has lost its torque.
+pub(crate) fn stop(machine: &Machine) -> u64 {
+    let slowest = machine.axes().fold(0.0, |slowest: f64, (_, axis)| {
+        let ramp_s = axis.velocity_mm_s / axis.acceleration_mm_s2 + axis.acceleration_mm_s2 / axis.jerk_mm_s3;
+        slowest.max(ramp_s)
+    });
+    (TURNING * slowest / machine.general.cycle_s).ceil() as u64 + LAG_CYCLES + 5 * machine.cycles_per_tick()
+}
+
 /// Control cycles in which a spindle that is told to stop stands, from its highest speed.
 pub(crate) fn spindle_stop(machine: &Machine) -> u64 {
     let spindle = &machine.spindle;

@@ -7,10 +7,10 @@ use rig::supervisor::End;
 use super::{Broken, Judge, excuse};
 use crate::event::{Fate, What};
 
-/// An axis that is slower than this stands, mm/s.
-const STANDS_MM_S: f64 = 0.05;
-/// And a spindle, 1/min.
-const STANDS_RPM: f64 = 2.0;
+/// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
+const STANDS_MM_S: f64 = 0.5;
+/// And a spindle, 1/min: its loop swings through rest.
+const STANDS_RPM: f64 = 20.0;
 /// Two ends are the same place, mm.
 const SAME_MM: f64 = 1e-6;
 
@@ -29,7 +29,11 @@ impl Judge<'_> {
     /// What the end of the run breaks; `last` is its last cycle.
     pub fn finish(&mut self, ending: Ending, last: &Record, observation: &Observation) {
         let now = last.truth.cycle.0;
-        let found = self.end(ending, last).or_else(|| self.summary(ending, last, observation));
+        let summary = self.summary(ending, last, observation);
+        let found = match self.known.reference {
+            Some(_) => self.end(ending, last).or(summary),
+            None => summary.or_else(|| self.end(ending, last)),
+        };
         if let Some((invariant, text)) = found {
             self.broken.get_or_insert(Broken::new(invariant, now, text));
         }
@@ -43,7 +47,10 @@ impl Judge<'_> {
         };
         match ending {
             Ending::Never => {
-                return Some(("no-end", format!("machine {state:?}, {}, {:.0} 1/min", axes(), last.truth.spindle_rpm)));
+                return Some((
+                    "no-end",
+                    format!("machine {state:?}, {}, {:.0} 1/min", axes(), last.truth.spindle_rpm),
+                ));
             }
             Ending::Launcher(End::NoRest(moving)) => return Some(("no-rest", moving.to_string())),
             Ending::Launcher(End::Rest | End::PlantGone) => {}
@@ -58,10 +65,14 @@ impl Judge<'_> {
             return Some(("no-rest", format!("{axis} moves at {:.3} mm/s in the end", speed(axis))));
         }
         if last.truth.spindle_rpm.abs() > STANDS_RPM {
-            return Some(("no-rest", format!("the spindle turns at {:.1} 1/min in the end", last.truth.spindle_rpm)));
+            return Some((
+                "no-rest",
+                format!("the spindle turns at {:.1} 1/min in the end", last.truth.spindle_rpm),
+            ));
         }
         let lifted = self.tool.can_leave(last.truth.cycle.0);
-        (self.tool.is_touching() && lifted).then(|| ("in-the-part", "the tool is in the part in the end".into()))
+        (self.tool.is_touching() && lifted)
+            .then(|| ("in-the-part", "the tool is in the part in the end".into()))
     }
 
     /// The summary says what happened.
@@ -77,10 +88,17 @@ impl Judge<'_> {
         if complete.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Some(("twice", format!("passes {complete:?}")));
         }
-        let reference = self.known.reference?;
+        let Some(reference) = self.known.reference else {
+            let told = || format!("{:?}: {:?}", observation.outcome, observation.faults.first());
+            return (observation.outcome != Outcome::Completed || complete != all)
+                .then(|| ("undisturbed", told()));
+        };
         let (moves, taken) = (last.machine.moves, last.machine.taken);
         if moves > reference.moves || taken > reference.taken {
-            return Some(("twice", format!("{moves} moves of {}, {taken} steps of {}", reference.moves, reference.taken)));
+            return Some((
+                "twice",
+                format!("{moves} moves of {}, {taken} steps of {}", reference.moves, reference.taken),
+            ));
         }
         let events = self.known.events;
         let faults = || observation.faults.iter().map(|fault| format!("{} {}", fault.source, fault.code));
@@ -89,16 +107,28 @@ impl Judge<'_> {
                 let near = |(here, there): (&f64, &f64)| (here - there).abs() < SAME_MM;
                 let there = self.measured.end_mm.iter().zip(&reference.end_mm).all(near);
                 if complete != all || (moves, taken) != (reference.moves, reference.taken) || !there {
-                    let text = format!("completed with passes {complete:?} of {all:?}, {moves} moves of {}", reference.moves);
+                    let text = format!(
+                        "completed with passes {complete:?} of {all:?}, {moves} moves of {}",
+                        reference.moves
+                    );
                     return Some(("untrue", text));
                 }
             }
             Outcome::Completed => return Some(("untrue", format!("completed, but {ending:?}"))),
-            Outcome::Stopped if !events.iter().any(|event| excuse::is_stop(&event.what)) && !damaged(events) => {
+            Outcome::Stopped
+                if !events.iter().any(|event| excuse::is_stop(&event.what)) && !damaged(events) =>
+            {
                 return Some(("broken-off", "stopped, and nobody pressed stop".into()));
             }
-            Outcome::Faulted if events.iter().all(|event| excuse::is_harmless(&event.what) || excuse::is_stop(&event.what)) => {
-                return Some(("broken-off", format!("faults from what does no harm: {:?}", faults().collect::<Vec<_>>())));
+            Outcome::Faulted
+                if events
+                    .iter()
+                    .all(|event| excuse::is_harmless(&event.what) || excuse::is_stop(&event.what)) =>
+            {
+                return Some((
+                    "broken-off",
+                    format!("faults from what does no harm: {:?}", faults().collect::<Vec<_>>()),
+                ));
             }
             _ => {}
         }
@@ -109,7 +139,7 @@ impl Judge<'_> {
 /// A bit of a message may be one of a button; who has died stops the program.
 fn damaged(events: &[crate::event::Event]) -> bool {
     events.iter().any(|event| match event.what {
-        What::Wire { fate: Fate::Corrupt(_), .. } => true,
+        What::Packet(_, Fate::Corrupt(_), _) => true,
         What::Kill(module) | What::Freeze(module, _) => module != Module::Interpreter,
         _ => false,
     })

@@ -1,24 +1,39 @@
 //! The limits of the axes, in every cycle and every state of a regulator that lives. In: what each says of
-//! itself. Out: the first step of a commanded position beyond V T, or change of a commanded speed beyond A T.
+//! itself, and the true speed of the spindle. Out: the first step of a commanded position beyond V T, or change of a
+//! commanded speed beyond A T.
+//!
+//! In a pass an axis follows the spindle. What a ripple or a load does to its speed between two cycles, times the
+//! lead, comes on top: an axis that did not follow would cut a flank.
 
-use machine::Machine;
 use protocol::{AxisState, AxisStatus};
+use rig::observe::Record;
 
-use super::Broken;
+use super::{Broken, Known};
 
-/// Positions are whole counts of 1e-9 mm, and a ripple of the spindle passes through (M8).
+/// Positions are whole counts of 1e-9 mm, laws are integrated.
 const MORE: f64 = 1.02;
 const ROUNDING: f64 = 1e-6;
+/// The loop of a spindle swings over by this.
+const SWING: f64 = 1.06;
+/// What the spindle has done is followed within this, s.
+const FOLLOWED_S: f64 = 0.03;
 
 /// The statuses of the cycle before.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Limits {
     before: Vec<AxisStatus>,
+    rpm: Option<f64>,
+    /// Largest change of the spindle's speed in a cycle, 1/min, fading away.
+    uneven: f64,
 }
 
 impl Limits {
-    pub(crate) fn cycle(&mut self, machine: &Machine, axes: &[(protocol::Axis, AxisStatus)]) -> Option<Broken> {
+    pub(crate) fn cycle(&mut self, known: &Known, record: &Record) -> Option<Broken> {
+        let (machine, axes) = (known.machine, record.axes);
         let cycle_s = machine.general.cycle_s;
+        let rpm = record.truth.spindle_rpm;
+        let change_rpm = (rpm - self.rpm.replace(rpm).unwrap_or(rpm)).abs();
+        self.uneven = (self.uneven * (1.0 - cycle_s / FOLLOWED_S)).max(change_rpm);
         let mut found = None;
         for ((axis, now), before) in axes.iter().zip(&self.before) {
             // Before an axis follows anything, and after it was latched, commanded is where it is measured.
@@ -30,13 +45,29 @@ impl Limits {
             let limits = config.limits();
             let step = (now.commanded_mm - before.commanded_mm).abs();
             let change = (now.velocity_mm_s - before.velocity_mm_s).abs();
-            let (most, fastest) = (limits.v * cycle_s * MORE + ROUNDING, limits.a * cycle_s * MORE + ROUNDING);
+            let pass = if now.state().is_in_pass() { known.passes.get(&now.pass) } else { None };
+            // Its lead, and what it strokes by the angle.
+            let follows = pass.map_or(0.0, |(pass, _)| {
+                let stroke = before.velocity_mm_s.abs() / rpm.abs().max(0.5 * pass.s_rpm);
+                (pass.axis(*axis).lead_mm.abs() / 60.0).max(stroke) * self.uneven
+            });
+            // As fast as the spindle is in truth, as long as that is what the pass was released for.
+            let turned = pass.map_or(0.0, |(pass, _)| {
+                let released =
+                    pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm * SWING;
+                pass.axis(*axis).lead_mm.abs() * rpm.abs().min(released) / 60.0
+            });
+            let most = limits.v.max(turned) * cycle_s * MORE + ROUNDING;
+            let fastest = limits.a * cycle_s * MORE + ROUNDING + follows;
             let state = now.state().name();
             if step.is_nan() || step > most {
                 found.get_or_insert(Broken::new(
                     "position-step",
                     now.cycle.0,
-                    format!("{axis} ({state}): {:.6} to {:.6} mm, {most:.6} allowed", before.commanded_mm, now.commanded_mm),
+                    format!(
+                        "{axis} ({state}): {:.6} to {:.6} mm, {most:.6} allowed",
+                        before.commanded_mm, now.commanded_mm
+                    ),
                 ));
             }
             if change.is_nan() || change > fastest {

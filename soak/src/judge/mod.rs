@@ -8,6 +8,7 @@
 //! | `bottom`, `flank` | a tool in the material is in its groove, as long as both drives have torque |
 //! | `leaves` | what makes the axes leave has taken the tool out of the material in a bounded time |
 //! | `ring` | a tool that cannot leave stands still against the part in a bounded time |
+//! | `goes-on` | in timed motion, no axis goes on without one that has lost its torque |
 //! | `twice` | no item is executed twice |
 //! | `moves-after-end` | the end is the end |
 //! | `no-end`, `no-rest` | every run ends in a bounded time, and then nothing moves |
@@ -18,6 +19,7 @@ pub(crate) mod bounds;
 pub(crate) mod excuse;
 mod finish;
 mod limits;
+mod rest;
 pub mod stock;
 mod tool;
 
@@ -31,8 +33,12 @@ use crate::case::Ready;
 use crate::event::Event;
 pub use finish::Ending;
 use limits::Limits;
+use rest::Rest;
 use stock::PassStock;
 use tool::Tool;
+
+/// After the end a position is the same within ten nanometres, counts of 1e-9 mm: laws end with rounded tails.
+const STILL: i64 = 10_000;
 
 /// An invariant that did not hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +89,7 @@ pub struct Judge<'a> {
     known: Known<'a>,
     limits: Limits,
     tool: Tool,
+    rest: Rest,
     measured: Reference,
     states: Vec<u32>,
     ended: Option<Vec<i64>>,
@@ -95,12 +102,17 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// A judge before cycle 0. Without a reference it measures one.
     pub fn new(ready: &'a Ready, events: &'a [Event], reference: Option<&'a Reference>) -> Judge<'a> {
-        let flank = ready.machine.threading.flank_half_angle_deg;
-        let passes = ready.passes().map(|pass| (pass.pass, (*pass, PassStock::of(pass, flank)))).collect();
+        let mut passes: BTreeMap<u32, (ThreadPass, Option<PassStock>)> =
+            ready.passes().map(|pass| (pass.pass, (*pass, PassStock::of(pass)))).collect();
+        let faces: Vec<_> = passes.values().filter_map(|(_, stock)| Some(stock.as_ref()?.face())).collect();
+        for stock in passes.values_mut().filter_map(|(_, stock)| stock.as_mut()) {
+            faces.iter().for_each(|face| stock.begins(*face));
+        }
         Judge {
             known: Known { machine: &ready.machine, passes, events, reference },
             limits: Limits::default(),
             tool: Tool::new(),
+            rest: Rest::default(),
             measured: Reference::default(),
             states: Vec::new(),
             ended: None,
@@ -115,10 +127,11 @@ impl<'a> Judge<'a> {
         let record = &exchange.record;
         let now = record.truth.cycle.0;
         self.measure(exchange);
-        let limits = self.limits.cycle(self.known.machine, record.axes);
+        let limits = self.limits.cycle(&self.known, record);
         let tool = self.tool.cycle(&self.known, exchange, &mut self.measured.servo);
         let later = self.after_end(exchange);
-        for broken in [limits, tool, later].into_iter().flatten() {
+        let rest = self.rest.cycle(&self.known, exchange);
+        for broken in [limits, tool, later, rest].into_iter().flatten() {
             self.broken.get_or_insert(broken);
         }
         let from = self.known.events.first().map_or(u64::MAX, |event| event.at);
@@ -170,9 +183,13 @@ impl<'a> Judge<'a> {
         let counts = record.axes.iter().map(|(_, status)| (1e9 * status.commanded_mm).round() as i64);
         let counts: Vec<i64> = counts.collect();
         let before = self.ended.get_or_insert_with(|| counts.clone());
-        let moved = before.iter().zip(&counts).any(|(before, now)| (before - now).abs() > 2);
+        let moved = before.iter().zip(&counts).any(|(before, now)| (before - now).abs() > STILL);
         moved.then(|| {
-            Broken::new("moves-after-end", record.truth.cycle.0, format!("from {before:?} to {counts:?} nm/1000"))
+            Broken::new(
+                "moves-after-end",
+                record.truth.cycle.0,
+                format!("from {before:?} to {counts:?} (1e-9 mm)"),
+            )
         })
     }
 }

@@ -14,8 +14,8 @@
 //! flank    |e| <= (D − d) tan φ            the tool is within the groove, prolonged along the helix
 //! ```
 //!
-//! The part begins where Z has reached its lead: before that place no thread can be cut, so a sensible program
-//! has no material there. It ends nowhere, unless the pass has no retract: then there is a relief where Z begins
+//! The part begins where Z has reached its lead in every pass: before that place no thread can be cut, so a
+//! sensible program has no material there. It ends nowhere, unless the pass has no retract: then there is a relief where Z begins
 //! to brake. A single pass (G33) does not say how deep it is: it is taken to be as deep as a thread of its lead
 //! is, but no more than half of its way out.
 
@@ -65,7 +65,7 @@ pub struct Contact {
 
 impl PassStock {
     /// The stock of a pass along Z; nothing for any other.
-    pub fn of(pass: &ThreadPass, flank_deg: f64) -> Option<PassStock> {
+    pub fn of(pass: &ThreadPass) -> Option<PassStock> {
         let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
         if z.lead_mm == 0.0 {
             return None;
@@ -90,7 +90,6 @@ impl PassStock {
         let station = |i: usize| first + (done - first) * i as f64 / STATIONS as f64;
         let groove = (0..=STATIONS).map(station).map(|c| (place(c).0, into * (root_at(c) - crest)));
         let retracts = x.retract_mm != 0.0;
-        let _ = flank_deg;
         Some(PassStock {
             pass: pass.pass,
             lead: z.lead_mm.abs(),
@@ -106,6 +105,18 @@ impl PassStock {
             deepest: depth,
             groove: groove.collect(),
         })
+    }
+
+    /// Where Z reaches the lead, and in which direction it goes, mm of the machine.
+    pub fn face(&self) -> (f64, f64) {
+        (self.start_z + self.towards * self.face, self.towards)
+    }
+
+    /// The part begins no nearer than here, if the other pass goes in the same direction.
+    pub fn begins(&mut self, (z_mm, towards): (f64, f64)) {
+        if towards == self.towards {
+            self.face = self.face.max(towards * (z_mm - self.start_z));
+        }
     }
 
     /// Where the tool is in the material, if it is; mm, degrees.

@@ -3,16 +3,19 @@
 
 use std::collections::BTreeMap;
 
-use protocol::{Axis, ThreadPass, WayOut};
+use protocol::{Axis, Fault, ThreadPass, WayOut};
 use rig::Exchange;
 
 use super::{Broken, Known, bounds, excuse, is_led, stock::Contact};
-use crate::event::{Button, What};
+use crate::event::{Button, Trouble, What};
 
 /// Beside what the servo does undisturbed, mm.
 const TOLERANCE_MM: f64 = 0.005;
 /// What the servo may do undisturbed at most, mm; beyond it a machine is not fit to be a reference.
 const WORST_SERVO_MM: f64 = 0.06;
+/// A spindle turns the wrong way that does so faster than this, 1/min; it is noticed within so many s.
+const BACKWARDS_RPM: f64 = 30.0;
+const NOTICED_S: f64 = 0.5;
 /// A spindle that is slower than this stands, 1/min.
 const STANDS_RPM: f64 = 1.0;
 
@@ -26,11 +29,15 @@ pub(crate) struct Tool {
     /// Cycle and angle since when the tool touches the part without X being able to leave.
     stuck: Option<(u64, f64)>,
     touching: bool,
+    /// Cycle in which somebody has said that something is wrong that makes the axes leave, and what.
+    said: Option<(u64, Fault)>,
+    /// Cycle since when the spindle turns the wrong way in a pass.
+    backwards: Option<u64>,
 }
 
 impl Tool {
     pub(crate) fn new() -> Tool {
-        Tool { pass: None, led: [Some(0); 2], stuck: None, touching: false }
+        Tool { pass: None, led: [Some(0); 2], stuck: None, touching: false, said: None, backwards: None }
     }
 
     /// Whether the tool was in the material in the cycle taken last.
@@ -60,7 +67,10 @@ impl Tool {
         if let Some((_, status)) = in_hand {
             self.pass = Some(status.pass);
         }
+        self.hear(exchange);
         let (pass, stock) = known.passes.get(&self.pass?)?;
+        let backwards = truth.spindle_rpm * pass.direction < -BACKWARDS_RPM;
+        self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
         let stock = stock.as_ref()?;
         let tan = libm::tan(known.machine.threading.flank_half_angle_deg.to_radians());
         let [x_mm, z_mm] = [Axis::X, Axis::Z].map(|axis| truth.axes[axis.index()].slide_mm);
@@ -85,6 +95,15 @@ impl Tool {
         self.late(known, pass, now)
     }
 
+    /// What the modules say of themselves.
+    fn hear(&mut self, exchange: &Exchange) {
+        let record = &exchange.record;
+        let codes = record.axes.iter().map(|(_, status)| status.fault).chain([record.machine.fault]);
+        let said = codes.filter_map(Fault::from_code).find(|fault| makes_leave(*fault));
+        let now = record.truth.cycle.0;
+        self.said = said.map(|fault| self.said.unwrap_or((now, fault)));
+    }
+
     /// The tool should have left by now.
     fn late(&self, known: &Known, pass: &ThreadPass, now: u64) -> Option<Broken> {
         let out = bounds::way_out(known.machine, pass);
@@ -92,7 +111,7 @@ impl Tool {
         let pressed = known.events.iter().filter_map(|event| {
             let leaves = |policy| pass.out.on(policy);
             let (cause, until) = match event.what {
-                What::Press(Button::EmergencyStop) => (true, u64::MAX),
+                What::Press(Button::EmergencyStop) | What::Plant(Trouble::PowerLost) => (true, u64::MAX),
                 What::Press(Button::Stop | Button::Abort) => (leaves(WayOut::ON_STOP), u64::MAX),
                 What::Press(Button::Hold(cycles)) => (leaves(WayOut::ON_HOLD), event.at + cycles),
                 _ => (false, 0),
@@ -100,10 +119,26 @@ impl Tool {
             (cause && now <= until).then(|| (event.at, event.told()))
         });
         let due = |since: u64| now > since + out;
-        by_z.into_iter().chain(pressed).find(|(since, _)| due(*since)).map(|(since, why)| {
-            let text = format!("pass {}: the tool is still in the material {} cycles after: {why}", pass.pass, now - since);
-            Broken::new("leaves", now, text)
-        })
+        let said = self.said.map(|(since, fault)| (since, format!("{fault:?} was said")));
+        let noticed = (NOTICED_S / known.machine.general.cycle_s) as u64;
+        let backwards =
+            self.backwards.map(|since| (since + noticed, "the spindle turned the wrong way".to_owned()));
+        let stands = known.events.iter().find(|event| event.what == What::Plant(Trouble::Stands(None)));
+        let stands = stands.map(|event| (event.at + 2 * noticed, event.told()));
+        by_z.into_iter()
+            .chain(pressed)
+            .chain(said)
+            .chain(backwards)
+            .chain(stands)
+            .find(|(since, _)| due(*since))
+            .map(|(since, why)| {
+                let text = format!(
+                    "pass {}: the tool is still in the material {} cycles after: {why}",
+                    pass.pass,
+                    now - since
+                );
+                Broken::new("leaves", now, text)
+            })
     }
 
     /// The tool cannot leave: the spindle stands in the end, before it has turned much further.
@@ -118,12 +153,41 @@ impl Tool {
         let slowest = 0.3 * pass.s_rpm;
         let rest = (pass.done_deg() / (6.0 * slowest) / known.machine.general.cycle_s) as u64;
         let most = rest + bounds::spindle_stop(known.machine) + bounds::way_out(known.machine, pass);
-        (now - since > most).then(|| {
+        let coasts = known.events.iter().any(|event| event.what == What::Plant(Trouble::PowerLost));
+        (now - since > most && !coasts).then(|| {
             let turns = (truth.spindle_deg - from).abs() / 360.0;
-            let text = format!("pass {}: X stuck at depth, the spindle has turned {turns:.1} times since", pass.pass);
+            let text = format!(
+                "pass {}: X stuck at depth, the spindle has turned {turns:.1} times since",
+                pass.pass
+            );
             Broken::new("ring", now, text)
         })
     }
+}
+
+/// Faults after which nobody cuts on, whatever the policy says.
+fn makes_leave(fault: Fault) -> bool {
+    use Fault::{
+        AxisFault, AxisJump, DriveFault, EmergencyStop, EncoderGlitch, EncoderStands, FollowingError,
+        ForceTooHigh, OtherAxis, PowerLost, RegulatorSilent, SpindleReversed, SpindleRunaway, ThreadError,
+    };
+    matches!(
+        fault,
+        AxisFault
+            | AxisJump
+            | DriveFault
+            | EmergencyStop
+            | EncoderGlitch
+            | EncoderStands
+            | FollowingError
+            | ForceTooHigh
+            | OtherAxis
+            | PowerLost
+            | RegulatorSilent
+            | SpindleReversed
+            | SpindleRunaway
+            | ThreadError
+    )
 }
 
 /// Cycles in a turn of the programmed speed.
@@ -132,7 +196,14 @@ fn turn_cycles(known: &Known, pass: &ThreadPass) -> u64 {
 }
 
 /// The tool is beside its groove.
-fn beside(known: &Known, pass: &ThreadPass, lead: f64, contact: &Contact, now: u64, turn: u64) -> Option<Broken> {
+fn beside(
+    known: &Known,
+    pass: &ThreadPass,
+    lead: f64,
+    contact: &Contact,
+    now: u64,
+    turn: u64,
+) -> Option<Broken> {
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
         None => (WORST_SERVO_MM, WORST_SERVO_MM),
@@ -140,7 +211,7 @@ fn beside(known: &Known, pass: &ThreadPass, lead: f64, contact: &Contact, now: u
     let out = bounds::way_out(known.machine, pass);
     let (mut bottom, mut flank) = (servo.0 + TOLERANCE_MM, servo.1 + TOLERANCE_MM);
     for event in known.events {
-        let excuse = excuse::excuse(known.machine, event, now, out, turn);
+        let excuse = excuse::excuse(known.machine, event, now, pass, out, turn);
         bottom += excuse.radial_mm;
         flank += excuse.axial_mm + excuse.turns * lead;
     }

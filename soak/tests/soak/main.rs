@@ -1,0 +1,3 @@
+//! Seeds of the soak, and whether it would find a reaction that is missing.
+
+mod mutants;
