@@ -51,7 +51,11 @@ fn seeds(text: &str) -> Result<Range<u64>, String> {
     let number = |text: &str| text.trim().replace('_', "").parse::<u64>().ok();
     let both = text.split_once("..").and_then(|(from, to)| Some(number(from)?..number(to)?));
     let range = both.ok_or("write the first seed and the one behind the last, such as 0..2000")?;
-    if range.is_empty() { Err(format!("{text} holds no seed: write it as {0}..{1}", range.start, range.start + 1)) } else { Ok(range) }
+    if range.is_empty() {
+        Err(format!("{text} holds no seed: write it as {0}..{1}", range.start, range.start + 1))
+    } else {
+        Ok(range)
+    }
 }
 
 /// A seed that failed, with its smallest case.
@@ -71,7 +75,10 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let terminal = std::io::stderr().is_terminal();
     let progress = |done: u64, failed: u64| {
         let every = if terminal { all.div_ceil(500) } else { EVERY };
-        if !quiet && (done.is_multiple_of(every.max(1)) || done == all) && told.fetch_max(done, Ordering::Relaxed) < done {
+        if !quiet
+            && (done.is_multiple_of(every.max(1)) || done == all)
+            && told.fetch_max(done, Ordering::Relaxed) < done
+        {
             let rate = done as f64 / begun.elapsed().as_secs_f64().max(1e-3);
             let end = if terminal && done < all { "\r" } else { "\n" };
             eprint!("{done} of {all} seeds, {rate:.0} a second, {failed} failed{end}");
@@ -79,7 +86,11 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
     };
     let report = driver::soak(args.seeds.clone(), jobs, &progress);
     let wall_s = begun.elapsed().as_secs_f64();
-    let found = report.failed.iter().enumerate().map(|(n, failed)| Found::of(failed, n < MOST_SHRUNK, args.out.as_deref()));
+    let found = report
+        .failed
+        .iter()
+        .enumerate()
+        .map(|(n, failed)| Found::of(failed, n < MOST_SHRUNK, args.out.as_deref()));
     let found = found.collect::<Result<Vec<_>, CliError>>()?;
     let per_core = report.cycles as f64 / wall_s / jobs as f64;
     if args.json {
@@ -152,7 +163,11 @@ fn page(report: &Report, found: &[Found], wall_s: f64, per_core: f64) -> String 
     let mut text = String::new();
     for found in found {
         let broken = &found.failed.broken;
-        let _ = writeln!(text, "seed {} breaks {} in cycle {}: {}", found.failed.seed, broken.invariant, broken.cycle, broken.text);
+        let _ = writeln!(
+            text,
+            "seed {} breaks {} in cycle {}: {}",
+            found.failed.seed, broken.invariant, broken.cycle, broken.text
+        );
         let _ = writeln!(text, "  {}\n  again: {}", found.failed.case.told(), found.command);
         if let Some((case, broken)) = &found.smallest {
             let _ = writeln!(text, "  smallest: {} ({}, cycle {})", case.told(), broken.text, broken.cycle);

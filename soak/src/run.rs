@@ -5,7 +5,7 @@
 use machine::Machine;
 use protocol::{Item, Module, operator::Request};
 use rig::observe::{Observation, Observer};
-use rig::supervisor::{Part, Supervisor};
+use rig::supervisor::Supervisor;
 use rig::wires::{Straight, Wires};
 use rig::{Exchange, Rig};
 use sim_plant::Scenario;
@@ -75,21 +75,19 @@ impl Launcher {
         Launcher { doomed: doomed.collect(), dead: Vec::new(), supervisor }
     }
 
-    /// Before a cycle.
-    fn act<I: Iterator<Item = Item>, W: Wires>(&mut self, rig: &mut Rig<I, W>, now: u64) {
+    /// Before a cycle. What it gives is to be done at the panel.
+    fn act<I: Iterator<Item = Item>, W: Wires>(&mut self, rig: &mut Rig<I, W>, now: u64) -> Option<Request> {
+        let mut asked = None;
         for (module, until) in &self.doomed {
             if *until == Some(now) {
                 rig.kill(*module);
             }
             if rig.is_dead(*module) && !self.dead.contains(module) {
                 self.dead.push(*module);
-                self.supervisor.died(match *module {
-                    Module::Interpreter => Part::Interpreter,
-                    Module::Interpolator => Part::Interpolator,
-                    Module::Regulator(axis) => Part::Regulator(axis),
-                });
+                asked = self.supervisor.died(*module).or(asked);
             }
         }
+        asked
     }
 }
 
@@ -107,7 +105,7 @@ fn run<W: Wires>(case: &Case, ready: &Ready, reference: Option<&Reference>, wire
     let mut cycles = 0;
     let mut observation = None;
     for now in 0..longest {
-        launcher.act(&mut rig, now);
+        request = launcher.act(&mut rig, now).or(request);
         let mut finish = None;
         let more = rig.exchange(request.take(), |exchange: &Exchange| {
             let record = &exchange.record;

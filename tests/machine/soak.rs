@@ -14,7 +14,15 @@ fn no_seed_breaks_an_invariant() {
     });
     let failed: Vec<String> = failed.collect();
     assert!(failed.is_empty(), "{} of {seeds}:\n{}", failed.len(), failed.join("\n"));
-    for kind in ["g33-taper", "g33-multi-start", "g76-internal", "roughing", "formula", "power-lost", "kill-regulator"] {
+    for kind in [
+        "g33-taper",
+        "g33-multi-start",
+        "g76-internal",
+        "roughing",
+        "formula",
+        "power-lost",
+        "kill-regulator",
+    ] {
         assert!(report.drawn.contains_key(kind), "no {kind} among {seeds} seeds");
     }
 }

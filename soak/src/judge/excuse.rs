@@ -9,6 +9,7 @@
 //! | a jump of an axis | as far as the axis could have moved, and the jerk of its drive |
 //! | a spindle that is stopped harder than Z can brake | the way in which Z brakes, twice |
 //! | an encoder that stands, of a spindle so slow that it may be jammed | anything, until the drive has been waited for |
+//! | a spindle that changes its speed | the slide lags by a/(2πf)², and the servo by as much |
 //! | noise, eccentricity | their counts |
 //! | all others | none |
 
@@ -145,4 +146,20 @@ pub(crate) fn is_harmless(what: &What) -> bool {
 /// Whether the operator ends the program by it.
 pub(crate) fn is_stop(what: &What) -> bool {
     matches!(what, What::Press(Button::Stop | Button::Abort))
+}
+
+/// Whether nothing can brake the spindle any more.
+pub(crate) fn coasts(what: &What) -> bool {
+    matches!(what, What::Plant(Trouble::PowerLost | Trouble::Spindle(SpindleFault::Stall, _)))
+}
+
+/// How far the slide of Z lags behind while the spindle changes its speed by so many 1/min in a cycle, mm: by
+/// a/(2πf)², and the observer of the spindle and the servo by more than that.
+pub(crate) fn lag_mm(machine: &Machine, lead_mm: f64, change_rpm: f64) -> f64 {
+    let a = lead_mm * change_rpm / 60.0 / machine.general.cycle_s;
+    let truth = machine.plant.get("axis").and_then(|axes| axes.get(Axis::Z.name()));
+    let mode_hz =
+        truth.and_then(|table| table.get("mode_hz")).and_then(toml::Value::as_float).unwrap_or(100.0);
+    let rad_s = core::f64::consts::TAU * mode_hz;
+    2.0 * SERVO * a / (rad_s * rad_s)
 }

@@ -15,8 +15,12 @@ const MORE: f64 = 1.02;
 const ROUNDING: f64 = 1e-6;
 /// The loop of a spindle swings over by this.
 const SWING: f64 = 1.06;
+/// The observer that leads a stroke is slow: it swings over by this.
+const OVERSHOOT: f64 = 1.5;
+/// A stroke by the angle of a spindle slower than this is as good as standing, 1/min.
+const SLOW_RPM: f64 = 20.0;
 /// What the spindle has done is followed within this, s.
-const FOLLOWED_S: f64 = 0.03;
+const FOLLOWED_S: f64 = 0.1;
 
 /// The statuses of the cycle before.
 #[derive(Clone, Debug, Default)]
@@ -48,8 +52,8 @@ impl Limits {
             let pass = if now.state().is_in_pass() { known.passes.get(&now.pass) } else { None };
             // Its lead, and what it strokes by the angle.
             let follows = pass.map_or(0.0, |(pass, _)| {
-                let stroke = before.velocity_mm_s.abs() / rpm.abs().max(0.5 * pass.s_rpm);
-                (pass.axis(*axis).lead_mm.abs() / 60.0).max(stroke) * self.uneven
+                let stroke = before.velocity_mm_s.abs() / rpm.abs().max(SLOW_RPM);
+                (pass.axis(*axis).lead_mm.abs() / 60.0).max(OVERSHOOT * stroke) * self.uneven
             });
             // As fast as the spindle is in truth, as long as that is what the pass was released for.
             let turned = pass.map_or(0.0, |(pass, _)| {

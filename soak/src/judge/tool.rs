@@ -16,6 +16,8 @@ const WORST_SERVO_MM: f64 = 0.06;
 /// A spindle turns the wrong way that does so faster than this, 1/min; it is noticed within so many s.
 const BACKWARDS_RPM: f64 = 30.0;
 const NOTICED_S: f64 = 0.5;
+/// What a spindle has done to a slide fades away within this, s.
+const FADES_S: f64 = 0.05;
 /// A spindle that is slower than this stands, 1/min.
 const STANDS_RPM: f64 = 1.0;
 
@@ -31,13 +33,25 @@ pub(crate) struct Tool {
     touching: bool,
     /// Cycle in which somebody has said that something is wrong that makes the axes leave, and what.
     said: Option<(u64, Fault)>,
+    /// Largest change of the spindle's speed in a cycle, 1/min, fading away; its speed.
+    uneven: f64,
+    rpm: Option<f64>,
     /// Cycle since when the spindle turns the wrong way in a pass.
     backwards: Option<u64>,
 }
 
 impl Tool {
     pub(crate) fn new() -> Tool {
-        Tool { pass: None, led: [Some(0); 2], stuck: None, touching: false, said: None, backwards: None }
+        Tool {
+            pass: None,
+            led: [Some(0); 2],
+            stuck: None,
+            touching: false,
+            said: None,
+            uneven: 0.0,
+            rpm: None,
+            backwards: None,
+        }
     }
 
     /// Whether the tool was in the material in the cycle taken last.
@@ -68,6 +82,9 @@ impl Tool {
             self.pass = Some(status.pass);
         }
         self.hear(exchange);
+        let change =
+            (truth.spindle_rpm - self.rpm.replace(truth.spindle_rpm).unwrap_or(truth.spindle_rpm)).abs();
+        self.uneven = (self.uneven * (1.0 - known.machine.general.cycle_s / FADES_S)).max(change);
         let (pass, stock) = known.passes.get(&self.pass?)?;
         let backwards = truth.spindle_rpm * pass.direction < -BACKWARDS_RPM;
         self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
@@ -85,7 +102,7 @@ impl Tool {
         if x_led && z_led {
             let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
             *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
-            if let Some(broken) = beside(known, pass, stock.lead, &contact, now, turn) {
+            if let Some(broken) = beside(known, pass, stock.lead, &contact, now, turn, self.uneven) {
                 return Some(broken);
             }
         }
@@ -203,6 +220,7 @@ fn beside(
     contact: &Contact,
     now: u64,
     turn: u64,
+    uneven: f64,
 ) -> Option<Broken> {
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
@@ -210,6 +228,9 @@ fn beside(
     };
     let out = bounds::way_out(known.machine, pass);
     let (mut bottom, mut flank) = (servo.0 + TOLERANCE_MM, servo.1 + TOLERANCE_MM);
+    if known.reference.is_some() {
+        flank += excuse::lag_mm(known.machine, lead, uneven);
+    }
     for event in known.events {
         let excuse = excuse::excuse(known.machine, event, now, pass, out, turn);
         bottom += excuse.radial_mm;
