@@ -12,6 +12,8 @@ use soak::driver;
 const MOST: u64 = 2000;
 /// 0x6041 of a drive in operation.
 const ENABLED: u32 = 0x0027;
+/// Its bit of a fault.
+const FAULTY: u32 = 0x0008;
 /// Codes of frames: nothing new, and leave.
 const HOLD: u32 = 4;
 const LEAVE: u32 = 5;
@@ -19,15 +21,15 @@ const LEAVE: u32 = 5;
 /// What is hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Row {
-    /// The drives of the other axes.
+    /// The drives of the other axes, and the order to leave that follows.
     OtherDrives,
     /// Emergency stop.
     EmergencyStop,
     /// That the interpolator wants the pass to be left.
     LeaveFrames,
-    /// Counts that are lost or gained at an index.
+    /// Counts that are lost or gained: they come little by little, and the index shows what it should.
     LostCounts,
-    /// That a regulator says nothing new.
+    /// That a regulator says nothing new, and what its drive says of that.
     SilentRegulators,
 }
 
@@ -40,7 +42,15 @@ struct Blind {
     /// Count of the first index.
     index: Option<i64>,
     turn: i64,
+    /// What is hidden of the counts of each reader: the count and the change of the cycle before, and what is
+    /// still held back.
+    counts: [Option<(i64, i64, i64)>; AXES + 1],
 }
+
+/// Counts by which a change of the spindle's count differs from the one before where it is a jump.
+const JUMP: i64 = 4;
+/// Counts of it that come each cycle.
+const SLEW: i64 = 2;
 
 impl Blind {
     fn new(row: Row, turn: f64) -> Blind {
@@ -51,10 +61,23 @@ impl Blind {
             statuses: [AxisStatus::default(); AXES],
             index: None,
             turn: turn as i64,
+            counts: [None; AXES + 1],
         }
     }
 
     fn hide(&mut self, own: Option<Axis>) {
+        let reader = own.map_or(AXES, Axis::index);
+        if self.row == Row::LostCounts {
+            let sent = self.measurement.spindle_count;
+            let (before, change, held) = self.counts[reader].unwrap_or((sent, 0, 0));
+            let jump = (sent - before) - change;
+            let (change, held) = match jump.abs() > JUMP {
+                true => (change, held + jump),
+                false => (sent - before, held - held.clamp(-SLEW, SLEW)),
+            };
+            self.counts[reader] = Some((sent, change, held));
+            self.measurement.spindle_count = sent - held;
+        }
         let measurement = &mut self.measurement;
         match self.row {
             Row::OtherDrives => {
@@ -62,6 +85,12 @@ impl Blind {
                     if own.is_some_and(|own| own.index() != index) {
                         axis.status_word = ENABLED;
                     }
+                }
+            }
+            // Drives that are not in operation yet stay so: nothing has been switched on.
+            Row::SilentRegulators => {
+                for axis in measurement.axes.iter_mut().filter(|axis| axis.status_word & FAULTY != 0) {
+                    axis.status_word = ENABLED;
                 }
             }
             Row::EmergencyStop => measurement.panel.press(Panel::EMERGENCY_STOP, false),
@@ -99,7 +128,7 @@ impl Wires for Blind {
 
     fn frame<'a>(&'a mut self, _: Cycle, _: Axis, sent: Option<&'a AxisFrame>) -> Option<&'a AxisFrame> {
         self.frame = *sent?;
-        if self.row == Row::LeaveFrames && self.frame.command == LEAVE {
+        if matches!(self.row, Row::LeaveFrames | Row::OtherDrives) && self.frame.command == LEAVE {
             self.frame.command = HOLD;
         }
         Some(&self.frame)
