@@ -40,7 +40,7 @@ impl Judge<'_> {
     }
 
     fn end(&self, ending: Ending, last: &Record) -> Option<(&'static str, String)> {
-        let state = last.machine.state();
+        let (now, state) = (last.truth.cycle.0, last.machine.state());
         let axes = || {
             let told = last.axes.iter().map(|(axis, status)| format!("{axis} {}", status.state().name()));
             told.collect::<Vec<_>>().join(", ")
@@ -61,7 +61,10 @@ impl Judge<'_> {
             }
         }
         let speed = |axis: &Axis| last.truth.axes[axis.index()].velocity_mm_s;
-        if let Some((axis, _)) = last.axes.iter().find(|(axis, _)| speed(axis).abs() > STANDS_MM_S) {
+        let pushed = |axis: &Axis| last.truth.axes[axis.index()].force_n != 0.0 || self.known.pushed(now);
+        if let Some((axis, _)) =
+            last.axes.iter().find(|(axis, _)| speed(axis).abs() > STANDS_MM_S && !pushed(axis))
+        {
             return Some(("no-rest", format!("{axis} moves at {:.3} mm/s in the end", speed(axis))));
         }
         let coasts = self.known.events.iter().any(|event| excuse::coasts(&event.what));

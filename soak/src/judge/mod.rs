@@ -30,7 +30,7 @@ use protocol::{Axis, AxisState, DriveState, MachineState, ThreadPass};
 use rig::Exchange;
 
 use crate::case::Ready;
-use crate::event::Event;
+use crate::event::{Event, Trouble, What};
 pub use finish::Ending;
 use limits::Limits;
 use rest::Rest;
@@ -82,6 +82,20 @@ pub(crate) struct Known<'a> {
     pub(crate) passes: BTreeMap<u32, (ThreadPass, Option<PassStock>)>,
     pub(crate) events: &'a [Event],
     pub(crate) reference: Option<&'a Reference>,
+}
+
+impl Known<'_> {
+    /// Whether a force of the case has only just let go, or still holds: a slide swings then.
+    fn pushed(&self, now: u64) -> bool {
+        let swings = (0.1 / self.machine.general.cycle_s) as u64;
+        self.events.iter().any(|event| match event.what {
+            What::Plant(Trouble::Force(_, _, s) | Trouble::Spike(_, _, s)) => {
+                let until = event.at + (s / self.machine.general.cycle_s) as u64 + swings;
+                (event.at..until).contains(&now)
+            }
+            _ => false,
+        })
+    }
 }
 
 /// Judges one run.
