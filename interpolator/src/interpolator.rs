@@ -20,6 +20,9 @@ use crate::{
     travel::{Hands, Travel},
 };
 
+/// A measurement that is more ticks ahead than this is damaged.
+const MOST_MISSED: u64 = 1000;
+
 /// What one tick brings.
 #[derive(Clone, Copy, Debug)]
 pub struct In<'a> {
@@ -122,7 +125,8 @@ impl Interpolator {
     /// One interpolator cycle. A measurement that is not newer than the one of the tick before makes nothing.
     pub fn tick(&mut self, input: &In) -> Option<Out> {
         let measurement = input.measurement;
-        if self.last.is_some_and(|last| measurement.cycle <= last) {
+        let farthest = |last: Cycle| last.after(MOST_MISSED * self.machine.cycles_per_tick());
+        if self.last.is_some_and(|last| measurement.cycle <= last || measurement.cycle > farthest(last)) {
             return None;
         }
         self.last = Some(measurement.cycle);
@@ -134,11 +138,25 @@ impl Interpolator {
         }
         let (setpoints, event) = self.work(measurement, cycle_starts);
         let order = self.step(&event);
+        let order = self.out_of_pass(measurement.cycle).unwrap_or(order);
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if (discriminant(&self.task), self.task.public()) != (task, public) {
             self.patience.begin();
         }
         Some(self.answer(measurement, &setpoints, &order))
+    }
+
+    /// In fault, whatever became of the frames and statuses before: no axis stays in a pass.
+    fn out_of_pass(&self, cycle: Cycle) -> Option<Order> {
+        if !matches!(self.task, Task::Fault { .. }) {
+            return None;
+        }
+        let axes = Axes::new(&self.machine, &self.heard, cycle);
+        match () {
+            () if axes.begun() => Some(Order::Leave(self.leave_at(cycle))),
+            () if axes.armed() => Some(Order::CallOff),
+            () => None,
+        }
     }
 
     /// Takes in what a tick brings; how often cycle start had been pressed before.

@@ -18,6 +18,8 @@ use crate::{
     watch::{Known, Watch},
 };
 
+/// A measurement that is more cycles ahead than this is damaged.
+const MOST_MISSED: u64 = 1000;
 /// A setpoint may go beyond a limit by this share: rounding, and what an axis does besides its path.
 const SPARE: f64 = 1.1;
 
@@ -58,6 +60,8 @@ pub struct Regulator {
     leave_at: Option<Cycle>,
     expected: Option<Cycle>,
     frame_due: Option<Cycle>,
+    /// When the axis came back to the stream.
+    streams_from: Cycle,
     tick: u64,
     /// How far into a pass it can be called off, s at programmed speed.
     call_off_s: f64,
@@ -91,6 +95,7 @@ impl Regulator {
             leave_at: None,
             expected: None,
             frame_due: None,
+            streams_from: Cycle(0),
             tick: machine.cycles_per_tick(),
             call_off_s: machine.call_off_s(),
             line: 0,
@@ -100,12 +105,12 @@ impl Regulator {
         }
     }
 
-    /// One control cycle. A measurement that is not newer than the one before brings nothing: the answer
-    /// stays what it was, and the drive sees by its cycle that it is old.
+    /// One control cycle. A measurement that is not newer than the one before, or far ahead, brings nothing: the
+    /// answer stays what it was, and the drive sees by its cycle that it is old.
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
         let expected = self.expected.unwrap_or(measurement.cycle);
-        if measurement.cycle < expected {
+        if measurement.cycle < expected || measurement.cycle > expected.after(MOST_MISSED) {
             return self.answered;
         }
         let missed = measurement.cycle.0 - expected.0;
@@ -228,7 +233,7 @@ impl Regulator {
             missed,
             spindle: &self.spindle,
             stream: &self.stream,
-            frame_due: self.frame_due,
+            frame_due: self.frame_due.map(|due| due.max(self.streams_from)),
             leave_at: self.leave_at,
             last: &self.last,
             measured_mm,
@@ -261,6 +266,9 @@ impl Regulator {
         }
         if !matches!(state, State::InPass { .. }) {
             self.leave_at = None;
+        }
+        if state.public() != self.state.public() {
+            self.streams_from = cycle;
         }
         self.state = state;
     }

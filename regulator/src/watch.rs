@@ -31,6 +31,8 @@ const BEYOND: f64 = 10.0;
 const BRIDGED: u64 = 2;
 /// A frame that is so many ticks late tells of a sender that has died.
 const SILENT_TICKS: u64 = 3;
+/// An axis at rest waits so much longer, s.
+const REST_S: f64 = 1.0;
 
 /// What an axis watches.
 #[derive(Clone, Debug)]
@@ -172,7 +174,9 @@ impl Watch {
         if known.stream.starved(cycle) {
             return Some(Fault::StreamStarved);
         }
-        let silent = |due: Cycle| cycle > due.after(SILENT_TICKS * self.tick);
+        // At rest nothing hurries, and another axis may still be on its way out of the pass.
+        let silent =
+            |due: Cycle| cycle > due.after(SILENT_TICKS * self.tick + (REST_S / self.cycle_s) as u64);
         known.frame_due.filter(|due| silent(*due)).map(|_| Fault::InterpolatorSilent)
     }
 

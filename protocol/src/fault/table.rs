@@ -299,7 +299,7 @@ pub const FAULTS: [FaultRow; 31] = [
         code: "interpolator-silent",
         source: "regulator",
         found: "no frame for three ticks",
-        within: "3 ticks",
+        within: "3 ticks, and 1 s at rest",
         reaction: "a pass in hand is finished; at rest the axis stays where it is",
         text: "the interpolator says nothing new: it has died, hangs, or its channel is cut",
         remedy: "the process that is named; the computer",
