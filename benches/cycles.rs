@@ -1,6 +1,7 @@
-//! Control cycles per second of the whole machine in one process on one core: the modules and the plant alone,
-//! and with the observer that measures and hashes every cycle, as `pitchlock run --in-process` has it. A thread
-//! with its passes, a part with timed motion, and the plant by itself with its axes and its spindle turning.
+//! Control cycles per second of the whole machine in one process on one core: the modules and the plant
+//! alone, and with the observer that measures and hashes every cycle, as `pitchlock run --in-process` has it.
+//! A thread with its passes, a part with timed motion, and the plant by itself with its axes and its spindle
+//! turning.
 //!
 //! criterion prints elements per second; an element is a control cycle. The real machine makes 2000 a second.
 #![allow(missing_docs, clippy::unwrap_used)]

@@ -1,6 +1,6 @@
-//! `pitchlock soak`: seeds of random machines, programs and faults, and what they broke. In: a range of seeds.
-//! Out: a table or one JSON document; for each seed that fails the command that repeats it and the smallest case
-//! that still breaks the same invariant, as files.
+//! `pitchlock soak`: seeds of random machines, programs and faults, and what they broke. In: a range of
+//! seeds. Out: a table or one JSON document; for each seed that fails the command that repeats it and the
+//! smallest case that still breaks the same invariant, as files.
 
 use std::{
     fmt::Write as _,

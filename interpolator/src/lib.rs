@@ -20,7 +20,6 @@
 //! | `patience` | waits that are too long |
 #![forbid(unsafe_code)]
 
-mod answer;
 mod axes;
 mod guard;
 mod interpolator;
@@ -30,7 +29,6 @@ mod program;
 pub mod queue;
 mod run;
 pub mod spindle;
-mod supervise;
 mod task;
 mod travel;
 mod working;

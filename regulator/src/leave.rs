@@ -9,9 +9,9 @@
 //! | any, in timed motion | dry: by (M101) on the tangent, all axes in the same time | where it stands |
 //!
 //! The way out is a law of time: a spindle that stands, turns back, or whose encoder is dead does not keep
-//! the tool in the part. No spindle changes its speed much meanwhile, so it is bounded in angle too. The helix is
-//! followed by the angle, so that the groove stays what it is until the tool is out of it. Nothing goes
-//! beyond the end of the pass: there every axis brakes by its law.
+//! the tool in the part. No spindle changes its speed much meanwhile, so it is bounded in angle too. The
+//! helix is followed by the angle, so that the groove stays what it is until the tool is out of it. Nothing
+//! goes beyond the end of the pass: there every axis brakes by its law.
 
 use motion::{Exit, Limits};
 use protocol::{Cycle, Fault, Position};

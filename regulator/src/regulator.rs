@@ -105,8 +105,8 @@ impl Regulator {
         }
     }
 
-    /// One control cycle. A measurement that is not newer than the one before, or far ahead, brings nothing: the
-    /// answer stays what it was, and the drive sees by its cycle that it is old.
+    /// One control cycle. A measurement that is not newer than the one before, or far ahead, brings nothing:
+    /// the answer stays what it was, and the drive sees by its cycle that it is old.
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
         let expected = self.expected.unwrap_or(measurement.cycle);

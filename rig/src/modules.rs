@@ -1,6 +1,6 @@
 //! The modules beside the plant, and what each of them got and said last. In, each control cycle: a
-//! measurement. Out: drive commands, the spindle command in force, statuses. Each module has its moment in the
-//! cycle, and lives, is frozen or dead.
+//! measurement. Out: drive commands, the spindle command in force, statuses. Each module has its moment in
+//! the cycle, and lives, is frozen or dead.
 
 use interpolator::{Interpolator, Out};
 use machine::Machine;

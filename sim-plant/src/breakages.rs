@@ -1,5 +1,5 @@
-//! What a scenario has broken, besides the spindle encoder. In: the values of events, then the cycle. Out: what
-//! happens to drives and encoders of the axes, forces on slides, what the drive of the spindle does.
+//! What a scenario has broken, besides the spindle encoder. In: the values of events, then the cycle. Out:
+//! what happens to drives and encoders of the axes, forces on slides, what the drive of the spindle does.
 
 use protocol::{Axis, PerAxis};
 

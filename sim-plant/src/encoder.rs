@@ -1,7 +1,7 @@
-//! Faults of the spindle encoder that a scenario brings: counts that come from nowhere or go astray, a counter
-//! that stands, noise, eccentricity, an index that is not seen. In: the values of an event, then in each cycle
-//! what a sound encoder would show. Out: what this one shows. The spindle itself knows nothing of it: what is
-//! true stays true.
+//! Faults of the spindle encoder that a scenario brings: counts that come from nowhere or go astray, a
+//! counter that stands, noise, eccentricity, an index that is not seen. In: the values of an event, then in
+//! each cycle what a sound encoder would show. Out: what this one shows. The spindle itself knows nothing of
+//! it: what is true stays true.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|

@@ -84,8 +84,8 @@ impl Plant {
     /// The machine before its first cycle: drives off, axes at home, the spindle at rest somewhere.
     ///
     /// # Errors
-    /// [`PlantError`] names the key of `[plant.*]` that cannot be, and why; or an event for an axis that there
-    /// is not.
+    /// [`PlantError`] names the key of `[plant.*]` that cannot be, and why; or an event for an axis that
+    /// there is not.
     pub fn new(machine: &Machine, scenario: Scenario, seed: u64) -> Result<Plant, PlantError> {
         let config = PlantConfig::of(machine)?;
         if let Some((event, axis)) = scenario.axes().find(|(_, axis)| !machine.axis.contains_key(axis)) {
@@ -144,8 +144,8 @@ impl Plant {
         self.timeline.pending()
     }
 
-    /// The messages that the scenario wants tampered with from this cycle on, by whoever runs the machine. Whom
-    /// it wants killed or frozen is in the truth ([`Truth::doom`]).
+    /// The messages that the scenario wants tampered with from this cycle on, by whoever runs the machine.
+    /// Whom it wants killed or frozen is in the truth ([`Truth::doom`]).
     pub fn packet(&self) -> Option<Packet> {
         match self.timeline.order() {
             Some(Order::Packet(packet)) => Some(packet),

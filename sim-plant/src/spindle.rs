@@ -15,8 +15,8 @@
 //!     so speed = w (1 + r cos(2π n q + phi))
 //! count = floor(4 lines · angle + offset);  the index lies where the angle is a whole number of turns
 //! ```
-//! Friction and load only hold back: they can stop the spindle, and never drive it. A drive can be at fault or
-//! without power; then it does not what is commanded ([`Drive`]).
+//! Friction and load only hold back: they can stop the spindle, and never drive it. A drive can be at fault
+//! or without power; then it does not what is commanded ([`Drive`]).
 
 use core::f64::consts::TAU;
 

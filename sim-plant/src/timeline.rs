@@ -154,8 +154,8 @@ impl Timeline {
         }
     }
 
-    /// Nobody stands at a simulated machine: a pause that no event of the scenario can end is ended here. A hold
-    /// is not a pause: whoever pressed it has a reason, and releases it.
+    /// Nobody stands at a simulated machine: a pause that no event of the scenario can end is ended here. A
+    /// hold is not a pause: whoever pressed it has a reason, and releases it.
     fn attend(&mut self, tags: &SpindleCommand) {
         let held = self.pressed.pressed(Panel::FEED_HOLD);
         if tags.paused == 0 || held || self.somebody_will_come() {

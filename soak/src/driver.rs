@@ -1,5 +1,5 @@
-//! Many seeds on every core. In: a range of seeds, a number of threads. Out: a [`Report`]: what broke, how many of
-//! each kind were drawn, how long each fault went unnoticed.
+//! Many seeds on every core. In: a range of seeds, a number of threads. Out: a [`Report`]: what broke, how
+//! many of each kind were drawn, how long each fault went unnoticed.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -1,6 +1,6 @@
-//! One run of a case. In: a case, ready, perhaps with a reference. Out: what the judge found, and how long it took.
-//! A launcher is there too: who dies is noticed at once, who hangs after a while, and the supervisor decides what
-//! becomes of the rest.
+//! One run of a case. In: a case, ready, perhaps with a reference. Out: what the judge found, and how long it
+//! took. A launcher is there too: who dies is noticed at once, who hangs after a while, and the supervisor
+//! decides what becomes of the rest.
 
 use machine::Machine;
 use protocol::{Item, Module, operator::Request};

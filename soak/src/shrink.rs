@@ -1,6 +1,6 @@
-//! Makes a case that breaks an invariant smaller. In: the case, the invariant. Out: a case that still breaks the
-//! same one, with fewer events and fewer blocks of the program: greedy, one at a time, until nothing more can
-//! be left out.
+//! Makes a case that breaks an invariant smaller. In: the case, the invariant. Out: a case that still breaks
+//! the same one, with fewer events and fewer blocks of the program: greedy, one at a time, until nothing more
+//! can be left out.
 
 use crate::case::Case;
 use crate::judge::Broken;

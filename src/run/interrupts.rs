@@ -1,5 +1,6 @@
-//! Signals that ask for the end of a run. Ctrl-C, SIGTERM, and SIGHUP (the terminal was closed) ask the machine
-//! to stop. Only Ctrl-C can ask for more: the second is an emergency stop, the third ends the processes.
+//! Signals that ask for the end of a run. Ctrl-C, SIGTERM, and SIGHUP (the terminal was closed) ask the
+//! machine to stop. Only Ctrl-C can ask for more: the second is an emergency stop, the third ends the
+//! processes.
 
 use signal_hook::{
     consts::{SIGHUP, SIGINT, SIGTERM},

@@ -1,3 +1,5 @@
+//! The spindle as the interpolator commands and watches it, on counts that are known.
+
 use protocol::{Panel, PerAxis};
 
 use super::*;

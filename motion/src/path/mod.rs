@@ -68,9 +68,9 @@ enum Shape<const N: usize> {
 
 impl<const N: usize> Path<N> {
     /// A straight line; `None` if it has no length. `displacement` in mm, of rotary axes in degrees; `metric`
-    /// says which axes make the length, unless all they do is to go where they already are but for the rounding
-    /// of an encoder: a turn by degrees would have no length then. The share of one that is not metric may
-    /// exceed 1.
+    /// says which axes make the length, unless all they do is to go where they already are but for the
+    /// rounding of an encoder: a turn by degrees would have no length then. The share of one that is not
+    /// metric may exceed 1.
     #[must_use]
     pub fn line(displacement: [f64; N], metric: &[bool; N]) -> Option<Path<N>> {
         let (length, all) = (norm(&displacement, metric), norm(&displacement, &[true; N]));

@@ -27,7 +27,8 @@ pub(super) struct Stored {
     thread_end_deg: Option<Bits>,
     max_ratio: f64,
     depth_mm: f64,
-    /// Axis, what leaves; where it is clear, seen from the end of its law, and how much before that it is free.
+    /// Axis, what leaves; where it is clear, seen from the end of its law, and how much before that it is
+    /// free.
     out: (u8, u8, i64, i64),
     helix: Option<Helix>,
     laws: Laws,

@@ -27,7 +27,7 @@ use protocol::{
 use zerocopy::IntoBytes;
 
 pub use summary::{
-    AxisLimits, Channel, CircleReport, FaultReport, LimitsUsed, MovesReport, Outcome, PassReport,
+    AxisLimits, Channel, CircleReport, FaultReport, LimitsUsed, MovesReport, Outcome, PassEnd, PassReport,
     PauseReport, Process, ServoError, Summary, SummaryError, ThreadReport, VERSION,
 };
 
@@ -53,7 +53,8 @@ pub struct Record<'a> {
     pub machine: &'a MachineStatus,
 }
 
-/// Bytes that are hashed at once: a power of two, so that whole subtrees of the hash are computed side by side.
+/// Bytes that are hashed at once: a power of two, so that whole subtrees of the hash are computed side by
+/// side.
 const HASH_BATCH: usize = 64 * 1024;
 /// Bytes of a truth that count: all but what is to be done to a module, which shows in what follows.
 const HASHED: usize = std::mem::offset_of!(Truth, doomed);
@@ -144,8 +145,8 @@ impl Observer {
         }
     }
 
-    /// The same observer without the hash of the run, which is then that of nothing: for whoever makes many runs
-    /// and compares none.
+    /// The same observer without the hash of the run, which is then that of nothing: for whoever makes many
+    /// runs and compares none.
     #[must_use]
     pub fn without_hash(self) -> Observer {
         Observer { hashes: false, ..self }

@@ -4,8 +4,7 @@
 //! wall time are the launcher's. Lengths in mm, errors in µm, angles in degrees, speeds in 1/min. Every
 //! number is finite.
 
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use protocol::Axis;
 use serde::{Deserialize, Serialize};

@@ -2,8 +2,9 @@
 //! channel. In: a [`Packet`] of the scenario, then what is sent. Out: what arrives.
 //!
 //! A wire carries one message at a time, so what comes late takes the place of the one that is due then; with
-//! the last of the messages concerned the wire is as it was, and what is still under way is lost behind what is
-//! newer. Machine code is not lost: a packet of it that is held up arrives in the same tick or in a later one.
+//! the last of the messages concerned the wire is as it was, and what is still under way is lost behind what
+//! is newer. Machine code is not lost: a packet of it that is held up arrives in the same tick or in a later
+//! one.
 
 use std::collections::VecDeque;
 

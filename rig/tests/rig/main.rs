@@ -1,5 +1,7 @@
 //! The machine in one process: what it cuts, how its operator is obeyed, how it takes disturbed wires.
 
+#![allow(clippy::print_stdout)] // `-- --nocapture` shows the figures behind a verdict
+
 mod contour;
 mod corrections;
 mod held;

@@ -1,6 +1,6 @@
-//! Two plain drive trains side by side: the same steps as one by one, number for number, with the same operation
-//! on both in one instruction. Plain is a train without backlash and without error of the screw, whose motor
-//! has torque.
+//! Two plain drive trains side by side: the same steps as one by one, number for number, with the same
+//! operation on both in one instruction. Plain is a train without backlash and without error of the screw,
+//! whose motor has torque.
 
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Sub};

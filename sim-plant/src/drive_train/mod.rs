@@ -176,8 +176,8 @@ impl DriveTrain {
         self.motion = motion;
     }
 
-    /// One control cycle of two drive trains with the same steps. Step by step in turn, because each step waits
-    /// for its divisions, and the processor has time for those of the other meanwhile.
+    /// One control cycle of two drive trains with the same steps. Step by step in turn, because each step
+    /// waits for its divisions, and the processor has time for those of the other meanwhile.
     pub(crate) fn advance_both(&mut self, acting: Acting, other: &mut DriveTrain, acting_there: Acting) {
         if let (true, true, Some(here), Some(there)) =
             (self.is_plain(), other.is_plain(), acting.command_nm, acting_there.command_nm)

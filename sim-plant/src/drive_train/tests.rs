@@ -1,3 +1,5 @@
+//! The drive train alone: what it does is known in closed form, or from its twin.
+
 use super::*;
 
 const CYCLE_S: f64 = 0.0005;

@@ -1,9 +1,10 @@
 //! Scenarios that would never end: a hold that nobody releases, an override that stays at 0.
 //! In: checked events. Out: the first event behind which the machine would stand for ever, and what to add.
 //!
-//! `stop`, `abort`, `emergency_stop` and `power_lost` end a program that stands; a hold is released by `cycle_start` too, an override by one
-//! that is above 0 and does not come before it. Which of two events comes first is known of two times, of two
-//! cycles and of two passes; of others it is taken to be the one that helps.
+//! `stop`, `abort`, `emergency_stop` and `power_lost` end a program that stands; a hold is released by
+//! `cycle_start` too, an override by one that is above 0 and does not come before it. Which of two events
+//! comes first is known of two times, of two cycles and of two passes; of others it is taken to be the one
+//! that helps.
 
 use protocol::operator::Request;
 

@@ -1,6 +1,6 @@
-//! What happens in a case. In: a seed, the machine, and what the program does undisturbed: how long it takes and
-//! the cycles in which a state changes. Out: no event to four, mostly one, at any cycle, half of them near a
-//! border.
+//! What happens in a case. In: a seed, the machine, and what the program does undisturbed: how long it takes
+//! and the cycles in which a state changes. Out: no event to four, mostly one, at any cycle, half of them
+//! near a border.
 
 use machine::Machine;
 use protocol::{Axis, Module};

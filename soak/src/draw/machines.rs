@@ -1,6 +1,6 @@
 //! Random machines, within what a machine file allows and a builder would build. In: a seed, where the axes
-//! shall stand. Out: a [`Machine`]. Limits, cycles, encoders, what is believed and what is true vary; the loops
-//! are those of the machine it was made from, slower where the cycle is longer.
+//! shall stand. Out: a [`Machine`]. Limits, cycles, encoders, what is believed and what is true vary; the
+//! loops are those of the machine it was made from, slower where the cycle is longer.
 
 use machine::{AxisConfig, Kinematics, Machine, POSITIONER, Reaction, RunOut, SMALL_LATHE, SMALL_MILL};
 use protocol::Axis;
@@ -40,7 +40,7 @@ pub(super) fn lathe(seed: &mut Seed, x_mm: f64, z_mm: f64) -> Machine {
     let mut reaction = || if seed.chance(0.5) { Reaction::Finish } else { Reaction::Leave };
     (threading.on_hold, threading.on_stop, threading.on_fault) = (reaction(), reaction(), reaction());
     threading.lift_mm = seed.between(0.5, 3.0);
-    common(seed, &mut machine);
+    what_all_have(seed, &mut machine);
     if seed.chance(0.2) {
         worn(seed, &mut machine);
     }
@@ -51,18 +51,19 @@ pub(super) fn mill(seed: &mut Seed) -> Machine {
     let mut machine = read(SMALL_MILL);
     machine.spindle.ramp_rpm_s = 6000.0;
     calm(&mut machine);
-    common(seed, &mut machine);
+    what_all_have(seed, &mut machine);
     machine
 }
 
 pub(super) fn positioner(seed: &mut Seed) -> Machine {
     let mut machine = read(POSITIONER);
     calm(&mut machine);
-    common(seed, &mut machine);
+    what_all_have(seed, &mut machine);
     machine
 }
 
-/// Heavy slides on soft screws swing at the gains of the built-in files once their mass is believed 5 % higher.
+/// Heavy slides on soft screws swing at the gains of the built-in files once their mass is believed 5 %
+/// higher.
 fn calm(machine: &mut Machine) {
     machine.axis.values_mut().for_each(|config| config.position_gain_1_s *= 0.6);
 }
@@ -72,7 +73,7 @@ fn read(text: &str) -> Machine {
 }
 
 /// What every machine has: cycles, limits, beliefs.
-fn common(seed: &mut Seed, machine: &mut Machine) {
+fn what_all_have(seed: &mut Seed, machine: &mut Machine) {
     // The slides of the others swing so that their loops do not take a millisecond.
     let longest = if machine.general.kinematics == Kinematics::Lathe { 0.001 } else { 0.000_5 };
     let cycle_s = one_of(seed, &[0.000_25, 0.000_5, 0.000_5, 0.000_5, 0.000_5, longest]);

@@ -1,5 +1,5 @@
-//! A case from a seed. In: a seed. Out: a [`Case`] without events, ready to run; then, once it is known what it
-//! does undisturbed, its events. The same seed gives the same case on the same version.
+//! A case from a seed. In: a seed. Out: a [`Case`] without events, ready to run; then, once it is known what
+//! it does undisturbed, its events. The same seed gives the same case on the same version.
 
 mod events;
 mod lathe;

@@ -1,5 +1,5 @@
-//! Random threads on a lathe. In: a seed, what Z and X can do. Out: a [`Thread`] and its blocks; the face of the
-//! part is Z 0, the axis of the spindle X 0.
+//! Random threads on a lathe. In: a seed, what Z and X can do. Out: a [`Thread`] and its blocks; the face of
+//! the part is Z 0, the axis of the spindle X 0.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|

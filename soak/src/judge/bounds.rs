@@ -5,8 +5,8 @@ use machine::Machine;
 use motion::Stroke;
 use protocol::{Axis, ThreadPass};
 
-/// A way out that begins while the tool still moves in takes longer than one from rest to rest; it turns round
-/// first, with a jerk and a rate of jerk that are limited.
+/// A way out that begins while the tool still moves in takes longer than one from rest to rest; it turns
+/// round first, with a jerk and a rate of jerk that are limited.
 const TURNING: f64 = 2.5;
 /// And so many control cycles: for a measurement, a drive, a servo that lags.
 const LAG_CYCLES: u64 = 12;

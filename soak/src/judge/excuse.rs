@@ -1,6 +1,6 @@
-//! What the physics of an event excuses. In: the events of a case and its machine. Out: by how much the tool may
-//! be beside its groove in a cycle, because no control could know better; whether an event lets the program be
-//! completed.
+//! What the physics of an event excuses. In: the events of a case and its machine. Out: by how much the tool
+//! may be beside its groove in a cycle, because no control could know better; whether an event lets the
+//! program be completed.
 //!
 //! | event | excuse |
 //! |---|---|
@@ -101,8 +101,8 @@ fn overrun(machine: &Machine, v: f64) -> Excuse {
     Excuse { axial_mm: 2.0 * axial_mm, ..Excuse::default() }
 }
 
-/// A jump that the axis could have made is believed; a larger one makes the drive jump for a cycle with all its
-/// torque, until its loop has caught it.
+/// A jump that the axis could have made is believed; a larger one makes the drive jump for a cycle with all
+/// its torque, until its loop has caught it.
 fn jump(machine: &Machine, axis: Axis, mm: f64) -> Excuse {
     let Some(config) = machine.axis.get(&axis) else { return Excuse::default() };
     let cycle_s = machine.general.cycle_s;

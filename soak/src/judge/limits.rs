@@ -1,9 +1,9 @@
 //! The limits of the axes, in every cycle and every state of a regulator that lives. In: what each says of
-//! itself, and the true speed of the spindle. Out: the first step of a commanded position beyond V T, or change of a
-//! commanded speed beyond A T.
+//! itself, and the true speed of the spindle. Out: the first step of a commanded position beyond V T, or
+//! change of a commanded speed beyond A T.
 //!
-//! In a pass an axis follows the spindle. What a ripple or a load does to its speed between two cycles, times the
-//! lead, comes on top: an axis that did not follow would cut a flank.
+//! In a pass an axis follows the spindle. What a ripple or a load does to its speed between two cycles, times
+//! the lead, comes on top: an axis that did not follow would cut a flank.
 
 use protocol::{AxisState, AxisStatus};
 use rig::observe::Record;
@@ -56,13 +56,16 @@ impl Limits {
                 (pass.axis(*axis).lead_mm.abs() / 60.0).max(OVERSHOOT * stroke) * self.uneven
             });
             // As fast as the spindle is in truth, as long as that is what the pass was released for.
-            let turned = pass.map_or(0.0, |(pass, _)| {
-                let released =
-                    pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm * SWING;
-                pass.axis(*axis).lead_mm.abs() * rpm.abs().min(released) / 60.0
+            let released = pass.map_or(f64::INFINITY, |(pass, _)| {
+                pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm
             });
+            let turned = pass.map_or(0.0, |(pass, _)| {
+                pass.axis(*axis).lead_mm.abs() * rpm.abs().min(SWING * released) / 60.0
+            });
+            // A law by the angle of a spindle that runs away is as much faster.
+            let runs_away = (rpm.abs() / released).max(1.0);
             let most = limits.v.max(turned) * cycle_s * MORE + ROUNDING;
-            let fastest = limits.a * cycle_s * MORE + ROUNDING + follows;
+            let fastest = limits.a * runs_away * runs_away * cycle_s * MORE + ROUNDING + follows;
             let state = now.state().name();
             if step.is_nan() || step > most {
                 found.get_or_insert(Broken::new(

@@ -37,7 +37,8 @@ use rest::Rest;
 use stock::PassStock;
 use tool::Tool;
 
-/// After the end a position is the same within ten nanometres, counts of 1e-9 mm: laws end with rounded tails.
+/// After the end a position is the same within ten nanometres, counts of 1e-9 mm: laws end with rounded
+/// tails.
 const STILL: i64 = 10_000;
 
 /// An invariant that did not hold.

@@ -1,5 +1,5 @@
-//! Timed motion of a machine that has lost an axis. In: the truth of each cycle, what the regulators say. Out: the
-//! first cycle in which another axis still follows its stream when it should have come to rest.
+//! Timed motion of a machine that has lost an axis. In: the truth of each cycle, what the regulators say.
+//! Out: the first cycle in which another axis still follows its stream when it should have come to rest.
 
 use protocol::{AxisState, MachineState};
 use rig::Exchange;

@@ -15,9 +15,9 @@
 //! ```
 //!
 //! The part begins where Z has reached its lead in every pass: before that place no thread can be cut, so a
-//! sensible program has no material there. It ends nowhere, unless the pass has no retract: then there is a relief where Z begins
-//! to brake. A single pass (G33) does not say how deep it is: it is taken to be as deep as a thread of its lead
-//! is, but no more than half of its way out.
+//! sensible program has no material there. It ends nowhere, unless the pass has no retract: then there is a
+//! relief where Z begins to brake. A single pass (G33) does not say how deep it is: it is taken to be as deep
+//! as a thread of its lead is, but no more than half of its way out.
 
 use protocol::{Axis, ThreadPass};
 

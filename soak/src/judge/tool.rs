@@ -1,5 +1,5 @@
-//! The tool in the material. In: the truth of each cycle. Out: the first cycle in which the tool is where it may
-//! not be, or still there when it should have left.
+//! The tool in the material. In: the truth of each cycle. Out: the first cycle in which the tool is where it
+//! may not be, or still there when it should have left.
 
 use std::collections::BTreeMap;
 

@@ -1,6 +1,6 @@
-//! Mutation check: with the reaction to any one row of the table of faults switched off, the soak finds a broken
-//! invariant within 2,000 seeds. Wires hide from the controllers what they would react to; the product is as it
-//! is. A seed counts only if it breaks nothing over straight wires.
+//! Mutation check: with the reaction to any one row of the table of faults switched off, the soak finds a
+//! broken invariant within 2,000 seeds. Wires hide from the controllers what they would react to; the product
+//! is as it is. A seed counts only if it breaks nothing over straight wires.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -178,7 +178,6 @@ fn found(row: Row) -> Option<(u64, String)> {
 
 fn is_found(row: Row) {
     let found = found(row);
-    println!("{row:?}: {found:?}");
     assert!(found.is_some(), "{row:?} is switched off, and {MOST} seeds do not find it");
 }
 

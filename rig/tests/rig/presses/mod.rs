@@ -3,8 +3,8 @@
 //! border of a pass. An observer that knows nothing but the axes and the program checks every cycle of it:
 //!
 //! * no commanded position changes by more than V·T in a control cycle, no commanded speed by more than A·T;
-//! * while the tool is in its groove it is within 5 µm of its helix; once it leaves it is at depth for no more
-//!   than a turn and a half; nothing goes beyond the end of the pass;
+//! * while the tool is in its groove it is within 5 µm of its helix; once it leaves it is at depth for no
+//!   more than a turn and a half; nothing goes beyond the end of the pass;
 //! * every pass is cut to its end once, in its order: one that was left is entered again on the same groove
 //!   within 1.5 µm, one that was called off has not moved;
 //! * nothing is done twice, nothing is left out, after the end nothing moves, and the end has a name.

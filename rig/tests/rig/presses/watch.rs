@@ -115,7 +115,8 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// While the tool is in its groove it is on its helix, and it does not stay there for long once it leaves.
+    /// While the tool is in its groove it is on its helix, and it does not stay there for long once it
+    /// leaves.
     fn pass(&mut self, what: &str, record: &Record) {
         let truth = record.truth;
         if truth.measurement.index_number != self.index.0 {

@@ -3,6 +3,9 @@
 
 use std::mem::discriminant;
 
+mod answer;
+mod supervise;
+
 use machine::Machine;
 use protocol::{
     Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Feed, MachineStatus, Measurement, Panel,
