@@ -27,8 +27,9 @@ use crate::drive_state::StateMachine;
 const OLDEST_COMMAND: u64 = 3;
 /// Below this measured speed a braking axis stands still, mm/s.
 const STANDSTILL_MM_S: f64 = 1.0;
-/// Largest torque offset that is believed, a share of the limit.
-const OFFSET_SHARE: f64 = 1.5;
+/// Largest torque offset that is believed, by the limit: differences of coarsely rounded positions ask for
+/// many times what a drive has.
+const OFFSET_SHARE: f64 = 100.0;
 
 /// What happens to a drive from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -122,7 +122,7 @@ fn a_drive_does_not_believe_what_no_regulator_gives() {
     let wrong: [(Wrong, bool); 7] = [
         (|drive| drive.target_velocity_mm_s = 291.0, true),
         (|drive| drive.velocity_offset_mm_s = -291.0, true),
-        (|drive| drive.torque_offset_nm = 21.5, true),
+        (|drive| drive.torque_offset_nm = 1431.0, true),
         (|drive| drive.torque_offset_nm = f64::NAN, true),
         (|drive| drive.cycle = Cycle(u64::MAX), true),
         (|drive| drive.target_velocity_mm_s = f64::INFINITY, true),
