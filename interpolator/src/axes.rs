@@ -136,11 +136,6 @@ impl<'a> Axes<'a> {
         self.all_in(AxisState::Armed) && self.each().all(|(_, status)| status.pass == pass)
     }
 
-    /// Whether one of them waits for the index of a pass.
-    pub(crate) fn armed(&self) -> bool {
-        self.each().any(|(_, status)| status.state() == AxisState::Armed)
-    }
-
     /// Whether one of them has seen the index of its pass.
     pub(crate) fn begun(&self) -> bool {
         self.each().any(|(_, status)| status.state().has_begun())

@@ -225,7 +225,7 @@ impl Regulator {
     ) {
         let cycle = measurement.cycle;
         if let Some(AxisCommand::Leave { at }) = command {
-            self.leave_at = Some(at);
+            self.leave_at = Some(self.leave_at.map_or(at, |before| before.min(at)));
         }
         let known = Known {
             state: &self.state,

@@ -175,6 +175,8 @@ impl State {
                 let way = event.way.unwrap_or(Way::Along(stage));
                 State::Leaving(Leaving { pass: Some(pass), way, fault })
             }
+            // It is told to, and nothing has moved.
+            (State::InPass { .. }, Cause::Leave(None)) => State::Streaming,
             (unchanged, Cause::Leave(_)) => unchanged,
         }
     }

@@ -182,8 +182,9 @@ impl Watch {
 
     /// What makes every axis leave a pass that has begun.
     fn in_pass(&self, known: &Known) -> Option<Cause> {
+        let told = known.leave_at.is_some_and(|at| known.measurement.cycle >= at);
         let pass = match known.state {
-            State::InPass { stage: Stage::Armed, .. } => return None,
+            State::InPass { stage: Stage::Armed, .. } => return told.then_some(Cause::Leave(None)),
             State::InPass { pass, .. } => pass,
             _ => return None,
         };
@@ -191,7 +192,7 @@ impl Watch {
         let presses = |buttons: u32, policy: u32| panel.pressed(buttons) && pass.out.on(policy);
         if presses(Panel::FEED_HOLD, WayOut::ON_HOLD)
             || presses(Panel::STOP | Panel::ABORT, WayOut::ON_STOP)
-            || known.leave_at.is_some_and(|at| known.measurement.cycle >= at)
+            || told
         {
             return Some(Cause::Leave(None));
         }

@@ -24,7 +24,7 @@ use protocol::{Axis, Code, Item, Module, ThreadPass, operator::Request};
 use crate::observe::Record;
 
 /// So many control cycles in a row without motion are rest.
-pub const REST_CYCLES: u64 = 20;
+pub const REST_CYCLES: u64 = 200;
 /// An axis that is slower than this stands, mm/s.
 const AXIS_STANDS_MM_S: f64 = 0.01;
 /// A machine may need that many times its ramps to come to rest.

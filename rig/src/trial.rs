@@ -20,7 +20,7 @@
 
 use machine::Machine;
 use motion::{Limits, Ramp};
-use protocol::{Axis, AxisLaw, Code, Feed, Item, Position, SpindleMode, SpindleSpeed, ThreadPass};
+use protocol::{Axis, AxisLaw, Code, Feed, Item, Position, SpindleMode, SpindleSpeed, ThreadPass, WayOut};
 use sim_plant::{PlantError, Scenario};
 
 use crate::{
@@ -229,7 +229,19 @@ impl Trial {
             pass.max_ratio = pass.max_ratio.min(top);
             pass.axes[axis.index()] = law;
         }
+        pass.out = self.way_out(machine, &pass);
         Ok(pass)
+    }
+
+    /// X goes back to where it came from; one that rests lifts off.
+    fn way_out(&self, machine: &Machine, pass: &ThreadPass) -> WayOut {
+        let start = pass.axis(Axis::X).start;
+        let (lift_mm, clear) = match self.delta_x_mm {
+            0.0 => (machine.threading.lift_mm, start.moved(machine.threading.lift_mm)),
+            delta_x_mm => (-delta_x_mm, start),
+        };
+        let leaves = machine.threading.leaves();
+        WayOut { axis: Axis::X.index() as u32, leaves, clear, free: clear.moved(-0.05 * lift_mm) }
     }
 
     fn check(&self) -> Result<(), TrialError> {

@@ -141,7 +141,7 @@ impl Interpolator {
         }
         let (setpoints, event) = self.work(measurement, cycle_starts);
         let order = self.step(&event);
-        let order = self.out_of_pass(measurement.cycle).unwrap_or(order);
+        let order = self.out_of_pass(order, measurement.cycle);
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if (discriminant(&self.task), self.task.public()) != (task, public) {
             self.patience.begin();
@@ -149,16 +149,12 @@ impl Interpolator {
         Some(self.answer(measurement, &setpoints, &order))
     }
 
-    /// In fault, whatever became of the frames and statuses before: no axis stays in a pass.
-    fn out_of_pass(&self, cycle: Cycle) -> Option<Order> {
-        if !matches!(self.task, Task::Fault { .. }) {
-            return None;
-        }
-        let axes = Axes::new(&self.machine, &self.heard, cycle);
-        match () {
-            () if axes.begun() => Some(Order::Leave(self.leave_at(cycle))),
-            () if axes.armed() => Some(Order::CallOff),
-            () => None,
+    /// In fault no axis stays in a pass, whatever became of the frames and statuses before: to one that is in
+    /// none, this is to hold.
+    fn out_of_pass(&self, order: Order, cycle: Cycle) -> Order {
+        match (&self.task, order) {
+            (Task::Fault { .. }, Order::Hold | Order::Leave(_)) => Order::Leave(self.leave_at(cycle)),
+            _ => order,
         }
     }
 

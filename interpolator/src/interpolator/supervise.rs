@@ -1,7 +1,7 @@
 //! What ends every task: what the panel, the axes, their drives and the spindle say, and waits that are too
 //! long. In: a tick. Out: the first trouble, most urgent first, so that a cause comes before what it did.
 
-use protocol::{Cycle, Fault, Measurement, Panel, WayOut};
+use protocol::{Cycle, Fault, Measurement, Panel};
 
 use crate::{
     axes::Axes,
@@ -24,10 +24,7 @@ impl Interpolator {
         let waits = || self.spindle_fails().or_else(|| self.in_vain(&axes));
         let (fault, at_once) =
             found.map(|fault| (fault, true)).or_else(|| waits().map(|fault| (fault, false)))?;
-        // Whose regulator is silent may be cutting all the same, and its drive tells if it is not.
-        let may_finish = fault == Fault::RegulatorSilent
-            && self.task.pass().is_some_and(|arm| !arm.pass.out.on(WayOut::ON_FAULT));
-        let way = if may_finish { Way::Finish } else { Way::Leave(self.leave_at(measurement.cycle)) };
+        let way = Way::Leave(self.leave_at(measurement.cycle));
         Some(Trouble { fault, at_once, way })
     }
 
@@ -84,11 +81,11 @@ impl Interpolator {
     }
 
     /// Whether the spindle is stopped while the axes leave a pass: a fault of its encoder leaves the axes no
-    /// angle but the one that its speed foretells, and a pass that is finished needs it.
+    /// angle but the one that its speed foretells.
     pub(crate) fn stops_spindle(&self) -> bool {
-        let Task::Leaving { why: Why::Fault(fault), way, .. } = self.task else { return false };
+        let Task::Leaving { why: Why::Fault(fault), .. } = self.task else { return false };
         let by_angle = of_encoder(fault);
-        !by_angle && way != Way::Finish
+        !by_angle
     }
     /// Whether the spindle stands after a fault, or nobody waits for it any longer.
     pub(crate) fn spindle_is_over(&self, fault: Fault) -> bool {

@@ -83,8 +83,6 @@ pub(crate) enum Way {
     CallOff,
     /// They leave it, in this cycle at the latest.
     Leave(Cycle),
-    /// They finish it.
-    Finish,
 }
 
 /// Something is wrong.

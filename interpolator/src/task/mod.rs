@@ -29,7 +29,7 @@
 //! | Returning | the operator ends the program | Ending | stream |
 //! | Ending | the spindle stands | Ended | stream |
 //! | Armed, CallingOff | fault | Leaving for it | **call off**; **leave** once an axis moves |
-//! | Cutting | fault | Leaving for it | **leave**, or hold where the pass may be finished |
+//! | Cutting | fault | Leaving for it | **leave** |
 //! | Moving | fault that leaves every axis able to move | Moving, brakes on its path | stream |
 //! | any but Fault and Ended | fault | Fault | as below |
 //!
@@ -245,8 +245,7 @@ impl Task {
                     Why::Fault(first) if first != Fault::AxisFault => first,
                     _ => fault,
                 };
-                let way = if before == Way::Finish { way } else { before };
-                Task::Leaving { pass, why: Why::Fault(first), way }
+                Task::Leaving { pass, why: Why::Fault(first), way: before }
             }
             _ => Task::Fault { fault, order: if at_once { Order::Stop } else { Order::Hold } },
         }

@@ -39,7 +39,6 @@ fn states() -> Vec<(&'static str, Task)> {
         ("leaving, fault", leaving(Why::Fault(Fault::BadMachineCode), LEAVE)),
         ("leaving, derived", leaving(Why::Fault(Fault::AxisFault), LEAVE)),
         ("leaving, call off", leaving(Why::Fault(Fault::BadMachineCode), Way::CallOff)),
-        ("leaving, finish", leaving(Why::Fault(Fault::RegulatorSilent), Way::Finish)),
         ("returning", Task::Returning { back: Back::Held }),
         ("ending", Task::Ending { stopped: false }),
         ("ending stopped", Task::Ending { stopped: true }),
@@ -178,9 +177,6 @@ const TABLE: &[(&str, &str, &str)] = &[
     ("leaving, call off", "left", "fault, hold"),
     ("leaving, call off", "cut", "fault, hold"),
     ("leaving, call off", "cut, block done", "fault, hold"),
-    ("leaving, finish", "left", "fault, hold"),
-    ("leaving, finish", "cut", "fault, hold"),
-    ("leaving, finish", "cut, block done", "fault, hold"),
     ("returning", "moved", "moving"),
     ("returning", "moved, block done", "moving waiting"),
     ("returning", "moved, no further", "braking"),
@@ -221,7 +217,6 @@ fn name(task: &Task) -> &'static str {
         Task::Leaving { why: Why::Held(_), .. } => "leaving held",
         Task::Leaving { why: Why::Stopped, .. } => "leaving stopped",
         Task::Leaving { way: Way::CallOff, .. } => "leaving, call off",
-        Task::Leaving { way: Way::Finish, .. } => "leaving, finish",
         Task::Leaving { why: Why::Fault(Fault::AxisFault), .. } => "leaving, derived",
         Task::Leaving { .. } => "leaving, fault",
         Task::Returning { back: Back::Goes } => "returning released",
@@ -317,7 +312,7 @@ fn a_pass_that_has_begun_is_called_off_by_nothing() {
     }
 }
 
-/// The first fault stays, but a cause takes the place of its consequence, and a fault that forbids to finish
+/// The first fault stays, but a cause takes the place of its consequence,
 /// a pass makes the axes leave it.
 #[test]
 fn the_first_fault_is_the_one_that_is_told() {
@@ -327,9 +322,6 @@ fn the_first_fault_is_the_one_that_is_told() {
     assert_eq!(after(first, fault(Fault::DriveFault, true)), first);
     let derived = leaving(Why::Fault(Fault::AxisFault), LEAVE);
     assert_eq!(after(derived, fault(Fault::DriveFault, true)).fault(), Some(Fault::DriveFault));
-    let finishing = leaving(Why::Fault(Fault::RegulatorSilent), Way::Finish);
-    let leaves = leaving(Why::Fault(Fault::RegulatorSilent), LEAVE);
-    assert_eq!(after(finishing, fault(Fault::DriveFault, true)), leaves);
     let braking = Task::Moving { wait: Wait::No, fault: Some(Fault::TravelLimit), back: None };
     let stopped = Task::Fault { fault: Fault::TravelLimit, order: Order::Stop };
     assert_eq!(after(braking, fault(Fault::AxisFault, true)), stopped);

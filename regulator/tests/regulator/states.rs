@@ -228,7 +228,7 @@ fn a_cause_to_leave_in_every_state() {
         ("told to stop", Streaming, told(AxisCommand::Stop), stopped, false),
         ("armed", armed(pass(0)), because(glitch), State::Fault(Fault::EncoderGlitch), false),
         ("the operator holds timed motion", Streaming, because(operator), Streaming, false),
-        ("the operator holds what has not begun", armed(pass(0)), because(operator), armed(pass(0)), false),
+        ("told to leave what has not begun", armed(pass(0)), because(operator), Streaming, false),
     ]);
     for stage in [Stage::WaitingForC0, Stage::RunIn, Stage::Locked, Stage::RunOut] {
         let from = InPass { pass: pass(77), stage };
