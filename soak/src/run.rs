@@ -18,8 +18,9 @@ use crate::judge::{Broken, Ending, Judge, Reference, bounds};
 const PATIENCE_S: f64 = 1.0;
 /// A disturbed run may take so many times as long as the undisturbed one,
 const SLOWER: f64 = 6.0;
-/// and so much longer, s: ten pauses of a second, in which nobody presses cycle start.
-const LONGER_S: f64 = 10.0;
+/// and so much longer, s: ten pauses of a second, in which nobody presses cycle start, and the half minute
+/// that the interpolator waits for a spindle, an index or an axis.
+const LONGER_S: f64 = 42.0;
 
 /// What came of a run.
 #[derive(Clone, Debug)]

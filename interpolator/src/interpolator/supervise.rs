@@ -68,8 +68,16 @@ impl Interpolator {
         let turning = spindle.commanded() != 0.0;
         match self.task {
             Task::Enabling | Task::Starting if in_vain => Some(Fault::DriveFault),
-            Task::Ready { .. } if in_vain && turning && self.program.queue.in_hand().is_some() => {
-                Some(if spindle.at_speed() { Fault::AxisNotInPosition } else { Fault::SpindleNotAtSpeed })
+            Task::Ready { .. }
+                if in_vain
+                    && (turning || self.machine.spindle.is_none())
+                    && self.program.queue.in_hand().is_some() =>
+            {
+                Some(if !turning || spindle.at_speed() {
+                    Fault::AxisNotInPosition
+                } else {
+                    Fault::SpindleNotAtSpeed
+                })
             }
             Task::Armed(_) if in_vain && turning && !axes.begun() => Some(Fault::IndexNotSeen),
             Task::CallingOff { .. } if in_vain => Some(Fault::PassCalledOff),

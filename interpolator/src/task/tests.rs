@@ -312,8 +312,7 @@ fn a_pass_that_has_begun_is_called_off_by_nothing() {
     }
 }
 
-/// The first fault stays, but a cause takes the place of its consequence,
-/// a pass makes the axes leave it.
+/// The first fault stays, but a cause takes the place of its consequence.
 #[test]
 fn the_first_fault_is_the_one_that_is_told() {
     let fault = |fault, at_once| Event::Fault(Trouble { fault, at_once, way: LEAVE });
