@@ -146,7 +146,7 @@ fn ctrl_c_after_a_signal_is_an_emergency_stop_and_the_run_ends_at_rest() {
 #[test]
 fn a_third_ctrl_c_ends_a_machine_that_does_not_come_to_rest_and_says_so() {
     let place = Place::new();
-    let frozen = ["--watchdog-s", "0", "--fell", "regulator-x:freeze@5000"];
+    let frozen = ["--watchdog-s", "0", "--fell", "regulator-x:freeze@1000"];
     let (answer, summary) = interrupted(&place, &frozen, &["INT", "INT", "INT"]);
     assert_eq!((answer.status, summary.outcome), (Some(1), Outcome::Faulted), "{}", answer.stderr);
     assert!(summary.faults.iter().any(|fault| fault.code == "broken-off"), "{:?}", summary.faults);

@@ -210,8 +210,8 @@ fn a_lost_pulse_is_corrected_at_the_index() {
     let quiet = worst("");
     for counts in [-1, 1, -3] {
         let lost = worst(&event(THERE, &format!("encoder_glitch_counts = {counts}")));
-        let most = 0.5 * f64::from(counts).abs();
-        assert!(lost <= quiet + most + 0.1, "{counts}: {lost} µm, {quiet} µm without");
+        let most = 0.5 * f64::from(counts).abs() + 0.5; // and what the observer makes of the step
+        assert!(lost <= quiet + most, "{counts}: {lost} µm, {quiet} µm without");
     }
 }
 
