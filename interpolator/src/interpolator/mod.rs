@@ -8,8 +8,8 @@ mod supervise;
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineStatus, Measurement,
-    Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Feed, MachineStatus, Measurement, Panel,
+    PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
 };
 
 use crate::{

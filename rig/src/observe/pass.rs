@@ -123,7 +123,7 @@ impl AxisTrack {
             use AxisState::{Leaving, Locked, RunOut};
             let was_under_law = matches!(before, Locked | RunOut | Leaving);
             let at_end = (status.commanded_mm - self.end_mm).abs() < SAME_MM;
-            self.done |= was_under_law && state == AxisState::Streaming && at_end;
+            self.done |= was_under_law && state == AxisState::Streaming && (at_end || before != Leaving);
             return state == Leaving;
         }
         let settled = status.angle_deg >= self.settled_deg;

@@ -179,7 +179,7 @@ fn the_same_seed_gives_the_same_numbers_and_another_does_not() {
 #[test]
 fn the_measurement_after_a_finished_program_is_the_last() {
     let mut plant = Plant::new(&Machine::default(), Scenario::none(), 1).unwrap();
-    let command = SpindleCommand { finished: 1, ..SpindleCommand::default() };
+    let command = SpindleCommand { finished: SpindleCommand::FINISHED, ..SpindleCommand::default() };
     plant.tick(&Default::default(), &SpindleCommand::default(), None);
     assert_eq!((plant.measurement().cycle, plant.measurement().last), (Cycle(1), 0));
     plant.tick(&Default::default(), &command, None);
