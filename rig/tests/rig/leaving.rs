@@ -186,9 +186,8 @@ const ROWS: [Row; 17] = [
 fn every_row_leaves_the_thread_in_time_and_in_its_groove() {
     let machine = leaves_on_everything();
     println!("{:20} {:>6} {:>8} {:>7} {:>7} {:>8}  ended", "", "S", "cycles", "half", "out", "off µm");
-    for s_rpm in [200, 600, 2000] {
-        // In the middle of the thread, some turns behind its beginning.
-        let at = 2600 + 5 * 120_000 / u64::from(s_rpm) + 800;
+    // In the middle of the thread, some turns behind its beginning.
+    for (s_rpm, at) in [(200, 6400), (600, 4400), (2000, 5400)] {
         for Row { name, action, within, fault, sound, off_um } in &ROWS {
             if s_rpm > 200 && *name == "spindle turns back" {
                 continue; // the thread is over before it does
