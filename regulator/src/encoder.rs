@@ -25,7 +25,8 @@
 //! cycles of ripple differ by 2 r |d′| at most, however often a turn it comes.
 //!
 //! Fewer counts than (M70) sees are found by (M71) at the next index, one is enough: counts latched at an
-//! index do not depend on the speed. They are corrected there, one count a cycle, as long as the sum over ten
+//! index do not depend on the speed. They are corrected there, a sixteenth of a count a
+//! cycle, so that no observer swings, as long as the sum over ten
 //! turns stays within what is tolerated; beyond it, it is a fault. Having turned back, the spindle meets the
 //! index it met last; then a latch may differ by a count, because it comes from the other side. More than
 //! half a turn is no way back to the same index.
@@ -34,7 +35,7 @@
 //! that turns faster than some 70 1/min. At a lower speed nobody can tell it from a spindle that is jammed.
 
 use machine::Machine;
-use protocol::{Fault, Measurement};
+use protocol::{Fault, Measurement, measurement::middle_of};
 
 /// Time in which a spindle may come to rest from its top speed, s.
 const STALL_S: f64 = 0.05;
@@ -49,6 +50,8 @@ const MARGIN_COUNTS: i64 = 8;
 const MARGIN_SHARE: i64 = 50;
 /// Turns over which corrections add up.
 const TURNS: usize = 10;
+/// What is corrected in a cycle, count.
+const SHARE: f64 = 1.0 / 16.0;
 
 /// What is wrong with the encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +76,7 @@ pub struct Encoder {
     found: Option<EncoderFault>,
     /// What the count shows too much, as known, and how much of that is taken off.
     slip: i64,
-    taken: i64,
+    taken: f64,
     /// Corrections of the last turns.
     recent: [i64; TURNS],
     corrected: u32,
@@ -115,7 +118,7 @@ impl Encoder {
             seen: None,
             found: None,
             slip: 0,
-            taken: 0,
+            taken: 0.0,
             recent: [0; TURNS],
             corrected: 0,
             still: 0,
@@ -124,7 +127,12 @@ impl Encoder {
 
     /// The count of a measurement, corrected.
     pub fn count(&self, measurement: &Measurement) -> i64 {
-        measurement.spindle_count.saturating_sub(self.taken)
+        measurement.spindle_count.saturating_sub(self.taken.round() as i64)
+    }
+
+    /// The middle of that count, corrected smoothly, count.
+    pub fn angle(&self, measurement: &Measurement) -> f64 {
+        middle_of(measurement.spindle_count) - self.taken
     }
 
     /// The count latched at the last index of a measurement, corrected.
@@ -185,7 +193,7 @@ impl Encoder {
         }
         let index = index.and_then(|missed| missed.map_or(Ok(()), |missed| self.correct(missed, tolerated)));
         self.found = glitch.or(index.err()).or_else(|| self.missing(&seen));
-        self.taken += (self.slip - self.taken).signum();
+        self.taken += (self.slip as f64 - self.taken).clamp(-SHARE, SHARE);
         self.seen = Some(seen);
     }
 

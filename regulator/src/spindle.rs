@@ -85,7 +85,7 @@ impl Spindle {
             return self.coast();
         }
         self.count = self.encoder.count(measurement);
-        let angle = middle_of(self.count);
+        let angle = self.encoder.angle(measurement);
         self.leading.update(angle);
         self.stroking.update(angle);
         self.open(self.count);

@@ -64,8 +64,6 @@ pub struct Interpolator {
     last: Option<Cycle>,
     /// Every axis that lives stands.
     rests: bool,
-    /// Ticks for which the spindle has stood.
-    stood: u64,
     /// Number and depth of the pass in hand, or of the one before.
     pub(crate) pass: (u32, f64),
 }
@@ -85,7 +83,6 @@ impl Interpolator {
             panel: Panel::default(),
             last: None,
             rests: false,
-            stood: 0,
             pass: (0, 0.0),
         }
     }
@@ -171,7 +168,6 @@ impl Interpolator {
         self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction));
         let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
         self.rests = axes.rest();
-        self.stood = if self.spindle.stands() { self.stood + 1 } else { 0 };
         match self.task {
             Task::Cutting(_) => {
                 let speeds = [self.spindle.observed(), self.spindle.programmed()];

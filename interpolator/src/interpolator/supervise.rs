@@ -13,9 +13,6 @@ use crate::{
 /// may be lost.
 const LEAVING_TICKS: u64 = 3;
 
-/// After a fault the spindle has to stand for so many ticks: its loop swings when it is stopped hard.
-const STOOD_TICKS: u64 = 50;
-
 impl Interpolator {
     /// What ends every task.
     pub(crate) fn trouble(&self, measurement: &Measurement) -> Option<Trouble> {
@@ -99,12 +96,12 @@ impl Interpolator {
         !by_angle
     }
 
-    /// Whether the spindle stands after a fault, or nobody waits for it any longer.
+    /// Whether the spindle rests after a fault, or nobody waits for it any longer.
     pub(crate) fn spindle_is_over(&self, fault: Fault) -> bool {
         // One that is not at speed may have a dead encoder, too.
         let blind = of_encoder(fault) || fault == Fault::SpindleNotAtSpeed;
-        let stands = self.stood > STOOD_TICKS && (self.spindle.ran_down() || !blind);
-        stands || self.spindle.never_stops()
+        let rests = self.spindle.rests() && (self.spindle.ran_down() || !blind);
+        rests || self.spindle.never_stops()
     }
 }
 

@@ -208,10 +208,16 @@ impl Spindle {
     }
 
     /// Whether it stands: the slow watch says so, which swings through zero when the spindle stops fast, and
-    /// so do the counts of the last tick.
+    /// so do the counts of the last tick; or it rests, if its encoder is too noisy for that.
     pub fn stands(&self) -> bool {
         let counts = STANDSTILL_RPM / self.rpm_per_count_s * self.tick_s;
-        self.observed().abs() <= STANDSTILL_RPM && self.moved.abs() as f64 <= 1.0 + counts
+        let quiet = self.observed().abs() <= STANDSTILL_RPM && self.moved.abs() as f64 <= 1.0 + counts;
+        quiet || self.rests()
+    }
+
+    /// Whether it has come to rest: surer than that it [stands](Self::stands), and later.
+    pub(crate) fn rests(&self) -> bool {
+        self.watch.rests()
     }
 
     /// Override in force, per cent.

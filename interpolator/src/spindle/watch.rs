@@ -13,8 +13,12 @@
 //! runs away       ∫ \|n\| − (1 + 2b) m − 2 % of the highest speed, never below 0, exceeds a turn
 //! reversed        three ticks backwards at 5 % of c, or a turn back: in a pass
 //! stalls          observed < \|d\|/10 for a second and a quarter turn of c: in a pass
-//! does not stop   c = 0, m = 0, and five seconds later it turns
+//! does not stop   c = 0, m = 0, and five seconds later it does not rest
+//! rests           the mean angle of 0.1 s moves by no more than half a count and 1 1/min, three times
 //! ```
+//!
+//! The speed of a tick would not do for the last two: noise of an encoder of a few counts looks like some
+//! 20 1/min, for good; and a spindle that is stopped hard swings through zero.
 
 use machine::{Machine, SpindleConfig};
 use protocol::Fault;
@@ -40,6 +44,10 @@ const STALL_TURNS: f64 = 0.25;
 /// Time beyond its ramp until a spindle that was told to stop does not, s.
 const STOP_S: f64 = 5.0;
 
+/// Whether it rests is asked of means over so long, s; so many in a row have to say so.
+const MEAN_S: f64 = 0.1;
+const MEANS: u32 = 3;
+
 /// What is known of the spindle's obedience.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
@@ -58,6 +66,40 @@ pub(super) struct Watch {
     stalled: (f64, f64),
     /// Ticks for which it should have stood.
     late: u64,
+    rest: Rest,
+}
+
+/// Whether a spindle rests, whatever the noise of its encoder.
+#[derive(Clone, Debug)]
+struct Rest {
+    ticks: u32,
+    /// How far a mean may move, count.
+    most: f64,
+    /// Sum over the ticks of this mean, and how many they are; from the count at which it began.
+    sum: (f64, u32),
+    last: Option<f64>,
+    /// Means in a row that did not move.
+    still: u32,
+}
+
+impl Rest {
+    fn new(machine: &Machine) -> Rest {
+        let ticks = (MEAN_S / machine.general.interpolator_cycle_s).ceil().max(1.0);
+        let s = ticks * machine.general.interpolator_cycle_s;
+        let most = 0.5 + SpindleConfig::STANDSTILL_RPM / 60.0 * s * machine.spindle_counts();
+        Rest { ticks: ticks as u32, most, sum: (0.0, 0), last: None, still: 0 }
+    }
+
+    fn update(&mut self, count: i64) {
+        self.sum = (self.sum.0 + count as f64, self.sum.1 + 1);
+        if self.sum.1 < self.ticks {
+            return;
+        }
+        let mean = self.sum.0 / f64::from(self.ticks);
+        let stands = self.last.is_some_and(|last| (mean - last).abs() <= self.most);
+        (self.sum, self.last) = ((0.0, 0), Some(mean));
+        self.still = if stands { self.still.saturating_add(1) } else { 0 };
+    }
 }
 
 impl Watch {
@@ -76,6 +118,7 @@ impl Watch {
             back_turns: 0.0,
             stalled: (0.0, 0.0),
             late: 0,
+            rest: Rest::new(machine),
         }
     }
 
@@ -92,7 +135,8 @@ impl Watch {
         let most = 2.0 * self.max_rpm / 60.0 * self.tick_s;
         let turns = ((count.wrapping_sub(before)) as f64 / self.turn_counts).clamp(-most, most);
         self.run_away(turns);
-        self.stop(commanded, observed);
+        self.rest.update(count);
+        self.stop(commanded);
         let ahead = pass.map(|direction| turns * direction);
         self.reverse(ahead, commanded);
         self.stall(pass.is_some(), commanded, observed);
@@ -121,9 +165,14 @@ impl Watch {
         self.stalled = (s + self.tick_s, turns + commanded.abs() / 60.0 * self.tick_s);
     }
 
-    fn stop(&mut self, commanded: f64, observed: f64) {
-        let late = commanded == 0.0 && self.most <= 0.0 && observed.abs() > SpindleConfig::STANDSTILL_RPM;
+    fn stop(&mut self, commanded: f64) {
+        let late = commanded == 0.0 && self.most <= 0.0 && !self.rests();
         self.late = if late { self.late + 1 } else { 0 };
+    }
+
+    /// Whether it rests.
+    pub(super) fn rests(&self) -> bool {
+        self.rest.still >= MEANS
     }
 
     /// Whether it was told to stop, and goes on.

@@ -170,7 +170,7 @@ pub const FAULTS: [FaultRow; 31] = [
         source: "regulator",
         found: "fewer counts between two indexes than 4 `encoder_lines` (M71), more than `lost_counts_um` within ten turns",
         within: "1 turn",
-        reaction: "up to that bound corrected, one count a cycle, and counted; beyond it leaves the pass, or finishes it if `on_fault` says so",
+        reaction: "up to that bound corrected, a sixteenth of a count a cycle, and warned of; beyond it leaves the pass, or finishes it if `on_fault` says so",
         text: "fewer counts than 4 encoder_lines between two indexes of the spindle; check that key, the encoder and its cable",
         remedy: "that key, encoder, cable",
     },

@@ -72,6 +72,8 @@ pub struct Observer {
     batch: Vec<u8>,
     /// Fault last seen of every axis, and of the interpolator.
     fault_codes: (PerAxis<u32>, u32),
+    /// Counts of the encoder that were corrected so far.
+    corrected: i32,
     moving_cycles: u64,
     limits: Limits,
     contour: Contour,
@@ -105,6 +107,8 @@ pub struct Observation {
     pub traces_left_out: u64,
     /// Faults in the order of their coming.
     pub faults: Vec<FaultReport>,
+    /// What was not as it should be, and did no harm.
+    pub warnings: Vec<FaultReport>,
     /// Overrides that were clamped.
     pub overrides_clamped: u32,
     /// Pauses of the program in the order of their coming.
@@ -131,6 +135,7 @@ impl Observer {
             hashes: true,
             batch: Vec::with_capacity(2 * HASH_BATCH),
             fault_codes: Default::default(),
+            corrected: 0,
             moving_cycles: 0,
             limits: Limits::of(machine),
             contour: Contour::default(),
@@ -272,15 +277,37 @@ impl Observer {
                 faults.push(fault_report(cycle, source(), code, counts));
             }
         };
+        let mut corrected = 0;
         for (axis, status) in record.axes {
             let source = || format!("regulator-{}", axis.name());
             take(&mut self.fault_codes.0[axis.index()], status.fault, status.encoder_counts, &source);
+            if status.fault == 0 {
+                corrected = corrected.max(status.encoder_counts);
+            }
         }
         if is_tick {
             take(&mut self.fault_codes.1, record.machine.fault, 0, &|| "interpolator".into());
             self.out.overrides_clamped = record.machine.overrides_clamped;
         }
+        self.warn_of_counts(cycle, corrected);
         self.out.outcome = self.outcome(record.machine);
+    }
+
+    /// Counts that were lost or gained, and corrected at an index: one warning, however many.
+    fn warn_of_counts(&mut self, cycle: u64, corrected: i32) {
+        if corrected <= self.corrected {
+            return;
+        }
+        if self.corrected == 0 {
+            let (source, code) = ("spindle-encoder".into(), "encoder-counts-corrected".into());
+            self.out.warnings.push(FaultReport { cycle, source, code, text: String::new() });
+        }
+        self.corrected = corrected;
+        let counts = if corrected == 1 { "1 count".into() } else { format!("{corrected} counts") };
+        let text = format!(
+            "{counts} too many or too few at an index, corrected there; check the encoder, its cable and the shield"
+        );
+        self.out.warnings.iter_mut().for_each(|warning| warning.text.clone_from(&text));
     }
 
     fn outcome(&self, machine: &MachineStatus) -> Outcome {
@@ -309,6 +336,7 @@ impl Observation {
             simulated_s: self.cycles as f64 * self.cycle_s,
             trace_hash: self.trace_hash,
             faults: self.faults,
+            warnings: self.warnings,
             overrides_clamped: self.overrides_clamped,
             passes: self.passes,
             thread: self.thread,
