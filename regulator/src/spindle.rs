@@ -185,6 +185,11 @@ impl Spindle {
         self.degrees_per_count
     }
 
+    /// Speed by the slow observer, 1/min, positive clockwise.
+    pub fn steady_rpm(&self) -> f64 {
+        self.stroking.at(0.0).speed * self.degrees_per_count / 6.0
+    }
+
     /// Observed speed, 1/min, positive clockwise.
     pub fn rpm(&self) -> f64 {
         self.leading.at(0.0).speed * self.degrees_per_count / 6.0

@@ -13,6 +13,7 @@
 //!
 //! ```text
 //! jump     |d − d′| > 10 A T² + 4 quanta                                                        (M102)
+//! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
 //! ```
 //! Ten times the acceleration that is asked of an axis is more than its motor and any cut can give it.
 
@@ -34,6 +35,12 @@ const SILENT_TICKS: u64 = 3;
 /// An axis at rest waits so much longer, s.
 const REST_S: f64 = 1.0;
 
+/// A spindle that turns faster than the highest override of its programmed speed, by this factor and this
+/// share of its highest speed, has run away: the interpolator lets it turn on for longer, an axis on its law
+/// cannot.
+const FASTER: f64 = 1.15;
+const FASTER_SHARE: f64 = 0.02;
+
 /// What an axis watches.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
@@ -45,6 +52,8 @@ pub(crate) struct Watch {
     tick: u64,
     /// 10 A T² and four quanta, mm.
     jump_mm: f64,
+    /// What of its programmed speed a spindle may reach, a share, and 1/min besides.
+    fastest: (f64, f64),
     seen: Option<Seen>,
     /// How far the measured position has jumped, mm.
     jumped_mm: Option<f64>,
@@ -88,6 +97,10 @@ impl Watch {
             cycle_s,
             tick: machine.cycles_per_tick(),
             jump_mm: BEYOND * config.acceleration_mm_s2 * cycle_s * cycle_s + 4.0 * quantum_mm,
+            fastest: (
+                FASTER * machine.spindle.override_max_pct / 100.0,
+                FASTER_SHARE * machine.spindle.max_rpm,
+            ),
             seen: None,
             jumped_mm: None,
         }
@@ -196,7 +209,12 @@ impl Watch {
         {
             return Some(Cause::Leave(None));
         }
-        self.others_fail(known.measurement).then_some(Cause::Leave(Some(Fault::OtherAxis)))
+        if self.others_fail(known.measurement) {
+            return Some(Cause::Leave(Some(Fault::OtherAxis)));
+        }
+        let (share, besides) = self.fastest;
+        let most = share * pass.programmed_deg_s / 6.0 + besides;
+        (known.spindle.steady_rpm().abs() > most).then_some(Cause::Leave(Some(Fault::SpindleRunaway)))
     }
 
     fn others_fail(&self, measurement: &Measurement) -> bool {

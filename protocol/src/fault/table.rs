@@ -247,9 +247,9 @@ pub const FAULTS: [FaultRow; 31] = [
     FaultRow {
         fault: Fault::SpindleRunaway,
         code: "spindle-runaway",
-        source: "interpolator",
-        found: "the spindle is faster than band and ramp explain",
-        within: "3 ticks",
+        source: "regulator, interpolator",
+        found: "in a pass the spindle is faster than the highest override of its speed (M103); or it has turned a turn more than band and ramp explain",
+        within: "1 cycle; that turn",
         reaction: "leaves the pass, the spindle stops",
         text: "the spindle turns faster than it was told to; check its drive",
         remedy: "its drive",

@@ -166,7 +166,7 @@ impl Observer {
         self.take_pass(record, is_tick);
         self.take_moves(record, is_tick);
         self.take_pauses(record);
-        self.take_faults(record, is_tick);
+        self.take_faults(record);
     }
 
     /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle
@@ -269,7 +269,7 @@ impl Observer {
         }
     }
 
-    fn take_faults(&mut self, record: &Record, is_tick: bool) {
+    fn take_faults(&mut self, record: &Record) {
         let cycle = record.truth.cycle.0;
         let faults = &mut self.out.faults;
         let mut take = |seen: &mut u32, code: u32, counts: i32, source: &dyn Fn() -> String| {
@@ -285,10 +285,8 @@ impl Observer {
                 corrected = corrected.max(status.encoder_counts);
             }
         }
-        if is_tick {
-            take(&mut self.fault_codes.1, record.machine.fault, 0, &|| "interpolator".into());
-            self.out.overrides_clamped = record.machine.overrides_clamped;
-        }
+        take(&mut self.fault_codes.1, record.machine.fault, 0, &|| "interpolator".into());
+        self.out.overrides_clamped = record.machine.overrides_clamped;
         self.warn_of_counts(cycle, corrected);
         self.out.outcome = self.outcome(record.machine);
     }
