@@ -30,6 +30,8 @@ const LOOKS: u32 = 24;
 const BETWEEN: f64 = 0.99;
 /// The first duration tried is so much longer than one that uses a limit to the full.
 const FIRST: f64 = 1.02;
+/// A shorter time is none, s.
+const SHORTEST_S: f64 = 1e-9;
 /// Peaks of (M99) from rest, by L/T, L/T², L/T³.
 const PLACE: [f64; 3] = [2.1875, 7.5132, 52.5];
 /// Peaks of (M100) from a speed, by v/T, v/T².
@@ -96,12 +98,12 @@ impl Exit {
     }
 
     /// The way to rest in a given time (M101), the same for several axes, so that they stay in the plane of
-    /// their speed and acceleration; one of 0 s stands where it begins. It takes over speed and acceleration;
-    /// its jerk begins at once, and is at most twice the limit if the duration is at least
+    /// their speed and acceleration; one of (nearly) 0 s stands where it begins. It takes over speed and
+    /// acceleration; its jerk begins at once, and is at most twice the limit if the duration is at least
     /// [`stop_s`](Exit::stop_s).
     #[must_use]
     pub fn stop_in(from: &Sample, duration: f64) -> Exit {
-        if duration <= 0.0 {
+        if duration < SHORTEST_S {
             return Exit { c: [from.s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], duration: 0.0, end: from.s };
         }
         let (t, v, at) = (duration, from.v, from.a * duration);
@@ -158,12 +160,17 @@ impl Exit {
         })
     }
 
-    /// Sample `t` seconds after the beginning; at rest from the end on. Before the beginning the same
-    /// polynomial goes on backwards: feedforward that looks back sees the motion from which it began.
+    /// Sample `t` seconds after the beginning; at rest from the end on. Before the beginning it is the
+    /// motion of constant jerk from which it began: feedforward looks back a little.
     #[must_use]
     pub fn at(&self, t: f64) -> Sample {
         if t >= self.duration || self.duration == 0.0 {
             return Sample { s: self.end, ..Sample::default() };
+        }
+        if t < 0.0 {
+            let [c0, c1, c2, c3, ..] = self.c;
+            let before = Exit { c: [c0, c1, c2, c3, 0.0, 0.0, 0.0, 0.0], ..*self };
+            return before.polynomial(t / self.duration);
         }
         self.polynomial(t / self.duration)
     }
@@ -178,6 +185,18 @@ impl Exit {
         let j = 2.0 * d3 + u * (6.0 * d4 + u * (60.0 * c5 + u * (120.0 * c6 + u * 210.0 * c7)));
         let dj = 6.0 * d4 + u * (120.0 * c5 + u * (360.0 * c6 + u * 840.0 * c7));
         Sample { s, v: v * f, a: a * f * f, j: j * f * f * f, dj: dj * f * f * f * f }
+    }
+
+    /// How far it goes at most in a direction (positive or negative), mm: looked at as often as the limits.
+    #[must_use]
+    pub fn farthest(&self, direction: f64) -> f64 {
+        let places = (0..=LOOKS).map(|look| self.polynomial_or_end(f64::from(look) / f64::from(LOOKS)));
+        let ahead = |a: f64, b: f64| if (b - a) * direction > 0.0 { b } else { a };
+        places.fold(self.end, ahead)
+    }
+
+    fn polynomial_or_end(&self, u: f64) -> f64 {
+        if self.duration == 0.0 { self.end } else { self.polynomial(u).s }
     }
 
     /// Duration, s.

@@ -4,6 +4,7 @@
 //! | axis | way | ends |
 //! |---|---|---|
 //! | the one that lifts the tool | timed: by (M99) to where the tool is clear | there |
+//! | the same, where that would take it deeper than the pass goes | timed: first by (M100) to rest, then by (M99) | there |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
 //! | any, in timed motion | dry: by (M101) on the tangent, all axes in the same time | where it stands |
@@ -13,7 +14,7 @@
 //! helix is followed by the angle, so that the groove stays what it is until the tool is out of it. Nothing
 //! goes beyond the end of the pass: there every axis brakes by its law.
 
-use motion::{Exit, Limits};
+use motion::{Exit, Limits, Sample};
 use protocol::{Cycle, Fault, Position};
 
 use crate::reference::Reference;
@@ -21,7 +22,7 @@ use crate::state::{Pass, Stage, State};
 
 /// An axis on the helix of a spindle that has stood for so long brakes where it is, s.
 const STANDS_S: f64 = 0.1;
-/// A retract that is under way is kept if its end comes no later than so many times a way out of its own.
+/// The retract of the pass is kept if its end comes no later than so many times a way out of its own.
 const SOON: f64 = 1.2;
 
 /// What ends what an axis does.
@@ -72,19 +73,50 @@ pub(crate) fn way_out(reference: &Reference, axis: usize, limits: &Limits) -> Op
 
 /// The way of the axis that lifts the tool.
 fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Way {
-    let exit = Exit::to(&reference.now(), pass.out.clear.mm(), limits);
+    let now = reference.now();
+    let exit = Exit::to(&now, pass.out.clear.mm(), limits);
+    if matches!(stage, Stage::WaitingForC0 | Stage::RunIn) {
+        return Way::Timed { exit: no_deeper(exit, &now, pass, limits), from: reference.cycle };
+    }
     let turning = reference.spindle.since(pass, 0.0);
     let left_s = (pass.law.done_deg() - turning.angle) / turning.speed;
     let soon = turning.speed > 0.0 && left_s <= SOON * exit.duration();
     match stage {
         Stage::RunOut if soon => Way::Along(stage),
+        Stage::Locked if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
         _ => Way::Timed { exit, from: reference.cycle },
     }
+}
+
+/// On the way to depth: turned round at once, the tool would go deeper than to come to rest first, and
+/// perhaps deeper than the pass.
+fn no_deeper(exit: Exit, now: &Sample, pass: &Pass, limits: &Limits) -> Exit {
+    let clear = pass.out.clear.mm();
+    let into = (now.s - clear).signum();
+    let depth = pass.law.start.mm() + pass.motion.at(pass.law.locked_deg()).s;
+    let beyond = |exit: &Exit| (exit.farthest(into) - depth) * into;
+    if beyond(&exit) <= 0.0 {
+        return exit;
+    }
+    let stop = Exit::stop(now, limits);
+    if beyond(&stop) < beyond(&exit) { stop } else { exit }
+}
+
+/// The axis that lifts the tool has come to rest on its way: it goes on to where the tool is clear.
+fn onward(reference: &Reference, pass: &Pass, exit: &Exit, limits: &Limits) -> Option<Way> {
+    let clear = pass.out.clear.mm();
+    let rests = Sample { s: exit.end(), ..Sample::default() };
+    let far = (exit.end() - clear).abs() > 1e-6;
+    far.then(|| Way::Timed { exit: Exit::to(&rests, clear, limits), from: reference.cycle })
 }
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
 /// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands.
 pub(crate) fn brake(reference: &Reference, axis: usize, free: bool, limits: &Limits) -> Option<Way> {
+    if let State::Leaving(Leaving { pass: Some(pass), way: Way::Timed { exit, .. }, .. }) = reference.state {
+        let rests = pass.lifts(axis) && is_over(reference);
+        return if rests { onward(reference, pass, exit, limits) } else { None };
+    }
     let State::Leaving(Leaving { pass: Some(pass), way: Way::Along(stage), .. }) = reference.state else {
         return None;
     };

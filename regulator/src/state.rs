@@ -99,7 +99,8 @@ pub struct Event {
     pub cause: Option<Cause>,
     /// The way out from here, if there is a cause to leave.
     pub way: Option<Way>,
-    /// The axis that lifts the tool is out of the groove, and this one can brake so.
+    /// The axis that lifts the tool is out of the groove, and this one can brake so; or it is this one, and
+    /// rests on its way.
     pub brake: Option<Way>,
     /// The timed way, or what is left of the stream, is over.
     pub rests: bool,
@@ -247,6 +248,7 @@ impl Leaving {
         };
         let way = match along {
             Some(Way::Along(_)) => event.brake.or(along),
+            None if matches!(self.way, Way::Timed { .. }) => event.brake,
             other => other,
         };
         match (way, self.fault) {
