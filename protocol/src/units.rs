@@ -24,6 +24,19 @@ use zerocopy::{FromBytes, Immutable, IntoBytes};
 pub struct Cycle(pub u64);
 
 impl Cycle {
+    /// Whether a message of this cycle follows one of the cycle `last`: it is newer, and at most so many
+    /// cycles ahead, or the one before it was as far ahead (`ahead` remembers it). One flipped bit of a cycle
+    /// makes nobody wait for the cycle that it shows; a gap is believed when the second message says so.
+    pub fn follows(self, last: Cycle, most: u64, ahead: &mut Option<Cycle>) -> bool {
+        if self <= last {
+            return false;
+        }
+        let confirmed = ahead.is_some_and(|ahead| self > ahead && self <= ahead.after(most));
+        let follows = self <= last.after(most) || confirmed;
+        *ahead = if follows { None } else { Some(self) };
+        follows
+    }
+
     /// The cycle `n` cycles later.
     pub fn after(self, n: u64) -> Cycle {
         Cycle(self.0 + n)

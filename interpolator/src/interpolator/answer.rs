@@ -23,8 +23,7 @@ impl Interpolator {
         let stop_s = self.machine.stop_s(setpoints);
         for (axis, _) in self.machine.axes() {
             let i = axis.index();
-            let frame = AxisFrame::pack(cycle, line, setpoints[i], &order.of(axis));
-            frames[i] = AxisFrame { stop_s, ..frame };
+            frames[i] = AxisFrame::pack(cycle, line, setpoints[i], stop_s, &order.of(axis));
         }
         let (state, arm) = (self.task.public(), self.task.pass());
         let pass = arm.map(|arm| &arm.pass);

@@ -26,8 +26,8 @@ layout!(axis_law: AxisLaw, 120, {
     run_in_c0_deg: 48, run_in_dc_deg: 56, run_in_lambda: 64, brake_c_deg: 72, brake_dc_deg: 80,
     brake_lambda: 88, retract_mm: 96, retract_c_deg: 104, retract_dc_deg: 112,
 });
-layout!(axis_frame: AxisFrame, 232, "pitchlock/axis-frame/2", {
-    cycle: 0, command: 8, line: 12, setpoint: 16, stop_s: 48, pass: 56, reserved: 60, s_rpm: 64,
+layout!(axis_frame: AxisFrame, 232, "pitchlock/axis-frame/3", {
+    cycle: 0, command: 8, line: 12, setpoint: 16, stop_s: 48, pass: 56, check: 60, s_rpm: 64,
     direction: 72, not_before: 80, out: 88, law: 112,
 });
 layout!(way_out: WayOut, 24, {

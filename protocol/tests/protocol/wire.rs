@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use protocol::*;
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, IntoBytes};
 
 fn law() -> AxisLaw {
     AxisLaw {
@@ -133,7 +133,7 @@ fn every_axis_command_travels() {
     for command in
         [AxisCommand::Stream, AxisCommand::Hold, arm(law()), AxisCommand::CallOff, AxisCommand::Stop]
     {
-        let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), &command);
+        let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), 0.5, &command);
         assert_eq!((frame.cycle, frame.line, frame.setpoint), (Cycle(9), 4, setpoint()));
         assert_eq!(frame.unpack(), Ok(command));
     }
@@ -141,24 +141,38 @@ fn every_axis_command_travels() {
 
 #[test]
 fn axis_commands_that_no_interpolator_sends_are_refused() {
-    let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), &arm(law()));
+    let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), 0.5, &arm(law()));
     assert_eq!(
-        AxisFrame { command: 99, ..frame }.unpack(),
+        AxisFrame { command: 99, ..frame }.sealed().unpack(),
         Err(Refused::UnknownCode { field: "axis command", code: 99 })
     );
     for s_rpm in [0.0, 1e-305, 1e308] {
-        assert_eq!(AxisFrame { s_rpm, ..frame }.unpack(), Err(Refused::OutOfRange("S")));
+        assert_eq!(AxisFrame { s_rpm, ..frame }.sealed().unpack(), Err(Refused::OutOfRange("S")));
     }
-    assert_eq!(AxisFrame { s_rpm: f64::NAN, ..frame }.unpack(), Err(Refused::NotFinite("S")));
-    assert_eq!(AxisFrame { direction: 0.5, ..frame }.unpack(), Err(Refused::OutOfRange("spindle direction")));
+    assert_eq!(AxisFrame { s_rpm: f64::NAN, ..frame }.sealed().unpack(), Err(Refused::NotFinite("S")));
+    assert_eq!(
+        AxisFrame { direction: 0.5, ..frame }.sealed().unpack(),
+        Err(Refused::OutOfRange("spindle direction"))
+    );
     let broken = Setpoint { velocity_mm_s: f64::NAN, ..setpoint() };
     assert_eq!(
-        AxisFrame { setpoint: broken, ..frame }.unpack(),
+        AxisFrame { setpoint: broken, ..frame }.sealed().unpack(),
         Err(Refused::NotFinite("setpoint velocity"))
     );
     let broken = Setpoint { acceleration_mm_s2: f64::INFINITY, ..setpoint() };
     let expected = Err(Refused::NotFinite("setpoint acceleration"));
-    assert_eq!(AxisFrame { setpoint: broken, ..frame }.unpack(), expected);
+    assert_eq!(AxisFrame { setpoint: broken, ..frame }.sealed().unpack(), expected);
+}
+
+#[test]
+fn one_bit_that_is_turned_over_is_found_wherever_it_is() {
+    let frame = AxisFrame::pack(Cycle(9), 4, setpoint(), 0.5, &arm(law()));
+    for bit in 0..8 * size_of::<AxisFrame>() {
+        let mut bytes = frame.as_bytes().to_vec();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let damaged = AxisFrame::read_from_bytes(&bytes).unwrap();
+        assert_eq!(damaged.unpack(), Err(Refused::Unreadable("an axis frame")), "bit {bit}");
+    }
 }
 
 #[test]
@@ -281,7 +295,7 @@ proptest! {
         number in 0u32..5,
     ) {
         let frame = AxisFrame::read_from_bytes(&frame).unwrap();
-        if let Ok(AxisCommand::Arm { law, .. }) = (AxisFrame { command: number, ..frame }).unpack() {
+        if let Ok(AxisCommand::Arm { law, .. }) = (AxisFrame { command: number, ..frame }).sealed().unpack() {
             prop_assert!(law.check().is_ok());
         }
     }

@@ -59,6 +59,9 @@ pub(crate) fn arm() -> AxisCommand {
     AxisCommand::Arm { pass: 1, s_rpm: 300.0, direction: 1.0, not_before, out: WayOut::default(), law: law() }
 }
 
+/// Long enough to brake from everything that is done here, s.
+const STOP_S: f64 = 1.0;
+
 /// The frame that takes effect in a cycle.
 pub(crate) fn frame(cycle: u64) -> AxisFrame {
     let at = timed((cycle + 8) as f64);
@@ -73,7 +76,7 @@ pub(crate) fn frame(cycle: u64) -> AxisFrame {
         _ if (ARMED..OVER).contains(&cycle) => AxisCommand::Hold,
         _ => AxisCommand::Stream,
     };
-    AxisFrame::pack(Cycle(cycle - 4), 7, node, &command)
+    AxisFrame::pack(Cycle(cycle - 4), 7, node, STOP_S, &command)
 }
 
 /// What is measured in a cycle with the motor and the scale at these places.
