@@ -6,13 +6,13 @@
 //! |---|---|---|
 //! | N | – | lines of the encoder; a turn has 4 N counts |
 //! | T | s | control cycle |
-//! | d, d′ | count | change of the count over this cycle, over the one before |
+//! | d, d′, d″ | count | change of the count over this cycle, over the one before, and before that |
 //! | A | count/s² | fastest change of speed: ramp of the drive, and from the top speed to rest in 50 ms, or 20,000 1/min per s |
 //! | r | – | ripple of the speed, 1 % |
 //! | D | count | count latched at an index, minus that of the index before |
 //!
 //! ```text
-//! glitch          |d − d′| > 3 + A T² + 2 r |d′|                                     (M70)
+//! glitch          |d − d′| > 3 + max(A T² + 2 r |d′|, 3/2 |d′ − d″|)                 (M70)
 //! counts          |D| = 4 N; after a reversal 4 N or 0, to one count                 (M71)
 //! missing index   so many turns and a margin of 8 counts or 4 N / 50 without one, whichever is more
 //! ```
@@ -22,7 +22,8 @@
 //! rounded angle is less than 2 counts off; the third is to spare. A drive that holds its ramp, a cut that
 //! bogs the spindle (3 % in 15 ms is a tenth of A), and one that stops it stay below A; only a collision does
 //! not. A slow spindle is stopped in less than 50 ms: 300 N·m stop 0.15 kg m² with 19,100 1/min per s. Two
-//! cycles of ripple differ by 2 r |d′| at most, however often a turn it comes.
+//! cycles of ripple differ by 2 r |d′| at most, however often a turn it comes. A spindle that jams goes on as
+//! it has begun: its speed may change by half as much again as in the cycle before.
 //!
 //! Fewer counts than (M70) sees are found by (M71) at the next index, one is enough: counts latched at an
 //! index do not depend on the speed. They are corrected there, a sixteenth of a count a
@@ -32,7 +33,9 @@
 //! half a turn is no way back to the same index.
 //!
 //! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
-//! that turns faster than some 70 1/min. At a lower speed nobody can tell it from a spindle that is jammed.
+//! that turns faster than some 70 1/min. At a lower speed nobody can tell it from a spindle that is jammed;
+//! nor after the count has slowed down to less than 70 % of its pace of the last 10 ms: then the spindle is
+//! being stopped, and its last step to rest is the hardest.
 
 use machine::Machine;
 use protocol::{Fault, Measurement, measurement::middle_of};
@@ -48,6 +51,11 @@ const QUANTA: f64 = 3.0;
 /// What an index may come late by: so many counts, or this share of a turn.
 const MARGIN_COUNTS: i64 = 8;
 const MARGIN_SHARE: i64 = 50;
+/// A change of speed goes on so many times as fast.
+const GOES_ON: f64 = 1.5;
+/// Time over which the pace is a mean, s; a count that was slower than this share of it was being stopped.
+const PACE_S: f64 = 0.01;
+const BEING_STOPPED: f64 = 0.7;
 /// Turns over which corrections add up.
 const TURNS: usize = 10;
 /// What is corrected in a cycle, count.
@@ -72,6 +80,9 @@ pub struct Encoder {
     step: f64,
     /// Turns without an index that are let pass.
     blind_turns: f64,
+    /// What of a new change goes into the pace; the pace, counts a cycle.
+    fresh: f64,
+    pace: f64,
     seen: Option<Seen>,
     found: Option<EncoderFault>,
     /// What the count shows too much, as known, and how much of that is taken off.
@@ -96,6 +107,10 @@ struct Missed {
 struct Seen {
     count: i64,
     change: Option<i64>,
+    /// By how much that differed from the one before.
+    trend: i64,
+    /// Measurements are missing before the next.
+    gap: bool,
     index_number: u64,
     /// Count at the last index.
     index: Option<i64>,
@@ -115,6 +130,8 @@ impl Encoder {
             margin: MARGIN_COUNTS.max(turn as i64 / MARGIN_SHARE),
             step: fastest * machine.general.cycle_s * machine.general.cycle_s,
             blind_turns: machine.threading.index_lost_turns,
+            fresh: (machine.general.cycle_s / PACE_S).min(1.0),
+            pace: 0.0,
             seen: None,
             found: None,
             slip: 0,
@@ -158,7 +175,7 @@ impl Encoder {
     /// Cycles have gone by without a measurement.
     pub fn skip(&mut self) {
         if let Some(seen) = &mut self.seen {
-            seen.change = None;
+            (seen.change, seen.trend, seen.gap) = (None, 0, true);
         }
         self.still = 0;
     }
@@ -176,13 +193,28 @@ impl Encoder {
         let count = measurement.spindle_count;
         let Some(mut seen) = self.seen else {
             let (change, index_number, index) = (None, measurement.index_number, None);
-            self.seen = Some(Seen { count, change, index_number, index, low: count, high: count });
+            self.seen = Some(Seen {
+                count,
+                change,
+                trend: 0,
+                gap: false,
+                index_number,
+                index,
+                low: count,
+                high: count,
+            });
             return;
         };
         let change = count.saturating_sub(seen.count);
-        let glitch = seen.change.and_then(|before| self.glitch(change, before));
+        let glitch = seen.change.and_then(|before| self.glitch(change, before, seen.trend));
         self.still = if change == 0 { self.still + 1 } else { 0 };
-        (seen.count, seen.change) = (count, Some(change));
+        seen.trend = seen.change.map_or(0, |before| change.saturating_sub(before));
+        // Behind a gap it is the change of several cycles.
+        let of_cycle = (!std::mem::take(&mut seen.gap)).then_some(change);
+        if let Some(change) = of_cycle {
+            self.pace += self.fresh * (change.saturating_abs() as f64 - self.pace);
+        }
+        (seen.count, seen.change) = (count, of_cycle);
         (seen.low, seen.high) = (seen.low.min(count), seen.high.max(count));
         let turns = measurement.index_number.saturating_sub(seen.index_number);
         let index = if turns > 0 { self.at_index(&seen, measurement.index_count, turns) } else { Ok(None) };
@@ -212,10 +244,14 @@ impl Encoder {
     }
 
     /// (M70)
-    fn glitch(&self, change: i64, before: i64) -> Option<EncoderFault> {
+    fn glitch(&self, change: i64, before: i64, trend: i64) -> Option<EncoderFault> {
         let counts = change.saturating_sub(before);
-        let possible = QUANTA + self.step + 2.0 * RIPPLE * (before as f64).abs();
+        let goes_on =
+            if counts.signum() == trend.signum() { GOES_ON * trend.saturating_abs() as f64 } else { 0.0 };
+        let possible = QUANTA + goes_on.max(self.step + 2.0 * RIPPLE * (before as f64).abs());
         let beyond = counts as f64 > possible || (counts as f64) < -possible;
+        let being_stopped = change == 0 && (before.saturating_abs() as f64) < BEING_STOPPED * self.pace;
+        let beyond = beyond && !being_stopped;
         let stands = EncoderFault { fault: Fault::EncoderStands, counts: 0 };
         let glitch = EncoderFault { fault: Fault::EncoderGlitch, counts };
         beyond.then_some(if change == 0 { stands } else { glitch })

@@ -1,7 +1,7 @@
 //! The regulator of one axis: receive, decide, evaluate, command, report.
 
 use machine::{AxisConfig, Machine};
-use motion::{Limits, Sample};
+use motion::{Exit, Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
     Measurement, Refused, Setpoint, frame::SETPOINT_LEAD, units::AXES,
@@ -18,8 +18,10 @@ use crate::{
     watch::{Known, Watch},
 };
 
-/// A measurement that is more cycles ahead than this is damaged.
-const MOST_MISSED: u64 = 1000;
+/// A measurement that is more cycles ahead than this is damaged, unless the next one is as far ahead.
+const MOST_MISSED: u64 = 50;
+/// Two places are the same, mm.
+const SAME_MM: f64 = 0.001;
 /// A setpoint may go beyond a limit by this share: rounding, and what an axis does besides its path.
 const SPARE: f64 = 1.1;
 
@@ -59,6 +61,10 @@ pub struct Regulator {
     /// The cycle in which the interpolator wants the pass in hand to be left.
     leave_at: Option<Cycle>,
     expected: Option<Cycle>,
+    /// A cycle that lay far ahead.
+    ahead: Option<Cycle>,
+    /// A frame that came with an old measurement.
+    held: Option<AxisFrame>,
     frame_due: Option<Cycle>,
     /// When the axis came back to the stream.
     streams_from: Cycle,
@@ -94,6 +100,8 @@ impl Regulator {
             scales: std::array::from_fn(|i| has_scale(machine.axis.get(&Axis::ALL[i]))),
             leave_at: None,
             expected: None,
+            ahead: None,
+            held: None,
             frame_due: None,
             streams_from: Cycle(0),
             tick: machine.cycles_per_tick(),
@@ -110,7 +118,9 @@ impl Regulator {
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
         let expected = self.expected.unwrap_or(measurement.cycle);
-        if measurement.cycle < expected || measurement.cycle > expected.after(MOST_MISSED) {
+        let before = Cycle(expected.0.wrapping_sub(1));
+        if expected.0 > 0 && !measurement.cycle.follows(before, MOST_MISSED, &mut self.ahead) {
+            self.held = input.frame.copied().or(self.held);
             return self.answered;
         }
         let missed = measurement.cycle.0 - expected.0;
@@ -122,7 +132,8 @@ impl Regulator {
         self.spindle.update(measurement, missed, lead_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let measured_mm = self.watch.position(self.measured_mm(measurement), missed, !idle);
-        let command = self.take(input.frame, measurement.cycle);
+        let held = self.held.take();
+        let command = self.take(input.frame.or(held.as_ref()), measurement.cycle);
         self.advance(measurement, command, missed, measured_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let Regulator { state, stream, spindle, compensation, loops, cycle_s, .. } = self;
@@ -187,7 +198,19 @@ impl Regulator {
             if ahead > SETPOINT_LEAD * self.tick {
                 return Err(Refused::OutOfRange("setpoint cycle"));
             }
-            self.check_step(&frame.setpoint)?;
+            let late = self.stream.begun() && self.stream.last().cycle < cycle;
+            // Behind a pass frames are missing for a while, and the first setpoint is where the pass ended.
+            let missing = self.stream.last().cycle < cycle
+                && frame.setpoint.position.mm_from(self.stream.last().position).abs() > SAME_MM;
+            if missing && matches!(self.state, State::Streaming) {
+                self.stream.rest_until(cycle);
+            }
+            if let Err(refused) = self.check_step(&frame.setpoint, frame.stop_s) {
+                if late {
+                    self.stream.tear();
+                }
+                return Err(refused);
+            }
             if !self.stream.push(frame.setpoint, frame.stop_s) {
                 return Err(Refused::OutOfRange("setpoint cycle"));
             }
@@ -196,12 +219,15 @@ impl Regulator {
         Ok(command)
     }
 
-    /// Refuses a setpoint that no axis can follow from the one before.
-    fn check_step(&self, next: &Setpoint) -> Result<(), Refused> {
+    /// Refuses a setpoint that no axis can follow from the one before, or brake from in time.
+    fn check_step(&self, next: &Setpoint, stop_s: f64) -> Result<(), Refused> {
         let last = self.stream.last();
         let (v, a) = (next.velocity_mm_s, next.acceleration_mm_s2);
         if v.abs() > SPARE * self.limits.v || a.abs() > SPARE * self.limits.a {
             return Err(Refused::OutOfRange("setpoint"));
+        }
+        if stop_s < Exit::stop_s(v, a, &self.limits) {
+            return Err(Refused::OutOfRange("braking time"));
         }
         if !self.stream.begun() || next.cycle <= last.cycle || matches!(self.state, State::Idle) {
             return Ok(());
@@ -209,8 +235,9 @@ impl Regulator {
         let h = (next.cycle.0 - last.cycle.0) as f64 * self.cycle_s;
         let mean = 0.5 * (last.velocity_mm_s + v) * h + (last.acceleration_mm_s2 - a) * h * h / 12.0;
         let apart = (next.position.mm_from(last.position) - mean).abs();
-        // A quintic between the two with less than the highest jerk.
-        if apart > SPARE * self.limits.j * h * h * h + 1e-6 {
+        // Twice what the highest jerk can do in that time, h³/31 for j and −j in turns; and what a pass ends
+        // beside the first setpoint behind it.
+        if apart > self.limits.j * h * h * h / 15.0 + 2e-5 {
             return Err(Refused::OutOfRange("setpoint position"));
         }
         Ok(())

@@ -19,6 +19,8 @@ use crate::{
     state::Pass,
 };
 
+/// Two observers that agree so far see a steady spindle, a share.
+const STEADY: f64 = 0.1;
 /// More measurements than this are never made up for.
 const MOST_MISSED: u64 = 8;
 
@@ -110,9 +112,11 @@ impl Spindle {
         self.encoder.fault().is_some_and(|found| blinds(found.fault))
     }
 
-    /// The slow observer knows the speed best: the ripple of the spindle hardly moves it.
+    /// The slow observer knows the speed best: the ripple of the spindle hardly moves it; the fast one, if it
+    /// is being stopped.
     fn coast(&mut self) {
-        let speed = self.stroking.at(0.0).speed;
+        let (steady, fast) = (self.stroking.at(0.0).speed, self.leading.at(0.0).speed);
+        let speed = if (fast - steady).abs() > STEADY * steady.abs() { fast } else { steady };
         self.leading.coast(speed);
         self.stroking.coast(speed);
     }

@@ -17,13 +17,21 @@ pub struct Stream {
     /// What follows the last of them.
     stop: Exit,
     begun: bool,
+    /// The axis has rested behind the last setpoint, and the next one cannot be reached from there.
+    torn: bool,
     cycle_s: f64,
 }
 
 impl Stream {
     /// A stream that has not begun. `cycle_s` is the control cycle.
     pub fn new(cycle_s: f64) -> Stream {
-        Stream { nodes: [Setpoint::default(); KEPT], stop: Exit::default(), begun: false, cycle_s }
+        Stream {
+            nodes: [Setpoint::default(); KEPT],
+            stop: Exit::default(),
+            begun: false,
+            torn: false,
+            cycle_s,
+        }
     }
 
     /// Whether there is a setpoint at all.
@@ -35,7 +43,19 @@ impl Stream {
     pub fn rest_at(&mut self, position: Position, cycle: Cycle) {
         self.nodes = [Setpoint { cycle, position, ..Setpoint::default() }; KEPT];
         self.stop = Exit::stop_in(&rest(self.last()), 0.0);
-        self.begun = true;
+        (self.begun, self.torn) = (true, false);
+    }
+
+    /// The present is `cycle`: an axis that has come to rest behind its last setpoint rests there until now.
+    pub fn rest_until(&mut self, cycle: Cycle) {
+        if self.begun && self.last().cycle < cycle && self.rests(cycle) {
+            self.rest_at(Position::from_mm(self.stop.end()), cycle);
+        }
+    }
+
+    /// The next setpoint was refused, since the axis cannot be there in time from where it rests.
+    pub fn tear(&mut self) {
+        self.torn = true;
     }
 
     /// Whether the axis has come to rest behind the last setpoint.
@@ -69,10 +89,10 @@ impl Stream {
         &self.nodes[KEPT - 1]
     }
 
-    /// Whether `cycle` lies behind the last setpoint although that one still moves.
+    /// Whether `cycle` lies behind the last setpoint although that one still moves, or setpoints are missing.
     pub fn starved(&self, cycle: Cycle) -> bool {
         let last = self.last();
-        cycle > last.cycle && (last.velocity_mm_s != 0.0 || last.acceleration_mm_s2 != 0.0)
+        self.torn || cycle > last.cycle && (last.velocity_mm_s != 0.0 || last.acceleration_mm_s2 != 0.0)
     }
 
     /// The commanded motion at `cycle` plus `offset` cycles, mm and s.

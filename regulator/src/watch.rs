@@ -13,6 +13,7 @@
 //!
 //! ```text
 //! jump     |d − d′| > 10 A T² + 4 quanta                                                        (M102)
+//! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
 //! ```
 //! Ten times the acceleration that is asked of an axis is more than its motor and any cut can give it.
@@ -30,6 +31,9 @@ use crate::stream::Stream;
 const BEYOND: f64 = 10.0;
 /// Control cycles without a measurement that an axis bridges.
 const BRIDGED: u64 = 2;
+/// More than so many missing ones are too many, if they are more than this share of all.
+const MOST_LOST: f64 = 10.0;
+const LOST_SHARE: f64 = 0.1;
 /// A frame that is so many ticks late tells of a sender that has died.
 const SILENT_TICKS: u64 = 3;
 /// An axis at rest waits so much longer, s.
@@ -54,6 +58,8 @@ pub(crate) struct Watch {
     jump_mm: f64,
     /// What of its programmed speed a spindle may reach, a share, and 1/min besides.
     fastest: (f64, f64),
+    /// Measurements that are missing, beyond that share.
+    lost: f64,
     seen: Option<Seen>,
     /// How far the measured position has jumped, mm.
     jumped_mm: Option<f64>,
@@ -101,6 +107,7 @@ impl Watch {
                 FASTER * machine.spindle.override_max_pct / 100.0,
                 FASTER_SHARE * machine.spindle.max_rpm,
             ),
+            lost: 0.0,
             seen: None,
             jumped_mm: None,
         }
@@ -108,6 +115,7 @@ impl Watch {
 
     /// Takes the measured position of a cycle and gives it back without the jump that was seen (M102).
     pub(crate) fn position(&mut self, measured_mm: f64, missed: u64, follows: bool) -> f64 {
+        self.lost = (self.lost - LOST_SHARE).max(0.0) + missed as f64;
         let seen = self.seen.filter(|_| missed == 0);
         let change = seen.map(|seen| measured_mm - seen.mm);
         let beyond = match (change, seen.and_then(|seen| seen.change)) {
@@ -143,7 +151,7 @@ impl Watch {
 
     /// What counts and positions say that cannot be.
     fn encoders(&self, known: &Known) -> Option<Fault> {
-        if known.missed > BRIDGED {
+        if known.missed > BRIDGED || self.lost > MOST_LOST {
             return Some(Fault::MeasurementGap);
         }
         let may_finish = |pass: &&Pass| !pass.out.on(WayOut::ON_FAULT);

@@ -321,3 +321,25 @@ fn any_counts_are_taken() {
     }
     assert!(encoder.fault().is_some());
 }
+
+/// A gap is no glitch, whatever the spindle does behind it.
+#[test]
+fn measurements_that_are_missing_are_no_glitch() {
+    for lines in ENCODERS {
+        for (missed, step) in [(1, 0.001), (2, 0.001), (2, 0.02), (40, 0.02)] {
+            let mut bench = Bench::new(lines, 0.1);
+            let mut angle = 0.1;
+            for cycle in 0..3000 {
+                let gap = if cycle % 7 == 3 { missed } else { 0 };
+                if gap > 0 {
+                    bench.encoder.skip();
+                }
+                angle += step * f64::from(1 + gap);
+                // The index lies at whole turns, and a gap may hide none or one of them.
+                bench.tolerated = 1 << 40;
+                let found = bench.go_to(angle).filter(|found| found.fault == Fault::EncoderGlitch);
+                assert_eq!(found, None, "{lines} lines, {missed} missed, cycle {cycle}");
+            }
+        }
+    }
+}
