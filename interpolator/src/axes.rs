@@ -151,6 +151,16 @@ impl<'a> Axes<'a> {
         self.each().any(|(_, status)| status.state() == AxisState::Leaving)
     }
 
+    /// Whether an axis that follows the stream is farther from where it is led than it can be on its way: its
+    /// setpoints do not arrive. `here` lies so many s ahead of it.
+    pub(crate) fn astray(&self, machine: &Machine, here: &PerAxis<Position>, ahead_s: f64) -> bool {
+        self.live().any(|(axis, status)| {
+            let most = machine.axis.get(&axis).map_or(f64::INFINITY, |config| config.velocity_mm_s * ahead_s);
+            let apart = here[axis.index()].mm() - status.commanded_mm;
+            status.state() == AxisState::Streaming && apart.abs() > most
+        })
+    }
+
     /// Whether all that live stand and belong to no pass.
     pub(crate) fn rest(&self) -> bool {
         self.live().all(|(_, status)| {

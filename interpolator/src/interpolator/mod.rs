@@ -4,6 +4,7 @@
 use std::mem::discriminant;
 
 mod answer;
+mod standing;
 mod supervise;
 
 use machine::Machine;
@@ -15,6 +16,7 @@ use protocol::{
 use crate::{
     axes::{Axes, Heard},
     guard::Guard,
+    interpolator::standing::Standing,
     pass::{self, Look, Ready, Stand},
     patience::Patience,
     program::{Next, Program},
@@ -23,8 +25,10 @@ use crate::{
     travel::{Hands, Travel},
 };
 
-/// A measurement that is more ticks ahead than this is damaged.
-const MOST_MISSED: u64 = 1000;
+/// A measurement that is more ticks ahead than this is damaged, unless the next one is as far ahead.
+const MOST_MISSED: u64 = 8;
+/// More ticks of motion than this are never made up for.
+const MOST_MADE_UP: u64 = 8;
 
 /// What one tick brings.
 #[derive(Clone, Copy, Debug)]
@@ -62,8 +66,13 @@ pub struct Interpolator {
     panel: Panel,
     /// Cycle of the measurement of the last tick.
     last: Option<Cycle>,
-    /// Every axis that lives stands.
+    /// A cycle that lay far ahead.
+    ahead: Option<Cycle>,
+    /// Ticks from the measurement before to this one.
+    ticks: u64,
+    /// Every axis that lives stands: as it is commanded, and as it is measured.
     rests: bool,
+    standing: Standing,
     /// Number and depth of the pass in hand, or of the one before.
     pub(crate) pass: (u32, f64),
 }
@@ -82,7 +91,10 @@ impl Interpolator {
             heard: Heard::new(),
             panel: Panel::default(),
             last: None,
+            ahead: None,
+            ticks: 1,
             rests: false,
+            standing: Standing::new(machine),
             pass: (0, 0.0),
         }
     }
@@ -111,27 +123,15 @@ impl Interpolator {
         self.program.queue.lost();
     }
 
-    /// Whether everything is at rest and the machine may be switched off. After a fault nobody waits for ever
-    /// for an axis or a spindle that does not come to rest.
-    pub fn finished(&self) -> bool {
-        match self.task {
-            Task::Ended { .. } => true,
-            Task::Fault { fault, .. } => {
-                let spindle = self.spindle_is_over(fault);
-                let axes = self.rests || self.patience.is_over(&self.spindle);
-                spindle && axes && self.led_to_rest()
-            }
-            _ => false,
-        }
-    }
-
     /// One interpolator cycle. A measurement that is not newer than the one of the tick before makes nothing.
     pub fn tick(&mut self, input: &In) -> Option<Out> {
         let measurement = input.measurement;
-        let farthest = |last: Cycle| last.after(MOST_MISSED * self.machine.cycles_per_tick());
-        if self.last.is_some_and(|last| measurement.cycle <= last || measurement.cycle > farthest(last)) {
+        let farthest = MOST_MISSED * self.machine.cycles_per_tick();
+        if self.last.is_some_and(|last| !measurement.cycle.follows(last, farthest, &mut self.ahead)) {
             return None;
         }
+        let since = measurement.cycle.0 - self.last.map_or(0, |last| last.0);
+        self.ticks = (since / self.machine.cycles_per_tick()).clamp(1, MOST_MADE_UP);
         self.last = Some(measurement.cycle);
         let cycle_starts = self.look(input);
         self.travel.idle();
@@ -168,6 +168,7 @@ impl Interpolator {
         self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction));
         let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
         self.rests = axes.rest();
+        self.standing.update(measurement, self.rests);
         match self.task {
             Task::Cutting(_) => {
                 let speeds = [self.spindle.observed(), self.spindle.programmed()];
@@ -223,7 +224,7 @@ impl Interpolator {
             Task::Ready { wait } => return self.begin(cycle, due, wait.after(panel.cycle_starts)),
             Task::Moving { wait, fault, back } => {
                 let back = back.map(|back| back.after(panel));
-                return self.move_on(due, wait.after(panel.cycle_starts), fault.is_some(), back);
+                return self.move_on(due, self.ticks, wait.after(panel.cycle_starts), fault.is_some(), back);
             }
             Task::Dwelling { left } if *left <= 1 => Event::Over(Wait::behind_block(panel)),
             Task::Dwelling { .. } if ends(panel) => Event::Over(Wait::No),
@@ -291,12 +292,12 @@ impl Interpolator {
                     Event::Waits(Wait::No)
                 }
                 Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
-                Next::Move(_) => return self.move_on(due, Wait::No, false, None),
+                Next::Move(_) => return self.move_on(due, 1, Wait::No, false, None),
                 Next::Work(work) if !self.spindle.lets(Feed::PerMinute(work.feed_mm_min)) => {
                     Event::Waits(Wait::No)
                 }
                 Next::Work(work) => match self.travel.begin_work(self.program.line, &work) {
-                    Ok(()) => return self.move_on(due, Wait::No, false, None),
+                    Ok(()) => return self.move_on(due, 1, Wait::No, false, None),
                     Err(fault) => refused(fault, cycle),
                 },
                 Next::Pass(pass) => self.begin_pass(cycle, &pass),
@@ -359,10 +360,12 @@ impl Interpolator {
         }
     }
 
-    /// One tick of timed motion.
+    /// So many ticks of timed motion up to `due`: one, and those of measurements that did not come. Only the
+    /// last setpoint is sent; the axes interpolate over the others.
     fn move_on(
         &mut self,
         due: Cycle,
+        ticks: u64,
         wait: Wait,
         stops: bool,
         back: Option<Back>,
@@ -372,9 +375,16 @@ impl Interpolator {
             self.program.switch_off(&mut self.spindle);
         }
         let hands = Hands { panel, spindle: &self.spindle, wait, stops, back };
-        let (setpoints, moved, line) = self.travel.tick(&mut self.program.queue, &hands, due);
-        self.program.line = line.unwrap_or(self.program.line);
-        (setpoints, Event::Moved(moved))
+        let mut left = ticks;
+        loop {
+            left -= 1;
+            let due = Cycle(due.0 - left * self.machine.cycles_per_tick());
+            let (setpoints, moved, line) = self.travel.tick(&mut self.program.queue, &hands, due);
+            self.program.line = line.unwrap_or(self.program.line);
+            if left == 0 || moved.stands || moved.fault.is_some() || moved.wait != wait {
+                return (setpoints, Event::Moved(moved));
+            }
+        }
     }
 }
 

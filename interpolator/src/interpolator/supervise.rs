@@ -1,7 +1,7 @@
 //! What ends every task: what the panel, the axes, their drives and the spindle say, and waits that are too
 //! long. In: a tick. Out: the first trouble, most urgent first, so that a cause comes before what it did.
 
-use protocol::{Cycle, Fault, Measurement, Panel};
+use protocol::{Cycle, Fault, Measurement, Panel, frame::SETPOINT_LEAD};
 
 use crate::{
     axes::Axes,
@@ -49,9 +49,22 @@ impl Interpolator {
             Some(cause) => Some(cause),
             None if axes.silent() => Some(Fault::RegulatorSilent),
             None if enabled && axes.drive_off(measurement) => Some(Fault::DriveFault),
+            None if self.leads() && axes.astray(&self.machine, self.travel.here(), self.ahead_s()) => {
+                Some(Fault::StreamStarved)
+            }
             None if axes.in_fault() => Some(Fault::AxisFault),
             None => None,
         }
+    }
+
+    /// Whether the axes are led by setpoints.
+    fn leads(&self) -> bool {
+        matches!(self.task, Task::Moving { .. } | Task::Ready { .. })
+    }
+
+    /// How far the last setpoint lies ahead of the statuses at most, s: of the tick before, and two more.
+    fn ahead_s(&self) -> f64 {
+        (SETPOINT_LEAD + 3) as f64 * self.machine.general.interpolator_cycle_s
     }
 
     fn spindle_fails(&self) -> Option<Fault> {
@@ -94,6 +107,20 @@ impl Interpolator {
         let Task::Leaving { why: Why::Fault(fault), .. } = self.task else { return false };
         let by_angle = of_encoder(fault);
         !by_angle
+    }
+
+    /// Whether everything is at rest and the machine may be switched off. After a fault nobody waits for ever
+    /// for an axis or a spindle that does not come to rest.
+    pub fn finished(&self) -> bool {
+        match self.task {
+            Task::Ended { .. } => true,
+            Task::Fault { fault, .. } => {
+                let spindle = self.spindle_is_over(fault);
+                let axes = self.standing.holds() || self.patience.is_over(&self.spindle);
+                spindle && axes && self.led_to_rest()
+            }
+            _ => false,
+        }
     }
 
     /// Whether the spindle rests after a fault, or nobody waits for it any longer.

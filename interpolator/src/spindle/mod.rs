@@ -9,6 +9,7 @@
 //!
 //! No spindle is commanded above its highest speed: an override that would ask for more is clamped.
 
+mod rest;
 mod watch;
 
 use std::f64::consts::TAU;
@@ -212,12 +213,17 @@ impl Spindle {
     pub fn stands(&self) -> bool {
         let counts = STANDSTILL_RPM / self.rpm_per_count_s * self.tick_s;
         let quiet = self.observed().abs() <= STANDSTILL_RPM && self.moved.abs() as f64 <= 1.0 + counts;
-        quiet || self.rests()
+        (quiet || self.watch.rests()) && self.is_believed()
     }
 
     /// Whether it has come to rest: surer than that it [stands](Self::stands), and later.
     pub(crate) fn rests(&self) -> bool {
-        self.watch.rests()
+        self.watch.rests() && self.is_believed()
+    }
+
+    /// Nobody believes an encoder that never showed the spindle turning, before it has run down.
+    fn is_believed(&self) -> bool {
+        !self.watch.is_doubtful() || self.ran_down()
     }
 
     /// Override in force, per cent.

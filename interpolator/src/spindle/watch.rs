@@ -13,15 +13,13 @@
 //! runs away       ∫ \|n\| − (1 + 2b) m − 2 % of the highest speed, never below 0, exceeds a turn
 //! reversed        three ticks backwards at 5 % of c, or a turn back: in a pass
 //! stalls          observed < \|d\|/10 for a second and a quarter turn of c: in a pass
-//! does not stop   c = 0, m = 0, and five seconds later it does not rest
-//! rests           the mean angle of 0.1 s moves by no more than half a count and 1 1/min, three times
+//! does not stop   c = 0, m = 0, and five seconds later it does not rest (`rest.rs`)
 //! ```
-//!
-//! The speed of a tick would not do for the last two: noise of an encoder of a few counts looks like some
-//! 20 1/min, for good; and a spindle that is stopped hard swings through zero.
 
-use machine::{Machine, SpindleConfig};
+use machine::Machine;
 use protocol::Fault;
+
+use super::rest::Rest;
 
 /// How much slower than its ramp a spindle may change its speed.
 const SLOWER: f64 = 3.0;
@@ -44,9 +42,8 @@ const STALL_TURNS: f64 = 0.25;
 /// Time beyond its ramp until a spindle that was told to stop does not, s.
 const STOP_S: f64 = 5.0;
 
-/// Whether it rests is asked of means over so long, s; so many in a row have to say so.
-const MEAN_S: f64 = 0.1;
-const MEANS: u32 = 3;
+/// An encoder that shows less than this share of what it should may be dead.
+const DOUBT_SHARE: f64 = 0.5;
 
 /// What is known of the spindle's obedience.
 #[derive(Clone, Debug)]
@@ -67,39 +64,8 @@ pub(super) struct Watch {
     /// Ticks for which it should have stood.
     late: u64,
     rest: Rest,
-}
-
-/// Whether a spindle rests, whatever the noise of its encoder.
-#[derive(Clone, Debug)]
-struct Rest {
-    ticks: u32,
-    /// How far a mean may move, count.
-    most: f64,
-    /// Sum over the ticks of this mean, and how many they are; from the count at which it began.
-    sum: (f64, u32),
-    last: Option<f64>,
-    /// Means in a row that did not move.
-    still: u32,
-}
-
-impl Rest {
-    fn new(machine: &Machine) -> Rest {
-        let ticks = (MEAN_S / machine.general.interpolator_cycle_s).ceil().max(1.0);
-        let s = ticks * machine.general.interpolator_cycle_s;
-        let most = 0.5 + SpindleConfig::STANDSTILL_RPM / 60.0 * s * machine.spindle_counts();
-        Rest { ticks: ticks as u32, most, sum: (0.0, 0), last: None, still: 0 }
-    }
-
-    fn update(&mut self, count: i64) {
-        self.sum = (self.sum.0 + count as f64, self.sum.1 + 1);
-        if self.sum.1 < self.ticks {
-            return;
-        }
-        let mean = self.sum.0 / f64::from(self.ticks);
-        let stands = self.last.is_some_and(|last| (mean - last).abs() <= self.most);
-        (self.sum, self.last) = ((0.0, 0), Some(mean));
-        self.still = if stands { self.still.saturating_add(1) } else { 0 };
-    }
+    /// It was to turn, and its encoder showed less than half of that.
+    doubtful: bool,
 }
 
 impl Watch {
@@ -119,6 +85,7 @@ impl Watch {
             stalled: (0.0, 0.0),
             late: 0,
             rest: Rest::new(machine),
+            doubtful: false,
         }
     }
 
@@ -134,6 +101,9 @@ impl Watch {
         // A count that jumps is a matter of the encoder: no spindle turns that fast.
         let most = 2.0 * self.max_rpm / 60.0 * self.tick_s;
         let turns = ((count.wrapping_sub(before)) as f64 / self.turn_counts).clamp(-most, most);
+        if self.due != 0.0 {
+            self.doubtful = observed.abs() < DOUBT_SHARE * self.due.abs();
+        }
         self.run_away(turns);
         self.rest.update(count);
         self.stop(commanded);
@@ -172,7 +142,12 @@ impl Watch {
 
     /// Whether it rests.
     pub(super) fn rests(&self) -> bool {
-        self.rest.still >= MEANS
+        self.rest.holds()
+    }
+
+    /// Whether its encoder showed less than half of its speed when it was to turn last.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.doubtful
     }
 
     /// Whether it was told to stop, and goes on.

@@ -14,7 +14,7 @@
 //! | Moving | the axes stand at the end of the chain | Ready, or Returning to a pass | stream |
 //! | Dwelling, Paused | over, or the operator ends the program | Ready | stream |
 //! | Arming | every axis is armed two ticks later | Armed | hold |
-//! | Arming | one is not | Fault | **call off** |
+//! | Arming | one is not: a fault | Leaving for it | **call off**; **leave** once an axis moves |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
 //! | Armed | an axis has seen the index | Cutting | hold |
 //! | CallingOff | two ticks later the law of the pass leads an axis all the same | Cutting | hold |
@@ -28,12 +28,12 @@
 //! | Returning | released, every axis at the start of the pass | Ready | stream |
 //! | Returning | the operator ends the program | Ending | stream |
 //! | Ending | the spindle stands | Ended | stream |
-//! | Armed, CallingOff | fault | Leaving for it | **call off**; **leave** once an axis moves |
+//! | Arming, Armed, CallingOff | fault | Leaving for it | **call off**; **leave** once an axis moves |
 //! | Cutting | fault | Leaving for it | **leave** |
 //! | Moving | fault that leaves every axis able to move | Moving, brakes on its path | stream |
 //! | any but Fault and Ended | fault | Fault | as below |
 //!
-//! In Fault the axes are told: to call off a pass that is being armed; to stop at once if one of them cannot
+//! In Fault the axes are told: to stop at once if one of them cannot
 //! be led any more; to hold otherwise. The first fault is the one that stays, but a cause takes the place of
 //! its consequence.
 //!
@@ -235,8 +235,7 @@ impl Task {
             Task::Moving { wait, fault: before, back } => {
                 Task::Moving { wait, fault: before.or(Some(fault)), back }
             }
-            Task::Arming { .. } => Task::Fault { fault, order: Order::CallOff },
-            Task::Armed(pass) | Task::CallingOff { pass, .. } => {
+            Task::Arming { pass, .. } | Task::Armed(pass) | Task::CallingOff { pass, .. } => {
                 Task::Leaving { pass, why: Why::Fault(fault), way: Way::CallOff }
             }
             Task::Cutting(pass) => Task::Leaving { pass, why: Why::Fault(fault), way },

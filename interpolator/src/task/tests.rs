@@ -45,7 +45,6 @@ fn states() -> Vec<(&'static str, Task)> {
         ("ended", Task::Ended { stopped: false }),
         ("ended stopped", Task::Ended { stopped: true }),
         ("fault, hold", Task::Fault { fault: Fault::BadMachineCode, order: Order::Hold }),
-        ("fault, call off", Task::Fault { fault: Fault::IndexNotSeen, order: Order::CallOff }),
         ("fault, stop", Task::Fault { fault: Fault::AxisFault, order: Order::Stop }),
     ]
 }
@@ -225,7 +224,6 @@ fn name(task: &Task) -> &'static str {
         Task::Ending { stopped: true } => "ending stopped",
         Task::Ended { stopped: false } => "ended",
         Task::Ended { stopped: true } => "ended stopped",
-        Task::Fault { order: Order::CallOff, .. } => "fault, call off",
         Task::Fault { order: Order::Stop, .. } => "fault, stop",
         Task::Fault { .. } => "fault, hold",
     }
@@ -247,8 +245,7 @@ fn faulted(state: &'static str, event: &str) -> Option<&'static str> {
     let after = match (state, event) {
         (over, _) if over.starts_with("ended") || over.starts_with("fault") => return None,
         (_, other) if other != "axis fault" && other != "other fault" => return None,
-        ("arming", _) => "fault, call off",
-        ("armed" | "calling off" | "leaving, call off", _) => "leaving, call off",
+        ("arming" | "armed" | "calling off" | "leaving, call off", _) => "leaving, call off",
         (in_pass, _) if in_pass == "cutting" || in_pass.starts_with("leaving") => "leaving, fault",
         (_, "axis fault") => "fault, stop",
         _ => "fault, hold",

@@ -69,6 +69,7 @@ impl Stand {
                 self.out.map_or(Position::from_mm(config.home_mm), |out| out.frames[i].setpoint.position);
             (measurement.axes[i].position, measurement.axes[i].status_word) = (at, ENABLED);
             (axes[i].state, axes[i].in_position) = (AxisState::Streaming as u32, 1);
+            axes[i].commanded_mm = at.mm();
             axes[i].cycle = Cycle(cycle.0.saturating_sub(1));
         }
         let out = self.upper.tick(&In { measurement: &measurement, axes: &axes }).expect("a new measurement");
