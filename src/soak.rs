@@ -8,7 +8,10 @@ use std::{
     ops::Range,
     path::{Path, PathBuf},
     process::ExitCode,
-    sync::atomic::{AtomicU64, Ordering},
+    sync::{
+        Mutex,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use ::soak::{
@@ -19,7 +22,11 @@ use clap::Args;
 use process::ipc::time::Moment;
 use serde_json::json;
 
-use crate::{error::CliError, screen};
+use crate::{
+    error::CliError,
+    run::interrupts::{Interrupts, Wish},
+    screen,
+};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock soak --seeds 0..2000
@@ -73,6 +80,7 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let all = args.seeds.end - args.seeds.start;
     let told = AtomicU64::new(0);
     let terminal = std::io::stderr().is_terminal();
+    let interrupts = Mutex::new(Interrupts::catch()?);
     let progress = |done: u64, failed: u64| {
         let every = if terminal { all.div_ceil(500) } else { EVERY };
         if !quiet
@@ -83,6 +91,8 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
             let end = if terminal && done < all { "\r" } else { "\n" };
             eprint!("{done} of {all} seeds, {rate:.0} a second, {failed} failed{end}");
         }
+        // Ctrl-C ends the search, not the report of it.
+        interrupts.lock().map_or(true, |mut interrupts| interrupts.wish() == Wish::None)
     };
     let report = driver::soak(args.seeds.clone(), jobs, &progress);
     let wall_s = begun.elapsed().as_secs_f64();

@@ -19,14 +19,16 @@
 use std::collections::BTreeMap;
 
 use machine::{AxisConfig, Machine, SpindleConfig};
-use protocol::{Axis, Code, Item, Module, ThreadPass, operator::Request};
+use protocol::{Axis, Code, Item, Module, ThreadPass, operator::Request, units::AXES};
 
 use crate::observe::Record;
 
 /// So many control cycles in a row without motion are rest.
 pub const REST_CYCLES: u64 = 200;
 /// An axis that is slower than this stands, mm/s.
-const AXIS_STANDS_MM_S: f64 = 0.01;
+const AXIS_STANDS_MM_S: f64 = 0.1;
+/// And has not moved farther than this since it began to stand, mm: a loop at rest hunts by some counts.
+const STANDS_MM: f64 = 0.0005;
 /// A machine may need that many times its ramps to come to rest.
 const RAMPS: f64 = 3.0;
 /// And this for what is no ramp: brakes, drives, messages, s.
@@ -90,6 +92,8 @@ pub struct Supervisor {
     /// A hundredth of the highest speed of the spindle, 1/min.
     sign_rpm: f64,
     spindle_deg: f64,
+    /// Where the axes began to stand, mm.
+    stood: [f64; AXES],
 }
 
 impl Supervisor {
@@ -110,6 +114,7 @@ impl Supervisor {
             longest_wait: (wait_s / machine.general.cycle_s).ceil() as u64,
             sign_rpm: 0.01 * machine.spindle.max_rpm,
             spindle_deg: 0.0,
+            stood: [f64::NAN; AXES],
         }
     }
 
@@ -183,7 +188,7 @@ impl Supervisor {
     }
 
     /// The machine comes to rest.
-    fn stop(&self, record: &Record, waited: u64, rpm: f64, rests: u64) -> Phase {
+    fn stop(&mut self, record: &Record, waited: u64, rpm: f64, rests: u64) -> Phase {
         let Some(moving) = self.moving(record) else {
             let rests = rests + 1;
             return match rests >= REST_CYCLES {
@@ -201,15 +206,25 @@ impl Supervisor {
         }
     }
 
-    fn moving(&self, record: &Record) -> Option<Moving> {
+    fn moving(&mut self, record: &Record) -> Option<Moving> {
         let truth = record.truth;
+        let stood = std::mem::replace(&mut self.stood, truth.axes.map(|axis| axis.motor_mm));
         let speed = |axis: &Axis| (*axis, truth.axes[axis.index()].velocity_mm_s);
         let mut axes = self.axes.iter().map(speed);
         let turns = !stands(truth.spindle_rpm, SpindleConfig::STANDSTILL_RPM);
-        match axes.find(|(_, mm_s)| !stands(*mm_s, AXIS_STANDS_MM_S)) {
-            Some((axis, mm_s)) => Some(Moving::Axis(axis, mm_s)),
-            None => turns.then_some(Moving::Spindle(truth.spindle_rpm)),
+        let moves = |(axis, mm_s): &(Axis, f64)| {
+            let way_mm = truth.axes[axis.index()].motor_mm - stood[axis.index()];
+            !(stands(*mm_s, AXIS_STANDS_MM_S) && stands(way_mm, STANDS_MM))
+        };
+        if let Some((axis, mm_s)) = axes.find(moves) {
+            return Some(Moving::Axis(axis, mm_s));
         }
+        if turns {
+            return Some(Moving::Spindle(truth.spindle_rpm));
+        }
+        // They have stood where they stood before.
+        self.stood = stood;
+        None
     }
 }
 

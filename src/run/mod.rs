@@ -6,7 +6,7 @@ mod children;
 mod endings;
 mod folder;
 mod in_process;
-mod interrupts;
+pub(crate) mod interrupts;
 mod processes;
 mod progress;
 mod recorder;

@@ -258,9 +258,12 @@ impl Launch<'_> {
     fn record(&mut self, force: bool) -> Result<bool, CliError> {
         let (recorder, supervisor) = (&mut self.recorder, &mut self.supervisor);
         let mut request = None;
+        // Until the plant hears that it may go it makes cycles that belong to no run.
         let any = self.channels.record(force, |record| {
-            recorder.cycle(record);
-            request = supervisor.cycle(record).or(request);
+            if supervisor.end().is_none() {
+                recorder.cycle(record);
+                request = supervisor.cycle(record).or(request);
+            }
         });
         self.ask(request)?;
         Ok(any)

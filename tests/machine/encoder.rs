@@ -198,8 +198,8 @@ fn lost_pulses_are_found_within_one_revolution() {
     }
 }
 
-/// A count is 0.5 µm of the lead. For some ms after the jump the axis errs by up to two and a half times that:
-/// the observer takes it for a change of speed.
+/// A count is 0.5 µm of the lead. For some ms after the jump the axis errs by up to two and a half times
+/// that: the observer takes it for a change of speed.
 #[test]
 fn a_lost_pulse_is_corrected_at_the_index() {
     let machine = machine(2500);

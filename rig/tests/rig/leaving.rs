@@ -100,86 +100,57 @@ fn leaves_on_everything() -> Machine {
     machine
 }
 
-const fn row(
-    name: &'static str,
-    action: &'static str,
-    within: u64,
-    fault: Option<Fault>,
-    sound: &'static [Axis],
-    off_um: Option<f64>,
-) -> Row {
-    Row { name, action, within, fault, sound, off_um }
+const BOTH: &[Axis] = &[Axis::X, Axis::Z];
+
+impl Row {
+    /// What the operator does: both axes leave in the next cycle.
+    const fn press(name: &'static str, action: &'static str) -> Row {
+        Row { name, action, within: 1, fault: None, sound: BOTH, off_um: Some(5.0) }
+    }
+
+    /// A fault that both axes survive.
+    const fn fault(name: &'static str, action: &'static str, fault: Fault) -> Row {
+        Row { within: 2, fault: Some(fault), ..Row::press(name, action) }
+    }
+
+    /// The other axis is wherever it is.
+    const fn leaves_only(self, sound: &'static [Axis]) -> Row {
+        Row { sound, off_um: None, ..self }
+    }
+
+    const fn within(self, within: u64) -> Row {
+        Row { within, ..self }
+    }
 }
 
 /// The rows. An encoder of Z that jumps kicks the velocity loop of its drive for a cycle, whatever the
 /// regulator does. An axis whose drive has failed is wherever it is.
 const ROWS: [Row; 17] = [
-    row("hold", "feed_hold = true", 1, None, &[Axis::X, Axis::Z], Some(5.0)),
-    row("stop", "stop = true", 1, None, &[Axis::X, Axis::Z], Some(5.0)),
-    row("abort", "abort = true", 1, None, &[Axis::X, Axis::Z], Some(5.0)),
-    row(
-        "emergency stop",
-        "emergency_stop = true",
-        1,
-        Some(Fault::EmergencyStop),
-        &[Axis::X, Axis::Z],
-        Some(5.0),
-    ),
-    row("power lost", "power_lost = true", 1, Some(Fault::PowerLost), &[Axis::X, Axis::Z], Some(5.0)),
-    row(
-        "40 counts lost",
-        "encoder_glitch_counts = -40",
-        2,
-        Some(Fault::EncoderGlitch),
-        &[Axis::X, Axis::Z],
-        Some(5.0),
-    ),
-    row(
-        "glitch",
-        "encoder_glitch_counts = 3000",
-        2,
-        Some(Fault::EncoderGlitch),
-        &[Axis::X, Axis::Z],
-        Some(5.0),
-    ),
-    row(
-        "encoder dead",
-        "encoder_stands = true",
-        2,
-        Some(Fault::EncoderStands),
-        &[Axis::X, Axis::Z],
-        Some(5.0),
-    ),
-    row("drive of X", "drive_fault = \"x\"", 2, Some(Fault::DriveFault), &[Axis::Z], None),
-    row("drive of Z", "drive_fault = \"z\"", 2, Some(Fault::DriveFault), &[Axis::X], None),
-    row(
-        "torque of Z",
-        "drive_fault = { axis = \"z\", torque_lost = true }",
-        2,
-        Some(Fault::DriveFault),
-        &[Axis::X],
-        None,
-    ),
-    row("regulator of X dies", "kill = \"regulator-x\"", 3, Some(Fault::RegulatorSilent), &[Axis::Z], None),
-    row("regulator of Z dies", "kill = \"regulator-z\"", 3, Some(Fault::RegulatorSilent), &[Axis::X], None),
-    row(
-        "encoder of Z jumps",
-        "axis_jump = { axis = \"z\", mm = 0.045 }",
-        2,
-        Some(Fault::AxisJump),
-        &[Axis::X, Axis::Z],
-        Some(20.0),
-    ),
-    row(
-        "encoder of X jumps",
-        "axis_jump = { axis = \"x\", mm = 0.045 }",
-        2,
-        Some(Fault::AxisJump),
-        &[Axis::X, Axis::Z],
-        Some(5.0),
-    ),
-    row("spindle jams", "spindle_fault = \"jam\"", 4000, None, &[Axis::X], None),
-    row("spindle turns back", "spindle_fault = \"reversal\"", 20000, None, &[Axis::X], None),
+    Row::press("hold", "feed_hold = true"),
+    Row::press("stop", "stop = true"),
+    Row::press("abort", "abort = true"),
+    Row::fault("emergency stop", "emergency_stop = true", Fault::EmergencyStop).within(1),
+    Row::fault("power lost", "power_lost = true", Fault::PowerLost).within(1),
+    Row::fault("40 counts lost", "encoder_glitch_counts = -40", Fault::EncoderGlitch),
+    Row::fault("glitch", "encoder_glitch_counts = 3000", Fault::EncoderGlitch),
+    Row::fault("encoder dead", "encoder_stands = true", Fault::EncoderStands),
+    Row::fault("drive of X", "drive_fault = \"x\"", Fault::DriveFault).leaves_only(&[Axis::Z]),
+    Row::fault("drive of Z", "drive_fault = \"z\"", Fault::DriveFault).leaves_only(&[Axis::X]),
+    Row::fault("torque of Z", "drive_fault = { axis = \"z\", torque_lost = true }", Fault::DriveFault)
+        .leaves_only(&[Axis::X]),
+    Row::fault("regulator of X dies", "kill = \"regulator-x\"", Fault::RegulatorSilent)
+        .leaves_only(&[Axis::Z])
+        .within(3),
+    Row::fault("regulator of Z dies", "kill = \"regulator-z\"", Fault::RegulatorSilent)
+        .leaves_only(&[Axis::X])
+        .within(3),
+    Row {
+        off_um: Some(20.0),
+        ..Row::fault("encoder of Z jumps", "axis_jump = { axis = \"z\", mm = 0.045 }", Fault::AxisJump)
+    },
+    Row::fault("encoder of X jumps", "axis_jump = { axis = \"x\", mm = 0.045 }", Fault::AxisJump),
+    Row::press("spindle jams", "spindle_fault = \"jam\"").leaves_only(&[Axis::X]).within(4000),
+    Row::press("spindle turns back", "spindle_fault = \"reversal\"").leaves_only(&[Axis::X]).within(20_000),
 ];
 
 #[test]
