@@ -55,6 +55,20 @@ impl Report {
         }
     }
 
+    /// Takes what came of a seed, if no module panicked; whether it failed.
+    fn seed(&mut self, seed: u64, ran: Option<(Case, Ran)>) -> bool {
+        self.seeds += 1;
+        let Some((case, ran)) = ran else {
+            self.failed.push(panicked(seed));
+            return true;
+        };
+        self.cycles += ran.cycles;
+        self.take(&case, &ran);
+        let failed = ran.broken.map(|broken| Failed { seed, broken, case });
+        self.failed.extend(failed.clone());
+        failed.is_some()
+    }
+
     fn take(&mut self, case: &Case, ran: &Ran) {
         for kind in case.kinds.iter().copied().chain(case.events.iter().map(|event| event.what.kind())) {
             *self.drawn.entry(kind).or_default() += 1;
@@ -105,8 +119,9 @@ fn panicked(seed: u64) -> Failed {
     Failed { seed, broken: Broken::new("panic", 0, "a module panics; the message is above".into()), case }
 }
 
-/// Runs seeds on so many threads. `progress` hears of every seed: how many are done, how many failed.
-pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) + Sync)) -> Report {
+/// Runs seeds on so many threads. `progress` hears of every seed, how many are done and how many failed, and
+/// says whether to go on.
+pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) -> bool + Sync)) -> Report {
     let (next, done, broken) = (AtomicU64::new(seeds.start), AtomicU64::new(0), AtomicU64::new(0));
     let whole = Mutex::new(Report::default());
     let work = || {
@@ -116,21 +131,11 @@ pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) + Sync)
             if seed >= seeds.end {
                 break;
             }
-            let Some((case, ran)) = caught(seed) else {
-                report.seeds += 1;
-                broken.fetch_add(1, Ordering::Relaxed);
-                report.failed.push(panicked(seed));
-                progress(done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed));
-                continue;
-            };
-            report.seeds += 1;
-            report.cycles += ran.cycles;
-            report.take(&case, &ran);
-            if let Some(found) = ran.broken {
-                broken.fetch_add(1, Ordering::Relaxed);
-                report.failed.push(Failed { seed, broken: found, case });
+            let failed = report.seed(seed, caught(seed));
+            broken.fetch_add(u64::from(failed), Ordering::Relaxed);
+            if !progress(done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed)) {
+                next.store(seeds.end, Ordering::Relaxed);
             }
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed));
         }
         if let Ok(mut whole) = whole.lock() {
             whole.merge(report);

@@ -5,21 +5,26 @@
 //! | event | excuse |
 //! |---|---|
 //! | counts lost or gained, a glitch | as far as the encoder cannot see it before the next index: n/4N leads, for a turn and the way out |
-//! | force | the slide gives way by F/k, k = m (2πf)², and the servo by as much |
+//! | force | the slide gives way by F/k, k = m (2πf)², swings to twice that, and the servo to as much; what its impulse gives the axis, until the servo has caught it |
 //! | a jump of an axis | as far as the axis could have moved, and the jerk of its drive |
-//! | a spindle that is stopped harder than Z can brake | the way in which Z brakes, twice |
+//! | a spindle that is stopped harder than Z can brake | the way in which Z brakes, three times, and in which the observer learns of it |
 //! | an encoder that stands, of a spindle so slow that it may be jammed | anything, until the drive has been waited for |
 //! | a spindle that changes its speed | the slide lags by a/(2πf)², and the servo by as much |
+//! | a spindle that runs away | no axis can follow a retract by its angle: the groove is as deep as at its deepest |
+//! | measurements, or commands to drives, that come late or not at all | half the way of a cycle |
+//! | a command to a drive that is damaged | all its torque for a cycle |
 //! | noise, eccentricity | their counts |
 //! | all others | none |
 
 use machine::Machine;
-use protocol::{Axis, ThreadPass};
+use protocol::{Axis, AxisLaw, ThreadPass};
 
-use crate::event::{Button, Event, SpindleFault, Trouble, What};
+use crate::event::{Button, Channel, Event, Fate, SpindleFault, Trouble, What};
 
 /// How much more a drive and its screw give way than the slide on them.
 const SERVO: f64 = 3.0;
+/// A force that comes at once makes a slide swing to twice what it gives way, and its screw to as much.
+const SWING: f64 = 4.0;
 /// Fastest change of a spindle's speed that an encoder must not be blamed for: top speed to rest in 50 ms.
 const STALL_S: f64 = 0.05;
 
@@ -30,6 +35,15 @@ const BLIND_S: f64 = 2.0;
 /// Torque of the spindle drive in the built-in file, N·m.
 const SPINDLE_NM: f64 = 60.0;
 
+/// More counts at once are a glitch, which nobody follows.
+const MOST_COUNTS: f64 = 30.0;
+/// Control cycles from the start in which nobody holds an axis.
+const UNSEEN_CYCLES: u64 = 60;
+/// What an observer makes of noise and of a step, in its deviations.
+const NOISE: f64 = 4.0;
+/// What of an excuse is only estimated.
+pub(crate) const SLACK: f64 = 2.0;
+
 /// What is excused at a moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Excuse {
@@ -38,6 +52,8 @@ pub(crate) struct Excuse {
     /// Along Z and along X, mm.
     pub(crate) axial_mm: f64,
     pub(crate) radial_mm: f64,
+    /// The groove may be as deep everywhere as at its deepest.
+    pub(crate) deepest: bool,
 }
 
 /// The excuse of an event in a cycle. `out` is how long a way out takes, `turn` how long a turn, both cycles.
@@ -51,9 +67,20 @@ pub(crate) fn excuse(
 ) -> Excuse {
     let lead_mm = pass.axis(Axis::Z).lead_mm.abs();
     let lead_mm_s = lead_mm * pass.s_rpm * pass.max_ratio.min(1.5) / 60.0;
-    let fast = pass.s_rpm > SEEN_RPM;
-    let What::Plant(trouble) = event.what else { return Excuse::default() };
+    // Seen at half the programmed speed, too: the override.
+    let per_cycle = 0.5 * pass.s_rpm / 60.0 * machine.spindle_counts() * machine.general.cycle_s;
+    let fast = per_cycle > seen_counts(machine);
     let cycle_s = machine.general.cycle_s;
+    if let What::Packet(Channel::Drive(axis), Fate::Corrupt(_), _) = event.what {
+        return if now < event.at { Excuse::default() } else { kicked(machine, axis, 0.0) };
+    }
+    if let What::Packet(Channel::Measurements | Channel::Measurement(_) | Channel::Drive(_), _, count) =
+        event.what
+    {
+        let lasts = (event.at..event.at + 2 * count + out).contains(&now);
+        return Excuse { axial_mm: if lasts { 0.5 * lead_mm_s * cycle_s } else { 0.0 }, ..Excuse::default() };
+    }
+    let What::Plant(trouble) = event.what else { return Excuse::default() };
     let until = |s: f64| event.at + (s / cycle_s) as u64;
     if now < event.at {
         return Excuse::default();
@@ -61,15 +88,17 @@ pub(crate) fn excuse(
     match trouble {
         Trouble::Counts(counts) => counts_excuse(machine, counts, now < event.at + 2 * turn + out),
         Trouble::Glitch(counts, s) => counts_excuse(machine, counts, now < until(s) + 2 * turn + out),
-        Trouble::Force(axis, force_n, s) | Trouble::Spike(axis, force_n, s) if now < until(s + 0.1) => {
-            let mm = SERVO * force_n.abs() / stiffness_n_mm(machine, axis);
+        Trouble::Force(axis, force_n, s) | Trouble::Spike(axis, force_n, s) => {
+            let pushed_mm = pushed_mm(machine, axis, force_n.abs(), s);
+            let pushed = SWING * force_n.abs() / stiffness_n_mm(machine, axis) + pushed_mm;
+            let mm = sticks_mm(machine, axis) + if now < until(s + 0.1) { pushed } else { 0.0 };
             match axis {
                 Axis::Z => Excuse { axial_mm: mm, ..Excuse::default() },
                 _ => Excuse { radial_mm: mm, ..Excuse::default() },
             }
         }
         Trouble::Noise(counts) => {
-            Excuse { turns: f64::from(counts) / machine.spindle_counts(), ..Excuse::default() }
+            Excuse { turns: NOISE * f64::from(counts) / machine.spindle_counts(), ..Excuse::default() }
         }
         Trouble::Eccentricity(counts) => {
             Excuse { turns: counts / machine.spindle_counts(), ..Excuse::default() }
@@ -77,10 +106,17 @@ pub(crate) fn excuse(
         Trouble::Stands(_) if !fast && now < until(BLIND_S) + out => {
             Excuse { axial_mm: f64::INFINITY, ..Excuse::default() }
         }
-        Trouble::Spindle(SpindleFault::Jam, s) if now < until(s) + out => overrun(machine, lead_mm_s),
+        Trouble::Spindle(SpindleFault::Runaway, s) if now < until(s) + out => {
+            Excuse { deepest: true, ..Excuse::default() }
+        }
+        Trouble::Spindle(SpindleFault::Jam | SpindleFault::Reversal, s) if now < until(s) + out => {
+            overrun(machine, lead_mm_s)
+        }
         Trouble::Load(nm, s) if beyond(machine, nm, lead_mm) && now < until(s) + out => {
             overrun(machine, lead_mm_s)
         }
+        // Before anybody looks an axis is where its encoder says.
+        Trouble::Jump(axis, mm) if event.at < UNSEEN_CYCLES => kicked(machine, axis, mm.abs()),
         Trouble::Jump(axis, mm) => jump(machine, axis, mm),
         _ => Excuse::default(),
     }
@@ -95,10 +131,25 @@ fn beyond(machine: &Machine, nm: f64, lead_mm: f64) -> bool {
     lead_mm / core::f64::consts::TAU * (nm + SPINDLE_NM) / inertia > 0.5 * a
 }
 
-/// Z comes to rest behind a spindle that has stopped dead.
+/// Where an axis comes to rest behind a force: friction holds it beside its place.
+fn sticks_mm(machine: &Machine, axis: Axis) -> f64 {
+    machine.axis.get(&axis).map_or(0.0, |config| config.coulomb_n / config.presliding_n_mm)
+}
+
+/// How far a force moves an axis that is as light as its drive believes, until its velocity loop has caught
+/// it.
+fn pushed_mm(machine: &Machine, axis: Axis, force_n: f64, s: f64) -> f64 {
+    let Some(config) = machine.axis.get(&axis) else { return 0.0 };
+    let loop_s = 1.0 / (core::f64::consts::TAU * config.velocity_bandwidth_hz);
+    1000.0 * force_n / config.mass_kg * s.min(loop_s) * loop_s
+}
+
+/// Z comes to rest behind a spindle that has stopped dead: it brakes three times as far as it must, once the
+/// observer has learned of it.
 fn overrun(machine: &Machine, v: f64) -> Excuse {
-    let axial_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| v * v / (2.0 * z.acceleration_mm_s2));
-    Excuse { axial_mm: 2.0 * axial_mm, ..Excuse::default() }
+    let learned_s = 2.0 / (core::f64::consts::TAU * machine.spindle.observer_hz);
+    let brake_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| v * v / (2.0 * z.acceleration_mm_s2));
+    Excuse { axial_mm: 3.0 * brake_mm + v * learned_s, ..Excuse::default() }
 }
 
 /// A jump that the axis could have made is believed; a larger one makes the drive jump for a cycle with all
@@ -106,7 +157,13 @@ fn overrun(machine: &Machine, v: f64) -> Excuse {
 fn jump(machine: &Machine, axis: Axis, mm: f64) -> Excuse {
     let Some(config) = machine.axis.get(&axis) else { return Excuse::default() };
     let cycle_s = machine.general.cycle_s;
-    let believed = mm.abs().min(10.0 * config.acceleration_mm_s2 * cycle_s * cycle_s);
+    kicked(machine, axis, mm.abs().min(10.0 * config.acceleration_mm_s2 * cycle_s * cycle_s))
+}
+
+/// The drive gives all its torque for a cycle, besides an error of its encoder that is believed.
+fn kicked(machine: &Machine, axis: Axis, believed: f64) -> Excuse {
+    let Some(config) = machine.axis.get(&axis) else { return Excuse::default() };
+    let cycle_s = machine.general.cycle_s;
     let force_n = core::f64::consts::TAU * 1000.0 * config.torque_limit_nm / config.screw_lead_mm;
     let v = 1000.0 * force_n / config.mass_kg * cycle_s;
     let mm = believed + 4.0 * v / (core::f64::consts::TAU * config.velocity_bandwidth_hz);
@@ -118,11 +175,15 @@ fn jump(machine: &Machine, axis: Axis, mm: f64) -> Excuse {
 
 fn counts_excuse(machine: &Machine, counts: i64, young: bool) -> Excuse {
     let turn = machine.spindle_counts();
-    let cycle_s = machine.general.cycle_s;
+    let unseen = (counts.unsigned_abs() as f64).min(seen_counts(machine));
+    Excuse { turns: if young { 2.0 * unseen / turn } else { 0.0 }, ..Excuse::default() }
+}
+
+/// A jump of the count by more than this is seen at once (M70).
+fn seen_counts(machine: &Machine) -> f64 {
+    let (turn, cycle_s) = (machine.spindle_counts(), machine.general.cycle_s);
     let a = (machine.spindle.max_rpm / STALL_S).max(20_000.0) / 60.0 * turn;
-    let seen = 6.0 + a * cycle_s * cycle_s + 0.02 * machine.spindle.max_rpm / 60.0 * turn * cycle_s;
-    let unseen = (counts.unsigned_abs() as f64).min(seen);
-    Excuse { turns: if young { unseen / turn } else { 0.0 }, ..Excuse::default() }
+    6.0 + a * cycle_s * cycle_s + 0.02 * machine.spindle.max_rpm / 60.0 * turn * cycle_s
 }
 
 /// The slide on its screw, N/mm.
@@ -153,11 +214,38 @@ pub(crate) fn coasts(what: &What) -> bool {
     matches!(what, What::Plant(Trouble::PowerLost | Trouble::Spindle(SpindleFault::Stall, _)))
 }
 
-/// How far the slide of Z lags behind while the spindle changes its speed by so many 1/min in a cycle, mm: by
-/// a/(2πf)², and the observer of the spindle and the servo by more than that.
-pub(crate) fn lag_mm(machine: &Machine, lead_mm: f64, change_rpm: f64) -> f64 {
+/// How much faster an axis on a lead goes from one cycle to the next because its spindle encoder tells of
+/// counts that are none, mm/s: of a count the observer takes its gain at once (M53).
+pub(crate) fn counted_mm_s(machine: &Machine, events: &[Event], now: u64, lead_mm: f64) -> f64 {
+    let (turn, cycle_s) = (machine.spindle_counts(), machine.general.cycle_s);
+    let counts = events.iter().filter(|event| now >= event.at).map(|event| match event.what {
+        What::Plant(Trouble::Counts(counts) | Trouble::Glitch(counts, _)) => {
+            (counts.unsigned_abs() as f64).min(MOST_COUNTS)
+        }
+        What::Plant(Trouble::Noise(counts)) => 4.0 * f64::from(counts),
+        What::Plant(Trouble::Eccentricity(counts)) => counts,
+        What::Plant(Trouble::Stands(_)) => SEEN_RPM / 60.0 * turn * cycle_s,
+        _ => 0.0,
+    });
+    let pole = libm::exp(-core::f64::consts::TAU * machine.spindle.observer_hz * cycle_s);
+    // A count more or less is rounding.
+    2.0 * (0.5 + counts.sum::<f64>()) * lead_mm.abs() / turn * (1.0 - pole * pole * pole) / cycle_s
+}
+
+/// How far an axis goes in a turn at most, mm: on a cone, and on its strokes by the angle, twice as steep as
+/// on average.
+pub(crate) fn steepest_mm(law: &AxisLaw) -> f64 {
+    let steep = |mm: f64, degrees: f64| 2.0 * mm.abs() * 360.0 / degrees.max(1.0);
+    let approach = steep(law.stroke_mm, law.locked_deg() - law.begins_deg());
+    law.lead_mm.abs() + approach.max(steep(law.retract_mm, law.done_deg() - law.leaves_deg()))
+}
+
+/// How far the slide of an axis lags behind that goes so many mm in a turn, while the spindle changes its
+/// speed by so many 1/min in a cycle, mm: by a/(2πf)², and the observer of the spindle and the servo by more
+/// than that.
+pub(crate) fn lag_mm(machine: &Machine, axis: Axis, lead_mm: f64, change_rpm: f64) -> f64 {
     let a = lead_mm * change_rpm / 60.0 / machine.general.cycle_s;
-    let truth = machine.plant.get("axis").and_then(|axes| axes.get(Axis::Z.name()));
+    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
     let mode_hz =
         truth.and_then(|table| table.get("mode_hz")).and_then(toml::Value::as_float).unwrap_or(100.0);
     let rad_s = core::f64::consts::TAU * mode_hz;

@@ -5,12 +5,14 @@ use rig::observe::{Observation, Outcome, Record};
 use rig::supervisor::End;
 
 use super::{Broken, Judge, excuse};
-use crate::event::{Fate, What};
+use crate::event::{Event, Fate, Trouble, What};
 
 /// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
 const STANDS_MM_S: f64 = 0.5;
 /// And a spindle, 1/min: its loop swings through rest.
 const STANDS_RPM: f64 = 40.0;
+/// Cycles before the end in which a spindle that begins to turn is not seen.
+const LAST_CYCLES: u64 = 40;
 /// Two ends are the same place, mm.
 const SAME_MM: f64 = 1e-6;
 
@@ -67,7 +69,15 @@ impl Judge<'_> {
         {
             return Some(("no-rest", format!("{axis} moves at {:.3} mm/s in the end", speed(axis))));
         }
-        let coasts = self.known.events.iter().any(|event| excuse::coasts(&event.what));
+        // What begins to turn it in the last moment nobody can know any more.
+        let late = |at: u64| at + LAST_CYCLES > now;
+        // Nor can who has no encoder.
+        let dies = |event: &Event| matches!(event.what, What::Plant(Trouble::Stands(_)));
+        let blind = self.known.events.iter().any(dies);
+        let turned = |event: &Event| {
+            (blind || late(event.at)) && matches!(event.what, What::Plant(Trouble::Spindle(..)))
+        };
+        let coasts = self.known.events.iter().any(|event| excuse::coasts(&event.what) || turned(event));
         if last.truth.spindle_rpm.abs() > STANDS_RPM && !coasts {
             return Some((
                 "no-rest",

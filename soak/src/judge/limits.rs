@@ -5,20 +5,26 @@
 //! In a pass an axis follows the spindle. What a ripple or a load does to its speed between two cycles, times
 //! the lead, comes on top: an axis that did not follow would cut a flank.
 
-use protocol::{AxisState, AxisStatus};
+use machine::AxisConfig;
+use protocol::{Axis, AxisState, AxisStatus, ThreadPass};
 use rig::observe::Record;
 
-use super::{Broken, Known};
+use super::{Broken, Known, excuse};
 
 /// Positions are whole counts of 1e-9 mm, laws are integrated.
 const MORE: f64 = 1.02;
 const ROUNDING: f64 = 1e-6;
+/// A way out takes over a state that may be at its limits already; a damaged setpoint is believed that an
+/// axis could nearly follow.
+const LEAVING: f64 = 1.15;
 /// The loop of a spindle swings over by this.
 const SWING: f64 = 1.06;
+/// The observer of a spindle that runs away is ahead of it by this.
+const LEADS: f64 = 1.1;
 /// The observer that leads a stroke is slow: it swings over by this.
-const OVERSHOOT: f64 = 1.5;
-/// A stroke by the angle of a spindle slower than this is as good as standing, 1/min.
-const SLOW_RPM: f64 = 20.0;
+const OVERSHOOT: f64 = 2.0;
+/// And the fast one of a lead, by this.
+const LAGS: f64 = 1.4;
 /// What the spindle has done is followed within this, s.
 const FOLLOWED_S: f64 = 0.1;
 
@@ -29,6 +35,8 @@ pub(crate) struct Limits {
     rpm: Option<f64>,
     /// Largest change of the spindle's speed in a cycle, 1/min, fading away.
     uneven: f64,
+    /// What share of its acceleration each axis had when it began to leave.
+    taken: Vec<f64>,
 }
 
 impl Limits {
@@ -39,33 +47,22 @@ impl Limits {
         let change_rpm = (rpm - self.rpm.replace(rpm).unwrap_or(rpm)).abs();
         self.uneven = (self.uneven * (1.0 - cycle_s / FOLLOWED_S)).max(change_rpm);
         let mut found = None;
-        for ((axis, now), before) in axes.iter().zip(&self.before) {
+        self.taken.resize(axes.len(), 0.0);
+        for (((axis, now), before), taken) in axes.iter().zip(&self.before).zip(&mut self.taken) {
             // Before an axis follows anything, and after it was latched, commanded is where it is measured.
             let free = |status: &AxisStatus| matches!(status.state(), AxisState::Idle | AxisState::Fault);
             if now.cycle.0 != before.cycle.0 + 1 || free(now) || free(before) {
                 continue;
             }
             let Some(config) = machine.axis.get(axis) else { continue };
-            let limits = config.limits();
             let step = (now.commanded_mm - before.commanded_mm).abs();
             let change = (now.velocity_mm_s - before.velocity_mm_s).abs();
             let pass = if now.state().is_in_pass() { known.passes.get(&now.pass) } else { None };
-            // Its lead, and what it strokes by the angle.
-            let follows = pass.map_or(0.0, |(pass, _)| {
-                let stroke = before.velocity_mm_s.abs() / rpm.abs().max(SLOW_RPM);
-                (pass.axis(*axis).lead_mm.abs() / 60.0).max(OVERSHOOT * stroke) * self.uneven
-            });
-            // As fast as the spindle is in truth, as long as that is what the pass was released for.
-            let released = pass.map_or(f64::INFINITY, |(pass, _)| {
-                pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm
-            });
-            let turned = pass.map_or(0.0, |(pass, _)| {
-                pass.axis(*axis).lead_mm.abs() * rpm.abs().min(SWING * released) / 60.0
-            });
-            // A law by the angle of a spindle that runs away is as much faster.
-            let runs_away = (rpm.abs() / released).max(1.0);
-            let most = limits.v.max(turned) * cycle_s * MORE + ROUNDING;
-            let fastest = limits.a * runs_away * runs_away * cycle_s * MORE + ROUNDING + follows;
+            if now.state() != AxisState::Leaving {
+                *taken = now.acceleration_mm_s2.abs() / config.limits().a;
+            }
+            let moving = Moving { rpm, uneven: self.uneven, taken: *taken, now };
+            let (most, fastest) = moving.allowed(known, *axis, config, pass.map(|(pass, _)| pass));
             let state = now.state().name();
             if step.is_nan() || step > most {
                 found.get_or_insert(Broken::new(
@@ -91,5 +88,48 @@ impl Limits {
         self.before.clear();
         self.before.extend(axes.iter().map(|(_, status)| *status));
         found
+    }
+}
+
+/// What an axis follows in a cycle: the spindle, its largest change of speed, 1/min; what share of its
+/// acceleration the axis had when it began to leave; its status.
+struct Moving<'a> {
+    rpm: f64,
+    uneven: f64,
+    taken: f64,
+    now: &'a AxisStatus,
+}
+
+impl Moving<'_> {
+    /// The largest step, mm, and change of speed, mm/s, of an axis from cycle to cycle.
+    fn allowed(
+        &self,
+        known: &Known,
+        axis: Axis,
+        config: &AxisConfig,
+        pass: Option<&ThreadPass>,
+    ) -> (f64, f64) {
+        let (machine, limits, now) = (known.machine, config.limits(), self.now);
+        let cycle_s = machine.general.cycle_s;
+        let leaves = now.state() == AxisState::Leaving;
+        let more = if leaves { LEAVING * self.taken.max(1.0) } else { MORE };
+        let Some(pass) = pass else {
+            return (limits.v * cycle_s * more + ROUNDING, limits.a * cycle_s * more + ROUNDING);
+        };
+        // Its lead, what it strokes by the angle, and counts that are none.
+        let law = pass.axis(axis);
+        let steep = (LAGS * law.lead_mm.abs()).max(OVERSHOOT * excuse::steepest_mm(law));
+        let counted = law.lead_mm.abs().max(0.5 * excuse::steepest_mm(law));
+        let follows =
+            steep / 60.0 * self.uneven + excuse::counted_mm_s(machine, known.events, now.cycle.0, counted);
+        // As fast as the spindle is in truth, as long as that is what the pass was released for.
+        let released = pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm;
+        let rpm = self.rpm.abs();
+        let followed = if leaves { LEADS * rpm } else { rpm.min(SWING * released) };
+        let turned = law.lead_mm.abs() * followed / 60.0;
+        // A law by the angle of a spindle that runs away is as much faster.
+        let runs_away = (rpm / released).max(1.0);
+        let most = limits.v.max(turned) * cycle_s * more + ROUNDING;
+        (most, limits.a * runs_away * runs_away * cycle_s * more + ROUNDING + follows)
     }
 }

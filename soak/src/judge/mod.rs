@@ -86,7 +86,8 @@ pub(crate) struct Known<'a> {
 }
 
 impl Known<'_> {
-    /// Whether a force of the case has only just let go, or still holds: a slide swings then.
+    /// Whether a force of the case has only just let go, or still holds, or an encoder has jumped: a slide
+    /// swings then.
     fn pushed(&self, now: u64) -> bool {
         let swings = (0.1 / self.machine.general.cycle_s) as u64;
         self.events.iter().any(|event| match event.what {
@@ -94,6 +95,7 @@ impl Known<'_> {
                 let until = event.at + (s / self.machine.general.cycle_s) as u64 + swings;
                 (event.at..until).contains(&now)
             }
+            What::Plant(Trouble::Jump(..)) => (event.at..event.at + swings).contains(&now),
             _ => false,
         })
     }

@@ -10,7 +10,7 @@
 //! | φ | – | half angle of the flank |
 //!
 //! ```text
-//! bottom   d <= D(s)                       the tool is not deeper than its law at that Z
+//! bottom   d <= D(s)                       the tool is not deeper than its law at that Z, give or take
 //! flank    |e| <= (D − d) tan φ            the tool is within the groove, prolonged along the helix
 //! ```
 //!
@@ -47,7 +47,8 @@ pub struct PassStock {
     crest: f64,
     slope: f64,
     into: f64,
-    deepest: f64,
+    /// D, mm.
+    pub deepest: f64,
     /// (s, D), s rising.
     groove: Vec<(f64, f64)>,
 }
@@ -57,6 +58,8 @@ pub struct PassStock {
 pub struct Contact {
     /// d, mm.
     pub depth_mm: f64,
+    /// s, mm.
+    pub way_mm: f64,
     /// By how much it is too deep, mm; negative: so much is left.
     pub bottom_mm: f64,
     /// By how much it is beside the groove, mm; negative: so much is left.
@@ -131,9 +134,19 @@ impl PassStock {
         let beside = (ahead - ahead.round()).abs() * self.lead;
         Some(Contact {
             depth_mm,
+            way_mm: s,
             bottom_mm: depth_mm - self.groove_at(s),
             flank_mm: beside - (self.deepest - depth_mm).max(0.0) * tan_flank,
         })
+    }
+
+    /// By how much the tool is too deep if Z may be off by so much, mm.
+    pub fn bottom_mm(&self, contact: &Contact, off_mm: f64) -> f64 {
+        let deepest = [-off_mm, -0.5 * off_mm, 0.0, 0.5 * off_mm, off_mm]
+            .map(|off| self.groove_at(contact.way_mm + off))
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
+        contact.depth_mm - deepest
     }
 
     /// D(s); nothing may be touched behind the last place.

@@ -6,13 +6,18 @@ use std::collections::BTreeMap;
 use protocol::{Axis, Fault, ThreadPass, WayOut};
 use rig::Exchange;
 
-use super::{Broken, Known, bounds, excuse, is_led, stock::Contact};
+use super::{
+    Broken, Known, bounds, excuse, is_led,
+    stock::{Contact, PassStock},
+};
 use crate::event::{Button, Trouble, What};
 
 /// Beside what the servo does undisturbed, mm.
 const TOLERANCE_MM: f64 = 0.005;
+/// What the servo does undisturbed it may do a little worse.
+const SCATTER: f64 = 1.2;
 /// What the servo may do undisturbed at most, mm; beyond it a machine is not fit to be a reference.
-const WORST_SERVO_MM: f64 = 0.06;
+const WORST_SERVO_MM: f64 = 0.2;
 /// A spindle turns the wrong way that does so faster than this, 1/min; it is noticed within so many s.
 const BACKWARDS_RPM: f64 = 30.0;
 const NOTICED_S: f64 = 0.5;
@@ -102,7 +107,7 @@ impl Tool {
         if x_led && z_led {
             let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
             *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
-            if let Some(broken) = beside(known, pass, stock.lead, &contact, now, turn, self.uneven) {
+            if let Some(broken) = beside(known, pass, stock, &contact, now, turn, self.uneven) {
                 return Some(broken);
             }
         }
@@ -130,7 +135,9 @@ impl Tool {
             let (cause, until) = match event.what {
                 What::Press(Button::EmergencyStop) | What::Plant(Trouble::PowerLost) => (true, u64::MAX),
                 What::Press(Button::Stop | Button::Abort) => (leaves(WayOut::ON_STOP), u64::MAX),
-                What::Press(Button::Hold(cycles)) => (leaves(WayOut::ON_HOLD), event.at + cycles),
+                What::Press(Button::Hold(cycles)) => {
+                    (leaves(WayOut::ON_HOLD), released(known, event.at, cycles))
+                }
                 _ => (false, 0),
             };
             (cause && now <= until).then(|| (event.at, event.told()))
@@ -182,6 +189,20 @@ impl Tool {
     }
 }
 
+/// When a hold that was pressed at `at` for so many cycles is released: any cycle start ends it.
+fn released(known: &Known, at: u64, cycles: u64) -> u64 {
+    let ends = known.events.iter().filter_map(|event| match event.what {
+        What::Press(Button::Hold(cycles)) => Some(event.at + cycles),
+        What::Press(Button::Start) => Some(event.at),
+        _ => None,
+    });
+    // In single block cycle start is pressed all the time.
+    if known.events.iter().any(|event| matches!(event.what, What::Press(Button::SingleBlock(_)))) {
+        return at;
+    }
+    ends.filter(|end| *end >= at).fold(at + cycles, u64::min)
+}
+
 /// Faults after which nobody cuts on, whatever the policy says.
 fn makes_leave(fault: Fault) -> bool {
     use Fault::{
@@ -216,7 +237,7 @@ fn turn_cycles(known: &Known, pass: &ThreadPass) -> u64 {
 fn beside(
     known: &Known,
     pass: &ThreadPass,
-    lead: f64,
+    stock: &PassStock,
     contact: &Contact,
     now: u64,
     turn: u64,
@@ -227,15 +248,27 @@ fn beside(
         None => (WORST_SERVO_MM, WORST_SERVO_MM),
     };
     let out = bounds::way_out(known.machine, pass);
-    let (mut bottom, mut flank) = (servo.0 + TOLERANCE_MM, servo.1 + TOLERANCE_MM);
+    let (lead, mut deepest) = (stock.lead, false);
+    let (mut bottom, mut flank) = (SCATTER * servo.0 + TOLERANCE_MM, SCATTER * servo.1 + TOLERANCE_MM);
     if known.reference.is_some() {
-        flank += excuse::lag_mm(known.machine, lead, uneven);
+        let law = pass.axis(Axis::X);
+        let x_lead = excuse::steepest_mm(law);
+        let lag_mm = excuse::lag_mm(known.machine, Axis::Z, lead, uneven);
+        flank += excuse::SLACK * lag_mm;
+        bottom += excuse::SLACK * excuse::lag_mm(known.machine, Axis::X, x_lead, uneven)
+            + lag_mm * law.lead_mm.abs() / lead;
     }
     for event in known.events {
         let excuse = excuse::excuse(known.machine, event, now, pass, out, turn);
-        bottom += excuse.radial_mm;
-        flank += excuse.axial_mm + excuse.turns * lead;
+        bottom += excuse::SLACK * excuse.radial_mm;
+        deepest |= excuse.deepest;
+        flank += excuse::SLACK * (excuse.axial_mm + excuse.turns * lead);
     }
+    // How far a steep approach or retract is beside its place with Z.
+    let bottom_mm = match deepest {
+        true => contact.depth_mm - stock.deepest,
+        false => stock.bottom_mm(contact, flank),
+    };
     let told = |what: &str, by: f64, most: f64| {
         format!(
             "pass {}: {:.1} µm {what}, {:.1} allowed, {:.4} mm deep",
@@ -245,8 +278,8 @@ fn beside(
             contact.depth_mm
         )
     };
-    if contact.bottom_mm > bottom {
-        return Some(Broken::new("bottom", now, told("too deep", contact.bottom_mm, bottom)));
+    if bottom_mm > bottom {
+        return Some(Broken::new("bottom", now, told("too deep", bottom_mm, bottom)));
     }
     let beside = contact.flank_mm > flank;
     beside.then(|| Broken::new("flank", now, told("into the flank", contact.flank_mm, flank)))
