@@ -92,7 +92,7 @@ pub struct AxisStatus {
     pub cycle: Cycle,
     /// Code of the [`AxisState`].
     pub state: u32,
-    /// Code of the latched [`Fault`], 0 for none.
+    /// Code of the latched [`Fault`](crate::Fault), 0 for none.
     pub fault: u32,
     /// Pass being cut, 0 in timed motion; it stays until the next setpoint is followed.
     pub pass: u32,
@@ -191,7 +191,7 @@ pub struct MachineStatus {
     pub cycle: Cycle,
     /// Code of the [`MachineState`].
     pub state: u32,
-    /// Code of the latched [`Fault`], 0 for none.
+    /// Code of the latched [`Fault`](crate::Fault), 0 for none.
     pub fault: u32,
     /// Line of the part program being executed.
     pub line: u32,
