@@ -59,6 +59,9 @@ const HASH_BATCH: usize = 64 * 1024;
 /// Bytes of a truth that count: all but what is to be done to a module, which shows in what follows.
 const HASHED: usize = std::mem::offset_of!(Truth, doomed);
 
+/// The warning of counts that were corrected.
+const COUNTS_CORRECTED: &str = "encoder-counts-corrected";
+
 /// Watches a run. Feed it every control cycle from the first, in order.
 pub struct Observer {
     machine: Machine,
@@ -296,16 +299,18 @@ impl Observer {
         if corrected <= self.corrected {
             return;
         }
-        if self.corrected == 0 {
-            let (source, code) = ("spindle-encoder".into(), "encoder-counts-corrected".into());
-            self.out.warnings.push(FaultReport { cycle, source, code, text: String::new() });
-        }
-        self.corrected = corrected;
         let counts = if corrected == 1 { "1 count".into() } else { format!("{corrected} counts") };
         let text = format!(
             "{counts} too many or too few at an index, corrected there; check the encoder, its cable and the shield"
         );
-        self.out.warnings.iter_mut().for_each(|warning| warning.text.clone_from(&text));
+        self.corrected = corrected;
+        match self.out.warnings.iter_mut().find(|warning| warning.code == COUNTS_CORRECTED) {
+            Some(warning) => warning.text = text,
+            None => {
+                let (source, code) = ("spindle-encoder".into(), COUNTS_CORRECTED.into());
+                self.out.warnings.push(FaultReport { cycle, source, code, text });
+            }
+        }
     }
 
     fn outcome(&self, machine: &MachineStatus) -> Outcome {
