@@ -70,8 +70,6 @@ pub struct Interpolator {
     ahead: Option<Cycle>,
     /// Ticks from the measurement before to this one.
     ticks: u64,
-    /// Every axis that lives stands: as it is commanded, and as it is measured.
-    rests: bool,
     standing: Standing,
     /// Number and depth of the pass in hand, or of the one before.
     pub(crate) pass: (u32, f64),
@@ -93,7 +91,6 @@ impl Interpolator {
             last: None,
             ahead: None,
             ticks: 1,
-            rests: false,
             standing: Standing::new(machine),
             pass: (0, 0.0),
         }
@@ -167,8 +164,7 @@ impl Interpolator {
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction));
         let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
-        self.rests = axes.rest();
-        self.standing.update(measurement, self.rests);
+        self.standing.update(measurement, axes.rest());
         match self.task {
             Task::Cutting(_) => {
                 let speeds = [self.spindle.observed(), self.spindle.programmed()];
