@@ -60,7 +60,8 @@ pub struct Regulator {
     scales: [bool; AXES],
     /// The cycle in which the interpolator wants the pass in hand to be left.
     leave_at: Option<Cycle>,
-    expected: Option<Cycle>,
+    /// Cycle of the last measurement.
+    heard: Option<Cycle>,
     /// A cycle that lay far ahead.
     ahead: Option<Cycle>,
     /// A frame that came with an old measurement.
@@ -99,7 +100,7 @@ impl Regulator {
             watch: Watch::new(machine, axis, config),
             scales: std::array::from_fn(|i| has_scale(machine.axis.get(&Axis::ALL[i]))),
             leave_at: None,
-            expected: None,
+            heard: None,
             ahead: None,
             held: None,
             frame_due: None,
@@ -117,14 +118,13 @@ impl Regulator {
     /// the answer stays what it was, and the drive sees by its cycle that it is old.
     pub fn tick(&mut self, input: &In) -> Out {
         let measurement = input.measurement;
-        let expected = self.expected.unwrap_or(measurement.cycle);
-        let before = Cycle(expected.0.wrapping_sub(1));
-        if expected.0 > 0 && !measurement.cycle.follows(before, MOST_MISSED, &mut self.ahead) {
+        let before = self.heard;
+        if before.is_some_and(|before| !measurement.cycle.follows(before, MOST_MISSED, &mut self.ahead)) {
             self.held = input.frame.copied().or(self.held);
             return self.answered;
         }
-        let missed = measurement.cycle.0 - expected.0;
-        self.expected = Some(measurement.cycle.after(1));
+        let missed = before.map_or(0, |before| measurement.cycle.0 - before.0 - 1);
+        self.heard = Some(measurement.cycle);
         if let Some(compensation) = &mut self.compensation {
             compensation.step();
         }
@@ -132,7 +132,8 @@ impl Regulator {
         self.spindle.update(measurement, missed, lead_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let measured_mm = self.watch.position(self.measured_mm(measurement), missed, !idle);
-        let held = self.held.take();
+        // Nearly always there is none, and nothing is copied.
+        let held = if self.held.is_some() { self.held.take() } else { None };
         let command = self.take(input.frame.or(held.as_ref()), measurement.cycle);
         self.advance(measurement, command, missed, measured_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
@@ -198,10 +199,10 @@ impl Regulator {
             if ahead > SETPOINT_LEAD * self.tick {
                 return Err(Refused::OutOfRange("setpoint cycle"));
             }
-            let late = self.stream.begun() && self.stream.last().cycle < cycle;
+            let last = self.stream.last();
+            let late = self.stream.begun() && last.cycle < cycle;
             // Behind a pass frames are missing for a while, and the first setpoint is where the pass ended.
-            let missing = self.stream.last().cycle < cycle
-                && frame.setpoint.position.mm_from(self.stream.last().position).abs() > SAME_MM;
+            let missing = late && frame.setpoint.position.mm_from(last.position).abs() > SAME_MM;
             if missing && matches!(self.state, State::Streaming) {
                 self.stream.rest_until(cycle);
             }

@@ -46,9 +46,10 @@ impl Stream {
         (self.begun, self.torn) = (true, false);
     }
 
-    /// The present is `cycle`: an axis that has come to rest behind its last setpoint rests there until now.
+    /// The present is `cycle`: an axis that has come to rest behind its last setpoint rests there until now. Of
+    /// a stream that has begun.
     pub fn rest_until(&mut self, cycle: Cycle) {
-        if self.begun && self.last().cycle < cycle && self.rests(cycle) {
+        if self.rests(cycle) {
             self.rest_at(Position::from_mm(self.stop.end()), cycle);
         }
     }
