@@ -141,7 +141,7 @@ impl AxisFrame {
     }
 
     /// Each word of 8 bytes goes into a product that no other value of it gives, so one damaged word is
-    /// always another sum of 64 bits; the upper half of it is kept.
+    /// always another sum of 64 bits; its halves are folded.
     fn sum(&self) -> u32 {
         const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
         let frame = AxisFrame { check: 0, ..*self };

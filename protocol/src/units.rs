@@ -27,6 +27,15 @@ impl Cycle {
     /// Whether a message of this cycle follows one of the cycle `last`: it is newer, and at most so many
     /// cycles ahead, or the one before it was as far ahead (`ahead` remembers it). One flipped bit of a cycle
     /// makes nobody wait for the cycle that it shows; a gap is believed when the second message says so.
+    ///
+    /// ```
+    /// use protocol::Cycle;
+    /// let mut ahead = None;
+    /// let mut follows = |cycle, last| Cycle(cycle).follows(Cycle(last), 8, &mut ahead);
+    /// assert!(follows(101, 100) && !follows(101, 101) && follows(109, 101));
+    /// assert!(!follows(5000, 109) && follows(110, 109)); // a damaged one
+    /// assert!(!follows(5000, 110) && follows(5001, 110)); // a gap
+    /// ```
     pub fn follows(self, last: Cycle, most: u64, ahead: &mut Option<Cycle>) -> bool {
         if self <= last {
             return false;

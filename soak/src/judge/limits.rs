@@ -14,8 +14,7 @@ use super::{Broken, Known, excuse};
 /// Positions are whole counts of 1e-9 mm, laws are integrated.
 const MORE: f64 = 1.02;
 const ROUNDING: f64 = 1e-6;
-/// A way out takes over a state that may be at its limits already; a damaged setpoint is believed that an
-/// axis could nearly follow.
+/// A way out takes over a state that may be at its limits already.
 const LEAVING: f64 = 1.15;
 /// The loop of a spindle swings over by this.
 const SWING: f64 = 1.06;
