@@ -26,11 +26,10 @@
 //! it has begun: its speed may change by half as much again as in the cycle before.
 //!
 //! Fewer counts than (M70) sees are found by (M71) at the next index, one is enough: counts latched at an
-//! index do not depend on the speed. They are corrected there, a sixteenth of a count a
-//! cycle, so that no observer swings, as long as the sum over ten
-//! turns stays within what is tolerated; beyond it, it is a fault. Having turned back, the spindle meets the
-//! index it met last; then a latch may differ by a count, because it comes from the other side. More than
-//! half a turn is no way back to the same index.
+//! index do not depend on the speed. They are corrected there, a sixteenth of a count a cycle, so that no
+//! observer swings, as long as the sum over ten turns stays within what is tolerated; beyond it, it is a
+//! fault. Having turned back, the spindle meets the index it met last; then a latch may differ by a count,
+//! because it comes from the other side. More than half a turn is no way back to the same index.
 //!
 //! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
 //! that turns faster than some 70 1/min. At a lower speed nobody can tell it from a spindle that is jammed;

@@ -81,7 +81,9 @@ impl Stream {
         }
         self.nodes.rotate_left(1);
         self.nodes[KEPT - 1] = node;
-        self.stop = Exit::stop_in(&sample(&node), stop_s);
+        // One that rests is there already: behind it nothing is on its way for as long as the others brake.
+        let rests = node.velocity_mm_s == 0.0 && node.acceleration_mm_s2 == 0.0;
+        self.stop = Exit::stop_in(&sample(&node), if rests { 0.0 } else { stop_s });
         true
     }
 

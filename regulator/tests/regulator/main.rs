@@ -4,6 +4,7 @@
 mod allocation;
 mod compensation;
 mod encoder;
+mod losses;
 mod stand;
 mod states;
 mod stream;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, dead_code)]
 
 use machine::{AxisConfig, Machine};
-use motion::{FeedBlock, Limits, Sample};
+use motion::{Exit, FeedBlock, Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisLaw, Cycle, DriveState, Measurement, Position, Setpoint, StatusWord,
     WayOut,
@@ -30,10 +30,12 @@ pub(crate) fn machine(change: impl FnOnce(&mut AxisConfig)) -> Machine {
     machine
 }
 
+/// Those of timed motion: X can do more.
+const LIMITS: Limits = Limits { v: 100.0, a: 1500.0, j: 60_000.0, dj: 6e6 };
+
 /// Timed motion at a cycle.
 pub(crate) fn timed(cycle: f64) -> Sample {
-    let limits = Limits { v: 100.0, a: 1500.0, j: 60_000.0, dj: 6e6 };
-    let block = FeedBlock::plan(12.0, 0.0, 80.0, 0.0, &limits).unwrap();
+    let block = FeedBlock::plan(12.0, 0.0, 80.0, 0.0, &LIMITS).unwrap();
     let mut sample = block.at((cycle - BEGINS as f64) * T);
     sample.s += HOME_MM;
     sample
@@ -59,9 +61,6 @@ pub(crate) fn arm() -> AxisCommand {
     AxisCommand::Arm { pass: 1, s_rpm: 300.0, direction: 1.0, not_before, out: WayOut::default(), law: law() }
 }
 
-/// Long enough to brake from everything that is done here, s.
-const STOP_S: f64 = 1.0;
-
 /// The frame that takes effect in a cycle.
 pub(crate) fn frame(cycle: u64) -> AxisFrame {
     let at = timed((cycle + 8) as f64);
@@ -76,11 +75,13 @@ pub(crate) fn frame(cycle: u64) -> AxisFrame {
         _ if (ARMED..OVER).contains(&cycle) => AxisCommand::Hold,
         _ => AxisCommand::Stream,
     };
-    AxisFrame::pack(Cycle(cycle - 4), 7, node, STOP_S, &command)
+    // Another axis needs longer.
+    let stop_s = Exit::stop_s(at.v, at.a, &LIMITS).max(0.1);
+    AxisFrame::pack(Cycle(cycle - 4), 7, node, stop_s, &command)
 }
 
 /// What is measured in a cycle with the motor and the scale at these places.
-fn measurement(cycle: u64, motor_mm: f64, scale_mm: f64) -> Measurement {
+pub(crate) fn measurement(cycle: u64, motor_mm: f64, scale_mm: f64) -> Measurement {
     let mut measurement = Measurement { cycle: Cycle(cycle), ..Measurement::default() };
     let turned = |cycle: u64| {
         let t = cycle as f64 * T;
