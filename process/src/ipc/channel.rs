@@ -195,4 +195,25 @@ pub struct Row {
     pub(crate) create: Create,
 }
 
+impl Row {
+    /// Shared memory that its messages need at most, bytes: every sender has room for all that can wait and
+    /// be in hand.
+    fn shared_bytes(&self) -> u64 {
+        let messages = self.receivers.len() * (self.depth + 1) + 2;
+        (self.senders.len() * messages * (self.message_bytes + HEADER_BYTES)) as u64
+    }
+}
+
+/// What iceoryx2 adds to a message, and its queues, at most.
+const HEADER_BYTES: usize = 192;
+/// What it needs for a channel and for a process, at most.
+const ENDS_BYTES: u64 = 48 * 1024;
+
+/// Shared memory that a machine with these axes needs at most, bytes.
+pub fn shared_bytes(axes: &[Axis]) -> u64 {
+    let all = all(axes);
+    let ends = all.iter().map(|row| row.senders.len() + row.receivers.len()).sum::<usize>() as u64;
+    all.iter().map(Row::shared_bytes).sum::<u64>() + ENDS_BYTES * ends
+}
+
 type Create = Box<dyn Fn(&port::Node) -> Result<Box<dyn Any>, IpcError>>;

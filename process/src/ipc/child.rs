@@ -26,6 +26,13 @@ pub fn used(pid: u32) -> Option<u64> {
     Some(ticks(14)? + ticks(15)?)
 }
 
+/// Whether a process is stopped by a signal, or by a debugger.
+pub fn is_stopped(pid: u32) -> bool {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+    let state = text.rsplit_once(')').and_then(|(_, fields)| fields.split_whitespace().next());
+    matches!(state, Some("T" | "t"))
+}
+
 /// Name of a signal that ends a process.
 pub fn signal_name(number: i32) -> String {
     let name = match number {

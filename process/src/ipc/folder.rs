@@ -26,6 +26,12 @@ const SHARED_MEMORY: &str = "/dev/shm";
 /// Room that iceoryx2 needs behind the folder's path in the 108 bytes of a socket's address.
 const SOCKET_NAME_BYTES: usize = 60;
 
+/// Shared memory that is free, bytes; `None` if nobody knows.
+pub(crate) fn free_bytes() -> Option<u64> {
+    let found = rustix::fs::statvfs(SHARED_MEMORY).ok()?;
+    Some(found.f_bavail.saturating_mul(found.f_frsize))
+}
+
 /// A name space, and the proof that this process lives in it.
 #[derive(Debug)]
 pub(crate) struct Folder {

@@ -124,9 +124,19 @@ impl Member {
         self.ear.look()
     }
 
-    /// Whether the launcher has said that a process died, as of the last wait.
+    /// Which process this is.
+    pub fn process(&self) -> Process {
+        self.process
+    }
+
+    /// Whether a process has died: the launcher has said so, as of the last wait, or it was given up.
     pub fn is_gone(&self, process: Process) -> bool {
         self.ear.heard.is(GONE + process.number())
+    }
+
+    /// Takes a process for dead from here on. For members that have no launcher any more.
+    pub fn give_up(&mut self, process: Process) {
+        self.ear.heard.note(GONE + process.number());
     }
 
     /// Whether the launcher wants the next measurement to be the last.

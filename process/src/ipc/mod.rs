@@ -75,6 +75,14 @@ pub enum IpcError {
         /// What the operating system says.
         source: std::io::Error,
     },
+    /// A process that writes where no memory is left would be killed by SIGBUS.
+    #[error("/dev/shm has {} kB free, and a machine needs {} kB", .free / 1024, .needed.div_ceil(1024))]
+    NoRoom {
+        /// What is free, bytes.
+        free: u64,
+        /// What a machine needs at most, bytes.
+        needed: u64,
+    },
     /// Sockets of the name space would not fit into 108 bytes.
     #[error(
         "the name of the folder for temporary files is too long ({path}): set TMPDIR to a folder such as /tmp"

@@ -131,6 +131,10 @@ impl Heard {
         self.0 & (1 << what) != 0
     }
 
+    pub(crate) fn note(&mut self, what: usize) {
+        self.0 |= 1 << what;
+    }
+
     pub(crate) fn forget(&mut self, what: usize) {
         self.0 &= !(1 << what);
     }

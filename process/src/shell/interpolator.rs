@@ -47,7 +47,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let patience = args.patience(&machine);
     let mut measurements = member.receiver(channel::TICK_MEASUREMENT)?;
     let mut spindle = member.sender(channel::SPINDLE_COMMAND, patience)?;
-    let mut status = member.sender(channel::MACHINE_STATUS, patience)?;
+    let mut status = member.sender(channel::MACHINE_STATUS, args.recorded())?;
     let mut source = ToInterpreter {
         code: member.receiver(channel::MACHINE_CODE)?,
         credit: member.sender(channel::CREDIT, patience)?,
@@ -69,14 +69,16 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut finished = false;
     let mut wait = Wait::on(Process::Plant);
     // The tick after the one that says "finished" is the last: its predecessor is in force then.
-    while !finished && !wait.is_in_vain(&member) {
+    while !finished && !wait.is_in_vain(&mut member) {
         let Some(measurement) = measurements.receive()? else {
             wait.sleep(&mut member, args.clock)?;
             continue;
         };
         wait = Wait::on(Process::Plant);
+        let mut since = None;
         for to in &mut axes {
-            take_status(&mut member, to, args.clock, &measurement, &mut statuses[to.axis.index()])?;
+            let latest = &mut statuses[to.axis.index()];
+            since = take_status(&mut member, to, args.clock, &measurement, latest, since)?;
         }
         take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
         let was_finished = interpolator.finished();
@@ -100,28 +102,29 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
 }
 
 /// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock
-/// step it is there; in real time the newest one counts.
+/// step it is there; in real time the newest one counts. Since when it was waited for, if it was.
 fn take_status(
     member: &mut Member,
     to: &mut ToAxis,
     clock: Clock,
     measurement: &Measurement,
     latest: &mut AxisStatus,
-) -> Result<(), ShellError> {
+    since: Option<Moment>,
+) -> Result<Option<Moment>, ShellError> {
     if measurement.cycle == Cycle(0) {
-        return Ok(());
+        return Ok(None);
     }
     let wanted = Cycle(measurement.cycle.0 - 1);
-    let mut wait = Wait::on(Process::Regulator(to.axis));
+    let mut wait = Wait::on(Process::Regulator(to.axis)).after(since);
     loop {
         match to.statuses.receive()? {
             Some(status) => {
                 *latest = status;
                 if clock == Clock::Virtual && status.cycle >= wanted {
-                    return Ok(());
+                    return Ok(wait.since());
                 }
             }
-            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(()),
+            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(wait.since()),
             None => wait.sleep(member, clock)?,
         }
     }

@@ -44,7 +44,7 @@ pub fn run(args: &InterpreterArgs) -> Result<(), ShellError> {
         let mut wait = Wait::on(Process::Interpolator);
         while sequence >= taken + channel::CODE_DEPTH {
             let news = credit.receive()?;
-            if news == Some(Credit::ENOUGH) || wait.is_in_vain(&member) {
+            if news == Some(Credit::ENOUGH) || wait.is_in_vain(&mut member) {
                 break 'program;
             }
             match news {

@@ -100,6 +100,17 @@ impl ProcessArgs {
     }
 }
 
+impl ProcessArgs {
+    /// How long senders wait for a recorder: in lock step for ever, in real time not at all. A recorder that
+    /// is slow or stands costs the record, never the machine.
+    pub fn recorded(&self) -> Patience {
+        match self.clock {
+            Clock::Virtual => Patience::Forever,
+            Clock::Real => Patience::Bounded(std::time::Duration::ZERO),
+        }
+    }
+}
+
 /// Sends a message, and goes on without receivers that have died: the launcher sees that and brings the
 /// machine to rest. In real time a queue that stays full costs the message, and its receiver counts it as
 /// lost.

@@ -15,13 +15,17 @@ use protocol::{
 
 use crate::{
     ipc::{
-        ChannelCount, IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, is_orphan,
+        ChannelCount, IpcError, Member, Port, Process, Receiver, Sender, Undelivered, Waker, channel,
+        is_orphan,
         time::{Moment, lock_memory, sleep_until},
     },
     shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver, read_text},
 };
 
 use sim_plant::{Plant, Scenario};
+
+/// How often a recorder that stands is asked again at the end.
+const PAUSE: Duration = Duration::from_millis(50);
 
 /// Arguments of the plant.
 #[derive(Clone, Debug, clap::Args)]
@@ -95,7 +99,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         .map_err(|error| ShellError::Input(format!("machine file: {error}")))?;
 
     let mut member = args.process.join(Process::Plant)?;
-    let mut ports = Ports::open(&member, &machine, args.process.patience(&machine))?;
+    let mut ports = Ports::open(&member, &machine, &args.process)?;
     member.start(&ports.all(), Moment::in_s(START_S))?;
     if clock == Clock::Real
         && let Err(error) = lock_memory()
@@ -117,10 +121,11 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
             member.stand()?;
         }
         ports.publish(&measurement, tick)?;
-        beat.wait();
+        beat.wait(&mut member)?;
+        let mut since = None;
         for from in &mut ports.axes {
             let command = &mut drives[from.axis.index()];
-            take_command(&mut member, from, clock, &measurement, command)?;
+            since = take_command(&mut member, from, clock, &measurement, command, since)?;
             let late = command.cycle < measurement.cycle;
             from.late.note(late);
             if late {
@@ -173,12 +178,13 @@ struct Ports {
 }
 
 impl Ports {
-    fn open(member: &Member, machine: &Machine, patience: Patience) -> Result<Ports, IpcError> {
+    fn open(member: &Member, machine: &Machine, args: &ProcessArgs) -> Result<Ports, IpcError> {
+        let (patience, recorded) = (args.patience(machine), args.recorded());
         let axes = machine.axes().map(|(axis, _)| FromAxis::open(member, axis));
         Ok(Ports {
             measurements: member.sender(channel::MEASUREMENT, patience)?,
             ticks: member.sender(channel::TICK_MEASUREMENT, patience)?,
-            truths: member.sender(channel::TRUTH, patience)?,
+            truths: member.sender(channel::TRUTH, recorded)?,
             spindle: member.receiver(channel::SPINDLE_COMMAND)?,
             operator: member.receiver(channel::OPERATOR)?,
             axes: axes.collect::<Result<_, _>>()?,
@@ -203,8 +209,14 @@ impl Ports {
 
     /// Sends the truth to the recorder, which is woken now and then, and at once if it is wanted.
     fn tell(&mut self, truth: &Truth, wanted: bool) -> Result<(), ShellError> {
-        deliver(&mut self.truths, truth)?;
         let (cycle, last) = (truth.cycle.0, truth.measurement.last != 0);
+        // The last one ends the record. The machine rests: there is time to wait for a recorder that stands.
+        while last && !is_orphan() && is_full(&mut self.truths, truth)? {
+            sleep_until(Moment::now().after(PAUSE));
+        }
+        if !last {
+            deliver(&mut self.truths, truth)?;
+        }
         if wanted || last || cycle.is_multiple_of(channel::RECORD_WAKE) {
             self.recorder.wake()?;
         }
@@ -221,6 +233,15 @@ impl Ports {
             self.interpolator.wake()?;
         }
         Ok(())
+    }
+}
+
+/// Sends a message, unless the queue is full.
+fn is_full(sender: &mut Sender<Truth>, truth: &Truth) -> Result<bool, ShellError> {
+    match sender.send(truth) {
+        Ok(()) | Err(Undelivered::Receivers { .. }) => Ok(false),
+        Err(Undelivered::Full(_)) => Ok(true),
+        Err(broken) => Err(broken.into()),
     }
 }
 
@@ -282,32 +303,35 @@ impl Beat {
     }
 
     /// Sleeps to the end of the cycle. If this process was itself held up, the next cycle keeps at least half
-    /// of its length: the regulators need it.
-    fn wait(&mut self) {
-        let Some(period) = self.period else { return };
+    /// of its length: the regulators need it. Then the launcher is heard, since nobody sleeps for an event.
+    fn wait(&mut self, member: &mut Member) -> Result<(), ShellError> {
+        let Some(period) = self.period else { return Ok(()) };
         sleep_until(self.next);
         self.next = self.next.after(period).max(Moment::now().after(period / 2));
+        Ok(member.look()?)
     }
 }
 
-/// The answer of a regulator to this measurement; in real time what has come by now.
+/// The answer of a regulator to this measurement; in real time what has come by now. Since when it was waited
+/// for, if it was: all regulators got the measurement at the same time.
 fn take_command(
     member: &mut Member,
     from: &mut FromAxis,
     clock: Clock,
     measurement: &Measurement,
     command: &mut DriveCommand,
-) -> Result<(), ShellError> {
-    let mut wait = Wait::on(Process::Regulator(from.axis));
+    since: Option<Moment>,
+) -> Result<Option<Moment>, ShellError> {
+    let mut wait = Wait::on(Process::Regulator(from.axis)).after(since);
     loop {
         match from.commands.receive()? {
             Some(next) => {
                 *command = next;
                 if next.cycle >= measurement.cycle {
-                    return Ok(());
+                    return Ok(wait.since());
                 }
             }
-            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(()),
+            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(wait.since()),
             None => wait.sleep(member, clock)?,
         }
     }

@@ -44,13 +44,13 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
         cycles_per_tick: machine.cycles_per_tick(),
     };
     let mut drive = member.sender(channel::DRIVE_COMMAND.of(axis), patience)?;
-    let mut status = member.sender(channel::AXIS_STATUS.of(axis), patience)?;
+    let mut status = member.sender(channel::AXIS_STATUS.of(axis), args.recorded())?;
     let plant = member.waker(Process::Plant)?;
     member.start(&[&measurements, &frames.receiver, &drive, &status, &plant], Moment::in_s(START_S))?;
 
     let mut regulator = Regulator::new(&machine, axis);
     let mut wait = Wait::on(Process::Plant);
-    while !wait.is_in_vain(&member) {
+    while !wait.is_in_vain(&mut member) {
         let Some(measurement) = measurements.receive()? else {
             wait.sleep(&mut member, args.clock)?;
             continue;
@@ -58,9 +58,16 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
         wait = Wait::on(Process::Plant);
         let frame = frames.due(&mut member, args.clock, &measurement)?;
         let out = regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
-        deliver(&mut status, &out.status)?;
+        // In lock step the status goes first, so that it is there at the next tick of the interpolator. In
+        // real time the command does, which alone has a deadline.
+        if args.clock == Clock::Virtual {
+            deliver(&mut status, &out.status)?;
+        }
         deliver(&mut drive, &out.drive)?;
         plant.wake()?;
+        if args.clock == Clock::Real {
+            deliver(&mut status, &out.status)?;
+        }
         if measurement.last != 0 {
             break;
         }

@@ -13,8 +13,17 @@ use crate::ipc::{
 const POLL: Duration = Duration::from_micros(50);
 /// So long nobody is told.
 const PATIENT: Duration = Duration::from_secs(1);
-/// Without a launcher a process that has not answered for so long counts as dead.
-const FORSAKEN: Duration = Duration::from_secs(10);
+
+/// Without a launcher a process that has not answered another one for so long counts as dead, for ever. Who
+/// waits for somebody who may be waiting himself waits longer, so that only the dead are given up.
+fn forsaken(who: Process, whom: Process) -> Duration {
+    Duration::from_secs(match (who, whom) {
+        (Process::Interpolator, Process::Interpreter | Process::Regulator(_)) => 2,
+        (_, Process::Interpolator) => 6,
+        (_, Process::Regulator(_)) => 9,
+        (_, _) => 20,
+    })
+}
 
 /// A wait.
 pub(crate) struct Wait {
@@ -27,6 +36,16 @@ impl Wait {
     /// A wait that begins when it first [sleeps](Wait::sleep).
     pub(crate) fn on(whom: Process) -> Wait {
         Wait { whom, since: None, told: 0 }
+    }
+
+    /// A wait that goes on where the one for somebody else, which began at the same time, has ended.
+    pub(crate) fn after(self, since: Option<Moment>) -> Wait {
+        Wait { since, ..self }
+    }
+
+    /// When it began, if it has.
+    pub(crate) fn since(&self) -> Option<Moment> {
+        self.since
     }
 
     /// Waits for news: in lock step asleep until woken, in real time by looking often.
@@ -51,9 +70,17 @@ impl Wait {
         Ok(())
     }
 
-    /// Whether it will not come any more.
-    pub(crate) fn is_in_vain(&self, member: &Member) -> bool {
-        member.is_gone(self.whom)
-            || is_orphan() && self.since.is_some_and(|since| since.elapsed() >= FORSAKEN)
+    /// Whether it will not come any more. Without a launcher this is remembered: nobody is waited for again
+    /// who was given up.
+    pub(crate) fn is_in_vain(&self, member: &mut Member) -> bool {
+        if member.is_gone(self.whom) {
+            return true;
+        }
+        let patience = forsaken(member.process(), self.whom);
+        let given_up = is_orphan() && self.since.is_some_and(|since| since.elapsed() >= patience);
+        if given_up {
+            member.give_up(self.whom);
+        }
+        given_up
     }
 }

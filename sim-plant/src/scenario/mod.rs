@@ -222,6 +222,13 @@ impl Scenario {
         self.events.iter().position(disturbs).map(|index| index + 1)
     }
 
+    /// The first event, from 1, that needs a time which goes on while a process is frozen. Between processes
+    /// in lock step there is none: everybody waits for the frozen one, and its thaw never comes.
+    pub fn needs_time_to_go_on(&self) -> Option<usize> {
+        let thaws = |event: &Event| matches!(event.action, Action::Doom { for_s: Some(_), .. });
+        self.events.iter().position(thaws).map(|index| index + 1)
+    }
+
     /// The axes that events act on, with the number of the event, from 1.
     pub(crate) fn axes(&self) -> impl Iterator<Item = (usize, Axis)> {
         let axis = |(index, event): (usize, &Event)| match event.action {
