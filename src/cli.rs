@@ -81,6 +81,14 @@ pub(crate) enum Command {
     SimPlant(process::shell::plant::PlantArgs),
 }
 
+impl Command {
+    /// Whether somebody waits for this process, or for the processes that it has started.
+    pub(crate) fn is_of_a_machine(&self) -> bool {
+        use Command::{Interpolator, Interpreter, Regulator, Run, SimPlant};
+        matches!(self, Run(_) | Interpreter(_) | Interpolator(_) | Regulator(_) | SimPlant(_))
+    }
+}
+
 const KINEMATICS: [Named<Kinematics>; 3] = [
     (
         Kinematics::Lathe,

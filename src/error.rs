@@ -4,6 +4,8 @@ use std::process::ExitCode;
 
 use process::shell::ShellError;
 
+use crate::words;
+
 /// Why a command did not do what was asked.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
@@ -20,7 +22,7 @@ impl CliError {
     pub(crate) fn report(&self) -> ExitCode {
         let text = self.to_string();
         let already_named = text.contains(": error") || text.starts_with("error");
-        eprintln!("{}{}", if already_named { "" } else { "error: " }, text.trim_end());
+        words::say(&format!("{}{}\n", if already_named { "" } else { "error: " }, text.trim_end()));
         match self {
             CliError::Input(_) => ExitCode::from(2),
             CliError::Machine(_) => ExitCode::from(1),

@@ -16,6 +16,7 @@ mod run;
 mod screen;
 mod soak;
 mod tune;
+mod words;
 
 use std::process::ExitCode;
 
@@ -26,10 +27,9 @@ use error::CliError;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     screen::start_log(&cli.log);
-    match dispatch(&cli) {
-        Ok(code) => code,
-        Err(error) => error.report(),
-    }
+    let code = dispatch(&cli).unwrap_or_else(|error| error.report());
+    words::flush(cli.command.is_of_a_machine());
+    code
 }
 
 fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {

@@ -5,7 +5,10 @@ use std::io::{IsTerminal, Write};
 
 use tracing::level_filters::LevelFilter;
 
-use crate::args::{LogArgs, LogFormat};
+use crate::{
+    args::{LogArgs, LogFormat},
+    words,
+};
 
 /// Sends log messages to standard error.
 pub(crate) fn start_log(log: &LogArgs) {
@@ -18,7 +21,7 @@ pub(crate) fn start_log(log: &LogArgs) {
     let builder = tracing_subscriber::fmt()
         .with_max_level(level)
         .with_ansi(colour(&std::io::stderr()))
-        .with_writer(std::io::stderr);
+        .with_writer(|| words::Log);
     match log.log_format {
         LogFormat::Text => builder.without_time().init(),
         LogFormat::Json => builder.json().init(),

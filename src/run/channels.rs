@@ -4,7 +4,9 @@
 use std::collections::VecDeque;
 
 use machine::Machine;
-use process::ipc::{ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, channel};
+use process::ipc::{
+    ChannelCount, IpcError, NameSpace, Patience, Port, Process, Receiver, Sender, Undelivered, channel,
+};
 use process::shell::Clock;
 use protocol::{
     Axis, AxisStatus, MachineStatus, Message, Truth,
@@ -16,7 +18,7 @@ use super::recorder::axes;
 use crate::error::CliError;
 
 /// In real time, whoever has said nothing for so long while the plant went on is dead or hangs, s.
-const SILENT_S: f64 = 1.0;
+pub(crate) const SILENT_S: f64 = 1.0;
 
 /// One source, and what of it waits for the others.
 struct Source<T: Message> {
@@ -26,11 +28,13 @@ struct Source<T: Message> {
     gone: bool,
     /// Cycle of the newest that has come.
     newest: u64,
+    /// How many truths have come since.
+    unheard: u64,
 }
 
 impl<T: Message> Source<T> {
     fn new(receiver: Receiver<T>) -> Source<T> {
-        Source { receiver, waiting: VecDeque::new(), gone: false, newest: 0 }
+        Source { receiver, waiting: VecDeque::new(), gone: false, newest: 0, unheard: 0 }
     }
 
     /// Whether the oldest that waits is such, or nothing will come any more.
@@ -56,6 +60,12 @@ impl<T: Message> Source<T> {
             self.waiting.push_back(message);
         }
         Ok(self.waiting.len() - before)
+    }
+
+    /// So many truths have come, and so many messages of this source, which it gives.
+    fn heard(&mut self, truths: usize, messages: usize) -> usize {
+        self.unheard = if messages > 0 { 0 } else { self.unheard + truths as u64 };
+        messages
     }
 }
 
@@ -109,10 +119,12 @@ impl Channels {
 
     /// Takes what has come, and shows every truth to `see`. Gives how many messages there were.
     pub(crate) fn drain(&mut self, see: impl FnMut(&Truth)) -> Result<usize, CliError> {
-        let mut all = self.truths.drain(|truth| truth.cycle.0, see)?;
-        all += self.ticks.drain(|status| status.cycle.0, |_| {})?;
+        let truths = self.truths.drain(|truth| truth.cycle.0, see)?;
+        let ticks = self.ticks.drain(|status| status.cycle.0, |_| {})?;
+        let mut all = truths + self.ticks.heard(truths, ticks);
         for (_, source) in &mut self.axes {
-            all += source.drain(|status| status.cycle.0, |_| {})?;
+            let statuses = source.drain(|status| status.cycle.0, |_| {})?;
+            all += source.heard(truths, statuses);
         }
         Ok(all)
     }
@@ -166,12 +178,13 @@ impl Channels {
         }
     }
 
-    /// Who has said nothing for so long that it must have died or hang, in real time.
+    /// Who has said nothing for so long that it must have died or hang, in real time. Truths are counted as
+    /// they come: a launcher that was itself held up finds old ones in its queues, and a gap behind them.
     pub(crate) fn silent(&self) -> Option<Process> {
         let oldest = self.oldest?;
-        let silent = |newest: u64, gone: bool| !gone && self.truths.newest > newest + oldest;
-        let axes = self.axes.iter().find(|(_, source)| silent(source.newest, source.gone));
-        let interpolator = silent(self.ticks.newest, self.ticks.gone);
+        let silent = |unheard: u64, gone: bool| !gone && unheard > oldest;
+        let axes = self.axes.iter().find(|(_, source)| silent(source.unheard, source.gone));
+        let interpolator = silent(self.ticks.unheard, self.ticks.gone);
         axes.map(|(axis, _)| Process::Regulator(*axis)).or(interpolator.then_some(Process::Interpolator))
     }
 
@@ -192,9 +205,13 @@ impl Channels {
         self.late_answers
     }
 
-    /// Does something at the panel.
+    /// Does something at the panel. A plant that has just died, or hangs, hears nothing of it: that is seen
+    /// elsewhere.
     pub(crate) fn operate(&mut self, request: Request) -> Result<(), CliError> {
-        self.operator.send(&OperatorRequest::pack(self.requests, request)).map_err(IpcError::from)?;
+        match self.operator.send(&OperatorRequest::pack(self.requests, request)) {
+            Ok(()) | Err(Undelivered::Full(_) | Undelivered::Receivers { .. }) => {}
+            Err(broken) => return Err(IpcError::from(broken).into()),
+        }
         self.requests += 1;
         Ok(())
     }

@@ -11,6 +11,7 @@ use rig::{
 const TRIPS: u64 = 3;
 
 /// A process that has died.
+#[derive(Clone, Debug)]
 pub(crate) struct Death {
     /// Which.
     pub(crate) process: Process,
@@ -20,13 +21,14 @@ pub(crate) struct Death {
     pub(crate) cycle: u64,
     /// The machine had ended before.
     pub(crate) over: bool,
+    /// It was killed because it did not answer.
+    pub(crate) frozen: bool,
 }
 
 /// All of it.
 #[derive(Default)]
 pub(crate) struct Endings {
     deaths: Vec<Death>,
-    frozen: Vec<Process>,
     end: Option<End>,
     broken_off: bool,
     /// Regulators that were late so often in a row that their drives tripped, and how often they were late.
@@ -37,11 +39,6 @@ impl Endings {
     /// A process has died.
     pub(crate) fn died(&mut self, death: Death) {
         self.deaths.push(death);
-    }
-
-    /// A process is killed because it does not answer.
-    pub(crate) fn frozen(&mut self, process: Process) {
-        self.frozen.push(process);
     }
 
     /// Whether a process has died.
@@ -111,7 +108,7 @@ impl Endings {
     }
 
     fn report(&self, death: &Death) -> FaultReport {
-        let (code, text) = match self.frozen.contains(&death.process) {
+        let (code, text) = match death.frozen {
             true => (
                 "process-frozen",
                 "it did not answer any more, all others waited for it, and it was killed".into(),

@@ -31,6 +31,8 @@ const LANGUAGE: &str = "language.toml";
 const TOOLS: &str = "tool.tbl";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
+/// What a run leaves.
+const RESULTS: [&str; 4] = ["summary.json", "report.html", "trace.mcap", "trace.csv"];
 
 impl RunFolder {
     /// Makes the folder and copies the input into it.
@@ -55,9 +57,13 @@ impl RunFolder {
             let text = "the run folder keeps another file under this name: rename the job";
             return Err(CliError::file(&args.program, text));
         }
-        // A run folder that is used again keeps nothing of the run before that this one does not write
-        // itself.
-        let used = path.join("summary.json").exists();
+        // A run folder that is used again keeps nothing of the run before: neither what this one does not
+        // write itself, nor results, which it may not live to write.
+        let old = RESULTS.map(|name| path.join(name));
+        let used = old.iter().any(|old| old.exists());
+        for old in old.iter().filter(|old| old.exists()) {
+            std::fs::remove_file(old).map_err(|error| CliError::file(old, error))?;
+        }
         for name in [TOOLS, LANGUAGE, SCENARIO].into_iter().filter(|_| used) {
             let old = path.join(name);
             let input = [&args.language.tools, &args.scenario].into_iter().flatten();

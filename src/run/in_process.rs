@@ -1,7 +1,7 @@
 //! The machine in this process.
 
 use process::ipc::{Process, time::Moment};
-use protocol::{Doom, operator::Request};
+use protocol::{Doom, Module, operator::Request};
 use rig::{
     Rig,
     observe::{Record, Summary},
@@ -10,6 +10,7 @@ use rig::{
 
 use super::{
     Setup,
+    channels::SILENT_S,
     endings::{Death, Endings},
     interrupts::{Interrupts, Wish},
     processes::complete,
@@ -21,8 +22,7 @@ use crate::error::CliError;
 const LOOK_EVERY: u64 = 256;
 
 /// Runs the machine to its end. Ctrl-C does what it does to processes.
-pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
-    let mut interrupts = Interrupts::catch()?;
+pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary, CliError> {
     let begun = Moment::now();
     let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
@@ -30,15 +30,23 @@ pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
     let mut recorder = Recorder::new(setup)?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
     let mut endings = Endings::default();
+    let mut doomed = Doomed::new(setup);
     let (mut cycle, mut wish) = (0, Wish::None);
     let mut request = None;
     loop {
         let asked = request.take();
-        let mut wanted = None;
+        let (mut wanted, mut dead) = (None, Vec::new());
         let goes_on = rig.cycle(asked, |record| {
             recorder.cycle(record);
-            wanted = doomed(record, &mut supervisor, &mut endings).or(supervisor.cycle(record));
+            dead = doomed.cycle(record);
+            for (module, death) in &dead {
+                endings.died(death.clone());
+                wanted = supervisor.died(*module).or(wanted);
+            }
+            wanted = supervisor.cycle(record).or(wanted);
         });
+        // One that was frozen does not thaw any more.
+        dead.into_iter().for_each(|(module, _)| rig.kill(module));
         request = wanted;
         cycle += 1;
         if cycle % LOOK_EVERY == 0 && interrupts.wish() != wish {
@@ -65,17 +73,42 @@ pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
     Ok(complete(summary, setup, begun))
 }
 
-/// What the scenario does to a module. One that is frozen counts as dead: so it does for all others.
-fn doomed(record: &Record, supervisor: &mut Supervisor, endings: &mut Endings) -> Option<Request> {
-    let (doom, module) = record.truth.doom()?;
-    let process = Process::of(module);
-    if doom == Doom::Thaw || endings.has_died(process) {
-        return None;
+/// What the scenario does to modules. One that is frozen for a second on the machine is killed, as it is in
+/// real time.
+struct Doomed {
+    patience: u64,
+    /// Who is frozen, and since which control cycle.
+    frozen: Vec<(Module, u64)>,
+    dead: Vec<Module>,
+}
+
+impl Doomed {
+    fn new(setup: &Setup) -> Doomed {
+        let patience = (SILENT_S / setup.machine.general.cycle_s).ceil() as u64;
+        Doomed { patience, frozen: Vec::new(), dead: Vec::new() }
     }
-    if doom == Doom::Freeze {
-        endings.frozen(process);
+
+    /// One control cycle: who is dead from it on.
+    fn cycle(&mut self, record: &Record) -> Vec<(Module, Death)> {
+        let now = record.truth.cycle.0;
+        let mut dead = Vec::new();
+        match record.truth.doom() {
+            Some((Doom::Kill, module)) => dead.push((module, now, false)),
+            Some((Doom::Freeze, module)) if self.frozen.iter().all(|(frozen, _)| *frozen != module) => {
+                self.frozen.push((module, now));
+            }
+            Some((Doom::Thaw, module)) => self.frozen.retain(|(frozen, _)| *frozen != module),
+            Some((Doom::Freeze, _)) | None => {}
+        }
+        let over = self.frozen.iter().filter(|(_, since)| now - since >= self.patience);
+        dead.extend(over.map(|(module, since)| (*module, *since, true)));
+        dead.retain(|(module, ..)| !self.dead.contains(module));
+        self.dead.extend(dead.iter().map(|(module, ..)| *module));
+        self.frozen.retain(|(module, _)| !self.dead.contains(module));
+        let death = |(module, cycle, frozen)| {
+            let (process, ending) = (Process::of(module), "was killed by the scenario".into());
+            (module, Death { process, ending, cycle, over: false, frozen })
+        };
+        dead.into_iter().map(death).collect()
     }
-    let cycle = record.truth.cycle.0;
-    endings.died(Death { process, ending: "was killed by the scenario".into(), cycle, over: false });
-    supervisor.died(module)
 }

@@ -1,9 +1,15 @@
 //! Signals that ask for the end of a run. Ctrl-C, SIGTERM, and SIGHUP (the terminal was closed) ask the
-//! machine to stop. Only Ctrl-C can ask for more: the second is an emergency stop, the third ends the
-//! processes.
+//! machine to stop. Only Ctrl-C can ask for more: one that comes when the machine stops already is an
+//! emergency stop, the next ends the processes.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 use signal_hook::{
     consts::{SIGHUP, SIGINT, SIGTERM},
+    flag::register_conditional_default,
     iterator::Signals,
 };
 
@@ -25,31 +31,54 @@ pub(crate) enum Wish {
 /// Signals that came so far.
 pub(crate) struct Interrupts {
     signals: Signals,
-    told: bool,
-    presses: usize,
+    wish: Wish,
+    over: Arc<AtomicBool>,
+}
+
+/// After the run signals do what they do to any program: nothing that is still to be printed may hold it up.
+impl Drop for Interrupts {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+    }
 }
 
 impl Interrupts {
     /// Catches them from here on.
     pub(crate) fn catch() -> Result<Interrupts, CliError> {
-        let signals =
-            Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(|error| CliError::Machine(error.to_string()))?;
-        Ok(Interrupts { signals, told: false, presses: 0 })
+        let refused = |error: std::io::Error| CliError::Machine(error.to_string());
+        let over = Arc::<AtomicBool>::default();
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            register_conditional_default(signal, Arc::clone(&over)).map_err(refused)?;
+        }
+        let signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(refused)?;
+        Ok(Interrupts { signals, wish: Wish::None, over })
     }
 
     /// All that has been asked for so far, in one word.
     pub(crate) fn wish(&mut self) -> Wish {
+        let (mut pressed, mut told) = (false, false);
         for signal in self.signals.pending() {
-            match signal {
-                SIGINT => self.presses += 1,
-                _ => self.told = true,
-            }
+            pressed |= signal == SIGINT;
+            told |= signal != SIGINT;
         }
-        match self.presses + usize::from(self.told) {
-            0 => Wish::None,
-            1 => Wish::Stop,
-            2 => Wish::EmergencyStop,
-            _ => Wish::End,
+        // Of those that came at the same time Ctrl-C counts as the first: the others never ask for more.
+        if pressed {
+            self.wish = self.wish.more();
+        }
+        if told {
+            self.wish = self.wish.max(Wish::Stop);
+        }
+        self.wish
+    }
+}
+
+impl Wish {
+    /// What one more Ctrl-C asks for.
+    fn more(self) -> Wish {
+        match self {
+            Wish::None => Wish::Stop,
+            Wish::Stop => Wish::EmergencyStop,
+            Wish::EmergencyStop | Wish::End => Wish::End,
         }
     }
 }

@@ -12,7 +12,7 @@ mod progress;
 mod recorder;
 mod watchdog;
 
-use std::{fmt::Write as _, process::ExitCode};
+use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
@@ -22,6 +22,7 @@ use crate::{error::CliError, program::Program, screen};
 use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
 use folder::RunFolder;
+use interrupts::Interrupts;
 pub(crate) use recorder::axes;
 
 /// Everything a run depends on.
@@ -61,13 +62,17 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if args.in_process && args.clock == Clock::Real {
         return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
     }
+    can_be_played(&scenario, args)?;
     let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref())?;
     let progress = !quiet && !args.json;
     let (clock, watchdog_s, fell) = (args.clock, args.watchdog_s, args.fell.clone());
     let setup = Setup { machine, program, scenario, seed, clock, folder, progress, quiet, watchdog_s, fell };
 
-    let summary = if args.in_process { in_process::run(&setup)? } else { processes::run(&setup)? };
+    let mut interrupts = Interrupts::catch()?;
+    let run = if args.in_process { in_process::run } else { processes::run };
+    let summary = run(&setup, &mut interrupts)?;
     summary.write(&setup.folder.path.join("summary.json"))?;
+    drop(interrupts);
     let report = report::render(&setup.folder.path)?;
     if args.json {
         let text =
@@ -77,6 +82,21 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
         screen::print(&summed_up(&summary, &report));
     }
     Ok(if summary.outcome == Outcome::Completed { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Refuses what the machine cannot play in the way it is run.
+fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> Result<(), CliError> {
+    let input = |text: String| Err(CliError::Input(text));
+    match (scenario.needs_one_process(), scenario.needs_time_to_go_on()) {
+        (Some(event), _) if !args.in_process => input(format!(
+            "event {event} of the scenario: messages between processes cannot be disturbed; add --in-process"
+        )),
+        (_, Some(event)) if !args.in_process && args.clock == Clock::Virtual => input(format!(
+            "event {event} of the scenario: in lock step all processes wait for one that is frozen, so for_s \
+             never passes; add --in-process or --clock real, or leave out for_s"
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// What `--single-block` adds to the scenario.
@@ -121,10 +141,12 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
         Outcome::Faulted => "FAULTED",
         Outcome::Stopped => "stopped by the operator",
     };
+    // One that was left and taken up again is one pass.
+    let passes: BTreeSet<u32> = summary.passes.iter().map(|pass| pass.pass).collect();
     let _ = writeln!(
         text,
         "{outcome}: {} passes, {} moves, {:.1} s on the machine in {:.1} s",
-        summary.passes.len(),
+        passes.len(),
         summary.moves.count,
         summary.simulated_s,
         summary.wall_s

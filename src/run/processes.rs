@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use process::{
-    ipc::{ChannelCount, NameSpace, Process, time::Moment, total},
+    ipc::{ChannelCount, NameSpace, Process, child::is_stopped, time::Moment, total},
     shell::{Clock, START_S},
 };
 use protocol::{Doom, operator::Request};
@@ -19,7 +19,7 @@ use super::{
     endings::{Death, Endings},
     interrupts::{Interrupts, Wish},
     recorder::{Recorder, axes},
-    watchdog::Watchdog,
+    watchdog::{Hunger, Watchdog},
 };
 use crate::error::CliError;
 
@@ -31,8 +31,7 @@ const SHORT_NAP: Duration = Duration::from_millis(1);
 const LAST_CYCLES: u64 = 4096;
 
 /// Runs the machine to its end.
-pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
-    let mut interrupts = Interrupts::catch()?;
+pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary, CliError> {
     let axes = axes(&setup.machine);
     let mut space = NameSpace::create(&axes)?;
     let channels = Channels::open(&mut space, &setup.machine, setup.clock)?;
@@ -40,7 +39,7 @@ pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
     for process in Process::members(&axes) {
         started.push(Started::start(setup, &space.address(), process)?);
     }
-    rendezvous(&mut space, &channels, &mut started, &mut interrupts)?;
+    rendezvous(&mut space, &channels, &mut started, interrupts, setup.watchdog_s)?;
     let recorder = Recorder::new(setup)?;
     let begun = Moment::now();
     space.start()?;
@@ -48,7 +47,9 @@ pub(crate) fn run(setup: &Setup) -> Result<Summary, CliError> {
         setup,
         supervisor: Supervisor::new(&setup.machine, &setup.program.watched),
         watchdog: Watchdog::new(setup.watchdog_s),
+        hunger: Hunger::new(setup.watchdog_s),
         endings: Endings::default(),
+        frozen: Vec::new(),
         wish: Wish::None,
         quits: None,
         space,
@@ -81,12 +82,25 @@ fn rendezvous(
     channels: &Channels,
     started: &mut [Started],
     interrupts: &mut Interrupts,
+    watchdog_s: f64,
 ) -> Result<(), CliError> {
     let deadline = Moment::in_s(START_S);
+    let (mut stopped, mut looked) = (Watchdog::new(watchdog_s), Moment::now());
     loop {
         let missing = space.missing(&channels.ports())?;
         if missing.is_empty() {
             return Ok(());
+        }
+        if looked.passed() {
+            looked = Moment::in_s(0.1);
+            match started.iter().find(|one| is_stopped(one.pid())) {
+                None => stopped.calm(),
+                Some(one) if stopped.is_over() => {
+                    let text = "is stopped, and did not answer while the machine was starting";
+                    return Err(CliError::Machine(format!("{} {text}", one.process.name())));
+                }
+                Some(_) => {}
+            }
         }
         for one in started.iter_mut() {
             if one.has_ended()? {
@@ -119,10 +133,13 @@ struct Launch<'a> {
     // Behind the channels, which are ports in it.
     started: Vec<Started>,
     space: NameSpace,
-    interrupts: Interrupts,
+    interrupts: &'a mut Interrupts,
     supervisor: Supervisor,
     watchdog: Watchdog,
+    hunger: Hunger,
     endings: Endings,
+    /// Who was killed because it did not answer.
+    frozen: Vec<Process>,
     /// What the operator wanted so far.
     wish: Wish,
     /// The plant was told to make an end when this was the newest cycle.
@@ -195,13 +212,13 @@ impl Launch<'_> {
         }
         let before = std::mem::replace(&mut self.wish, wish);
         if before == Wish::None {
+            self.ask(Some(Request::Stop))?;
             self.recorder.say("stopping; Ctrl-C again is an emergency stop");
-            self.channels.operate(Request::Stop)?;
         }
         if before < Wish::EmergencyStop && wish >= Wish::EmergencyStop {
-            self.recorder.say("emergency stop; Ctrl-C again ends the processes as they are");
             let request = self.supervisor.emergency_stop();
             self.ask(request)?;
+            self.recorder.say("emergency stop; Ctrl-C again ends the processes as they are");
         }
         if wish == Wish::End {
             self.recorder.say("the processes are ended as they are");
@@ -216,9 +233,10 @@ impl Launch<'_> {
         for index in 0..self.started.len() {
             if self.started[index].has_ended()? {
                 let (process, ending) = (self.started[index].process, self.started[index].ending());
-                self.recorder.say(&format!("{} {ending}", process.name()));
+                let said = format!("{} {ending}", process.name());
                 let cycle = self.channels.unanswered(process);
-                self.endings.died(Death { process, ending, cycle, over: self.channels.ended() });
+                let frozen = self.frozen.contains(&process);
+                self.endings.died(Death { process, ending, cycle, over: self.channels.ended(), frozen });
                 match process.module() {
                     Some(module) => {
                         let request = self.supervisor.died(module);
@@ -228,6 +246,7 @@ impl Launch<'_> {
                 }
                 self.channels.bury(process);
                 self.space.bury(process)?;
+                self.recorder.say(&said);
             }
         }
         Ok(())
@@ -238,6 +257,9 @@ impl Launch<'_> {
         let mut frozen = Vec::from_iter(self.channels.silent());
         if news > 0 {
             self.watchdog.calm();
+            let hungry =
+                self.setup.clock == Clock::Real && self.hunger.look(&mut self.space, &self.started)?;
+            frozen.extend(hungry.then_some(Process::Interpreter));
         } else {
             frozen.extend(self.watchdog.look(&mut self.space, &self.started)?);
         }
@@ -249,9 +271,9 @@ impl Launch<'_> {
 
     fn kill_frozen(&mut self, process: Process) {
         for one in self.started.iter_mut().filter(|one| one.process == process && one.lives()) {
-            self.recorder.say(&format!("{} does not answer any more: it is killed", process.name()));
-            self.endings.frozen(process);
+            self.frozen.push(process);
             one.doom(Doom::Kill);
+            self.recorder.say(&format!("{} does not answer any more: it is killed", process.name()));
         }
     }
 
@@ -298,6 +320,11 @@ impl Launch<'_> {
             }
             self.look_at_the_keyboard()?;
             process::ipc::time::sleep_until(Moment::in_s(0.001));
+        }
+        // Whoever is still there although all others have gone hangs.
+        if self.wish != Wish::End {
+            Process::members(&axes(&self.setup.machine)).into_iter().for_each(|one| self.kill_frozen(one));
+            self.look_for_the_dead()?;
         }
         self.started.iter_mut().for_each(Started::end);
         let counts = total(counts);

@@ -1,19 +1,23 @@
 //! Progress on a terminal: passes, depth, time on the machine. Silent elsewhere.
 
-use std::io::Write as _;
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use process::ipc::time::Moment;
 use protocol::MachineState;
 use rig::observe::Record;
 
 use super::Setup;
+use crate::words;
 
 /// Control cycles between two looks.
 const EVERY: u64 = 256;
+/// And the least time between two steps that are shown.
+const PACE: Duration = Duration::from_millis(50);
 
 /// The bar.
 pub(crate) struct Progress {
-    bar: ProgressBar,
+    shows: bool,
+    shown: Moment,
     passes: u32,
     cycle_s: f64,
     quiet: bool,
@@ -22,27 +26,22 @@ pub(crate) struct Progress {
 impl Progress {
     /// A bar over the machine code of the program.
     pub(crate) fn new(setup: &Setup) -> Progress {
-        let bar = ProgressBar::new(setup.program.steps);
-        if !setup.progress {
-            bar.set_draw_target(ProgressDrawTarget::hidden());
-        }
-        let style =
-            ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-        bar.set_style(style);
+        let shows = setup.progress && words::show_bar(setup.program.steps);
         let passes = setup.program.passes();
-        Progress { bar, passes, cycle_s: setup.machine.general.cycle_s, quiet: setup.quiet }
+        let cycle_s = setup.machine.general.cycle_s;
+        Progress { shows, shown: Moment::now(), passes, cycle_s, quiet: setup.quiet }
     }
 
     /// Shows a cycle, now and then.
     pub(crate) fn cycle(&mut self, record: &Record) {
         let cycle = record.truth.cycle.0;
-        if !cycle.is_multiple_of(EVERY) {
+        if !self.shows || !cycle.is_multiple_of(EVERY) || self.shown.elapsed() < PACE {
             return;
         }
+        self.shown = Moment::now();
         let machine = record.machine;
         let paused = machine.state() == MachineState::Paused;
-        self.bar.set_position(machine.taken);
-        self.bar.set_message(format!(
+        let text = format!(
             "line {}  pass {}/{}  depth {:.3} mm  {:.0} 1/min ({:.0} %)  {:.1} s{}",
             machine.line,
             machine.pass,
@@ -52,21 +51,22 @@ impl Progress {
             machine.spindle_override_pct,
             cycle as f64 * self.cycle_s,
             if paused { "  paused: waits for cycle start" } else { "" },
-        ));
+        );
+        words::step(machine.taken, text);
     }
 
-    /// Says something on standard error, besides the bar. Nobody may be there to read it.
+    /// Says something on standard error, besides the bar. Nobody may be there to read it, and nobody waits
+    /// for that.
     pub(crate) fn say(&self, text: &str) {
         if !self.quiet {
-            let line = format!("pitchlock: {text}\n");
-            self.bar.suspend(|| {
-                let _ = std::io::stderr().write_all(line.as_bytes());
-            });
+            words::say(&format!("pitchlock: {text}\n"));
         }
     }
 
     /// Takes the bar away.
     pub(crate) fn finish(&self) {
-        self.bar.finish_and_clear();
+        if self.shows {
+            words::hide_bar();
+        }
     }
 }

@@ -10,6 +10,8 @@ use crate::error::CliError;
 
 /// The longest time between two looks that counts: a launcher that was stopped itself has not waited.
 const STEP: Duration = Duration::from_millis(100);
+/// Before this nobody is asked who waits for whom.
+const QUIET: Duration = Duration::from_millis(500);
 /// Processes that wait say so once a second: so long what they say is collected at least.
 const COLLECT: Duration = Duration::from_secs(2);
 
@@ -51,7 +53,8 @@ impl Watchdog {
         started: &[Started],
     ) -> Result<Vec<Process>, CliError> {
         self.is_over();
-        let Some(limit) = self.limit.filter(|limit| self.quiet + COLLECT >= *limit) else {
+        let Some(limit) = self.limit.filter(|limit| self.quiet >= QUIET && self.quiet + COLLECT >= *limit)
+        else {
             return Ok(Vec::new());
         };
         let Some(used_before) = self.collecting else {
@@ -68,6 +71,42 @@ impl Watchdog {
         }
         self.calm();
         Ok(awaited)
+    }
+}
+
+/// The watch over the interpreter in real time, where the machine goes on without machine code.
+pub(crate) struct Hunger {
+    watch: Watchdog,
+    /// For how long there is something known, as the watch counts it.
+    known: Duration,
+    awaited: bool,
+    used: Option<u64>,
+}
+
+impl Hunger {
+    /// One that bites after so many seconds; 0 is one that never does.
+    pub(crate) fn new(limit_s: f64) -> Hunger {
+        Hunger { watch: Watchdog::new(limit_s), known: Duration::ZERO, awaited: false, used: None }
+    }
+
+    /// Whether the interpreter hangs: it has been awaited for all the time, and has computed nothing.
+    pub(crate) fn look(&mut self, space: &mut NameSpace, started: &[Started]) -> Result<bool, CliError> {
+        let is_over = self.watch.is_over();
+        if self.watch.limit.is_none() || self.watch.quiet < self.known + COLLECT {
+            return Ok(false);
+        }
+        self.known = self.watch.quiet;
+        let used = used_by_interpreter(started);
+        let computed = used > std::mem::replace(&mut self.used, used).map(|ticks| ticks + 1);
+        let awaited = space.awaited()?.contains(&Process::Interpreter) && used.is_some() && !computed;
+        // What happened before it was first awaited does not count.
+        if !(awaited && std::mem::replace(&mut self.awaited, awaited)) {
+            self.awaited = awaited;
+            self.known = Duration::ZERO;
+            self.watch.calm();
+            return Ok(false);
+        }
+        Ok(is_over)
     }
 }
 

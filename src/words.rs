@@ -1,0 +1,139 @@
+//! What is said on standard error. A thread of its own writes it: a pipe that nobody reads and a terminal
+//! that was stopped hold up that thread, never a machine. What does not fit into its queue meanwhile is not
+//! said. In: lines, log messages, progress. Out: standard error.
+
+use std::{
+    io::{IsTerminal as _, Write},
+    sync::{
+        OnceLock,
+        mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
+    },
+    time::Duration,
+};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use process::ipc::time::{Moment, sleep_until};
+
+/// Words that wait to be written.
+const DEPTH: usize = 256;
+/// What a writer needs of a stack, bytes. A plant locks all its memory.
+const STACK: usize = 256 * 1024;
+/// So long whoever runs a machine waits in the end for words to be read.
+const LAST_WORDS: Duration = Duration::from_secs(1);
+
+/// Something for the writer.
+enum Word {
+    /// Bytes of whole lines.
+    Lines(Vec<u8>),
+    /// A bar of so many steps from here on.
+    Bar(u64),
+    /// Where the bar stands.
+    Step(u64, String),
+    /// No bar from here on.
+    NoBar,
+    /// Everything before this has been written when it is answered.
+    Written(SyncSender<()>),
+}
+
+/// The way to the writer, once there was anything to say; nothing if the computer has no thread to spare.
+static WRITER: OnceLock<Option<SyncSender<Word>>> = OnceLock::new();
+
+fn send(word: Word) {
+    let start = || {
+        let (sender, words) = sync_channel(DEPTH);
+        let thread = std::thread::Builder::new().name("words".into()).stack_size(STACK);
+        thread.spawn(move || write(&words)).ok().map(|_| sender)
+    };
+    if let Some(writer) = WRITER.get_or_init(start) {
+        // What does not fit is lost: nobody reads it anyway.
+        let _ = writer.try_send(word);
+    }
+}
+
+/// The thread.
+fn write(words: &Receiver<Word>) {
+    let mut bar: Option<ProgressBar> = None;
+    for word in words {
+        match word {
+            Word::Lines(bytes) => {
+                // A reader that has gone away is no error.
+                let say = || {
+                    let _ = std::io::stderr().write_all(&bytes);
+                };
+                bar.as_ref().map_or_else(say, |bar| bar.suspend(say));
+            }
+            Word::Bar(steps) => bar = Some(new_bar(steps)),
+            Word::Step(position, message) => {
+                if let Some(bar) = &bar {
+                    bar.set_position(position);
+                    bar.set_message(message);
+                }
+            }
+            Word::NoBar => bar.take().iter().for_each(ProgressBar::finish_and_clear),
+            Word::Written(answer) => {
+                let _ = answer.send(());
+            }
+        }
+    }
+}
+
+fn new_bar(steps: u64) -> ProgressBar {
+    let bar = ProgressBar::new(steps);
+    let style =
+        ProgressStyle::with_template("{bar:24} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.with_style(style)
+}
+
+/// Says something, which ends its lines itself. It is written soon, besides the bar.
+pub(crate) fn say(text: &str) {
+    send(Word::Lines(text.as_bytes().to_vec()));
+}
+
+/// Shows a bar of so many steps from here on, if there is a terminal. True if so.
+pub(crate) fn show_bar(steps: u64) -> bool {
+    let shows = std::io::stderr().is_terminal();
+    if shows {
+        send(Word::Bar(steps));
+    }
+    shows
+}
+
+/// Sets the bar to a step.
+pub(crate) fn step(position: u64, message: String) {
+    send(Word::Step(position, message));
+}
+
+/// Takes the bar away.
+pub(crate) fn hide_bar() {
+    send(Word::NoBar);
+}
+
+/// Waits until everything is written; `bounded`: for a second at most, because a machine may depend on it.
+pub(crate) fn flush(bounded: bool) {
+    let Some(Some(writer)) = WRITER.get() else { return };
+    let deadline = Moment::now().after(LAST_WORDS);
+    let (answer, written) = sync_channel(1);
+    while writer.try_send(Word::Written(answer.clone())).is_err() {
+        if bounded && deadline.passed() {
+            return;
+        }
+        sleep_until(Moment::in_s(0.001));
+    }
+    drop(answer);
+    let is_slow = || written.recv_timeout(LAST_WORDS) == Err(RecvTimeoutError::Timeout);
+    while is_slow() && !bounded {}
+}
+
+/// Where the log writes.
+pub(crate) struct Log;
+
+impl Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        send(Word::Lines(bytes.to_vec()));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
