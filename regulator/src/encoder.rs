@@ -15,6 +15,7 @@
 //! glitch          |d − d′| > 3 + max(A T² + 2 r |d′|, 3/2 |d′ − d″|)                 (M70)
 //! counts          |D| = 4 N; after a reversal 4 N or 0, to one count                 (M71)
 //! missing index   so many turns and a margin of 8 counts or 4 N / 50 without one, whichever is more
+//! stands          in a pass, the same count for as long as the pace p before takes for that margin    (M105)
 //! ```
 //!
 //! (M70) predicts that the spindle turns on as in the cycle before. Over one cycle this is much sharper than
@@ -32,9 +33,15 @@
 //! because it comes from the other side. More than half a turn is no way back to the same index.
 //!
 //! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
-//! that turns faster than some 70 1/min. At a lower speed nobody can tell it from a spindle that is jammed;
-//! nor after the count has slowed down to less than 70 % of its pace of the last 10 ms: then the spindle is
-//! being stopped, and its last step to rest is the hardest.
+//! that turns by more than 3 + A T² counts a cycle. At a lower speed nobody can tell it from a spindle that
+//! is jammed; nor after the count has slowed down to less than 70 % of its pace of the last 10 ms: then the
+//! spindle is being stopped, and its last step to rest is the hardest. But nobody has to: either way a tool
+//! at depth has to leave. So in a pass a count that stands (M105) is a fault, and it is believed: an axis on
+//! a lead stands with it. A spindle that its drive brakes has come to rest from a pace below 3 r′ 10 ms, with
+//! its ramp r′ in count/s²; that is no fault.
+//!
+//! A spindle that jams faster than A looks like a glitch at first. It is one that goes on to slow down, cycle
+//! by cycle, and then stands: from then on the count is believed again. An encoder that dies stops at once.
 
 use machine::Machine;
 use protocol::{Fault, Measurement, measurement::middle_of};
@@ -55,6 +62,10 @@ const GOES_ON: f64 = 1.5;
 /// Time over which the pace is a mean, s; a count that was slower than this share of it was being stopped.
 const PACE_S: f64 = 0.01;
 const BEING_STOPPED: f64 = 0.7;
+/// How much faster than what its ramp leaves in that time a spindle must have been to be taken for stalled.
+const STALLED: f64 = 3.0;
+/// Cycles after which a count that has slowed down stands for good.
+const STANDS: u64 = 3;
 /// Turns over which corrections add up.
 const TURNS: usize = 10;
 /// What is corrected in a cycle, count.
@@ -70,6 +81,18 @@ pub struct EncoderFault {
     pub counts: i64,
 }
 
+/// A count that does not change although the spindle must turn.
+const STANDS_STILL: EncoderFault = EncoderFault { fault: Fault::EncoderStands, counts: 0 };
+
+impl EncoderFault {
+    /// Whether it is a glitch with which the count goes on in the same direction, and slower, given its
+    /// change.
+    fn is_slower(&self, change: Option<i64>) -> bool {
+        let slower = |change: i64| change != 0 && change.signum() == -self.counts.signum();
+        self.fault == Fault::EncoderGlitch && change.is_some_and(slower)
+    }
+}
+
 /// Supervises the spindle encoder. It finds one fault, and nothing after it.
 #[derive(Clone, Debug)]
 pub struct Encoder {
@@ -82,6 +105,9 @@ pub struct Encoder {
     /// What of a new change goes into the pace; the pace, counts a cycle.
     fresh: f64,
     pace: f64,
+    /// The pace when the count moved last; what a ramp to rest leaves of it.
+    paced: f64,
+    ramped: f64,
     seen: Option<Seen>,
     found: Option<EncoderFault>,
     /// What the count shows too much, as known, and how much of that is taken off.
@@ -92,6 +118,11 @@ pub struct Encoder {
     corrected: u32,
     /// Cycles for which the count has stood still.
     still: u64,
+    /// Behind a glitch: the spindle slows down, and whether that was seen.
+    slows: bool,
+    slowed: bool,
+    /// A count that stands is that of a spindle that does.
+    believed: bool,
 }
 
 /// Counts too many or too few since the index before, in the direction of the spindle.
@@ -131,6 +162,8 @@ impl Encoder {
             blind_turns: machine.threading.index_lost_turns,
             fresh: (machine.general.cycle_s / PACE_S).min(1.0),
             pace: 0.0,
+            paced: 0.0,
+            ramped: STALLED * machine.spindle.ramp_rpm_s / 60.0 * turn * PACE_S * machine.general.cycle_s,
             seen: None,
             found: None,
             slip: 0,
@@ -138,6 +171,9 @@ impl Encoder {
             recent: [0; TURNS],
             corrected: 0,
             still: 0,
+            slows: false,
+            slowed: false,
+            believed: false,
         }
     }
 
@@ -179,15 +215,26 @@ impl Encoder {
         self.still = 0;
     }
 
+    /// Whether the count has nothing to do with the angle any more.
+    pub fn is_blind(&self) -> bool {
+        let stands = self.still >= STANDS;
+        match self.found.map(|found| found.fault) {
+            Some(Fault::EncoderGlitch) => !(self.slowed && stands),
+            Some(Fault::EncoderStands) => !self.believed,
+            _ => false,
+        }
+    }
+
     /// The fault found, if any.
     pub fn fault(&self) -> Option<EncoderFault> {
         self.found
     }
 
-    /// Takes the measurement of one control cycle; so many counts may be lost or gained within ten turns.
-    pub fn update(&mut self, measurement: &Measurement, tolerated: i64) {
+    /// Takes the measurement of one control cycle, and whether a pass is in hand; so many counts may be lost
+    /// or gained within ten turns.
+    pub fn update(&mut self, measurement: &Measurement, tolerated: i64, in_pass: bool) {
         if self.found.is_some() {
-            return;
+            return self.behind_fault(measurement.spindle_count);
         }
         let count = measurement.spindle_count;
         let Some(mut seen) = self.seen else {
@@ -213,6 +260,10 @@ impl Encoder {
         if let Some(change) = of_cycle {
             self.pace += self.fresh * (change.saturating_abs() as f64 - self.pace);
         }
+        if change != 0 {
+            // Counts that come one by one have no pace.
+            self.paced = self.pace - self.fresh;
+        }
         (seen.count, seen.change) = (count, of_cycle);
         (seen.low, seen.high) = (seen.low.min(count), seen.high.max(count));
         let turns = measurement.index_number.saturating_sub(seen.index_number);
@@ -223,9 +274,28 @@ impl Encoder {
             (seen.low, seen.high) = (at.min(count), at.max(count));
         }
         let index = index.and_then(|missed| missed.map_or(Ok(()), |missed| self.correct(missed, tolerated)));
-        self.found = glitch.or(index.err()).or_else(|| self.missing(&seen));
+        let stalled = if in_pass && self.has_stalled() { Some(STANDS_STILL) } else { None };
+        self.believed = glitch.is_none();
+        self.slows = glitch.is_some_and(|found| found.is_slower(of_cycle));
+        self.found = glitch.or(index.err()).or(stalled).or_else(|| self.missing(&seen));
         self.taken += (self.slip as f64 - self.taken).clamp(-SHARE, SHARE);
         self.seen = Some(seen);
+    }
+
+    /// (M105)
+    fn has_stalled(&self) -> bool {
+        self.paced > self.ramped && self.still as f64 * self.paced > self.margin as f64
+    }
+
+    /// Behind a fault only one thing is looked for: a spindle that goes on to slow down, and stands.
+    fn behind_fault(&mut self, count: i64) {
+        let Some(seen) = &mut self.seen else { return };
+        let change = count.saturating_sub(std::mem::replace(&mut seen.count, count));
+        let before = seen.change.replace(change).unwrap_or(0);
+        self.still = if change == 0 { self.still + 1 } else { 0 };
+        self.slows &=
+            change.saturating_abs() <= before.saturating_abs() && change.signum() * before.signum() >= 0;
+        self.slowed = self.slows && (self.slowed || change != 0);
     }
 
     /// Takes counts that were lost or gained into account, unless they are too many.
@@ -251,9 +321,8 @@ impl Encoder {
         let beyond = counts as f64 > possible || (counts as f64) < -possible;
         let being_stopped = change == 0 && (before.saturating_abs() as f64) < BEING_STOPPED * self.pace;
         let beyond = beyond && !being_stopped;
-        let stands = EncoderFault { fault: Fault::EncoderStands, counts: 0 };
         let glitch = EncoderFault { fault: Fault::EncoderGlitch, counts };
-        beyond.then_some(if change == 0 { stands } else { glitch })
+        beyond.then_some(if change == 0 { STANDS_STILL } else { glitch })
     }
 
     /// (M71) at an index that was latched at the count `at`; `turns` is 1 unless a cycle is longer than a

@@ -5,7 +5,9 @@
 //! |---|---|---|
 //! | the one that lifts the tool | timed: by (M99) to where the tool is clear | there |
 //! | the same, where that would take it deeper than the pass goes | timed: first by (M100) to rest, then by (M99) | there |
+//! | the same, on the way to a cone that rises | timed: first by (M100) to the speed at which it rises, then by (M99) | there |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
+//! | every other one, in the run-in, if the lift is long and it can come to rest in front of the part | timed: by (M100) | where it stands |
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
 //! | any, in timed motion | dry: by (M101) on the tangent, all axes in the same time | where it stands |
 //!
@@ -22,6 +24,11 @@ use crate::state::{Pass, Stage, State};
 
 /// An axis on the helix of a spindle that has stood for so long brakes where it is, s.
 const STANDS_S: f64 = 0.1;
+/// One on the helix of a spindle whose angle nobody has known for so long, too: the axis that lifts the tool
+/// has left by then, or cannot.
+const LOST_S: f64 = 0.5;
+/// A lift is long that is longer than a thread is deep, mm.
+const LONG_MM: f64 = 5.0;
 /// The retract of the pass is kept if its end comes no later than so many times a way out of its own.
 const SOON: f64 = 1.2;
 
@@ -62,23 +69,38 @@ pub enum Way {
     Dry,
 }
 
-/// The way out of a pass that has begun, from where the axis is; nothing in any other state.
-pub(crate) fn way_out(reference: &Reference, axis: usize, limits: &Limits) -> Option<Way> {
+/// The way out of a pass that has begun, from where the axis is, with so far to go for the tool until it is
+/// free; nothing in any other state.
+pub(crate) fn way_out(reference: &Reference, axis: usize, lift_mm: f64, limits: &Limits) -> Option<Way> {
     let State::InPass { pass, stage } = reference.state else { return None };
-    if *stage == Stage::Armed || !pass.lifts(axis) {
-        return Some(Way::Along(*stage));
+    match stage {
+        Stage::Armed => Some(Way::Along(*stage)),
+        _ if pass.lifts(axis) => Some(lift(reference, pass, *stage, limits)),
+        Stage::WaitingForC0 | Stage::RunIn if lift_mm > LONG_MM => {
+            Some(in_front(reference, pass, limits).unwrap_or(Way::Along(*stage)))
+        }
+        _ => Some(Way::Along(*stage)),
     }
-    Some(lift(reference, pass, *stage, limits))
+}
+
+/// On the way to the part: the groove begins where the lead is reached, and who can stand before it does. A
+/// cone that rises faster than the tool lifts would meet it.
+fn in_front(reference: &Reference, pass: &Pass, limits: &Limits) -> Option<Way> {
+    let exit = Exit::stop(&reference.now(), limits);
+    let beyond = (exit.end() - pass.place(pass.law.locked_deg())) * pass.law.lead_mm.signum();
+    (pass.law.lead_mm != 0.0 && beyond < 0.0).then_some(Way::Timed { exit, from: reference.cycle })
 }
 
 /// The way of the axis that lifts the tool.
 fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Way {
     let now = reference.now();
     let exit = Exit::to(&now, pass.out.clear.mm(), limits);
-    if matches!(stage, Stage::WaitingForC0 | Stage::RunIn) {
-        return Way::Timed { exit: no_deeper(exit, &now, pass, limits), from: reference.cycle };
-    }
     let turning = reference.spindle.since(pass, 0.0);
+    if matches!(stage, Stage::WaitingForC0 | Stage::RunIn) {
+        let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
+        let exit = rising.unwrap_or_else(|| no_deeper(exit, &now, pass, limits));
+        return Way::Timed { exit, from: reference.cycle };
+    }
     let left_s = (pass.law.done_deg() - turning.angle) / turning.speed;
     let soon = turning.speed > 0.0 && left_s <= SOON * exit.duration();
     match stage {
@@ -88,42 +110,43 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
     }
 }
 
+/// On the way to a cone that rises: where Z cannot stand in front of it any more, the tool has to go up as
+/// fast as it will.
+fn rising(now: &Sample, pass: &Pass, ratio: f64, limits: &Limits) -> Option<Exit> {
+    let v = ratio * pass.motion.at(pass.law.locked_deg()).v;
+    let clear = pass.out.clear.mm();
+    let rises = v * (clear - now.s) > 0.0 && now.v * v > 0.0;
+    rises.then(|| Exit::by_speed(now, v.clamp(-limits.v, limits.v), clear, limits))
+}
+
 /// On the way to depth: turned round at once, the tool would go deeper than to come to rest first, and
-/// perhaps deeper than the pass.
+/// perhaps deeper than the pass, or than it is: a cone may begin below where it ends.
 fn no_deeper(exit: Exit, now: &Sample, pass: &Pass, limits: &Limits) -> Exit {
     let clear = pass.out.clear.mm();
     let into = (now.s - clear).signum();
-    let depth = pass.law.start.mm() + pass.motion.at(pass.law.locked_deg()).s;
+    let locked = pass.place(pass.law.locked_deg());
+    let depth = if (locked - now.s) * into > 0.0 { locked } else { now.s };
     let beyond = |exit: &Exit| (exit.farthest(into) - depth) * into;
     if beyond(&exit) <= 0.0 {
         return exit;
     }
-    let stop = Exit::stop(now, limits);
-    if beyond(&stop) < beyond(&exit) { stop } else { exit }
-}
-
-/// The axis that lifts the tool has come to rest on its way: it goes on to where the tool is clear.
-fn onward(reference: &Reference, pass: &Pass, exit: &Exit, limits: &Limits) -> Option<Way> {
-    let clear = pass.out.clear.mm();
-    let rests = Sample { s: exit.end(), ..Sample::default() };
-    let far = (exit.end() - clear).abs() > 1e-6;
-    far.then(|| Way::Timed { exit: Exit::to(&rests, clear, limits), from: reference.cycle })
+    let by_rest = Exit::by_rest(now, clear, limits);
+    if beyond(&by_rest) < beyond(&exit) { by_rest } else { exit }
 }
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
-/// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands.
+/// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands or is
+/// lost.
 pub(crate) fn brake(reference: &Reference, axis: usize, free: bool, limits: &Limits) -> Option<Way> {
-    if let State::Leaving(Leaving { pass: Some(pass), way: Way::Timed { exit, .. }, .. }) = reference.state {
-        let rests = pass.lifts(axis) && is_over(reference);
-        return if rests { onward(reference, pass, exit, limits) } else { None };
-    }
     let State::Leaving(Leaving { pass: Some(pass), way: Way::Along(stage), .. }) = reference.state else {
         return None;
     };
     if pass.lifts(axis) {
         return Some(lift(reference, pass, *stage, limits));
     }
-    let stands = reference.spindle.stands_for((STANDS_S / reference.cycle_s) as u64);
+    let cycles = |s: f64| (s / reference.cycle_s) as u64;
+    let stands =
+        reference.spindle.stands_for(cycles(STANDS_S)) || reference.spindle.is_lost_for(cycles(LOST_S));
     if !(free || stands) {
         return None;
     }

@@ -1,10 +1,10 @@
 //! The regulator of one axis: receive, decide, evaluate, command, report.
 
 use machine::{AxisConfig, Machine};
-use motion::{Exit, Limits, Sample};
+use motion::{Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
-    Measurement, Refused, Setpoint, frame::SETPOINT_LEAD, units::AXES,
+    Measurement, Position, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
@@ -22,8 +22,6 @@ use crate::{
 const MOST_MISSED: u64 = 50;
 /// Two places are the same, mm.
 const SAME_MM: f64 = 0.001;
-/// A setpoint may go beyond a limit by this share: rounding, and what an axis does besides its path.
-const SPARE: f64 = 1.1;
 
 /// What one control cycle brings.
 #[derive(Clone, Copy, Debug)]
@@ -128,8 +126,7 @@ impl Regulator {
         if let Some(compensation) = &mut self.compensation {
             compensation.step();
         }
-        let lead_mm = self.state.pass().map_or(0.0, |pass| pass.law.lead_mm);
-        self.spindle.update(measurement, missed, lead_mm);
+        self.spindle.update(measurement, missed, self.state.pass());
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let measured_mm = self.watch.position(self.measured_mm(measurement), missed, !idle);
         // Nearly always there is none, and nothing is copied.
@@ -206,7 +203,8 @@ impl Regulator {
             if missing && matches!(self.state, State::Streaming) {
                 self.stream.rest_until(cycle);
             }
-            if let Err(refused) = self.check_step(&frame.setpoint, frame.stop_s) {
+            let follows = !matches!(self.state, State::Idle);
+            if let Err(refused) = self.stream.check(&frame.setpoint, frame.stop_s, &self.limits, follows) {
                 if late {
                     self.stream.tear();
                 }
@@ -218,30 +216,6 @@ impl Regulator {
         }
         self.frame_due = Some(frame.cycle.after(self.tick));
         Ok(command)
-    }
-
-    /// Refuses a setpoint that no axis can follow from the one before, or brake from in time.
-    fn check_step(&self, next: &Setpoint, stop_s: f64) -> Result<(), Refused> {
-        let last = self.stream.last();
-        let (v, a) = (next.velocity_mm_s, next.acceleration_mm_s2);
-        if v.abs() > SPARE * self.limits.v || a.abs() > SPARE * self.limits.a {
-            return Err(Refused::OutOfRange("setpoint"));
-        }
-        if stop_s < Exit::stop_s(v, a, &self.limits) {
-            return Err(Refused::OutOfRange("braking time"));
-        }
-        if !self.stream.begun() || next.cycle <= last.cycle || matches!(self.state, State::Idle) {
-            return Ok(());
-        }
-        let h = (next.cycle.0 - last.cycle.0) as f64 * self.cycle_s;
-        let mean = 0.5 * (last.velocity_mm_s + v) * h + (last.acceleration_mm_s2 - a) * h * h / 12.0;
-        let apart = (next.position.mm_from(last.position) - mean).abs();
-        // Twice what the highest jerk can do in that time, h³/31 for j and −j in turns; and what a pass ends
-        // beside the first setpoint behind it.
-        if apart > self.limits.j * h * h * h / 15.0 + 2e-5 {
-            return Err(Refused::OutOfRange("setpoint position"));
-        }
-        Ok(())
     }
 
     fn advance(
@@ -274,7 +248,11 @@ impl Regulator {
             cycle,
             enabled: measurement.axes[self.axis].drive().state() == Some(DriveState::OperationEnabled),
             cause,
-            way: if leaves { leave::way_out(&reference, self.axis, &self.limits) } else { None },
+            way: if leaves {
+                leave::way_out(&reference, self.axis, self.lift_mm(measurement), &self.limits)
+            } else {
+                None
+            },
             brake: leave::brake(&reference, self.axis, self.is_free(measurement), &self.limits),
             rests: leave::is_over(&reference),
             stream_begun: self.stream.begun()
@@ -303,10 +281,20 @@ impl Regulator {
 
     /// Whether the axis that lifts the tool is out of the groove.
     fn is_free(&self, measurement: &Measurement) -> bool {
-        let Some(pass) = self.state.pass() else { return false };
+        self.lifting(measurement).is_some_and(|(out, at)| out.is_free(at))
+    }
+
+    /// How far that axis is from where it is out of the groove, mm.
+    fn lift_mm(&self, measurement: &Measurement) -> f64 {
+        self.lifting(measurement).map_or(0.0, |(out, at)| out.free.mm_from(at).abs())
+    }
+
+    /// The way out of the pass in hand, and where the axis is measured that takes it.
+    fn lifting(&self, measurement: &Measurement) -> Option<(&WayOut, Position)> {
+        let pass = self.state.pass()?;
         let lifting = pass.out.axis as usize;
         let measured = &measurement.axes[lifting];
-        pass.out.is_free(if self.scales[lifting] { measured.scale } else { measured.position })
+        Some((&pass.out, if self.scales[lifting] { measured.scale } else { measured.position }))
     }
 
     fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {

@@ -12,7 +12,7 @@
 
 use machine::Machine;
 use motion::{SpindleMotion, SpindleObserver};
-use protocol::{Cycle, Fault, Measurement, measurement::middle_of};
+use protocol::{Cycle, Measurement, measurement::middle_of};
 
 use crate::{
     encoder::{Encoder, EncoderFault},
@@ -50,6 +50,8 @@ pub struct Spindle {
     count: i64,
     index: Option<Index>,
     index_number: u64,
+    /// Cycles for which the encoder has not been believed.
+    blind: u64,
 }
 
 impl Spindle {
@@ -69,21 +71,23 @@ impl Spindle {
             count: 0,
             index: None,
             index_number: 0,
+            blind: 0,
         }
     }
 
-    /// Takes the measurement of one control cycle, which comes `missed` cycles late; `lead_mm` is that of
-    /// the axis in the pass in hand, 0 without one. An encoder that cannot be believed is not asked any more:
-    /// the spindle is taken to turn on at its speed.
-    pub fn update(&mut self, measurement: &Measurement, missed: u64, lead_mm: f64) {
+    /// Takes the measurement of one control cycle, which comes `missed` cycles late, and the pass in hand. An
+    /// encoder that cannot be believed is not asked any more: the spindle is taken to turn on at its speed.
+    pub fn update(&mut self, measurement: &Measurement, missed: u64, pass: Option<&Pass>) {
         for _ in 0..missed.min(MOST_MISSED) {
             self.coast();
         }
         if missed > 0 {
             self.encoder.skip();
         }
-        self.encoder.update(measurement, self.tolerated(lead_mm));
-        if self.is_blind() {
+        let lead_mm = pass.map_or(0.0, |pass| pass.law.lead_mm);
+        self.encoder.update(measurement, self.tolerated(lead_mm), pass.is_some());
+        if self.encoder.is_blind() {
+            self.blind += 1;
             return self.coast();
         }
         self.count = self.encoder.count(measurement);
@@ -106,12 +110,6 @@ impl Spindle {
         }
     }
 
-    /// Whether the count has nothing to do with the angle any more.
-    pub fn is_blind(&self) -> bool {
-        let blinds = |fault| matches!(fault, Fault::EncoderGlitch | Fault::EncoderStands);
-        self.encoder.fault().is_some_and(|found| blinds(found.fault))
-    }
-
     /// The slow observer knows the speed best: the ripple of the spindle hardly moves it; the fast one, if it
     /// is being stopped.
     fn coast(&mut self) {
@@ -128,7 +126,12 @@ impl Spindle {
 
     /// Whether the spindle has stood for so many cycles.
     pub fn stands_for(&self, cycles: u64) -> bool {
-        self.encoder.still() >= cycles
+        !self.encoder.is_blind() && self.encoder.still() >= cycles
+    }
+
+    /// Whether nobody has known its angle for so many cycles.
+    pub fn is_lost_for(&self, cycles: u64) -> bool {
+        self.blind >= cycles
     }
 
     /// Gives the observers their speed at the end of the opening.

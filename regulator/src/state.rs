@@ -99,8 +99,7 @@ pub struct Event {
     pub cause: Option<Cause>,
     /// The way out from here, if there is a cause to leave.
     pub way: Option<Way>,
-    /// The axis that lifts the tool is out of the groove, and this one can brake so; or it is this one, and
-    /// rests on its way.
+    /// The axis that lifts the tool is out of the groove, and this one can brake so.
     pub brake: Option<Way>,
     /// The timed way, or what is left of the stream, is over.
     pub rests: bool,
@@ -122,6 +121,11 @@ impl Pass {
     /// Whether this axis lifts the tool off.
     pub fn lifts(&self, axis: usize) -> bool {
         self.out.axis as usize == axis
+    }
+
+    /// Where the law has the axis at an angle since the index, mm.
+    pub fn place(&self, angle_deg: f64) -> f64 {
+        self.law.start.mm() + self.motion.at(angle_deg).s
     }
 
     /// How far the axis goes for each degree at an angle since the index, mm.
@@ -248,7 +252,6 @@ impl Leaving {
         };
         let way = match along {
             Some(Way::Along(_)) => event.brake.or(along),
-            None if matches!(self.way, Way::Timed { .. }) => event.brake,
             other => other,
         };
         match (way, self.fault) {

@@ -4,11 +4,13 @@
 //! brakes to rest (M101) in the time that the frame of that setpoint says, the same on every axis; so a
 //! stream that runs dry ends on the tangent of its path, and feedforward that looks ahead sees no step.
 
-use motion::{Exit, Sample};
-use protocol::{Cycle, Position, Setpoint};
+use motion::{Exit, Limits, Sample};
+use protocol::{Cycle, Position, Refused, Setpoint};
 
 /// How many setpoints are kept: one behind, and three to interpolate and look ahead in.
 const KEPT: usize = 4;
+/// A setpoint may go beyond a limit by this share: rounding, and what an axis does besides its path.
+const SPARE: f64 = 1.1;
 
 /// The setpoints around the present.
 #[derive(Clone, Debug)]
@@ -46,8 +48,8 @@ impl Stream {
         (self.begun, self.torn) = (true, false);
     }
 
-    /// The present is `cycle`: an axis that has come to rest behind its last setpoint rests there until now. Of
-    /// a stream that has begun.
+    /// The present is `cycle`: an axis that has come to rest behind its last setpoint rests there until now.
+    /// Of a stream that has begun.
     pub fn rest_until(&mut self, cycle: Cycle) {
         if self.rests(cycle) {
             self.rest_at(Position::from_mm(self.stop.end()), cycle);
@@ -85,6 +87,33 @@ impl Stream {
         let rests = node.velocity_mm_s == 0.0 && node.acceleration_mm_s2 == 0.0;
         self.stop = Exit::stop_in(&sample(&node), if rests { 0.0 } else { stop_s });
         true
+    }
+
+    /// Whether an axis can follow a setpoint from the one before, if it does, and brake from it in that time.
+    ///
+    /// # Errors
+    /// What is out of range.
+    pub fn check(&self, next: &Setpoint, stop_s: f64, limits: &Limits, follows: bool) -> Result<(), Refused> {
+        let last = self.last();
+        let (v, a) = (next.velocity_mm_s, next.acceleration_mm_s2);
+        if v.abs() > SPARE * limits.v || a.abs() > SPARE * limits.a {
+            return Err(Refused::OutOfRange("setpoint"));
+        }
+        if stop_s < Exit::stop_s(v, a, limits) {
+            return Err(Refused::OutOfRange("braking time"));
+        }
+        if !self.begun || next.cycle <= last.cycle || !follows {
+            return Ok(());
+        }
+        let h = (next.cycle.0 - last.cycle.0) as f64 * self.cycle_s;
+        let mean = 0.5 * (last.velocity_mm_s + v) * h + (last.acceleration_mm_s2 - a) * h * h / 12.0;
+        let apart = (next.position.mm_from(last.position) - mean).abs();
+        // Twice what the highest jerk can do in that time, h³/31 for j and −j in turns; and what a pass ends
+        // beside the first setpoint behind it.
+        if apart > limits.j * h * h * h / 15.0 + 2e-5 {
+            return Err(Refused::OutOfRange("setpoint position"));
+        }
+        Ok(())
     }
 
     /// The last setpoint.

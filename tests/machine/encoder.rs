@@ -248,7 +248,7 @@ fn sound(machine: &Machine, loads: &str, seconds: f64, rpm: impl Fn(f64) -> f64)
     for cycle in 0..(seconds / cycle_s) as u32 {
         let rpm = rpm(f64::from(cycle) * cycle_s);
         plant.tick(&Default::default(), &SpindleCommand { rpm, ..SpindleCommand::default() }, None);
-        encoder.update(plant.measurement(), 0);
+        encoder.update(plant.measurement(), 0, true);
         assert_eq!(encoder.fault(), None, "{lines} lines, {rpm} 1/min at {} s", f64::from(cycle) * cycle_s);
     }
     assert!(plant.measurement().index_number > 1, "it has turned");

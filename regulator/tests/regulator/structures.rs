@@ -25,7 +25,7 @@ impl Course {
 
     fn see(&mut self, cycle: u64, measurement: &Measurement, out: &Out) {
         self.cycle = cycle;
-        self.spindle.update(measurement, 0, 0.0);
+        self.spindle.update(measurement, 0, None);
         if cycle.is_multiple_of(4) && frame(cycle).unpack().unwrap() == AxisCommand::Stream {
             self.stream.push(frame(cycle).setpoint, 0.0);
         }

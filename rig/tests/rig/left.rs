@@ -69,7 +69,7 @@ const CAUSES: &[(&str, Fault, u64)] = &[
     ("packet = { channel = \"axis-status/z\", count = 100000, drop = true }", Fault::RegulatorSilent, 12),
     ("spindle_fault = \"runaway\"", Fault::SpindleRunaway, 2000),
     ("spindle_fault = \"reversal\"", Fault::SpindleReversed, 4000),
-    ("spindle_fault = \"jam\"", Fault::SpindleNotAtSpeed, 2600),
+    ("spindle_fault = \"jam\"", Fault::EncoderStands, 50),
     ("encoder_stands = true", Fault::EncoderStands, 200),
     ("axis_jump = { axis = \"z\", mm = 0.045 }", Fault::AxisJump, 10),
 ];

@@ -1,6 +1,8 @@
 //! Supervision of the spindle encoder (M70, M71) on angles that are known in closed form: what a spindle can
 //! do raises no alarm, what it cannot is named.
 
+mod stands;
+
 use machine::Machine;
 use protocol::{Cycle, Fault, Measurement};
 use regulator::encoder::{Encoder, EncoderFault};
@@ -22,15 +24,28 @@ struct Bench {
     shift: i64,
     /// Counts that may be lost or gained within ten turns.
     tolerated: i64,
+    in_pass: bool,
     shown: Measurement,
 }
 
 impl Bench {
     fn new(lines: u32, angle: f64) -> Bench {
-        let encoder = Encoder::new(&machine(lines));
+        Bench::of(&machine(lines), angle)
+    }
+
+    fn of(machine: &Machine, angle: f64) -> Bench {
+        let encoder = Encoder::new(machine);
+        let lines = machine.spindle.encoder_lines;
         let turn = 4.0 * f64::from(lines);
-        let mut bench =
-            Bench { encoder, turn, before: angle, shift: 0, tolerated: 0, shown: Measurement::default() };
+        let mut bench = Bench {
+            encoder,
+            turn,
+            before: angle,
+            shift: 0,
+            tolerated: 0,
+            in_pass: false,
+            shown: Measurement::default(),
+        };
         bench.go_to(angle);
         bench
     }
@@ -44,7 +59,7 @@ impl Bench {
         self.shown.cycle = Cycle(self.shown.cycle.0 + 1);
         self.shown.spindle_count = self.count(angle);
         self.before = angle;
-        self.encoder.update(&self.shown, self.tolerated);
+        self.encoder.update(&self.shown, self.tolerated, self.in_pass);
         self.encoder.fault()
     }
 
@@ -310,14 +325,14 @@ fn any_counts_are_taken() {
             index_number: number as u64 + 1,
             ..Measurement::default()
         };
-        encoder.update(&shown, 0);
+        encoder.update(&shown, 0, true);
     }
     assert!(encoder.fault().is_some());
     // An index that is not where the count is.
     let mut encoder = Encoder::new(&machine(2500));
     for (number, index_count) in [0, i64::MIN, i64::MAX].into_iter().enumerate() {
         let index_number = number as u64;
-        encoder.update(&Measurement { index_count, index_number, ..Measurement::default() }, 0);
+        encoder.update(&Measurement { index_count, index_number, ..Measurement::default() }, 0, true);
     }
     assert!(encoder.fault().is_some());
 }
