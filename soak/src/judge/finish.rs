@@ -84,7 +84,7 @@ impl Judge<'_> {
                 format!("the spindle turns at {:.1} 1/min in the end", last.truth.spindle_rpm),
             ));
         }
-        let lifted = self.tool.can_leave(last.truth.cycle.0);
+        let lifted = self.tool.can_leave(&self.known, last.truth.cycle.0);
         (self.tool.is_touching() && lifted)
             .then(|| ("in-the-part", "the tool is in the part in the end".into()))
     }

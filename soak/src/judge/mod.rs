@@ -6,13 +6,14 @@
 //! |---|---|
 //! | `position-step`, `speed-change` | commanded: a step within V T, a change of speed within A T, in every state |
 //! | `bottom`, `flank` | a tool in the material is in its groove, as long as both drives have torque |
+//! | `let-go` | no axis gives up its torque while the tool touches, unless an event takes it |
 //! | `leaves` | what makes the axes leave has taken the tool out of the material in a bounded time |
 //! | `ring` | a tool that cannot leave stands still against the part in a bounded time |
 //! | `goes-on` | in timed motion, no axis goes on without one that has lost its torque |
 //! | `twice` | no item is executed twice |
 //! | `moves-after-end` | the end is the end |
 //! | `no-end`, `no-rest` | every run ends in a bounded time, and then nothing moves |
-//! | `in-the-part` | at the end the tool is out of the material, if X could move |
+//! | `in-the-part` | at the end the tool is out of the material, unless an event has taken the torque of X |
 //! | `untrue`, `broken-off` | the summary says what happened; only a stop stops, only a fault faults |
 
 pub(crate) mod bounds;
@@ -22,6 +23,7 @@ mod limits;
 mod rest;
 pub mod stock;
 mod tool;
+mod torque;
 
 use std::collections::BTreeMap;
 

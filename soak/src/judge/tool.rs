@@ -9,6 +9,7 @@ use rig::Exchange;
 use super::{
     Broken, Known, bounds, excuse, is_led,
     stock::{Contact, PassStock},
+    torque,
 };
 use crate::event::{Button, Trouble, What};
 
@@ -64,9 +65,9 @@ impl Tool {
         self.touching
     }
 
-    /// Whether X had torque in it.
-    pub(crate) fn can_leave(&self, now: u64) -> bool {
-        self.led[0] == Some(now)
+    /// Whether X had torque in it, or could have it for all that has happened.
+    pub(crate) fn can_leave(&self, known: &Known, now: u64) -> bool {
+        self.led[0] == Some(now) || !torque::is_explained(known, Axis::X, now)
     }
 
     pub(crate) fn cycle(
@@ -77,10 +78,21 @@ impl Tool {
     ) -> Option<Broken> {
         let truth = exchange.record.truth;
         let now = truth.cycle.0;
+        let mut let_go = None;
         for (axis, led) in [Axis::X, Axis::Z].into_iter().zip(&mut self.led) {
             if is_led(exchange, axis) {
                 *led = Some(now);
+            } else if now > 0 && *led == Some(now - 1) && !torque::is_explained(known, axis, now) {
+                let_go = let_go.or(Some(axis));
             }
+        }
+        // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken away
+        // the spindle stands in the end, and Z may do what it wants.
+        let holds = self.led[0] == Some(now) || truth.spindle_rpm.abs() > STANDS_RPM;
+        if let Some(axis) = let_go.filter(|axis| self.touching && (*axis == Axis::X || holds)) {
+            let text =
+                format!("{axis} has no torque any more, the tool is in the material, nothing explains it");
+            return Some(Broken::new("let-go", now, text));
         }
         let in_hand = exchange.record.axes.iter().find(|(_, status)| status.state().is_in_pass());
         if let Some((_, status)) = in_hand {

@@ -1,3 +1,4 @@
 //! Seeds of the soak, and whether it would find a reaction that is missing.
 
+mod hidden;
 mod mutants;

@@ -1,0 +1,51 @@
+//! Who takes the torque of an axis. In: the events of a case. Out: whether one of them explains that an axis
+//! has no torque in a cycle: its drive fails, its regulator dies or hangs, commands to its drive or
+//! measurements do not arrive, the mains are away for longer than the link holds. A regulator that faults
+//! explains nothing: it has to take the tool out first.
+
+use machine::Machine;
+use protocol::{Axis, Module};
+
+use super::Known;
+use crate::event::{Channel, Event, Fate, Trouble, What};
+
+/// How long the link holds, where a machine does not say, s: as the plant takes it.
+const LINK_HOLD_S: f64 = 0.1;
+/// More measurements in a row than this may be missing before a drive hears nothing for too long.
+const MISSING: u64 = 3;
+
+/// Whether an event explains that an axis has no torque in a cycle.
+pub(crate) fn is_explained(known: &Known, axis: Axis, now: u64) -> bool {
+    known.events.iter().any(|event| now >= event.at && takes(known.machine, event, axis, now))
+}
+
+fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
+    match event.what {
+        What::Plant(Trouble::DriveFault(broken) | Trouble::TorqueLost(broken)) => broken == axis,
+        What::Plant(Trouble::PowerLost) => now >= event.at + link_hold_cycles(machine),
+        What::Kill(module) | What::Freeze(module, _) => module == Module::Regulator(axis),
+        What::Packet(Channel::Drive(disturbed), ..) => disturbed == axis,
+        What::Packet(Channel::Measurements, fate, count) => gap(fate, count) > MISSING,
+        What::Packet(Channel::Measurement(disturbed), fate, count) => {
+            disturbed == axis && gap(fate, count) > MISSING
+        }
+        _ => false,
+    }
+}
+
+/// For how many cycles in a row nothing new arrives: late messages come again, one behind the other.
+fn gap(fate: Fate, count: u64) -> u64 {
+    match fate {
+        Fate::Drop | Fate::Corrupt(_) => count,
+        Fate::Delay(cycles) => count.min(u64::from(cycles)),
+        Fate::Reorder => 1,
+        Fate::Duplicate => 0,
+    }
+}
+
+/// So long the drives have torque without mains, control cycles.
+pub(crate) fn link_hold_cycles(machine: &Machine) -> u64 {
+    let power = machine.plant.get("power").and_then(|table| table.get("link_hold_s"));
+    let hold_s = power.and_then(toml::Value::as_float).unwrap_or(LINK_HOLD_S);
+    (hold_s / machine.general.cycle_s).round() as u64
+}
