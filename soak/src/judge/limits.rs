@@ -14,6 +14,8 @@ use super::{Broken, Known, excuse};
 /// Positions are whole counts of 1e-9 mm, laws are integrated.
 const MORE: f64 = 1.02;
 const ROUNDING: f64 = 1e-6;
+/// Beyond its travel an axis is by no more than this, mm.
+const BESIDE_MM: f64 = 0.001;
 /// A way out takes over a state that may be at its limits already.
 const LEAVING: f64 = 1.15;
 /// The loop of a spindle swings over by this.
@@ -50,10 +52,15 @@ impl Limits {
         for (((axis, now), before), taken) in axes.iter().zip(&self.before).zip(&mut self.taken) {
             // Before an axis follows anything, and after it was latched, commanded is where it is measured.
             let free = |status: &AxisStatus| matches!(status.state(), AxisState::Idle | AxisState::Fault);
-            if now.cycle.0 != before.cycle.0 + 1 || free(now) || free(before) {
+            let Some(config) = machine.axis.get(axis) else { continue };
+            if let Some(broken) = outside(*axis, config, now) {
+                found.get_or_insert(broken);
+            }
+            // Statuses that are missing: what lies between them is as far as the axis may go meanwhile.
+            let gap = now.cycle.0.saturating_sub(before.cycle.0) as f64;
+            if gap == 0.0 || free(now) || free(before) {
                 continue;
             }
-            let Some(config) = machine.axis.get(axis) else { continue };
             let step = (now.commanded_mm - before.commanded_mm).abs();
             let change = (now.velocity_mm_s - before.velocity_mm_s).abs();
             let pass = if now.state().is_in_pass() { known.passes.get(&now.pass) } else { None };
@@ -62,6 +69,7 @@ impl Limits {
             }
             let moving = Moving { rpm, uneven: self.uneven, taken: *taken, now };
             let (most, fastest) = moving.allowed(known, *axis, config, pass.map(|(pass, _)| pass));
+            let (most, fastest) = (gap * most, gap * fastest);
             let state = now.state().name();
             if step.is_nan() || step > most {
                 found.get_or_insert(Broken::new(
@@ -88,6 +96,30 @@ impl Limits {
         self.before.extend(axes.iter().map(|(_, status)| *status));
         found
     }
+}
+
+/// An axis that is led beyond its travel, or in timed motion faster than it may; or whose drive is told what
+/// is no number.
+fn outside(axis: Axis, config: &AxisConfig, now: &AxisStatus) -> Option<Broken> {
+    let said = [now.commanded_mm, now.target_velocity_mm_s, now.velocity_offset_mm_s, now.torque_offset_nm];
+    if said.iter().any(|value| !value.is_finite()) {
+        return Some(Broken::new("not-a-number", now.cycle.0, format!("{axis}: {said:?}")));
+    }
+    // Commanded is measured there.
+    if matches!(now.state(), AxisState::Idle | AxisState::Fault) {
+        return None;
+    }
+    let [least, most] = config.travel_mm;
+    if now.commanded_mm < least - BESIDE_MM || now.commanded_mm > most + BESIDE_MM {
+        let text = format!("{axis} at {:.4} mm, from {least} to {most} allowed", now.commanded_mm);
+        return Some(Broken::new("travel", now.cycle.0, text));
+    }
+    let timed = now.state() == AxisState::Streaming;
+    let fastest = MORE * config.velocity_mm_s + ROUNDING;
+    (timed && now.velocity_mm_s.abs() > fastest).then(|| {
+        let text = format!("{axis} at {:.3} mm/s, {fastest:.3} allowed", now.velocity_mm_s);
+        Broken::new("speed", now.cycle.0, text)
+    })
 }
 
 /// What an axis follows in a cycle: the spindle, its largest change of speed, 1/min; what share of its
@@ -130,5 +162,66 @@ impl Moving<'_> {
         let runs_away = (rpm / released).max(1.0);
         let most = limits.v.max(turned) * cycle_s * more + ROUNDING;
         (most, limits.a * runs_away * runs_away * cycle_s * more + ROUNDING + follows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use machine::Machine;
+    use protocol::{Axis, AxisState, AxisStatus, Cycle, MachineStatus, Truth};
+    use rig::observe::Record;
+
+    use super::{Known, Limits};
+
+    fn status(cycle: u64, commanded_mm: f64, velocity_mm_s: f64) -> AxisStatus {
+        let state = AxisState::Streaming as u32;
+        AxisStatus { cycle: Cycle(cycle), state, commanded_mm, velocity_mm_s, ..AxisStatus::default() }
+    }
+
+    /// What is found of X, status by status.
+    fn found(statuses: &[AxisStatus]) -> Option<&'static str> {
+        let machine = Machine::default();
+        let known = Known { machine: &machine, passes: BTreeMap::new(), events: &[], reference: None };
+        let mut limits = Limits::default();
+        let (truth, said) = (Truth::default(), MachineStatus::default());
+        statuses.iter().find_map(|status| {
+            let axes = [(Axis::X, *status)];
+            let record = Record { truth: &truth, axes: &axes, machine: &said };
+            Some(limits.cycle(&known, &record)?.invariant)
+        })
+    }
+
+    #[test]
+    fn an_axis_goes_no_farther_in_a_gap_than_it_may_in_so_many_cycles() {
+        let machine = Machine::default();
+        let x = machine.axis[&Axis::X].limits();
+        let (home, step) = (machine.axis[&Axis::X].home_mm, x.v * machine.general.cycle_s);
+        let from = status(100, home, 0.9 * x.v);
+        let to = |cycle: u64, steps: f64| status(cycle, home - steps * step, 0.9 * x.v);
+        assert_eq!(found(&[from, to(101, 1.0)]), None);
+        assert_eq!(found(&[from, to(101, 1.1)]), Some("position-step"));
+        assert_eq!(found(&[from, to(105, 5.0)]), None);
+        assert_eq!(found(&[from, to(105, 5.5)]), Some("position-step"));
+        let faster = status(102, home, 0.9 * x.v - 2.2 * x.a * machine.general.cycle_s);
+        assert_eq!(found(&[from, faster]), Some("speed-change"));
+    }
+
+    /// What is found of X that says so twice.
+    fn stays(status: AxisStatus) -> Option<&'static str> {
+        found(&[status, AxisStatus { cycle: Cycle(status.cycle.0 + 1), ..status }])
+    }
+
+    #[test]
+    fn an_axis_stays_within_its_travel_and_its_speed_and_tells_its_drive_numbers() {
+        let machine = Machine::default();
+        let x = &machine.axis[&Axis::X];
+        assert_eq!(stays(status(1, x.travel_mm[0] - 0.000_9, 0.0)), None);
+        assert_eq!(stays(status(1, x.travel_mm[0] - 0.001_1, 0.0)), Some("travel"));
+        assert_eq!(stays(status(1, x.travel_mm[1] + 0.001_1, 0.0)), Some("travel"));
+        assert_eq!(stays(status(1, x.home_mm, 1.03 * x.velocity_mm_s)), Some("speed"));
+        let wild = AxisStatus { torque_offset_nm: f64::INFINITY, ..status(1, x.home_mm, 0.0) };
+        assert_eq!(stays(wild), Some("not-a-number"));
     }
 }
