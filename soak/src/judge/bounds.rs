@@ -23,6 +23,13 @@ pub(crate) fn way_out(machine: &Machine, pass: &ThreadPass) -> u64 {
     (s / machine.general.cycle_s).ceil() as u64 + LAG_CYCLES + 3 * machine.cycles_per_tick()
 }
 
+/// Turns in which a spindle of so many 1/min that is told to stop stands: until it is told, until its ramp is
+/// over, and what its loop swings over.
+pub(crate) fn run_down_turns(machine: &Machine, rpm: f64) -> f64 {
+    let told_s = machine.general.cycle_s * (20 + 5 * machine.cycles_per_tick()) as f64;
+    1.1 * rpm * rpm / (120.0 * machine.spindle.ramp_rpm_s) + rpm.abs() / 60.0 * told_s + 0.5
+}
+
 /// Control cycles in which the axes of timed motion are at rest, once one of them has lost its torque.
 pub(crate) fn stop(machine: &Machine) -> u64 {
     let slowest = machine.axes().fold(0.0, |slowest: f64, (_, axis)| {

@@ -186,6 +186,12 @@ fn seen_counts(machine: &Machine) -> f64 {
     6.0 + a * cycle_s * cycle_s + 0.02 * machine.spindle.max_rpm / 60.0 * turn * cycle_s
 }
 
+/// What is true of the backlash of an axis, mm.
+pub(crate) fn backlash_mm(machine: &Machine, axis: Axis) -> f64 {
+    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
+    truth.and_then(|table| table.get("backlash_mm")).and_then(toml::Value::as_float).unwrap_or(0.0)
+}
+
 /// The slide on its screw, N/mm.
 fn stiffness_n_mm(machine: &Machine, axis: Axis) -> f64 {
     let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
@@ -207,6 +213,12 @@ pub(crate) fn is_harmless(what: &What) -> bool {
 /// Whether the operator ends the program by it.
 pub(crate) fn is_stop(what: &What) -> bool {
     matches!(what, What::Press(Button::Stop | Button::Abort))
+}
+
+/// Whether no program is completed in which this happens.
+pub(crate) fn ends(what: &What) -> bool {
+    let pressed = matches!(what, What::Press(Button::Stop | Button::Abort | Button::EmergencyStop));
+    pressed || matches!(what, What::Plant(Trouble::PowerLost | Trouble::DriveFault(_)))
 }
 
 /// Whether nothing can brake the spindle any more.

@@ -5,11 +5,13 @@
 //! | invariant | says |
 //! |---|---|
 //! | `position-step`, `speed-change` | commanded: a step within V T, a change of speed within A T, in every state |
-//! | `bottom`, `flank` | a tool in the material is in its groove, as long as both drives have torque |
+//! | `travel`, `speed`, `not-a-number` | commanded: within the travel, the speed of timed motion, finite |
+//! | `bottom`, `flank` | a tool in the material is in its groove, as long as X, or Z, has torque |
 //! | `let-go` | no axis gives up its torque while the tool touches, unless an event takes it |
 //! | `leaves` | what makes the axes leave has taken the tool out of the material in a bounded time |
-//! | `ring` | a tool that cannot leave stands still against the part in a bounded time |
+//! | `ring` | a tool that cannot leave stands still against the part in so many turns |
 //! | `goes-on` | in timed motion, no axis goes on without one that has lost its torque |
+//! | `stops` | in timed motion, every axis stands once somebody has told it to |
 //! | `twice` | no item is executed twice |
 //! | `moves-after-end` | the end is the end |
 //! | `no-end`, `no-rest` | every run ends in a bounded time, and then nothing moves |

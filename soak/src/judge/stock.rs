@@ -30,6 +30,9 @@ const SKIN_MM: f64 = 0.002;
 /// Beyond the last place of a pass the groove is still that of its end for so far, mm.
 const END_MM: f64 = 0.03;
 
+/// How far around a place its groove counts, leads.
+const NEAR_LEADS: f64 = 0.1;
+
 /// What a pass may touch.
 #[derive(Clone, Debug)]
 pub struct PassStock {
@@ -44,6 +47,7 @@ pub struct PassStock {
     helix: (f64, f64),
     face: f64,
     back: f64,
+    brake: f64,
     crest: f64,
     slope: f64,
     into: f64,
@@ -102,6 +106,7 @@ impl PassStock {
             helix: (run, place(run).0),
             face: place(run).0,
             back: if retracts { f64::INFINITY } else { place(z.brake_c_deg).0 },
+            brake: place(z.brake_c_deg).0,
             crest,
             slope,
             into,
@@ -138,6 +143,25 @@ impl PassStock {
             bottom_mm: depth_mm - self.groove_at(s),
             flank_mm: beside - (self.deepest - depth_mm).max(0.0) * tan_flank,
         })
+    }
+
+    /// Whether Z brakes where the tool is: it leaves the helix there.
+    pub(crate) fn brakes(&self, contact: &Contact) -> bool {
+        contact.way_mm >= self.brake
+    }
+
+    /// The angle of the pass that belongs to where the tool is, degrees.
+    pub(crate) fn angle_deg(&self, contact: &Contact) -> f64 {
+        self.helix.0 + 360.0 * (contact.way_mm - self.helix.1) / self.lead
+    }
+
+    /// How far X goes with a mm of Z around there, mm: along the cone, and in and out of the groove.
+    pub(crate) fn steep(&self, contact: &Contact) -> f64 {
+        let near = |(s, _): &&(f64, f64)| (s - contact.way_mm).abs() < NEAR_LEADS * self.lead;
+        let places: Vec<_> = self.groove.iter().filter(near).collect();
+        let steep = places.windows(2).filter(|pair| pair[1].0 > pair[0].0);
+        let steep = steep.map(|pair| ((pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).abs());
+        self.slope.abs() + steep.fold(0.0, f64::max)
     }
 
     /// By how much the tool is too deep if Z may be off by so much, mm.

@@ -11,7 +11,7 @@ use super::{
     stock::{Contact, PassStock},
     torque,
 };
-use crate::event::{Button, Trouble, What};
+use crate::event::{Button, Event, SpindleFault, Trouble, What};
 
 /// Beside what the servo does undisturbed, mm.
 const TOLERANCE_MM: f64 = 0.005;
@@ -24,6 +24,8 @@ const BACKWARDS_RPM: f64 = 30.0;
 const NOTICED_S: f64 = 0.5;
 /// What a spindle has done to a slide fades away within this, s.
 const FADES_S: f64 = 0.05;
+/// A spindle swings through rest when it has stopped, slower than this, 1/min.
+const SWINGS_RPM: f64 = 20.0;
 /// A spindle that is slower than this stands, 1/min.
 const STANDS_RPM: f64 = 1.0;
 
@@ -34,9 +36,12 @@ pub(crate) struct Tool {
     pass: Option<u32>,
     /// Last cycle in which an axis had torque.
     led: [Option<u64>; 2],
-    /// Cycle and angle since when the tool touches the part without X being able to leave.
-    stuck: Option<(u64, f64)>,
+    /// Angle since when the tool touches the part without X being able to leave, degrees, and how many turns
+    /// it may.
+    stuck: Option<(f64, f64)>,
     touching: bool,
+    /// And Z brakes there, or has.
+    braking: bool,
     /// Cycle in which somebody has said that something is wrong that makes the axes leave, and what.
     said: Option<(u64, Fault)>,
     /// Largest change of the spindle's speed in a cycle, 1/min, fading away; its speed.
@@ -53,6 +58,7 @@ impl Tool {
             led: [Some(0); 2],
             stuck: None,
             touching: false,
+            braking: false,
             said: None,
             uneven: 0.0,
             rpm: None,
@@ -87,8 +93,8 @@ impl Tool {
             }
         }
         // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken away
-        // the spindle stands in the end, and Z may do what it wants.
-        let holds = self.led[0] == Some(now) || truth.spindle_rpm.abs() > STANDS_RPM;
+        // the spindle stands in the end, or Z at the end of its way: then it may let go.
+        let holds = self.led[0] == Some(now) || (truth.spindle_rpm.abs() > STANDS_RPM && !self.braking);
         if let Some(axis) = let_go.filter(|axis| self.touching && (*axis == Axis::X || holds)) {
             let text =
                 format!("{axis} has no torque any more, the tool is in the material, nothing explains it");
@@ -110,6 +116,7 @@ impl Tool {
         let [x_mm, z_mm] = [Axis::X, Axis::Z].map(|axis| truth.axes[axis.index()].slide_mm);
         let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, tan);
         self.touching = contact.is_some();
+        self.braking = contact.is_some_and(|contact| stock.brakes(&contact));
         let Some(contact) = contact else {
             self.stuck = None;
             return None;
@@ -119,12 +126,14 @@ impl Tool {
         if x_led && z_led {
             let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
             *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
-            if let Some(broken) = beside(known, pass, stock, &contact, now, turn, self.uneven) {
-                return Some(broken);
-            }
+        }
+        let seen =
+            Seen { contact, now, turn, uneven: self.uneven, led: [x_led, z_led], rpm: truth.spindle_rpm };
+        if let Some(broken) = beside(known, pass, stock, &seen) {
+            return Some(broken);
         }
         if !x_led {
-            return self.stuck(known, exchange, pass);
+            return self.stuck(known, exchange, pass, stock.angle_deg(&contact));
         }
         self.late(known, pass, now)
     }
@@ -177,23 +186,36 @@ impl Tool {
             })
     }
 
-    /// The tool cannot leave: the spindle stands in the end, before it has turned much further.
-    fn stuck(&mut self, known: &Known, exchange: &Exchange, pass: &ThreadPass) -> Option<Broken> {
+    /// The tool cannot leave: the spindle stands before it has turned much further. It is told to at once, or
+    /// at the end of the pass; who is told to brake while it is not led, or against its will, brakes when
+    /// that is over. Without mains it only coasts.
+    fn stuck(
+        &mut self,
+        known: &Known,
+        exchange: &Exchange,
+        pass: &ThreadPass,
+        angle_deg: f64,
+    ) -> Option<Broken> {
         let truth = exchange.record.truth;
         let now = truth.cycle.0;
-        if truth.spindle_rpm.abs() < STANDS_RPM {
+        let coasts = |event: &Event| match event.what {
+            What::Plant(Trouble::PowerLost) => now >= event.at,
+            What::Plant(Trouble::Spindle(fault, s)) if fault != SpindleFault::Jam => {
+                (event.at..=event.at + (s / known.machine.general.cycle_s) as u64).contains(&now)
+            }
+            _ => false,
+        };
+        if truth.spindle_rpm.abs() < STANDS_RPM || known.events.iter().any(coasts) {
             self.stuck = None;
             return None;
         }
-        let (since, from) = *self.stuck.get_or_insert((now, truth.spindle_deg));
-        let slowest = 0.3 * pass.s_rpm;
-        let rest = (pass.done_deg() / (6.0 * slowest) / known.machine.general.cycle_s) as u64;
-        let most = rest + bounds::spindle_stop(known.machine) + bounds::way_out(known.machine, pass);
-        let coasts = known.events.iter().any(|event| event.what == What::Plant(Trouble::PowerLost));
-        (now - since > most && !coasts).then(|| {
-            let turns = (truth.spindle_deg - from).abs() / 360.0;
+        let rest_deg = if pass.out.on(WayOut::ON_FAULT) { 0.0 } else { pass.done_deg() - angle_deg };
+        let most = bounds::run_down_turns(known.machine, truth.spindle_rpm) + rest_deg.max(0.0) / 360.0;
+        let (from, most) = *self.stuck.get_or_insert((truth.spindle_deg, most));
+        let turns = (truth.spindle_deg - from).abs() / 360.0;
+        (turns > most).then(|| {
             let text = format!(
-                "pass {}: X stuck at depth, the spindle has turned {turns:.1} times since",
+                "pass {}: X stuck at depth, the spindle has turned {turns:.2} times since, {most:.2} allowed",
                 pass.pass
             );
             Broken::new("ring", now, text)
@@ -202,7 +224,7 @@ impl Tool {
 }
 
 /// When a hold that was pressed at `at` for so many cycles is released: any cycle start ends it.
-fn released(known: &Known, at: u64, cycles: u64) -> u64 {
+pub(crate) fn released(known: &Known, at: u64, cycles: u64) -> u64 {
     let ends = known.events.iter().filter_map(|event| match event.what {
         What::Press(Button::Hold(cycles)) => Some(event.at + cycles),
         What::Press(Button::Start) => Some(event.at),
@@ -218,8 +240,9 @@ fn released(known: &Known, at: u64, cycles: u64) -> u64 {
 /// Faults after which nobody cuts on, whatever the policy says.
 fn makes_leave(fault: Fault) -> bool {
     use Fault::{
-        AxisFault, AxisJump, DriveFault, EmergencyStop, EncoderGlitch, EncoderStands, FollowingError,
-        ForceTooHigh, OtherAxis, PowerLost, RegulatorSilent, SpindleReversed, SpindleRunaway, ThreadError,
+        AxisFault, AxisJump, DriveFault, EmergencyStop, EncoderGlitch, EncoderPlausibility, EncoderStands,
+        FollowingError, ForceTooHigh, MeasurementGap, OtherAxis, PowerLost, RegulatorSilent,
+        SpindleNotAtSpeed, SpindleReversed, SpindleRunaway, ThreadError,
     };
     matches!(
         fault,
@@ -228,16 +251,27 @@ fn makes_leave(fault: Fault) -> bool {
             | DriveFault
             | EmergencyStop
             | EncoderGlitch
+            | EncoderPlausibility
             | EncoderStands
             | FollowingError
             | ForceTooHigh
+            | MeasurementGap
             | OtherAxis
             | PowerLost
             | RegulatorSilent
+            | SpindleNotAtSpeed
             | SpindleReversed
             | SpindleRunaway
             | ThreadError
     )
+}
+
+/// How far X still goes that was led inwards so fast, mm/s, once Z has no torque: three cycles until every
+/// regulator knows, then as hard as it can, and the same again for the ramps of its acceleration.
+fn turning_mm(known: &Known, v: f64) -> f64 {
+    let Some(x) = known.machine.axis.get(&Axis::X) else { return 0.0 };
+    let limits = x.limits();
+    v * (3.0 * known.machine.general.cycle_s + limits.a / limits.j) + v * v / (2.0 * limits.a)
 }
 
 /// Cycles in a turn of the programmed speed.
@@ -245,16 +279,22 @@ fn turn_cycles(known: &Known, pass: &ThreadPass) -> u64 {
     (60.0 / pass.s_rpm / known.machine.general.cycle_s) as u64
 }
 
-/// The tool is beside its groove.
-fn beside(
-    known: &Known,
-    pass: &ThreadPass,
-    stock: &PassStock,
-    contact: &Contact,
+/// What is seen of a tool that touches in a cycle: the changes of the spindle's speed so far, 1/min in a
+/// cycle; whether X and Z have torque; the speed of the spindle, 1/min.
+struct Seen {
+    contact: Contact,
     now: u64,
     turn: u64,
     uneven: f64,
-) -> Option<Broken> {
+    led: [bool; 2],
+    rpm: f64,
+}
+
+/// The tool is beside its groove. Without torque X gives no depth any more, but Z goes on along the helix up
+/// to where the pass brakes; without Z, X may not go deeper.
+fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
+    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm } = seen;
+    let (now, turn, uneven) = (*now, *turn, *uneven);
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
         None => (WORST_SERVO_MM, WORST_SERVO_MM),
@@ -281,6 +321,14 @@ fn beside(
         true => contact.depth_mm - stock.deepest,
         false => stock.bottom_mm(contact, flank),
     };
+    if rpm.abs() < SWINGS_RPM {
+        // A spindle that swings through rest turns Z round: its slide is anywhere between the flanks of its screw.
+        flank += excuse::backlash_mm(known.machine, Axis::Z);
+    }
+    if !z_led {
+        // X went in with a Z that stands now: it has to turn round first.
+        bottom += turning_mm(known, stock.steep(contact) * stock.lead * rpm.abs() / 60.0);
+    }
     let told = |what: &str, by: f64, most: f64| {
         format!(
             "pass {}: {:.1} µm {what}, {:.1} allowed, {:.4} mm deep",
@@ -290,9 +338,25 @@ fn beside(
             contact.depth_mm
         )
     };
-    if bottom_mm > bottom {
+    if *x_led && bottom_mm > bottom {
         return Some(Broken::new("bottom", now, told("too deep", bottom_mm, bottom)));
     }
-    let beside = contact.flank_mm > flank;
+    let on_helix = *z_led && (*x_led || !stock.brakes(contact));
+    let beside = on_helix && contact.flank_mm > flank;
     beside.then(|| Broken::new("flank", now, told("into the flank", contact.flank_mm, flank)))
+}
+
+#[cfg(test)]
+mod tests {
+    use protocol::Fault;
+
+    #[test]
+    fn what_the_table_of_faults_lets_leave_a_pass_makes_leave() {
+        let leaves = |fault: &Fault| fault.row().reaction.starts_with("leaves the pass");
+        // A stop is judged where it is pressed: a machine may finish the pass then.
+        let said = Fault::ALL.into_iter().filter(leaves).filter(|fault| *fault != Fault::Stopped);
+        for fault in said {
+            assert!(super::makes_leave(fault), "{fault:?}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Who takes the torque of an axis. In: the events of a case. Out: whether one of them explains that an axis
 //! has no torque in a cycle: its drive fails, its regulator dies or hangs, commands to its drive or
-//! measurements do not arrive, the mains are away for longer than the link holds. A regulator that faults
+//! measurements do not arrive, its encoder jumps farther than a drive may turn, the mains are away for longer than the link holds. A regulator that faults
 //! explains nothing: it has to take the tool out first.
 
 use machine::Machine;
@@ -11,6 +11,8 @@ use crate::event::{Channel, Event, Fate, Trouble, What};
 
 /// How long the link holds, where a machine does not say, s: as the plant takes it.
 const LINK_HOLD_S: f64 = 0.1;
+/// And where a drive trips, mm/s.
+const OVERSPEED_MM_S: f64 = 290.0;
 /// More measurements in a row than this may be missing before a drive hears nothing for too long.
 const MISSING: u64 = 3;
 
@@ -22,6 +24,7 @@ pub(crate) fn is_explained(known: &Known, axis: Axis, now: u64) -> bool {
 fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
     match event.what {
         What::Plant(Trouble::DriveFault(broken) | Trouble::TorqueLost(broken)) => broken == axis,
+        What::Plant(Trouble::Jump(jumped, mm)) => jumped == axis && trips(machine, axis, mm),
         What::Plant(Trouble::PowerLost) => now >= event.at + link_hold_cycles(machine),
         What::Kill(module) | What::Freeze(module, _) => module == Module::Regulator(axis),
         What::Packet(Channel::Drive(disturbed), ..) => disturbed == axis,
@@ -31,6 +34,14 @@ fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
         }
         _ => false,
     }
+}
+
+/// Whether a jump of the encoder of an axis looks to its drive like more than it may turn.
+fn trips(machine: &Machine, axis: Axis, mm: f64) -> bool {
+    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
+    let overspeed = truth.and_then(|table| table.get("overspeed_mm_s")).and_then(toml::Value::as_float);
+    let fastest = machine.axis.get(&axis).map_or(0.0, |config| config.velocity_mm_s);
+    mm.abs() / machine.general.cycle_s + fastest > overspeed.unwrap_or(OVERSPEED_MM_S)
 }
 
 /// For how many cycles in a row nothing new arrives: late messages come again, one behind the other.
