@@ -4,7 +4,7 @@ use protocol::{Axis, MachineState, Module};
 use rig::observe::{Observation, Outcome, Record};
 use rig::supervisor::End;
 
-use super::{Broken, Judge, excuse};
+use super::{Broken, Judge, bounds, excuse};
 use crate::event::{Event, Fate, Trouble, What};
 
 /// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
@@ -126,6 +126,13 @@ impl Judge<'_> {
                         reference.moves
                     );
                     return Some(("untrue", text));
+                }
+                let before = |event: &&Event| {
+                    excuse::ends(&event.what)
+                        && event.at + bounds::stop(self.known.machine) < last.truth.cycle.0
+                };
+                if let Some(event) = events.iter().find(before) {
+                    return Some(("untrue", format!("completed in spite of {}", event.told())));
                 }
             }
             Outcome::Completed => return Some(("untrue", format!("completed, but {ending:?}"))),

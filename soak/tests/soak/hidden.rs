@@ -1,16 +1,18 @@
 //! Whether the judge would notice: a machine to which something happens that the judge is not told of. What
 //! an event excuses nobody excuses then, so the invariant that is named has to break; told of it, it holds.
 
-use protocol::{Axis, AxisState};
+use protocol::{Axis, AxisState, Cycle, SpindleCommand, WayOut};
+use rig::observe::Observer;
 use rig::wires::{Straight, Wires};
 use rig::{Exchange, Rig};
 use sim_plant::Scenario;
 use soak::case::{Case, Ready};
-use soak::event::{Event, Trouble, What};
-use soak::judge::{Broken, Judge, Reference};
+use soak::event::{Button, Event, Trouble, What};
+use soak::judge::{Broken, Ending, Judge, Reference};
 use soak::run;
 
-/// A thread of the drawn ones, ready, with what it does undisturbed, and the cycle in the middle of its pass.
+/// A case of the drawn ones, ready, with what it does undisturbed, and the cycle in the middle of its first
+/// pass, 0 if it has none.
 pub(crate) struct Thread {
     pub(crate) case: Case,
     pub(crate) ready: Ready,
@@ -18,11 +20,11 @@ pub(crate) struct Thread {
     pub(crate) middle: u64,
 }
 
-/// The first drawn thread from a seed on that a test wants.
+/// The first drawn case that a test wants.
 pub(crate) fn thread(wanted: impl Fn(&Case, &Ready) -> bool) -> Thread {
     for seed in 0..500 {
         let (case, ready) = soak::draw(seed);
-        if ready.passes().next().is_none() || !wanted(&case, &ready) {
+        if !wanted(&case, &ready) {
             continue;
         }
         let alone = run::undisturbed(&case, &ready);
@@ -52,7 +54,7 @@ fn middle(case: &Case, ready: &Ready) -> u64 {
         });
         over |= !goes_on;
     }
-    (first.expect("a thread is cut") + last) / 2
+    first.map_or(0, |first| (first + last) / 2)
 }
 
 /// What a judge finds who is told of some events, while others happen, over wires of a test.
@@ -68,8 +70,18 @@ pub(crate) fn judged<W: Wires>(
     let mut rig = Rig::with_wires(&thread.ready.machine, items, scenario, case.plant_seed, wires)
         .expect("what is drawn is a plant");
     let mut judge = Judge::new(&thread.ready, told, Some(&thread.reference));
+    let mut observer = Some(Observer::new(&thread.ready.machine, &thread.ready.items).without_hash());
     for _ in 0..4 * thread.reference.cycles {
-        if !rig.exchange(None, |exchange: &Exchange| judge.cycle(exchange)) {
+        let goes_on = rig.exchange(None, |exchange: &Exchange| {
+            let record = &exchange.record;
+            judge.cycle(exchange);
+            observer.iter_mut().for_each(|observer| observer.cycle(record));
+            if record.truth.measurement.last != 0 {
+                let done = observer.take().map(Observer::finish).unwrap_or_default();
+                judge.finish(Ending::Finished, record, &done);
+            }
+        });
+        if !goes_on {
             break;
         }
     }
@@ -108,4 +120,74 @@ fn mains_that_are_away_explain_lost_torque_only_when_the_link_is_empty() {
     let fails = plant(thread.middle + 5, Trouble::TorqueLost(Axis::X));
     assert_eq!(name(judged(&thread, &[lost], &[lost], Straight)), None);
     assert_eq!(name(judged(&thread, &[lost, fails], &[lost], Straight)), Some("let-go"));
+}
+
+#[test]
+fn z_is_judged_behind_an_x_without_torque() {
+    let thread = thread(|case, _| case.kinds.contains(&"g33-external"));
+    let lost = plant(thread.middle - 40, Trouble::TorqueLost(Axis::X));
+    let pushed = plant(thread.middle - 20, Trouble::Force(Axis::Z, 4000.0, 0.02));
+    assert_eq!(name(judged(&thread, &[lost, pushed], &[lost], Straight)), Some("flank"));
+    assert_eq!(name(judged(&thread, &[lost, pushed], &[lost, pushed], Straight)), None);
+}
+
+#[test]
+fn x_is_judged_in_front_of_a_z_without_torque() {
+    let thread = thread(|case, _| case.kinds.contains(&"g33-external"));
+    let lost = plant(thread.middle - 40, Trouble::TorqueLost(Axis::Z));
+    let pushed = plant(thread.middle - 39, Trouble::Force(Axis::X, -8000.0, 0.01));
+    assert_eq!(name(judged(&thread, &[lost, pushed], &[lost], Straight)), Some("bottom"));
+    assert_eq!(name(judged(&thread, &[lost, pushed], &[lost, pushed], Straight)), None);
+}
+
+/// A spindle that hears nothing new for some cycles.
+struct Deaf {
+    from: u64,
+    until: u64,
+    last: SpindleCommand,
+}
+
+impl Wires for Deaf {
+    fn spindle<'a>(&'a mut self, now: Cycle, sent: Option<&'a SpindleCommand>) -> Option<&'a SpindleCommand> {
+        let deaf = (self.from..self.until).contains(&now.0);
+        if let Some(sent) = sent.filter(|_| !deaf) {
+            self.last = *sent;
+        }
+        sent.map(|_| &self.last)
+    }
+}
+
+#[test]
+fn a_spindle_that_turns_three_times_more_against_a_stuck_tool_is_found() {
+    let thread = thread(|case, ready| {
+        let fast = ready
+            .passes()
+            .all(|pass| pass.s_rpm > 300.0 && pass.s_rpm < 800.0 && pass.out.on(WayOut::ON_FAULT));
+        case.kinds.contains(&"g33-external") && fast
+    });
+    let s_rpm = thread.ready.passes().next().map_or(0.0, |pass| pass.s_rpm);
+    let lost = plant(thread.middle, Trouble::TorqueLost(Axis::X));
+    let turns = |turns: f64| {
+        let cycles = (turns * 60.0 / s_rpm / thread.ready.machine.general.cycle_s) as u64;
+        Deaf { from: thread.middle, until: thread.middle + cycles, last: SpindleCommand::default() }
+    };
+    assert_eq!(name(judged(&thread, &[lost], &[lost], turns(0.0))), None);
+    assert_eq!(name(judged(&thread, &[lost], &[lost], turns(3.0))), Some("ring"));
+}
+
+#[test]
+fn what_is_pressed_and_what_breaks_before_the_end_does_not_complete() {
+    let timed =
+        |case: &Case, ready: &Ready| case.kinds == ["timed-motion"] && ready.passes().next().is_none();
+    let thread = thread(timed);
+    // Told, and it has not happened: the machine goes on as if nothing were.
+    let stop = |at: u64| Event { at, what: What::Press(Button::Stop) };
+    assert_eq!(name(judged(&thread, &[], &[stop(10)], Straight)), Some("stops"));
+    let hold = Event { at: 10, what: What::Press(Button::Hold(100_000)) };
+    assert_eq!(name(judged(&thread, &[], &[hold], Straight)), Some("stops"));
+    let fails = plant(10, Trouble::DriveFault(Axis::X));
+    assert_eq!(name(judged(&thread, &[], &[fails], Straight)), Some("untrue"));
+    assert_eq!(name(judged(&thread, &[], &[], Straight)), None);
+    let half = stop(thread.reference.cycles / 2);
+    assert_eq!(name(judged(&thread, &[half], &[half], Straight)), None);
 }
