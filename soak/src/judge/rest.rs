@@ -1,6 +1,6 @@
-//! Timed motion of a machine that has lost an axis, or is told to stand. In: the truth of each cycle, what the
-//! regulators say. Out: the first cycle in which an axis still follows its stream when it should have come to
-//! rest.
+//! Timed motion of a machine that has lost an axis, or is told to stand. In: the truth of each cycle, what
+//! the regulators say. Out: the first cycle in which an axis still follows its stream when it should have
+//! come to rest.
 
 use protocol::{Axis, AxisState, AxisStatus, MachineState, WayOut};
 use rig::Exchange;

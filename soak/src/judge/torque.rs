@@ -1,7 +1,7 @@
 //! Who takes the torque of an axis. In: the events of a case. Out: whether one of them explains that an axis
 //! has no torque in a cycle: its drive fails, its regulator dies or hangs, commands to its drive or
-//! measurements do not arrive, its encoder jumps farther than a drive may turn, the mains are away for longer than the link holds. A regulator that faults
-//! explains nothing: it has to take the tool out first.
+//! measurements do not arrive, its encoder jumps farther than a drive may turn, the mains are away for longer
+//! than the link holds. A regulator that faults explains nothing: it has to take the tool out first.
 
 use machine::Machine;
 use protocol::{Axis, Module};
