@@ -92,8 +92,8 @@ impl Tool {
                 let_go = let_go.or(Some(axis));
             }
         }
-        // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken away
-        // the spindle stands in the end, or Z at the end of its way: then it may let go.
+        // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken
+        // away the spindle stands in the end, or Z at the end of its way: then it may let go.
         let holds = self.led[0] == Some(now) || (truth.spindle_rpm.abs() > STANDS_RPM && !self.braking);
         if let Some(axis) = let_go.filter(|axis| self.touching && (*axis == Axis::X || holds)) {
             let text =
