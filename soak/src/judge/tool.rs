@@ -322,7 +322,7 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         false => stock.bottom_mm(contact, flank),
     };
     if rpm.abs() < SWINGS_RPM {
-        // A spindle that swings through rest turns Z round: its slide is anywhere in the backlash of its screw.
+        // A spindle that swings through rest turns Z round: its slide is anywhere in its backlash.
         flank += excuse::backlash_mm(known.machine, Axis::Z);
     }
     if !z_led {
