@@ -255,6 +255,7 @@ impl Regulator {
             },
             brake: leave::brake(&reference, self.axis, self.is_free(measurement), &self.limits),
             rests: leave::is_over(&reference),
+            waits: self.lifting_still(measurement),
             stream_begun: self.stream.begun()
                 && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,
             rests_at_start: rests_at(&self.last, command.as_ref()),
@@ -282,6 +283,14 @@ impl Regulator {
     /// Whether the axis that lifts the tool is out of the groove.
     fn is_free(&self, measurement: &Measurement) -> bool {
         self.lifting(measurement).is_some_and(|(out, at)| out.is_free(at))
+    }
+
+    /// Whether another axis is on its way to lift the tool out of it.
+    fn lifting_still(&self, measurement: &Measurement) -> bool {
+        self.lifting(measurement).is_some_and(|(out, at)| {
+            let lifting = out.axis as usize;
+            lifting != self.axis && measurement.axes[lifting].drive().calls() && !out.is_free(at)
+        })
     }
 
     /// How far that axis is from where it is out of the groove, mm.

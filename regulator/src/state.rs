@@ -103,6 +103,8 @@ pub struct Event {
     pub brake: Option<Way>,
     /// The timed way, or what is left of the stream, is over.
     pub rests: bool,
+    /// The tool is in the groove yet, and the axis that lifts it is on its way: who is done waits with torque.
+    pub waits: bool,
     /// The stream holds setpoints for the present.
     pub stream_begun: bool,
     /// The axis rests where a pass that arrives would start.
@@ -252,6 +254,7 @@ impl Leaving {
         };
         let way = match along {
             Some(Way::Along(_)) => event.brake.or(along),
+            None if event.waits => Some(self.way),
             other => other,
         };
         match (way, self.fault) {

@@ -13,7 +13,7 @@ use crate::event::{Channel, Event, Fate, Trouble, What};
 const LINK_HOLD_S: f64 = 0.1;
 /// And where a drive trips, mm/s.
 const OVERSPEED_MM_S: f64 = 290.0;
-/// More measurements in a row than this may be missing before a drive hears nothing for too long.
+/// So many measurements in a row without a command, and a drive trips.
 const MISSING: u64 = 3;
 
 /// Whether an event explains that an axis has no torque in a cycle.
@@ -28,9 +28,9 @@ fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
         What::Plant(Trouble::PowerLost) => now >= event.at + link_hold_cycles(machine),
         What::Kill(module) | What::Freeze(module, _) => module == Module::Regulator(axis),
         What::Packet(Channel::Drive(disturbed), ..) => disturbed == axis,
-        What::Packet(Channel::Measurements, fate, count) => gap(fate, count) > MISSING,
+        What::Packet(Channel::Measurements, fate, count) => gap(fate, count) >= MISSING,
         What::Packet(Channel::Measurement(disturbed), fate, count) => {
-            disturbed == axis && gap(fate, count) > MISSING
+            disturbed == axis && gap(fate, count) >= MISSING
         }
         _ => false,
     }
