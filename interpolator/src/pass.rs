@@ -111,6 +111,13 @@ impl Look<'_> {
         self.panel.pressed(button)
     }
 
+    /// Whether a button was pressed that makes axes leave. They look at the panel in every control cycle: a
+    /// hold that was released since the tick before shows in cycle start alone.
+    fn pressed(&self) -> bool {
+        let released = self.panel.cycle_starts != self.cycle_starts;
+        self.ends() || self.presses(Panel::FEED_HOLD) || released
+    }
+
     fn ends(&self) -> bool {
         self.presses(Panel::STOP) || self.presses(Panel::ABORT)
     }
@@ -144,9 +151,7 @@ pub(crate) fn watch(task: &Task, look: &Look) -> Event {
                 () if calling_off && axes.at_start_of(&pass.pass) => Event::CalledOff,
                 () if axes.at_end_of(&pass.pass) => Event::Cut(Wait::behind_block(panel)),
                 // They have left it within one tick.
-                () if look.ends() || look.presses(Panel::FEED_HOLD) => {
-                    Event::Leaves(look.why(), look.leave_at)
-                }
+                () if look.pressed() => Event::Leaves(look.why(), look.leave_at),
                 () => called_off(look),
             }
         }

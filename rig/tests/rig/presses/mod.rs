@@ -14,7 +14,7 @@ mod watch;
 use std::collections::BTreeSet;
 
 use machine::{Machine, Reaction};
-use protocol::{Code, Item, ThreadPass, operator::Request};
+use protocol::{AxisState, Code, Item, ThreadPass, operator::Request};
 use rig::observe::{Observation, Outcome};
 use testing::Seed;
 
@@ -97,6 +97,18 @@ impl Job {
             Code::Pass(pass) => Some(pass),
             _ => None,
         })
+    }
+
+    /// The cycle in which the index of the first pass is seen.
+    fn index(&self) -> u64 {
+        let mut index = None;
+        let stand = Stand { machine: &self.machine, items: &self.items, scenario: "", seed: 7 };
+        stand.run(|record| {
+            let seen = record.axes.iter().any(|(_, status)| status.state() == AxisState::WaitingForC0);
+            index = index.or(seen.then_some(record.truth.cycle.0));
+            None
+        });
+        index.expect("a pass")
     }
 
     fn pass(&self, number: u32) -> &ThreadPass {
@@ -297,6 +309,34 @@ fn nothing_has_moved_when_a_pass_is_called_off_at_any_interpolator_cycle() {
                     &[(at, Request::FeedHold)],
                     at + 900,
                 );
+            }
+        }
+    }
+}
+
+/// Regulators look at the panel in every cycle, the interpolator once a tick: a hold that it never sees costs
+/// a turn of the spindle, and nothing else.
+#[test]
+fn a_hold_of_some_cycles_around_the_index_costs_nothing_but_a_turn() {
+    for ticks in [1_u32, 4] {
+        for policy in [POLICIES[0], POLICIES[1]] {
+            let mut machine = with(policy);
+            machine.general.interpolator_cycle_s = f64::from(ticks) * machine.general.cycle_s;
+            // Setpoints of a shorter tick reach less far ahead.
+            for axis in machine.axis.values_mut() {
+                axis.acceleration_lead_s = axis.acceleration_lead_s.min(0.001);
+            }
+            machine.check().expect("a machine file may say so");
+            let job = Job::new("M3 S900\nG0 X12 Z6\nG76 P2 Z0 I-1 J0.3 K0.35\nM2\n", machine);
+            let index = job.index();
+            for at in index - 10..index + 40 {
+                let near = (index - 2..index + 6).contains(&at);
+                for long in if near { 1..=8 } else { at % 8 + 1..=at % 8 + 1 } {
+                    let what =
+                        format!("{ticks} cycles a tick, {policy:?}: hold at {at} for {long}, index {index}");
+                    let seen = job.press(&what, &[(at, Request::FeedHold)], at + long);
+                    assert_eq!(seen.observation.outcome, Outcome::Completed, "{what}");
+                }
             }
         }
     }
