@@ -115,10 +115,13 @@ impl<'a> Axes<'a> {
         self.each().any(|(_, status)| status.state() == AxisState::Fault || status.fault != 0)
     }
 
-    /// Whether a drive does not hold its axis.
+    /// Whether a drive does not hold its axis. It trips when its regulator says nothing: that one tells why
+    /// as soon as it speaks again, or is silent.
     pub(crate) fn drive_off(&self, measurement: &Measurement) -> bool {
-        let state = |axis: Axis| measurement.axes[axis.index()].drive().state();
-        self.machine.axes().any(|(axis, _)| state(axis) != Some(DriveState::OperationEnabled))
+        let off =
+            |axis: Axis| measurement.axes[axis.index()].drive().state() != Some(DriveState::OperationEnabled);
+        let speaks = |axis: Axis| self.heard.statuses[axis.index()].cycle.after(1) >= self.tick;
+        self.machine.axes().any(|(axis, _)| off(axis) && speaks(axis))
     }
 
     /// Whether all follow setpoints.
@@ -191,4 +194,35 @@ impl<'a> Axes<'a> {
 
 fn near(a_mm: f64, b_mm: f64) -> bool {
     (a_mm - b_mm).abs() <= SAME_MM
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_is_astray_that_is_farther_from_its_setpoint_than_it_can_go() {
+        let machine = Machine::default();
+        let most_mm = machine.axis[&Axis::Z].velocity_mm_s * 0.012;
+        let astray = |state: AxisState, apart_mm: f64, tick: u64| {
+            let (mut statuses, mut here) = ([AxisStatus::default(); AXES], [Position(0); AXES]);
+            for (axis, _) in machine.axes() {
+                let (cycle, state) = (Cycle(99), state as u32);
+                statuses[axis.index()] =
+                    AxisStatus { cycle, state, commanded_mm: 7.0, ..AxisStatus::default() };
+                here[axis.index()] = Position::from_mm(7.0);
+            }
+            here[Axis::Z.index()] = Position::from_mm(7.0 + apart_mm);
+            let mut heard = Heard::new();
+            heard.take(&machine, &statuses, Cycle(100));
+            Axes::new(&machine, &heard, Cycle(tick)).astray(&machine, &here, 0.012)
+        };
+        for sign in [1.0, -1.0] {
+            assert!(!astray(AxisState::Streaming, sign * 0.99 * most_mm, 100));
+            assert!(astray(AxisState::Streaming, sign * 1.01 * most_mm, 100));
+            // One that is led by no setpoints, and one that is silent, are not.
+            assert!(!astray(AxisState::Leaving, sign * 2.0 * most_mm, 100));
+            assert!(!astray(AxisState::Streaming, sign * 2.0 * most_mm, 120));
+        }
+    }
 }

@@ -146,7 +146,9 @@ impl Watch {
         let moving = !matches!(known.state, State::Idle | State::Fault(_));
         let dead = matches!(drive, None | Some(DriveState::Fault | DriveState::FaultReaction));
         let off = moving && drive != Some(DriveState::OperationEnabled);
-        (dead || off).then_some(Cause::Lost(Fault::DriveFault))
+        // A drive trips without commands, and without measurements there were none.
+        let fault = if known.missed > BRIDGED { Fault::MeasurementGap } else { Fault::DriveFault };
+        (dead || off).then_some(Cause::Lost(fault))
     }
 
     /// What counts and positions say that cannot be.
