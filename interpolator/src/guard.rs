@@ -83,3 +83,76 @@ impl Guard {
 fn strayed(status: &AxisStatus, config: &AxisConfig) -> bool {
     status.servo_error_mm.abs() > ERROR_SHARE * config.thread_error_mm
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axes::Heard;
+    use protocol::{Axis, Cycle, units::AXES};
+
+    /// 600 1/min.
+    const RPM: [f64; 2] = [600.0; 2];
+
+    /// One tick with X on the helix, at a share of its error and of its torque.
+    fn tick(guard: &mut Guard, machine: &Machine, error: f64, torque: f64) -> f64 {
+        let config = &machine.axis[&Axis::X];
+        let mut statuses = [AxisStatus::default(); AXES];
+        statuses[Axis::X.index()] = AxisStatus {
+            cycle: Cycle(3),
+            state: AxisState::Locked as u32,
+            servo_error_mm: -error * config.thread_error_mm,
+            ..AxisStatus::default()
+        };
+        let mut heard = Heard::new();
+        heard.take(machine, &statuses, Cycle(4));
+        let mut measurement = Measurement { cycle: Cycle(4), ..Measurement::default() };
+        measurement.axes[Axis::X.index()].torque_nm = -torque * config.torque_limit_nm;
+        guard.tick(machine, &Axes::new(machine, &heard, Cycle(4)), &measurement, RPM);
+        guard.share()
+    }
+
+    #[test]
+    fn an_error_beyond_half_slows_down_and_a_good_turn_gives_back() {
+        let (machine, mut guard) = (Machine::default(), Guard::new());
+        assert_eq!(tick(&mut guard, &machine, 0.49, 0.84), 1.0);
+        let mut before = 1.0;
+        for _ in 0..40 {
+            let share = tick(&mut guard, &machine, 0.51, 0.0);
+            assert!(share <= before && before - share <= STEP + 1e-12, "{before} → {share}");
+            before = share;
+        }
+        assert!(before < 1.0 && before >= LEAST, "{before}");
+        // A turn takes 0.1 s: until then nothing is given back.
+        for _ in 0..49 {
+            assert_eq!(tick(&mut guard, &machine, 0.0, 0.0), before);
+        }
+        (0..3).for_each(|_| before = tick(&mut guard, &machine, 0.0, 0.0).max(before));
+        assert!(guard.share() == before && before > LEAST, "{before}");
+        for _ in 0..5000 {
+            tick(&mut guard, &machine, 0.0, 0.0);
+        }
+        assert!(guard.share() == 1.0 && !guard.in_vain());
+    }
+
+    #[test]
+    fn slowing_down_is_in_vain_after_three_turns() {
+        let (machine, mut guard) = (Machine::default(), Guard::new());
+        for tick_number in 0..149 {
+            tick(&mut guard, &machine, 0.6, 0.0);
+            assert!(!guard.in_vain(), "tick {tick_number}");
+        }
+        (0..3).for_each(|_| assert!(tick(&mut guard, &machine, 0.6, 0.0) < 1.0));
+        assert!(guard.in_vain());
+    }
+
+    #[test]
+    fn torque_counts_after_twenty_milliseconds() {
+        let (machine, mut guard) = (Machine::default(), Guard::new());
+        for _ in 0..5 {
+            (0..9).for_each(|_| assert_eq!(tick(&mut guard, &machine, 0.0, 0.9), 1.0));
+            assert_eq!(tick(&mut guard, &machine, 0.0, 0.8), 1.0, "a peak");
+        }
+        (0..11).for_each(|_| assert!(tick(&mut guard, &machine, 0.0, 0.9) <= 1.0));
+        assert!(guard.share() < 1.0);
+    }
+}

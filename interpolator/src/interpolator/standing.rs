@@ -44,3 +44,37 @@ impl Standing {
         self.ticks >= self.enough
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lets Z go at a speed for some ticks, its counts flickering by `flicker`; whether all stand then.
+    fn go(standing: &mut Standing, z_mm: &mut f64, ticks: u32, mm_s: f64, flicker: f64) -> bool {
+        for tick in 0..ticks {
+            *z_mm += mm_s * 0.002;
+            let mut measurement = Measurement::default();
+            let off = if tick % 2 == 0 { flicker } else { 0.0 };
+            measurement.axes[protocol::Axis::Z.index()].position = Position::from_mm(*z_mm + off);
+            standing.update(&measurement, true);
+        }
+        standing.holds()
+    }
+
+    #[test]
+    fn axes_stand_once_they_have_rested_for_a_while_and_until_they_move() {
+        let (mut standing, mut z_mm) = (Standing::new(&Machine::default()), 5.0);
+        let count_mm = 5.0 / 131_072.0;
+        assert!(!go(&mut standing, &mut z_mm, 100, 1.0, 0.0), "it moves at 1 mm/s");
+        assert!(!go(&mut standing, &mut z_mm, 24, 0.0, count_mm), "not for long enough");
+        assert!(go(&mut standing, &mut z_mm, 2, 0.0, count_mm), "it stands, and flickers by a count");
+        assert!(!go(&mut standing, &mut z_mm, 1, 2.0, 0.0), "it moves again");
+        assert!(go(&mut standing, &mut z_mm, 26, 0.1, 0.0), "as slowly as an axis creeps that stands");
+        standing.update(&Measurement::default(), true);
+        assert!(!standing.holds(), "a jump");
+        for _ in 0..100 {
+            standing.update(&Measurement::default(), false);
+        }
+        assert!(!standing.holds(), "its command does not rest");
+    }
+}

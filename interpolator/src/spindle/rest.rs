@@ -75,3 +75,51 @@ impl Rest {
         self.still >= MEANS && self.off <= self.flickers()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lets the angle go with the time in s, in counts, under noise of so many counts; whether it ever
+    /// rests, and whether it does in the end.
+    fn go(rest: &mut Rest, s: f64, noise: i64, angle: impl Fn(f64) -> f64) -> (bool, bool) {
+        let (tick_s, mut random, mut ever) = (0.002, 7_u64, false);
+        for tick in 0..(s / tick_s) as u64 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let off = (random >> 33) as i64 % (2 * noise + 1) - noise;
+            rest.update(angle(tick as f64 * tick_s).floor() as i64 + off);
+            ever |= rest.holds();
+        }
+        (ever, rest.holds())
+    }
+
+    fn rest() -> (Rest, f64) {
+        let machine = Machine::default();
+        (Rest::new(&machine), machine.spindle_counts())
+    }
+
+    #[test]
+    fn noise_at_rest_rests_and_a_slow_turn_does_not() {
+        for noise in [0, 1, 4] {
+            let (mut rest, turn) = rest();
+            assert_eq!(go(&mut rest, 2.0, noise, |_| 100.5), (true, true), "noise of {noise}");
+            // From rest it is let go again: within a tenth of a second or two it does not rest any more.
+            go(&mut rest, 0.3, noise, |s| 100.5 + 20.0 / 60.0 * turn * s);
+            assert!(!rest.holds(), "noise of {noise}, let go");
+        }
+        for noise in [0, 1] {
+            let (mut rest, turn) = rest();
+            assert_eq!(go(&mut rest, 5.0, noise, |s| 2.0 / 60.0 * turn * s), (false, false), "{noise}");
+        }
+    }
+
+    #[test]
+    fn one_that_swings_rests_once_it_has_calmed_down() {
+        let (mut rest, turn) = rest();
+        let swings = |s: f64| 0.02 * turn * libm::exp(-s) * libm::sin(std::f64::consts::TAU * 7.3 * s);
+        let (ever, _) = go(&mut rest, 1.0, 1, swings);
+        assert!(!ever, "it swings by some degrees");
+        let (_, now) = go(&mut rest, 8.0, 1, |s| swings(s + 1.0));
+        assert!(now, "it has calmed down");
+    }
+}
