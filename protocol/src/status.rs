@@ -256,7 +256,7 @@ pub struct SpindleCommand {
     /// Commanded speed, 1/min, signed: positive clockwise (M3).
     pub rpm: f64,
     /// [`SpindleCommand::FINISHED`] once the program is over and all is at rest: the machine may be switched
-    /// off. Anything else says nothing, so that no single damaged bit ends a run.
+    /// off. [`SpindleCommand::EMERGENCY_STOP`] once the spindle does not obey. Anything else says nothing, so that no single damaged bit ends a run.
     pub finished: u32,
     /// Line of the part program being executed (scenarios are triggered by it).
     pub line: u32,
@@ -279,6 +279,8 @@ impl Message for SpindleCommand {
 impl SpindleCommand {
     /// Says that the machine may be switched off.
     pub const FINISHED: u32 = 0x4F56_4552;
+    /// Opens the emergency stop chain: as the button at the panel.
+    pub const EMERGENCY_STOP: u32 = 0x5354_4F50;
 
     /// Whether the machine may be switched off: the program is over, nothing turns, no pass is in hand.
     pub fn is_last(&self) -> bool {

@@ -192,7 +192,8 @@ impl Plant {
         let jam_nm = if fault == Some(SpindleFault::Jam) { self.spindle.jam_nm() } else { 0.0 };
         let drive = self.spindle_drive(spindle, fault);
         self.spindle.advance(drive, load_nm + self.truth.cut.torque_nm + jam_nm);
-        if let Some(request) = request {
+        let opens = spindle.finished == SpindleCommand::EMERGENCY_STOP;
+        for request in request.into_iter().chain(opens.then_some(Request::EmergencyStop)) {
             self.timeline.operate(request);
         }
         self.sample(now.after(1), turns_before, spindle);

@@ -12,6 +12,14 @@ use crate::{
 };
 
 impl Interpolator {
+    fn ends(&self) -> u32 {
+        match () {
+            () if self.finished() => SpindleCommand::FINISHED,
+            () if self.opened => SpindleCommand::EMERGENCY_STOP,
+            () => 0,
+        }
+    }
+
     pub(crate) fn answer(
         &self,
         measurement: &Measurement,
@@ -30,7 +38,7 @@ impl Interpolator {
         let spindle = SpindleCommand {
             cycle,
             rpm: self.spindle.commanded(),
-            finished: if self.finished() { SpindleCommand::FINISHED } else { 0 },
+            finished: self.ends(),
             line,
             pass: pass.map_or(0, |pass| pass.pass),
             paused: u32::from(state == MachineState::Paused),
@@ -42,7 +50,7 @@ impl Interpolator {
         let status = MachineStatus {
             cycle,
             state: state as u32,
-            fault: self.task.fault().map_or(0, |fault| fault as u32),
+            fault: self.second.or(self.task.fault()).map_or(0, |fault| fault as u32),
             line,
             pass: self.pass.0,
             moves: self.travel.moves(),

@@ -9,8 +9,8 @@ mod supervise;
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Feed, MachineStatus, Measurement, Panel,
-    PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineStatus, Measurement,
+    Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
 };
 
 use crate::{
@@ -71,6 +71,9 @@ pub struct Interpolator {
     /// Ticks from the measurement before to this one.
     ticks: u64,
     standing: Standing,
+    /// The emergency stop chain is open, since the spindle does not obey; what is wrong besides the fault.
+    pub(crate) opened: bool,
+    pub(crate) second: Option<Fault>,
     /// Number and depth of the pass in hand, or of the one before.
     pub(crate) pass: (u32, f64),
 }
@@ -92,6 +95,8 @@ impl Interpolator {
             ahead: None,
             ticks: 1,
             standing: Standing::new(machine),
+            opened: false,
+            second: None,
             pass: (0, 0.0),
         }
     }
@@ -139,6 +144,7 @@ impl Interpolator {
         let (setpoints, event) = self.work(measurement, cycle_starts);
         let order = self.step(&event);
         let order = self.out_of_pass(order, measurement.cycle);
+        self.look_after_spindle();
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if (discriminant(&self.task), self.task.public()) != (task, public) {
             self.patience.begin();
@@ -173,8 +179,7 @@ impl Interpolator {
             _ => self.guard = Guard::new(),
         }
         self.spindle.guard(self.guard.share());
-        // Nobody waits in vain for a spindle that the operator holds at 0, or while a pass is cut, however
-        // slowly.
+        // Nobody waits in vain for a spindle that the operator holds at 0, or while a pass is cut slowly.
         let for_spindle = matches!(self.task, Task::Ready { .. } | Task::Armed(_));
         let cutting = matches!(self.task, Task::Cutting(_));
         self.patience.tick(&self.spindle, !(cutting || for_spindle && self.spindle.held()));
@@ -385,7 +390,7 @@ impl Interpolator {
 }
 
 /// A thing of the program that cannot be: the axes rest before it.
-fn refused(fault: protocol::Fault, cycle: Cycle) -> Event {
+fn refused(fault: Fault, cycle: Cycle) -> Event {
     Event::Fault(Trouble { fault, at_once: false, way: Way::Leave(cycle) })
 }
 

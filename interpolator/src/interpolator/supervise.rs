@@ -109,6 +109,24 @@ impl Interpolator {
         !by_angle
     }
 
+    /// With a fault latched: a spindle that does not obey is left to the brake of its drive, by the emergency
+    /// stop. What it does then is told as well.
+    pub(crate) fn look_after_spindle(&mut self) {
+        let Some(fault) = self.task.fault().filter(|fault| !of_encoder(*fault)) else { return };
+        let found = match () {
+            () if self.spindle.never_stops() => Fault::SpindleDoesNotStop,
+            () if self.spindle.runs_away() => Fault::SpindleRunaway,
+            () => return,
+        };
+        if found != fault {
+            self.second = Some(found);
+        }
+        if !self.opened {
+            self.opened = true;
+            self.spindle.wait_anew();
+        }
+    }
+
     /// Whether everything is at rest and the machine may be switched off. After a fault nobody waits for ever
     /// for an axis or a spindle that does not come to rest.
     pub fn finished(&self) -> bool {
@@ -128,7 +146,7 @@ impl Interpolator {
         // One that is not at speed may have a dead encoder, too.
         let blind = of_encoder(fault) || fault == Fault::SpindleNotAtSpeed;
         let rests = self.spindle.rests() && (self.spindle.ran_down() || !blind);
-        rests || self.spindle.never_stops()
+        rests || self.spindle.never_stops() && (self.opened || of_encoder(fault))
     }
 }
 

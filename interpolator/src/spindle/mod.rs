@@ -23,13 +23,17 @@ use watch::Watch;
 const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
 const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
 
+/// A spindle that stands has not moved by more than a count for so many ticks that a count in them is no more
+/// than this speed, 1/min; so many ticks are remembered.
+const COUNT_RPM: f64 = 8.0;
+const KEPT_TICKS: usize = 64;
+
 /// The spindle.
 #[derive(Clone, Debug)]
 pub struct Spindle {
     observer: SpindleObserver,
-    /// Count of the last measurement, and how far it moved in the last tick.
-    count: i64,
-    moved: i64,
+    /// Counts of the last ticks, the present one last.
+    counts: [i64; KEPT_TICKS + 1],
     rpm_per_count_s: f64,
     tick_s: f64,
     ramp_rpm_s: f64,
@@ -61,8 +65,7 @@ impl Spindle {
     pub fn new(machine: &Machine) -> Spindle {
         Spindle {
             observer: SpindleObserver::new(WATCH_HZ, machine.general.interpolator_cycle_s),
-            count: 0,
-            moved: 0,
+            counts: [0; KEPT_TICKS + 1],
             rpm_per_count_s: 60.0 / machine.spindle_counts(),
             tick_s: machine.general.interpolator_cycle_s,
             ramp_rpm_s: machine.spindle.ramp_rpm_s,
@@ -115,8 +118,8 @@ impl Spindle {
     /// Takes a measurement and the panel's override. `pass` is the direction of a pass in hand.
     pub(crate) fn update(&mut self, measurement: &Measurement, pass: Option<f64>) {
         self.observer.update(middle_of(measurement.spindle_count));
-        self.moved = measurement.spindle_count.saturating_sub(self.count);
-        self.count = measurement.spindle_count;
+        self.counts.rotate_left(1);
+        self.counts[KEPT_TICKS] = measurement.spindle_count;
         self.watch.update(measurement.spindle_count, self.commanded(), self.observed(), pass);
         let request = measurement.panel.spindle_override_pct;
         let request = if request.is_finite() { request.max(0.0) } else { self.request_pct };
@@ -139,6 +142,16 @@ impl Spindle {
     /// believes.
     pub(crate) fn ran_down(&self) -> bool {
         self.watch.ran_down()
+    }
+
+    /// Whether it turns faster than it was told to.
+    pub(crate) fn runs_away(&self) -> bool {
+        self.watch.runs_away()
+    }
+
+    /// It is braked otherwise from here on: the time it has for that begins anew.
+    pub(crate) fn wait_anew(&mut self) {
+        self.watch.wait_anew();
     }
 
     /// Whether it should have come to rest long ago: nobody waits for it any longer.
@@ -209,11 +222,20 @@ impl Spindle {
     }
 
     /// Whether it stands: the slow watch says so, which swings through zero when the spindle stops fast, and
-    /// so do the counts of the last tick; or it rests, if its encoder is too noisy for that.
+    /// so do the counts of the last ticks; or it rests, if its encoder is too noisy for that.
     pub fn stands(&self) -> bool {
-        let counts = STANDSTILL_RPM / self.rpm_per_count_s * self.tick_s;
-        let quiet = self.observed().abs() <= STANDSTILL_RPM && self.moved.abs() as f64 <= 1.0 + counts;
+        let quiet = self.observed().abs() <= STANDSTILL_RPM && self.stays();
         (quiet || self.watch.rests()) && self.is_believed()
+    }
+
+    /// Whether the count has moved by no more than one, and what standstill allows, for so long that one count
+    /// is a slow spindle.
+    fn stays(&self) -> bool {
+        let ticks = (self.rpm_per_count_s / self.tick_s / COUNT_RPM).ceil().clamp(1.0, KEPT_TICKS as f64);
+        let most = 1.0 + STANDSTILL_RPM / self.rpm_per_count_s * self.tick_s * ticks;
+        let last = &self.counts[KEPT_TICKS - ticks as usize..];
+        let now = self.counts[KEPT_TICKS];
+        last.iter().all(|count| now.saturating_sub(*count).unsigned_abs() as f64 <= most)
     }
 
     /// Whether it has come to rest: surer than that it [stands](Self::stands), and later.

@@ -103,3 +103,54 @@ fn what_lags_behind_a_facing_cut_is_at_speed() {
     }
     assert!(without > 0, "it does lag");
 }
+
+#[test]
+fn a_spindle_that_swings_through_zero_does_not_stand() {
+    for lines in [500, 2500] {
+        let mut machine = Machine::default();
+        machine.spindle.encoder_lines = lines;
+        let (mut spindle, mut count, mut stood) = (Spindle::new(&machine), 0.0, 0);
+        spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(400.0));
+        turn(&mut spindle, &mut count, 1000, |_| 400.0);
+        spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
+        // Its loop swings at 12 Hz for a second, and calms down.
+        let swings = |tick: u32| 60.0 * libm::cos(TAU * 12.0 * f64::from(tick) * 0.002);
+        for tick in 0..500 {
+            turn(&mut spindle, &mut count, 1, |_| swings(tick));
+            stood += u32::from(spindle.stands());
+        }
+        assert_eq!(stood, 0, "{lines} lines: it stands while it swings");
+        turn(&mut spindle, &mut count, 500, |_| 0.0);
+        assert!(spindle.stands(), "{lines} lines");
+    }
+}
+
+/// Commanded 2000 1/min, at speed, then told to stop; it loses so much in a second, 1/min.
+fn slows(loses: f64) -> (Option<Fault>, f64) {
+    let (mut spindle, mut count) = (spindle(), 0.0);
+    spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(2000.0));
+    turn(&mut spindle, &mut count, 3000, |tick| (2.0 * f64::from(tick)).min(2000.0));
+    assert_eq!(spindle.fault(), None);
+    spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
+    let at = |tick: u32| (2000.0 - loses * f64::from(tick) * 0.002).clamp(0.0, 3600.0);
+    for tick in 0..30_000 {
+        turn(&mut spindle, &mut count, 1, |_| at(tick));
+        if let Some(fault) = spindle.fault() {
+            return (Some(fault), f64::from(tick) * 0.002);
+        }
+    }
+    assert!(spindle.rests() == (at(30_000) == 0.0));
+    (None, 60.0)
+}
+
+#[test]
+fn a_spindle_that_only_gets_slower_obeys_as_well_as_it_can() {
+    for loses in [40.0, 100.0, 500.0] {
+        assert_eq!(slows(loses), (None, 60.0), "{loses} 1/min per s");
+    }
+    let (fault, after_s) = slows(0.0);
+    assert!(matches!(fault, Some(Fault::SpindleRunaway | Fault::SpindleDoesNotStop)), "{fault:?}");
+    assert!((5.0..12.0).contains(&after_s), "one that keeps its speed, after {after_s} s");
+    let (fault, after_s) = slows(-500.0);
+    assert!(fault == Some(Fault::SpindleRunaway) && after_s < 2.0, "one that gets faster, after {after_s} s");
+}

@@ -6,15 +6,18 @@
 //! | n, c | 1/min | speed by the counts of one tick, speed commanded |
 //! | r | 1/min per s | a third of the drive's ramp: a spindle that is slow is not at fault |
 //! | m | 1/min | the highest speed that the commands explain: max(\|c\|, m − r t) |
+//! | u | 1/min | the lowest speed since it is faster than m, as long as it goes on losing speed; else m |
 //! | d | 1/min | the speed it should have by now: grows to c, at r |
 //! | b | – | share that counts as at speed |
 //!
 //! ```text
-//! runs away       ∫ \|n\| − (1 + 2b) m − 2 % of the highest speed, never below 0, exceeds a turn
+//! runs away       ∫ \|n\| − (1 + 2b) u − 2 % of the highest speed, never below 0, exceeds a turn
 //! reversed        three ticks backwards at 5 % of c, or a turn back: in a pass
 //! stalls          observed < \|d\|/10 for a second and a quarter turn of c: in a pass
 //! does not stop   c = 0, m = 0, and five seconds later it does not rest (`rest.rs`)
+//! loses speed     by a hundredth of its highest speed within five seconds; these begin anew then
 //! ```
+//! A drive without torque coasts: a spindle that only gets slower has not run away.
 
 use machine::Machine;
 use protocol::Fault;
@@ -41,6 +44,8 @@ const STALL_S: f64 = 1.0;
 const STALL_TURNS: f64 = 0.25;
 /// Time beyond its ramp until a spindle that was told to stop does not, s.
 const STOP_S: f64 = 5.0;
+/// What of its highest speed it has to lose in that time, or it does not slow down.
+const SIGN_SHARE: f64 = 0.01;
 
 /// An encoder that shows less than this share of what it should may be dead.
 const DOUBT_SHARE: f64 = 0.5;
@@ -57,6 +62,10 @@ pub(super) struct Watch {
     /// m and d.
     most: f64,
     due: f64,
+    /// u, as long as it loses speed; what it was at the last sign of that, and for how many s there was none.
+    slowest: f64,
+    sign_rpm: f64,
+    sign_s: f64,
     beyond_turns: f64,
     wrong_ticks: u32,
     back_turns: f64,
@@ -79,6 +88,9 @@ impl Watch {
             count: None,
             most: 0.0,
             due: 0.0,
+            slowest: 0.0,
+            sign_rpm: 0.0,
+            sign_s: 0.0,
             beyond_turns: 0.0,
             wrong_ticks: 0,
             back_turns: 0.0,
@@ -104,6 +116,7 @@ impl Watch {
         if self.due != 0.0 {
             self.doubtful = observed.abs() < DOUBT_SHARE * self.due.abs();
         }
+        self.slow_down(observed.abs());
         self.run_away(turns);
         self.rest.update(count);
         self.stop(commanded);
@@ -112,8 +125,21 @@ impl Watch {
         self.stall(pass.is_some(), commanded, observed);
     }
 
+    fn slow_down(&mut self, rpm: f64) {
+        if rpm <= self.most {
+            (self.slowest, self.sign_rpm, self.sign_s) = (self.most, self.most, 0.0);
+            return;
+        }
+        self.slowest = self.slowest.min(rpm).max(self.most);
+        self.sign_s += self.tick_s;
+        if self.slowest <= self.sign_rpm - SIGN_SHARE * self.max_rpm {
+            (self.sign_rpm, self.sign_s, self.late) = (self.slowest, 0.0, 0);
+        }
+    }
+
     fn run_away(&mut self, turns: f64) {
-        let explained = (1.0 + 2.0 * self.band) * self.most + BEYOND_SHARE * self.max_rpm;
+        let had = if self.sign_s <= STOP_S { self.slowest } else { self.most };
+        let explained = (1.0 + 2.0 * self.band) * had + BEYOND_SHARE * self.max_rpm;
         let beyond = turns.abs() - explained / 60.0 * self.tick_s;
         self.beyond_turns = (self.beyond_turns + beyond).max(0.0);
     }
@@ -150,6 +176,17 @@ impl Watch {
         self.doubtful
     }
 
+    /// Whether it turns faster than it was told to.
+    pub(super) fn runs_away(&self) -> bool {
+        self.beyond_turns > BEYOND_TURNS
+    }
+
+    /// It is braked otherwise from here on: the time it has for that begins anew, at the speed it has by now.
+    pub(super) fn wait_anew(&mut self) {
+        self.late = 0;
+        (self.slowest, self.sign_rpm, self.sign_s) = (f64::INFINITY, f64::INFINITY, 0.0);
+    }
+
     /// Whether it was told to stop, and goes on.
     pub(super) fn never_stops(&self) -> bool {
         self.late as f64 * self.tick_s > STOP_S
@@ -166,7 +203,7 @@ impl Watch {
             () if self.wrong_ticks >= WRONG_TICKS || self.back_turns > BACK_TURNS => {
                 Some(Fault::SpindleReversed)
             }
-            () if self.beyond_turns > BEYOND_TURNS => Some(Fault::SpindleRunaway),
+            () if self.runs_away() => Some(Fault::SpindleRunaway),
             () if self.never_stops() => Some(Fault::SpindleDoesNotStop),
             () if self.stalled.0 >= STALL_S && self.stalled.1 >= STALL_TURNS => {
                 Some(Fault::SpindleNotAtSpeed)

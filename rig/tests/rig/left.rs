@@ -88,8 +88,43 @@ fn the_cause_is_told_the_tool_is_out_and_the_run_ends() {
         assert!(told.1 <= *within, "{event}: told after {} cycles", told.1);
         assert!(left.x_mm > 11.9, "{event}: X stands at {} mm", left.x_mm);
         assert!(left.mm_s < 0.1, "{event}: an axis moves at {} mm/s", left.mm_s);
-        // A spindle that obeys nobody is waited for only so long.
-        let obeys = !matches!(fault, Fault::SpindleRunaway | Fault::SpindleReversed);
-        assert!(left.rpm.abs() < 5.0 || !obeys, "{event}: {} 1/min", left.rpm);
+        // Whatever it obeys: its command, or the emergency stop.
+        assert!(left.rpm.abs() < 5.0, "{event}: {} 1/min", left.rpm);
     }
+}
+
+/// A drive without torque, at a speed from which the spindle coasts for long.
+#[test]
+fn a_spindle_that_coasts_is_waited_for_and_has_not_run_away() {
+    let fast = THREAD.replace("S600", "S2500").replace("K1.5", "K0.5");
+    for (event, fault) in
+        [("power_lost = true", Fault::PowerLost), ("spindle_fault = \"stall\"", Fault::SpindleDoesNotStop)]
+    {
+        let left = run(&Machine::default(), &fast, event);
+        let told = |code: &str| left.seen.faults.iter().any(|fault| fault.code == code);
+        println!("{event}: {:?}, {:.0} 1/min after {} cycles", left.seen.faults, left.rpm, left.seen.cycles);
+        assert!(!told(Fault::SpindleRunaway.code()), "{event}: {:?}", left.seen.faults);
+        assert!(told(fault.code()) || fault == Fault::SpindleDoesNotStop, "{event}: {:?}", left.seen.faults);
+        assert!(left.rpm.abs() < 5.0, "{event}: {} 1/min", left.rpm);
+    }
+}
+
+/// It gives all its torque: the emergency stop takes it, and the spindle coasts from far above its speed.
+#[test]
+fn a_spindle_that_ran_away_is_waited_for_after_the_emergency_stop() {
+    let slow = THREAD.replace("S600", "S264");
+    let left = run(&Machine::default(), &slow, "spindle_fault = \"runaway\"");
+    println!("{:?}, {:.0} 1/min after {} cycles", left.seen.faults, left.rpm, left.seen.cycles);
+    assert_eq!(left.told.map(|(fault, _)| fault), Some(Fault::SpindleRunaway));
+    assert!(left.seen.faults.iter().all(|fault| fault.code == "spindle-runaway"), "{:?}", left.seen.faults);
+    assert!(left.rpm.abs() < 5.0, "{} 1/min", left.rpm);
+}
+
+/// A drive that is not commanded trips: the gap is told first, the drive as what came of it.
+#[test]
+fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
+    let left =
+        run(&Machine::default(), THREAD, "packet = { channel = \"measurement\", count = 4, drop = true }");
+    let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();
+    assert_eq!(codes.first(), Some(&Fault::MeasurementGap.code()), "{codes:?}");
 }
