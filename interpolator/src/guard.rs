@@ -121,7 +121,7 @@ mod tests {
             assert!(share <= before && before - share <= STEP + 1e-12, "{before} → {share}");
             before = share;
         }
-        assert!(before < 1.0 && before >= LEAST, "{before}");
+        assert!((LEAST..1.0).contains(&before), "{before}");
         // A turn takes 0.1 s: until then nothing is given back.
         for _ in 0..49 {
             assert_eq!(tick(&mut guard, &machine, 0.0, 0.0), before);

@@ -15,7 +15,7 @@ const LENGTH_MM: f64 = 35.6;
 const TOLERANCE_MM: f64 = 0.012;
 
 fn program((from, slope, rpm): (f64, f64, f64)) -> String {
-    let (to, lead) = (from + slope * LENGTH_MM, 3.53 * f64::hypot(1.0, slope));
+    let (to, lead) = (from + slope * LENGTH_MM, 3.53 * (1.0 + slope * slope).sqrt());
     let clear = from.max(to) + 4.0;
     format!(
         "G18 G21 G90 G8 G94 G97\nM3 S{rpm}\nG0 X{clear:.4} Z9.5\nG0 X{from:.4}\n\
