@@ -148,7 +148,13 @@ impl SpindleObserver {
         };
     }
 
-    /// Advances by one period without a measurement, at this speed (per s).
+    /// Advances by one period whose measurement is missing, as the observer expects it.
+    pub fn skip(&mut self) {
+        self.state = self.state.map(|state| state.after(self.period));
+        self.drift = SpindleMotion::default();
+    }
+
+    /// Advances by one period without a measurement, at this speed (per s) and none other.
     pub fn coast(&mut self, speed: f64) {
         let angle = self.state.unwrap_or_default().angle + speed * self.period;
         self.start(angle, speed);

@@ -79,7 +79,8 @@ impl Spindle {
     /// encoder that cannot be believed is not asked any more: the spindle is taken to turn on at its speed.
     pub fn update(&mut self, measurement: &Measurement, missed: u64, pass: Option<&Pass>) {
         for _ in 0..missed.min(MOST_MISSED) {
-            self.coast();
+            self.leading.skip();
+            self.stroking.skip();
         }
         if missed > 0 {
             self.encoder.skip();

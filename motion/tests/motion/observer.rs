@@ -199,3 +199,29 @@ fn a_start_elsewhere_changes_only_the_origin() {
     let (a, b) = (here.at(1e-3), there.at(1e-3));
     assert!((b.angle - a.angle - 4096.0).abs() < 1e-9 && (b.speed - a.speed).abs() < 1e-7);
 }
+
+/// Every second measurement missing while the spindle brakes by 12,000 1/min per s: the observer goes on as
+/// it has learned, and is off by what half of the bandwidth makes of it, four times as much.
+#[test]
+fn missing_measurements_are_bridged_as_expected() {
+    const CYCLE: f64 = 5e-4;
+    let spindle = Spindle { before: 25.0, after: 5.0, ramp: 0.1 };
+    let worst = |every: u32| {
+        let mut observer = SpindleObserver::of_counts(60.0, CYCLE);
+        let mut worst = 0.0_f64;
+        for cycle in 0..2500_u32 {
+            let angle = 10_000.0 * spindle.angle(f64::from(cycle) * CYCLE);
+            if cycle.is_multiple_of(every) {
+                observer.update(angle.floor() + 0.5);
+            } else {
+                observer.skip();
+            }
+            if cycle > 1900 {
+                worst = worst.max((observer.at(0.0).angle - angle).abs());
+            }
+        }
+        worst
+    };
+    let (all, half) = (worst(1), worst(2));
+    assert!(half <= 4.0 * all, "{half} counts, {all} without");
+}

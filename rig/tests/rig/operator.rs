@@ -117,6 +117,30 @@ fn feed_per_revolution_follows_the_spindle() {
     assert!((4.5..6.5).contains(&gain), "{gain} s more");
 }
 
+/// 120 % of 2900 1/min is more than the spindle has: the thread is cut at its highest speed, nobody waits for
+/// more, and it is said.
+#[test]
+fn an_override_above_the_highest_speed_is_clamped_and_said() {
+    let program = "M3 S2900\nG0 X22 Z8\nG33 Z-10 K1\nG0 X40\nM5\nM2\n";
+    let mut machine = Machine::default();
+    machine.spindle.override_max_pct = 150.0;
+    let items = compiled(&machine, &format!("{HEAD}{program}"));
+    let run = |pct: f64| {
+        let scenario = format!("[[event]]\nat = {{ cycle = 1 }}\nspindle_override_pct = {pct}\n");
+        Stand { machine: &machine, items: &items, scenario: &scenario, seed: 1 }.run(|_| None)
+    };
+    let [whole, clamped] = [run(100.0), run(120.0)];
+    for seen in [&whole, &clamped] {
+        assert_eq!(seen.outcome, Outcome::Completed, "{:?}", seen.faults);
+        assert!(seen.passes.len() == 1 && seen.passes[0].complete);
+    }
+    assert_eq!(whole.overrides_clamped, 0);
+    assert!(clamped.overrides_clamped >= 1);
+    let top = clamped.passes[0].rpm_max;
+    assert!((0.99..1.01).contains(&(top / machine.spindle.max_rpm)), "{top} 1/min");
+    assert!(clamped.cycles < whole.cycles + 2000, "{} cycles, {} without", clamped.cycles, whole.cycles);
+}
+
 #[test]
 fn an_override_above_the_ceiling_of_a_pass_is_clamped_and_said() {
     let program = "M3 S600\nG0 X22 Z8\nG76 P2 Z-22 I-1 J0.3 K0.6\nG0 X40\nM5\nM2\n";
