@@ -256,7 +256,8 @@ pub struct SpindleCommand {
     /// Commanded speed, 1/min, signed: positive clockwise (M3).
     pub rpm: f64,
     /// [`SpindleCommand::FINISHED`] once the program is over and all is at rest: the machine may be switched
-    /// off. [`SpindleCommand::EMERGENCY_STOP`] once the spindle does not obey. Anything else says nothing, so that no single damaged bit ends a run.
+    /// off. [`SpindleCommand::EMERGENCY_STOP`] once the spindle does not obey. Anything else says nothing, so
+    /// that no single damaged bit ends a run.
     pub finished: u32,
     /// Line of the part program being executed (scenarios are triggered by it).
     pub line: u32,

@@ -103,7 +103,8 @@ pub struct Event {
     pub brake: Option<Way>,
     /// The timed way, or what is left of the stream, is over.
     pub rests: bool,
-    /// The tool is in the groove yet, and the axis that lifts it is on its way: who is done waits with torque.
+    /// The tool is in the groove yet, and the axis that lifts it is on its way: who is done waits with
+    /// torque.
     pub waits: bool,
     /// The stream holds setpoints for the present.
     pub stream_begun: bool,

@@ -228,8 +228,8 @@ impl Spindle {
         (quiet || self.watch.rests()) && self.is_believed()
     }
 
-    /// Whether the count has moved by no more than one, and what standstill allows, for so long that one count
-    /// is a slow spindle.
+    /// Whether the count has moved by no more than one, and what standstill allows, for so long that one
+    /// count is a slow spindle.
     fn stays(&self) -> bool {
         let ticks = (self.rpm_per_count_s / self.tick_s / COUNT_RPM).ceil().clamp(1.0, KEPT_TICKS as f64);
         let most = 1.0 + STANDSTILL_RPM / self.rpm_per_count_s * self.tick_s * ticks;

@@ -162,8 +162,8 @@ fn a_lost_frame_is_bridged_and_many_are_a_fault() {
 }
 
 #[test]
-fn two_lost_measurements_are_bridged_and_at_the_third_the_drive_trips() {
-    for (lost, fault) in [(2, 0), (3, Fault::DriveFault as u32)] {
+fn two_lost_measurements_are_bridged_and_the_third_is_named() {
+    for (lost, fault) in [(2, 0), (3, Fault::MeasurementGap as u32)] {
         let some =
             move |wire, now: Cycle| wire == Wire::Measurement(Axis::Z) && (900..900 + lost).contains(&now.0);
         let (_, axes) = end(Straight.with(Losing::new(some)));
