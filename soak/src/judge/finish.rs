@@ -129,7 +129,7 @@ impl Judge<'_> {
                 }
                 let before = |event: &&Event| {
                     excuse::ends(&event.what)
-                        && event.at + bounds::stop(self.known.machine) < last.truth.cycle.0
+                        && event.at + bounds::stop(self.known.machine) < self.measured.worked
                 };
                 if let Some(event) = events.iter().find(before) {
                     return Some(("untrue", format!("completed in spite of {}", event.told())));

@@ -73,6 +73,8 @@ pub struct Reference {
     pub moves: u64,
     /// Steps of progress.
     pub taken: u64,
+    /// Cycle of the last of them: what follows is the spindle that runs down.
+    pub worked: u64,
     /// Where the axes are in the end, mm.
     pub end_mm: Vec<f64>,
     /// Cycles in which an axis, or the machine, goes from one state to another.
@@ -188,7 +190,11 @@ impl<'a> Judge<'a> {
         let measured = &mut self.measured;
         measured.cycles = record.truth.cycle.0 + 1;
         measured.turns = measured.turns.max((record.truth.spindle_deg - from).abs() / 360.0);
-        (measured.moves, measured.taken) = (record.machine.moves, record.machine.taken);
+        let worked = (record.machine.moves, record.machine.taken);
+        if worked != (measured.moves, measured.taken) {
+            measured.worked = record.truth.cycle.0;
+        }
+        (measured.moves, measured.taken) = worked;
         measured.end_mm.clear();
         measured.end_mm.extend(record.axes.iter().map(|(_, status)| status.commanded_mm));
     }
