@@ -12,11 +12,14 @@ use crate::{
 };
 
 impl Interpolator {
+    /// What the plant is told of the end: that all is over, or that the spindle does not obey.
     fn ends(&self) -> u32 {
-        match () {
-            () if self.finished() => SpindleCommand::FINISHED,
-            () if self.opened => SpindleCommand::EMERGENCY_STOP,
-            () => 0,
+        if self.finished() {
+            SpindleCommand::FINISHED
+        } else if self.opened {
+            SpindleCommand::EMERGENCY_STOP
+        } else {
+            0
         }
     }
 

@@ -188,18 +188,19 @@ fn seen_counts(machine: &Machine) -> f64 {
 
 /// What is true of the backlash of an axis, mm.
 pub(crate) fn backlash_mm(machine: &Machine, axis: Axis) -> f64 {
-    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
-    truth.and_then(|table| table.get("backlash_mm")).and_then(toml::Value::as_float).unwrap_or(0.0)
+    in_truth(machine, axis, "backlash_mm", 0.0)
 }
 
 /// The slide on its screw, N/mm.
 fn stiffness_n_mm(machine: &Machine, axis: Axis) -> f64 {
+    let rad_s = core::f64::consts::TAU * in_truth(machine, axis, "mode_hz", 100.0);
+    in_truth(machine, axis, "slide_mass_kg", 110.0) * rad_s * rad_s / 1000.0
+}
+
+/// What the plant of a machine file says of an axis, or what it usually is.
+pub(crate) fn in_truth(machine: &Machine, axis: Axis, key: &str, usual: f64) -> f64 {
     let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
-    let value = |key: &str, usual: f64| {
-        truth.and_then(|table| table.get(key)).and_then(toml::Value::as_float).unwrap_or(usual)
-    };
-    let rad_s = core::f64::consts::TAU * value("mode_hz", 100.0);
-    value("slide_mass_kg", 110.0) * rad_s * rad_s / 1000.0
+    truth.and_then(|table| table.get(key)).and_then(toml::Value::as_float).unwrap_or(usual)
 }
 
 /// Whether a program is completed although this happens.
@@ -257,9 +258,6 @@ pub(crate) fn steepest_mm(law: &AxisLaw) -> f64 {
 /// than that.
 pub(crate) fn lag_mm(machine: &Machine, axis: Axis, lead_mm: f64, change_rpm: f64) -> f64 {
     let a = lead_mm * change_rpm / 60.0 / machine.general.cycle_s;
-    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
-    let mode_hz =
-        truth.and_then(|table| table.get("mode_hz")).and_then(toml::Value::as_float).unwrap_or(100.0);
-    let rad_s = core::f64::consts::TAU * mode_hz;
+    let rad_s = core::f64::consts::TAU * in_truth(machine, axis, "mode_hz", 100.0);
     2.0 * SERVO * a / (rad_s * rad_s)
 }

@@ -6,7 +6,7 @@
 use machine::Machine;
 use protocol::{Axis, Module};
 
-use super::Known;
+use super::{Known, excuse::in_truth};
 use crate::event::{Channel, Event, Fate, Trouble, What};
 
 /// How long the link holds, where a machine does not say, s: as the plant takes it.
@@ -38,10 +38,9 @@ fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
 
 /// Whether a jump of the encoder of an axis looks to its drive like more than it may turn.
 fn trips(machine: &Machine, axis: Axis, mm: f64) -> bool {
-    let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
-    let overspeed = truth.and_then(|table| table.get("overspeed_mm_s")).and_then(toml::Value::as_float);
+    let overspeed = in_truth(machine, axis, "overspeed_mm_s", OVERSPEED_MM_S);
     let fastest = machine.axis.get(&axis).map_or(0.0, |config| config.velocity_mm_s);
-    mm.abs() / machine.general.cycle_s + fastest > overspeed.unwrap_or(OVERSPEED_MM_S)
+    mm.abs() / machine.general.cycle_s + fastest > overspeed
 }
 
 /// For how many cycles in a row nothing new arrives: late messages come again, one behind the other.
