@@ -1,10 +1,11 @@
 //! A run over processes: who takes part, what it leaves behind, how it is repeated, and how Ctrl-C ends it.
 
-use std::collections::BTreeSet;
-
-use crate::shop::{
-    Answer, Place, alive, example, name_spaces, scenario, shared_memory, signal, until, wait_s,
+use std::{
+    collections::BTreeSet,
+    io::{BufRead, BufReader},
 };
+
+use crate::shop::{Answer, Place, alive, example, name_spaces, scenario, shared_memory, signal, until};
 use protocol::Axis;
 use rig::{
     observe::{Outcome, Summary},
@@ -83,24 +84,32 @@ fn machine_code_runs_like_the_program_it_was_made_of() {
     assert!(place.at("code/m20x2.mc").exists());
 }
 
-/// Starts a run of one long thread, sends it signals when it is under way, and gives the answer.
-fn interrupted(place: &Place, more: &[&str], signals: &[&str]) -> (Answer, Summary) {
+/// Bytes of a trace that ends in the thread of `interrupted`.
+const IN_THE_PASS: u64 = 3_000_000;
+
+/// Starts a run of one long thread, sends it signals and hears what the launcher says to each, and gives the
+/// answer. The first comes when the trace has so many bytes: 3 MB are 13 s, the thread begins after 8 s and
+/// takes 270 s, and the spindle is slow, so it still turns when the next comes.
+fn interrupted(place: &Place, more: &[&str], bytes: u64, signals: &[(&str, &str)]) -> (Answer, Summary) {
     let text = "G18 G21 G90 G8\nM3 S300\nG0 X20 Z150\nG0 X9\nG33 Z-1350 K2\nG0 X20\nG0 Z150\nM5\nM2\n";
-    let machine = place.ask(&["machine"]).stdout.replace("[-400.0", "[-2000.0");
+    let machine = place.ask(&["machine"]).stdout;
+    let machine = machine.replace("[-400.0", "[-2000.0").replace("ramp_rpm_s = 800.0", "ramp_rpm_s = 50.0");
     place.write("long.toml", machine);
     let program = place.write("long.ngc", text);
     let mut command = place.pitchlock();
     command.arg("run").arg(&program).args(["--json", "--out", "run", "--machine", "long.toml"]).args(more);
     command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
-    let launcher = command.spawn().expect("it starts");
-    until("the machine runs", || place.at("run/trace.mcap").exists());
-    wait_s(0.3);
-    for name in signals {
+    let mut launcher = command.spawn().expect("it starts");
+    let mut lines = BufReader::new(launcher.stderr.take().expect("it is piped")).lines();
+    let written = || std::fs::metadata(place.at("run/trace.mcap")).map_or(0, |file| file.len());
+    until("the machine runs", || written() > bytes);
+    for (name, said) in signals {
         signal(launcher.id(), name);
-        // Those that come before the launcher looks have come at the same time.
-        wait_s(0.1);
+        let mut heard = || lines.next().expect("it says something").expect("it can be read");
+        while !said.is_empty() && !heard().contains(said) {}
     }
-    let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
+    let mut answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
+    answer.stderr = lines.map(|line| line.expect("it can be read") + "\n").collect();
     let summary: Summary = serde_json::from_str(&answer.stdout)
         .unwrap_or_else(|error| panic!("{signals:?}: {error}: {} {}", answer.stdout, answer.stderr));
     let left = (name_spaces(place), shared_memory(place, &BTreeSet::new()), alive(place));
@@ -118,9 +127,9 @@ fn at_the_end(place: &Place) -> (f64, f64) {
 
 #[test]
 fn ctrl_c_and_a_terminal_that_is_closed_stop_the_machine_and_the_folder_is_complete() {
-    for signals in [&["INT"][..], &["HUP", "HUP", "TERM"]] {
+    for signals in [&[("INT", "stopping")][..], &[("HUP", ""), ("HUP", ""), ("TERM", "stopping")]] {
         let place = Place::new();
-        let (answer, summary) = interrupted(&place, &[], signals);
+        let (answer, summary) = interrupted(&place, &[], IN_THE_PASS, signals);
         assert_eq!(answer.status, Some(1), "a program that was not executed whole: {}", answer.stderr);
         assert_eq!((summary.outcome, summary.faults.len()), (Outcome::Stopped, 0), "{:?}", summary.faults);
         assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
@@ -134,7 +143,8 @@ fn ctrl_c_and_a_terminal_that_is_closed_stop_the_machine_and_the_folder_is_compl
 #[test]
 fn ctrl_c_after_a_signal_is_an_emergency_stop_and_the_run_ends_at_rest() {
     let place = Place::new();
-    let (answer, summary) = interrupted(&place, &[], &["TERM", "INT"]);
+    let (answer, summary) =
+        interrupted(&place, &[], IN_THE_PASS, &[("TERM", "stopping"), ("INT", "emergency stop")]);
     assert_eq!((answer.status, summary.outcome), (Some(1), Outcome::Faulted), "{}", answer.stderr);
     assert!(summary.faults.iter().all(|fault| fault.code == "emergency-stop"), "{:?}", summary.faults);
     assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
@@ -147,7 +157,8 @@ fn ctrl_c_after_a_signal_is_an_emergency_stop_and_the_run_ends_at_rest() {
 fn a_third_ctrl_c_ends_a_machine_that_does_not_come_to_rest_and_says_so() {
     let place = Place::new();
     let frozen = ["--watchdog-s", "0", "--fell", "regulator-x:freeze@1000"];
-    let (answer, summary) = interrupted(&place, &frozen, &["INT", "INT", "INT"]);
+    let signals = [("INT", "stopping"), ("INT", "emergency stop"), ("INT", "as they are")];
+    let (answer, summary) = interrupted(&place, &frozen, 0, &signals);
     assert_eq!((answer.status, summary.outcome), (Some(1), Outcome::Faulted), "{}", answer.stderr);
     assert!(summary.faults.iter().any(|fault| fault.code == "broken-off"), "{:?}", summary.faults);
 }
