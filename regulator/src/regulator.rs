@@ -56,6 +56,8 @@ pub struct Regulator {
     watch: Watch,
     /// Which of the measured positions is that of an axis: by its scale, or by its motor.
     scales: [bool; AXES],
+    /// The way out of the last pass: who is done with it may have to wait for who is not.
+    out: Option<WayOut>,
     /// The cycle in which the interpolator wants the pass in hand to be left.
     leave_at: Option<Cycle>,
     /// Cycle of the last measurement.
@@ -97,6 +99,7 @@ impl Regulator {
             in_position_mm: config.in_position_mm,
             watch: Watch::new(machine, axis, config),
             scales: std::array::from_fn(|i| has_scale(machine.axis.get(&Axis::ALL[i]))),
+            out: None,
             leave_at: None,
             heard: None,
             ahead: None,
@@ -271,8 +274,9 @@ impl Regulator {
         if let (Some(rest), State::Streaming) = (leave::rest_of(&self.state), &state) {
             self.stream.rest_at(rest, cycle);
         }
-        if !matches!(state, State::InPass { .. }) {
-            self.leave_at = None;
+        match &state {
+            State::InPass { pass, .. } => self.out = Some(pass.out),
+            _ => self.leave_at = None,
         }
         if state.public() != self.state.public() {
             self.streams_from = cycle;
@@ -298,12 +302,12 @@ impl Regulator {
         self.lifting(measurement).map_or(0.0, |(out, at)| out.free.mm_from(at).abs())
     }
 
-    /// The way out of the pass in hand, and where the axis is measured that takes it.
+    /// The way out of the pass in hand or the last one, and where the axis is measured that takes it.
     fn lifting(&self, measurement: &Measurement) -> Option<(&WayOut, Position)> {
-        let pass = self.state.pass()?;
-        let lifting = pass.out.axis as usize;
+        let out = self.out.as_ref()?;
+        let lifting = out.axis as usize;
         let measured = &measurement.axes[lifting];
-        Some((&pass.out, if self.scales[lifting] { measured.scale } else { measured.position }))
+        Some((out, if self.scales[lifting] { measured.scale } else { measured.position }))
     }
 
     fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {
