@@ -20,6 +20,8 @@ use crate::{
 
 /// A measurement that is more cycles ahead than this is damaged, unless the next one is as far ahead.
 const MOST_MISSED: u64 = 50;
+/// Control cycles from a call until the axis that heard it calls too.
+const HEARS: u64 = 3;
 /// Two places are the same, mm.
 const SAME_MM: f64 = 0.001;
 
@@ -56,7 +58,8 @@ pub struct Regulator {
     watch: Watch,
     /// Which of the measured positions is that of an axis: by its scale, or by its motor.
     scales: [bool; AXES],
-    /// The way out of the last pass: who is done with it may have to wait for who is not.
+    /// The way out of the pass in hand, or of the last one until the tool is free: who is done with it may
+    /// have to wait for who is not.
     out: Option<WayOut>,
     /// The cycle in which the interpolator wants the pass in hand to be left.
     leave_at: Option<Cycle>,
@@ -67,8 +70,8 @@ pub struct Regulator {
     /// A frame that came with an old measurement.
     held: Option<AxisFrame>,
     frame_due: Option<Cycle>,
-    /// When the axis came back to the stream.
-    streams_from: Cycle,
+    /// When its state changed last.
+    state_since: Cycle,
     tick: u64,
     /// How far into a pass it can be called off, s at programmed speed.
     call_off_s: f64,
@@ -105,7 +108,7 @@ impl Regulator {
             ahead: None,
             held: None,
             frame_due: None,
-            streams_from: Cycle(0),
+            state_since: Cycle(0),
             tick: machine.cycles_per_tick(),
             call_off_s: machine.call_off_s(),
             line: 0,
@@ -238,7 +241,7 @@ impl Regulator {
             missed,
             spindle: &self.spindle,
             stream: &self.stream,
-            frame_due: self.frame_due.map(|due| due.max(self.streams_from)),
+            frame_due: self.frame_due.map(|due| due.max(self.state_since)),
             leave_at: self.leave_at,
             last: &self.last,
             measured_mm,
@@ -278,8 +281,11 @@ impl Regulator {
             State::InPass { pass, .. } => self.out = Some(pass.out),
             _ => self.leave_at = None,
         }
+        if matches!(state, State::Streaming) && self.is_free(measurement) {
+            self.out = None;
+        }
         if state.public() != self.state.public() {
-            self.streams_from = cycle;
+            self.state_since = cycle;
         }
         self.state = state;
     }
@@ -289,11 +295,15 @@ impl Regulator {
         self.lifting(measurement).is_some_and(|(out, at)| out.is_free(at))
     }
 
-    /// Whether another axis is on its way to lift the tool out of it.
+    /// Whether another axis is on its way to lift the tool out of it, or will be as soon as it has heard
+    /// that this one leaves.
     fn lifting_still(&self, measurement: &Measurement) -> bool {
         self.lifting(measurement).is_some_and(|(out, at)| {
             let lifting = out.axis as usize;
-            lifting != self.axis && measurement.axes[lifting].drive().calls() && !out.is_free(at)
+            let drive = measurement.axes[lifting].drive();
+            let enabled = drive.state() == Some(DriveState::OperationEnabled);
+            let hears = measurement.cycle < self.state_since.after(HEARS);
+            lifting != self.axis && enabled && !out.is_free(at) && (drive.calls() || hears)
         })
     }
 
@@ -367,10 +377,10 @@ impl Regulator {
         counts.clamp(i32::MIN.into(), i32::MAX.into()) as i32
     }
 
-    /// An axis that leaves a pass asks the others to.
+    /// An axis that leaves while the tool is in a groove asks the others to.
     fn calls(&self) -> u32 {
         match self.state {
-            State::Leaving(Leaving { pass: Some(_), .. }) => DriveCommand::CALLS,
+            State::Leaving(_) if self.out.is_some() => DriveCommand::CALLS,
             _ => 0,
         }
     }
