@@ -16,7 +16,7 @@
 //! helix is followed by the angle, so that the groove stays what it is until the tool is out of it. Nothing
 //! goes beyond the end of the pass: there every axis brakes by its law.
 
-use motion::{Exit, Limits, Sample};
+use motion::{Exit, Limits, Sample, SpindleMotion};
 use protocol::{Cycle, Fault, Position};
 
 use crate::reference::Reference;
@@ -101,13 +101,20 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
         let exit = rising.unwrap_or_else(|| no_deeper(exit, &now, pass, limits));
         return Way::Timed { exit, from: reference.cycle };
     }
-    let left_s = (pass.law.done_deg() - turning.angle) / turning.speed;
-    let soon = turning.speed > 0.0 && left_s <= SOON * exit.duration();
+    let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration();
     match stage {
         Stage::RunOut if soon => Way::Along(stage),
         Stage::Locked if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
         _ => Way::Timed { exit, from: reference.cycle },
     }
+}
+
+/// In which time a spindle turns so far, degrees, if it goes on as it does, s: one that is being stopped may
+/// never.
+fn turns_in(deg: f64, turning: &SpindleMotion) -> f64 {
+    let SpindleMotion { speed, acceleration, .. } = *turning;
+    let then = speed * speed + 2.0 * acceleration.min(0.0) * deg.max(0.0);
+    if speed > 0.0 && then >= 0.0 { 2.0 * deg / (speed + then.sqrt()) } else { f64::INFINITY }
 }
 
 /// On the way to a cone that rises: where Z cannot stand in front of it any more, the tool has to go up as
