@@ -61,7 +61,7 @@ pub(crate) struct Watch {
     /// Measurements that are missing, beyond that share.
     lost: f64,
     seen: Option<Seen>,
-    /// How far the measured position has jumped, mm.
+    /// How far the measured position has jumped, there and perhaps back, mm.
     jumped_mm: Option<f64>,
 }
 
@@ -122,10 +122,12 @@ impl Watch {
             (Some(change), Some(before)) => change - before,
             _ => 0.0,
         };
-        self.seen = Some(Seen { mm: measured_mm, change });
-        if follows && self.jumped_mm.is_none() && (beyond.is_nan() || beyond.abs() > self.jump_mm) {
-            self.jumped_mm = Some(beyond);
+        let jumps = follows && (beyond.is_nan() || beyond.abs() > self.jump_mm);
+        if jumps {
+            self.jumped_mm = Some(self.jumped_mm.unwrap_or(0.0) + beyond);
         }
+        let change = change.map(|change| if jumps { change - beyond } else { change });
+        self.seen = Some(Seen { mm: measured_mm, change });
         measured_mm - self.jumped_mm.unwrap_or(0.0)
     }
 
