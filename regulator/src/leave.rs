@@ -94,12 +94,12 @@ fn in_front(reference: &Reference, pass: &Pass, limits: &Limits) -> Option<Way> 
 /// The way of the axis that lifts the tool.
 fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Way {
     let now = reference.now();
-    let exit = Exit::to(&now, pass.out.clear.mm(), limits);
     let turning = reference.spindle.since(pass, 0.0);
-    if matches!(stage, Stage::WaitingForC0 | Stage::RunIn) {
+    let begins = matches!(stage, Stage::WaitingForC0 | Stage::RunIn);
+    let exit = no_deeper(&now, pass, begins, limits);
+    if begins {
         let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
-        let exit = rising.unwrap_or_else(|| no_deeper(exit, &now, pass, limits));
-        return Way::Timed { exit, from: reference.cycle };
+        return Way::Timed { exit: rising.unwrap_or(exit), from: reference.cycle };
     }
     let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration();
     match stage {
@@ -126,13 +126,15 @@ fn rising(now: &Sample, pass: &Pass, ratio: f64, limits: &Limits) -> Option<Exit
     rises.then(|| Exit::by_speed(now, v.clamp(-limits.v, limits.v), clear, limits))
 }
 
-/// On the way to depth: turned round at once, the tool would go deeper than to come to rest first, and
-/// perhaps deeper than the pass, or than it is: a cone may begin below where it ends.
-fn no_deeper(exit: Exit, now: &Sample, pass: &Pass, limits: &Limits) -> Exit {
+/// To where the tool is clear. Turned round at once, a tool on its way to depth, or that a spindle takes back,
+/// would go deeper than to come to rest first, and perhaps deeper than the pass, or than it is: a cone may
+/// begin below where it ends.
+fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> Exit {
     let clear = pass.out.clear.mm();
+    let exit = Exit::to(now, clear, limits);
     let into = (now.s - clear).signum();
     let locked = pass.place(pass.law.locked_deg());
-    let depth = if (locked - now.s) * into > 0.0 { locked } else { now.s };
+    let depth = if begins && (locked - now.s) * into > 0.0 { locked } else { now.s };
     let beyond = |exit: &Exit| (exit.farthest(into) - depth) * into;
     if beyond(&exit) <= 0.0 {
         return exit;
