@@ -18,6 +18,10 @@ const FIRST: f64 = 1.02;
 const SHORTEST_S: f64 = 1e-9;
 /// Peaks of (M99) from rest, by L/T, L/T², L/T³.
 const PLACE: [f64; 3] = [2.1875, 7.5132, 52.5];
+/// An axis that turns round for a shorter way than this on its way to rest may, mm.
+const BACK_MM: f64 = 0.02;
+/// So many v/a are the longest time in which (M101) does not turn round.
+const STRAIGHT: f64 = 4.0;
 /// Peaks of (M100) from a speed to another, by Δv/T, Δv/T².
 const SPEED: [f64; 2] = [1.875, 5.7735];
 
@@ -38,6 +42,7 @@ impl Leg {
 
     /// (M99), and the largest share of a limit that it uses.
     pub(super) fn to(from: &Sample, end: f64, limits: &Limits) -> (Leg, f64) {
+        let from = &begun(from, limits);
         let way = (end - from.s).abs();
         if way == 0.0 && from.v == 0.0 && from.a == 0.0 && from.j == 0.0 {
             return (Leg::still(end), 0.0);
@@ -48,13 +53,22 @@ impl Leg {
         Leg::shortest(shortest.max(least(from, limits)), limits, |duration| Leg::place(from, end, duration))
     }
 
-    /// (M100) to a speed, and the largest share of a limit that it uses.
+    /// (M100) to a speed, and the largest share of a limit that it uses. An axis that brakes so hard that it
+    /// would turn round before its jerk has undone that comes to rest by (M101), in the longest time in which
+    /// it does not: v is v0 (1 − u)⁴ then, and no acceleration above the one it has.
     pub(super) fn change(from: &Sample, v: f64, limits: &Limits) -> (Leg, f64) {
         limits.check();
+        let from = &begun(from, limits);
         if from.v == v && from.a == 0.0 && from.j == 0.0 {
             return (Leg::still(from.s), 0.0);
         }
-        let speed = (from.v - v).abs() + 0.5 * from.a * from.a / limits.j;
+        let undone = 0.5 * from.a * from.a / limits.j;
+        let back_mm = undone * from.a.abs() / limits.j;
+        if v == 0.0 && from.v * from.a < 0.0 && undone > 2.0 * from.v.abs() && back_mm > BACK_MM {
+            let leg = Leg::tangent(from, STRAIGHT * (from.v / from.a).abs());
+            return (leg, leg.used(limits));
+        }
+        let speed = (from.v - v).abs() + undone;
         let [by_a, by_j] = SPEED;
         let duration = (by_a * speed / limits.a).max((by_j * speed / limits.j).sqrt());
         let least = least(&Sample { v: from.v - v, ..*from }, limits);
@@ -150,6 +164,12 @@ impl Leg {
         let dj = 6.0 * d4 + u * (120.0 * c5 + u * (360.0 * c6 + u * 840.0 * c7));
         Sample { s, v: v * f, a: a * f * f, j: j * f * f * f, dj: dj * f * f * f * f }
     }
+}
+
+/// The state in which a way out begins: a jerk beyond its limit ends at once, for on a long way it would carry
+/// the axis far beyond every other limit.
+fn begun(from: &Sample, limits: &Limits) -> Sample {
+    Sample { j: from.j.clamp(-limits.j, limits.j), ..*from }
 }
 
 /// Time that the state alone asks for: its speed and its acceleration have to be undone.

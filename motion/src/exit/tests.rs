@@ -134,3 +134,29 @@ fn who_is_there_already_stays() {
     let stop = Exit::stop_in(&Sample { s: 3.0, ..Sample::default() }, 0.0);
     assert_eq!((stop.end(), stop.at(0.1).s), (3.0, 3.0));
 }
+
+#[test]
+fn an_axis_that_brakes_hard_does_not_turn_round_on_its_way_to_rest() {
+    for (v, a) in [(87.0, -9900.0), (-15.0, 3100.0), (5.9, -2124.0), (0.01, -1500.0)] {
+        let from = Sample { s: 3.0, v, a, j: 1e6, ..Sample::default() };
+        let exit = Exit::stop(&from, &LIMITS);
+        let looks = (0..=1000).map(|i| exit.at(exit.duration() * f64::from(i) / 1000.0));
+        assert!((exit.end() - 3.0 - 0.8 * v * v / a.abs() * v.signum()).abs() < 1e-9, "{v}, {a}");
+        for at in looks {
+            assert!(at.v * v >= -1e-9 && at.a.abs() <= a.abs() * (1.0 + 1e-9), "{v}, {a}: {at:?}");
+        }
+    }
+}
+
+/// As an axis on the helix of a spindle that has run away has it where its brake begins.
+#[test]
+fn a_jerk_beyond_every_limit_is_not_taken_over() {
+    for j in [1e6, -1e6, 1e8] {
+        let from = Sample { v: -95.0, a: 28.0, j, ..Sample::default() };
+        let exit = Exit::stop(&from, &LIMITS);
+        for i in 0..=1000 {
+            let at = exit.at(exit.duration() * f64::from(i) / 1000.0);
+            assert!(at.v < 5.0 && at.v > -LIMITS.v && at.a.abs() < 1.02 * LIMITS.a, "{j}: {at:?}");
+        }
+    }
+}
