@@ -21,6 +21,12 @@ use crate::{
 
 /// Two observers that agree so far see a steady spindle, a share.
 const STEADY: f64 = 0.1;
+/// A spindle has turned round that is so far back, a share of a turn and counts, and turns back faster than
+/// this, 1/min and a share of the speed of the pass: a drive that stops a spindle swings through rest.
+const ROUND_SHARE: f64 = 0.001;
+const ROUND_COUNTS: f64 = 4.0;
+const RESTING_RPM: f64 = 20.0;
+const RESTING_SHARE: f64 = 0.05;
 /// More measurements than this are never made up for.
 const MOST_MISSED: u64 = 8;
 
@@ -52,6 +58,12 @@ pub struct Spindle {
     index_number: u64,
     /// Cycles for which the encoder has not been believed.
     blind: u64,
+    /// The farthest count of the pass in hand, in its direction; none without one.
+    farthest: Option<i64>,
+    /// How far back from there a spindle has turned round, count.
+    round: i64,
+    /// And how fast, a highest speed taken for rest, count/s.
+    resting: f64,
 }
 
 impl Spindle {
@@ -72,6 +84,9 @@ impl Spindle {
             index: None,
             index_number: 0,
             blind: 0,
+            farthest: None,
+            round: (ROUND_SHARE * machine.spindle_counts()).max(ROUND_COUNTS) as i64,
+            resting: RESTING_RPM / 60.0 * machine.spindle_counts(),
         }
     }
 
@@ -95,6 +110,10 @@ impl Spindle {
         let angle = self.encoder.angle(measurement);
         self.leading.update(angle);
         self.stroking.update(angle);
+        self.farthest = pass.map(|pass| {
+            let ahead = if pass.direction < 0.0 { -self.count } else { self.count };
+            self.farthest.map_or(ahead, |farthest| farthest.max(ahead))
+        });
         self.open(self.count);
         if measurement.index_number != self.index_number {
             let count = self.encoder.index_count(measurement);
@@ -128,6 +147,14 @@ impl Spindle {
     /// Whether the spindle has stood for so many cycles.
     pub fn stands_for(&self, cycles: u64) -> bool {
         !self.encoder.is_blind() && self.encoder.still() >= cycles
+    }
+
+    /// Whether it turns against the direction of the pass in hand (M106).
+    pub fn turns_back(&self, pass: &Pass) -> bool {
+        let ahead = if pass.direction < 0.0 { -self.count } else { self.count };
+        let round = self.farthest.is_some_and(|farthest| farthest - ahead > self.round);
+        let slow = self.resting.max(RESTING_SHARE * pass.programmed_deg_s / self.degrees_per_count);
+        round && self.leading.at(0.0).speed * pass.direction < -slow
     }
 
     /// Whether nobody has known its angle for so many cycles.

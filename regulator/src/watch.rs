@@ -15,6 +15,7 @@
 //! jump     |d − d′| > 10 A T² + 4 quanta                                                        (M102)
 //! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
+//! reversed C more than 0.36° back from its farthest, n < −5 % of S, in a pass (`spindle.rs`)    (M106)
 //! ```
 //! Ten times the acceleration that is asked of an axis is more than its motor and any cut can give it.
 
@@ -223,6 +224,9 @@ impl Watch {
         }
         if self.others_fail(known.measurement) {
             return Some(Cause::Leave(Some(Fault::OtherAxis)));
+        }
+        if known.spindle.turns_back(pass) {
+            return Some(Cause::Leave(Some(Fault::SpindleReversed)));
         }
         let (share, besides) = self.fastest;
         let most = share * pass.programmed_deg_s / 6.0 + besides;

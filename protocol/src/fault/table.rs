@@ -237,9 +237,9 @@ pub const FAULTS: [FaultRow; 31] = [
     FaultRow {
         fault: Fault::SpindleReversed,
         code: "spindle-reversed",
-        source: "interpolator",
-        found: "the spindle turns against the direction of the pass",
-        within: "3 ticks",
+        source: "regulator, interpolator",
+        found: "in a pass the spindle turns against its direction (M106)",
+        within: "1 cycle; 3 ticks",
         reaction: "leaves the pass, the spindle stops",
         text: "the spindle turns the wrong way; check the wiring and the direction of its drive",
         remedy: "wiring and direction of its drive",

@@ -128,3 +128,19 @@ fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
     let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();
     assert_eq!(codes.first(), Some(&Fault::MeasurementGap.code()), "{codes:?}");
 }
+
+/// Nobody above tells the regulators; the tool must not go back to depth by the angle, where Z stands already.
+#[test]
+fn a_spindle_that_turns_back_is_left_without_an_interpolator_too() {
+    for degrees in (3700..8900).step_by(300) {
+        let both = format!(
+            "freeze = {{ process = \"interpolator\", for_s = 3.0 }}\n[[event]]\nat = {{ pass = 1, angle_deg = {degrees} }}\nspindle_fault = \"reversal\""
+        );
+        let left = run(&Machine::default(), THREAD, &both);
+        let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();
+        assert!(codes.contains(&Fault::SpindleReversed.code()), "{degrees}: {codes:?}");
+        let asleep = (3.0 / Machine::default().general.cycle_s) as u64;
+        assert!(left.leaves.is_some_and(|cycles| cycles < asleep), "{degrees}: left after {:?}", left.leaves);
+        assert!(left.x_mm > 11.9, "{degrees}: X stands at {} mm", left.x_mm);
+    }
+}
