@@ -7,7 +7,7 @@
 //! | the same, where that would take it deeper than the pass goes | timed: first by (M100) to rest, then by (M99) | there |
 //! | the same, on the way to a cone that rises | timed: first by (M100) to the speed at which it rises, then by (M99) | there |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
-//! | every other one, in the run-in, if the lift is long and it can come to rest in front of the part | timed: by (M100) | where it stands |
+//! | every other one, in the run-in, if the lift is long, or nobody lifts, and it can come to rest in front of the part | timed: by (M100) | where it stands |
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
 //! | any, in timed motion | dry: by (M101) on the tangent, all axes in the same time | where it stands |
 //!

@@ -22,6 +22,7 @@ pub mod compensation;
 pub mod encoder;
 pub mod feedforward;
 pub mod leave;
+mod lift;
 pub mod loops;
 pub mod reference;
 mod regulator;

@@ -4,12 +4,13 @@ use machine::{AxisConfig, Machine};
 use motion::{Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
-    Measurement, Position, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
+    Measurement, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
     compensation::Compensation,
     leave::{self, Cause, Leaving},
+    lift::Lift,
     loops::{Command, Loops},
     reference::{Motor, Reference},
     spindle::Spindle,
@@ -248,20 +249,17 @@ impl Regulator {
         };
         let cause = self.watch.cause(&known);
         let reference = self.reference(cycle, measured_mm);
+        let lift = self.lift(measurement);
         let stopped = matches!(command, Some(AxisCommand::Stop));
         let leaves = stopped || matches!(cause, Some(Cause::Leave(_)));
         let event = Event {
             cycle,
             enabled: measurement.axes[self.axis].drive().state() == Some(DriveState::OperationEnabled),
             cause,
-            way: if leaves {
-                leave::way_out(&reference, self.axis, self.lift_mm(measurement), &self.limits)
-            } else {
-                None
-            },
-            brake: leave::brake(&reference, self.axis, self.is_free(measurement), &self.limits),
+            way: if leaves { leave::way_out(&reference, self.axis, lift.mm, &self.limits) } else { None },
+            brake: leave::brake(&reference, self.axis, lift.is_free, &self.limits),
             rests: leave::is_over(&reference),
-            waits: self.lifting_still(measurement),
+            waits: lift.is_on_its_way(self.axis, cycle < self.state_since.after(HEARS)),
             stream_begun: self.stream.begun()
                 && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,
             rests_at_start: rests_at(&self.last, command.as_ref()),
@@ -281,7 +279,7 @@ impl Regulator {
             State::InPass { pass, .. } => self.out = Some(pass.out),
             _ => self.leave_at = None,
         }
-        if matches!(state, State::Streaming) && self.is_free(measurement) {
+        if matches!(state, State::Streaming) && lift.is_free {
             self.out = None;
         }
         if state.public() != self.state.public() {
@@ -290,34 +288,12 @@ impl Regulator {
         self.state = state;
     }
 
-    /// Whether the axis that lifts the tool is out of the groove.
-    fn is_free(&self, measurement: &Measurement) -> bool {
-        self.lifting(measurement).is_some_and(|(out, at)| out.is_free(at))
-    }
-
-    /// Whether another axis is on its way to lift the tool out of it, or will be as soon as it has heard
-    /// that this one leaves.
-    fn lifting_still(&self, measurement: &Measurement) -> bool {
-        self.lifting(measurement).is_some_and(|(out, at)| {
+    /// The axis that lifts the tool out of the pass in hand, or of the last one.
+    fn lift(&self, measurement: &Measurement) -> Lift {
+        self.out.as_ref().map_or(Lift::NONE, |out| {
             let lifting = out.axis as usize;
-            let drive = measurement.axes[lifting].drive();
-            let enabled = drive.state() == Some(DriveState::OperationEnabled);
-            let hears = measurement.cycle < self.state_since.after(HEARS);
-            lifting != self.axis && enabled && !out.is_free(at) && (drive.calls() || hears)
+            Lift::of(out, &measurement.axes[lifting], self.scales[lifting])
         })
-    }
-
-    /// How far that axis is from where it is out of the groove, mm.
-    fn lift_mm(&self, measurement: &Measurement) -> f64 {
-        self.lifting(measurement).map_or(0.0, |(out, at)| out.free.mm_from(at).abs())
-    }
-
-    /// The way out of the pass in hand or the last one, and where the axis is measured that takes it.
-    fn lifting(&self, measurement: &Measurement) -> Option<(&WayOut, Position)> {
-        let out = self.out.as_ref()?;
-        let lifting = out.axis as usize;
-        let measured = &measurement.axes[lifting];
-        Some((out, if self.scales[lifting] { measured.scale } else { measured.position }))
     }
 
     fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {

@@ -209,7 +209,11 @@ impl Watch {
     /// What makes every axis leave a pass that has begun.
     fn in_pass(&self, known: &Known) -> Option<Cause> {
         let told = known.leave_at.is_some_and(|at| known.measurement.cycle >= at);
+        let fails = self.others_fail(known.measurement);
         let pass = match known.state {
+            State::InPass { stage: Stage::Armed, .. } if fails => {
+                return Some(Cause::Leave(Some(Fault::OtherAxis)));
+            }
             State::InPass { stage: Stage::Armed, .. } => return told.then_some(Cause::Leave(None)),
             State::InPass { pass, .. } => pass,
             _ => return None,
@@ -222,7 +226,7 @@ impl Watch {
         {
             return Some(Cause::Leave(None));
         }
-        if self.others_fail(known.measurement) {
+        if fails {
             return Some(Cause::Leave(Some(Fault::OtherAxis)));
         }
         if known.spindle.turns_back(pass) {

@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
-use protocol::{Axis, AxisCommand, AxisFrame, AxisState, Cycle, Fault, Measurement, Panel, Position, WayOut};
+use protocol::{
+    Axis, AxisCommand, AxisFrame, AxisState, Cycle, DriveState, Fault, Measurement, Panel, Position,
+    StatusWord, WayOut,
+};
 use regulator::{In, Out, Regulator};
 
 use crate::stand::{ARMED, BEGINS, HOME_MM, OVER, T, arm, follows, frame, law, machine, measurement, timed};
@@ -245,4 +248,27 @@ fn leaves(stand: &Stand, limits: &motion::Limits) {
         (before, last) = (now, now.commanded_mm);
     }
     assert!((last - CLEAR_MM).abs() < 1e-6, "pressed in {from}: it rests at {last} mm");
+}
+
+/// X fails between its arming and the index: who is armed with it must not go alone.
+#[test]
+fn an_armed_axis_does_not_begin_without_another() {
+    let mut tried = 0;
+    for at in ARMED..ARMED + 400 {
+        let mut stand = Stand::new(&machine(|_| ()));
+        stand.run_to(at);
+        if stand.out.status.state() != AxisState::Armed {
+            continue;
+        }
+        let before_mm = stand.out.status.commanded_mm;
+        for _ in 0..600 {
+            let (mut measurement, frame) = (stand.measured(), due(stand.cycle));
+            measurement.axes[Axis::Z.index()].status_word = u32::from(StatusWord::of(DriveState::Fault).0);
+            let out = stand.take(&measurement, frame.as_ref());
+            assert!((out.status.commanded_mm - before_mm).abs() < 0.1, "{at}: {:?}", out.status);
+        }
+        assert_eq!(stand.fault(), Some(Fault::OtherAxis), "{at}");
+        tried += 1;
+    }
+    assert!(tried > 20, "armed in {tried} cycles");
 }
