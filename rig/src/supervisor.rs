@@ -8,6 +8,7 @@
 //! |---|---|
 //! | interpreter | what was sent is executed; the interpolator faults if that was not the whole program |
 //! | interpolator | a pass in hand is cut to its end by the regulators; then emergency stop |
+//! | interpolator, dead or silent for four ticks, and an axis faults | emergency stop at once: nobody else stops the spindle |
 //! | regulator | emergency stop at once: its drive brakes by its own watchdog, the other axes leave the thread |
 //! | plant | the end: there is nothing left to look after |
 //!
@@ -33,6 +34,8 @@ const STANDS_MM: f64 = 0.0005;
 const RAMPS: f64 = 3.0;
 /// And this for what is no ramp: brakes, drives, messages, s.
 const SETTLING_S: f64 = 1.0;
+/// An interpolator that has said nothing for so many ticks is silent.
+const SILENT_TICKS: u64 = 4;
 /// Turns that a pass may take more than its laws: the index it waits for, and a spindle that is uneven.
 const MORE_TURNS: f64 = 2.0;
 
@@ -80,6 +83,11 @@ enum Phase {
     Over(End),
 }
 
+/// Whether a regulator has a fault, or will have once its axis has left.
+fn faults(record: &Record) -> bool {
+    record.axes.iter().any(|(_, status)| status.fault != 0)
+}
+
 /// Watches over one run.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
@@ -89,6 +97,8 @@ pub struct Supervisor {
     /// Angle at which each pass is over, degrees since its index.
     passes: BTreeMap<u32, f64>,
     longest_wait: u64,
+    /// An interpolator that has said nothing for so many control cycles is silent.
+    silent: u64,
     /// A hundredth of the highest speed of the spindle, 1/min.
     sign_rpm: f64,
     spindle_deg: f64,
@@ -112,6 +122,7 @@ impl Supervisor {
             phase: Phase::Watching,
             passes: items.iter().filter_map(pass).collect(),
             longest_wait: (wait_s / machine.general.cycle_s).ceil() as u64,
+            silent: SILENT_TICKS * machine.cycles_per_tick(),
             sign_rpm: 0.01 * machine.spindle.max_rpm,
             spindle_deg: 0.0,
             stood: [f64::NAN; AXES],
@@ -151,6 +162,7 @@ impl Supervisor {
         let turned = (record.truth.spindle_deg - self.spindle_deg).abs();
         self.spindle_deg = record.truth.spindle_deg;
         match self.phase {
+            Phase::Watching if self.is_silent(record) && faults(record) => return self.emergency_stop(),
             Phase::Watching | Phase::Over(_) => {}
             Phase::Finishing { left_deg, stood } => match self.finish(record, turned, left_deg, stood) {
                 Some(phase) => self.phase = phase,
@@ -174,10 +186,17 @@ impl Supervisor {
         self.phase == Phase::Watching
     }
 
-    /// Regulators cut a pass to its end without anybody above. `None` when that is over.
+    fn is_silent(&self, record: &Record) -> bool {
+        record.truth.cycle.0 > record.machine.cycle.0 + self.silent
+    }
+
+    /// Regulators cut a pass to its end without anybody above. `None` when that is over, or cannot be.
     fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Option<Phase> {
         let living = |axis: &Axis| !self.dead.contains(&Module::Regulator(*axis));
         let mut axes = record.axes.iter().filter(|(axis, _)| living(axis));
+        if faults(record) {
+            return None;
+        }
         let (_, cutting) = axes.find(|(_, status)| status.state().is_in_pass())?;
         let whole_deg = || self.passes.get(&cutting.pass).map_or(0.0, |over| over + 360.0 * MORE_TURNS);
         let left_deg = left_deg.unwrap_or_else(whole_deg) - turned;

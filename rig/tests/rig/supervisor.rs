@@ -2,7 +2,7 @@
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineStatus, Module, ThreadPass, Truth,
+    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Fault, Item, MachineStatus, Module, ThreadPass, Truth,
     operator::Request,
 };
 use rig::{
@@ -17,6 +17,8 @@ struct Made {
     axes: Vec<(Axis, AxisStatus)>,
     asked: Vec<u64>,
     cycle_s: f64,
+    /// When the interpolator hung.
+    told: Option<Cycle>,
 }
 
 impl Made {
@@ -32,6 +34,7 @@ impl Made {
             axes: vec![(Axis::X, cuts), (Axis::Z, cuts)],
             asked: Vec::new(),
             cycle_s: Machine::default().general.cycle_s,
+            told: None,
         };
         made.move_z(10.0);
         made
@@ -53,7 +56,8 @@ impl Made {
             }
             self.truth.cycle = Cycle(self.truth.cycle.0 + 1);
             self.truth.spindle_deg += self.truth.spindle_rpm * 6.0 * self.cycle_s;
-            let machine = MachineStatus::default();
+            let machine =
+                MachineStatus { cycle: self.told.unwrap_or(self.truth.cycle), ..MachineStatus::default() };
             let record = Record { truth: &self.truth, axes: &self.axes, machine: &machine };
             let request = self.supervisor.cycle(&record);
             self.ask(request);
@@ -102,6 +106,26 @@ fn a_pass_without_its_interpolator_is_cut_to_its_end_before_the_emergency_stop()
     assert_eq!(made.supervisor.end(), None);
     made.go(1);
     assert_eq!(made.supervisor.end(), Some(End::Rest));
+}
+
+#[test]
+fn an_axis_that_faults_in_a_pass_without_its_interpolator_stops_the_machine_at_once() {
+    let mut made = Made::in_pass();
+    made.died(Module::Interpolator);
+    made.go(100);
+    assert!(made.asked.is_empty());
+    made.axes[0].1.fault = Fault::DriveFault as u32;
+    made.go(10);
+    assert_eq!(made.asked, [101]);
+    // Nobody has buried it yet.
+    let mut made = Made::in_pass();
+    made.go(100);
+    made.axes[0].1.fault = Fault::DriveFault as u32;
+    made.go(100);
+    assert!(made.asked.is_empty(), "the interpolator stops the spindle");
+    made.told = Some(made.truth.cycle);
+    made.go(100);
+    assert_eq!(made.asked, [201 + 4 * Machine::default().cycles_per_tick()]);
 }
 
 #[test]
