@@ -68,6 +68,7 @@ impl Watched {
     fn at_the_panel(&mut self, sent: Option<&Measurement>) -> Option<&Measurement> {
         self.measurement = *sent?;
         self.measurement.panel = operator(self.costs.len());
+        self.measurement = self.measurement.sealed();
         Some(&self.measurement)
     }
 }

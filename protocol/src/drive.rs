@@ -3,9 +3,11 @@
 //! Objects: 0x6040 control word, 0x6041 status word, 0x60FF target velocity, 0x60B1 velocity offset,
 //! 0x60B2 torque offset (IEC 61800-7-201). Velocities in mm/s at the axis, torques in N·m at the motor.
 
+use core::mem::offset_of;
+
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{message::Message, units::Cycle};
+use crate::{message::Message, seal::seal, units::Cycle};
 
 /// Command of one control cycle to one drive; the answer to the measurement of the same cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
@@ -15,8 +17,8 @@ pub struct DriveCommand {
     pub cycle: Cycle,
     /// 0x6040, see [`ControlWord`].
     pub control_word: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// The seal, see [`DriveCommand::sealed`].
+    pub check: u32,
     /// 0x60FF, mm/s: the output of the position loop.
     pub target_velocity_mm_s: f64,
     /// 0x60B1, mm/s: the velocity of the law, at its lead.
@@ -30,10 +32,23 @@ impl DriveCommand {
     /// other axes to leave the thread. The drive mirrors it in [`StatusWord::CALLS`], so that they see it
     /// with their next measurement, without a message.
     pub const CALLS: u32 = 1 << 11;
+    /// The word of eight bytes whose upper half is the seal.
+    const SEAL: usize = offset_of!(DriveCommand, check) / 8;
+
+    /// The same with its seal, ready to be sent.
+    #[must_use]
+    pub fn sealed(self) -> DriveCommand {
+        DriveCommand { check: seal(self.as_bytes(), DriveCommand::SEAL), ..self }
+    }
+
+    /// Whether it has arrived as it was sent.
+    pub fn is_whole(&self) -> bool {
+        self.check == seal(self.as_bytes(), DriveCommand::SEAL)
+    }
 }
 
 impl Message for DriveCommand {
-    const NAME: &str = "pitchlock/drive-command/1";
+    const NAME: &str = "pitchlock/drive-command/2";
 }
 
 /// Commands of the control word (0x6040).

@@ -1,12 +1,15 @@
 //! Axis commands: one frame per interpolator cycle to each regulator, always. It carries a setpoint of timed
 //! motion, and, when a pass is to be cut, the law of the axis.
 
+use core::mem::offset_of;
+
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
     message::Message,
     pass::{AxisLaw, WayOut, check_speed},
     refused::{Refused, finite},
+    seal::seal,
     units::{Cycle, Position},
 };
 
@@ -91,7 +94,7 @@ pub struct AxisFrame {
 }
 
 impl Message for AxisFrame {
-    const NAME: &str = "pitchlock/axis-frame/3";
+    const NAME: &str = "pitchlock/axis-frame/4";
 }
 
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that
@@ -140,15 +143,8 @@ impl AxisFrame {
         AxisFrame { check: self.sum(), ..self }
     }
 
-    /// Each word of 8 bytes goes into a product that no other value of it gives, so one damaged word is
-    /// always another sum of 64 bits; its halves are folded.
     fn sum(&self) -> u32 {
-        const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
-        let frame = AxisFrame { check: 0, ..*self };
-        let words =
-            frame.as_bytes().chunks_exact(8).map(|word| word.try_into().map_or(0, u64::from_le_bytes));
-        let sum = words.fold(0u64, |sum, word| (sum ^ word).wrapping_mul(ODD).rotate_left(29));
-        (sum >> 32) as u32 ^ sum as u32
+        seal(self.as_bytes(), offset_of!(AxisFrame, check) / 8)
     }
 
     /// Takes a command off the wire. A wrong sequence of frames is the caller's to see, by `cycle`.

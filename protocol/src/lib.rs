@@ -21,6 +21,7 @@ pub mod module;
 pub mod operator;
 pub mod pass;
 pub mod refused;
+mod seal;
 pub mod status;
 pub mod truth;
 pub mod units;

@@ -1,10 +1,13 @@
 //! What the machine measures in one control cycle: spindle and axis encoders, drives, operator panel.
 
+use core::mem::offset_of;
+
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
     drive::StatusWord,
     message::Message,
+    seal::seal,
     units::{Cycle, PerAxis, Position},
 };
 
@@ -110,16 +113,32 @@ pub struct Measurement {
     pub index_cycle: Cycle,
     /// Nonzero in the last measurement of the run: everybody answers it and ends.
     pub last: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// The seal, see [`Measurement::sealed`].
+    pub check: u32,
     /// The axes.
     pub axes: PerAxis<AxisMeasurement>,
     /// The operator's panel.
     pub panel: Panel,
 }
 
+impl Measurement {
+    /// The word of eight bytes whose upper half is the seal.
+    const SEAL: usize = offset_of!(Measurement, check) / 8;
+
+    /// The same with its seal, ready to be sent.
+    #[must_use]
+    pub fn sealed(self) -> Measurement {
+        Measurement { check: seal(self.as_bytes(), Measurement::SEAL), ..self }
+    }
+
+    /// Whether it has arrived as it was sent.
+    pub fn is_whole(&self) -> bool {
+        self.check == seal(self.as_bytes(), Measurement::SEAL)
+    }
+}
+
 impl Message for Measurement {
-    const NAME: &str = "pitchlock/measurement/4";
+    const NAME: &str = "pitchlock/measurement/5";
 }
 
 /// Where the spindle stands on average while its encoder shows a count: in the middle of it, counts.

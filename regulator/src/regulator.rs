@@ -302,7 +302,7 @@ impl Regulator {
         let drive = DriveCommand {
             cycle,
             control_word: control_word as u32 | self.calls(),
-            reserved: 0,
+            check: 0,
             target_velocity_mm_s: command.target_velocity_mm_s,
             velocity_offset_mm_s: command.velocity_offset_mm_s,
             torque_offset_nm: command.torque_offset_nm,
@@ -332,7 +332,7 @@ impl Regulator {
             velocity_offset_mm_s: drive.velocity_offset_mm_s,
             torque_offset_nm: drive.torque_offset_nm,
         };
-        Out { drive, status }
+        Out { drive: drive.sealed(), status }
     }
 
     /// The fault that is latched, or will be once the axis has left.

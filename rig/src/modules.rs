@@ -129,7 +129,8 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
 
     /// One tick of the interpolator.
     fn interpolate(&mut self, now: Cycle, sent: &Measurement) {
-        let arrived = self.wires.tick_measurement(now, Some(sent)).copied();
+        let arrived =
+            self.wires.tick_measurement(now, Some(sent)).filter(|arrived| arrived.is_whole()).copied();
         if self.ticks_waiting.is_up_to_date() {
             arrived.iter().for_each(|measurement| self.tick(now, measurement));
             return;
@@ -172,14 +173,15 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
         let mut late = 0;
         for (governor, seen) in self.governors.iter_mut().zip(&mut self.seen) {
             let (axis, index) = (governor.axis, governor.axis.index());
-            let measurement = self.wires.measurement(now, axis, Some(sent));
+            let measurement =
+                self.wires.measurement(now, axis, Some(sent)).filter(|arrived| arrived.is_whole());
             let out = measurement.and_then(|measurement| {
                 governor.arrives(regulator::In { measurement, frame: self.frames[index].as_ref() })
             });
             let out = out.or_else(|| governor.catch_up());
             match self.wires.drive(now, axis, out.as_ref().map(|out| &out.drive)) {
-                Some(drive) => self.drives[index] = *drive,
-                None => late += 1,
+                Some(drive) if drive.is_whole() => self.drives[index] = *drive,
+                _ => late += 1,
             }
             if let Some(status) = self.wires.status(now, axis, out.as_ref().map(|out| &out.status)) {
                 self.statuses[index] = *status;

@@ -70,7 +70,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut wait = Wait::on(Process::Plant);
     // The tick after the one that says "finished" is the last: its predecessor is in force then.
     while !finished && !wait.is_in_vain(&mut member) {
-        let Some(measurement) = measurements.receive()? else {
+        let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
             wait.sleep(&mut member, args.clock)?;
             continue;
         };

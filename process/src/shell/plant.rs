@@ -324,7 +324,7 @@ fn take_command(
 ) -> Result<Option<Moment>, ShellError> {
     let mut wait = Wait::on(Process::Regulator(from.axis)).after(since);
     loop {
-        match from.commands.receive()? {
+        match from.commands.receive()?.filter(DriveCommand::is_whole) {
             Some(next) => {
                 *command = next;
                 if next.cycle >= measurement.cycle {

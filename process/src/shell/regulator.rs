@@ -51,7 +51,7 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
     let mut regulator = Regulator::new(&machine, axis);
     let mut wait = Wait::on(Process::Plant);
     while !wait.is_in_vain(&mut member) {
-        let Some(measurement) = measurements.receive()? else {
+        let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
             wait.sleep(&mut member, args.clock)?;
             continue;
         };

@@ -26,7 +26,7 @@ layout!(axis_law: AxisLaw, 120, {
     run_in_c0_deg: 48, run_in_dc_deg: 56, run_in_lambda: 64, brake_c_deg: 72, brake_dc_deg: 80,
     brake_lambda: 88, retract_mm: 96, retract_c_deg: 104, retract_dc_deg: 112,
 });
-layout!(axis_frame: AxisFrame, 232, "pitchlock/axis-frame/3", {
+layout!(axis_frame: AxisFrame, 232, "pitchlock/axis-frame/4", {
     cycle: 0, command: 8, line: 12, setpoint: 16, stop_s: 48, pass: 56, check: 60, s_rpm: 64,
     direction: 72, not_before: 80, out: 88, law: 112,
 });
@@ -36,9 +36,9 @@ layout!(way_out: WayOut, 24, {
 layout!(setpoint: Setpoint, 32, {
     cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
 });
-layout!(measurement: Measurement, 336, "pitchlock/measurement/4", {
+layout!(measurement: Measurement, 336, "pitchlock/measurement/5", {
     cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
-    reserved: 44, axes: 48, panel: 304,
+    check: 44, axes: 48, panel: 304,
 });
 layout!(axis_measurement: AxisMeasurement, 32, {
     position: 0, scale: 8, torque_nm: 16, status_word: 24, reserved: 28,
@@ -46,8 +46,8 @@ layout!(axis_measurement: AxisMeasurement, 32, {
 layout!(panel: Panel, 32, {
     spindle_override_pct: 0, feed_override_pct: 8, rapid_override_pct: 16, buttons: 24, cycle_starts: 28,
 });
-layout!(drive_command: DriveCommand, 40, "pitchlock/drive-command/1", {
-    cycle: 0, control_word: 8, reserved: 12, target_velocity_mm_s: 16, velocity_offset_mm_s: 24,
+layout!(drive_command: DriveCommand, 40, "pitchlock/drive-command/2", {
+    cycle: 0, control_word: 8, check: 12, target_velocity_mm_s: 16, velocity_offset_mm_s: 24,
     torque_offset_nm: 32,
 });
 layout!(axis_status: AxisStatus, 120, "pitchlock/axis-status/2", {

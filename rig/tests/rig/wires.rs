@@ -13,7 +13,7 @@ use rig::wires::{Damaging, Disturbance, Doubling, Freezing, Late, Losing, Straig
 use rig::{Exchange, Rig};
 use sim_plant::Scenario;
 
-use crate::stand::compiled;
+use crate::stand::{Stand, compiled};
 
 const FRAMES_OF_X: Wire = Wire::Frame(Axis::X);
 
@@ -322,4 +322,21 @@ fn a_frozen_interpreter_counts_as_dead_after_a_second() {
         assert_eq!(rig.is_dead(Module::Interpreter), cycles > 2000, "in cycle {cycles}");
     }
     assert_eq!(machine.fault, Fault::BadMachineCode as u32);
+}
+
+/// Nobody acts on what has been damaged, whatever bit of it: it is like a measurement that is lost.
+#[test]
+fn a_damaged_measurement_is_one_that_is_missing() {
+    let machine = Machine::default();
+    let items = compiled(&machine, "G18 G21 G90 G8 G94 G97\nM3 S600\nG0 X12 Z8\nG0 X9.5\nM5\nM2\n");
+    let told = |fate: &str| {
+        let packet = format!("packet = {{ channel = \"measurement\", count = 2, {fate} }}");
+        let scenario = format!("[[event]]\nat = {{ cycle = 400 }}\n{packet}\n");
+        let seen = Stand { machine: &machine, items: &items, scenario: &scenario, seed: 3 }.run(|_| None);
+        seen.trace_hash
+    };
+    let lost = told("drop = true");
+    for bit in (0..size_of::<Measurement>() * 8).step_by(37) {
+        assert_eq!(told(&format!("corrupt = {bit}")), lost, "bit {bit}");
+    }
 }

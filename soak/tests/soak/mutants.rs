@@ -65,7 +65,15 @@ impl Blind {
         }
     }
 
+    /// What the case has damaged stays so.
     fn hide(&mut self, own: Option<Axis>) {
+        if self.measurement.is_whole() {
+            self.change(own);
+            self.measurement = self.measurement.sealed();
+        }
+    }
+
+    fn change(&mut self, own: Option<Axis>) {
         let reader = own.map_or(AXES, Axis::index);
         if self.row == Row::LostCounts {
             let sent = self.measurement.spindle_count;
