@@ -14,6 +14,7 @@
 //! | measurements, or commands to drives, that come late or not at all | half the way of a cycle |
 //! | a command to a drive that is damaged | all its torque for a cycle |
 //! | noise, eccentricity | their counts |
+//! | an encoder that is not believed | what the spindle has turned otherwise than it would have at its speed |
 //! | all others | none |
 
 use machine::Machine;
@@ -201,6 +202,25 @@ fn stiffness_n_mm(machine: &Machine, axis: Axis) -> f64 {
 pub(crate) fn in_truth(machine: &Machine, axis: Axis, key: &str, usual: f64) -> f64 {
     let truth = machine.plant.get("axis").and_then(|axes| axes.get(axis.name()));
     truth.and_then(|table| table.get(key)).and_then(toml::Value::as_float).unwrap_or(usual)
+}
+
+/// Whether the encoder of the spindle is not believed any more behind this, or may not be: the spindle is
+/// taken to turn on as it did.
+pub(crate) fn blinds(what: &What) -> bool {
+    matches!(what, What::Plant(Trouble::Glitch(..) | Trouble::Stands(_)))
+}
+
+/// Whether that encoder counts wrongly behind this.
+pub(crate) fn miscounts(what: &What) -> bool {
+    blinds(what)
+        || matches!(what, What::Plant(Trouble::Counts(_) | Trouble::IndexLost(_) | Trouble::Noise(_)))
+}
+
+/// Whether the spindle has just jammed.
+pub(crate) fn jams(machine: &Machine, event: &Event, now: u64) -> bool {
+    let over = event.at + (STALL_S / machine.general.cycle_s) as u64;
+    matches!(event.what, What::Plant(Trouble::Spindle(SpindleFault::Jam, _)))
+        && (event.at..=over).contains(&now)
 }
 
 /// Whether a program is completed although this happens.

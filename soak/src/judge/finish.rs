@@ -74,8 +74,11 @@ impl Judge<'_> {
         // Nor can who has no encoder.
         let dies = |event: &Event| matches!(event.what, What::Plant(Trouble::Stands(_)));
         let blind = self.known.events.iter().any(dies);
-        let turned = |event: &Event| {
-            (blind || late(event.at)) && matches!(event.what, What::Plant(Trouble::Spindle(..)))
+        let turned = |event: &Event| match event.what {
+            What::Plant(Trouble::Spindle(..)) => blind || late(event.at),
+            // A drive at its limit swings over when the load lets go.
+            What::Plant(Trouble::Load(..)) => blind,
+            _ => false,
         };
         let coasts = self.known.events.iter().any(|event| excuse::coasts(&event.what) || turned(event));
         if last.truth.spindle_rpm.abs() > STANDS_RPM && !coasts {

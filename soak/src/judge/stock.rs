@@ -49,7 +49,8 @@ pub struct PassStock {
     back: f64,
     brake: f64,
     crest: f64,
-    slope: f64,
+    /// How much X goes for each mm of Z.
+    pub slope: f64,
     into: f64,
     /// D, mm.
     pub deepest: f64,
@@ -87,9 +88,12 @@ impl PassStock {
             mm - slope * (z.start.mm() + towards * s)
         };
         let root = root_at(0.5 * (x.locked_deg().max(run) + x.leaves_deg().min(z.brake_c_deg)));
-        let clear = pass.out.clear.mm() - slope * (z.start.mm() + towards * place(run).0);
+        // The way out is shortest at one of the ends of a cone.
+        let clear_at = |c: f64| pass.out.clear.mm() - slope * (z.start.mm() + towards * place(c).0);
+        let clear = clear_at(run);
         let into = if clear > root { -1.0 } else { 1.0 };
-        let single = (DEPTH_LEADS * z.lead_mm.abs()).min(0.5 * (clear - root).abs());
+        let lift = (clear - root).abs().min((clear_at(z.done_deg()) - root).abs());
+        let single = (DEPTH_LEADS * z.lead_mm.abs()).min(0.5 * lift);
         let depth = if pass.depth_mm > 0.0 { pass.depth_mm } else { single };
         let crest = root - into * depth;
         let done = pass.done_deg();

@@ -49,6 +49,9 @@ pub(crate) struct Tool {
     rpm: Option<f64>,
     /// Cycle since when the spindle turns the wrong way in a pass.
     backwards: Option<u64>,
+    /// What its speed was when its encoder was not to be believed any more, 1/min, and by how much it has
+    /// turned otherwise since, turns.
+    unseen: Option<(f64, f64)>,
 }
 
 impl Tool {
@@ -63,6 +66,7 @@ impl Tool {
             uneven: 0.0,
             rpm: None,
             backwards: None,
+            unseen: None,
         }
     }
 
@@ -108,6 +112,10 @@ impl Tool {
         let change =
             (truth.spindle_rpm - self.rpm.replace(truth.spindle_rpm).unwrap_or(truth.spindle_rpm)).abs();
         self.uneven = (self.uneven * (1.0 - known.machine.general.cycle_s / FADES_S)).max(change);
+        if known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what)) {
+            let (rpm, turns) = self.unseen.get_or_insert((truth.spindle_rpm, 0.0));
+            *turns += (truth.spindle_rpm - *rpm) / 60.0 * known.machine.general.cycle_s;
+        }
         let (pass, stock) = known.passes.get(&self.pass?)?;
         let backwards = truth.spindle_rpm * pass.direction < -BACKWARDS_RPM;
         self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
@@ -127,8 +135,9 @@ impl Tool {
             let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
             *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
         }
-        let seen =
-            Seen { contact, now, turn, uneven: self.uneven, led: [x_led, z_led], rpm: truth.spindle_rpm };
+        let unseen = self.unseen.map_or(0.0, |(_, turns)| turns.abs());
+        let (uneven, rpm) = (self.uneven, truth.spindle_rpm);
+        let seen = Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen };
         if let Some(broken) = beside(known, pass, stock, &seen) {
             return Some(broken);
         }
@@ -280,7 +289,7 @@ fn turn_cycles(known: &Known, pass: &ThreadPass) -> u64 {
 }
 
 /// What is seen of a tool that touches in a cycle: the changes of the spindle's speed so far, 1/min in a
-/// cycle; whether X and Z have torque; the speed of the spindle, 1/min.
+/// cycle; whether X and Z have torque; the speed of the spindle, 1/min; turns that nobody can have seen.
 struct Seen {
     contact: Contact,
     now: u64,
@@ -288,12 +297,14 @@ struct Seen {
     uneven: f64,
     led: [bool; 2],
     rpm: f64,
+    unseen: f64,
 }
 
 /// The tool is beside its groove. Without torque X gives no depth any more, but Z goes on along the helix up
-/// to where the pass brakes; without Z, X may not go deeper.
+/// to where the pass brakes, unless its encoder has failed too; without Z, X may not go deeper.
 fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
-    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm } = seen;
+    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen } = seen;
+    let tan = libm::tan(known.machine.threading.flank_half_angle_deg.to_radians());
     let (now, turn, uneven) = (*now, *turn, *uneven);
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
@@ -301,6 +312,7 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     };
     let out = bounds::way_out(known.machine, pass);
     let (lead, mut deepest) = (stock.lead, false);
+    let counted = |event: &Event| now >= event.at && excuse::miscounts(&event.what);
     let (mut bottom, mut flank) = (SCATTER * servo.0 + TOLERANCE_MM, SCATTER * servo.1 + TOLERANCE_MM);
     if known.reference.is_some() {
         let law = pass.axis(Axis::X);
@@ -312,15 +324,18 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     }
     for event in known.events {
         let excuse = excuse::excuse(known.machine, event, now, pass, out, turn);
-        bottom += excuse::SLACK * excuse.radial_mm;
+        // A tool that is pushed in has less room between the flanks, on a cone one that is pushed along is deeper.
+        let (radial, axial) = (excuse.radial_mm, excuse.axial_mm + excuse.turns * lead);
         deepest |= excuse.deepest;
-        flank += excuse::SLACK * (excuse.axial_mm + excuse.turns * lead);
+        bottom += excuse::SLACK * (radial + axial * stock.slope.abs());
+        flank += excuse::SLACK * (axial + radial * tan);
     }
     // How far a steep approach or retract is beside its place with Z.
     let bottom_mm = match deepest {
         true => contact.depth_mm - stock.deepest,
         false => stock.bottom_mm(contact, flank),
     };
+    flank += unseen * lead;
     if rpm.abs() < SWINGS_RPM {
         // A spindle that swings through rest turns Z round: its slide is anywhere in its backlash.
         flank += excuse::backlash_mm(known.machine, Axis::Z);
@@ -341,7 +356,8 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     if *x_led && bottom_mm > bottom {
         return Some(Broken::new("bottom", now, told("too deep", bottom_mm, bottom)));
     }
-    let on_helix = *z_led && (*x_led || !stock.brakes(contact));
+    let follows = !(stock.brakes(contact) || known.events.iter().any(counted));
+    let on_helix = *z_led && (*x_led || follows);
     let beside = on_helix && contact.flank_mm > flank;
     beside.then(|| Broken::new("flank", now, told("into the flank", contact.flank_mm, flank)))
 }
