@@ -105,6 +105,7 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
 
     /// One control cycle; how many drives got no command.
     pub(crate) fn cycle(&mut self, now: Cycle, measurement: &Measurement) -> usize {
+        let measurement = &measurement.sealed();
         self.frames = [None; AXES];
         if now.0.is_multiple_of(self.ticks) {
             self.deliver(now);

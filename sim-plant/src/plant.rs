@@ -275,7 +275,6 @@ impl Plant {
             _ => (0, 0),
         };
         self.cut(command);
-        self.truth.measurement = self.truth.measurement.sealed();
     }
 
     /// What the cut and the scenario do to the slides until the next cycle.

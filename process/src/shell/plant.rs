@@ -113,7 +113,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     let mut refused = 0;
     let mut forsaken = Forsaken::new(&machine);
     loop {
-        let measurement = *plant.measurement();
+        let measurement = plant.measurement().sealed();
         let tick = machine.is_tick(measurement.cycle);
         let doomed = plant.truth().doom().is_some() || args.stand_at.contains(&measurement.cycle.0);
         ports.tell(plant.truth(), doomed)?;
