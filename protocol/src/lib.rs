@@ -31,7 +31,7 @@ pub use arc::{Arc, Plane};
 pub use code::{Code, Feed, Item, PathMode, SpindleMode, SpindleSpeed};
 pub use code_packet::{CodePacket, Credit};
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
-pub use fault::{FAULTS, Fault, FaultRow};
+pub use fault::{FAULTS, Fault, FaultRow, Span, Within};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};
 pub use groove::Groove;
 pub use measurement::{AxisMeasurement, Measurement, Panel};

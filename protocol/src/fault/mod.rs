@@ -2,8 +2,10 @@
 //! what the machine does, what the operator reads, where to look. `docs/faults.md` is written from it.
 
 mod table;
+mod within;
 
 pub use table::FAULTS;
+pub use within::{Span, Within};
 
 /// Why a module latched a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +46,7 @@ pub enum Fault {
 }
 
 /// One row of the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultRow {
     /// Which.
     pub fault: Fault,
@@ -54,8 +56,8 @@ pub struct FaultRow {
     pub source: &'static str,
     /// How it is found.
     pub found: &'static str,
-    /// How long that takes at most.
-    pub within: &'static str,
+    /// How long that takes at most, in each of its cases.
+    pub within: &'static [Within],
     /// What the machine does.
     pub reaction: &'static str,
     /// What the operator reads: what happened.

@@ -9,6 +9,7 @@ fn the_page_is_the_table() {
     let rows: Vec<&str> = PAGE.lines().filter(|line| line.starts_with("| `")).collect();
     let table = FAULTS.iter().map(|row| {
         let FaultRow { code, source, found, within, reaction, remedy, .. } = row;
+        let within = within.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
         format!("| `{code}` | {source} | {found} | {within} | {reaction} | {remedy} |")
     });
     let table: Vec<String> = table.collect();
