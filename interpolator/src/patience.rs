@@ -38,12 +38,12 @@ impl Patience {
 
     /// Whether the wait is too long.
     pub(crate) fn is_over(&self, spindle: &Spindle) -> bool {
-        self.waited > self.most(spindle)
+        self.waited >= self.most(spindle)
     }
 
     /// Whether the spindle has stalled for too long.
     pub(crate) fn stalled(&self, spindle: &Spindle) -> bool {
-        self.stalled > self.most(spindle)
+        self.stalled >= self.most(spindle)
     }
 
     fn most(&self, spindle: &Spindle) -> u64 {

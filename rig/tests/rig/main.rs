@@ -13,6 +13,7 @@ mod operator;
 mod orders;
 mod poles;
 mod presses;
+mod reactions;
 mod rotary;
 mod stand;
 mod supervisor;
