@@ -144,7 +144,7 @@ impl Feedforward {
         if let Some(rounded) = &mut self.rounded {
             rounded.send(motor);
         }
-        let position_mm = motor.reference.axis(0.0).s;
+        let position_mm = motor.now.s;
         Feed {
             position_mm: self.rounded.map_or(position_mm, |rounded| rounded.round(position_mm)),
             v,

@@ -87,6 +87,8 @@ impl Reference<'_> {
 pub struct Motor<'a> {
     /// What the axis shall do.
     pub reference: Reference<'a>,
+    /// What it shall do at the sample instant ([`Reference::now`]).
+    pub now: Sample,
     /// What the motor does besides, if anything.
     pub compensation: Option<&'a Compensation>,
 }

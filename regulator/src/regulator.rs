@@ -139,7 +139,7 @@ impl Regulator {
         // Nearly always there is none, and nothing is copied.
         let held = if self.held.is_some() { self.held.take() } else { None };
         let command = self.take(input.frame.or(held.as_ref()), measurement.cycle);
-        self.advance(measurement, command, missed, measured_mm);
+        self.advance(measurement, command.as_ref(), missed, measured_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let Regulator { state, stream, spindle, compensation, loops, cycle_s, .. } = self;
         let (cycle, cycle_s) = (measurement.cycle, *cycle_s);
@@ -150,9 +150,10 @@ impl Regulator {
             Some(compensation) => compensation.watch(reference.count_mm(), |lead_s| reference.axis(lead_s)),
             None => {}
         }
-        let motor = Motor { reference, compensation: compensation.as_ref() };
+        let now = reference.now();
+        let motor = Motor { reference, now, compensation: compensation.as_ref() };
         let command = if idle { loops.rest() } else { loops.tick(&motor, measured_mm) };
-        self.last = reference.now();
+        self.last = now;
         self.answered = self.answer(measurement, angle_deg, &command, measured_mm);
         self.answered
     }
@@ -228,13 +229,13 @@ impl Regulator {
     fn advance(
         &mut self,
         measurement: &Measurement,
-        command: Option<AxisCommand>,
+        command: Option<&AxisCommand>,
         missed: u64,
         measured_mm: f64,
     ) {
         let cycle = measurement.cycle;
         if let Some(AxisCommand::Leave { at }) = command {
-            self.leave_at = Some(self.leave_at.map_or(at, |before| before.min(at)));
+            self.leave_at = Some(self.leave_at.map_or(*at, |before| before.min(*at)));
         }
         let known = Known {
             state: &self.state,
@@ -260,9 +261,10 @@ impl Regulator {
             brake: leave::brake(&reference, self.axis, lift.is_free, &self.limits),
             rests: leave::is_over(&reference),
             waits: lift.is_on_its_way(self.axis, cycle < self.state_since.after(HEARS)),
-            stream_begun: self.stream.begun()
+            stream_begun: matches!(self.state, State::Idle)
+                && self.stream.begun()
                 && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,
-            rests_at_start: rests_at(&self.last, command.as_ref()),
+            rests_at_start: rests_at(&self.last, command),
             command,
             index: self.spindle.index(),
             angle_deg: self.state.pass().map_or(0.0, |pass| self.spindle.since(pass, 0.0).angle),
@@ -270,22 +272,22 @@ impl Regulator {
                 self.spindle.counted_since(pass) < pass.programmed_deg_s * self.call_off_s
             }),
         };
-        let (state, refused) = self.state.next(&event);
+        let (rest, public) = (leave::rest_of(&self.state), self.state.public());
+        let refused = self.state.step(&event);
         self.refused += u32::from(refused);
-        if let (Some(rest), State::Streaming) = (leave::rest_of(&self.state), &state) {
+        if let (Some(rest), State::Streaming) = (rest, &self.state) {
             self.stream.rest_at(rest, cycle);
         }
-        match &state {
+        match &self.state {
             State::InPass { pass, .. } => self.out = Some(pass.out),
             _ => self.leave_at = None,
         }
-        if matches!(state, State::Streaming) && lift.is_free {
+        if matches!(self.state, State::Streaming) && lift.is_free {
             self.out = None;
         }
-        if state.public() != self.state.public() {
+        if self.state.public() != public {
             self.state_since = cycle;
         }
-        self.state = state;
     }
 
     /// The axis that lifts the tool out of the pass in hand, or of the last one.

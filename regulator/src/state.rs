@@ -90,7 +90,7 @@ pub enum Stage {
 
 /// What a transition depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
+pub struct Event<'a> {
     /// The cycle.
     pub cycle: Cycle,
     /// The drive is in operation.
@@ -111,7 +111,7 @@ pub struct Event {
     /// The axis rests where a pass that arrives would start.
     pub rests_at_start: bool,
     /// The command of this cycle, if it has one.
-    pub command: Option<AxisCommand>,
+    pub command: Option<&'a AxisCommand>,
     /// The last index.
     pub index: Option<Index>,
     /// C of the pass in hand (its last value while there is no index), degrees.
@@ -138,36 +138,35 @@ impl Pass {
 }
 
 impl State {
-    /// The state after an event, and whether a pass was refused.
-    pub fn next(self, event: &Event) -> (State, bool) {
+    /// Goes on to the state after an event; whether a pass was refused. Mostly little changes in a cycle, and
+    /// a state holds a whole pass: it is changed where it lies.
+    pub fn step(&mut self, event: &Event) -> bool {
         let stopped = matches!(event.command, Some(AxisCommand::Stop));
         let cause = event.cause.or(stopped.then_some(Cause::Leave(Some(Fault::Stopped))));
-        let state = match cause {
-            Some(cause) => self.ended(cause, event),
-            None => self,
-        };
-        let arm = match event.command {
-            Some(AxisCommand::Arm { .. }) => event.command,
-            _ => None,
-        };
-        let refused = arm.is_some() && !matches!(state, State::Streaming);
+        if let Some(cause) = cause {
+            *self = self.ended(cause, event);
+        }
         let called_off = matches!(event.command, Some(AxisCommand::CallOff));
-        let state = match state {
-            State::Idle if event.enabled && event.stream_begun => State::Streaming,
-            State::Streaming => return streaming(event, arm),
-            State::InPass { stage: Stage::Armed, .. } if called_off => State::Streaming,
-            State::InPass { .. } if called_off && event.may_call_off => State::Streaming,
+        let next = match self {
+            State::Idle => (event.enabled && event.stream_begun).then_some(State::Streaming),
+            State::Streaming => arm(event),
+            State::InPass { stage: Stage::Armed, .. } if called_off => Some(State::Streaming),
+            State::InPass { .. } if called_off && event.may_call_off => Some(State::Streaming),
             State::InPass { pass, stage } => in_pass(pass, stage, event),
-            State::Leaving(leaving) => leaving.next(event),
-            unchanged => unchanged,
+            State::Leaving(leaving) => leaving.step(event),
+            State::Fault(_) => None,
         };
-        (state, refused)
+        let arms = matches!(next, Some(State::InPass { .. }));
+        if let Some(next) = next {
+            *self = next;
+        }
+        !arms && matches!(event.command, Some(AxisCommand::Arm { .. }))
     }
 
     /// What becomes of a state that something ends. What ended it first stays its fault.
-    fn ended(self, cause: Cause, event: &Event) -> State {
-        match (self, cause) {
-            (State::Fault(_), _) => self,
+    fn ended(&self, cause: Cause, event: &Event) -> State {
+        match (*self, cause) {
+            (State::Fault(_), _) => *self,
             (State::Leaving(leaving), Cause::Lost(fault)) => State::Fault(leaving.fault.unwrap_or(fault)),
             (_, Cause::Lost(fault)) => State::Fault(fault),
             (State::Leaving(leaving), Cause::Leave(fault)) => {
@@ -223,14 +222,20 @@ impl Stage {
 }
 
 /// A pass goes from stage to stage by its angle, and from the last one back to the stream.
-fn in_pass(pass: Pass, stage: Stage, event: &Event) -> State {
-    if stage == Stage::Armed {
-        return armed(pass, event.index);
+fn in_pass(pass: &mut Pass, stage: &mut Stage, event: &Event) -> Option<State> {
+    if *stage == Stage::Armed {
+        // The first index at or after `not_before` is the origin of C: the same one on every axis.
+        if let Some(index) = event.index.filter(|index| index.cycle >= pass.not_before) {
+            pass.index_count = index.count;
+            *stage = Stage::WaitingForC0;
+        }
+        return None;
     }
     match stage.next(&pass.law, event.angle_deg) {
-        Some(stage) => State::InPass { pass, stage },
-        None => State::Streaming,
+        Some(next) => *stage = next,
+        None => return Some(State::Streaming),
     }
+    None
 }
 
 impl Stage {
@@ -247,8 +252,8 @@ impl Stage {
 }
 
 impl Leaving {
-    /// The state after a cycle on the way.
-    fn next(self, event: &Event) -> State {
+    /// Goes on for a cycle on the way; the state behind it, if it is over.
+    fn step(&mut self, event: &Event) -> Option<State> {
         let along = match (self.way, &self.pass) {
             (Way::Along(stage), Some(pass)) => stage.next(&pass.law, event.angle_deg).map(Way::Along),
             _ => (!event.rests).then_some(self.way),
@@ -259,40 +264,31 @@ impl Leaving {
             other => other,
         };
         match (way, self.fault) {
-            (Some(way), _) => State::Leaving(Leaving { way, ..self }),
-            (None, Some(fault)) => State::Fault(fault),
-            (None, None) => State::Streaming,
+            (Some(way), _) => self.way = way,
+            (None, Some(fault)) => return Some(State::Fault(fault)),
+            (None, None) => return Some(State::Streaming),
         }
+        None
     }
 }
 
-fn streaming(event: &Event, arm: Option<AxisCommand>) -> (State, bool) {
-    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law }) = arm else {
-        return (State::Streaming, false);
+/// An axis that streams takes a pass in hand, if one arrives that it can cut.
+fn arm(event: &Event) -> Option<State> {
+    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law }) = event.command else {
+        return None;
     };
-    if event.cycle > not_before || !event.rests_at_start {
-        return (State::Streaming, true);
+    if event.cycle > *not_before || !event.rests_at_start {
+        return None;
     }
     let pass = Pass {
-        number: pass,
+        number: *pass,
         programmed_deg_s: 6.0 * s_rpm,
-        direction,
-        not_before,
+        direction: *direction,
+        not_before: *not_before,
         index_count: 0,
-        out,
-        law,
-        motion: law.law(s_rpm),
+        out: *out,
+        law: *law,
+        motion: law.law(*s_rpm),
     };
-    (State::InPass { pass, stage: Stage::Armed }, false)
-}
-
-/// The first index at or after `not_before` is the origin of C: the same one on every axis.
-fn armed(mut pass: Pass, index: Option<Index>) -> State {
-    match index {
-        Some(index) if index.cycle >= pass.not_before => {
-            pass.index_count = index.count;
-            State::InPass { pass, stage: Stage::WaitingForC0 }
-        }
-        _ => State::InPass { pass, stage: Stage::Armed },
-    }
+    Some(State::InPass { pass, stage: Stage::Armed })
 }

@@ -16,6 +16,8 @@ const SPARE: f64 = 1.1;
 #[derive(Clone, Debug)]
 pub struct Stream {
     nodes: [Setpoint; KEPT],
+    /// The motion from each of them to the next.
+    spans: [Quintic; KEPT - 1],
     /// What follows the last of them.
     stop: Exit,
     begun: bool,
@@ -29,6 +31,7 @@ impl Stream {
     pub fn new(cycle_s: f64) -> Stream {
         Stream {
             nodes: [Setpoint::default(); KEPT],
+            spans: [Quintic::default(); KEPT - 1],
             stop: Exit::default(),
             begun: false,
             torn: false,
@@ -81,8 +84,11 @@ impl Stream {
         if node.cycle <= self.last().cycle {
             return false;
         }
+        let span = Quintic::between(self.last(), &node, self.cycle_s);
         self.nodes.rotate_left(1);
         self.nodes[KEPT - 1] = node;
+        self.spans.rotate_left(1);
+        self.spans[KEPT - 2] = span;
         // One that rests is there already: behind it nothing is on its way for as long as the others brake.
         let rests = node.velocity_mm_s == 0.0 && node.acceleration_mm_s2 == 0.0;
         self.stop = Exit::stop_in(&sample(&node), if rests { 0.0 } else { stop_s });
@@ -129,16 +135,12 @@ impl Stream {
 
     /// The commanded motion at `cycle` plus `offset` cycles, mm and s.
     pub fn at(&self, cycle: Cycle, offset: f64) -> Sample {
-        let time = |node: &Setpoint| node.cycle.0 as f64 - cycle.0 as f64;
+        let time = |node: &Setpoint| node.cycle.0.wrapping_sub(cycle.0) as i64 as f64;
         let later = self.nodes.iter().position(|node| time(node) > offset);
         match later {
             None => self.stop.at(self.behind(cycle, offset)),
             Some(0) => rest(&self.nodes[0]),
-            Some(i) => {
-                let (a, b) = (&self.nodes[i - 1], &self.nodes[i]);
-                let span = (b.cycle.0 - a.cycle.0) as f64;
-                quintic(a, b, (offset - time(a)) / span, span * self.cycle_s)
-            }
+            Some(i) => self.spans[i - 1].at(offset - time(&self.nodes[i - 1])),
         }
     }
 }
@@ -151,20 +153,42 @@ fn sample(node: &Setpoint) -> Sample {
     Sample { v: node.velocity_mm_s, a: node.acceleration_mm_s2, ..rest(node) }
 }
 
-/// Quintic Hermite interpolation at the fraction `u` of an interval of `h` seconds.
-fn quintic(a: &Setpoint, b: &Setpoint, u: f64, h: f64) -> Sample {
-    let d = b.position.mm_from(a.position);
-    let (v0, v1) = (a.velocity_mm_s * h, b.velocity_mm_s * h);
-    let (a0, a1) = (a.acceleration_mm_s2 * h * h, b.acceleration_mm_s2 * h * h);
-    let c2 = 0.5 * a0;
-    let c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1;
-    let c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1;
-    let c5 = 6.0 * d - 3.0 * (v0 + v1) + 0.5 * (a1 - a0);
-    Sample {
-        s: a.position.mm() + u * (v0 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
-        v: (v0 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
-        a: (2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h),
-        j: (6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)) / (h * h * h),
-        dj: (24.0 * c4 + u * 120.0 * c5) / (h * h * h * h),
+/// Quintic Hermite interpolation between two setpoints; its coefficients are found once, it is evaluated at
+/// every lead of every cycle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Quintic {
+    from_mm: f64,
+    /// How long it is, control cycles and s.
+    cycles: f64,
+    h: f64,
+    /// Of the powers of the share of it that has gone by, from the first one on, mm.
+    c: [f64; 5],
+}
+
+impl Quintic {
+    fn between(a: &Setpoint, b: &Setpoint, cycle_s: f64) -> Quintic {
+        let cycles = (b.cycle.0 - a.cycle.0) as f64;
+        let h = cycles * cycle_s;
+        let d = b.position.mm_from(a.position);
+        let (v0, v1) = (a.velocity_mm_s * h, b.velocity_mm_s * h);
+        let (a0, a1) = (a.acceleration_mm_s2 * h * h, b.acceleration_mm_s2 * h * h);
+        let c2 = 0.5 * a0;
+        let c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1;
+        let c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1;
+        let c5 = 6.0 * d - 3.0 * (v0 + v1) + 0.5 * (a1 - a0);
+        Quintic { from_mm: a.position.mm(), cycles, h, c: [v0, c2, c3, c4, c5] }
+    }
+
+    /// The motion so many control cycles after its beginning.
+    fn at(&self, gone: f64) -> Sample {
+        let Quintic { from_mm, cycles, h, c: [v0, c2, c3, c4, c5] } = *self;
+        let u = gone / cycles;
+        Sample {
+            s: from_mm + u * (v0 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+            v: (v0 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
+            a: (2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h),
+            j: (6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)) / (h * h * h),
+            dj: (24.0 * c4 + u * 120.0 * c5) / (h * h * h * h),
+        }
     }
 }

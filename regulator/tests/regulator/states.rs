@@ -77,7 +77,7 @@ fn arm(not_before: u64) -> AxisCommand {
     }
 }
 
-fn quiet() -> Event {
+fn quiet() -> Event<'static> {
     Event {
         cycle: Cycle(90),
         enabled: true,
@@ -99,42 +99,49 @@ fn index(cycle: u64) -> Option<Index> {
     Some(Index { count: 77, cycle: Cycle(cycle) })
 }
 
-fn told(command: AxisCommand) -> Event {
+fn told(command: &AxisCommand) -> Event<'_> {
     Event { command: Some(command), ..quiet() }
 }
 
-fn seen(cycle: u64) -> Event {
+fn seen(cycle: u64) -> Event<'static> {
     Event { index: index(cycle), ..quiet() }
 }
 
-fn at(angle_deg: f64) -> Event {
+fn at(angle_deg: f64) -> Event<'static> {
     Event { angle_deg, ..quiet() }
 }
 
 /// What it shows, the state before, the event, the state after, whether a pass is refused.
-type Row = (&'static str, State, Event, State, bool);
+type Row<'a> = (&'static str, State, Event<'a>, State, bool);
+
+/// The state after an event, and whether a pass was refused.
+fn after(mut state: State, event: &Event) -> (State, bool) {
+    let refused = state.step(event);
+    (state, refused)
+}
 
 #[track_caller]
 fn walk(table: &[Row]) {
     for (name, from, event, to, refused) in table {
-        assert_eq!(from.next(event), (*to, *refused), "{name}");
+        assert_eq!(after(*from, event), (*to, *refused), "{name}");
     }
 }
 
 #[test]
 fn from_idle_to_armed() {
+    let arm = arm(100);
     let no_drive = Event { enabled: false, ..quiet() };
     let no_stream = Event { stream_begun: false, ..quiet() };
-    let elsewhere = Event { rests_at_start: false, ..told(arm(100)) };
-    let last_moment = Event { cycle: Cycle(100), ..told(arm(100)) };
-    let too_late = Event { cycle: Cycle(101), ..told(arm(100)) };
+    let elsewhere = Event { rests_at_start: false, ..told(&arm) };
+    let last_moment = Event { cycle: Cycle(100), ..told(&arm) };
+    let too_late = Event { cycle: Cycle(101), ..told(&arm) };
     walk(&[
         ("waits for the drive", Idle, no_drive, Idle, false),
         ("waits for the stream", Idle, no_stream, Idle, false),
         ("begins to stream", Idle, quiet(), Streaming, false),
-        ("refuses a pass", Idle, Event { enabled: false, ..told(arm(100)) }, Idle, true),
+        ("refuses a pass", Idle, Event { enabled: false, ..told(&arm) }, Idle, true),
         ("goes on", Streaming, quiet(), Streaming, false),
-        ("arms", Streaming, told(arm(100)), armed(pass(0)), false),
+        ("arms", Streaming, told(&arm), armed(pass(0)), false),
         ("the last cycle in time", Streaming, last_moment, armed(pass(0)), false),
         ("too late", Streaming, too_late, Streaming, true),
         ("starts elsewhere", Streaming, elsewhere, Streaming, true),
@@ -143,14 +150,15 @@ fn from_idle_to_armed() {
 
 #[test]
 fn from_armed_to_the_first_angle() {
-    let call_off = told(AxisCommand::CallOff);
+    let arm = arm(100);
+    let call_off = told(&AxisCommand::CallOff);
     let in_time = Event { may_call_off: true, ..call_off };
     walk(&[
         ("no index", armed(pass(0)), quiet(), armed(pass(0)), false),
         ("an index too early does not count", armed(pass(0)), seen(99), armed(pass(0)), false),
         ("the first index that counts", armed(pass(0)), seen(100), waiting_for_c0(pass(77)), false),
         ("armed, called off", armed(pass(0)), call_off, Streaming, false),
-        ("armed, a second pass", armed(pass(0)), told(arm(100)), armed(pass(0)), true),
+        ("armed, a second pass", armed(pass(0)), told(&arm), armed(pass(0)), true),
         ("waits for its first angle", waiting_for_c0(pass(77)), at(49.9), waiting_for_c0(pass(77)), false),
         ("waiting, called off in time", waiting_for_c0(pass(77)), in_time, Streaming, false),
         ("waiting, called off too late", waiting_for_c0(pass(77)), call_off, waiting_for_c0(pass(77)), false),
@@ -161,7 +169,7 @@ fn from_armed_to_the_first_angle() {
 
 #[test]
 fn from_the_first_angle_to_the_end() {
-    let call_off = told(AxisCommand::CallOff);
+    let call_off = told(&AxisCommand::CallOff);
     walk(&[
         ("in the run-in", run_in(pass(77)), at(199.0), run_in(pass(77)), false),
         ("too late to call off", run_in(pass(77)), call_off, run_in(pass(77)), false),
@@ -178,7 +186,7 @@ fn leaving(way: Way, fault: Option<Fault>) -> State {
     State::Leaving(Leaving { pass: Some(pass(77)), way, fault })
 }
 
-fn because(cause: Cause) -> Event {
+fn because(cause: Cause) -> Event<'static> {
     Event { cause: Some(cause), ..quiet() }
 }
 
@@ -200,20 +208,20 @@ fn what_leads_an_axis_no_more_ends_every_state() {
     ];
     for state in states {
         let lost = because(Cause::Lost(Fault::DriveFault));
-        assert_eq!(state.next(&lost).0, State::Fault(Fault::DriveFault));
+        assert_eq!(after(state, &lost).0, State::Fault(Fault::DriveFault));
     }
     let first = leaving(timed(), Some(Fault::ThreadError));
     let lost = because(Cause::Lost(Fault::DriveFault));
-    assert_eq!(first.next(&lost).0, State::Fault(Fault::ThreadError), "what came first is the fault");
+    assert_eq!(after(first, &lost).0, State::Fault(Fault::ThreadError), "what came first is the fault");
     let latched = State::Fault(Fault::ThreadError);
     for event in [
         quiet(),
         lost,
         because(Cause::Leave(Some(Fault::EncoderGlitch))),
-        told(AxisCommand::Stop),
+        told(&AxisCommand::Stop),
         Event { angle_deg: 1e9, index: index(200), ..quiet() },
     ] {
-        assert_eq!(latched.next(&event).0, latched);
+        assert_eq!(after(latched, &event).0, latched);
     }
 }
 
@@ -226,7 +234,7 @@ fn a_cause_to_leave_in_every_state() {
     walk(&[
         ("idle", Idle, because(glitch), State::Fault(Fault::EncoderGlitch), false),
         ("in timed motion", Streaming, because(glitch), dry, false),
-        ("told to stop", Streaming, told(AxisCommand::Stop), stopped, false),
+        ("told to stop", Streaming, told(&AxisCommand::Stop), stopped, false),
         ("armed", armed(pass(0)), because(glitch), State::Fault(Fault::EncoderGlitch), false),
         ("the operator holds timed motion", Streaming, because(operator), Streaming, false),
         ("told to leave what has not begun", armed(pass(0)), because(operator), Streaming, false),
@@ -244,6 +252,7 @@ fn a_cause_to_leave_in_every_state() {
 
 #[test]
 fn from_leaving_to_rest() {
+    let arm = arm(100);
     let along = |stage, fault| leaving(Way::Along(stage), fault);
     let (fault, free) = (Some(Fault::OtherAxis), Event { brake: Some(timed()), ..quiet() });
     let over = Event { rests: true, ..quiet() };
@@ -276,15 +285,15 @@ fn from_leaving_to_rest() {
         ("on its way", leaving(timed(), None), quiet(), leaving(timed(), None), false),
         ("at rest", leaving(timed(), None), over, Streaming, false),
         ("at rest with a fault", leaving(timed(), fault), over, State::Fault(Fault::OtherAxis), false),
-        ("refuses a pass", leaving(timed(), None), told(arm(100)), leaving(timed(), None), true),
+        ("refuses a pass", leaving(timed(), None), told(&arm), leaving(timed(), None), true),
         (
             "is not called off",
             leaving(timed(), None),
-            told(AxisCommand::CallOff),
+            told(&AxisCommand::CallOff),
             leaving(timed(), None),
             false,
         ),
     ]);
     let late = because(Cause::Leave(Some(Fault::EmergencyStop)));
-    assert_eq!(along(Stage::Locked, None).next(&late).0, along(Stage::Locked, Some(Fault::EmergencyStop)));
+    assert_eq!(after(along(Stage::Locked, None), &late).0, along(Stage::Locked, Some(Fault::EmergencyStop)));
 }
