@@ -90,9 +90,9 @@ impl ScrewError {
             slope = c1 + u * (2.0 * c2 + u * 3.0 * c3);
         }
         if self.wobble_m != 0.0 {
-            let turned = q * self.turn_per_m;
-            error += self.wobble_m * libm::sin(turned);
-            slope += self.wobble_m * self.turn_per_m * libm::cos(turned);
+            let (sin, cos) = libm::sincos(q * self.turn_per_m);
+            error += self.wobble_m * sin;
+            slope += self.wobble_m * self.turn_per_m * cos;
         }
         (error, slope)
     }

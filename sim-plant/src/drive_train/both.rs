@@ -8,8 +8,9 @@ use core::ops::{Add, Div, Mul, Sub};
 use super::{DriveTrain, Motion};
 use crate::friction::Bristles;
 
-/// A number of each of the two.
+/// A number of each of the two, side by side in memory: so the compiler takes them in one instruction.
 #[derive(Clone, Copy)]
+#[repr(align(16))]
 struct Both([f64; 2]);
 
 impl Both {
@@ -72,44 +73,110 @@ impl BothBristles {
     }
 }
 
+/// What does not change of both.
+struct Trains {
+    lag_mean: Both,
+    lag_left: Both,
+    force_per_torque: Both,
+    stiffness: Both,
+    damping: Both,
+    screw_viscous: Both,
+    slide_viscous: Both,
+    motor_step: Both,
+    slide_step: Both,
+    step_s: Both,
+    screw: BothBristles,
+    guide: BothBristles,
+}
+
+/// The [`Motion`] of both.
+struct Motions {
+    motor_m: Both,
+    motor_m_s: Both,
+    slide_m: Both,
+    slide_m_s: Both,
+    torque_nm: Both,
+    screw_m: Both,
+    guide_m: Both,
+}
+
+impl Trains {
+    fn of(two: [&DriveTrain; 2]) -> Trains {
+        Trains {
+            lag_mean: Both::of(two, |train| train.lag_mean),
+            lag_left: Both::of(two, |train| train.lag_left),
+            force_per_torque: Both::of(two, |train| train.force_per_torque),
+            stiffness: Both::of(two, |train| train.stiffness),
+            damping: Both::of(two, |train| train.damping),
+            screw_viscous: Both::of(two, |train| train.screw_viscous),
+            slide_viscous: Both::of(two, |train| train.slide_viscous),
+            motor_step: Both::of(two, |train| train.motor_step),
+            slide_step: Both::of(two, |train| train.slide_step),
+            step_s: Both::of(two, |train| train.step_s),
+            screw: BothBristles::of(two.map(|train| &train.screw)),
+            guide: BothBristles::of(two.map(|train| &train.guide)),
+        }
+    }
+
+    /// So many steps. By itself: among other code the compiler pairs other numbers than those of the two.
+    #[inline(never)]
+    fn advance(&self, steps: u32, motions: &mut Motions, command: Both, force_n: Both) {
+        let Motions {
+            motor_m: mut x,
+            motor_m_s: mut v,
+            slide_m: mut y,
+            slide_m_s: mut w,
+            torque_nm: mut tau,
+            mut screw_m,
+            mut guide_m,
+        } = *motions;
+        for _ in 0..steps {
+            let mean = command + (tau - command) * self.lag_mean;
+            tau = command + (tau - command) * self.lag_left;
+            let push = self.stiffness * (x - y) + self.damping * (v - w);
+            let screw_n = self.screw.force(&mut screw_m, v);
+            let guide_n = self.guide.force(&mut guide_m, w);
+            let on_motor = self.force_per_torque * mean - push - self.screw_viscous * v - screw_n;
+            let on_slide = push - self.slide_viscous * w - guide_n + force_n;
+            v = v + self.motor_step * on_motor;
+            w = w + self.slide_step * on_slide;
+            x = x + v * self.step_s;
+            y = y + w * self.step_s;
+        }
+        *motions =
+            Motions { motor_m: x, motor_m_s: v, slide_m: y, slide_m_s: w, torque_nm: tau, screw_m, guide_m };
+    }
+}
+
+impl Motions {
+    fn of(two: [&Motion; 2]) -> Motions {
+        Motions {
+            motor_m: Both::of(two, |motion| motion.motor_m),
+            motor_m_s: Both::of(two, |motion| motion.motor_m_s),
+            slide_m: Both::of(two, |motion| motion.slide_m),
+            slide_m_s: Both::of(two, |motion| motion.slide_m_s),
+            torque_nm: Both::of(two, |motion| motion.torque_nm),
+            screw_m: Both::of(two, |motion| motion.screw_m),
+            guide_m: Both::of(two, |motion| motion.guide_m),
+        }
+    }
+
+    fn each(&self) -> [Motion; 2] {
+        from_fn(|lane| Motion {
+            motor_m: self.motor_m.0[lane],
+            motor_m_s: self.motor_m_s.0[lane],
+            slide_m: self.slide_m.0[lane],
+            slide_m_s: self.slide_m_s.0[lane],
+            torque_nm: self.torque_nm.0[lane],
+            screw_m: self.screw_m.0[lane],
+            guide_m: self.guide_m.0[lane],
+        })
+    }
+}
+
 /// The states after one control cycle under torque commands in N·m and forces on the slides in N.
 pub(super) fn advance(two: [&DriveTrain; 2], commands_nm: [f64; 2], forces_n: [f64; 2]) -> [Motion; 2] {
-    let of = |number: fn(&DriveTrain) -> f64| Both::of(two, number);
-    let (command, force_n) = (Both(commands_nm), Both(forces_n));
-    let (lag_mean, lag_left) = (of(|train| train.lag_mean), of(|train| train.lag_left));
-    let force_per_torque = of(|train| train.force_per_torque);
-    let (stiffness, damping) = (of(|train| train.stiffness), of(|train| train.damping));
-    let (screw_viscous, slide_viscous) = (of(|train| train.screw_viscous), of(|train| train.slide_viscous));
-    let (motor_step, slide_step) = (of(|train| train.motor_step), of(|train| train.slide_step));
-    let step_s = of(|train| train.step_s);
-    let screw = BothBristles::of(two.map(|train| &train.screw));
-    let guide = BothBristles::of(two.map(|train| &train.guide));
-
-    let mut x = of(|train| train.motion.motor_m);
-    let mut v = of(|train| train.motion.motor_m_s);
-    let mut y = of(|train| train.motion.slide_m);
-    let mut w = of(|train| train.motion.slide_m_s);
-    let mut tau = of(|train| train.motion.torque_nm);
-    let mut screw_m = of(|train| train.motion.screw_m);
-    let mut guide_m = of(|train| train.motion.guide_m);
-    for _ in 0..two[0].steps {
-        let mean = command + (tau - command) * lag_mean;
-        tau = command + (tau - command) * lag_left;
-        let push = stiffness * (x - y) + damping * (v - w);
-        let on_motor = force_per_torque * mean - push - screw_viscous * v - screw.force(&mut screw_m, v);
-        let on_slide = push - slide_viscous * w - guide.force(&mut guide_m, w) + force_n;
-        v = v + motor_step * on_motor;
-        w = w + slide_step * on_slide;
-        x = x + v * step_s;
-        y = y + w * step_s;
-    }
-    from_fn(|lane| Motion {
-        motor_m: x.0[lane],
-        motor_m_s: v.0[lane],
-        slide_m: y.0[lane],
-        slide_m_s: w.0[lane],
-        torque_nm: tau.0[lane],
-        screw_m: screw_m.0[lane],
-        guide_m: guide_m.0[lane],
-    })
+    let mut motions = Motions::of(two.map(|train| &train.motion));
+    Trains::of(two).advance(two[0].steps, &mut motions, Both(commands_nm), Both(forces_n));
+    motions.each()
 }
