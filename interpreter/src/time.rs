@@ -51,7 +51,7 @@ impl<'m> Clock<'m> {
         Clock {
             machine,
             route: Route::new(machine),
-            chain: Chain::new(Route::settings(machine)),
+            chain: Chain::growing(Route::settings(machine)),
             last: None,
             x: None,
             at: machine.home(),

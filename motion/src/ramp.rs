@@ -187,6 +187,7 @@ impl Ramp {
     /// Sample `p` seconds after the start of the run-in: at rest at 0 for `p` ≤ 0; for `p` ≥ duration uniform
     /// motion `s = distance + dv (p − duration)` (M14).
     #[must_use]
+    #[inline]
     pub fn at(&self, p: f64) -> Sample {
         if p <= 0.0 {
             Sample::default()
@@ -202,6 +203,7 @@ impl Ramp {
     }
 
     /// M13 up to the middle of the ramp.
+    #[inline]
     fn first_half(&self, p: f64) -> Sample {
         if p > self.t1 {
             let q = p - self.t1;
@@ -222,6 +224,7 @@ impl Ramp {
     /// Sample `p` seconds after braking from `dv` begins, the run-in reversed in time (M15): uniform motion
     /// `s = dv p` before, at rest at exactly `distance` after.
     #[must_use]
+    #[inline]
     pub fn braking_at(&self, p: f64) -> Sample {
         if p <= 0.0 {
             Sample::uniform(self.dv * p, self.dv)

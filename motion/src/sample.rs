@@ -81,6 +81,7 @@ impl Sample {
 
     /// A law run backwards, `s(p) → end − s(T − p)`, given the sample at `T − p`: odd derivatives keep their
     /// sign.
+    #[inline]
     pub(crate) fn reversed(self, end: f64) -> Sample {
         Sample { s: end - self.s, v: self.v, a: -self.a, j: self.j, dj: -self.dj }
     }

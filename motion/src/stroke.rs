@@ -90,6 +90,7 @@ impl Stroke {
     /// Sample at `p` seconds (at programmed speed) after the start: at rest at 0 for `p` ≤ 0, at rest at
     /// exactly the length for `p` ≥ duration.
     #[must_use]
+    #[inline]
     pub fn at(&self, p: f64) -> Sample {
         if p <= 0.0 || self.length == 0.0 {
             Sample::default()
@@ -103,6 +104,7 @@ impl Stroke {
     }
 
     /// M2 with 0 < p ≤ D: acceleration (a_p/2)(1 − cos x), x = 2 w p.
+    #[inline]
     fn first_interval(&self, p: f64) -> Sample {
         let (h, k) = (self.half_a, self.phase_rate);
         let phase = Versine::at(k * p);

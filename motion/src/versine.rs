@@ -27,7 +27,9 @@ const SECOND: [f64; 7] = [306.0, 240.0, 182.0, 132.0, 90.0, 56.0, 30.0];
 const THIRD: [f64; 7] = [342.0, 272.0, 210.0, 156.0, 110.0, 72.0, 42.0];
 
 impl Versine {
-    /// All values at phase `x`; one `sincos`, or none near the start of the pulse.
+    /// All values at phase `x`; one `sincos`, or none near the start of the pulse. Inlined, it costs no more
+    /// than those that are asked for.
+    #[inline]
     pub(crate) fn at(x: f64) -> Versine {
         if x < 1.0 {
             return Versine::near_zero(x);
@@ -40,6 +42,7 @@ impl Versine {
     }
 
     /// Power series of `second` and `third`; the others follow from them without cancellation.
+    #[inline]
     fn near_zero(x: f64) -> Versine {
         let y = x * x;
         let series = |factors: [f64; 7]| factors.iter().fold(1.0, |tail, factor| 1.0 - y * tail / factor);

@@ -280,7 +280,11 @@ fn touches_nothing_else(contour: &Contour, f: &Formula, name: &str) -> Result<()
         // The centre is at most a radius beside the contact, what it touches another one.
         let around = n.saturating_sub(2 * near)..(n + 2 * near + 1).min(points.len());
         for [px, py] in points.get(around).unwrap_or_default() {
-            let depth = radius - libm::hypot(px - cx, py - cy);
+            let (dx, dy) = (px - cx, py - cy);
+            if dx * dx + dy * dy > radius * radius {
+                continue;
+            }
+            let depth = radius - libm::hypot(dx, dy);
             if depth > TOUCHES_MM {
                 let message = format!(
                     "the tool that touches the contour at {name} = {x:.4} cuts into it at {name} = {px:.4}, {depth:.4} mm deep"

@@ -114,7 +114,8 @@ pub struct Step<const N: usize, T> {
     pub rejected: bool,
 }
 
-/// A chain of blocks, and where the machine is on it. It allocates once, in `new`.
+/// A chain of blocks, and where the machine is on it. It allocates once, in `new`; one that grows, as it
+/// goes.
 #[derive(Clone, Debug)]
 pub struct Chain<const N: usize, T> {
     settings: Settings<N>,
@@ -143,20 +144,30 @@ pub struct Chain<const N: usize, T> {
 }
 
 impl<const N: usize, T: Copy + Default> Chain<N, T> {
-    /// An empty chain. Its memory is written to once, so that no cycle has to wait for a page of it.
+    /// An empty chain with all the memory that it will need. It is written to once, so that no cycle has to
+    /// wait for a page of it.
     #[must_use]
     pub fn new(settings: Settings<N>) -> Chain<N, T> {
-        let mut pieces = VecDeque::with_capacity(BLOCKS);
+        let mut chain = Chain::growing(settings);
         if let Some(path) = Path::line([1.0; N], &[true; N]) {
             let (feed, corner, tag) = (Feed::Rapid, Corner::Stop, T::default());
             let block = Block { path, feed, corner, room: 0.0, chord_mm: 0.0, tag };
-            pieces.resize(BLOCKS, Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] });
-            pieces.clear();
+            let piece = Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] };
+            chain.pieces = VecDeque::with_capacity(BLOCKS);
+            chain.pieces.resize(BLOCKS, piece);
+            chain.pieces.clear();
         }
+        chain.sections.take_memory();
+        chain
+    }
+
+    /// The same for who has time to wait: it takes memory when it needs it.
+    #[must_use]
+    pub fn growing(settings: Settings<N>) -> Chain<N, T> {
         Chain {
             settings,
             ratios: Ratios::full(0.0),
-            pieces,
+            pieces: VecDeque::new(),
             tail: None,
             sections: Sections::new(),
             along: 0.0,

@@ -86,10 +86,14 @@ pub(super) struct Sections {
 
 impl Sections {
     pub(super) fn new() -> Sections {
-        let mut ring = VecDeque::with_capacity(SECTIONS);
-        ring.resize(SECTIONS, Section::new(0.0, Feed::Rapid, Limits::NONE, true));
-        ring.clear();
-        Sections { ring, entered: false, changed: None, total: 0.0 }
+        Sections { ring: VecDeque::new(), entered: false, changed: None, total: 0.0 }
+    }
+
+    /// Takes the memory of all the sections that there may be, and writes to it.
+    pub(super) fn take_memory(&mut self) {
+        self.ring = VecDeque::with_capacity(SECTIONS);
+        self.ring.resize(SECTIONS, Section::new(0.0, Feed::Rapid, Limits::NONE, true));
+        self.ring.clear();
     }
 
     pub(super) fn len(&self) -> usize {
