@@ -136,6 +136,9 @@ impl Circles {
     pub(super) fn cycle(&mut self, record: &Record) {
         let (now, line) = (record.truth.cycle.0, record.machine.line);
         let begun = self.program.get(&line).map_or(&[][..], Vec::as_slice);
+        if self.lap.is_none() && begun.is_empty() {
+            return;
+        }
         if let Some(lap) = &mut self.lap {
             let again = begun.iter().any(|circle| circle.follows(&lap.circle));
             if let Some(place) = lap.circle.place(record).filter(|_| !again) {

@@ -2,6 +2,8 @@
 //! shall stand. Out: a [`Machine`]. Limits, cycles, encoders, what is believed and what is true vary; the
 //! loops are those of the machine it was made from, slower where the cycle is longer.
 
+use std::sync::LazyLock;
+
 use machine::{AxisConfig, Kinematics, Machine, POSITIONER, Reaction, RunOut, SMALL_LATHE, SMALL_MILL};
 use protocol::Axis;
 use testing::Seed;
@@ -12,6 +14,11 @@ const RAD_S: f64 = core::f64::consts::TAU / 60.0;
 const PEAK_NM: f64 = 60.0;
 const RAMP_SHARE: f64 = 0.6;
 
+/// What the machines are made from, read once.
+static LATHE: LazyLock<Machine> = LazyLock::new(|| read(SMALL_LATHE));
+static MILL: LazyLock<Machine> = LazyLock::new(|| read(SMALL_MILL));
+static POSITIONING: LazyLock<Machine> = LazyLock::new(|| read(POSITIONER));
+
 /// One of these with probability 1/n each.
 fn one_of(seed: &mut Seed, list: &[f64]) -> f64 {
     list[seed.below(list.len())]
@@ -19,7 +26,7 @@ fn one_of(seed: &mut Seed, list: &[f64]) -> f64 {
 
 /// A lathe whose axes stand at X, Z; with a short travel, so that the plant keeps little of the part.
 pub(super) fn lathe(seed: &mut Seed, x_mm: f64, z_mm: f64) -> Machine {
-    let mut machine = read(SMALL_LATHE);
+    let mut machine = LATHE.clone();
     for (axis, home_mm, reach) in [(Axis::X, x_mm, 45.0), (Axis::Z, z_mm, 60.0)] {
         if let Some(config) = machine.axis.get_mut(&axis) {
             config.home_mm = home_mm;
@@ -48,7 +55,7 @@ pub(super) fn lathe(seed: &mut Seed, x_mm: f64, z_mm: f64) -> Machine {
 }
 
 pub(super) fn mill(seed: &mut Seed) -> Machine {
-    let mut machine = read(SMALL_MILL);
+    let mut machine = MILL.clone();
     machine.spindle.ramp_rpm_s = 6000.0;
     calm(&mut machine);
     what_all_have(seed, &mut machine);
@@ -56,7 +63,7 @@ pub(super) fn mill(seed: &mut Seed) -> Machine {
 }
 
 pub(super) fn positioner(seed: &mut Seed) -> Machine {
-    let mut machine = read(POSITIONER);
+    let mut machine = POSITIONING.clone();
     calm(&mut machine);
     what_all_have(seed, &mut machine);
     machine

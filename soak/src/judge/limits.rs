@@ -67,6 +67,11 @@ impl Limits {
             if now.state() != AxisState::Leaving {
                 *taken = now.acceleration_mm_s2.abs() / config.limits().a;
             }
+            if step <= gap * at_least(config.limits().v, cycle_s)
+                && change <= gap * at_least(config.limits().a, cycle_s)
+            {
+                continue;
+            }
             let moving = Moving { rpm, uneven: self.uneven, taken: *taken, now };
             let (most, fastest) = moving.allowed(known, *axis, config, pass.map(|(pass, _)| pass));
             let (most, fastest) = (gap * most, gap * fastest);
@@ -96,6 +101,11 @@ impl Limits {
         self.before.extend(axes.iter().map(|(_, status)| *status));
         found
     }
+}
+
+/// What a limit allows in a cycle in every state, mostly enough.
+fn at_least(limit: f64, cycle_s: f64) -> f64 {
+    limit * cycle_s * MORE + ROUNDING
 }
 
 /// An axis that is led beyond its travel, or in timed motion faster than it may; or whose drive is told what
@@ -187,7 +197,13 @@ mod tests {
     /// What is found of X, status by status.
     fn found(statuses: &[AxisStatus]) -> Option<&'static str> {
         let machine = Machine::default();
-        let known = Known { machine: &machine, passes: BTreeMap::new(), events: &[], reference: None };
+        let known = Known {
+            machine: &machine,
+            tan_flank: 0.0,
+            passes: BTreeMap::new(),
+            events: &[],
+            reference: None,
+        };
         let mut limits = Limits::default();
         let (truth, said) = (Truth::default(), MachineStatus::default());
         statuses.iter().find_map(|status| {

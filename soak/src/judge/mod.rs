@@ -86,6 +86,8 @@ pub struct Reference {
 /// What a judge knows of a case.
 pub(crate) struct Known<'a> {
     pub(crate) machine: &'a Machine,
+    /// Tangent of the half angle of the flank.
+    pub(crate) tan_flank: f64,
     pub(crate) passes: BTreeMap<u32, (ThreadPass, Option<PassStock>)>,
     pub(crate) events: &'a [Event],
     pub(crate) reference: Option<&'a Reference>,
@@ -131,8 +133,10 @@ impl<'a> Judge<'a> {
         for stock in passes.values_mut().filter_map(|(_, stock)| stock.as_mut()) {
             faces.iter().for_each(|face| stock.begins(*face));
         }
+        let machine = &ready.machine;
+        let tan_flank = libm::tan(machine.threading.flank_half_angle_deg.to_radians());
         Judge {
-            known: Known { machine: &ready.machine, passes, events, reference },
+            known: Known { machine, tan_flank, passes, events, reference },
             limits: Limits::default(),
             tool: Tool::new(),
             rest: Rest::default(),
@@ -180,11 +184,11 @@ impl<'a> Judge<'a> {
 
     fn measure(&mut self, exchange: &Exchange) {
         let record = &exchange.record;
-        let mut states: Vec<u32> = record.axes.iter().map(|(_, status)| status.state).collect();
-        states.push(record.machine.state);
-        if states != self.states {
+        let states = record.axes.iter().map(|(_, status)| status.state).chain([record.machine.state]);
+        if !states.clone().eq(self.states.iter().copied()) {
             self.measured.borders.push(record.truth.cycle.0);
-            self.states = states;
+            self.states.clear();
+            self.states.extend(states);
         }
         let from = *self.turns_from.get_or_insert(record.truth.spindle_deg);
         let measured = &mut self.measured;
@@ -208,10 +212,10 @@ impl<'a> Judge<'a> {
             return None;
         }
         let counts = record.axes.iter().map(|(_, status)| (1e9 * status.commanded_mm).round() as i64);
-        let counts: Vec<i64> = counts.collect();
-        let before = self.ended.get_or_insert_with(|| counts.clone());
-        let moved = before.iter().zip(&counts).any(|(before, now)| (before - now).abs() > STILL);
+        let before = self.ended.get_or_insert_with(|| counts.clone().collect());
+        let moved = before.iter().zip(counts.clone()).any(|(before, now)| (before - now).abs() > STILL);
         moved.then(|| {
+            let counts: Vec<i64> = counts.collect();
             Broken::new(
                 "moves-after-end",
                 record.truth.cycle.0,

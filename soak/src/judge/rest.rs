@@ -66,8 +66,8 @@ fn moving<'a>(exchange: &Exchange<'a>) -> Option<&'a (Axis, AxisStatus)> {
 /// hold that makes a pass be left leads the tool back to its start.
 fn stops(known: &Known, exchange: &Exchange, passed: Option<u64>) -> Option<Broken> {
     let now = exchange.record.truth.cycle.0;
-    let leaves = known.passes.values().any(|(pass, _)| pass.out.on(WayOut::ON_HOLD));
-    let led_back = |at: u64| leaves && passed.is_some_and(|last| last >= at);
+    let leaves = || known.passes.values().any(|(pass, _)| pass.out.on(WayOut::ON_HOLD));
+    let led_back = |at: u64| passed.is_some_and(|last| last >= at) && leaves();
     let due = |event: &&Event| {
         let until = match event.what {
             What::Press(Button::EmergencyStop | Button::Stop | Button::Abort)

@@ -1,6 +1,7 @@
 //! The tool in the material. In: the truth of each cycle. Out: the first cycle in which the tool is where it
 //! may not be, or still there when it should have left.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use protocol::{Axis, Fault, ThreadPass, WayOut};
@@ -120,9 +121,8 @@ impl Tool {
         let backwards = truth.spindle_rpm * pass.direction < -BACKWARDS_RPM;
         self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
         let stock = stock.as_ref()?;
-        let tan = libm::tan(known.machine.threading.flank_half_angle_deg.to_radians());
         let [x_mm, z_mm] = [Axis::X, Axis::Z].map(|axis| truth.axes[axis.index()].slide_mm);
-        let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, tan);
+        let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, known.tan_flank);
         self.touching = contact.is_some();
         self.braking = contact.is_some_and(|contact| stock.brakes(&contact));
         let Some(contact) = contact else {
@@ -158,8 +158,7 @@ impl Tool {
 
     /// The tool should have left by now.
     fn late(&self, known: &Known, pass: &ThreadPass, now: u64) -> Option<Broken> {
-        let out = bounds::way_out(known.machine, pass);
-        let by_z = self.led[1].filter(|led| *led > 0).map(|led| (led, "Z lost its torque".to_owned()));
+        let by_z = self.led[1].filter(|led| *led > 0).map(|led| (led, Cow::from("Z lost its torque")));
         let pressed = known.events.iter().filter_map(|event| {
             let leaves = |policy| pass.out.on(policy);
             let (cause, until) = match event.what {
@@ -170,15 +169,15 @@ impl Tool {
                 }
                 _ => (false, 0),
             };
-            (cause && now <= until).then(|| (event.at, event.told()))
+            (cause && now <= until).then(|| (event.at, event.told().into()))
         });
-        let due = |since: u64| now > since + out;
-        let said = self.said.map(|(since, fault)| (since, format!("{fault:?} was said")));
+        let due = |since: u64| now > since && now > since + bounds::way_out(known.machine, pass);
+        let said = self.said.map(|(since, fault)| (since, format!("{fault:?} was said").into()));
         let noticed = (NOTICED_S / known.machine.general.cycle_s) as u64;
         let backwards =
-            self.backwards.map(|since| (since + noticed, "the spindle turned the wrong way".to_owned()));
+            self.backwards.map(|since| (since + noticed, Cow::from("the spindle turned the wrong way")));
         let stands = known.events.iter().find(|event| event.what == What::Plant(Trouble::Stands(None)));
-        let stands = stands.map(|event| (event.at + 2 * noticed, event.told()));
+        let stands = stands.map(|event| (event.at + 2 * noticed, event.told().into()));
         by_z.into_iter()
             .chain(pressed)
             .chain(said)
@@ -310,10 +309,14 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
         None => (WORST_SERVO_MM, WORST_SERVO_MM),
     };
-    let out = bounds::way_out(known.machine, pass);
     let (lead, mut deepest) = (stock.lead, false);
     let counted = |event: &Event| now >= event.at && excuse::miscounts(&event.what);
     let (mut bottom, mut flank) = (SCATTER * servo.0 + TOLERANCE_MM, SCATTER * servo.1 + TOLERANCE_MM);
+    // Excuses only add: what is within without any needs none.
+    let depth_mm = contact.bottom_mm.max(contact.depth_mm - stock.deepest);
+    if depth_mm <= bottom && contact.flank_mm <= flank {
+        return None;
+    }
     if known.reference.is_some() {
         let law = pass.axis(Axis::X);
         let x_lead = excuse::steepest_mm(law);
@@ -322,6 +325,7 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         bottom += excuse::SLACK * excuse::lag_mm(known.machine, Axis::X, x_lead, uneven)
             + lag_mm * law.lead_mm.abs() / lead;
     }
+    let out = bounds::way_out(known.machine, pass);
     for event in known.events {
         let excuse = excuse::excuse(known.machine, event, now, pass, out, turn);
         // A tool that is pushed in has less room between the flanks, on a cone one that is pushed along is deeper.

@@ -37,7 +37,7 @@ struct Planned {
 }
 
 /// Watches for traces.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Works {
     machine: Machine,
     planned: Vec<Planned>,
@@ -89,7 +89,15 @@ impl Works {
                 _ => {}
             }
         }
-        Works { machine: machine.clone(), planned, ..Works::default() }
+        Works {
+            machine: machine.clone(),
+            planned,
+            nodes: VecDeque::new(),
+            cut: None,
+            reports: Vec::new(),
+            left_out: 0,
+            now: Traced::default(),
+        }
     }
 
     /// Takes one control cycle; `used` are shares of the limits, at a tick.
