@@ -121,12 +121,12 @@ impl Regulator {
 
     /// One control cycle. A measurement that is not newer than the one before, or far ahead, brings nothing:
     /// the answer stays what it was, and the drive sees by its cycle that it is old.
-    pub fn tick(&mut self, input: &In) -> Out {
+    pub fn tick(&mut self, input: &In) -> &Out {
         let measurement = input.measurement;
         let before = self.heard;
         if before.is_some_and(|before| !measurement.cycle.follows(before, MOST_MISSED, &mut self.ahead)) {
             self.held = input.frame.copied().or(self.held);
-            return self.answered;
+            return &self.answered;
         }
         let missed = before.map_or(0, |before| measurement.cycle.0 - before.0 - 1);
         self.heard = Some(measurement.cycle);
@@ -155,7 +155,7 @@ impl Regulator {
         let command = if idle { loops.rest() } else { loops.tick(&motor, measured_mm) };
         self.last = now;
         self.answered = self.answer(measurement, angle_deg, &command, measured_mm);
-        self.answered
+        &self.answered
     }
 
     fn reference(&self, cycle: Cycle, measured_mm: f64) -> Reference<'_> {
@@ -253,12 +253,12 @@ impl Regulator {
         let lift = self.lift(measurement);
         let stopped = matches!(command, Some(AxisCommand::Stop));
         let leaves = stopped || matches!(cause, Some(Cause::Leave(_)));
-        let event = Event {
+        let mut event = Event {
             cycle,
             enabled: measurement.axes[self.axis].drive().state() == Some(DriveState::OperationEnabled),
             cause,
-            way: if leaves { leave::way_out(&reference, self.axis, lift.mm, &self.limits) } else { None },
-            brake: leave::brake(&reference, self.axis, lift.is_free, &self.limits),
+            way: None,
+            brake: None,
             rests: leave::is_over(&reference),
             waits: lift.is_on_its_way(self.axis, cycle < self.state_since.after(HEARS)),
             stream_begun: matches!(self.state, State::Idle)
@@ -272,6 +272,12 @@ impl Regulator {
                 self.spindle.counted_since(pass) < pass.programmed_deg_s * self.call_off_s
             }),
         };
+        if leaves {
+            event.way = leave::way_out(&reference, self.axis, lift.mm, &self.limits);
+        }
+        if matches!(self.state, State::Leaving(_)) {
+            event.brake = leave::brake(&reference, self.axis, lift.is_free, &self.limits);
+        }
         let (rest, public) = (leave::rest_of(&self.state), self.state.public());
         let refused = self.state.step(&event);
         self.refused += u32::from(refused);

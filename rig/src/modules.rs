@@ -28,25 +28,25 @@ struct Governor {
 }
 
 impl Governor {
-    /// The regulator answers a measurement, or lets it wait.
-    fn arrives(&mut self, input: regulator::In) -> Option<regulator::Out> {
-        if self.desk.is_up_to_date() {
-            return Some(self.regulator.tick(&input));
+    /// The regulator answers what arrives, or, if that has to wait, what has waited: its last answer.
+    fn cycle(&mut self, arrives: Option<regulator::In>) -> Option<&regulator::Out> {
+        if let Some(input) = arrives {
+            if self.desk.is_up_to_date() {
+                return Some(self.regulator.tick(&input));
+            }
+            self.desk.arrives((*input.measurement, input.frame.copied()));
         }
-        self.desk.arrives((*input.measurement, input.frame.copied()));
-        None
+        let ready = self.desk.ready();
+        (1..ready).for_each(|_| {
+            self.catch_up();
+        });
+        if ready > 0 { self.catch_up() } else { None }
     }
 
-    /// Its last answer to what has waited.
-    fn catch_up(&mut self) -> Option<regulator::Out> {
-        let mut last = None;
-        for _ in 0..self.desk.ready() {
-            let (measurement, frame) = self.desk.take()?;
-            last = Some(
-                self.regulator.tick(&regulator::In { measurement: &measurement, frame: frame.as_ref() }),
-            );
-        }
-        last
+    /// Its answer to the oldest that waits.
+    fn catch_up(&mut self) -> Option<&regulator::Out> {
+        let (measurement, frame) = self.desk.take()?;
+        Some(self.regulator.tick(&regulator::In { measurement: &measurement, frame: frame.as_ref() }))
     }
 }
 
@@ -116,16 +116,16 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
 
     /// What the last tick made comes into force.
     fn deliver(&mut self, now: Cycle) {
-        let made = self.made.take();
         for Governor { axis, .. } in &self.governors {
-            let sent = made.as_ref().map(|out| &out.frames[axis.index()]);
+            let sent = self.made.as_ref().map(|out| &out.frames[axis.index()]);
             self.frames[axis.index()] = self.wires.frame(now, *axis, sent).copied();
         }
-        let sent = made.as_ref().map(|out| &out.spindle);
+        let sent = self.made.as_ref().map(|out| &out.spindle);
         // What is refused has not arrived.
         if let Some(spindle) = self.wires.spindle(now, sent).filter(|spindle| spindle.check().is_ok()) {
             self.spindle = *spindle;
         }
+        self.made = None;
     }
 
     /// One tick of the interpolator.
@@ -176,18 +176,16 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
             let (axis, index) = (governor.axis, governor.axis.index());
             let measurement =
                 self.wires.measurement(now, axis, Some(sent)).filter(|arrived| arrived.is_whole());
-            let out = measurement.and_then(|measurement| {
-                governor.arrives(regulator::In { measurement, frame: self.frames[index].as_ref() })
-            });
-            let out = out.or_else(|| governor.catch_up());
-            match self.wires.drive(now, axis, out.as_ref().map(|out| &out.drive)) {
+            let frame = self.frames[index].as_ref();
+            let out = governor.cycle(measurement.map(|measurement| regulator::In { measurement, frame }));
+            match self.wires.drive(now, axis, out.map(|out| &out.drive)) {
                 Some(drive) if drive.is_whole() => self.drives[index] = *drive,
                 _ => late += 1,
             }
-            if let Some(status) = self.wires.status(now, axis, out.as_ref().map(|out| &out.status)) {
+            if let Some(status) = self.wires.status(now, axis, out.map(|out| &out.status)) {
                 self.statuses[index] = *status;
             }
-            if let Some(out) = &out {
+            if let Some(out) = out {
                 seen.1 = out.status;
             }
         }

@@ -97,7 +97,7 @@ fn run<W: Wires>(case: &Case, ready: &Ready, reference: Option<&Reference>, wire
     let scenario = Scenario::from_toml(&case.scenario()).expect("what is drawn is a scenario");
     let mut rig = Rig::with_wires(machine, ready.items.iter().copied(), scenario, case.plant_seed, wires)
         .expect("what is drawn is a plant");
-    let mut observer = Some(Observer::new(machine, &ready.items).without_hash());
+    let mut observer = Some(Observer::new(machine, &ready.items).in_brief());
     let mut judge = Judge::new(ready, &case.events, reference);
     let mut launcher = Launcher::new(case, ready);
     let longest = longest(machine, ready, case, reference);

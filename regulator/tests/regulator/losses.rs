@@ -43,7 +43,7 @@ impl Stand {
 
     /// One cycle with these.
     fn take(&mut self, measurement: &Measurement, frame: Option<&AxisFrame>) -> &Out {
-        self.out = self.regulator.tick(&In { measurement, frame });
+        self.out = *self.regulator.tick(&In { measurement, frame });
         self.cycle += 1;
         &self.out
     }
@@ -85,7 +85,7 @@ fn a_frame_that_comes_with_an_old_measurement_is_kept() {
         let measurement = stand.measured();
         stand.take(&measurement, None);
         let frame = due(at).unwrap();
-        assert_eq!(stand.regulator.tick(&In { measurement: &measurement, frame: Some(&frame) }), stand.out);
+        assert_eq!(*stand.regulator.tick(&In { measurement: &measurement, frame: Some(&frame) }), stand.out);
         // The measurement of that cycle, without the frame: it is there already.
         let measurement = stand.measured();
         stand.take(&measurement, None);

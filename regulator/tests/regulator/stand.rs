@@ -119,7 +119,7 @@ pub(crate) fn run(
         let [motor_mm, scale_mm] = axis(cycle, &out);
         let measurement = measurement(cycle, motor_mm, scale_mm);
         let frame = cycle.is_multiple_of(4).then(|| frame(cycle));
-        out = regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
+        out = *regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
         assert_eq!(out.status.refused, 0, "in cycle {cycle}");
         see(cycle, &measurement, &out);
     }

@@ -70,7 +70,7 @@ pub(crate) fn judged<W: Wires>(
     let mut rig = Rig::with_wires(&thread.ready.machine, items, scenario, case.plant_seed, wires)
         .expect("what is drawn is a plant");
     let mut judge = Judge::new(&thread.ready, told, Some(&thread.reference));
-    let mut observer = Some(Observer::new(&thread.ready.machine, &thread.ready.items).without_hash());
+    let mut observer = Some(Observer::new(&thread.ready.machine, &thread.ready.items).in_brief());
     for _ in 0..4 * thread.reference.cycles {
         let goes_on = rig.exchange(None, |exchange: &Exchange| {
             let record = &exchange.record;
