@@ -1,11 +1,11 @@
-//! Two plain drive trains side by side: the same steps as one by one, number for number, with the same
-//! operation on both in one instruction. Plain is a train without backlash and without error of the screw,
-//! whose motor has torque.
+//! Two drive trains whose motors have torque, side by side: the same steps as one by one, number for number,
+//! with the same operation on both in one instruction. Plain is a train without backlash and without error of
+//! the screw: its nut is where its motor is.
 
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Sub};
 
-use super::{DriveTrain, Motion};
+use super::{DriveTrain, Motion, nut};
 use crate::friction::Bristles;
 
 /// A number of each of the two, side by side in memory: so the compiler takes them in one instruction.
@@ -118,9 +118,36 @@ impl Trains {
         }
     }
 
-    /// So many steps. By itself: among other code the compiler pairs other numbers than those of the two.
+    /// So many steps of two whose nuts are where their motors are. By itself: among other code the compiler
+    /// pairs other numbers than those of the two.
     #[inline(never)]
-    fn advance(&self, steps: u32, motions: &mut Motions, command: Both, force_n: Both) {
+    fn advance_plain(&self, steps: u32, motions: &mut Motions, acting: [Both; 2]) {
+        let push = |gap: Both, gaining: Both| self.stiffness * gap + self.damping * gaining;
+        self.advance(steps, motions, acting, |x| (x, Both([1.0; 2])), push);
+    }
+
+    /// The same of any two: nut and backlash of each are its own.
+    #[inline(never)]
+    fn advance_any(&self, two: [&DriveTrain; 2], motions: &mut Motions, acting: [Both; 2]) {
+        let nut = |Both(x): Both| {
+            let [here, there] = from_fn(|lane| nut(&two[lane].screw_error, x[lane]));
+            (Both([here.0, there.0]), Both([here.1, there.1]))
+        };
+        let push =
+            |gap: Both, gaining: Both| Both(from_fn(|lane| two[lane].push(gap.0[lane], gaining.0[lane])));
+        self.advance(two[0].steps, motions, acting, nut, push);
+    }
+
+    /// Steps under torque commands in N·m and forces on the slides in N, as those of [`DriveTrain`].
+    #[inline(always)]
+    fn advance(
+        &self,
+        steps: u32,
+        motions: &mut Motions,
+        [command, force_n]: [Both; 2],
+        nut: impl Fn(Both) -> (Both, Both),
+        push: impl Fn(Both, Both) -> Both,
+    ) {
         let Motions {
             motor_m: mut x,
             motor_m_s: mut v,
@@ -133,10 +160,11 @@ impl Trains {
         for _ in 0..steps {
             let mean = command + (tau - command) * self.lag_mean;
             tau = command + (tau - command) * self.lag_left;
-            let push = self.stiffness * (x - y) + self.damping * (v - w);
+            let (nut_m, slope) = nut(x);
+            let push = push(nut_m - y, slope * v - w);
             let screw_n = self.screw.force(&mut screw_m, v);
             let guide_n = self.guide.force(&mut guide_m, w);
-            let on_motor = self.force_per_torque * mean - push - self.screw_viscous * v - screw_n;
+            let on_motor = self.force_per_torque * mean - slope * push - self.screw_viscous * v - screw_n;
             let on_slide = push - self.slide_viscous * w - guide_n + force_n;
             v = v + self.motor_step * on_motor;
             w = w + self.slide_step * on_slide;
@@ -177,6 +205,11 @@ impl Motions {
 /// The states after one control cycle under torque commands in N·m and forces on the slides in N.
 pub(super) fn advance(two: [&DriveTrain; 2], commands_nm: [f64; 2], forces_n: [f64; 2]) -> [Motion; 2] {
     let mut motions = Motions::of(two.map(|train| &train.motion));
-    Trains::of(two).advance(two[0].steps, &mut motions, Both(commands_nm), Both(forces_n));
+    let (trains, acting) = (Trains::of(two), [Both(commands_nm), Both(forces_n)]);
+    if two.iter().all(|train| train.is_plain()) {
+        trains.advance_plain(two[0].steps, &mut motions, acting);
+    } else {
+        trains.advance_any(two, &mut motions, acting);
+    }
     motions.each()
 }

@@ -176,22 +176,15 @@ impl DriveTrain {
         self.motion = motion;
     }
 
-    /// One control cycle of two drive trains with the same steps. Step by step in turn, because each step
-    /// waits for its divisions, and the processor has time for those of the other meanwhile.
+    /// One control cycle of two drive trains with the same steps: with torque, in the time of one.
     pub(crate) fn advance_both(&mut self, acting: Acting, other: &mut DriveTrain, acting_there: Acting) {
-        if let (true, true, Some(here), Some(there)) =
-            (self.is_plain(), other.is_plain(), acting.command_nm, acting_there.command_nm)
-        {
+        if let (Some(here), Some(there)) = (acting.command_nm, acting_there.command_nm) {
             let forces_n = [acting.force_n, acting_there.force_n];
             [self.motion, other.motion] = both::advance([self, other], [here, there], forces_n);
-            return;
+        } else {
+            self.advance(acting);
+            other.advance(acting_there);
         }
-        let (mut motion, mut there) = (self.begin(&acting), other.begin(&acting_there));
-        for _ in 0..self.steps {
-            self.step(&mut motion, &acting);
-            other.step(&mut there, &acting_there);
-        }
-        (self.motion, other.motion) = (motion, there);
     }
 
     /// Whether the nut is where the motor is.
