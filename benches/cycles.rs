@@ -1,12 +1,13 @@
 //! Control cycles per second of the whole machine in one process on one core: the modules and the plant
 //! alone, and with the observer that measures and hashes every cycle, as `pitchlock run --in-process` has it.
 //! A thread with its passes, a part with timed motion, and the plant by itself with its axes and its spindle
-//! turning.
+//! turning. And soak, which draws machines and programs and judges every cycle, beside such a run.
 //!
 //! criterion prints elements per second; an element is a control cycle. The real machine makes 2000 a second.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;
+use std::ops::Range;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use machine::Machine;
@@ -15,6 +16,9 @@ use rig::{Rig, observe::Observer};
 use sim_plant::{Plant, Scenario};
 
 const PROGRAMS: [&str; 2] = ["examples/m20x2.ngc", "examples/shaft.ngc"];
+
+/// Seeds of a soak that is timed.
+const SEEDS: Range<u64> = 0..20;
 
 /// Most cycles of a run that are timed.
 const CYCLES: u64 = 40_000;
@@ -87,5 +91,23 @@ fn plant(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, whole, plant);
+/// Soak on one core and a run in one process, in turns. What a seed costs before it runs is counted.
+fn soaked(criterion: &mut Criterion) {
+    let machine = Machine::default();
+    let items = items(&machine, PROGRAMS[0]);
+    let soak = || soak::driver::soak(SEEDS, 1, &|_, _| true).cycles;
+    let mut group = criterion.benchmark_group("a core");
+    group.sample_size(10);
+    for turn in 1..=2 {
+        group.throughput(Throughput::Elements(soak()));
+        group.bench_function(format!("soak {turn}"), |bench| bench.iter(soak));
+        group.throughput(Throughput::Elements(run(&machine, &items)));
+        group.bench_function(format!("in one process {turn}"), |bench| {
+            bench.iter(|| observed(&machine, &items));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, whole, plant, soaked);
 criterion_main!(benches);
