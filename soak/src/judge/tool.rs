@@ -53,6 +53,8 @@ pub(crate) struct Tool {
     /// What its speed was when its encoder was not to be believed any more, 1/min, and by how much it has
     /// turned otherwise since, turns.
     unseen: Option<(f64, f64)>,
+    /// How fast X was when Z had torque last, mm/s.
+    x_mm_s: f64,
 }
 
 impl Tool {
@@ -68,6 +70,7 @@ impl Tool {
             rpm: None,
             backwards: None,
             unseen: None,
+            x_mm_s: 0.0,
         }
     }
 
@@ -96,6 +99,9 @@ impl Tool {
             } else if now > 0 && *led == Some(now - 1) && !torque::is_explained(known, axis, now) {
                 let_go = let_go.or(Some(axis));
             }
+        }
+        if self.led[1] == Some(now) {
+            self.x_mm_s = truth.axes[Axis::X.index()].velocity_mm_s.abs();
         }
         // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken
         // away the spindle stands in the end, or Z at the end of its way: then it may let go.
@@ -137,7 +143,8 @@ impl Tool {
         }
         let unseen = self.unseen.map_or(0.0, |(_, turns)| turns.abs());
         let (uneven, rpm) = (self.uneven, truth.spindle_rpm);
-        let seen = Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen };
+        let x_mm_s = self.x_mm_s;
+        let seen = Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s };
         if let Some(broken) = beside(known, pass, stock, &seen) {
             return Some(broken);
         }
@@ -288,7 +295,8 @@ fn turn_cycles(known: &Known, pass: &ThreadPass) -> u64 {
 }
 
 /// What is seen of a tool that touches in a cycle: the changes of the spindle's speed so far, 1/min in a
-/// cycle; whether X and Z have torque; the speed of the spindle, 1/min; turns that nobody can have seen.
+/// cycle; whether X and Z have torque; the speed of the spindle, 1/min; turns that nobody can have seen;
+/// how fast X was when Z had torque last, mm/s.
 struct Seen {
     contact: Contact,
     now: u64,
@@ -297,12 +305,13 @@ struct Seen {
     led: [bool; 2],
     rpm: f64,
     unseen: f64,
+    x_mm_s: f64,
 }
 
 /// The tool is beside its groove. Without torque X gives no depth any more, but Z goes on along the helix up
 /// to where the pass brakes, unless its encoder has failed too; without Z, X may not go deeper.
 fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
-    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen } = seen;
+    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s } = seen;
     let tan = libm::tan(known.machine.threading.flank_half_angle_deg.to_radians());
     let (now, turn, uneven) = (*now, *turn, *uneven);
     let servo = match known.reference {
@@ -346,7 +355,7 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     }
     if !z_led {
         // X went in with a Z that stands now: it has to turn round first.
-        bottom += turning_mm(known, stock.steep(contact) * stock.lead * rpm.abs() / 60.0);
+        bottom += turning_mm(known, x_mm_s.max(stock.steep(contact) * stock.lead * rpm.abs() / 60.0));
     }
     let told = |what: &str, by: f64, most: f64| {
         format!(
