@@ -21,7 +21,8 @@
 pub mod compensation;
 pub mod encoder;
 pub mod feedforward;
-pub mod leave;
+pub mod jumps;
+mod leave;
 mod lift;
 pub mod loops;
 pub mod reference;

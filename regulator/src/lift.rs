@@ -1,7 +1,7 @@
 //! The axis that lifts the tool out of a groove, as every axis of the pass sees it. In: the way out, what is
 //! measured of that axis. Out: whether the tool is free, and how far it has to go.
 
-use protocol::{DriveState, WayOut, measurement::AxisMeasurement};
+use protocol::{DriveState, Position, WayOut, measurement::AxisMeasurement};
 
 /// What is known of it in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -20,9 +20,9 @@ impl Lift {
     pub(crate) const NONE: Lift =
         Lift { axis: usize::MAX, is_free: false, mm: 0.0, enabled: false, calls: false };
 
-    /// By what is measured of the axis that lifts; its place is that of its scale, if it has one.
-    pub(crate) fn of(out: &WayOut, measured: &AxisMeasurement, has_scale: bool) -> Lift {
-        let at = if has_scale { measured.scale } else { measured.position };
+    /// By what is measured of the axis that lifts, and where it is, mm, without the jumps of its encoder.
+    pub(crate) fn of(out: &WayOut, measured: &AxisMeasurement, mm: f64) -> Lift {
+        let at = Position::from_mm(mm);
         let drive = measured.drive();
         let enabled = drive.state() == Some(DriveState::OperationEnabled);
         Lift {

@@ -1,14 +1,15 @@
 //! The regulator of one axis: receive, decide, evaluate, command, report.
 
-use machine::{AxisConfig, Machine};
+use machine::Machine;
 use motion::{Limits, Sample};
 use protocol::{
     Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
-    Measurement, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
+    Measurement, PerAxis, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
     compensation::Compensation,
+    jumps::Jumps,
     leave::{self, Cause, Leaving},
     lift::Lift,
     loops::{Command, Loops},
@@ -62,6 +63,8 @@ pub struct Regulator {
     /// The way out of the pass in hand, or of the last one until the tool is free: who is done with it may
     /// have to wait for who is not.
     out: Option<WayOut>,
+    /// Where each axis is that may lift.
+    lifting: PerAxis<Jumps>,
     /// The cycle in which the interpolator wants the pass in hand to be left.
     leave_at: Option<Cycle>,
     /// Cycle of the last measurement.
@@ -91,6 +94,7 @@ impl Regulator {
         let config = &machine.axis[&axis];
         let cycle_s = machine.general.cycle_s;
         let loops = Loops::new(config, cycle_s);
+        let of = |index: usize| machine.axis.get(&Axis::ALL[index]);
         Regulator {
             axis: axis.index(),
             state: State::Idle,
@@ -102,8 +106,9 @@ impl Regulator {
             limits: config.limits(),
             in_position_mm: config.in_position_mm,
             watch: Watch::new(machine, axis, config),
-            scales: std::array::from_fn(|i| has_scale(machine.axis.get(&Axis::ALL[i]))),
+            scales: std::array::from_fn(|i| of(i).is_some_and(|axis| axis.scale_step_mm.is_some())),
             out: None,
+            lifting: std::array::from_fn(|i| of(i).map_or(Jumps::default(), |axis| Jumps::of(axis, cycle_s))),
             leave_at: None,
             heard: None,
             ahead: None,
@@ -237,6 +242,8 @@ impl Regulator {
         if let Some(AxisCommand::Leave { at }) = command {
             self.leave_at = Some(self.leave_at.map_or(*at, |before| before.min(*at)));
         }
+        let lift = self.lift(measurement, missed);
+        let hears = !matches!(self.state, State::Leaving(_)) || cycle < self.state_since.after(HEARS);
         let known = Known {
             state: &self.state,
             measurement,
@@ -250,7 +257,6 @@ impl Regulator {
         };
         let cause = self.watch.cause(&known);
         let reference = self.reference(cycle, measured_mm);
-        let lift = self.lift(measurement);
         let stopped = matches!(command, Some(AxisCommand::Stop));
         let leaves = stopped || matches!(cause, Some(Cause::Leave(_)));
         let mut event = Event {
@@ -260,7 +266,7 @@ impl Regulator {
             way: None,
             brake: None,
             rests: leave::is_over(&reference),
-            waits: lift.is_on_its_way(self.axis, cycle < self.state_since.after(HEARS)),
+            waits: lift.is_on_its_way(self.axis, hears),
             stream_begun: matches!(self.state, State::Idle)
                 && self.stream.begun()
                 && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,
@@ -284,9 +290,12 @@ impl Regulator {
         if let (Some(rest), State::Streaming) = (rest, &self.state) {
             self.stream.rest_at(rest, cycle);
         }
-        match &self.state {
-            State::InPass { pass, .. } => self.out = Some(pass.out),
-            _ => self.leave_at = None,
+        if let State::InPass { pass, .. } = &self.state {
+            if self.out.replace(pass.out).is_none() {
+                self.lifting[pass.out.axis as usize].forget();
+            }
+        } else {
+            self.leave_at = None;
         }
         if matches!(self.state, State::Streaming) && lift.is_free {
             self.out = None;
@@ -297,11 +306,12 @@ impl Regulator {
     }
 
     /// The axis that lifts the tool out of the pass in hand, or of the last one.
-    fn lift(&self, measurement: &Measurement) -> Lift {
-        self.out.as_ref().map_or(Lift::NONE, |out| {
-            let lifting = out.axis as usize;
-            Lift::of(out, &measurement.axes[lifting], self.scales[lifting])
-        })
+    fn lift(&mut self, measurement: &Measurement, missed: u64) -> Lift {
+        let Some(out) = &self.out else { return Lift::NONE };
+        let lifting = out.axis as usize;
+        let measured = &measurement.axes[lifting];
+        let place = if self.scales[lifting] { measured.scale } else { measured.position };
+        Lift::of(out, measured, self.lifting[lifting].position(place.mm(), missed, true))
     }
 
     fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {
@@ -378,10 +388,6 @@ impl Regulator {
         }
         measurement.axes[self.axis].drive().towards_operation().unwrap_or(ControlWord::DisableVoltage)
     }
-}
-
-fn has_scale(config: Option<&AxisConfig>) -> bool {
-    config.is_some_and(|config| config.scale_step_mm.is_some())
 }
 
 /// Whether the commanded axis rests where the pass in `command` starts. One count of the wire is allowed for

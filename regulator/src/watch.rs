@@ -23,13 +23,12 @@ use machine::{AxisConfig, Machine};
 use motion::Sample;
 use protocol::{Axis, Cycle, DriveState, Fault, Measurement, Panel, WayOut, units::AXES};
 
+use crate::jumps::Jumps;
 use crate::leave::Cause;
 use crate::spindle::Spindle;
 use crate::state::{Pass, Stage, State};
 use crate::stream::Stream;
 
-/// How much more an axis may be accelerated than is ever asked of it.
-const BEYOND: f64 = 10.0;
 /// Control cycles without a measurement that an axis bridges.
 const BRIDGED: u64 = 2;
 /// More than so many missing ones are too many, if they are more than this share of all.
@@ -55,21 +54,11 @@ pub(crate) struct Watch {
     thread_mm: f64,
     cycle_s: f64,
     tick: u64,
-    /// 10 A T² and four quanta, mm.
-    jump_mm: f64,
     /// What of its programmed speed a spindle may reach, a share, and 1/min besides.
     fastest: (f64, f64),
     /// Measurements that are missing, beyond that share.
     lost: f64,
-    seen: Option<Seen>,
-    /// How far the measured position has jumped, there and perhaps back, mm.
-    jumped_mm: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    mm: f64,
-    change: Option<f64>,
+    jumps: Jumps,
 }
 
 /// What an axis knows in a cycle.
@@ -94,8 +83,6 @@ impl Watch {
         let cycle_s = machine.general.cycle_s;
         let mut others = [false; AXES];
         machine.axes().for_each(|(other, _)| others[other.index()] = other != axis);
-        let motor_mm = config.screw_lead_mm / f64::from(config.encoder_counts);
-        let quantum_mm = config.scale_step_mm.unwrap_or(motor_mm).max(motor_mm);
         Watch {
             axis: axis.index(),
             others,
@@ -103,33 +90,19 @@ impl Watch {
             thread_mm: config.thread_error_mm,
             cycle_s,
             tick: machine.cycles_per_tick(),
-            jump_mm: BEYOND * config.acceleration_mm_s2 * cycle_s * cycle_s + 4.0 * quantum_mm,
             fastest: (
                 FASTER * machine.spindle.override_max_pct / 100.0,
                 FASTER_SHARE * machine.spindle.max_rpm,
             ),
             lost: 0.0,
-            seen: None,
-            jumped_mm: None,
+            jumps: Jumps::of(config, cycle_s),
         }
     }
 
     /// Takes the measured position of a cycle and gives it back without the jump that was seen (M102).
     pub(crate) fn position(&mut self, measured_mm: f64, missed: u64, follows: bool) -> f64 {
         self.lost = (self.lost - LOST_SHARE).max(0.0) + missed as f64;
-        let seen = self.seen.filter(|_| missed == 0);
-        let change = seen.map(|seen| measured_mm - seen.mm);
-        let beyond = match (change, seen.and_then(|seen| seen.change)) {
-            (Some(change), Some(before)) => change - before,
-            _ => 0.0,
-        };
-        let jumps = follows && (beyond.is_nan() || beyond.abs() > self.jump_mm);
-        if jumps {
-            self.jumped_mm = Some(self.jumped_mm.unwrap_or(0.0) + beyond);
-        }
-        let change = change.map(|change| if jumps { change - beyond } else { change });
-        self.seen = Some(Seen { mm: measured_mm, change });
-        measured_mm - self.jumped_mm.unwrap_or(0.0)
+        self.jumps.position(measured_mm, missed, follows)
     }
 
     /// What ends what the axis does, if anything.
@@ -168,7 +141,7 @@ impl Watch {
             matches!(fault, EncoderPulsesLost | EncoderPulsesGained | EncoderIndexMissing)
         };
         let spindle = spindle.filter(|fault| !(finishes && minor(fault)));
-        spindle.or(self.jumped_mm.map(|_| Fault::AxisJump))
+        spindle.or(self.jumps.has_jumped().then_some(Fault::AxisJump))
     }
 
     /// The servo error is that of the reference of the cycle before against its measurement, so it is known

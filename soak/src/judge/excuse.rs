@@ -102,7 +102,9 @@ pub(crate) fn excuse(
             Excuse { turns: NOISE * f64::from(counts) / machine.spindle_counts(), ..Excuse::default() }
         }
         Trouble::Eccentricity(counts) => {
-            Excuse { turns: counts / machine.spindle_counts(), ..Excuse::default() }
+            // It comes at once: a step, and the observer swings over.
+            let step = if now < event.at + turn { 2.0 } else { 1.0 };
+            Excuse { turns: step * counts / machine.spindle_counts(), ..Excuse::default() }
         }
         Trouble::Stands(_) if !fast && now < until(BLIND_S) + out => {
             Excuse { axial_mm: f64::INFINITY, ..Excuse::default() }

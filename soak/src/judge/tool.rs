@@ -45,8 +45,8 @@ pub(crate) struct Tool {
     braking: bool,
     /// Cycle in which somebody has said that something is wrong that makes the axes leave, and what.
     said: Option<(u64, Fault)>,
-    /// Largest change of the spindle's speed in a cycle, 1/min, fading away; its speed.
-    uneven: f64,
+    /// Largest changes of the spindle's speed in a cycle, 1/min, up and down, fading away; its speed.
+    uneven: [f64; 2],
     rpm: Option<f64>,
     /// Cycle since when the spindle turns the wrong way in a pass.
     backwards: Option<u64>,
@@ -66,7 +66,7 @@ impl Tool {
             touching: false,
             braking: false,
             said: None,
-            uneven: 0.0,
+            uneven: [0.0; 2],
             rpm: None,
             backwards: None,
             unseen: None,
@@ -116,9 +116,10 @@ impl Tool {
             self.pass = Some(status.pass);
         }
         self.hear(exchange);
-        let change =
-            (truth.spindle_rpm - self.rpm.replace(truth.spindle_rpm).unwrap_or(truth.spindle_rpm)).abs();
-        self.uneven = (self.uneven * (1.0 - known.machine.general.cycle_s / FADES_S)).max(change);
+        let change = truth.spindle_rpm - self.rpm.replace(truth.spindle_rpm).unwrap_or(truth.spindle_rpm);
+        let fades = 1.0 - known.machine.general.cycle_s / FADES_S;
+        let [up, down] = self.uneven;
+        self.uneven = [(up * fades).max(change), (down * fades).max(-change)];
         if known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what)) {
             let (rpm, turns) = self.unseen.get_or_insert((truth.spindle_rpm, 0.0));
             *turns += (truth.spindle_rpm - *rpm) / 60.0 * known.machine.general.cycle_s;
@@ -142,7 +143,8 @@ impl Tool {
             *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
         }
         let unseen = self.unseen.map_or(0.0, |(_, turns)| turns.abs());
-        let (uneven, rpm) = (self.uneven, truth.spindle_rpm);
+        // From the one to the other a slide swings twice as far.
+        let (uneven, rpm) = (self.uneven.iter().sum(), truth.spindle_rpm);
         let x_mm_s = self.x_mm_s;
         let seen = Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s };
         if let Some(broken) = beside(known, pass, stock, &seen) {
