@@ -164,6 +164,14 @@ impl<'a> Axes<'a> {
         })
     }
 
+    /// Whether an axis that follows the stream rests elsewhere than it was led: its last setpoints have not
+    /// arrived.
+    pub(crate) fn elsewhere(&self, here: &PerAxis<Position>) -> bool {
+        self.live().any(|(axis, status)| {
+            status.state() == AxisState::Streaming && !near(status.commanded_mm, here[axis.index()].mm())
+        })
+    }
+
     /// Whether all that live stand and belong to no pass.
     pub(crate) fn rest(&self) -> bool {
         self.live().all(|(_, status)| {

@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | the one that lifts the tool | timed: by (M99) to where the tool is clear | there |
 //! | the same, where that would take it deeper than the pass goes | timed: first by (M100) to rest, then by (M99) | there |
+//! | the same, so fast on its way to depth that it would go deeper than the pass | along the law, until it would not | as above |
 //! | the same, on the way to a cone that rises | timed: first by (M100) to the speed at which it rises, then by (M99) | there |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
 //! | every other one, in the run-in, if the lift is long, or nobody lifts, and it can come to rest in front of the part | timed: by (M100) | where it stands |
@@ -27,6 +28,8 @@ const STANDS_S: f64 = 0.1;
 /// One on the helix of a spindle whose angle nobody has known for so long, too: the axis that lifts the tool
 /// has left by then, or cannot.
 const LOST_S: f64 = 0.5;
+/// A way out that goes deeper than the pass by more than this is not taken yet, mm.
+const TOO_DEEP_MM: f64 = 0.02;
 /// A lift is long that is longer than a thread is deep, mm.
 const LONG_MM: f64 = 5.0;
 /// The retract of the pass is kept if its end comes no later than so many times a way out of its own.
@@ -96,8 +99,12 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
     let now = reference.now();
     let turning = reference.spindle.since(pass, 0.0);
     let begins = matches!(stage, Stage::WaitingForC0 | Stage::RunIn);
-    let exit = no_deeper(&now, pass, begins, limits);
+    let (exit, beyond_mm) = no_deeper(&now, pass, begins, limits);
     if begins {
+        // The law comes to rest at depth, whatever the speed of the spindle.
+        if beyond_mm > TOO_DEEP_MM && turning.speed > 0.0 && stage == Stage::RunIn {
+            return Way::Along(stage);
+        }
         let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
         return Way::Timed { exit: rising.unwrap_or(exit), from: reference.cycle };
     }
@@ -128,19 +135,17 @@ fn rising(now: &Sample, pass: &Pass, ratio: f64, limits: &Limits) -> Option<Exit
 
 /// To where the tool is clear. Turned round at once, a tool on its way to depth, or that a spindle takes back,
 /// would go deeper than to come to rest first, and perhaps deeper than the pass, or than it is: a cone may
-/// begin below where it ends.
-fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> Exit {
+/// begin below where it ends. And by how much it is too deep then, mm.
+fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit, f64) {
     let clear = pass.out.clear.mm();
     let exit = Exit::to(now, clear, limits);
     let into = (now.s - clear).signum();
     let locked = pass.place(pass.law.locked_deg());
     let depth = if begins && (locked - now.s) * into > 0.0 { locked } else { now.s };
     let beyond = |exit: &Exit| (exit.farthest(into) - depth) * into;
-    if beyond(&exit) <= 0.0 {
-        return exit;
-    }
     let by_rest = Exit::by_rest(now, clear, limits);
-    if beyond(&by_rest) < beyond(&exit) { by_rest } else { exit }
+    let ways = [exit, by_rest].map(|exit| (exit, beyond(&exit)));
+    if ways[0].1 <= 0.0 || ways[0].1 <= ways[1].1 { ways[0] } else { ways[1] }
 }
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its

@@ -52,6 +52,7 @@ impl Interpolator {
             None if self.leads() && axes.astray(&self.machine, self.travel.here(), self.ahead_s()) => {
                 Some(Fault::StreamStarved)
             }
+            None if self.ends_at_rest() && axes.elsewhere(self.travel.here()) => Some(Fault::StreamStarved),
             None if axes.in_fault() => Some(Fault::AxisFault),
             None => None,
         }
@@ -60,6 +61,11 @@ impl Interpolator {
     /// Whether the axes are led by setpoints.
     fn leads(&self) -> bool {
         matches!(self.task, Task::Moving { .. } | Task::Ready { .. })
+    }
+
+    /// Whether the program is over, and every status knows the last setpoint.
+    fn ends_at_rest(&self) -> bool {
+        matches!(self.task, Task::Ending { .. }) && self.patience.waited() > SETPOINT_LEAD + 3
     }
 
     /// How far the last setpoint lies ahead of the statuses at most, s: of the tick before, and two more.

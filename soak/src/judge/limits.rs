@@ -165,7 +165,7 @@ impl Moving<'_> {
             steep / 60.0 * self.uneven + excuse::counted_mm_s(machine, known.events, now.cycle.0, counted);
         // A spindle that jams looks like one whose encoder fails, and is taken to turn on for some cycles.
         let jammed = known.events.iter().any(|event| excuse::jams(machine, event, now.cycle.0));
-        let caught_up = if jammed { OVERSHOOT * law.lead_mm.abs() / 60.0 * pass.s_rpm } else { 0.0 };
+        let caught_up = if jammed { OVERSHOOT * excuse::steepest_mm(law) / 60.0 * pass.s_rpm } else { 0.0 };
         let follows = follows + caught_up;
         // As fast as the spindle is in truth, as long as that is what the pass was released for.
         let released = pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm;

@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use machine::Machine;
 use protocol::{Axis, Fault, ThreadPass, WayOut};
 use rig::Exchange;
 
@@ -23,8 +24,10 @@ const WORST_SERVO_MM: f64 = 0.2;
 /// A spindle turns the wrong way that does so faster than this, 1/min; it is noticed within so many s.
 const BACKWARDS_RPM: f64 = 30.0;
 const NOTICED_S: f64 = 0.5;
-/// What a spindle has done to a slide fades away within this, s.
-const FADES_S: f64 = 0.05;
+/// Damping of a slide, where a machine does not say.
+const DAMPING: f64 = 0.03;
+/// What it has done to observers and loops fades away within this at least, s.
+const LEAST_S: f64 = 0.05;
 /// A spindle swings through rest when it has stopped, slower than this, 1/min.
 const SWINGS_RPM: f64 = 20.0;
 /// A spindle that is slower than this stands, 1/min.
@@ -105,7 +108,10 @@ impl Tool {
         }
         // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken
         // away the spindle stands in the end, or Z at the end of its way: then it may let go.
-        let holds = self.led[0] == Some(now) || (truth.spindle_rpm.abs() > STANDS_RPM && !self.braking);
+        // And nobody knows whether a spindle stands whose encoder has failed.
+        let blind = known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what));
+        let turns = truth.spindle_rpm.abs() > STANDS_RPM && !self.braking && !blind;
+        let holds = self.led[0] == Some(now) || turns;
         if let Some(axis) = let_go.filter(|axis| self.touching && (*axis == Axis::X || holds)) {
             let text =
                 format!("{axis} has no torque any more, the tool is in the material, nothing explains it");
@@ -117,7 +123,7 @@ impl Tool {
         }
         self.hear(exchange);
         let change = truth.spindle_rpm - self.rpm.replace(truth.spindle_rpm).unwrap_or(truth.spindle_rpm);
-        let fades = 1.0 - known.machine.general.cycle_s / FADES_S;
+        let fades = 1.0 - known.machine.general.cycle_s / swings_s(known.machine);
         let [up, down] = self.uneven;
         self.uneven = [(up * fades).max(change), (down * fades).max(-change)];
         if known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what)) {
@@ -289,6 +295,13 @@ fn turning_mm(known: &Known, v: f64) -> f64 {
     let Some(x) = known.machine.axis.get(&Axis::X) else { return 0.0 };
     let limits = x.limits();
     v * (3.0 * known.machine.general.cycle_s + limits.a / limits.j) + v * v / (2.0 * limits.a)
+}
+
+/// What a spindle has done to the slide of Z fades away with this time, s: 1/ζω.
+fn swings_s(machine: &Machine) -> f64 {
+    let damping = excuse::in_truth(machine, Axis::Z, "mode_damping", DAMPING);
+    let rad_s = core::f64::consts::TAU * excuse::in_truth(machine, Axis::Z, "mode_hz", 100.0);
+    (1.0 / (damping * rad_s)).max(LEAST_S)
 }
 
 /// Cycles in a turn of the programmed speed.
