@@ -150,11 +150,25 @@ fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit,
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
 /// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands or is
-/// lost.
-pub(crate) fn brake(reference: &Reference, axis: usize, free: bool, limits: &Limits) -> Option<Way> {
+/// lost. Where a spindle turns out to have jammed that was taken to turn on, every axis goes from where it was
+/// led `last` to where it belongs.
+pub(crate) fn brake(
+    reference: &Reference,
+    last: &Sample,
+    axis: usize,
+    free: bool,
+    limits: &Limits,
+) -> Option<Way> {
     let State::Leaving(Leaving { pass: Some(pass), way: Way::Along(stage), .. }) = reference.state else {
         return None;
     };
+    if reference.spindle.is_back() {
+        let exit = match pass.lifts(axis) {
+            true => no_deeper(last, pass, false, limits).0,
+            false => Exit::to(last, pass.place(reference.spindle.since(pass, 0.0).angle), limits),
+        };
+        return Some(Way::Timed { exit, from: Cycle(reference.cycle.0 - 1) });
+    }
     if pass.lifts(axis) {
         return Some(lift(reference, pass, *stage, limits));
     }

@@ -282,7 +282,7 @@ impl Regulator {
             event.way = leave::way_out(&reference, self.axis, lift.mm, &self.limits);
         }
         if matches!(self.state, State::Leaving(_)) {
-            event.brake = leave::brake(&reference, self.axis, lift.is_free, &self.limits);
+            event.brake = leave::brake(&reference, &self.last, self.axis, lift.is_free, &self.limits);
         }
         let (rest, public) = (leave::rest_of(&self.state), self.state.public());
         let refused = self.state.step(&event);

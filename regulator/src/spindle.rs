@@ -56,8 +56,10 @@ pub struct Spindle {
     count: i64,
     index: Option<Index>,
     index_number: u64,
-    /// Cycles for which the encoder has not been believed.
+    /// Cycles for which the encoder has not been believed; whether it is not, and whether it is again.
     blind: u64,
+    coasts: bool,
+    is_back: bool,
     /// The farthest count of the pass in hand, in its direction; none without one.
     farthest: Option<i64>,
     /// How far back from there a spindle has turned round, count.
@@ -84,6 +86,8 @@ impl Spindle {
             index: None,
             index_number: 0,
             blind: 0,
+            coasts: false,
+            is_back: false,
             farthest: None,
             round: (ROUND_SHARE * machine.spindle_counts()).max(ROUND_COUNTS) as i64,
             resting: RESTING_RPM / 60.0 * machine.spindle_counts(),
@@ -103,11 +107,17 @@ impl Spindle {
         let lead_mm = pass.map_or(0.0, |pass| pass.law.lead_mm);
         self.encoder.update(measurement, self.tolerated(lead_mm), pass.is_some());
         if self.encoder.is_blind() {
-            self.blind += 1;
+            (self.blind, self.coasts) = (self.blind + 1, true);
             return self.coast();
         }
         self.count = self.encoder.count(measurement);
         let angle = self.encoder.angle(measurement);
+        // Only a spindle that has jammed is believed again: it stands.
+        self.is_back = std::mem::take(&mut self.coasts);
+        if self.is_back {
+            self.leading.start(angle, 0.0);
+            self.stroking.start(angle, 0.0);
+        }
         self.leading.update(angle);
         self.stroking.update(angle);
         self.farthest = pass.map(|pass| {
@@ -155,6 +165,11 @@ impl Spindle {
         let round = self.farthest.is_some_and(|farthest| farthest - ahead > self.round);
         let slow = self.resting.max(RESTING_SHARE * pass.programmed_deg_s / self.degrees_per_count);
         round && self.leading.at(0.0).speed * pass.direction < -slow
+    }
+
+    /// Whether its angle is known again in this cycle, and it stands.
+    pub fn is_back(&self) -> bool {
+        self.is_back
     }
 
     /// Whether nobody has known its angle for so many cycles.
