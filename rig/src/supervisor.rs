@@ -8,7 +8,7 @@
 //! |---|---|
 //! | interpreter | what was sent is executed; the interpolator faults if that was not the whole program |
 //! | interpolator | a pass in hand is cut to its end by the regulators; then emergency stop |
-//! | interpolator, dead or silent for four ticks, and an axis faults | emergency stop at once: nobody else stops the spindle |
+//! | interpolator, dead or silent for four ticks, and an axis is in fault | emergency stop at once: nobody else stops the spindle |
 //! | regulator | emergency stop at once: its drive brakes by its own watchdog, the other axes leave the thread |
 //! | plant | the end: there is nothing left to look after |
 //!
@@ -20,7 +20,7 @@
 use std::collections::BTreeMap;
 
 use machine::{AxisConfig, Machine, SpindleConfig};
-use protocol::{Axis, Code, Item, Module, ThreadPass, operator::Request, units::AXES};
+use protocol::{Axis, AxisState, Code, Item, Module, ThreadPass, operator::Request, units::AXES};
 
 use crate::observe::Record;
 
@@ -83,9 +83,10 @@ enum Phase {
     Over(End),
 }
 
-/// Whether a regulator has a fault, or will have once its axis has left.
+/// Whether an axis is in fault. One that is on its way out is left alone: a spindle that was stopped meanwhile
+/// would not turn any more as it is taken to by who does not believe its encoder.
 fn faults(record: &Record) -> bool {
-    record.axes.iter().any(|(_, status)| status.fault != 0)
+    record.axes.iter().any(|(_, status)| status.state() == AxisState::Fault)
 }
 
 /// Watches over one run.

@@ -114,13 +114,13 @@ fn an_axis_that_faults_in_a_pass_without_its_interpolator_stops_the_machine_at_o
     made.died(Module::Interpolator);
     made.go(100);
     assert!(made.asked.is_empty());
-    made.axes[0].1.fault = Fault::DriveFault as u32;
+    made.axes[0].1.state = AxisState::Fault as u32;
     made.go(10);
     assert_eq!(made.asked, [101]);
     // Nobody has buried it yet.
     let mut made = Made::in_pass();
     made.go(100);
-    made.axes[0].1.fault = Fault::DriveFault as u32;
+    made.axes[0].1.state = AxisState::Fault as u32;
     made.go(100);
     assert!(made.asked.is_empty(), "the interpolator stops the spindle");
     made.told = Some(made.truth.cycle);

@@ -255,7 +255,7 @@ pub(crate) fn counted_mm_s(machine: &Machine, events: &[Event], now: u64, lead_m
     let (turn, cycle_s) = (machine.spindle_counts(), machine.general.cycle_s);
     let counts = events.iter().filter(|event| now >= event.at).map(|event| match event.what {
         What::Plant(Trouble::Counts(counts) | Trouble::Glitch(counts, _)) => {
-            (counts.unsigned_abs() as f64).min(MOST_COUNTS)
+            (counts.unsigned_abs() as f64).min(MOST_COUNTS.max(seen_counts(machine)))
         }
         What::Plant(Trouble::Noise(counts)) => 4.0 * f64::from(counts),
         What::Plant(Trouble::Eccentricity(counts)) => counts,

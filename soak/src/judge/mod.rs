@@ -21,6 +21,7 @@
 pub(crate) mod bounds;
 pub(crate) mod excuse;
 mod finish;
+mod leaves;
 mod limits;
 mod rest;
 pub mod stock;

@@ -10,6 +10,7 @@ use rig::Exchange;
 
 use super::{
     Broken, Known, bounds, excuse, is_led,
+    leaves::makes_leave,
     stock::{Contact, PassStock},
     torque,
 };
@@ -30,6 +31,8 @@ const DAMPING: f64 = 0.03;
 const LEAST_S: f64 = 0.05;
 /// A spindle swings through rest when it has stopped, slower than this, 1/min.
 const SWINGS_RPM: f64 = 20.0;
+/// In so many s the loop of a spindle has forgotten a load.
+const UNWINDS_S: f64 = 0.6;
 /// A spindle that is slower than this stands, 1/min.
 const STANDS_RPM: f64 = 1.0;
 
@@ -223,6 +226,10 @@ impl Tool {
         let now = truth.cycle.0;
         let coasts = |event: &Event| match event.what {
             What::Plant(Trouble::PowerLost) => now >= event.at,
+            // Loaded to its limit, a drive swings over when the load lets go.
+            What::Plant(Trouble::Load(_, s)) => (event.at
+                ..=event.at + ((s + UNWINDS_S) / known.machine.general.cycle_s) as u64)
+                .contains(&now),
             What::Plant(Trouble::Spindle(fault, s)) if fault != SpindleFault::Jam => {
                 (event.at..=event.at + (s / known.machine.general.cycle_s) as u64).contains(&now)
             }
@@ -258,35 +265,6 @@ pub(crate) fn released(known: &Known, at: u64, cycles: u64) -> u64 {
         return at;
     }
     ends.filter(|end| *end >= at).fold(at + cycles, u64::min)
-}
-
-/// Faults after which nobody cuts on, whatever the policy says.
-fn makes_leave(fault: Fault) -> bool {
-    use Fault::{
-        AxisFault, AxisJump, DriveFault, EmergencyStop, EncoderGlitch, EncoderPlausibility, EncoderStands,
-        FollowingError, ForceTooHigh, MeasurementGap, OtherAxis, PowerLost, RegulatorSilent,
-        SpindleNotAtSpeed, SpindleReversed, SpindleRunaway, ThreadError,
-    };
-    matches!(
-        fault,
-        AxisFault
-            | AxisJump
-            | DriveFault
-            | EmergencyStop
-            | EncoderGlitch
-            | EncoderPlausibility
-            | EncoderStands
-            | FollowingError
-            | ForceTooHigh
-            | MeasurementGap
-            | OtherAxis
-            | PowerLost
-            | RegulatorSilent
-            | SpindleNotAtSpeed
-            | SpindleReversed
-            | SpindleRunaway
-            | ThreadError
-    )
 }
 
 /// How far X still goes that was led inwards so fast, mm/s, once Z has no torque: three cycles until every
@@ -346,8 +324,9 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         let x_lead = excuse::steepest_mm(law);
         let lag_mm = excuse::lag_mm(known.machine, Axis::Z, lead, uneven);
         flank += excuse::SLACK * lag_mm;
-        bottom += excuse::SLACK * excuse::lag_mm(known.machine, Axis::X, x_lead, uneven)
-            + lag_mm * law.lead_mm.abs() / lead;
+        let x_lag_mm = excuse::SLACK * excuse::lag_mm(known.machine, Axis::X, x_lead, uneven);
+        flank += x_lag_mm * tan;
+        bottom += x_lag_mm + lag_mm * law.lead_mm.abs() / lead;
     }
     let out = bounds::way_out(known.machine, pass);
     for event in known.events {
@@ -388,19 +367,4 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     let on_helix = *z_led && (*x_led || follows);
     let beside = on_helix && contact.flank_mm > flank;
     beside.then(|| Broken::new("flank", now, told("into the flank", contact.flank_mm, flank)))
-}
-
-#[cfg(test)]
-mod tests {
-    use protocol::Fault;
-
-    #[test]
-    fn what_the_table_of_faults_lets_leave_a_pass_makes_leave() {
-        let leaves = |fault: &Fault| fault.row().reaction.starts_with("leaves the pass");
-        // A stop is judged where it is pressed: a machine may finish the pass then.
-        let said = Fault::ALL.into_iter().filter(leaves).filter(|fault| *fault != Fault::Stopped);
-        for fault in said {
-            assert!(super::makes_leave(fault), "{fault:?}");
-        }
-    }
 }
