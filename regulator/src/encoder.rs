@@ -85,6 +85,12 @@ pub struct EncoderFault {
 const STANDS_STILL: EncoderFault = EncoderFault { fault: Fault::EncoderStands, counts: 0 };
 
 impl EncoderFault {
+    /// Whether the angle is still known, but for some counts.
+    fn is_minor(&self) -> bool {
+        use Fault::{EncoderIndexMissing, EncoderPulsesGained, EncoderPulsesLost};
+        matches!(self.fault, EncoderPulsesLost | EncoderPulsesGained | EncoderIndexMissing)
+    }
+
     /// Whether it is a glitch with which the count goes on in the same direction, and slower, given its
     /// change.
     fn is_slower(&self, change: Option<i64>) -> bool {
@@ -233,7 +239,9 @@ impl Encoder {
     /// Takes the measurement of one control cycle, and whether a pass is in hand; so many counts may be lost
     /// or gained within ten turns.
     pub fn update(&mut self, measurement: &Measurement, tolerated: i64, in_pass: bool) {
-        if self.found.is_some() {
+        // A count that is off, or has no index, is followed on: what comes then is looked for as before.
+        let minor = self.found.filter(|found| found.is_minor());
+        if self.found.is_some() && minor.is_none() {
             return self.behind_fault(measurement.spindle_count);
         }
         let count = measurement.spindle_count;
@@ -267,7 +275,10 @@ impl Encoder {
         (seen.count, seen.change) = (count, of_cycle);
         (seen.low, seen.high) = (seen.low.min(count), seen.high.max(count));
         let turns = measurement.index_number.saturating_sub(seen.index_number);
-        let index = if turns > 0 { self.at_index(&seen, measurement.index_count, turns) } else { Ok(None) };
+        let index = match turns > 0 && minor.is_none() {
+            true => self.at_index(&seen, measurement.index_count, turns),
+            false => Ok(None),
+        };
         if turns > 0 {
             let at = measurement.index_count;
             (seen.index_number, seen.index) = (measurement.index_number, Some(at));
@@ -277,7 +288,7 @@ impl Encoder {
         let stalled = if in_pass && self.has_stalled() { Some(STANDS_STILL) } else { None };
         self.believed = glitch.is_none();
         self.slows = glitch.is_some_and(|found| found.is_slower(of_cycle));
-        self.found = glitch.or(index.err()).or(stalled).or_else(|| self.missing(&seen));
+        self.found = glitch.or(minor).or(index.err()).or(stalled).or_else(|| self.missing(&seen));
         self.taken += (self.slip as f64 - self.taken).clamp(-SHARE, SHARE);
         self.seen = Some(seen);
     }

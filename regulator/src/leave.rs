@@ -108,7 +108,10 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
         let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
         return Way::Timed { exit: rising.unwrap_or(exit), from: reference.cycle };
     }
-    let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration();
+    // A spindle that runs away drives a retract faster than the axis may.
+    let fastest = now.v.abs().max((now.v + 0.5 * now.a * now.a.abs() / limits.j).abs());
+    let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration()
+        && fastest <= limits.v;
     match stage {
         Stage::RunOut if soon => Way::Along(stage),
         Stage::Locked if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),

@@ -21,8 +21,8 @@
 pub mod compensation;
 pub mod encoder;
 pub mod feedforward;
-pub mod jumps;
-mod leave;
+mod jumps;
+pub mod leave;
 mod lift;
 pub mod loops;
 pub mod reference;

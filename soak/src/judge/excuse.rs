@@ -215,7 +215,8 @@ pub(crate) fn blinds(what: &What) -> bool {
 /// Whether that encoder counts wrongly behind this.
 pub(crate) fn miscounts(what: &What) -> bool {
     blinds(what)
-        || matches!(what, What::Plant(Trouble::Counts(_) | Trouble::IndexLost(_) | Trouble::Noise(_)))
+        || matches!(what, What::Plant(Trouble::Counts(_) | Trouble::IndexLost(_)))
+        || matches!(what, What::Plant(Trouble::Noise(_) | Trouble::Eccentricity(_)))
 }
 
 /// Whether the spindle has just jammed.
@@ -273,6 +274,14 @@ pub(crate) fn steepest_mm(law: &AxisLaw) -> f64 {
     let steep = |mm: f64, degrees: f64| 2.0 * mm.abs() * 360.0 / degrees.max(1.0);
     let approach = steep(law.stroke_mm, law.locked_deg() - law.begins_deg());
     law.lead_mm.abs() + approach.max(steep(law.retract_mm, law.done_deg() - law.leaves_deg()))
+}
+
+/// How far an axis on a stroke of so many mm a turn is beside its place, mm, while the spindle changes its speed
+/// by so many 1/min in a cycle: the slow observer that leads it learns of it late.
+pub(crate) fn late_mm(machine: &Machine, stroke_mm: f64, change_rpm: f64) -> f64 {
+    let a = stroke_mm * change_rpm / 60.0 / machine.general.cycle_s;
+    let rad_s = core::f64::consts::TAU * machine.spindle.stroke_observer_hz;
+    a / (rad_s * rad_s)
 }
 
 /// How far the slide of an axis lags behind that goes so many mm in a turn, while the spindle changes its

@@ -25,6 +25,8 @@ const WORST_SERVO_MM: f64 = 0.2;
 /// A spindle turns the wrong way that does so faster than this, 1/min; it is noticed within so many s.
 const BACKWARDS_RPM: f64 = 30.0;
 const NOTICED_S: f64 = 0.5;
+/// So far a slide lags behind its motor at most where that is measured free, mm.
+const LAGS_MM: f64 = 0.02;
 /// Damping of a slide, where a machine does not say.
 const DAMPING: f64 = 0.03;
 /// What it has done to observers and loops fades away within this at least, s.
@@ -47,6 +49,8 @@ pub(crate) struct Tool {
     /// it may.
     stuck: Option<(f64, f64)>,
     touching: bool,
+    /// Deeper than a slide lags behind its motor.
+    cutting: bool,
     /// And Z brakes there, or has.
     braking: bool,
     /// Cycle in which somebody has said that something is wrong that makes the axes leave, and what.
@@ -56,9 +60,11 @@ pub(crate) struct Tool {
     rpm: Option<f64>,
     /// Cycle since when the spindle turns the wrong way in a pass.
     backwards: Option<u64>,
-    /// What its speed was when its encoder was not to be believed any more, 1/min, and by how much it has
-    /// turned otherwise since, turns.
+    /// What the speed of the spindle was when its encoder began to count wrongly, 1/min, and by how much it has
+    /// turned otherwise since, turns: nobody sees that who does not believe the encoder.
     unseen: Option<(f64, f64)>,
+    /// Whether a module has said so.
+    disbelieved: bool,
     /// How fast X was when Z had torque last, mm/s.
     x_mm_s: f64,
 }
@@ -70,12 +76,14 @@ impl Tool {
             led: [Some(0); 2],
             stuck: None,
             touching: false,
+            cutting: false,
             braking: false,
             said: None,
             uneven: [0.0; 2],
             rpm: None,
             backwards: None,
             unseen: None,
+            disbelieved: false,
             x_mm_s: 0.0,
         }
     }
@@ -115,7 +123,7 @@ impl Tool {
         let blind = known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what));
         let turns = truth.spindle_rpm.abs() > STANDS_RPM && !self.braking && !blind;
         let holds = self.led[0] == Some(now) || turns;
-        if let Some(axis) = let_go.filter(|axis| self.touching && (*axis == Axis::X || holds)) {
+        if let Some(axis) = let_go.filter(|axis| self.cutting && (*axis == Axis::X || holds)) {
             let text =
                 format!("{axis} has no torque any more, the tool is in the material, nothing explains it");
             return Some(Broken::new("let-go", now, text));
@@ -129,7 +137,10 @@ impl Tool {
         let fades = 1.0 - known.machine.general.cycle_s / swings_s(known.machine);
         let [up, down] = self.uneven;
         self.uneven = [(up * fades).max(change), (down * fades).max(-change)];
-        if known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what)) {
+        let disbelieved =
+            self.said.is_some_and(|(_, fault)| matches!(fault, Fault::EncoderGlitch | Fault::EncoderStands));
+        self.disbelieved |= disbelieved;
+        if known.events.iter().any(|event| now >= event.at && excuse::miscounts(&event.what)) {
             let (rpm, turns) = self.unseen.get_or_insert((truth.spindle_rpm, 0.0));
             *turns += (truth.spindle_rpm - *rpm) / 60.0 * known.machine.general.cycle_s;
         }
@@ -140,6 +151,7 @@ impl Tool {
         let [x_mm, z_mm] = [Axis::X, Axis::Z].map(|axis| truth.axes[axis.index()].slide_mm);
         let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, known.tan_flank);
         self.touching = contact.is_some();
+        self.cutting = contact.is_some_and(|contact| contact.depth_mm > LAGS_MM);
         self.braking = contact.is_some_and(|contact| stock.brakes(&contact));
         let Some(contact) = contact else {
             self.stuck = None;
@@ -151,7 +163,8 @@ impl Tool {
             let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
             *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
         }
-        let unseen = self.unseen.map_or(0.0, |(_, turns)| turns.abs());
+        let blind = self.disbelieved || known.events.iter().any(|event| excuse::blinds(&event.what));
+        let unseen = self.unseen.filter(|_| blind).map_or(0.0, |(_, turns)| turns.abs());
         // From the one to the other a slide swings twice as far.
         let (uneven, rpm) = (self.uneven.iter().sum(), truth.spindle_rpm);
         let x_mm_s = self.x_mm_s;
@@ -324,7 +337,8 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         let x_lead = excuse::steepest_mm(law);
         let lag_mm = excuse::lag_mm(known.machine, Axis::Z, lead, uneven);
         flank += excuse::SLACK * lag_mm;
-        let x_lag_mm = excuse::SLACK * excuse::lag_mm(known.machine, Axis::X, x_lead, uneven);
+        let x_lag_mm = excuse::lag_mm(known.machine, Axis::X, x_lead, uneven);
+        let x_lag_mm = excuse::SLACK * (x_lag_mm + excuse::late_mm(known.machine, x_lead, uneven));
         flank += x_lag_mm * tan;
         bottom += x_lag_mm + lag_mm * law.lead_mm.abs() / lead;
     }
