@@ -1,6 +1,6 @@
 //! The seal of a message: a sum over everything else in it, by which a receiver sees that it was damaged on
-//! its way. Every control cycle has a dozen of them, so it is a sum of words of eight bytes in four lanes that
-//! a processor adds side by side.
+//! its way. Every control cycle has a dozen of them, so it is a sum of words of eight bytes in four lanes,
+//! which a processor adds side by side.
 //!
 //! Each word goes into a product that no other value of it gives, so one damaged word is always another sum
 //! of 64 bits; its halves are folded.

@@ -1,5 +1,6 @@
-//! Whether the measured position of an axis jumps: by more than the axis can be accelerated (M102). In: what is
-//! measured, cycle by cycle. Out: the same without what has jumped, so that the axis goes on from where it was.
+//! Whether the measured position of an axis jumps: by more than the axis can be accelerated (M102). In: what
+//! is measured, cycle by cycle. Out: the same without what has jumped, so that the axis goes on from where it
+//! was.
 
 use machine::AxisConfig;
 

@@ -136,9 +136,9 @@ fn rising(now: &Sample, pass: &Pass, ratio: f64, limits: &Limits) -> Option<Exit
     rises.then(|| Exit::by_speed(now, v.clamp(-limits.v, limits.v), clear, limits))
 }
 
-/// To where the tool is clear. Turned round at once, a tool on its way to depth, or that a spindle takes back,
-/// would go deeper than to come to rest first, and perhaps deeper than the pass, or than it is: a cone may
-/// begin below where it ends. And by how much it is too deep then, mm.
+/// To where the tool is clear. Turned round at once, a tool on its way to depth, or that a spindle takes
+/// back, would go deeper than to come to rest first, and perhaps deeper than the pass, or than it is: a cone
+/// may begin below where it ends. And by how much it is too deep then, mm.
 fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit, f64) {
     let clear = pass.out.clear.mm();
     let exit = Exit::to(now, clear, limits);
@@ -153,8 +153,8 @@ fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit,
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
 /// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands or is
-/// lost. Where a spindle turns out to have jammed that was taken to turn on, every axis goes from where it was
-/// led `last` to where it belongs.
+/// lost. Where a spindle turns out to have jammed that was taken to turn on, every axis goes from where it
+/// was led `last` to where it belongs.
 pub(crate) fn brake(
     reference: &Reference,
     last: &Sample,

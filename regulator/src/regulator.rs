@@ -290,19 +290,25 @@ impl Regulator {
         if let (Some(rest), State::Streaming) = (rest, &self.state) {
             self.stream.rest_at(rest, cycle);
         }
-        if let State::InPass { pass, .. } = &self.state {
-            if self.out.replace(pass.out).is_none() {
-                self.lifting[pass.out.axis as usize].forget();
-            }
-        } else {
-            self.leave_at = None;
-        }
-        if matches!(self.state, State::Streaming) && lift.is_free {
-            self.out = None;
-        }
+        self.remember(lift.is_free);
         if self.state.public() != public {
             self.state_since = cycle;
         }
+    }
+
+    /// The way out of a pass is kept until the tool is free.
+    fn remember(&mut self, is_free: bool) {
+        match &self.state {
+            State::InPass { pass, .. } => {
+                if self.out.replace(pass.out).is_none() {
+                    self.lifting[pass.out.axis as usize].forget();
+                }
+                return;
+            }
+            State::Streaming if is_free => self.out = None,
+            _ => {}
+        }
+        self.leave_at = None;
     }
 
     /// The axis that lifts the tool out of the pass in hand, or of the last one.

@@ -83,8 +83,8 @@ enum Phase {
     Over(End),
 }
 
-/// Whether an axis is in fault. One that is on its way out is left alone: a spindle that was stopped meanwhile
-/// would not turn any more as it is taken to by who does not believe its encoder.
+/// Whether an axis is in fault. One that is on its way out is left alone: a spindle that was stopped
+/// meanwhile would not turn any more as it is taken to by who does not believe its encoder.
 fn faults(record: &Record) -> bool {
     record.axes.iter().any(|(_, status)| status.state() == AxisState::Fault)
 }

@@ -166,8 +166,8 @@ impl Leg {
     }
 }
 
-/// The state in which a way out begins: a jerk beyond its limit ends at once, for on a long way it would carry
-/// the axis far beyond every other limit.
+/// The state in which a way out begins: a jerk beyond its limit ends at once, for on a long way it would
+/// carry the axis far beyond every other limit.
 fn begun(from: &Sample, limits: &Limits) -> Sample {
     Sample { j: from.j.clamp(-limits.j, limits.j), ..*from }
 }

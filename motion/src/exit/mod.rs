@@ -18,8 +18,8 @@
 //! On a long way T is long, and what is left of a small a0 or j0 grows with T² and T³: (M99) would then reach
 //! several times the highest speed. Then the way has two legs: (M100) to the speed at which a0 ends if it is
 //! undone at once, or, where that keeps no limit either, to rest; and (M99) from there. A state that already
-//! exceeds a limit takes what exceeds it least. An axis on its way to rest that brakes harder than its jerk can
-//! undo in time, such as one on the helix of a spindle that stops, does not turn round to spare its jerk.
+//! exceeds a limit takes what exceeds it least. An axis on its way to rest that brakes harder than its jerk
+//! can undo in time, such as one on the helix of a spindle that stops, does not turn round to spare its jerk.
 
 mod leg;
 

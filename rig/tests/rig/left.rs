@@ -129,7 +129,7 @@ fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
     assert_eq!(codes.first(), Some(&Fault::MeasurementGap.code()), "{codes:?}");
 }
 
-/// Nobody above tells the regulators; the tool must not go back to depth by the angle, where Z stands already.
+/// Nobody above tells the regulators; the tool must not go back to depth by the angle, where Z stands.
 #[test]
 fn a_spindle_that_turns_back_is_left_without_an_interpolator_too() {
     for degrees in (3700..8900).step_by(300) {

@@ -2,7 +2,7 @@
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Fault, Item, MachineStatus, Module, ThreadPass, Truth,
+    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineStatus, Module, ThreadPass, Truth,
     operator::Request,
 };
 use rig::{

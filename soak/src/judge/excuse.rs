@@ -276,8 +276,8 @@ pub(crate) fn steepest_mm(law: &AxisLaw) -> f64 {
     law.lead_mm.abs() + approach.max(steep(law.retract_mm, law.done_deg() - law.leaves_deg()))
 }
 
-/// How far an axis on a stroke of so many mm a turn is beside its place, mm, while the spindle changes its speed
-/// by so many 1/min in a cycle: the slow observer that leads it learns of it late.
+/// How far an axis on a stroke of so many mm a turn is beside its place, mm, while the spindle changes its
+/// speed by so many 1/min in a cycle: the slow observer that leads it learns of it late.
 pub(crate) fn late_mm(machine: &Machine, stroke_mm: f64, change_rpm: f64) -> f64 {
     let a = stroke_mm * change_rpm / 60.0 / machine.general.cycle_s;
     let rad_s = core::f64::consts::TAU * machine.spindle.stroke_observer_hz;

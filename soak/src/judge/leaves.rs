@@ -1,5 +1,5 @@
-//! Which faults make every axis leave its pass. In: a fault that a module has told. Out: whether the tool has to
-//! be out of the material soon.
+//! Which faults make every axis leave its pass. In: a fault that a module has told. Out: whether the tool has
+//! to be out of the material soon.
 
 use protocol::Fault;
 

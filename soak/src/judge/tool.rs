@@ -60,8 +60,8 @@ pub(crate) struct Tool {
     rpm: Option<f64>,
     /// Cycle since when the spindle turns the wrong way in a pass.
     backwards: Option<u64>,
-    /// What the speed of the spindle was when its encoder began to count wrongly, 1/min, and by how much it has
-    /// turned otherwise since, turns: nobody sees that who does not believe the encoder.
+    /// What the speed of the spindle was when its encoder began to count wrongly, 1/min, and by how much it
+    /// has turned otherwise since, turns: nobody sees that who does not believe the encoder.
     unseen: Option<(f64, f64)>,
     /// Whether a module has said so.
     disbelieved: bool,
@@ -133,17 +133,7 @@ impl Tool {
             self.pass = Some(status.pass);
         }
         self.hear(exchange);
-        let change = truth.spindle_rpm - self.rpm.replace(truth.spindle_rpm).unwrap_or(truth.spindle_rpm);
-        let fades = 1.0 - known.machine.general.cycle_s / swings_s(known.machine);
-        let [up, down] = self.uneven;
-        self.uneven = [(up * fades).max(change), (down * fades).max(-change)];
-        let disbelieved =
-            self.said.is_some_and(|(_, fault)| matches!(fault, Fault::EncoderGlitch | Fault::EncoderStands));
-        self.disbelieved |= disbelieved;
-        if known.events.iter().any(|event| now >= event.at && excuse::miscounts(&event.what)) {
-            let (rpm, turns) = self.unseen.get_or_insert((truth.spindle_rpm, 0.0));
-            *turns += (truth.spindle_rpm - *rpm) / 60.0 * known.machine.general.cycle_s;
-        }
+        self.spindle(known, now, truth.spindle_rpm);
         let (pass, stock) = known.passes.get(&self.pass?)?;
         let backwards = truth.spindle_rpm * pass.direction < -BACKWARDS_RPM;
         self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
@@ -176,6 +166,21 @@ impl Tool {
             return self.stuck(known, exchange, pass, stock.angle_deg(&contact));
         }
         self.late(known, pass, now)
+    }
+
+    /// What the spindle does, and what of it nobody can see.
+    fn spindle(&mut self, known: &Known, now: u64, rpm: f64) {
+        let cycle_s = known.machine.general.cycle_s;
+        let change = rpm - self.rpm.replace(rpm).unwrap_or(rpm);
+        let fades = 1.0 - cycle_s / swings_s(known.machine);
+        let [up, down] = self.uneven;
+        self.uneven = [(up * fades).max(change), (down * fades).max(-change)];
+        let blind = |fault: Fault| matches!(fault, Fault::EncoderGlitch | Fault::EncoderStands);
+        self.disbelieved |= self.said.is_some_and(|(_, fault)| blind(fault));
+        if known.events.iter().any(|event| now >= event.at && excuse::miscounts(&event.what)) {
+            let (before, turns) = self.unseen.get_or_insert((rpm, 0.0));
+            *turns += (rpm - *before) / 60.0 * cycle_s;
+        }
     }
 
     /// What the modules say of themselves.
@@ -345,7 +350,8 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     let out = bounds::way_out(known.machine, pass);
     for event in known.events {
         let excuse = excuse::excuse(known.machine, event, now, pass, out, turn);
-        // A tool that is pushed in has less room between the flanks, on a cone one that is pushed along is deeper.
+        // A tool that is pushed in has less room between the flanks; on a cone one that is pushed along is
+        // deeper.
         let (radial, axial) = (excuse.radial_mm, excuse.axial_mm + excuse.turns * lead);
         deepest |= excuse.deepest;
         bottom += excuse::SLACK * (radial + axial * stock.slope.abs());
