@@ -15,7 +15,7 @@ use crate::{
     loops::{Command, Loops},
     reference::{Motor, Reference},
     spindle::Spindle,
-    state::{Event, State},
+    state::{Event, State, rests_at},
     stream::Stream,
     watch::{Known, Watch},
 };
@@ -298,17 +298,16 @@ impl Regulator {
 
     /// The way out of a pass is kept until the tool is free.
     fn remember(&mut self, is_free: bool) {
-        match &self.state {
-            State::InPass { pass, .. } => {
-                if self.out.replace(pass.out).is_none() {
-                    self.lifting[pass.out.axis as usize].forget();
-                }
-                return;
+        if let State::InPass { pass, .. } = &self.state {
+            if self.out.replace(pass.out).is_none() {
+                self.lifting[pass.out.axis as usize].forget();
             }
-            State::Streaming if is_free => self.out = None,
-            _ => {}
+            return;
         }
         self.leave_at = None;
+        if is_free && matches!(self.state, State::Streaming) {
+            self.out = None;
+        }
     }
 
     /// The axis that lifts the tool out of the pass in hand, or of the last one.
@@ -394,11 +393,4 @@ impl Regulator {
         }
         measurement.axes[self.axis].drive().towards_operation().unwrap_or(ControlWord::DisableVoltage)
     }
-}
-
-/// Whether the commanded axis rests where the pass in `command` starts. One count of the wire is allowed for
-/// the rounding of setpoints.
-fn rests_at(now: &Sample, command: Option<&AxisCommand>) -> bool {
-    let Some(AxisCommand::Arm { law, .. }) = command else { return false };
-    now.v == 0.0 && now.a == 0.0 && (now.s - law.start.mm()).abs() < 2e-9
 }

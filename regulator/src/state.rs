@@ -25,7 +25,7 @@
 //! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards
 //! in the state it is in.
 
-use motion::PassLaw;
+use motion::{PassLaw, Sample};
 use protocol::{AxisCommand, AxisLaw, AxisState, Cycle, Fault, WayOut};
 
 use crate::leave::{Cause, Leaving, Way};
@@ -291,4 +291,11 @@ fn arm(event: &Event) -> Option<State> {
         motion: law.law(*s_rpm),
     };
     Some(State::InPass { pass, stage: Stage::Armed })
+}
+
+/// Whether the commanded axis rests where the pass in `command` starts. One count of the wire is allowed for
+/// the rounding of setpoints.
+pub(crate) fn rests_at(now: &Sample, command: Option<&AxisCommand>) -> bool {
+    let Some(AxisCommand::Arm { law, .. }) = command else { return false };
+    now.v == 0.0 && now.a == 0.0 && (now.s - law.start.mm()).abs() < 2e-9
 }
