@@ -150,9 +150,11 @@ impl Interpolator {
     /// Whether the spindle rests after a fault, or nobody waits for it any longer.
     pub(crate) fn spindle_is_over(&self, fault: Fault) -> bool {
         // One that is not at speed may have a dead encoder, too.
-        let blind = of_encoder(fault) || fault == Fault::SpindleNotAtSpeed;
+        // And whatever is latched here, a regulator may have found that out first.
+        let dead = of_encoder(fault) || self.heard.faults().any(of_encoder);
+        let blind = dead || fault == Fault::SpindleNotAtSpeed;
         let rests = self.spindle.rests() && (self.spindle.ran_down() || !blind);
-        rests || self.spindle.never_stops() && (self.opened || of_encoder(fault))
+        rests || self.spindle.never_stops() && (self.opened || dead)
     }
 }
 

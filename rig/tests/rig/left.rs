@@ -129,6 +129,19 @@ fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
     assert_eq!(codes.first(), Some(&Fault::MeasurementGap.code()), "{codes:?}");
 }
 
+/// A regulator has found out that the encoder is dead, then the button is pressed: nobody sees the spindle rest.
+#[test]
+fn a_spindle_without_an_encoder_is_waited_for_after_an_emergency_stop_too() {
+    let fast = THREAD.replace("S600", "S2300").replace("K1.5", "K0.4");
+    for later in [30.0, 90.0, 300.0] {
+        let at = AT_DEG + later;
+        let event = format!("encoder_stands = true\n[[event]]\nat = {{ pass = 1, angle_deg = {AT_DEG} }}");
+        let stop = event.replace(&AT_DEG.to_string(), &at.to_string());
+        let left = run(&Machine::default(), &fast, &format!("{stop}\nemergency_stop = true"));
+        assert!(left.rpm.abs() < 5.0, "{later}°: {} 1/min, {:?}", left.rpm, left.seen.faults);
+    }
+}
+
 /// Nobody above tells the regulators; the tool must not go back to depth by the angle, where Z stands.
 #[test]
 fn a_spindle_that_turns_back_is_left_without_an_interpolator_too() {

@@ -77,7 +77,7 @@ impl Judge<'_> {
         let turned = |event: &Event| match event.what {
             What::Plant(Trouble::Spindle(..)) => blind || late(event.at),
             // A drive at its limit swings over when the load lets go.
-            What::Plant(Trouble::Load(..)) => blind,
+            What::Plant(Trouble::Load(..) | Trouble::Dip(..)) => blind,
             _ => false,
         };
         let coasts = self.known.events.iter().any(|event| excuse::coasts(&event.what) || turned(event));
