@@ -129,7 +129,7 @@ fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
     assert_eq!(codes.first(), Some(&Fault::MeasurementGap.code()), "{codes:?}");
 }
 
-/// A regulator has found out that the encoder is dead, then the button is pressed: nobody sees the spindle rest.
+/// A regulator has found out that the encoder is dead, then the button is pressed: nobody sees it rest.
 #[test]
 fn a_spindle_without_an_encoder_is_waited_for_after_an_emergency_stop_too() {
     let fast = THREAD.replace("S600", "S2300").replace("K1.5", "K0.4");
