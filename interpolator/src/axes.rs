@@ -27,13 +27,13 @@ pub(crate) struct Heard {
 }
 
 impl Heard {
+    pub(crate) fn new() -> Heard {
+        Heard { statuses: [AxisStatus::default(); AXES], damaged: [false; AXES] }
+    }
+
     /// The faults that the axes have told.
     pub(crate) fn faults(&self) -> impl Iterator<Item = Fault> {
         self.statuses.iter().filter_map(|status| Fault::from_code(status.fault))
-    }
-
-    pub(crate) fn new() -> Heard {
-        Heard { statuses: [AxisStatus::default(); AXES], damaged: [false; AXES] }
     }
 
     /// Takes what has arrived by the tick of a cycle.

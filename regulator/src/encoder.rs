@@ -86,7 +86,7 @@ const STANDS_STILL: EncoderFault = EncoderFault { fault: Fault::EncoderStands, c
 
 impl EncoderFault {
     /// Whether the angle is still known, but for some counts.
-    fn is_minor(&self) -> bool {
+    pub(crate) fn is_minor(&self) -> bool {
         use Fault::{EncoderIndexMissing, EncoderPulsesGained, EncoderPulsesLost};
         matches!(self.fault, EncoderPulsesLost | EncoderPulsesGained | EncoderIndexMissing)
     }

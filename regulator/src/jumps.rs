@@ -1,6 +1,17 @@
 //! Whether the measured position of an axis jumps: by more than the axis can be accelerated (M102). In: what
 //! is measured, cycle by cycle. Out: the same without what has jumped, so that the axis goes on from where it
 //! was.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | T | s | control cycle |
+//! | d, d′ | mm | change of the measured position over this cycle, over the one before |
+//! | A | mm/s² | highest acceleration of the axis |
+//!
+//! ```text
+//! jump     |d − d′| > 10 A T² + 4 quanta                                                        (M102)
+//! ```
+//! Ten times the acceleration that is asked of an axis is more than its motor and any cut can give it.
 
 use machine::AxisConfig;
 

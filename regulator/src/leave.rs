@@ -146,9 +146,13 @@ fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit,
     let locked = pass.place(pass.law.locked_deg());
     let depth = if begins && (locked - now.s) * into > 0.0 { locked } else { now.s };
     let beyond = |exit: &Exit| (exit.farthest(into) - depth) * into;
+    let beyond_mm = beyond(&exit);
+    if beyond_mm <= 0.0 {
+        return (exit, beyond_mm);
+    }
     let by_rest = Exit::by_rest(now, clear, limits);
-    let ways = [exit, by_rest].map(|exit| (exit, beyond(&exit)));
-    if ways[0].1 <= 0.0 || ways[0].1 <= ways[1].1 { ways[0] } else { ways[1] }
+    let by_rest_mm = beyond(&by_rest);
+    if by_rest_mm < beyond_mm { (by_rest, by_rest_mm) } else { (exit, beyond_mm) }
 }
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its

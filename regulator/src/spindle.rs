@@ -121,7 +121,7 @@ impl Spindle {
         self.leading.update(angle);
         self.stroking.update(angle);
         self.farthest = pass.map(|pass| {
-            let ahead = if pass.direction < 0.0 { -self.count } else { self.count };
+            let ahead = self.ahead(pass);
             self.farthest.map_or(ahead, |farthest| farthest.max(ahead))
         });
         self.open(self.count);
@@ -159,10 +159,14 @@ impl Spindle {
         !self.encoder.is_blind() && self.encoder.still() >= cycles
     }
 
+    /// The count in the direction of a pass.
+    fn ahead(&self, pass: &Pass) -> i64 {
+        if pass.direction < 0.0 { -self.count } else { self.count }
+    }
+
     /// Whether it turns against the direction of the pass in hand (M106).
     pub fn turns_back(&self, pass: &Pass) -> bool {
-        let ahead = if pass.direction < 0.0 { -self.count } else { self.count };
-        let round = self.farthest.is_some_and(|farthest| farthest - ahead > self.round);
+        let round = self.farthest.is_some_and(|farthest| farthest - self.ahead(pass) > self.round);
         let slow = self.resting.max(RESTING_SHARE * pass.programmed_deg_s / self.degrees_per_count);
         round && self.leading.at(0.0).speed * pass.direction < -slow
     }

@@ -5,19 +5,11 @@
 //! What one axis alone can know (its servo error) the others see in their next measurement: its drive mirrors
 //! the call ([`protocol::DriveCommand::CALLS`]), or is out of operation.
 //!
-//! | symbol | unit | meaning |
-//! |---|---|---|
-//! | T | s | control cycle |
-//! | d, d′ | mm | change of the measured position over this cycle, over the one before |
-//! | A | mm/s² | highest acceleration of the axis |
-//!
 //! ```text
-//! jump     |d − d′| > 10 A T² + 4 quanta                                                        (M102)
 //! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
 //! reversed C more than 0.36° back from its farthest, n < −5 % of S, in a pass (`spindle.rs`)    (M106)
 //! ```
-//! Ten times the acceleration that is asked of an axis is more than its motor and any cut can give it.
 
 use machine::{AxisConfig, Machine};
 use motion::Sample;
@@ -134,13 +126,8 @@ impl Watch {
         }
         let may_finish = |pass: &&Pass| !pass.out.on(WayOut::ON_FAULT);
         let finishes = known.state.pass().filter(may_finish).is_some();
-        let spindle = known.spindle.fault().map(|found| found.fault);
-        // The angle is still known, but for some counts.
-        let minor = |fault: &Fault| {
-            use Fault::{EncoderIndexMissing, EncoderPulsesGained, EncoderPulsesLost};
-            matches!(fault, EncoderPulsesLost | EncoderPulsesGained | EncoderIndexMissing)
-        };
-        let spindle = spindle.filter(|fault| !(finishes && minor(fault)));
+        let spindle = known.spindle.fault().filter(|found| !(finishes && found.is_minor()));
+        let spindle = spindle.map(|found| found.fault);
         spindle.or(self.jumps.has_jumped().then_some(Fault::AxisJump))
     }
 

@@ -323,7 +323,7 @@ struct Seen {
 /// to where the pass brakes, unless its encoder has failed too; without Z, X may not go deeper.
 fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
     let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s } = seen;
-    let tan = libm::tan(known.machine.threading.flank_half_angle_deg.to_radians());
+    let tan = known.tan_flank;
     let (now, turn, uneven) = (*now, *turn, *uneven);
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
