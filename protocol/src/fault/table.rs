@@ -249,7 +249,7 @@ pub const FAULTS: [FaultRow; 31] = [
         code: "spindle-reversed",
         source: "regulator, interpolator",
         found: "in a pass the spindle turns against its direction (M106)",
-        within: &[most(&[Cycles(2)], ""), most(&[Ticks(3)], "until it is told")],
+        within: &[most(&[Cycles(1)], ""), most(&[Ticks(3)], "until it is told")],
         reaction: "leaves the pass, the spindle stops",
         text: "the spindle turns the wrong way; check the wiring and the direction of its drive",
         remedy: "wiring and direction of its drive",
