@@ -197,9 +197,27 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
         let Sample { s, v, a, .. } = self.law.at(self.t);
         let Some(change) = self.change(v, a, cap, s) else { return false };
+        if self.is_later(&change, cap, s) {
+            return false;
+        }
         self.leave(s);
         (self.law, self.t) = (Law::Change(change), 0.0);
         true
+    }
+
+    /// Whether a change that leaves the front section with its limits ends later than one that waits for
+    /// those of the next: the block law in hand goes on to the border.
+    fn is_later(&self, change: &SpeedChange, target: f64, gone: f64) -> bool {
+        let (Law::Block(_), Some(front), Some(next)) =
+            (&self.law, self.sections.front(), self.sections.get(1))
+        else {
+            return false;
+        };
+        if front.stops || gone + change.distance() <= front.length {
+            return false;
+        }
+        let there = SpeedChange::plan(self.law.end_speed(), 0.0, target, &next.limits).duration();
+        change.duration() > self.law.duration() - self.t + there
     }
 
     /// Leaves `gone` mm of the law behind.
