@@ -6,6 +6,7 @@
 //! | the one that lifts the tool | timed: by (M99) to where the tool is clear | there |
 //! | the same, where that would take it deeper than the pass goes | timed: first by (M100) to rest, then by (M99) | there |
 //! | the same, so fast on its way to depth that it would go deeper than the pass | along the law, until it would not | as above |
+//! | the same, where that would, too, on the law of a spindle that jams | timed: at once by (M101) to rest, then by (M99) | there |
 //! | the same, on the way to a cone that rises | timed: first by (M100) to the speed at which it rises, then by (M99) | there |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
 //! | every other one, in the run-in, if the lift is long, or nobody lifts, and it can come to rest in front of the part | timed: by (M100) | where it stands |
@@ -34,6 +35,8 @@ const TOO_DEEP_MM: f64 = 0.02;
 const LONG_MM: f64 = 5.0;
 /// The retract of the pass is kept if its end comes no later than so many times a way out of its own.
 const SOON: f64 = 1.2;
+/// And if it asks for no more than so many times the highest acceleration.
+const HARDER: f64 = 1.2;
 
 /// What ends what an axis does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,15 +111,22 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
         let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
         return Way::Timed { exit: rising.unwrap_or(exit), from: reference.cycle };
     }
-    // A spindle that runs away drives a retract faster than the axis may.
+    // A spindle that runs away drives a retract faster, and harder, than the axis may.
     let fastest = now.v.abs().max((now.v + 0.5 * now.a * now.a.abs() / limits.j).abs());
     let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration()
-        && fastest <= limits.v;
+        && fastest <= limits.v
+        && hardest(pass, turning.speed) <= HARDER * limits.a;
     match stage {
         Stage::RunOut if soon => Way::Along(stage),
         Stage::Locked if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
         _ => Way::Timed { exit, from: reference.cycle },
     }
+}
+
+/// Largest acceleration of the retract of a pass at a speed of the spindle, degrees/s: 2π L/T² (M2), mm/s².
+fn hardest(pass: &Pass, speed: f64) -> f64 {
+    let t = (pass.law.done_deg() - pass.law.leaves_deg()) / speed;
+    core::f64::consts::TAU * pass.law.retract_mm.abs() / (t * t)
 }
 
 /// In which time a spindle turns so far, degrees, if it goes on as it does, s: one that is being stopped may
@@ -150,9 +160,15 @@ fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit,
     if beyond_mm <= 0.0 {
         return (exit, beyond_mm);
     }
-    let by_rest = Exit::by_rest(now, clear, limits);
-    let by_rest_mm = beyond(&by_rest);
-    if by_rest_mm < beyond_mm { (by_rest, by_rest_mm) } else { (exit, beyond_mm) }
+    let shallower = |best: (Exit, f64), exit: Exit| match beyond(&exit) {
+        mm if mm < best.1 => (exit, mm),
+        _ => best,
+    };
+    let best = shallower((exit, beyond_mm), Exit::by_rest(now, clear, limits));
+    if begins || best.1 <= TOO_DEEP_MM {
+        return best;
+    }
+    shallower(best, Exit::by_sudden_rest(now, clear, limits))
 }
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
@@ -177,7 +193,9 @@ pub(crate) fn brake(
         return Some(Way::Timed { exit, from: Cycle(reference.cycle.0 - 1) });
     }
     if pass.lifts(axis) {
-        return Some(lift(reference, pass, *stage, limits));
+        // Along the law the stage goes on by itself.
+        let way = lift(reference, pass, *stage, limits);
+        return matches!(way, Way::Timed { .. }).then_some(way);
     }
     let cycles = |s: f64| (s / reference.cycle_s) as u64;
     let stands =

@@ -20,6 +20,8 @@ const SHORTEST_S: f64 = 1e-9;
 const PLACE: [f64; 3] = [2.1875, 7.5132, 52.5];
 /// An axis that turns round for a shorter way than this on its way to rest may, mm.
 const BACK_MM: f64 = 0.02;
+/// On (M101) from rest an acceleration takes the axis a T² over this.
+const BACK_SHARE: f64 = 20.0;
 /// So many v/a are the longest time in which (M101) does not turn round.
 const STRAIGHT: f64 = 4.0;
 /// Peaks of (M100) from a speed to another, by Δv/T, Δv/T².
@@ -73,6 +75,15 @@ impl Leg {
         let duration = (by_a * speed / limits.a).max((by_j * speed / limits.j).sqrt());
         let least = least(&Sample { v: from.v - v, ..*from }, limits);
         Leg::shortest(duration.max(least), limits, |duration| Leg::to_speed(from, v, duration))
+    }
+
+    /// (M101) in a short time: so long that the axis does not brake harder than it may, that it does not come
+    /// to rest before the acceleration it has would bring it there, and that it turns round for no more than
+    /// a little way.
+    pub(super) fn sudden(from: &Sample, limits: &Limits) -> Leg {
+        let brakes = if from.v * from.a < 0.0 { STRAIGHT * (from.v / from.a).abs() } else { 0.0 };
+        let back = (BACK_SHARE * BACK_MM / from.a.abs().max(1e-3 * limits.a)).sqrt();
+        Leg::tangent(from, (2.0 * from.v.abs() / limits.a).max(brakes).max(back))
     }
 
     fn place(from: &Sample, end: f64, t: f64) -> Leg {

@@ -9,11 +9,12 @@
 //!
 //! ```text
 //! to a place   s(u) of degree 7: s, s′, s″, s‴ as they are at u = 0, at rest there at u = 1            (M99)
-//! to a speed   v(u) of degree 5: v, v′, v″ as they are at u = 0, v1, 0, 0 at u = 1; to rest with v1 = 0
-//! (M100) on a tangent v(u) = v0 (1 − u)³ (1 + 3u) + a0 T u (1 − u)³                                         
-//! (M101) ``` Unlike the strokes of a pass (M2) they begin anywhere: on the way in, on a cone, in a retract.
-//! From rest (M99) asks for 2.19 L/T, 7.51 L/T² and 52.5 L/T³, within 10 % of a stroke. T is the shortest of
-//! a row of durations at which sampled speed, acceleration and jerk keep their limits.
+//! to a speed   v(u) of degree 5: v, v′, v″ as they are at u = 0, v1, 0, 0 at u = 1; to rest: v1 = 0   (M100)
+//! on a tangent v(u) = v0 (1 − u)³ (1 + 3u) + a0 T u (1 − u)³                                         (M101)
+//! ```
+//! Unlike the strokes of a pass (M2) they begin anywhere: on the way in, on a cone, in a retract. From rest
+//! (M99) asks for 2.19 L/T, 7.51 L/T² and 52.5 L/T³, within 10 % of a stroke. T is the shortest of a row of
+//! durations at which sampled speed, acceleration and jerk keep their limits.
 //!
 //! On a long way T is long, and what is left of a small a0 or j0 grows with T² and T³: (M99) would then reach
 //! several times the highest speed. Then the way has two legs: (M100) to the speed at which a0 ends if it is
@@ -74,6 +75,19 @@ impl Exit {
     #[must_use]
     pub fn by_rest(from: &Sample, end: f64, limits: &Limits) -> Exit {
         Exit::by_speed(from, 0.0, end, limits)
+    }
+
+    /// The same, where the jerk of it is no object (M101): from a state that no axis comes to by itself, on the
+    /// law of a spindle that jams, undoing its acceleration within the limit of its jerk would take it back by
+    /// millimetres.
+    ///
+    /// # Panics
+    /// If a limit is not positive.
+    #[must_use]
+    pub fn by_sudden_rest(from: &Sample, end: f64, limits: &Limits) -> Exit {
+        let first = Leg::sudden(from, limits);
+        let then = Sample { s: first.end, ..Sample::default() };
+        Exit { legs: [first, Leg::to(&then, end, limits).0] }
     }
 
     /// The way to a speed (M100), and from there to rest at a place (M99), mm/s and mm.
