@@ -243,9 +243,10 @@ impl Spindle {
         self.watch.rests() && self.is_believed()
     }
 
-    /// Nobody believes an encoder that never showed the spindle turning, before it has run down.
+    /// Nobody believes an encoder that never showed the spindle turning, before it has run down; nor any that
+    /// stands sooner than a drive can bring a spindle to rest.
     fn is_believed(&self) -> bool {
-        !self.watch.is_doubtful() || self.ran_down()
+        self.watch.may_rest() && (!self.watch.is_doubtful() || self.ran_down())
     }
 
     /// Override in force, per cent.

@@ -47,6 +47,9 @@ const STOP_S: f64 = 5.0;
 /// What of its highest speed it has to lose in that time, or it does not slow down.
 const SIGN_SHARE: f64 = 0.01;
 
+/// Behind its ramp the loop of its speed settles in so many s.
+const SETTLES_S: f64 = 0.2;
+
 /// An encoder that shows less than this share of what it should may be dead.
 const DOUBT_SHARE: f64 = 0.5;
 
@@ -72,6 +75,9 @@ pub(super) struct Watch {
     stalled: (f64, f64),
     /// Ticks for which it should have stood.
     late: u64,
+    /// The speed it has by the ramp of its drive at most, 1/min, and for how many s that has been none.
+    ramped: f64,
+    ramped_s: f64,
     rest: Rest,
     /// It was to turn, and its encoder showed less than half of that.
     doubtful: bool,
@@ -96,6 +102,8 @@ impl Watch {
             back_turns: 0.0,
             stalled: (0.0, 0.0),
             late: 0,
+            ramped: 0.0,
+            ramped_s: f64::INFINITY,
             rest: Rest::new(machine),
             doubtful: false,
         }
@@ -106,6 +114,8 @@ impl Watch {
         let before = self.count.replace(count).unwrap_or(count);
         let step = self.rate * self.tick_s;
         self.most = commanded.abs().max(self.most - step);
+        self.ramped = commanded.abs().max(self.ramped - SLOWER * step);
+        self.ramped_s = if self.ramped > 0.0 { 0.0 } else { self.ramped_s + self.tick_s };
         // A spindle may well be slower than it was: what it should have grows alone.
         let turned = commanded * self.due < 0.0;
         self.due =
@@ -169,6 +179,11 @@ impl Watch {
     /// Whether it rests.
     pub(super) fn rests(&self) -> bool {
         self.rest.holds()
+    }
+
+    /// Whether its drive has had the time to bring it to rest: an encoder that stands sooner has died.
+    pub(super) fn may_rest(&self) -> bool {
+        self.ramped_s >= SETTLES_S
     }
 
     /// Whether its encoder showed less than half of its speed when it was to turn last.
