@@ -9,15 +9,16 @@
 //! | a jump of an axis | as far as the axis could have moved, and the jerk of its drive |
 //! | a spindle that is stopped harder than Z can brake | the way in which Z brakes, three times, and in which the observer learns of it |
 //! | an encoder that stands, of a spindle so slow that it may be jammed | anything, until the drive has been waited for |
+//! | an emergency stop, no mains | X on its way to depth comes to rest by time, while the spindle slows down |
 //! | a spindle that changes its speed | the slide lags by a/(2πf)², and the servo by as much |
-//! | a spindle that runs away | no axis can follow a retract by its angle: the groove is as deep as at its deepest |
+//! | a spindle that runs away | no axis can follow a retract by its angle: the groove is as deep as at its deepest; where the pass brakes Z goes on as far as its drive cannot brake it |
 //! | measurements, or commands to drives, that come late or not at all | half the way of a cycle |
 //! | a command to a drive that is damaged | all its torque for a cycle |
 //! | noise, eccentricity | their counts |
 //! | an encoder that is not believed | what the spindle has turned otherwise than it would have at its speed |
 //! | all others | none |
 
-use machine::Machine;
+use machine::{AxisConfig, Machine};
 use protocol::{Axis, AxisLaw, ThreadPass};
 
 use crate::event::{Button, Channel, Event, Fate, SpindleFault, Trouble, What};
@@ -80,6 +81,10 @@ pub(crate) fn excuse(
     {
         let lasts = (event.at..event.at + 2 * count + out).contains(&now);
         return Excuse { axial_mm: if lasts { 0.5 * lead_mm_s * cycle_s } else { 0.0 }, ..Excuse::default() };
+    }
+    let stops = matches!(event.what, What::Press(Button::EmergencyStop) | What::Plant(Trouble::PowerLost));
+    if stops && (event.at..event.at + out).contains(&now) {
+        return Excuse { radial_mm: ahead_mm(machine, pass), ..Excuse::default() };
     }
     let What::Plant(trouble) = event.what else { return Excuse::default() };
     let until = |s: f64| event.at + (s / cycle_s) as u64;
@@ -147,12 +152,33 @@ fn pushed_mm(machine: &Machine, axis: Axis, force_n: f64, s: f64) -> f64 {
     1000.0 * force_n / config.mass_kg * s.min(loop_s) * loop_s
 }
 
+/// How far an axis at a speed, mm/s, goes on its brake with all the torque that its drive has, mm.
+pub(crate) fn overshoot_mm(machine: &Machine, axis: Axis, v: f64) -> f64 {
+    let Some(config) = machine.axis.get(&axis) else { return 0.0 };
+    v * v / (2.0 * 1000.0 * force_n(config) / config.mass_kg)
+}
+
+/// What the motor of an axis can push with, N.
+fn force_n(config: &AxisConfig) -> f64 {
+    core::f64::consts::TAU * 1000.0 * config.torque_limit_nm / config.screw_lead_mm
+}
+
 /// Z comes to rest behind a spindle that has stopped dead: it brakes three times as far as it must, once the
 /// observer has learned of it.
 fn overrun(machine: &Machine, v: f64) -> Excuse {
     let learned_s = 2.0 / (core::f64::consts::TAU * machine.spindle.observer_hz);
     let brake_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| v * v / (2.0 * z.acceleration_mm_s2));
     Excuse { axial_mm: 3.0 * brake_mm + v * learned_s, ..Excuse::default() }
+}
+
+/// How far X on its way to depth goes ahead of where the spindle has Z that is stopped meanwhile, mm: it
+/// comes to rest by time, (M100) with 5.77 v/j T², and the spindle loses r T of its speed.
+fn ahead_mm(machine: &Machine, pass: &ThreadPass) -> f64 {
+    let Some(x) = machine.axis.get(&Axis::X) else { return 0.0 };
+    let (limits, law) = (x.limits(), pass.axis(Axis::X));
+    let v = steepest_mm(law) * pass.s_rpm / 60.0;
+    let t = (1.875 * v / limits.a).max((5.77 * v / limits.j).sqrt());
+    0.25 * v * t * (machine.spindle.ramp_rpm_s * t / pass.s_rpm).min(1.0)
 }
 
 /// A jump that the axis could have made is believed; a larger one makes the drive jump for a cycle with all
@@ -167,8 +193,7 @@ fn jump(machine: &Machine, axis: Axis, mm: f64) -> Excuse {
 fn kicked(machine: &Machine, axis: Axis, believed: f64) -> Excuse {
     let Some(config) = machine.axis.get(&axis) else { return Excuse::default() };
     let cycle_s = machine.general.cycle_s;
-    let force_n = core::f64::consts::TAU * 1000.0 * config.torque_limit_nm / config.screw_lead_mm;
-    let v = 1000.0 * force_n / config.mass_kg * cycle_s;
+    let v = 1000.0 * force_n(config) / config.mass_kg * cycle_s;
     let mm = believed + 4.0 * v / (core::f64::consts::TAU * config.velocity_bandwidth_hz);
     match axis {
         Axis::Z => Excuse { axial_mm: mm, ..Excuse::default() },

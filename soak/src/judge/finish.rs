@@ -5,7 +5,7 @@ use rig::observe::{Observation, Outcome, Record};
 use rig::supervisor::End;
 
 use super::{Broken, Judge, bounds, excuse};
-use crate::event::{Event, Fate, Trouble, What};
+use crate::event::{Event, Fate, SpindleFault, Trouble, What};
 
 /// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
 const STANDS_MM_S: f64 = 0.5;
@@ -71,10 +71,15 @@ impl Judge<'_> {
         }
         // What begins to turn it in the last moment nobody can know any more.
         let late = |at: u64| at + LAST_CYCLES > now;
+        let cycle_s = self.known.machine.general.cycle_s;
         // Nor can who has no encoder.
         let dies = |event: &Event| matches!(event.what, What::Plant(Trouble::Stands(_)));
         let blind = self.known.events.iter().any(dies);
         let turned = |event: &Event| match event.what {
+            // One that was held winds its drive up, until it is let go.
+            What::Plant(Trouble::Spindle(SpindleFault::Jam, s)) => {
+                blind || late(event.at) || late(event.at + (s / cycle_s) as u64)
+            }
             What::Plant(Trouble::Spindle(..)) => blind || late(event.at),
             // A drive at its limit swings over when the load lets go.
             What::Plant(Trouble::Load(..) | Trouble::Dip(..)) => blind,

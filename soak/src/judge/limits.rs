@@ -5,7 +5,7 @@
 //! In a pass an axis follows the spindle. What a ripple or a load does to its speed between two cycles, times
 //! the lead, comes on top: an axis that did not follow would cut a flank.
 
-use machine::AxisConfig;
+use machine::{AxisConfig, Machine};
 use protocol::{Axis, AxisState, AxisStatus, ThreadPass};
 use rig::observe::Record;
 
@@ -64,9 +64,15 @@ impl Limits {
             let step = (now.commanded_mm - before.commanded_mm).abs();
             let change = (now.velocity_mm_s - before.velocity_mm_s).abs();
             let pass = if now.state().is_in_pass() { known.passes.get(&now.pass) } else { None };
-            if now.state() != AxisState::Leaving {
-                *taken = now.acceleration_mm_s2.abs() / config.limits().a;
-            }
+            let had = before.acceleration_mm_s2.abs() / config.limits().a;
+            *taken = match (before.state(), pass) {
+                // Still on its law, or not: where a spindle runs away, that takes it as far as this.
+                (AxisState::Leaving, Some((pass, _))) => {
+                    taken.max(had.min(runs_away(machine, pass, rpm).powi(2)))
+                }
+                (AxisState::Leaving, None) => *taken,
+                _ => had,
+            };
             if step <= gap * at_least(config.limits().v, cycle_s)
                 && change <= gap * at_least(config.limits().a, cycle_s)
             {
@@ -168,15 +174,24 @@ impl Moving<'_> {
         let caught_up = if jammed { OVERSHOOT * excuse::steepest_mm(law) / 60.0 * pass.s_rpm } else { 0.0 };
         let follows = follows + caught_up;
         // As fast as the spindle is in truth, as long as that is what the pass was released for.
-        let released = pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm;
         let rpm = self.rpm.abs();
-        let followed = if leaves { LEADS * rpm } else { rpm.min(SWING * released) };
+        let followed = if leaves { LEADS * rpm } else { rpm.min(SWING * released_rpm(machine, pass)) };
         let turned = law.lead_mm.abs() * followed / 60.0;
         // A law by the angle of a spindle that runs away is as much faster.
-        let runs_away = (rpm / released).max(1.0);
+        let runs_away = runs_away(machine, pass, rpm);
         let most = limits.v.max(turned) * cycle_s * more + ROUNDING;
         (most, limits.a * runs_away * runs_away * cycle_s * more + ROUNDING + follows)
     }
+}
+
+/// The highest speed that a pass was released for, 1/min.
+fn released_rpm(machine: &Machine, pass: &ThreadPass) -> f64 {
+    pass.max_ratio.min(machine.spindle.override_max_pct / 100.0) * pass.s_rpm
+}
+
+/// How many times as fast as that a spindle is.
+fn runs_away(machine: &Machine, pass: &ThreadPass, rpm: f64) -> f64 {
+    (rpm.abs() / released_rpm(machine, pass)).max(1.0)
 }
 
 #[cfg(test)]

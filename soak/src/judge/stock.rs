@@ -11,7 +11,8 @@
 //!
 //! ```text
 //! bottom   d <= D(s)                       the tool is not deeper than its law at that Z, give or take
-//! flank    |e| <= (D − d) tan φ            the tool is within the groove, prolonged along the helix
+//! flank    |e| <= (D − d) tan φ            the tool is within the groove, prolonged along the helix,
+//!                                          give or take, or no farther behind the face of the part
 //! ```
 //!
 //! The part begins where Z has reached its lead in every pass: before that place no thread can be cut, so a
@@ -141,17 +142,24 @@ impl PassStock {
         let turns = (self.direction * spindle_deg - self.helix.0) / 360.0;
         let ahead = (s - self.helix.1) / self.lead - turns;
         let beside = (ahead - ahead.round()).abs() * self.lead;
+        let room = (self.deepest - depth_mm).max(0.0) * tan_flank;
         Some(Contact {
             depth_mm,
             way_mm: s,
             bottom_mm: depth_mm - self.groove_at(s),
-            flank_mm: beside - (self.deepest - depth_mm).max(0.0) * tan_flank,
+            // Nothing is beside the groove by more than it is behind the face.
+            flank_mm: (beside - room).min(s - self.face),
         })
     }
 
     /// Whether Z brakes where the tool is: it leaves the helix there.
     pub(crate) fn brakes(&self, contact: &Contact) -> bool {
         contact.way_mm >= self.brake
+    }
+
+    /// How far the tool is behind the last place of the pass, mm.
+    pub(crate) fn beyond_mm(&self, contact: &Contact) -> f64 {
+        contact.way_mm - self.groove.last().map_or(contact.way_mm, |(last, _)| *last)
     }
 
     /// The angle of the pass that belongs to where the tool is, degrees.

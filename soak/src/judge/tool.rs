@@ -362,6 +362,12 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         true => contact.depth_mm - stock.deepest,
         false => stock.bottom_mm(contact, flank),
     };
+    // Behind a spindle that runs away X is still in the part where Z ends: that is as far as Z may go.
+    let ends = deepest && stock.brakes(contact);
+    if ends {
+        flank += excuse::overshoot_mm(known.machine, Axis::Z, lead * rpm.abs() / 60.0);
+    }
+    let flank_mm = if ends { stock.beyond_mm(contact) } else { contact.flank_mm };
     flank += unseen * lead;
     if rpm.abs() < SWINGS_RPM {
         // A spindle that swings through rest turns Z round: its slide is anywhere in its backlash.
@@ -385,6 +391,6 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
     }
     let follows = !(stock.brakes(contact) || known.events.iter().any(counted));
     let on_helix = *z_led && (*x_led || follows);
-    let beside = on_helix && contact.flank_mm > flank;
-    beside.then(|| Broken::new("flank", now, told("into the flank", contact.flank_mm, flank)))
+    let beside = on_helix && flank_mm > flank;
+    beside.then(|| Broken::new("flank", now, told("into the flank", flank_mm, flank)))
 }
