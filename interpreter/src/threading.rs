@@ -8,14 +8,14 @@ use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use machine::{Kinematics, Machine};
-use protocol::{Axis, AxisLaw, Code, CodePacket, Item, PerAxis, Position, ThreadPass};
+use protocol::{Axis, AxisLaw, Code, CodePacket, Item, PerAxis, Position, ThreadPass, WayOut};
 
 use crate::frame::Frame;
 use crate::modal::Synchronised;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Spindle;
-use crate::thread::{Cut, Cycle, MOST_PASSES, Plan, Point, Policy, Single, Starts, plan};
+use crate::thread::{Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 const SAME: f64 = 1e-9;
@@ -102,16 +102,20 @@ impl Threads {
     /// Plans the G33 that waits, if there is one. `rest` is where the axes are before it.
     pub(crate) fn release(
         &mut self,
-        retract_to: Option<f64>,
+        next: Next,
         rest: &PerAxis<Position>,
         machine: &Machine,
     ) -> Option<Released> {
         let Held { place, single, policy } = self.held.take()?;
-        let cut = Single { retract_to, ..single }.cut();
+        let cut = Single { next, ..single }.cut();
         let pass = match plan(&cut, machine) {
             Ok(mut planned) => {
                 let start = self.starts.number(&cut);
                 planned.pass.out.leaves = policy.leaves(planned.pass.out.leaves);
+                if next == Next::Stays {
+                    // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
+                    planned.pass.out.leaves &= !WayOut::ON_HOLD;
+                }
                 Ok(self.number(place.line, planned, start, rest, machine))
             }
             Err(why) => {
@@ -183,18 +187,27 @@ impl Threads {
 }
 
 /// The tool stays in the groove at the end of a G33.
-pub(crate) fn no_retract(line: u32) -> Box<Problem> {
-    let message = "the tool stays in the groove while Z brakes and marks it";
+pub(crate) fn no_retract(line: u32, next: Next) -> Option<Box<Problem>> {
+    let message = match next {
+        Next::Retract(_) => return None,
+        Next::Lift(_) => "the tool stays in the groove while Z brakes and marks it",
+        Next::Stays => {
+            "the tool stays in the groove while Z brakes and marks it, and nothing says where it is out of it: \
+             a fault lifts it by threading.lift_mm, a hold waits for the end of the pass"
+        }
+    };
     let help = "let a G0 that moves only X follow: it is then made in step with the spindle";
-    Problem::warning("no-retract", Blame::Line(line), message, help)
+    Some(Problem::warning("no-retract", Blame::Line(line), message, help))
 }
 
-/// Where X goes if a rapid to `to` moves X alone, within its travel: it is the retract of a G33 then.
-pub(crate) fn retract(from: &gcode::Pose, to: &gcode::Pose, machine: &Machine) -> Option<f64> {
+/// What a move to `to` does with X behind a G33, within its travel: a rapid of X alone is the retract.
+pub(crate) fn next(from: &gcode::Pose, to: &gcode::Pose, rapid: bool, machine: &Machine) -> Next {
     let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
-    let only_x = (0..to.len()).all(|coordinate| stays(coordinate) != (coordinate == X))
-        && within_travel(machine, Axis::X, to[X], Blame::Block).is_ok();
-    only_x.then_some(to[X])
+    if stays(X) || within_travel(machine, Axis::X, to[X], Blame::Block).is_err() {
+        return Next::Stays;
+    }
+    let alone = (0..to.len()).all(|coordinate| coordinate == X || stays(coordinate));
+    if rapid && alone { Next::Retract(to[X]) } else { Next::Lift(to[X]) }
 }
 
 /// G33: one pass along the path to the target.
@@ -229,7 +242,7 @@ pub(crate) fn single(
         to,
         k_mm: lead_mm,
         start_deg,
-        retract_to: None,
+        next: Next::Stays,
         outwards: points.outwards(),
     })
 }

@@ -18,7 +18,7 @@ use crate::output::Output;
 use crate::points::Points;
 use crate::reach::{Done, refuse_absent};
 use crate::spindle::Spindle;
-use crate::thread::Point;
+use crate::thread::{Next, Point};
 use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
 
 /// Longest dwell, s.
@@ -49,7 +49,7 @@ impl Sink for Translator {
 
     fn job(&mut self, place: Place, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
         self.output.comes_from(place);
-        self.release(None);
+        self.release(Next::Stays);
         self.take_job(place, job, tools);
         Ok(Some(self.modal.frame.programmed(self.points.programmed())))
     }
@@ -97,7 +97,7 @@ impl Translator {
 
     /// The program is over, however it ended.
     pub(crate) fn finish(&mut self) {
-        self.release(None);
+        self.release(Next::Stays);
         let line = self.place().line;
         self.spindle.stop();
         self.end_of_block();
@@ -175,7 +175,7 @@ impl Translator {
                 // A retract that is part of the pass still ends at its own point, should Z have run beyond
                 // it.
                 if self.threads.waits() {
-                    self.release(self.retract(&call));
+                    self.release(self.behind_thread(&call));
                 }
                 self.act(place, &call)
             }
@@ -288,23 +288,25 @@ impl Translator {
         Ok(())
     }
 
-    /// Where X goes if a call is the retract of the G33 that waits.
-    fn retract(&self, call: &Call<'_>) -> Option<f64> {
-        let Call::StraightTraverse(to) = call else { return None };
-        threading::retract(self.points.programmed(), &self.modal.frame.machine(to), &self.machine)
+    /// What a call does with X behind the G33 that waits.
+    fn behind_thread(&self, call: &Call<'_>) -> Next {
+        let (Call::StraightTraverse(to) | Call::StraightFeed(to)) = call else { return Next::Stays };
+        let rapid = matches!(call, Call::StraightTraverse(_));
+        let to = self.modal.frame.machine(to);
+        threading::next(self.points.programmed(), &to, rapid, &self.machine)
     }
 
     /// Plans the G33 that waits.
-    fn release(&mut self, retract_to: Option<f64>) {
+    fn release(&mut self, next: Next) {
         let rest = self.points.axes_at_rest();
-        let Some(released) = self.threads.release(retract_to, &rest, &self.machine) else { return };
+        let Some(released) = self.threads.release(next, &rest, &self.machine) else { return };
         let place = released.place;
         match released.pass {
             Err(problem) => return self.output.report(place, *problem),
             Ok(pass) => self.pass(place.line, pass),
         }
-        if retract_to.is_none() {
-            self.output.report(place, *threading::no_retract(place.line));
+        if let Some(problem) = threading::no_retract(place.line, next) {
+            self.output.report(place, *problem);
         }
     }
 

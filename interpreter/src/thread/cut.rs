@@ -39,7 +39,10 @@ pub struct Cut {
     pub retract_mm: f64,
     /// Retract after which the tool is clear of the thread, mm, not negative.
     pub clear_mm: f64,
-    /// Direction of X out of the material, ±1, for a cut that neither goes in nor out by itself.
+    /// How far the program takes X out of the thread behind a cut that has no retract, mm, signed; 0 if it does
+    /// not say.
+    pub lift_mm: f64,
+    /// Direction of X out of the material, ±1, for a cut of which nobody says that.
     pub outwards: f64,
     /// Depth below the crest, mm, for people; 0 if not known.
     pub depth_mm: f64,

@@ -52,6 +52,7 @@ impl Cycle {
             approach_mm,
             // X goes back to the drive line, however far the cone took it.
             retract_mm: -approach_mm - slope * (to_z - from.z),
+            lift_mm: 0.0,
             outwards: -words.crest.signum(),
             clear_mm: depth,
             depth_mm: depth,

@@ -25,5 +25,5 @@ pub(crate) use cycle::{Cycle, MOST_PASSES};
 pub use plan::{Plan, plan};
 pub(crate) use policy::Policy;
 pub use refusal::Refusal;
-pub(crate) use single::Single;
+pub(crate) use single::{Next, Single};
 pub(crate) use starts::Starts;

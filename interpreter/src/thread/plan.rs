@@ -322,21 +322,22 @@ fn pass(
     Ok(pass)
 }
 
-/// The way out: to where the retract leads, else to where the approach came from, else off by the lift of the
-/// machine file.
+/// The way out: to where the retract leads, else to where the approach came from, else to where the program
+/// goes next, else off by the lift of the machine file.
 fn out(cut: &Cut, machine: &Machine) -> WayOut {
     let surface = cut.from.x + cut.approach_mm;
     let slope = cut.lead.x / cut.lead.z;
     let surfaces = [surface, surface + slope * (cut.to_z - cut.from.z)];
     let lift = match (cut.retract_mm, cut.approach_mm) {
+        (0.0, 0.0) if cut.lift_mm != 0.0 => cut.lift_mm,
         (0.0, 0.0) => machine.threading.lift_mm * cut.outwards,
         (0.0, approach_mm) => -approach_mm,
         (retract_mm, _) => retract_mm,
     };
     let outermost = |[one, other]: [f64; 2]| if lift > 0.0 { one.max(other) } else { one.min(other) };
-    let clear = match cut.retract_mm {
-        0.0 => outermost(surfaces) + lift,
-        retract_mm => surfaces[1] + retract_mm,
+    let clear = match (cut.retract_mm, cut.lift_mm) {
+        (0.0, 0.0) => outermost(surfaces) + lift,
+        _ => surfaces[1] + lift,
     };
     let [low, high] = travel(machine, Axis::X);
     let clear = clear.clamp(low, high);

@@ -21,8 +21,19 @@ pub(crate) struct Single {
     pub(crate) start_deg: f64,
     /// Direction of X out of the material, as the last infeed tells, ±1.
     pub(crate) outwards: f64,
-    /// Where the G0 of the next block takes X, if it does nothing else.
-    pub(crate) retract_to: Option<f64>,
+    /// What comes next.
+    pub(crate) next: Next,
+}
+
+/// What the call behind a G33 does with X.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Next {
+    /// A rapid takes X alone there, mm: the retract.
+    Retract(f64),
+    /// Another move takes X there, mm: that is where the tool is out of the groove.
+    Lift(f64),
+    /// Nothing.
+    Stays,
 }
 
 impl Single {
@@ -31,7 +42,11 @@ impl Single {
         let (dx, dz) = (self.to.x - self.from.x, self.to.z - self.from.z);
         let per_mm = self.k_mm / libm::hypot(dx, dz);
         let lead = Point { x: dx * per_mm, z: dz * per_mm };
-        let retract_mm = self.retract_to.map_or(0.0, |x| x - self.to.x);
+        let [retract_mm, lift_mm] = match self.next {
+            Next::Retract(x) => [x - self.to.x, 0.0],
+            Next::Lift(x) => [0.0, x - self.to.x],
+            Next::Stays => [0.0; 2],
+        };
         Cut {
             s_rpm: self.s_rpm,
             direction: self.direction,
@@ -41,6 +56,7 @@ impl Single {
             start_deg: self.start_deg,
             approach_mm: 0.0,
             retract_mm,
+            lift_mm,
             outwards: self.outwards,
             clear_mm: retract_mm.abs().min(CLEAR_LEADS * lead.z.abs()),
             depth_mm: 0.0,

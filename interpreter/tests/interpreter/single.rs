@@ -2,7 +2,7 @@
 
 use interpreter::check;
 use machine::{Machine, RunOut};
-use protocol::Axis;
+use protocol::{Axis, WayOut};
 
 use crate::{good, listing, passes};
 
@@ -51,6 +51,22 @@ fn without_a_retract_there_is_a_warning() {
         let pass = passes(&check.items)[0];
         assert_eq!((pass.axis(Axis::X).retract_mm, pass.axis(Axis::X).end.mm()), (0.0, 19.5));
         assert_eq!(pass.thread_end_deg, pass.axis(Axis::Z).brake_c_deg);
+    }
+}
+
+/// Without a retract the tool is out of the groove where the next move takes X. Where that says nothing, it is
+/// lifted by the machine file's way against the last infeed, and a hold, which would come back, waits.
+#[test]
+fn the_way_out_of_a_thread_without_a_retract_is_that_of_the_next_move() {
+    for (next, clear) in
+        [("G1 X28 F100", 28.0), ("G0 X25 Z4", 25.0), ("G0 X15 Z-26", 15.0), ("G4 P1\nG0 X25", 21.5)]
+    {
+        let source = format!("(on_hold, leave)\nS400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n{next}\nM2\n");
+        let check = check("t", &source, &Machine::default());
+        let out = passes(&check.items)[0].out;
+        assert_eq!(out.clear.mm(), clear, "{next}");
+        assert!((out.free.mm() - 19.5) * (clear - 19.5) > 0.0, "{next}");
+        assert_eq!(out.on(WayOut::ON_HOLD), clear != 21.5, "{next}");
     }
 }
 
