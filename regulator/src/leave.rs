@@ -115,18 +115,11 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
     let fastest = now.v.abs().max((now.v + 0.5 * now.a * now.a.abs() / limits.j).abs());
     let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration()
         && fastest <= limits.v
-        && hardest(pass, turning.speed) <= HARDER * limits.a;
+        && pass.hardest(stage, 6.0 * reference.spindle.rpm().abs()) <= HARDER * limits.a;
     match stage {
-        Stage::RunOut if soon => Way::Along(stage),
-        Stage::Locked if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
+        Stage::Locked | Stage::RunOut if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
         _ => Way::Timed { exit, from: reference.cycle },
     }
-}
-
-/// Largest acceleration of the retract of a pass at a speed of the spindle, degrees/s: 2π L/T² (M2), mm/s².
-fn hardest(pass: &Pass, speed: f64) -> f64 {
-    let t = (pass.law.done_deg() - pass.law.leaves_deg()) / speed;
-    core::f64::consts::TAU * pass.law.retract_mm.abs() / (t * t)
 }
 
 /// In which time a spindle turns so far, degrees, if it goes on as it does, s: one that is being stopped may

@@ -24,6 +24,9 @@ use crate::{
 const MOST_MISSED: u64 = 50;
 /// Control cycles from a call until the axis that heard it calls too.
 const HEARS: u64 = 3;
+/// An axis that leaves is led for so many control cycles at least: a drive that were to brake by itself at once
+/// would brake from the speed of an encoder that has just jumped.
+const LED: u64 = 10;
 /// Two places are the same, mm.
 const SAME_MM: f64 = 0.001;
 
@@ -243,7 +246,8 @@ impl Regulator {
             self.leave_at = Some(self.leave_at.map_or(*at, |before| before.min(*at)));
         }
         let lift = self.lift(measurement, missed);
-        let hears = !matches!(self.state, State::Leaving(_)) || cycle < self.state_since.after(HEARS);
+        let young =
+            |cycles| !matches!(self.state, State::Leaving(_)) || cycle < self.state_since.after(cycles);
         let known = Known {
             state: &self.state,
             measurement,
@@ -266,7 +270,7 @@ impl Regulator {
             way: None,
             brake: None,
             rests: leave::is_over(&reference),
-            waits: lift.is_on_its_way(self.axis, hears),
+            waits: young(LED) || lift.is_on_its_way(self.axis, young(HEARS)),
             stream_begun: matches!(self.state, State::Idle)
                 && self.stream.begun()
                 && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,

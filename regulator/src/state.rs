@@ -131,6 +131,17 @@ impl Pass {
         self.law.start.mm() + self.motion.at(angle_deg).s
     }
 
+    /// Largest acceleration of the stroke of a stage, or the one that follows it, at a speed of the spindle,
+    /// degrees/s: 2π L/t² (M2), mm/s².
+    pub(crate) fn hardest(&self, stage: Stage, speed: f64) -> f64 {
+        let law = &self.law;
+        let (mm, deg) = match stage {
+            Stage::Armed | Stage::WaitingForC0 | Stage::RunIn => (law.stroke_mm, law.stroke_dc_deg),
+            Stage::Locked | Stage::RunOut => (law.retract_mm, law.retract_dc_deg),
+        };
+        if mm == 0.0 { 0.0 } else { core::f64::consts::TAU * mm.abs() * (speed / deg).powi(2) }
+    }
+
     /// How far the axis goes for each degree at an angle since the index, mm.
     pub fn mm_per_degree(&self, angle_deg: f64) -> f64 {
         self.motion.at(angle_deg).v / self.programmed_deg_s

@@ -8,6 +8,7 @@
 //! ```text
 //! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
+//!          or 2π L/t² > 2 A on a stroke L that takes t at n                                      (M2)
 //! reversed C more than 0.36° back from its farthest, n < −5 % of S, in a pass (`spindle.rs`)    (M106)
 //! ```
 
@@ -36,6 +37,9 @@ const REST_S: f64 = 1.0;
 /// cannot.
 const FASTER: f64 = 1.15;
 const FASTER_SHARE: f64 = 0.02;
+/// And so has one that drives a stroke so many times as hard as the axis may be accelerated: the share above is
+/// many times the speed of a slow thread.
+const HARDEST: f64 = 2.0;
 
 /// What an axis watches.
 #[derive(Clone, Debug)]
@@ -48,6 +52,8 @@ pub(crate) struct Watch {
     tick: u64,
     /// What of its programmed speed a spindle may reach, a share, and 1/min besides.
     fastest: (f64, f64),
+    /// The highest acceleration that a spindle may ask of the axis on a stroke, mm/s².
+    hardest: f64,
     /// Measurements that are missing, beyond that share.
     lost: f64,
     jumps: Jumps,
@@ -86,6 +92,7 @@ impl Watch {
                 FASTER * machine.spindle.override_max_pct / 100.0,
                 FASTER_SHARE * machine.spindle.max_rpm,
             ),
+            hardest: HARDEST * config.limits().a,
             lost: 0.0,
             jumps: Jumps::of(config, cycle_s),
         }
@@ -134,8 +141,9 @@ impl Watch {
     /// The servo error is that of the reference of the cycle before against its measurement, so it is known
     /// without evaluating twice.
     fn servo(&self, known: &Known) -> Option<Cause> {
-        // One cycle of motion lies between the last reference and this measurement.
-        let error = (known.last.s + known.last.v * self.cycle_s - known.measured_mm).abs();
+        // One cycle of motion lies between the last reference and this measurement, and those that are missing.
+        let since_s = self.cycle_s * (1 + known.missed) as f64;
+        let error = (known.last.s + known.last.v * since_s - known.measured_mm).abs();
         // An error that is not a number is beyond every limit.
         let within = |limit: f64| error.is_finite() && error <= limit;
         match known.state {
@@ -170,12 +178,12 @@ impl Watch {
     fn in_pass(&self, known: &Known) -> Option<Cause> {
         let told = known.leave_at.is_some_and(|at| known.measurement.cycle >= at);
         let fails = self.others_fail(known.measurement);
-        let pass = match known.state {
+        let (pass, stage) = match known.state {
             State::InPass { stage: Stage::Armed, .. } if fails => {
                 return Some(Cause::Leave(Some(Fault::OtherAxis)));
             }
             State::InPass { stage: Stage::Armed, .. } => return told.then_some(Cause::Leave(None)),
-            State::InPass { pass, .. } => pass,
+            State::InPass { pass, stage } => (pass, *stage),
             _ => return None,
         };
         let panel = &known.measurement.panel;
@@ -194,7 +202,10 @@ impl Watch {
         }
         let (share, besides) = self.fastest;
         let most = share * pass.programmed_deg_s / 6.0 + besides;
-        (known.spindle.steady_rpm().abs() > most).then_some(Cause::Leave(Some(Fault::SpindleRunaway)))
+        let (rpm, now_rpm) = (known.spindle.steady_rpm().abs(), known.spindle.rpm().abs());
+        let drives = matches!(stage, Stage::RunIn | Stage::RunOut)
+            && pass.hardest(stage, 6.0 * now_rpm) > self.hardest;
+        (rpm > most || drives).then_some(Cause::Leave(Some(Fault::SpindleRunaway)))
     }
 
     fn others_fail(&self, measurement: &Measurement) -> bool {
