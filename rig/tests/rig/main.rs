@@ -9,6 +9,7 @@ mod held;
 mod leaving;
 mod left;
 mod machine_code;
+mod moments;
 mod operator;
 mod orders;
 mod poles;
