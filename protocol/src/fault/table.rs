@@ -300,8 +300,8 @@ pub const FAULTS: [FaultRow; 31] = [
         source: "regulator",
         found: "the drive of another axis is out of operation, or its regulator calls",
         within: &[most(&[Cycles(1)], "")],
-        reaction: "leaves the pass",
-        text: "another axis of the pass has failed: this one left the thread",
+        reaction: "leaves the pass: the axis that lifts brings the tool out; another one brakes in front of the part, or stays on the helix until the tool is out or the spindle stands",
+        text: "another axis of the pass has failed, so this one breaks the pass off",
         remedy: "the fault of that axis",
     },
     FaultRow {
