@@ -1,7 +1,7 @@
 //! The page of a report. In: a [`Run`]. Out: HTML with everything in it.
 
 use maud::{Markup, html};
-use rig::observe::{Outcome, PassReport, ServoError, Summary};
+use rig::observe::{FaultReport, Outcome, PassReport, ServoError, Summary};
 
 use super::Run;
 use super::cutting;
@@ -174,17 +174,25 @@ fn details(summary: &Summary) -> Markup {
                 @if summary.wall_s > 0.0 { dt { "Took" } dd { (format!("{:.1} s", summary.wall_s)) } }
                 dt { "Trace hash" } dd { code { (summary.trace_hash) } }
             }
-            @if !summary.faults.is_empty() {
-                h3 { "Faults" }
-                ol.faults { @for fault in &summary.faults {
-                    li {
-                        (format!("{:.4} s, ", fault.cycle as f64 * summary.cycle_s)) (fault.source) ": "
-                        b { (fault.code) } " — " (fault.text)
-                    }
-                } }
-            }
+            (told("Faults", &summary.faults, summary.cycle_s))
+            (told("Warnings", &summary.warnings, summary.cycle_s))
             @if !summary.passes.is_empty() { (economy(summary)) }
             @if !summary.channels.is_empty() { (channels(summary)) }
+        }
+    }
+}
+
+/// Faults or warnings, if there are any.
+fn told(title: &str, reports: &[FaultReport], cycle_s: f64) -> Markup {
+    html! {
+        @if !reports.is_empty() {
+            h3 { (title) }
+            ol.faults { @for report in reports {
+                li {
+                    (format!("{:.4} s, ", report.cycle as f64 * cycle_s)) (report.source) ": "
+                    b { (report.code) } " — " (report.text)
+                }
+            } }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a run comes to, in plain words. In: the summary. Out: a grade, a headline, and sentences.
 
 use protocol::Axis;
-use rig::observe::{Outcome, PassReport, Summary, TraceReport, WorkKind};
+use rig::observe::{Outcome, PassReport, Summary, TOOL_IN_THREAD, TraceReport, WorkKind};
 
 /// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is
 /// several times what a sound machine shows.
@@ -67,6 +67,9 @@ pub(super) fn of(summary: &Summary) -> Verdict {
             });
             verdict.say(Grade::Bad, format!("The run ended in a fault.{why}"));
         }
+    }
+    for warning in summary.warnings.iter().filter(|warning| warning.code == TOOL_IN_THREAD) {
+        verdict.say(Grade::Bad, format!("Careful: {}.", warning.text));
     }
     threads(summary, &mut verdict);
     traces(summary, &mut verdict);
@@ -222,7 +225,7 @@ pub(super) fn um(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Grade, of};
+    use super::{Grade, TOOL_IN_THREAD, of};
     use rig::observe::{DeviationReport, FaultReport, Outcome, PassReport, Summary, TraceReport};
 
     fn good() -> Summary {
@@ -313,5 +316,11 @@ mod tests {
             summary.faults.push(FaultReport { source: "regulator-x".into(), text, ..FaultReport::default() });
         });
         assert!(grade == Grade::Bad && words.contains("regulator-x at 0.000 s: the drive"), "{words}");
+        let (grade, words) = defect(|summary| {
+            let text = "the tool stands in the thread of pass 1".into();
+            summary.warnings =
+                vec![FaultReport { code: TOOL_IN_THREAD.into(), text, ..FaultReport::default() }];
+        });
+        assert!(grade == Grade::Bad && words.contains("Careful: the tool stands in the thread"), "{words}");
     }
 }

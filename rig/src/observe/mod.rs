@@ -11,6 +11,7 @@ mod circle;
 mod contour;
 mod cutting;
 mod helix;
+mod inside;
 mod limits;
 mod pass;
 mod summary;
@@ -34,10 +35,12 @@ pub use summary::{
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
+pub use inside::TOOL_IN_THREAD;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
 
 use circle::Circles;
 use contour::Contour;
+use inside::Inside;
 use limits::Limits;
 use pass::{PassObserver, state_in};
 use work::Works;
@@ -68,6 +71,7 @@ pub struct Observer {
     /// Every pass of the program and its line, by its number.
     program: BTreeMap<u32, (u32, ThreadPass)>,
     current: Option<PassObserver>,
+    inside: Inside,
     index_number: u64,
     index_deg: f64,
     hash: blake3::Hasher,
@@ -111,7 +115,7 @@ pub struct Observation {
     pub traces_left_out: u64,
     /// Faults in the order of their coming.
     pub faults: Vec<FaultReport>,
-    /// What was not as it should be, and did no harm.
+    /// What is no fault and has to be known.
     pub warnings: Vec<FaultReport>,
     /// Overrides that were clamped.
     pub overrides_clamped: u32,
@@ -133,6 +137,7 @@ impl Observer {
             machine: machine.clone(),
             program: items.iter().filter_map(pass).collect(),
             current: None,
+            inside: Inside::new(),
             index_number: 0,
             index_deg: 0.0,
             hash: blake3::Hasher::new(),
@@ -167,6 +172,7 @@ impl Observer {
         let is_tick = record.machine.cycle == record.truth.cycle;
         self.take_index(record.truth);
         self.take_pass(record, is_tick);
+        self.inside.cycle(&self.machine, &record.truth.measurement);
         if !self.brief {
             self.take_hash(record, is_tick);
             self.take_moves(record, is_tick);
@@ -196,6 +202,7 @@ impl Observer {
     /// Ends the observation; a pass in hand is reported as far as it came.
     pub fn finish(mut self) -> Observation {
         self.close();
+        self.out.warnings.extend(self.inside.warning(&self.machine));
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
@@ -246,7 +253,10 @@ impl Observer {
     }
 
     fn close(&mut self) {
-        self.out.passes.extend(self.current.take().and_then(|pass| pass.finish()));
+        let Some(pass) = self.current.take() else { return };
+        let report = pass.finish();
+        self.inside.ends(report.as_ref().filter(|report| !report.complete).map(|_| *pass.pass()));
+        self.out.passes.extend(report);
     }
 
     fn take_moves(&mut self, record: &Record, is_tick: bool) {

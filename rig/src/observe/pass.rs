@@ -207,6 +207,11 @@ impl PassObserver {
         }
     }
 
+    /// The pass as it was told.
+    pub(super) fn pass(&self) -> &ThreadPass {
+        &self.pass
+    }
+
     /// Takes a control cycle. `index_deg` is the true angle of the index that measurements show. Whether the
     /// pass goes on.
     pub(super) fn cycle(&mut self, record: &Record, index_deg: f64, is_tick: bool) -> bool {

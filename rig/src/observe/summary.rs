@@ -326,7 +326,7 @@ pub struct Summary {
     pub channels: Vec<Channel>,
     /// Faults in the order of their coming.
     pub faults: Vec<FaultReport>,
-    /// What was not as it should be, and did no harm.
+    /// What is no fault and has to be known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<FaultReport>,
     /// Overrides that were clamped.

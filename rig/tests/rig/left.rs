@@ -4,7 +4,7 @@
 
 use machine::Machine;
 use protocol::{Axis, AxisState, Fault, operator::Request};
-use rig::observe::{Observation, Outcome, Record};
+use rig::observe::{Observation, Outcome, Record, TOOL_IN_THREAD};
 
 use crate::stand::{Stand, compiled};
 
@@ -87,10 +87,54 @@ fn the_cause_is_told_the_tool_is_out_and_the_run_ends() {
         assert_eq!(told.0, *fault, "{event}: {:?}", left.seen.faults);
         assert!(told.1 <= *within, "{event}: told after {} cycles", told.1);
         assert!(left.x_mm > 11.9, "{event}: X stands at {} mm", left.x_mm);
+        assert_eq!(tool_in_thread(&left.seen), None, "{event}");
         assert!(left.mm_s < 0.1, "{event}: an axis moves at {} mm/s", left.mm_s);
         // Whatever it obeys: its command, or the emergency stop.
         assert!(left.rpm.abs() < 5.0, "{event}: {} 1/min", left.rpm);
     }
+}
+
+/// The warning of a tool that has not left its thread.
+fn tool_in_thread(seen: &Observation) -> Option<&str> {
+    let warning = seen.warnings.iter().find(|warning| warning.code == TOOL_IN_THREAD);
+    warning.map(|warning| warning.text.as_str())
+}
+
+/// What takes the torque of the axis that lifts the tool off.
+const LAMED: &[&str] = &[
+    "drive_fault = \"x\"",
+    "drive_fault = { axis = \"x\", torque_lost = true }",
+    "kill = \"regulator-x\"",
+    "packet = { channel = \"drive-command/x\", count = 3, drop = true }",
+    "packet = { channel = \"measurement\", count = 20, drop = true }",
+];
+
+#[test]
+fn a_tool_that_cannot_leave_is_told_with_its_place_and_the_way_out() {
+    for event in LAMED {
+        let left = run(&Machine::default(), THREAD, event);
+        assert!((left.x_mm - 9.5).abs() < 0.1, "{event}: X stands at {} mm", left.x_mm);
+        let text = tool_in_thread(&left.seen).unwrap_or_else(|| panic!("{event}: {:?}", left.seen.warnings));
+        for told in ["in the thread of pass 1", "at X 9.50", "move X by hand to 12.000"] {
+            assert!(text.contains(told), "{event}: {text}");
+        }
+    }
+}
+
+/// After a hold X goes back to the start of the pass, which lies as deep as the thread, and in front of it.
+#[test]
+fn a_tool_that_was_out_and_is_back_at_the_start_is_not_told() {
+    let later = |time_s: u32, action: &str| format!("[[event]]\nat = {{ time_s = {time_s} }}\n{action}\n");
+    let hold = [
+        "feed_hold = true\n".into(),
+        later(15, "spindle_override_pct = 0"),
+        later(20, "cycle_start = true"),
+        later(25, "stop = true"),
+    ];
+    let left = run(&Machine::default(), &format!("(on_hold, leave)\n{THREAD}"), &hold.concat());
+    assert_eq!((left.seen.outcome, left.seen.passes.len()), (Outcome::Stopped, 1));
+    assert!((left.x_mm - 9.5).abs() < 0.01, "X stands at {} mm", left.x_mm);
+    assert_eq!(tool_in_thread(&left.seen), None);
 }
 
 /// A drive without torque, at a speed from which the spindle coasts for long.

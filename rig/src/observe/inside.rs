@@ -1,0 +1,65 @@
+//! A tool that has not left a thread when the run ends. In: passes as they end, and every control cycle what
+//! is measured, mm. Out: a warning that says where the tool stands and how to free it.
+//!
+//! An axis without torque cannot lift the tool off. Only what is measured is asked, not the truth: whoever
+//! stands at a machine has no more.
+
+use machine::Machine;
+use protocol::{Cycle, Measurement, PerAxis, Position, ThreadPass, units::AXES};
+
+use super::FaultReport;
+
+/// The warning of a tool that has not left a thread.
+pub const TOOL_IN_THREAD: &str = "tool-in-thread";
+
+/// Where the tool is, as far as that is measured.
+pub(super) struct Inside {
+    /// The pass that was broken off, as long as the axis that lifts has not got free of it.
+    pass: Option<ThreadPass>,
+    at: PerAxis<Position>,
+    cycle: Cycle,
+}
+
+impl Inside {
+    pub(super) fn new() -> Inside {
+        Inside { pass: None, at: [Position(0); AXES], cycle: Cycle(0) }
+    }
+
+    /// A pass is over; `broken` is that pass if it was not cut to its end.
+    pub(super) fn ends(&mut self, broken: Option<ThreadPass>) {
+        self.pass = broken;
+        self.look();
+    }
+
+    /// Takes what is measured in a control cycle.
+    pub(super) fn cycle(&mut self, machine: &Machine, measurement: &Measurement) {
+        self.cycle = measurement.cycle;
+        for (axis, config) in machine.axes() {
+            self.at[axis.index()] = config.position(&measurement.axes[axis.index()]);
+        }
+        self.look();
+    }
+
+    /// A tool that is out of the groove is forgotten.
+    fn look(&mut self) {
+        self.pass = self.pass.filter(|pass| !pass.out.is_free(self.at[pass.out.axis as usize]));
+    }
+
+    /// What the operator has to know at the end of the run.
+    pub(super) fn warning(&self, machine: &Machine) -> Option<FaultReport> {
+        let pass = self.pass?;
+        let (lifts, _) = machine.axes().find(|(axis, _)| axis.index() == pass.out.axis as usize)?;
+        let linear = machine.axes().filter(|(axis, _)| !axis.is_rotary());
+        let places: Vec<String> =
+            linear.map(|(axis, _)| format!("{axis} {:.3}", self.at[axis.index()].mm())).collect();
+        let text = format!(
+            "the tool stands in the thread of pass {}, at {} (mm of the machine, X as a radius); do not start the \
+             spindle, and move no other axis: move {lifts} by hand to {:.3}, out of the groove, then start again",
+            pass.pass,
+            places.join(" "),
+            pass.out.clear.mm(),
+        );
+        let (source, code) = (format!("axis-{}", lifts.name()), TOOL_IN_THREAD.into());
+        Some(FaultReport { cycle: self.cycle.0, source, code, text })
+    }
+}
