@@ -9,6 +9,7 @@
 //! | interpreter | what was sent is executed; the interpolator faults if that was not the whole program |
 //! | interpolator | a pass in hand is cut to its end by the regulators; then emergency stop |
 //! | interpolator, dead or silent for four ticks, and an axis is in fault | emergency stop at once: nobody else stops the spindle |
+//! | nobody, but for a second the plant does not hear that the run is over, or the emergency stop that a spindle needs that does not stop | emergency stop at the panel |
 //! | regulator | emergency stop at once: its drive brakes by its own watchdog, the other axes leave the thread |
 //! | plant | the end: there is nothing left to look after |
 //!
@@ -20,7 +21,10 @@
 use std::collections::BTreeMap;
 
 use machine::{AxisConfig, Machine, SpindleConfig};
-use protocol::{Axis, AxisState, Code, Item, Module, ThreadPass, operator::Request, units::AXES};
+use protocol::{
+    Axis, AxisState, Code, Fault, Item, MachineState, Module, Panel, ThreadPass, operator::Request,
+    units::AXES,
+};
 
 use crate::observe::Record;
 
@@ -36,6 +40,8 @@ const RAMPS: f64 = 3.0;
 const SETTLING_S: f64 = 1.0;
 /// An interpolator that has said nothing for so many ticks is silent.
 const SILENT_TICKS: u64 = 4;
+/// So long the last wish of an interpolator may take to come true, s.
+const UNHEARD_S: f64 = 1.0;
 /// Turns that a pass may take more than its laws: the index it waits for, and a spindle that is uneven.
 const MORE_TURNS: f64 = 2.0;
 
@@ -73,9 +79,9 @@ impl core::fmt::Display for Moving {
 enum Phase {
     /// Nobody is missing whom the machine needs.
     Watching,
-    /// A pass is cut to its end. `left_deg`: what the spindle may still turn for it, once the pass is known;
-    /// `stood`: cycles for which it has not turned.
-    Finishing { left_deg: Option<f64>, stood: u64 },
+    /// A pass is cut to its end, since this cycle. `left_deg`: what the spindle may still turn for it, once the
+    /// pass is known; `stood`: cycles for which it has not turned.
+    Finishing { from: u64, left_deg: Option<f64>, stood: u64 },
     /// The emergency stop was asked for. `waited`: cycles since the spindle was first as slow as `rpm`;
     /// `rests`: cycles at rest.
     Stopping { waited: u64, rpm: f64, rests: u64 },
@@ -89,6 +95,13 @@ fn faults(record: &Record) -> bool {
     record.axes.iter().any(|(_, status)| status.state() == AxisState::Fault)
 }
 
+/// Whether the plant goes on although the run is over, or does not open although the spindle does not stop.
+fn is_unheard(record: &Record) -> bool {
+    let opened = record.truth.measurement.panel.pressed(Panel::EMERGENCY_STOP);
+    let opens = record.machine.fault == Fault::SpindleDoesNotStop as u32;
+    record.machine.state() == MachineState::Ended || opens && !opened
+}
+
 /// Watches over one run.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
@@ -100,6 +113,9 @@ pub struct Supervisor {
     longest_wait: u64,
     /// An interpolator that has said nothing for so many control cycles is silent.
     silent: u64,
+    /// Cycles for which the plant has not done what the interpolator asks of it last; so many are too many.
+    unheard: u64,
+    deaf: u64,
     /// A hundredth of the highest speed of the spindle, 1/min.
     sign_rpm: f64,
     spindle_deg: f64,
@@ -124,20 +140,22 @@ impl Supervisor {
             passes: items.iter().filter_map(pass).collect(),
             longest_wait: (wait_s / machine.general.cycle_s).ceil() as u64,
             silent: SILENT_TICKS * machine.cycles_per_tick(),
+            unheard: 0,
+            deaf: (UNHEARD_S / machine.general.cycle_s).ceil() as u64,
             sign_rpm: 0.01 * machine.spindle.max_rpm,
             spindle_deg: 0.0,
             stood: [f64::NAN; AXES],
         }
     }
 
-    /// A module has died, or hangs and was killed. What this gives is to be done at the panel, before
-    /// anybody hears of the death.
-    pub fn died(&mut self, module: Module) -> Option<Request> {
+    /// A module has died in a control cycle, or hangs and was killed. What this gives is to be done at the
+    /// panel, before anybody hears of the death. Records of cycles before may still come.
+    pub fn died(&mut self, module: Module, cycle: u64) -> Option<Request> {
         self.dead.push(module);
         match (module, self.phase) {
             (Module::Regulator(_), _) => return self.emergency_stop(),
             (Module::Interpolator, Phase::Watching) => {
-                self.phase = Phase::Finishing { left_deg: None, stood: 0 };
+                self.phase = Phase::Finishing { from: cycle, left_deg: None, stood: 0 };
             }
             _ => {}
         }
@@ -162,13 +180,20 @@ impl Supervisor {
     pub fn cycle(&mut self, record: &Record) -> Option<Request> {
         let turned = (record.truth.spindle_deg - self.spindle_deg).abs();
         self.spindle_deg = record.truth.spindle_deg;
+        self.unheard = if is_unheard(record) { self.unheard + 1 } else { 0 };
         match self.phase {
             Phase::Watching if self.is_silent(record) && faults(record) => return self.emergency_stop(),
+            Phase::Watching if self.unheard > self.deaf => return self.emergency_stop(),
             Phase::Watching | Phase::Over(_) => {}
-            Phase::Finishing { left_deg, stood } => match self.finish(record, turned, left_deg, stood) {
-                Some(phase) => self.phase = phase,
-                None => return self.emergency_stop(),
-            },
+            Phase::Finishing { from, .. } if record.truth.cycle.0 < from => {}
+            Phase::Finishing { from, left_deg, stood } => {
+                match self.finish(record, turned, left_deg, stood) {
+                    Some((left, stood)) => {
+                        self.phase = Phase::Finishing { from, left_deg: Some(left), stood }
+                    }
+                    None => return self.emergency_stop(),
+                }
+            }
             Phase::Stopping { waited, rpm, rests } => self.phase = self.stop(record, waited, rpm, rests),
         }
         None
@@ -191,8 +216,9 @@ impl Supervisor {
         record.truth.cycle.0 > record.machine.cycle.0 + self.silent
     }
 
-    /// Regulators cut a pass to its end without anybody above. `None` when that is over, or cannot be.
-    fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Option<Phase> {
+    /// Regulators cut a pass to its end without anybody above: what the spindle may still turn for it, and for
+    /// how many cycles it has stood. `None` when that is over, or cannot be.
+    fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Option<(f64, u64)> {
         let living = |axis: &Axis| !self.dead.contains(&Module::Regulator(*axis));
         let mut axes = record.axes.iter().filter(|(axis, _)| living(axis));
         if faults(record) {
@@ -204,7 +230,7 @@ impl Supervisor {
         let stands = record.truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
         let stood = if stands { stood + 1 } else { 0 };
         let goes_on = left_deg >= 0.0 && stood <= self.longest_wait;
-        goes_on.then_some(Phase::Finishing { left_deg: Some(left_deg), stood })
+        goes_on.then_some((left_deg, stood))
     }
 
     /// The machine comes to rest.

@@ -85,7 +85,7 @@ impl Launcher {
             }
             if rig.is_dead(*module) && !self.dead.contains(module) {
                 self.dead.push(*module);
-                asked = self.supervisor.died(*module).or(asked);
+                asked = self.supervisor.died(*module, now).or(asked);
             }
         }
         asked

@@ -41,7 +41,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary,
             dead = doomed.cycle(record);
             for (module, death) in &dead {
                 endings.died(death.clone());
-                wanted = supervisor.died(*module).or(wanted);
+                wanted = supervisor.died(*module, record.truth.cycle.0).or(wanted);
             }
             wanted = supervisor.cycle(record).or(wanted);
         });

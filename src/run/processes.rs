@@ -239,7 +239,7 @@ impl Launch<'_> {
                 self.endings.died(Death { process, ending, cycle, over: self.channels.ended(), frozen });
                 match process.module() {
                     Some(module) => {
-                        let request = self.supervisor.died(module);
+                        let request = self.supervisor.died(module, cycle);
                         self.ask(request)?;
                     }
                     None => self.supervisor.plant_died(),

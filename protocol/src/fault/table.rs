@@ -150,7 +150,7 @@ pub const FAULTS: [FaultRow; 31] = [
         source: "regulator",
         found: "more than two measurements in a row are missing, or more than ten and a tenth of all",
         within: &[most(&[Cycles(3)], ""), most(&[Cycles(1)], "after so many")],
-        reaction: "leaves the pass on the estimate of the spindle; brakes in timed motion",
+        reaction: "leaves the pass on the estimate of the spindle; brakes in timed motion; but who measures nothing commands nothing: after three in a row the drives have tripped, too, and the axes stand where they are",
         text: "a measurement is missing or out of order",
         remedy: "the computer, the bus",
     },

@@ -2,8 +2,8 @@
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineStatus, Module, ThreadPass, Truth,
-    operator::Request,
+    Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Fault, Item, MachineState, MachineStatus, Module,
+    Panel, ThreadPass, Truth, operator::Request,
 };
 use rig::{
     observe::Record,
@@ -19,6 +19,8 @@ struct Made {
     cycle_s: f64,
     /// When the interpolator hung.
     told: Option<Cycle>,
+    /// What it says of itself, and its fault.
+    said: (MachineState, u32),
 }
 
 impl Made {
@@ -35,6 +37,7 @@ impl Made {
             asked: Vec::new(),
             cycle_s: Machine::default().general.cycle_s,
             told: None,
+            said: (MachineState::Ready, 0),
         };
         made.move_z(10.0);
         made
@@ -56,8 +59,8 @@ impl Made {
             }
             self.truth.cycle = Cycle(self.truth.cycle.0 + 1);
             self.truth.spindle_deg += self.truth.spindle_rpm * 6.0 * self.cycle_s;
-            let machine =
-                MachineStatus { cycle: self.told.unwrap_or(self.truth.cycle), ..MachineStatus::default() };
+            let (cycle, (state, fault)) = (self.told.unwrap_or(self.truth.cycle), self.said);
+            let machine = MachineStatus { cycle, state: state as u32, fault, ..MachineStatus::default() };
             let record = Record { truth: &self.truth, axes: &self.axes, machine: &machine };
             let request = self.supervisor.cycle(&record);
             self.ask(request);
@@ -65,7 +68,7 @@ impl Made {
     }
 
     fn died(&mut self, module: Module) {
-        let request = self.supervisor.died(module);
+        let request = self.supervisor.died(module, self.truth.cycle.0);
         self.ask(request);
     }
 
@@ -106,6 +109,42 @@ fn a_pass_without_its_interpolator_is_cut_to_its_end_before_the_emergency_stop()
     assert_eq!(made.supervisor.end(), None);
     made.go(1);
     assert_eq!(made.supervisor.end(), Some(End::Rest));
+}
+
+/// Several processes: a death is heard of before what was recorded until then has been looked at.
+#[test]
+fn what_was_before_the_pass_does_not_end_it() {
+    let mut made = Made::in_pass();
+    assert_eq!(made.supervisor.died(Module::Interpolator, 100), None);
+    made.set(AxisState::Streaming);
+    made.go(99);
+    made.set(AxisState::Locked);
+    made.go(1000);
+    assert!(made.asked.is_empty());
+    made.set(AxisState::Streaming);
+    made.go(1);
+    assert_eq!(made.asked, [1100]);
+}
+
+/// Its wire to the spindle is cut.
+#[test]
+fn an_interpolator_that_is_not_heard_at_the_end_is_helped_at_the_panel() {
+    let cycles = (1.0 / Machine::default().general.cycle_s) as u64;
+    for said in [(MachineState::Ended, 0), (MachineState::Fault, Fault::SpindleDoesNotStop as u32)] {
+        let mut made = Made::in_pass();
+        made.set(AxisState::Streaming);
+        made.go(100);
+        made.said = said;
+        made.go(cycles);
+        assert!(made.asked.is_empty(), "{said:?}");
+        made.go(10);
+        assert_eq!(made.asked, [101 + cycles], "{said:?}");
+    }
+    let mut made = Made::in_pass();
+    made.said = (MachineState::Fault, Fault::SpindleDoesNotStop as u32);
+    made.truth.measurement.panel.buttons |= Panel::EMERGENCY_STOP;
+    made.go(100 * cycles);
+    assert!(made.asked.is_empty(), "the emergency stop has been heard");
 }
 
 #[test]
