@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     screen::start_log(&cli.log);
     let code = dispatch(&cli).unwrap_or_else(|error| error.report());
     words::flush(cli.command.is_of_a_machine());
-    code
+    if screen::is_printed() { code } else { ExitCode::FAILURE }
 }
 
 fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {

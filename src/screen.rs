@@ -1,7 +1,10 @@
 //! What the user sees besides pages: results on standard output, log messages on standard error, colour where
 //! it is seen.
 
-use std::io::{IsTerminal, Write};
+use std::{
+    io::{ErrorKind, IsTerminal, Write},
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use tracing::level_filters::LevelFilter;
 
@@ -33,7 +36,22 @@ pub(crate) fn colour(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Prints results to standard output; a reader that has gone away is not an error.
+/// Whether results were lost that should have been printed.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Prints results to standard output; a reader that has gone away is not an error, a full disk is.
 pub(crate) fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            words::say(&format!("error: standard output: {error}\n"));
+            LOST.store(true, Ordering::Relaxed);
+        }
+        _ => {}
+    }
+}
+
+/// Whether everything could be printed.
+pub(crate) fn is_printed() -> bool {
+    !LOST.load(Ordering::Relaxed)
 }

@@ -2,11 +2,7 @@
 
 use process::ipc::{Process, time::Moment};
 use protocol::{Doom, Module, operator::Request};
-use rig::{
-    Rig,
-    observe::{Record, Summary},
-    supervisor::Supervisor,
-};
+use rig::{Rig, observe::Record, supervisor::Supervisor};
 
 use super::{
     Setup,
@@ -14,7 +10,7 @@ use super::{
     endings::{Death, Endings},
     interrupts::{Interrupts, Wish},
     processes::complete,
-    recorder::Recorder,
+    recorder::{Recorded, Recorder},
 };
 use crate::error::CliError;
 
@@ -22,7 +18,7 @@ use crate::error::CliError;
 const LOOK_EVERY: u64 = 256;
 
 /// Runs the machine to its end. Ctrl-C does what it does to processes.
-pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary, CliError> {
+pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded, CliError> {
     let begun = Moment::now();
     let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
@@ -68,9 +64,9 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary,
     for event in rig.pending_events() {
         tracing::warn!("event {event} of the scenario did not happen: its moment never came");
     }
-    let mut summary = recorder.finish(&setup.folder.named, setup.clock)?;
+    let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
     endings.tell(&mut summary);
-    Ok(complete(summary, setup, begun))
+    Ok((complete(summary, setup, begun), failed))
 }
 
 /// What the scenario does to modules. One that is frozen for a second on the machine is killed, as it is in

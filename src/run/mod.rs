@@ -70,16 +70,20 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
 
     let mut interrupts = Interrupts::catch()?;
     let run = if args.in_process { in_process::run } else { processes::run };
-    let summary = run(&setup, &mut interrupts)?;
-    summary.write(&setup.folder.path.join("summary.json"))?;
+    let (summary, unrecorded) = run(&setup, &mut interrupts)?;
+    // Whatever cannot be written: what became of the run is said.
+    let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
     drop(interrupts);
-    let report = report::render(&setup.folder.path)?;
+    let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
     if args.json {
         let text =
             serde_json::to_string_pretty(&summary).map_err(|error| CliError::Machine(error.to_string()))?;
         screen::print(&format!("{text}\n"));
     } else if !quiet {
-        screen::print(&summed_up(&summary, &report));
+        screen::print(&summed_up(&summary, report.as_deref().ok()));
+    }
+    if let Some(error) = unrecorded.or(report.err()) {
+        return Err(error);
     }
     Ok(if summary.outcome == Outcome::Completed { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -120,7 +124,7 @@ fn read_scenario(args: &RunArgs) -> Result<(sim_plant::Scenario, Option<String>)
 const SHOWN: usize = 10;
 
 /// What a person wants to know first.
-fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
+fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     let mut text = String::new();
     for fault in &summary.faults {
         let _ = writeln!(
@@ -171,7 +175,9 @@ fn summed_up(summary: &Summary, report: &std::path::Path) -> String {
         let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
     }
     let _ = writeln!(text, "trace     {}", summary.trace_hash);
-    let _ = writeln!(text, "report    {}", report.display());
+    if let Some(report) = report {
+        let _ = writeln!(text, "report    {}", report.display());
+    }
     text
 }
 

@@ -18,7 +18,7 @@ use super::{
     children::Started,
     endings::{Death, Endings},
     interrupts::{Interrupts, Wish},
-    recorder::{Recorder, axes},
+    recorder::{Recorded, Recorder, axes},
     watchdog::{Hunger, Watchdog},
 };
 use crate::error::CliError;
@@ -31,7 +31,7 @@ const SHORT_NAP: Duration = Duration::from_millis(1);
 const LAST_CYCLES: u64 = 4096;
 
 /// Runs the machine to its end.
-pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary, CliError> {
+pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded, CliError> {
     let axes = axes(&setup.machine);
     let mut space = NameSpace::create(&axes)?;
     let channels = Channels::open(&mut space, &setup.machine, setup.clock)?;
@@ -61,12 +61,12 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Summary,
     launch.run()?;
     let counts = launch.end()?;
     let Launch { recorder, channels, started, endings, .. } = launch;
-    let mut summary = recorder.finish(&setup.folder.named, setup.clock)?;
+    let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
     summary.deadline_misses = channels.late_answers();
     summary.processes = started.iter().map(Started::report).collect();
     summary.channels = counts;
     endings.tell(&mut summary);
-    Ok(complete(summary, setup, begun))
+    Ok((complete(summary, setup, begun), failed))
 }
 
 /// What only the launcher knows of a run.

@@ -11,6 +11,9 @@ use rig::{
 use super::{Setup, progress::Progress};
 use crate::error::CliError;
 
+/// What a run was; and what could not be written of it.
+pub(crate) type Recorded = (Summary, Option<CliError>);
+
 /// Records one run.
 pub(crate) struct Recorder {
     observer: Observer,
@@ -42,6 +45,7 @@ impl Recorder {
         if let Some(trace) = &mut self.trace
             && let Err(error) = trace.row(&Row::of(record, &self.observer, self.cycle_s))
         {
+            self.progress.say(&format!("{error}; the run goes on without a trace"));
             self.failed = Some(error.into());
             self.trace = None;
         }
@@ -53,19 +57,12 @@ impl Recorder {
         self.progress.say(text);
     }
 
-    /// Ends the recording.
-    ///
-    /// # Errors
-    /// The trace could not be written.
-    pub(crate) fn finish(self, program: &str, clock: Clock) -> Result<Summary, CliError> {
+    /// Ends the recording; and why there is no trace of all of it, if there is none.
+    pub(crate) fn finish(self, program: &str, clock: Clock) -> Recorded {
         self.progress.finish();
-        if let Some(trace) = self.trace {
-            trace.finish()?;
-        }
-        match self.failed {
-            Some(error) => Err(error),
-            None => Ok(self.observer.finish().summary(program, clock_name(clock))),
-        }
+        let finished = self.trace.map_or(Ok(()), TraceWriter::finish);
+        let failed = self.failed.or(finished.err().map(CliError::from));
+        (self.observer.finish().summary(program, clock_name(clock)), failed)
     }
 }
 

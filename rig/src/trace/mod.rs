@@ -45,8 +45,11 @@ pub struct TraceError {
 }
 
 impl TraceError {
-    fn new(path: &Path, reason: impl std::fmt::Display) -> TraceError {
-        TraceError { path: path.display().to_string(), reason: reason.to_string() }
+    fn new(path: &Path, reason: Box<dyn std::error::Error>) -> TraceError {
+        // The innermost cause says what to do: the disk is full.
+        let cause = std::iter::successors(reason.source(), |cause| cause.source()).last();
+        let reason = cause.map_or_else(|| reason.to_string(), |cause| format!("{reason}: {cause}"));
+        TraceError { path: path.display().to_string(), reason }
     }
 }
 
