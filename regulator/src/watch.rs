@@ -29,6 +29,8 @@ const MOST_LOST: f64 = 10.0;
 const LOST_SHARE: f64 = 0.1;
 /// A frame that is so many ticks late tells of a sender that has died.
 const SILENT_TICKS: u64 = 3;
+/// A spindle that has stood for so long in a pass without an interpolator stands for good, s.
+const STANDS_S: f64 = 0.3;
 /// An axis at rest waits so much longer, s.
 const REST_S: f64 = 1.0;
 
@@ -199,6 +201,12 @@ impl Watch {
         }
         if known.spindle.turns_back(pass) {
             return Some(Cause::Leave(Some(Fault::SpindleReversed)));
+        }
+        // Nobody is there who would turn it on again, or could find out that its encoder is dead.
+        let cycle = known.measurement.cycle;
+        let alone = known.frame_due.is_some_and(|due| cycle > due.after(SILENT_TICKS * self.tick));
+        if alone && known.spindle.stands_for((STANDS_S / self.cycle_s) as u64) {
+            return Some(Cause::Leave(Some(Fault::EncoderStands)));
         }
         let (share, besides) = self.fastest;
         let most = share * pass.programmed_deg_s / 6.0 + besides;

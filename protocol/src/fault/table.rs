@@ -278,7 +278,7 @@ pub const FAULTS: [FaultRow; 31] = [
         fault: Fault::EncoderStands,
         code: "encoder-stands",
         source: "regulator",
-        found: "the same count again while the spindle must turn: at once (M70), or in a pass for 2 % of a turn (M105)",
+        found: "the same count again while the spindle must turn: at once (M70), or in a pass for 2 % of a turn (M105), or for 0.3 s without an interpolator",
         within: &[most(&[Cycles(1)], ""), most(&[Turns(0.02), Cycles(1)], "where that is too slow for it")],
         reaction: "leaves the pass, at once on the estimate of the spindle, later with the count as it is",
         text: "the spindle encoder stands although the spindle should turn: the encoder or its cable is dead, or the spindle is jammed",
