@@ -10,6 +10,8 @@ use protocol::{
     units::AXES,
 };
 
+use crate::task::Trouble;
+
 /// Two ways of computing one position differ by less, mm: what the wire rounds to, and a sum of two strokes.
 const SAME_MM: f64 = 1e-6;
 
@@ -24,11 +26,20 @@ const MOST: f64 = 1e12;
 pub(crate) struct Heard {
     statuses: PerAxis<AxisStatus>,
     damaged: PerAxis<bool>,
+    /// It is newer than the measurement of the tick.
+    newer: PerAxis<bool>,
+    /// The first axis that a fault is about.
+    accused: Option<(Fault, Axis)>,
 }
 
 impl Heard {
     pub(crate) fn new() -> Heard {
-        Heard { statuses: [AxisStatus::default(); AXES], damaged: [false; AXES] }
+        Heard {
+            statuses: [AxisStatus::default(); AXES],
+            damaged: [false; AXES],
+            newer: [false; AXES],
+            accused: None,
+        }
     }
 
     /// The faults that the axes have told.
@@ -36,11 +47,22 @@ impl Heard {
         self.statuses.iter().filter_map(|status| Fault::from_code(status.fault))
     }
 
+    /// Remembers which axis a trouble is about.
+    pub(crate) fn accuse(&mut self, trouble: &Trouble) {
+        self.accused = self.accused.or(trouble.axis.map(|axis| (trouble.fault, axis)));
+    }
+
+    /// The axis that a fault is about.
+    pub(crate) fn accused(&self, fault: Fault) -> Option<Axis> {
+        self.accused.filter(|(accused, _)| *accused == fault).map(|(_, axis)| axis)
+    }
+
     /// Takes what has arrived by the tick of a cycle.
     pub(crate) fn take(&mut self, machine: &Machine, arrived: &PerAxis<AxisStatus>, tick: Cycle) {
         for (axis, _) in machine.axes() {
             let (i, status) = (axis.index(), &arrived[axis.index()]);
-            self.damaged[i] = status.cycle > tick || !sound(status);
+            self.newer[i] = status.cycle > tick;
+            self.damaged[i] = self.newer[i] || !sound(status);
             if !self.damaged[i] && status.cycle >= self.statuses[i].cycle {
                 self.statuses[i] = *status;
             }
@@ -104,9 +126,21 @@ impl<'a> Axes<'a> {
         due.saturating_sub(self.heard.statuses[i].cycle.0) > MOST_AGE + bridged
     }
 
-    /// Whether one of the regulators is silent.
-    pub(crate) fn silent(&self) -> bool {
-        self.machine.axes().any(|(axis, _)| self.is_silent(axis))
+    /// The first of the regulators that is silent.
+    pub(crate) fn silent(&self) -> Option<Axis> {
+        self.machine.axes().map(|(axis, _)| axis).find(|axis| self.is_silent(*axis))
+    }
+
+    /// Whether all of them have answered a later measurement than this tick has: it is the interpolator that
+    /// was held up.
+    pub(crate) fn ahead(&self) -> bool {
+        self.machine.axes().all(|(axis, _)| self.heard.newer[axis.index()])
+    }
+
+    /// The first axis that is not armed with this pass.
+    pub(crate) fn unarmed(&self, pass: u32) -> Option<Axis> {
+        let armed = |status: &AxisStatus| status.state() == AxisState::Armed && status.pass == pass;
+        self.each().find(|(_, status)| !armed(status)).map(|(axis, _)| axis)
     }
 
     /// What an axis says is wrong with it: the cause, not what it did to another axis.
@@ -141,7 +175,7 @@ impl<'a> Axes<'a> {
 
     /// Whether all have this pass and wait for its index.
     pub(crate) fn armed_with(&self, pass: u32) -> bool {
-        self.all_in(AxisState::Armed) && self.each().all(|(_, status)| status.pass == pass)
+        self.unarmed(pass).is_none()
     }
 
     /// Whether one of them has seen the index of its pass.

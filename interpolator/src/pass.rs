@@ -140,7 +140,7 @@ pub(crate) fn watch(task: &Task, look: &Look) -> Event {
     match task {
         Task::Arming { sent, .. } if !look.answered(*sent) => Event::Nothing,
         Task::Arming { pass, .. } if axes.armed_with(pass.pass.pass) => Event::Armed,
-        Task::Arming { .. } => called_off(look),
+        Task::Arming { pass, .. } => called_off(look, axes.unarmed(pass.pass.pass)),
         Task::Leaving { pass, why, way } => leaving(pass, *why, *way, look),
         _ if axes.leave() => Event::Leaves(look.why(), look.leave_at),
         Task::Armed(_) if axes.begun() => Event::Begun,
@@ -152,7 +152,7 @@ pub(crate) fn watch(task: &Task, look: &Look) -> Event {
                 () if axes.at_end_of(&pass.pass) => Event::Cut(Wait::behind_block(panel)),
                 // They have left it within one tick.
                 () if look.pressed() => Event::Leaves(look.why(), look.leave_at),
-                () => called_off(look),
+                () => called_off(look, None),
             }
         }
         Task::Armed(_) if look.presses(Panel::FEED_HOLD) || look.ends() => Event::TakenBack(*cycle),
@@ -160,9 +160,9 @@ pub(crate) fn watch(task: &Task, look: &Look) -> Event {
     }
 }
 
-fn called_off(look: &Look) -> Event {
+fn called_off(look: &Look, axis: Option<Axis>) -> Event {
     let way = Way::Leave(look.leave_at);
-    Event::Fault(Trouble { fault: Fault::PassCalledOff, at_once: false, way })
+    Event::Fault(Trouble { fault: Fault::PassCalledOff, axis, at_once: false, way })
 }
 
 /// What a tick finds on the way out of a pass.

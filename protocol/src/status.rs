@@ -204,7 +204,9 @@ pub struct MachineStatus {
     /// Overrides that were clamped so far.
     pub overrides_clamped: u32,
     /// 1 if the program was ended by the operator.
-    pub stopped: u16,
+    pub stopped: u8,
+    /// The axis that the fault is about: its index and one more; 0 where none is known.
+    pub fault_axis: u8,
     /// What cools: sum of [`MachineStatus::MIST`] and [`MachineStatus::FLOOD`].
     pub coolant: u16,
     /// Spindle speed commanded to the drive, 1/min, signed.
@@ -224,7 +226,7 @@ pub struct MachineStatus {
 }
 
 impl Message for MachineStatus {
-    const NAME: &str = "pitchlock/machine-status/4";
+    const NAME: &str = "pitchlock/machine-status/5";
 }
 
 impl MachineStatus {

@@ -65,6 +65,9 @@ fn one_late_frame_calls_the_pass_off_on_every_axis() {
             assert!(machine.all_in(&rests), "{what}: {:?}", machine.statuses().collect::<Vec<_>>());
         }
         assert_eq!(machine.machine_status.fault, Fault::PassCalledOff as u32, "{what}");
+        let named = usize::from(machine.machine_status.fault_axis);
+        // One that is told too late to call the pass off has armed in time, and then not been heard.
+        assert_eq!(named, axis.index() + 1, "{what}");
         assert!(machine.all_in(&[AxisState::Streaming, AxisState::Fault]), "{what}: nobody stays armed");
         for (axis, before) in [Axis::X, Axis::Z].into_iter().zip(before) {
             let moved_um = 1e3 * (machine.true_mm(axis) - before);

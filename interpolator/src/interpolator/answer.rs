@@ -50,16 +50,20 @@ impl Interpolator {
             groove: pass.map(Groove::of).unwrap_or_default(),
         };
         let queue = &self.program.queue;
+        let fault = self.second.or(self.task.fault());
         let status = MachineStatus {
             cycle,
             state: state as u32,
-            fault: self.second.or(self.task.fault()).map_or(0, |fault| fault as u32),
+            fault: fault.map_or(0, |fault| fault as u32),
             line,
             pass: self.pass.0,
             moves: self.travel.moves(),
             taken: queue.taken().saturating_sub(self.travel.pending(queue.in_hand())),
             overrides_clamped: self.spindle.clamped(),
-            stopped: u16::from(self.task.stopped()),
+            stopped: u8::from(self.task.stopped()),
+            fault_axis: fault
+                .and_then(|fault| self.heard.accused(fault))
+                .map_or(0, |axis| axis.index() as u8 + 1),
             coolant: self.program.coolant,
             spindle_rpm: self.spindle.commanded(),
             spindle_override_pct: self.spindle.override_pct(),

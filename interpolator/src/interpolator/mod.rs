@@ -21,7 +21,7 @@ use crate::{
     patience::Patience,
     program::{Next, Program},
     spindle::Spindle,
-    task::{Back, Event, Moved, Order, Task, Trouble, Wait, Way},
+    task::{Back, Event, Moved, Order, Task, Wait},
     travel::{Hands, Travel},
 };
 
@@ -189,6 +189,9 @@ impl Interpolator {
     /// Goes one step, and does what belongs to it.
     fn step(&mut self, event: &Event) -> Order {
         let over = self.task.is_over();
+        if let Event::Fault(trouble) = event {
+            self.heard.accuse(trouble);
+        }
         if let (Some(arm), Event::Cut(_)) = (self.task.pass(), event) {
             self.travel.rest_at(std::array::from_fn(|axis| arm.pass.axes[axis].end));
         }
@@ -299,7 +302,7 @@ impl Interpolator {
                 }
                 Next::Work(work) => match self.travel.begin_work(self.program.line, &work) {
                     Ok(()) => return self.move_on(due, 1, Wait::No, false, None),
-                    Err(fault) => refused(fault, cycle),
+                    Err(fault) => Event::refused(fault, cycle),
                 },
                 Next::Pass(pass) => self.begin_pass(cycle, &pass),
                 Next::Dwell(seconds) => {
@@ -326,9 +329,9 @@ impl Interpolator {
             Ok(Ready::Wait) => Event::Waits(Wait::No),
             Ok(Ready::Lead(start)) => match self.travel.lead_to(self.program.line, &start) {
                 Ok(()) => Event::Moved(Moved::default()),
-                Err(fault) => refused(fault, cycle),
+                Err(fault) => Event::refused(fault, cycle),
             },
-            Err(fault) => refused(fault, cycle),
+            Err(fault) => Event::refused(fault, cycle),
         }
     }
 
@@ -357,7 +360,7 @@ impl Interpolator {
         };
         match self.travel.lead_to(self.program.line, &target) {
             Ok(()) => Event::Moved(Moved { back: Some(back), ..Moved::default() }),
-            Err(fault) => refused(fault, cycle),
+            Err(fault) => Event::refused(fault, cycle),
         }
     }
 
@@ -387,11 +390,6 @@ impl Interpolator {
             }
         }
     }
-}
-
-/// A thing of the program that cannot be: the axes rest before it.
-fn refused(fault: Fault, cycle: Cycle) -> Event {
-    Event::Fault(Trouble { fault, at_once: false, way: Way::Leave(cycle) })
 }
 
 /// Whether the operator ends the program.

@@ -25,7 +25,8 @@ impl Interpolator {
         let (fault, at_once) =
             found.map(|fault| (fault, true)).or_else(|| waits().map(|fault| (fault, false)))?;
         let way = Way::Leave(self.leave_at(measurement.cycle));
-        Some(Trouble { fault, at_once, way })
+        let axis = axes.silent().filter(|_| fault == Fault::RegulatorSilent);
+        Some(Trouble { fault, axis, at_once, way })
     }
 
     /// The cycle in which every axis leaves its pass if it is told so in this tick.
@@ -47,7 +48,8 @@ impl Interpolator {
         let enabled = !matches!(self.task, Task::Enabling);
         match axes.cause() {
             Some(cause) => Some(cause),
-            None if axes.silent() => Some(Fault::RegulatorSilent),
+            None if axes.silent().is_some() && axes.ahead() => Some(Fault::InterpolatorSilent),
+            None if axes.silent().is_some() => Some(Fault::RegulatorSilent),
             None if enabled && axes.drive_off(measurement) => Some(Fault::DriveFault),
             None if self.leads() && axes.astray(&self.machine, self.travel.here(), self.ahead_s()) => {
                 Some(Fault::StreamStarved)

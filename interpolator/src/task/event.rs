@@ -1,6 +1,6 @@
 //! What a tick finds, and what it carries.
 
-use protocol::{Cycle, Fault, Panel, ThreadPass};
+use protocol::{Axis, Cycle, Fault, Panel, ThreadPass};
 
 use super::Task;
 
@@ -90,6 +90,8 @@ pub(crate) enum Way {
 pub(crate) struct Trouble {
     /// What.
     pub(crate) fault: Fault,
+    /// With which axis, where that has to be said.
+    pub(crate) axis: Option<Axis>,
     /// An axis cannot be led any more, or emergency stop: timed motion does not brake on its path first.
     pub(crate) at_once: bool,
     /// What becomes of a pass that has begun.
@@ -142,6 +144,13 @@ pub(crate) enum Event {
     Ends(bool),
     /// The spindle stands.
     Stands,
+}
+
+impl Event {
+    /// A thing of the program that cannot be: the axes rest before it.
+    pub(crate) fn refused(fault: Fault, cycle: Cycle) -> Event {
+        Event::Fault(Trouble { fault, axis: None, at_once: false, way: Way::Leave(cycle) })
+    }
 }
 
 /// What one tick of timed motion brought.

@@ -227,7 +227,7 @@ impl Task {
 
     /// The state after a fault. The first one stays, unless it was the consequence of this one.
     fn after_fault(&self, trouble: &Trouble) -> Task {
-        let Trouble { fault, at_once, way } = *trouble;
+        let Trouble { fault, at_once, way, .. } = *trouble;
         match *self {
             Task::Moving { fault: before, .. } if at_once => {
                 Task::Fault { fault: before.unwrap_or(fault), order: Order::Stop }

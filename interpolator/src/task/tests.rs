@@ -53,7 +53,8 @@ fn events() -> Vec<(&'static str, Event)> {
     let moved = Moved::default();
     let stands = Moved { stands: true, ..moved };
     let back = Some(Back::Held);
-    let fault = |fault, at_once| Event::Fault(Trouble { fault, at_once, way: Way::Leave(Cycle(72)) });
+    let fault =
+        |fault, at_once| Event::Fault(Trouble { fault, axis: None, at_once, way: Way::Leave(Cycle(72)) });
     vec![
         ("nothing", Event::Nothing),
         ("axis fault", fault(Fault::AxisJump, true)),
@@ -312,7 +313,7 @@ fn a_pass_that_has_begun_is_called_off_by_nothing() {
 /// The first fault stays, but a cause takes the place of its consequence.
 #[test]
 fn the_first_fault_is_the_one_that_is_told() {
-    let fault = |fault, at_once| Event::Fault(Trouble { fault, at_once, way: LEAVE });
+    let fault = |fault, at_once| Event::Fault(Trouble { fault, axis: None, at_once, way: LEAVE });
     let after = |task, event| stepped(task, event).0;
     let first = leaving(Why::Fault(Fault::ThreadError), LEAVE);
     assert_eq!(after(first, fault(Fault::DriveFault, true)), first);

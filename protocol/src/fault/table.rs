@@ -307,11 +307,11 @@ pub const FAULTS: [FaultRow; 31] = [
     FaultRow {
         fault: Fault::InterpolatorSilent,
         code: "interpolator-silent",
-        source: "regulator",
-        found: "no frame for three ticks",
+        source: "regulator, interpolator",
+        found: "no frame for three ticks; by itself: every regulator has answered a later measurement than the one in hand",
         within: &[most(&[Seconds(1.0), Ticks(3)], "")],
-        reaction: "a pass in hand is finished; at rest the axis stays where it is",
-        text: "the interpolator says nothing new: it has died, hangs, or its channel is cut",
+        reaction: "a pass in hand is finished; at rest the axis stays where it is; one that goes on again ends the run, and a pass is left",
+        text: "the interpolator said nothing new in time: it has died, hangs, was held up, or its channel is cut",
         remedy: "the process that is named; the computer",
     },
     FaultRow {

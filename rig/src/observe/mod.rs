@@ -285,20 +285,27 @@ impl Observer {
     fn take_faults(&mut self, record: &Record) {
         let cycle = record.truth.cycle.0;
         let faults = &mut self.out.faults;
-        let mut take = |seen: &mut u32, code: u32, counts: i32, source: &dyn Fn() -> String| {
+        let mut take = |seen: &mut u32, code: u32, who: &dyn Fn() -> (String, Option<String>)| {
             if std::mem::replace(seen, code) != code && code != 0 {
-                faults.push(fault_report(cycle, source(), code, counts));
+                let (source, detail) = who();
+                faults.push(fault_report(cycle, source, code, detail));
             }
         };
         let mut corrected = 0;
         for (axis, status) in record.axes {
-            let source = || format!("regulator-{}", axis.name());
-            take(&mut self.fault_codes.0[axis.index()], status.fault, status.encoder_counts, &source);
+            let counts = status.encoder_counts;
+            let told = || (counts != 0).then(|| format!("{counts:+} counts"));
+            let who = || (format!("regulator-{}", axis.name()), told());
+            take(&mut self.fault_codes.0[axis.index()], status.fault, &who);
             if status.fault == 0 {
                 corrected = corrected.max(status.encoder_counts);
             }
         }
-        take(&mut self.fault_codes.1, record.machine.fault, 0, &|| "interpolator".into());
+        let concerned = || {
+            let axis = Axis::ALL.get(usize::from(record.machine.fault_axis).checked_sub(1)?)?;
+            Some(format!("regulator-{}", axis.name()))
+        };
+        take(&mut self.fault_codes.1, record.machine.fault, &|| ("interpolator".into(), concerned()));
         self.out.overrides_clamped = record.machine.overrides_clamped;
         self.warn_of_counts(cycle, corrected);
         self.out.outcome = self.outcome(record.machine);
@@ -363,9 +370,9 @@ impl Observation {
     }
 }
 
-/// `counts` of the spindle encoder are told where they are known.
-fn fault_report(cycle: u64, source: String, code: u32, counts: i32) -> FaultReport {
-    let told = if counts == 0 { String::new() } else { format!(" ({counts:+} counts)") };
+/// What is known besides is told in brackets: counts of the spindle encoder, the regulator concerned.
+fn fault_report(cycle: u64, source: String, code: u32, detail: Option<String>) -> FaultReport {
+    let told = detail.map_or_else(String::new, |detail| format!(" ({detail})"));
     let (code, text) = match Fault::from_code(code) {
         Some(fault) => (fault.code().into(), format!("{}{told}", fault.text())),
         None => (format!("unknown-{code}"), "a fault that this version does not know".into()),

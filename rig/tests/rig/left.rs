@@ -137,6 +137,24 @@ fn a_tool_that_was_out_and_is_back_at_the_start_is_not_told() {
     assert_eq!(tool_in_thread(&left.seen), None);
 }
 
+/// The regulators are all well, and one of them is not heard; or the interpolator hears none, since it was held up.
+#[test]
+fn who_is_silent_is_named() {
+    let lost =
+        |axis: &str| format!("packet = {{ channel = \"axis-status/{axis}\", count = 8, drop = true }}");
+    let held_up = "freeze = { process = \"interpolator\", for_s = 0.5 }";
+    for (event, code, named) in [
+        (lost("x"), Fault::RegulatorSilent.code(), "(regulator-x)"),
+        (lost("z"), Fault::RegulatorSilent.code(), "(regulator-z)"),
+        (held_up.into(), Fault::InterpolatorSilent.code(), "the interpolator"),
+    ] {
+        let left = run(&Machine::default(), THREAD, &event);
+        let [fault] = &left.seen.faults[..] else { panic!("{event}: {:?}", left.seen.faults) };
+        assert_eq!((fault.source.as_str(), fault.code.as_str()), ("interpolator", code), "{event}");
+        assert!(fault.text.contains(named), "{event}: {}", fault.text);
+    }
+}
+
 /// A drive without torque, at a speed from which the spindle coasts for long.
 #[test]
 fn a_spindle_that_coasts_is_waited_for_and_has_not_run_away() {
