@@ -1,13 +1,15 @@
 //! The whole machine in one process, and what is measured of a run: [`observe`] sees the true state of the
 //! plant and measures every pass, [`trace`] writes and reads what happened in every control cycle, [`trial`]
 //! makes passes to be measured, [`mod@bench`] tunes its axes. What lies between the modules are [`wires`],
-//! which a test can disturb. A [`supervisor`] brings it to rest when a part of it has died.
+//! which a test can disturb. A [`supervisor`] brings it to rest when a part of it has died; [`standstill`]
+//! finds one that waits for nobody.
 
 pub mod bench;
 mod lives;
 mod modules;
 pub mod observe;
 mod rig;
+pub mod standstill;
 pub mod supervisor;
 pub mod trace;
 pub mod trial;

@@ -2,9 +2,11 @@
 //! What caused a fault is listed before it.
 
 use process::ipc::{ChannelCount, Process};
+use protocol::operator::Request;
 use rig::{
     observe::{FaultReport, Outcome, Summary},
-    supervisor::End,
+    standstill::WAIT_S,
+    supervisor::{End, Supervisor},
 };
 
 /// Late answers in a row at which a drive trips.
@@ -31,6 +33,8 @@ pub(crate) struct Endings {
     deaths: Vec<Death>,
     end: Option<End>,
     broken_off: bool,
+    /// In which cycle a run was stopped that waited for nobody, and what it waited for.
+    unattended: Option<(u64, &'static str)>,
     /// Regulators that were late so often in a row that their drives tripped, and how often they were late.
     late: Vec<(String, u64)>,
 }
@@ -54,6 +58,21 @@ impl Endings {
     /// The operator did not wait for rest.
     pub(crate) fn broken_off(&mut self) {
         self.broken_off = true;
+    }
+
+    /// The machine waits for somebody who will not come: it is stopped. A pass that is cut to its end first
+    /// may wait on: then what comes is an emergency stop.
+    pub(crate) fn waits(
+        &mut self,
+        cycle: u64,
+        waits_for: &'static str,
+        supervisor: &mut Supervisor,
+    ) -> Option<Request> {
+        if self.unattended.is_some() {
+            return supervisor.emergency_stop();
+        }
+        self.unattended = Some((cycle, waits_for));
+        Some(Request::Stop)
     }
 
     /// What was counted of late answers.
@@ -91,6 +110,13 @@ impl Endings {
             let behind = |fault: &FaultReport| fault.cycle >= death.cycle;
             let place = summary.faults.iter().position(behind).unwrap_or(summary.faults.len());
             summary.faults.insert(place, self.report(death));
+        }
+        if let Some((cycle, waits_for)) = self.unattended {
+            let text = format!(
+                "{waits_for} is left to come in the scenario: the machine stood for {WAIT_S} s, and the run was \
+                 stopped. Let that event come behind this one (before it, it does nothing), or add stop = true"
+            );
+            summary.warnings.push(launcher_s(cycle, "nobody-at-the-panel", text));
         }
         if let Some(End::NoRest(moving)) = self.end {
             let text = format!(

@@ -2,7 +2,7 @@
 
 use process::ipc::{Process, time::Moment};
 use protocol::{Doom, Module, operator::Request};
-use rig::{Rig, observe::Record, supervisor::Supervisor};
+use rig::{Rig, observe::Record, standstill::Standstill, supervisor::Supervisor};
 
 use super::{
     Setup,
@@ -25,6 +25,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         .map_err(|error| CliError::Input(format!("machine file: {error}")))?;
     let mut recorder = Recorder::new(setup)?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
+    let mut standstill = Standstill::new(&setup.machine, &setup.scenario);
     let mut endings = Endings::default();
     let mut doomed = Doomed::new(setup);
     let (mut cycle, mut wish) = (0, Wish::None);
@@ -38,6 +39,9 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
             for (module, death) in &dead {
                 endings.died(death.clone());
                 wanted = supervisor.died(*module, record.truth.cycle.0).or(wanted);
+            }
+            if let Some(waits_for) = standstill.cycle(record) {
+                wanted = endings.waits(record.truth.cycle.0, waits_for, &mut supervisor).or(wanted);
             }
             wanted = supervisor.cycle(record).or(wanted);
         });

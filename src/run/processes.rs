@@ -9,6 +9,7 @@ use process::{
 use protocol::{Doom, operator::Request};
 use rig::{
     observe::{self, Summary},
+    standstill::Standstill,
     supervisor::{End, Supervisor},
 };
 
@@ -46,6 +47,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let mut launch = Launch {
         setup,
         supervisor: Supervisor::new(&setup.machine, &setup.program.watched),
+        standstill: Standstill::new(&setup.machine, &setup.scenario),
         watchdog: Watchdog::new(setup.watchdog_s),
         hunger: Hunger::new(setup.watchdog_s),
         endings: Endings::default(),
@@ -135,6 +137,7 @@ struct Launch<'a> {
     space: NameSpace,
     interrupts: &'a mut Interrupts,
     supervisor: Supervisor,
+    standstill: Standstill,
     watchdog: Watchdog,
     hunger: Hunger,
     endings: Endings,
@@ -278,12 +281,17 @@ impl Launch<'_> {
     }
 
     fn record(&mut self, force: bool) -> Result<bool, CliError> {
-        let (recorder, supervisor) = (&mut self.recorder, &mut self.supervisor);
+        let Launch { recorder, supervisor, standstill, endings, .. } = self;
+        // In real time somebody may stand at the panel.
+        let alone = self.setup.clock == Clock::Virtual;
         let mut request = None;
         // Until the plant hears that it may go it makes cycles that belong to no run.
         let any = self.channels.record(force, |record| {
             if supervisor.end().is_none() {
                 recorder.cycle(record);
+                if let Some(waits_for) = standstill.cycle(record).filter(|_| alone) {
+                    request = endings.waits(record.truth.cycle.0, waits_for, supervisor).or(request);
+                }
                 request = supervisor.cycle(record).or(request);
             }
         });

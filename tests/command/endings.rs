@@ -325,3 +325,25 @@ fn after_the_run_a_signal_ends_a_launcher_whose_result_nobody_reads() {
     signal(launcher.id(), "TERM");
     assert!(ends(&mut launcher, 20.0), "it cannot be ended");
 }
+
+/// A cycle start that comes before the hold does nothing, and nobody presses another one.
+#[test]
+fn a_hold_that_nobody_releases_ends_the_run_and_is_named() {
+    let place = Place::new();
+    let event = |at: &str, does: &str| format!("[[event]]\nat = {{ {at} }}\n{does} = true\n");
+    let hold = event("pass = 1, angle_deg = 720", "feed_hold") + &event("time_s = 0.1", "cycle_start");
+    place.write("hold.toml", &hold);
+    for how in [&["--in-process"][..], &[]] {
+        let text = "G18 G21 G90 G8\nM3 S600\nG0 X20 Z8\nG0 X9\nG33 Z-10 K2\nG0 X20\nG0 Z8\nM5\nM2\n";
+        let mut command = command(&place, text, machine::SMALL_LATHE);
+        command.args(["--scenario", "hold.toml", "--trace", "none"]).args(how);
+        let answer = Answer::from(command.output().expect("it starts"));
+        assert_eq!(answer.status, Some(1), "{how:?}: {}", answer.stderr);
+        let summary = summary(&place.at("run"));
+        assert_eq!((summary.outcome, codes(&summary)), (Outcome::Stopped, vec![]), "{how:?}");
+        let [warning] = &summary.warnings[..] else { panic!("{how:?}: {:?}", summary.warnings) };
+        assert_eq!(warning.code, "nobody-at-the-panel", "{how:?}");
+        assert!(warning.text.contains("no cycle_start = true"), "{how:?}: {}", warning.text);
+        std::fs::remove_dir_all(place.at("run")).expect("the run folder");
+    }
+}

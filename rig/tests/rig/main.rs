@@ -17,6 +17,7 @@ mod presses;
 mod reactions;
 mod rotary;
 mod stand;
+mod standstill;
 mod supervisor;
 mod traces;
 mod trial;

@@ -229,6 +229,16 @@ impl Scenario {
         self.events.iter().position(thaws).map(|index| index + 1)
     }
 
+    /// The control cycle of the last event that has a time or a cycle; 0 without one.
+    pub fn last_by_clock(&self, cycle_s: f64) -> u64 {
+        let cycle = |event: &Event| match event.trigger {
+            Trigger::Time { time_s } => (time_s / cycle_s).ceil() as u64,
+            Trigger::Cycle { cycle } => cycle,
+            _ => 0,
+        };
+        self.events.iter().map(cycle).max().unwrap_or(0)
+    }
+
     /// The axes that events act on, with the number of the event, from 1.
     pub(crate) fn axes(&self) -> impl Iterator<Item = (usize, Axis)> {
         let axis = |(index, event): (usize, &Event)| match event.action {
