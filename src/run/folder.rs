@@ -1,6 +1,7 @@
 //! The run folder: everything that a run was made of, and everything it left.
 
 use std::ffi::OsString;
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
@@ -25,6 +26,8 @@ pub(crate) struct RunFolder {
     pub(crate) scenario: Option<PathBuf>,
     /// Form of the trace.
     pub(crate) trace: Option<trace::Format>,
+    /// Held as long as the run writes into the folder.
+    _lock: File,
 }
 
 const LANGUAGE: &str = "language.toml";
@@ -49,6 +52,7 @@ impl RunFolder {
             }
             None => numbered(&args.program)?,
         };
+        let lock = lock(&path)?;
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
         let program = path.join(name);
         if [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| name == *kept)
@@ -97,7 +101,19 @@ impl RunFolder {
             Trace::None => None,
         };
         let named = args.program.display().to_string();
-        Ok(RunFolder { path, named, program, language, machine, scenario, trace })
+        Ok(RunFolder { path, named, program, language, machine, scenario, trace, _lock: lock })
+    }
+}
+
+/// Two runs do not write into one folder.
+fn lock(path: &Path) -> Result<File, CliError> {
+    let folder = File::open(path).map_err(|error| CliError::file(path, error))?;
+    match folder.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            Err(CliError::file(path, "another run writes into this folder: name another one with --out"))
+        }
+        // A file system without locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(folder),
     }
 }
 

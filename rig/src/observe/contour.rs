@@ -12,7 +12,7 @@
 //! What is along the path is a matter of time, not of shape, and is left out. Rotary axes have no place in a
 //! distance.
 
-use protocol::AxisState;
+use protocol::{AxisState, AxisStatus};
 
 use super::{MovesReport, Record};
 
@@ -42,7 +42,11 @@ pub(super) struct Contour {
 impl Contour {
     /// Takes one control cycle.
     pub(super) fn cycle(&mut self, record: &Record) {
-        if record.axes.iter().any(|(_, status)| status.state() != AxisState::Streaming) {
+        // Who has missed a measurement says nothing of this cycle.
+        let tells = |status: &AxisStatus| {
+            status.state() == AxisState::Streaming && status.cycle == record.truth.cycle
+        };
+        if !record.axes.iter().all(|(_, status)| tells(status)) {
             return;
         }
         let linear = record.axes.iter().filter(|(axis, _)| !axis.is_rotary());

@@ -62,7 +62,7 @@ impl Limits {
         for (axis, status) in record.axes {
             let Some(limit) = self.axes.get(axis) else { continue };
             let before = &mut self.before[axis.index()];
-            if status.state() != AxisState::Streaming {
+            if status.state() != AxisState::Streaming || status.cycle != record.truth.cycle {
                 *before = [None; 2];
                 continue;
             }
