@@ -194,6 +194,9 @@ fn connect(ports: &[&dyn Port], deadline: Moment) -> Result<(), IpcError> {
         if missing.is_empty() {
             return Ok(());
         }
+        if is_orphan() {
+            return Err(IpcError::LauncherGone);
+        }
         if deadline.passed() {
             return Err(IpcError::NotConnected(missing));
         }

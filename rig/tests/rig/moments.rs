@@ -165,3 +165,18 @@ fn an_encoder_that_dies_while_the_spindle_runs_down_does_not_end_the_run_sooner(
         }
     }
 }
+
+/// Who misses a measurement says nothing of that cycle: what he said before is no error of the path.
+#[test]
+fn a_measurement_that_is_missing_is_no_contour_error() {
+    let machine = Machine::default();
+    let program = "M3 S600\nG0 X12 Z8\nG1 Z-20 F3000";
+    let (calm, undisturbed) = run(&machine, program, None);
+    let feed = cycles(&calm, 0, |moment| moment.z.velocity_mm_s < -45.0);
+    for at in feed.step_by(101) {
+        let event = "packet = { channel = \"measurement/z\", count = 2, drop = true }";
+        let (_, seen) = run(&machine, program, Some((at, event)));
+        let more = seen.moves.contour_max_um - undisturbed.moves.contour_max_um;
+        assert!(more.abs() < 1.0, "in cycle {at}: {more} µm");
+    }
+}

@@ -48,8 +48,9 @@ fn around(off: impl Fn(f64) -> [f64; 2]) -> MovesReport {
             let status = &mut axes[i].1;
             (status.commanded_mm, status.velocity_mm_s) = (center + RADIUS_MM * radial, SPEED_MM_S * along);
         }
-        axes.iter_mut()
-            .for_each(|(_, status)| (status.state, status.line) = (AxisState::Streaming as u32, LINE));
+        for (_, status) in &mut axes {
+            (status.cycle, status.state, status.line) = (truth.cycle, AxisState::Streaming as u32, LINE);
+        }
         let machine = MachineStatus { line: LINE, state: MachineState::Moving as u32, ..Default::default() };
         observer.cycle(&Record { truth: &truth, axes: &axes, machine: &machine });
     }

@@ -82,7 +82,7 @@ fn timed_motion_is_counted_and_held_against_the_limits() {
         ..MachineStatus::default()
     };
     for (acceleration_mm_s2, violations) in [(-limit, 0), (-1.001 * limit, 1)] {
-        let axis = AxisStatus { state: 1, acceleration_mm_s2, ..AxisStatus::default() };
+        let axis = AxisStatus { cycle: Cycle(4), state: 1, acceleration_mm_s2, ..AxisStatus::default() };
         let moves = two_cycles(&[], axis, moving).moves;
         assert_eq!((moves.count, moves.time_s, moves.limit_violations), (3, 0.0005, violations));
     }
@@ -147,6 +147,7 @@ fn violations(accelerations: &[f64]) -> u64 {
         let truth = Truth { cycle: Cycle(4 * tick), ..Truth::default() };
         let machine = MachineStatus { cycle: truth.cycle, ..MachineStatus::default() };
         let z = AxisStatus {
+            cycle: truth.cycle,
             state: AxisState::Streaming as u32,
             acceleration_mm_s2: *acceleration_mm_s2,
             ..AxisStatus::default()

@@ -65,7 +65,7 @@ fn cut_with(
         let real = [-0.6 * off(cycle) - 0.032, 0.0, 0.8 * off(cycle) - 0.024];
         for i in 0..3 {
             let status = &mut axes[i].1;
-            (status.state, status.line) = (AxisState::Streaming as u32, LINE);
+            (status.cycle, status.state, status.line) = (truth.cycle, AxisState::Streaming as u32, LINE);
             (status.commanded_mm, status.velocity_mm_s) = (ORIGIN[i] + tip[i], speed * [0.8, 0.0, 0.6][i]);
             status.acceleration_mm_s2 = acceleration(cycle) * [0.8, 0.0, 0.6][i];
             truth.axes[i].slide_mm = ORIGIN[i] + tip[i] + real[i];
