@@ -31,6 +31,8 @@ const STANDS_S: f64 = 0.1;
 const LOST_S: f64 = 0.5;
 /// A way out that goes deeper than the pass by more than this is not taken yet, mm.
 const TOO_DEEP_MM: f64 = 0.02;
+/// A way out that goes farther beyond where the tool is clear than this is not taken if there is another, mm.
+const PAST_MM: f64 = 1.0;
 /// A lift is long that is longer than a thread is deep, mm.
 const LONG_MM: f64 = 5.0;
 /// The retract of the pass is kept if its end comes no later than so many times a way out of its own.
@@ -102,7 +104,9 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
     let now = reference.now();
     let turning = reference.spindle.since(pass, 0.0);
     let begins = matches!(stage, Stage::WaitingForC0 | Stage::RunIn);
-    let (exit, beyond_mm) = no_deeper(&now, pass, begins, limits);
+    // A spindle that runs away drives a stroke harder than the axis may.
+    let driven = pass.hardest(stage, 6.0 * reference.spindle.rpm().abs()) > HARDER * limits.a;
+    let (exit, beyond_mm) = no_deeper(&now, pass, begins, !begins || driven, limits);
     if begins {
         // The law comes to rest at depth, whatever the speed of the spindle.
         if beyond_mm > TOO_DEEP_MM && turning.speed > 0.0 && stage == Stage::RunIn {
@@ -111,11 +115,11 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
         let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
         return Way::Timed { exit: rising.unwrap_or(exit), from: reference.cycle };
     }
-    // A spindle that runs away drives a retract faster, and harder, than the axis may.
+    // And faster than it may.
     let fastest = now.v.abs().max((now.v + 0.5 * now.a * now.a.abs() / limits.j).abs());
     let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration()
         && fastest <= limits.v
-        && pass.hardest(stage, 6.0 * reference.spindle.rpm().abs()) <= HARDER * limits.a;
+        && !driven;
     match stage {
         Stage::Locked | Stage::RunOut if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
         _ => Way::Timed { exit, from: reference.cycle },
@@ -139,29 +143,28 @@ fn rising(now: &Sample, pass: &Pass, ratio: f64, limits: &Limits) -> Option<Exit
     rises.then(|| Exit::by_speed(now, v.clamp(-limits.v, limits.v), clear, limits))
 }
 
-/// To where the tool is clear. Turned round at once, a tool on its way to depth, or that a spindle takes
-/// back, would go deeper than to come to rest first, and perhaps deeper than the pass, or than it is: a cone
-/// may begin below where it ends. And by how much it is too deep then, mm.
-fn no_deeper(now: &Sample, pass: &Pass, begins: bool, limits: &Limits) -> (Exit, f64) {
+/// To where the tool is clear, and neither deeper nor far beyond. Turned round at once, a tool on its way to
+/// depth, or that a spindle takes back, would go deeper than to come to rest first, and perhaps deeper than
+/// the pass, or than it is: a cone may begin below where it ends. One that a spindle that runs away has
+/// thrown out of the groove would go far beyond. `hard`: at once, whatever the jerk, if nothing else does. And by
+/// how much it is too deep then, mm.
+fn no_deeper(now: &Sample, pass: &Pass, begins: bool, hard: bool, limits: &Limits) -> (Exit, f64) {
     let clear = pass.out.clear.mm();
-    let exit = Exit::to(now, clear, limits);
     let into = (now.s - clear).signum();
     let locked = pass.place(pass.law.locked_deg());
     let depth = if begins && (locked - now.s) * into > 0.0 { locked } else { now.s };
-    let beyond = |exit: &Exit| (exit.farthest(into) - depth) * into;
-    let beyond_mm = beyond(&exit);
-    if beyond_mm <= 0.0 {
-        return (exit, beyond_mm);
+    let deeper = |exit: &Exit| (exit.farthest(into) - depth) * into;
+    let past = |exit: &Exit| (clear - exit.farthest(-into)) * into - PAST_MM;
+    let wrong = |exit: &Exit| deeper(exit).max(past(exit));
+    let mut best = Exit::to(now, clear, limits);
+    let better = |best: Exit, exit: Exit| if wrong(&exit) < wrong(&best) { exit } else { best };
+    if wrong(&best) > 0.0 {
+        best = better(best, Exit::by_rest(now, clear, limits));
     }
-    let shallower = |best: (Exit, f64), exit: Exit| match beyond(&exit) {
-        mm if mm < best.1 => (exit, mm),
-        _ => best,
-    };
-    let best = shallower((exit, beyond_mm), Exit::by_rest(now, clear, limits));
-    if begins || best.1 <= TOO_DEEP_MM {
-        return best;
+    if wrong(&best) > TOO_DEEP_MM && hard {
+        best = better(best, Exit::by_sudden_rest(now, clear, limits));
     }
-    shallower(best, Exit::by_sudden_rest(now, clear, limits))
+    (best, deeper(&best))
 }
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
@@ -180,7 +183,7 @@ pub(crate) fn brake(
     };
     if reference.spindle.is_back() {
         let exit = match pass.lifts(axis) {
-            true => no_deeper(last, pass, false, limits).0,
+            true => no_deeper(last, pass, false, true, limits).0,
             false => Exit::to(last, pass.place(reference.spindle.since(pass, 0.0).angle), limits),
         };
         return Some(Way::Timed { exit, from: Cycle(reference.cycle.0 - 1) });
