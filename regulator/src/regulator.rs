@@ -254,6 +254,7 @@ impl Regulator {
             missed,
             spindle: &self.spindle,
             stream: &self.stream,
+            begins: matches!(command, Some(AxisCommand::Stream | AxisCommand::Arm { .. })),
             frame_due: self.frame_due.map(|due| due.max(self.state_since)),
             leave_at: self.leave_at,
             last: &self.last,

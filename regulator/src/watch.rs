@@ -19,7 +19,7 @@ use protocol::{Axis, Cycle, DriveState, Fault, Measurement, Panel, WayOut, units
 use crate::jumps::Jumps;
 use crate::leave::Cause;
 use crate::spindle::Spindle;
-use crate::state::{Pass, Stage, State};
+use crate::state::{Stage, State};
 use crate::stream::Stream;
 
 /// Control cycles without a measurement that an axis bridges.
@@ -59,6 +59,9 @@ pub(crate) struct Watch {
     /// Measurements that are missing, beyond that share.
     lost: f64,
     jumps: Jumps,
+    /// The pass in hand is finished whatever minor fault there is; so is that of the other axes, if this one
+    /// rests at the end of its own and the interpolator leads it nowhere yet.
+    finishes: bool,
 }
 
 /// What an axis knows in a cycle.
@@ -69,6 +72,8 @@ pub(crate) struct Known<'a> {
     pub(crate) missed: u64,
     pub(crate) spindle: &'a Spindle,
     pub(crate) stream: &'a Stream,
+    /// The interpolator begins something new: timed motion, or a pass.
+    pub(crate) begins: bool,
     /// When the next frame was due; none before the first.
     pub(crate) frame_due: Option<Cycle>,
     /// The cycle in which the interpolator wants the pass to be left.
@@ -97,6 +102,7 @@ impl Watch {
             hardest: HARDEST * config.limits().a,
             lost: 0.0,
             jumps: Jumps::of(config, cycle_s),
+            finishes: false,
         }
     }
 
@@ -107,7 +113,11 @@ impl Watch {
     }
 
     /// What ends what the axis does, if anything.
-    pub(crate) fn cause(&self, known: &Known) -> Option<Cause> {
+    pub(crate) fn cause(&mut self, known: &Known) -> Option<Cause> {
+        self.finishes = match known.state {
+            State::Streaming => self.finishes && !known.begins,
+            state => state.pass().is_some_and(|pass| !pass.out.on(WayOut::ON_FAULT)),
+        };
         let leave = |fault: Option<Fault>| fault.map(|fault| Cause::Leave(Some(fault)));
         self.lost(known)
             .or_else(|| leave(outside(known)))
@@ -133,9 +143,7 @@ impl Watch {
         if known.missed > BRIDGED || self.lost > MOST_LOST {
             return Some(Fault::MeasurementGap);
         }
-        let may_finish = |pass: &&Pass| !pass.out.on(WayOut::ON_FAULT);
-        let finishes = known.state.pass().filter(may_finish).is_some();
-        let spindle = known.spindle.fault().filter(|found| !(finishes && found.is_minor()));
+        let spindle = known.spindle.fault().filter(|found| !(self.finishes && found.is_minor()));
         let spindle = spindle.map(|found| found.fault);
         spindle.or(self.jumps.has_jumped().then_some(Fault::AxisJump))
     }
