@@ -21,17 +21,21 @@ impl Policy {
     /// Takes a comment; most of them say nothing of threads.
     ///
     /// # Errors
-    /// It begins with one of the words and says neither `leave` nor `finish`.
+    /// It begins with one of the words, and a comma with `leave` or `finish` does not follow.
     pub(crate) fn comment(&mut self, text: &str) -> Result<(), Box<Problem>> {
-        let (word, value) = text.split_once(',').unwrap_or((text, ""));
-        let begins = |known: &str| word.trim().eq_ignore_ascii_case(known);
+        let text = text.trim();
+        let ends = |c: char| !(c.is_alphanumeric() || c == '_');
+        let (word, rest) = text.split_at(text.find(ends).unwrap_or(text.len()));
+        let begins = |known: &str| word.eq_ignore_ascii_case(known);
         let Some((word, bit)) = WORDS.into_iter().find(|(known, _)| begins(known)) else { return Ok(()) };
-        let value = value.trim();
-        let leaves = value.eq_ignore_ascii_case("leave");
-        if !leaves && !value.eq_ignore_ascii_case("finish") {
+        let value = rest.trim().strip_prefix(',').map(str::trim);
+        let is = |wanted: &str| value.is_some_and(|value| value.eq_ignore_ascii_case(wanted));
+        let leaves = is("leave");
+        if !leaves && !is("finish") {
             let message = match value {
-                "" => format!("{word} does not say what it wants"),
-                other => format!("{word} cannot be {other:?}"),
+                None if !rest.is_empty() => format!("a comma is missing behind {word}"),
+                None | Some("") => format!("{word} does not say what it wants"),
+                Some(other) => format!("{word} cannot be {other:?}"),
             };
             let help = format!("write ({word}, leave) or ({word}, finish)");
             return Err(Problem::error("bad-value", Blame::Block, message, help));
@@ -58,6 +62,8 @@ mod tests {
         let mut policy = Policy::default();
         for (text, leaves) in [
             ("a remark, leave", MACHINE),
+            ("on_holding, finish", MACHINE),
+            ("what on_hold does", MACHINE),
             ("on_hold, leave", MACHINE | WayOut::ON_HOLD),
             (" ON_STOP , Finish ", WayOut::ON_HOLD | WayOut::ON_FAULT),
             ("on_fault,finish", WayOut::ON_HOLD),
@@ -72,7 +78,15 @@ mod tests {
     #[test]
     fn what_is_misspelt_is_said_with_its_remedy_and_changes_nothing() {
         let mut policy = Policy::default();
-        for text in ["on_hold, leav", "on_hold", "ON_FAULT,", "on_stop, leave, now"] {
+        for text in [
+            "on_hold, leav",
+            "on_hold",
+            "ON_FAULT,",
+            "on_stop, leave, now",
+            "on_hold leave",
+            "on_stop: finish",
+            " On_Fault = finish",
+        ] {
             let problem = policy.comment(text).expect_err(text);
             assert!(problem.help.starts_with("write (on_") && problem.help.contains("finish"), "{problem:?}");
         }
