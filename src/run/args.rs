@@ -25,7 +25,8 @@ after 1 s on the machine, and the summary names the pause.
 Ctrl-C (or SIGTERM, or closing the terminal) stops the machine and ends the program: a tool in a thread leaves it
 first. Ctrl-C again is an emergency stop, and once more ends the processes as they are.
 
-Exit status: 0 done and good, 1 the run ended in a fault or was broken off, 2 the program, machine file, scenario or an argument is wrong.";
+Exit status: 0 the whole program was executed and nothing was wrong; 1 the run ended in a fault, or before the end of
+its program (stop, abort, Ctrl-C); 2 the program, machine file, scenario or an argument is wrong.";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RunArgs {
@@ -39,7 +40,8 @@ pub(crate) struct RunArgs {
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) clock: Clock,
-    /// The same machine in one process, without iceoryx2; same numbers.
+    /// The same machine in one process, without iceoryx2; same numbers, as long as no process dies or
+    /// freezes.
     #[arg(long)]
     pub(crate) in_process: bool,
     /// What happens to the machine while it runs (TOML).

@@ -65,7 +65,7 @@ pub const FAULTS: [FaultRow; 31] = [
         fault: Fault::SpindleNotAtSpeed,
         code: "spindle-not-at-speed",
         source: "interpolator",
-        found: "the observed speed stays out of the band, or hardly turns",
+        found: "before a cut the observed speed stays out of the band; in a pass the spindle hardly turns",
         within: &[
             most(&[Seconds(30.0), Turns(3.0)], "before a cut"),
             most(&[Seconds(1.0), Turns(0.25)], "in a pass"),
