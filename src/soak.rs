@@ -47,7 +47,7 @@ pub(crate) struct SoakArgs {
     #[arg(long)]
     pub(crate) json: bool,
     /// Threads; without it one for each processor.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = jobs)]
     pub(crate) jobs: Option<usize>,
     /// Folder for what fails: program.ngc, machine.toml and scenario.toml of each smallest case.
     #[arg(long, value_name = "DIR")]
@@ -63,6 +63,10 @@ fn seeds(text: &str) -> Result<Range<u64>, String> {
     } else {
         Ok(range)
     }
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|jobs| *jobs > 0).ok_or_else(|| "threads, 1 or more".into())
 }
 
 /// A seed that failed, with its smallest case.

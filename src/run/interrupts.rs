@@ -72,7 +72,19 @@ impl Interrupts {
     }
 }
 
+/// What the operator is told of each wish.
+const WORDS: [(Wish, &str); 3] = [
+    (Wish::Stop, "stopping; Ctrl-C again is an emergency stop"),
+    (Wish::EmergencyStop, "emergency stop; Ctrl-C again ends the processes as they are"),
+    (Wish::End, "the processes are ended as they are"),
+];
+
 impl Wish {
+    /// What the operator is told, if this is what is asked for after `before`.
+    pub(crate) fn words(self, before: Wish) -> impl Iterator<Item = &'static str> {
+        WORDS.into_iter().filter(move |(wish, _)| before < *wish && *wish <= self).map(|(_, words)| words)
+    }
+
     /// What one more Ctrl-C asks for.
     fn more(self) -> Wish {
         match self {

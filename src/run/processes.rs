@@ -216,17 +216,15 @@ impl Launch<'_> {
         let before = std::mem::replace(&mut self.wish, wish);
         if before == Wish::None {
             self.ask(Some(Request::Stop))?;
-            self.recorder.say("stopping; Ctrl-C again is an emergency stop");
         }
         if before < Wish::EmergencyStop && wish >= Wish::EmergencyStop {
             let request = self.supervisor.emergency_stop();
             self.ask(request)?;
-            self.recorder.say("emergency stop; Ctrl-C again ends the processes as they are");
         }
         if wish == Wish::End {
-            self.recorder.say("the processes are ended as they are");
             self.endings.broken_off();
         }
+        wish.words(before).for_each(|words| self.recorder.say(words));
         Ok(())
     }
 
