@@ -68,6 +68,8 @@ pub struct Truth {
     pub doomed: u32,
     /// Code of what happens to it ([`Doom`]); 0 for nothing.
     pub doom: u32,
+    /// Events of the scenario that did not happen yet, the first 64 of them: the lowest bit is event 1.
+    pub pending: u64,
 }
 
 impl Truth {
@@ -78,5 +80,5 @@ impl Truth {
 }
 
 impl Message for Truth {
-    const NAME: &str = "pitchlock/truth/6";
+    const NAME: &str = "pitchlock/truth/7";
 }

@@ -125,9 +125,4 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
     pub fn wires_mut(&mut self) -> &mut W {
         self.modules.wires_mut()
     }
-
-    /// Numbers of the scenario's events that did not happen.
-    pub fn pending_events(&self) -> impl Iterator<Item = usize> {
-        self.plant.pending_events()
-    }
 }

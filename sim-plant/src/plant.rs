@@ -274,6 +274,8 @@ impl Plant {
             Some(Order::Doom(doom, module)) => (doom as u32, module.code()),
             _ => (0, 0),
         };
+        let told = self.timeline.pending().take_while(|event| *event <= u64::BITS as usize);
+        self.truth.pending = told.fold(0, |bits, event| bits | 1 << (event - 1));
         self.cut(command);
     }
 

@@ -22,7 +22,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let begun = Moment::now();
     let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
-        .map_err(|error| CliError::Input(format!("machine file: {error}")))?;
+        .map_err(|error| CliError::Input(error.to_string()))?;
     let mut recorder = Recorder::new(setup)?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
     let mut standstill = Standstill::new(&setup.machine, &setup.scenario);
@@ -56,6 +56,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
                 _ if before == Wish::None => Some(Request::Stop),
                 _ => request,
             };
+            wish.words(before).for_each(|words| recorder.say(words));
         }
         if wish == Wish::End {
             endings.broken_off();
@@ -65,9 +66,6 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         }
     }
     endings.ends(supervisor.end());
-    for event in rig.pending_events() {
-        tracing::warn!("event {event} of the scenario did not happen: its moment never came");
-    }
     let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
     endings.tell(&mut summary);
     Ok((complete(summary, setup, begun), failed))

@@ -16,9 +16,9 @@ use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
-use rig::observe::{Outcome, Summary, WorkKind};
+use rig::observe::{Outcome, PassEnd, Summary, WorkKind};
 
-use crate::{error::CliError, program::Program, screen};
+use crate::{error::CliError, program::Program, screen, words};
 use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
 use folder::RunFolder;
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if !quiet {
         eprint!("{}", program.messages);
     }
-    let (scenario, scenario_text) = read_scenario(args)?;
+    let (scenario, scenario_text) = read_scenario(args, &machine)?;
     let seed = args.seed.unwrap_or(1);
     if args.in_process && args.clock == Clock::Real {
         return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
@@ -75,6 +75,12 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
     drop(interrupts);
     let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
+    if quiet && let Some(fault) = summary.faults.first() {
+        words::say(&format!(
+            "error: {} {} (cycle {}): {}\n",
+            fault.source, fault.code, fault.cycle, fault.text
+        ));
+    }
     if args.json {
         let text =
             serde_json::to_string_pretty(&summary).map_err(|error| CliError::Machine(error.to_string()))?;
@@ -106,17 +112,24 @@ fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> Result<(), C
 /// What `--single-block` adds to the scenario.
 const SINGLE_BLOCK: &str = "[[event]]\nat = { cycle = 0 }\nsingle_block = true\n";
 
-fn read_scenario(args: &RunArgs) -> Result<(sim_plant::Scenario, Option<String>), CliError> {
+fn read_scenario(
+    args: &RunArgs,
+    machine: &Machine,
+) -> Result<(sim_plant::Scenario, Option<String>), CliError> {
     let given = args.scenario.as_ref();
     let text = given.map(|path| std::fs::read_to_string(path).map_err(|error| CliError::file(path, error)));
     let mut text = text.transpose()?;
     if args.single_block {
         text = Some(text.map_or_else(String::new, |text| text + "\n") + SINGLE_BLOCK);
     }
-    let scenario = sim_plant::Scenario::from_toml(text.as_deref().unwrap_or_default()).map_err(|error| {
+    let wrong = |error: &dyn std::fmt::Display| {
         let name = given.map_or("scenario".into(), |path| path.display().to_string());
         CliError::Input(format!("{name}: {error}"))
-    })?;
+    };
+    let scenario = sim_plant::Scenario::from_toml(text.as_deref().unwrap_or_default());
+    let scenario = scenario.map_err(|error| wrong(&error))?;
+    // Alone the machine can be built: its file has been read.
+    sim_plant::Plant::new(machine, scenario.clone(), 1).map_err(|error| wrong(&error))?;
     Ok((scenario, text))
 }
 
@@ -158,18 +171,9 @@ fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     threads(&mut text, summary);
     traces(&mut text, summary);
     moves(&mut text, summary);
-    for pause in summary.pauses.iter().take(SHOWN) {
-        let _ = writeln!(text, "pause     line {}: cycle start after {:.1} s", pause.line, pause.waited_s);
-    }
-    if summary.pauses.len() > SHOWN {
-        let _ = writeln!(text, "          and {} more pauses", summary.pauses.len() - SHOWN);
-    }
-    if summary.overrides_clamped > 0 {
-        let _ = writeln!(
-            text,
-            "override  clamped {} times to what the axes can follow",
-            summary.overrides_clamped
-        );
+    pauses(&mut text, summary);
+    if let Some(words) = summary.overrides_held() {
+        let _ = writeln!(text, "override  {words}");
     }
     if summary.deadline_misses > 0 && summary.clock == "real" {
         let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
@@ -181,7 +185,30 @@ fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     text
 }
 
+fn pauses(text: &mut String, summary: &Summary) {
+    for pause in summary.pauses.iter().take(SHOWN) {
+        let _ = writeln!(
+            text,
+            "pause     line {}: {} after {:.1} s",
+            pause.line,
+            pause.ended_by.text(),
+            pause.waited_s
+        );
+    }
+    if summary.pauses.len() > SHOWN {
+        let _ = writeln!(text, "          and {} more pauses", summary.pauses.len() - SHOWN);
+    }
+}
+
 fn threads(text: &mut String, summary: &Summary) {
+    for last in summary.interrupted().take(SHOWN) {
+        let words = match last.end {
+            PassEnd::Complete => "was left, entered again and cut to its end",
+            PassEnd::Left => "was left before its end",
+            PassEnd::CutOff => "was cut off before its end",
+        };
+        let _ = writeln!(text, "pass      {} {words}", last.pass);
+    }
     let worst = |of: fn(&rig::observe::PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
     if !summary.passes.is_empty() {
         let _ = writeln!(

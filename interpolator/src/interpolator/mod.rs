@@ -251,7 +251,7 @@ impl Interpolator {
                 }
                 event
             }
-            Task::Returning { back } => self.lead_back(cycle, back.after(panel)),
+            Task::Returning { back, .. } => self.lead_back(cycle, back.after(panel)),
             Task::Ending { stopped } if self.spindle.stands() && (!stopped || self.led_to_rest()) => {
                 Event::Stands
             }

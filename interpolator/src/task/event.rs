@@ -176,7 +176,7 @@ impl Moved {
             (false, fault, back) => Task::Moving { wait: self.wait, fault, back },
             (true, Some(fault), _) => Task::Fault { fault, order: super::Order::Hold },
             (true, None, _) if self.ends => Task::Ending { stopped: true },
-            (true, None, Some(back)) => Task::Returning { back },
+            (true, None, Some(back)) => Task::Returning { back, waits: false },
             (true, None, None) => Task::Ready { wait: self.wait },
         }
     }

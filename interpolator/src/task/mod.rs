@@ -113,6 +113,8 @@ pub(crate) enum Task {
     Returning {
         /// What it waits for.
         back: Back,
+        /// The other axes are at its start, and nothing but that is missing.
+        waits: bool,
     },
     /// The program is over, the spindle runs down.
     Ending {
@@ -187,8 +189,8 @@ impl Task {
                 Task::Armed(_) | Task::CallingOff { .. } | Task::Cutting(_) | Task::Leaving { .. },
                 Event::Cut(_) | Event::Leaves(..) | Event::Waiting(_) | Event::Left,
             ) => return self.out_of_pass(event),
-            (Task::Returning { back: before }, Event::Waiting(back)) if before != back => {
-                Task::Returning { back: *back }
+            (Task::Returning { back: before, waits }, Event::Waiting(back)) if before != back || !waits => {
+                Task::Returning { back: *back, waits: true }
             }
             (Task::Returning { .. }, Event::Returned) => Task::Ready { wait: Wait::No },
             (Task::Returning { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
@@ -207,7 +209,9 @@ impl Task {
             (Task::Leaving { pass, why: Why::Held(_), way }, Event::Waiting(back)) => {
                 Task::Leaving { pass: *pass, why: Why::Held(*back), way: *way }
             }
-            (Task::Leaving { why: Why::Held(back), .. }, Event::Left) => Task::Returning { back: *back },
+            (Task::Leaving { why: Why::Held(back), .. }, Event::Left) => {
+                Task::Returning { back: *back, waits: false }
+            }
             (Task::Leaving { why: Why::Held(_), .. }, Event::Cut(wait)) => Task::Ready { wait: *wait },
             (Task::Leaving { why: Why::Stopped, .. }, Event::Left | Event::Cut(_)) => {
                 Task::Ending { stopped: true }
@@ -254,7 +258,9 @@ impl Task {
     pub(crate) fn public(&self) -> MachineState {
         match self {
             Task::Enabling | Task::Starting => MachineState::Starting,
-            Task::Ready { wait: Wait::No } | Task::Returning { back: Back::Goes } => MachineState::Ready,
+            Task::Ready { wait: Wait::No }
+            | Task::Returning { back: Back::Goes, .. }
+            | Task::Returning { waits: false, .. } => MachineState::Ready,
             Task::Moving { wait: Wait::No, .. } => MachineState::Moving,
             Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } | Task::Returning { .. } => {
                 MachineState::Paused

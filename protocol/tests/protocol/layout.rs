@@ -68,9 +68,9 @@ layout!(spindle_command: SpindleCommand, 88, "pitchlock/spindle-command/3", {
 layout!(groove: Groove, 40, {
     start: 0, reserved: 4, lead_mm: 8, crest_mm: 16, slope: 24, into: 32,
 });
-layout!(truth: Truth, 744, "pitchlock/truth/6", {
+layout!(truth: Truth, 752, "pitchlock/truth/7", {
     cycle: 0, spindle_deg: 8, spindle_rpm: 16, spindle_torque_nm: 24, late_answers: 32, cut: 40, axes: 80,
-    measurement: 400, doomed: 736, doom: 740,
+    measurement: 400, doomed: 736, doom: 740, pending: 744,
 });
 layout!(axis_truth: AxisTruth, 40, {
     motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24, force_n: 32,

@@ -50,7 +50,7 @@ fn head(summary: &Summary) -> Markup {
                     div { dt { "True tool or beam off its trace" } dd { (um(traces::worst_um(summary))) } }
                 }
                 @if !summary.passes.is_empty() {
-                    div { dt { "Thread passes" } dd { (summary.passes.len()) } }
+                    div { dt { "Thread passes" } dd { (summary.last_attempts().count()) } }
                     div { dt { "Farthest from the helix" } dd { (verdict::helix(summary)) } }
                     div { dt { "Pass to pass" } dd { (um(summary.thread.phase_spread_um)) } }
                     div { dt { "X in the thread, servo error" } dd { (um(worst(|pass| pass.x.thread_max_abs_um))) } }

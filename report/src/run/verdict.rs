@@ -1,5 +1,7 @@
 //! What a run comes to, in plain words. In: the summary. Out: a grade, a headline, and sentences.
 
+use std::collections::BTreeSet;
+
 use protocol::Axis;
 use rig::observe::{Outcome, PassReport, Summary, TOOL_IN_THREAD, TraceReport, WorkKind};
 
@@ -90,14 +92,20 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
         }
         return;
     }
-    let broken: Vec<String> = passes.iter().filter(|p| !p.complete).map(|p| p.pass.to_string()).collect();
+    let (again, broken): (Vec<_>, Vec<_>) = summary.interrupted().partition(|last| last.complete);
+    let named =
+        |passes: &[&PassReport]| passes.iter().map(|one| one.pass.to_string()).collect::<Vec<_>>().join(", ");
     if !broken.is_empty() {
-        verdict.say(Grade::Bad, format!("Not cut to the end: pass {}.", broken.join(", ")));
+        verdict.say(Grade::Bad, format!("Not cut to the end: pass {}.", named(&broken)));
+    }
+    if !again.is_empty() {
+        verdict.say(Grade::Good, format!("Left, entered again and cut to the end: pass {}.", named(&again)));
     }
     if passes.iter().any(|pass| !pass.same_index) {
         verdict.say(Grade::Bad, "The axes of a pass started from different indexes of the spindle.");
     }
     let cut: Vec<_> = passes.iter().filter(|pass| pass.thread_cycles > 0).collect();
+    let numbers = cut.iter().map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
     if cut.is_empty() {
         return;
     }
@@ -112,14 +120,12 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     } else {
         String::new()
     };
-    let count = if cut.len() == 1 {
-        "One pass was cut; it".into()
-    } else {
-        format!("{} passes were cut; they", cut.len())
+    let count = match numbers {
+        1 => "One pass was cut; it keeps".into(),
+        n => format!("{n} passes were cut; they keep"),
     };
-    let keeps = if cut.len() == 1 { "keeps" } else { "keep" };
     let helix = helix(summary);
-    verdict.say(grade, format!("{count} {keeps} to the programmed helix within {helix}{same}."));
+    verdict.say(grade, format!("{count} to the programmed helix within {helix}{same}."));
     let x = worst(|pass| pass.x_slide.thread_max_abs_um);
     let z = worst(|pass| pass.slide_helix_max_abs_um);
     if x.max(z) > LOOK_SLIDE_UM {
@@ -207,10 +213,8 @@ fn limits(summary: &Summary, verdict: &mut Verdict) {
         0 => {}
         n => verdict.say(Grade::Look, format!("Timed motion went beyond a limit of an axis in {n} cycles.")),
     }
-    match summary.overrides_clamped {
-        0 => {}
-        1 => verdict.say(Grade::Good, "One override was lowered to what the axes can follow."),
-        n => verdict.say(Grade::Good, format!("{n} overrides were lowered to what the axes can follow.")),
+    if let Some(words) = summary.overrides_held() {
+        verdict.say(Grade::Good, format!("The spindle was {words}."));
     }
 }
 
@@ -250,6 +254,24 @@ mod tests {
             "The program ran to its end. One pass was cut; it keeps to the programmed helix within 0.50 µm at the nut and \
              3.50 µm at the slide."
         );
+    }
+
+    #[test]
+    fn a_pass_that_was_entered_again_is_judged_by_its_last_attempt() {
+        let mut summary = good();
+        let again = PassReport { pass: 2, ..summary.passes[0].clone() };
+        summary.passes.extend([PassReport { complete: false, ..again.clone() }, again]);
+        let verdict = of(&summary);
+        let words = verdict.sentences.join(" ");
+        assert_eq!(verdict.grade, Grade::Good, "{words}");
+        assert!(
+            words.contains("Left, entered again and cut to the end: pass 2. 2 passes were cut"),
+            "{words}"
+        );
+        summary.passes.swap(1, 2);
+        let verdict = of(&summary);
+        let words = verdict.sentences.join(" ");
+        assert!(verdict.grade == Grade::Bad && words.contains("Not cut to the end: pass 2."), "{words}");
     }
 
     #[test]
@@ -297,6 +319,8 @@ mod tests {
         assert!(grade == Grade::Look && words.contains("more than its limits"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.contour_max_um = 25.0);
         assert!(grade == Grade::Look && words.contains("within 25.00 µm of its path"), "{words}");
+        let (grade, words) = defect(|summary| summary.overrides_clamped = 1);
+        assert!(grade == Grade::Good && words.contains("The spindle was held once below"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.starved = 2);
         assert!(grade == Grade::Look && words.contains("stopped 2 times"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.limit_violations = 3);

@@ -14,9 +14,11 @@ mod helix;
 mod inside;
 mod limits;
 mod pass;
+mod pause;
 mod summary;
 #[cfg(test)]
 pub(crate) mod tests;
+mod told;
 mod work;
 
 use std::collections::BTreeMap;
@@ -29,13 +31,14 @@ use zerocopy::IntoBytes;
 
 pub use summary::{
     AxisLimits, Channel, CircleReport, FaultReport, LimitsUsed, MovesReport, Outcome, PassEnd, PassReport,
-    PauseReport, Process, ServoError, Summary, SummaryError, ThreadReport, VERSION,
+    Process, ServoError, Summary, SummaryError, ThreadReport, VERSION,
 };
 
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
 pub use inside::TOOL_IN_THREAD;
+pub use pause::{PauseEnd, PauseReport};
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
 
 use circle::Circles;
@@ -43,6 +46,7 @@ use contour::Contour;
 use inside::Inside;
 use limits::Limits;
 use pass::{PassObserver, state_in};
+use pause::Pauses;
 use work::Works;
 
 /// Everything that is said of one control cycle.
@@ -87,7 +91,9 @@ pub struct Observer {
     contour: Contour,
     circles: Circles,
     works: Works,
-    paused: bool,
+    pauses: Pauses,
+    /// Events of the scenario that did not happen yet, as in [`Truth::pending`].
+    pending: u64,
     out: Observation,
 }
 
@@ -150,7 +156,8 @@ impl Observer {
             contour: Contour::default(),
             circles: Circles::of(items),
             works: Works::of(machine, items),
-            paused: false,
+            pauses: Pauses::default(),
+            pending: 0,
             out: Observation {
                 cycle_s: machine.general.cycle_s,
                 limits: limits::reported(machine),
@@ -177,7 +184,8 @@ impl Observer {
             self.take_hash(record, is_tick);
             self.take_moves(record, is_tick);
         }
-        self.take_pauses(record);
+        self.pauses.cycle(record, self.out.cycle_s);
+        self.pending = record.truth.pending;
         self.take_faults(record);
     }
 
@@ -203,12 +211,14 @@ impl Observer {
     pub fn finish(mut self) -> Observation {
         self.close();
         self.out.warnings.extend(self.inside.warning(&self.machine));
+        self.warn_of_events();
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
         self.contour.report(self.out.cycle_s, &mut self.out.moves);
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
+        self.out.pauses = self.pauses.finish();
         self.out.thread.phase_spread_um = phase_spread(&self.out.passes);
         self.out
     }
@@ -270,18 +280,6 @@ impl Observer {
         self.circles.cycle(record);
     }
 
-    fn take_pauses(&mut self, record: &Record) {
-        let paused = record.machine.state() == MachineState::Paused;
-        if paused && !std::mem::replace(&mut self.paused, paused) {
-            let (line, cycle) = (record.machine.line, record.truth.cycle.0);
-            self.out.pauses.push(PauseReport { line, cycle, waited_s: 0.0 });
-        }
-        self.paused = paused;
-        if let (true, Some(pause)) = (paused, self.out.pauses.last_mut()) {
-            pause.waited_s = (record.truth.cycle.0 + 1 - pause.cycle) as f64 * self.out.cycle_s;
-        }
-    }
-
     fn take_faults(&mut self, record: &Record) {
         let cycle = record.truth.cycle.0;
         let faults = &mut self.out.faults;
@@ -327,6 +325,15 @@ impl Observer {
                 let (source, code) = ("spindle-encoder".into(), COUNTS_CORRECTED.into());
                 self.out.warnings.push(FaultReport { cycle, source, code, text });
             }
+        }
+    }
+
+    /// Events of the scenario whose moment never came.
+    fn warn_of_events(&mut self) {
+        for event in (1..=u64::BITS).filter(|event| self.pending >> (event - 1) & 1 == 1) {
+            let text = format!("event {event} of the scenario did not happen: its moment never came");
+            let (source, code) = ("scenario".into(), "event-never-came".into());
+            self.out.warnings.push(FaultReport { cycle: self.out.cycles, source, code, text });
         }
     }
 

@@ -9,7 +9,7 @@ use std::{collections::BTreeMap, path::Path};
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
-use super::{cutting::CuttingReport, work::TraceReport};
+use super::{cutting::CuttingReport, pause::PauseReport, work::TraceReport};
 
 /// Version of the layout; fields may be added without a new one.
 pub const VERSION: u32 = 1;
@@ -283,17 +283,6 @@ pub struct CircleReport {
     /// farthest from the mean within 15 degrees of it, less the mean; 0 for a quadrant that was not
     /// travelled.
     pub quadrants_um: [f64; 4],
-}
-
-/// A pause of the program.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PauseReport {
-    /// Line of the part program.
-    pub line: u32,
-    /// Control cycle in which it was first seen.
-    pub cycle: u64,
-    /// How long the program waited for cycle start, s.
-    pub waited_s: f64,
 }
 
 /// The whole of `summary.json`.
