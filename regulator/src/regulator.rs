@@ -262,8 +262,7 @@ impl Regulator {
         };
         let cause = self.watch.cause(&known);
         let reference = self.reference(cycle, measured_mm);
-        let stopped = matches!(command, Some(AxisCommand::Stop));
-        let leaves = stopped || matches!(cause, Some(Cause::Leave(_)));
+        let leaves = matches!(command, Some(AxisCommand::Stop)) || matches!(cause, Some(Cause::Leave(_)));
         let mut event = Event {
             cycle,
             enabled: measurement.axes[self.axis].drive().state() == Some(DriveState::OperationEnabled),
