@@ -39,8 +39,8 @@ const REST_S: f64 = 1.0;
 /// cannot.
 const FASTER: f64 = 1.15;
 const FASTER_SHARE: f64 = 0.02;
-/// And so has one that drives a stroke so many times as hard as the axis may be accelerated: the share above is
-/// many times the speed of a slow thread.
+/// And so has one that drives a stroke so many times as hard as the axis may be accelerated: the share above
+/// is many times the speed of a slow thread.
 const HARDEST: f64 = 2.0;
 
 /// What an axis watches.
@@ -151,7 +151,7 @@ impl Watch {
     /// The servo error is that of the reference of the cycle before against its measurement, so it is known
     /// without evaluating twice.
     fn servo(&self, known: &Known) -> Option<Cause> {
-        // One cycle of motion lies between the last reference and this measurement, and those that are missing.
+        // One cycle of motion lies between the last reference and this measurement, and those missed.
         let since_s = self.cycle_s * (1 + known.missed) as f64;
         let error = (known.last.s + known.last.v * since_s - known.measured_mm).abs();
         // An error that is not a number is beyond every limit.

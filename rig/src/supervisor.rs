@@ -79,8 +79,8 @@ impl core::fmt::Display for Moving {
 enum Phase {
     /// Nobody is missing whom the machine needs.
     Watching,
-    /// A pass is cut to its end, since this cycle. `left_deg`: what the spindle may still turn for it, once the
-    /// pass is known; `stood`: cycles for which it has not turned.
+    /// A pass is cut to its end, since this cycle. `left_deg`: what the spindle may still turn for it, once
+    /// the pass is known; `stood`: cycles for which it has not turned.
     Finishing { from: u64, left_deg: Option<f64>, stood: u64 },
     /// The emergency stop was asked for. `waited`: cycles since the spindle was first as slow as `rpm`;
     /// `rests`: cycles at rest.
@@ -216,8 +216,8 @@ impl Supervisor {
         record.truth.cycle.0 > record.machine.cycle.0 + self.silent
     }
 
-    /// Regulators cut a pass to its end without anybody above: what the spindle may still turn for it, and for
-    /// how many cycles it has stood. `None` when that is over, or cannot be.
+    /// Regulators cut a pass to its end without anybody above: what the spindle may still turn for it, and
+    /// for how many cycles it has stood. `None` when that is over, or cannot be.
     fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Option<(f64, u64)> {
         let living = |axis: &Axis| !self.dead.contains(&Module::Regulator(*axis));
         let mut axes = record.axes.iter().filter(|(axis, _)| living(axis));

@@ -39,8 +39,8 @@ pub struct Cut {
     pub retract_mm: f64,
     /// Retract after which the tool is clear of the thread, mm, not negative.
     pub clear_mm: f64,
-    /// How far the program takes X out of the thread behind a cut that has no retract, mm, signed; 0 if it does
-    /// not say.
+    /// How far the program takes X out of the thread behind a cut that has no retract, mm, signed; 0 if it
+    /// does not say.
     pub lift_mm: f64,
     /// Direction of X out of the material, ±1, for a cut of which nobody says that.
     pub outwards: f64,

@@ -54,8 +54,8 @@ fn without_a_retract_there_is_a_warning() {
     }
 }
 
-/// Without a retract the tool is out of the groove where the next move takes X. Where that says nothing, it is
-/// lifted by the machine file's way against the last infeed, and a hold, which would come back, waits.
+/// Without a retract the tool is out of the groove where the next move takes X. Where that says nothing, it
+/// is lifted by the machine file's way against the last infeed, and a hold, which would come back, waits.
 #[test]
 fn the_way_out_of_a_thread_without_a_retract_is_that_of_the_next_move() {
     for (next, clear) in

@@ -77,9 +77,9 @@ impl Exit {
         Exit::by_speed(from, 0.0, end, limits)
     }
 
-    /// The same, where the jerk of it is no object (M101): from a state that no axis comes to by itself, on the
-    /// law of a spindle that jams, undoing its acceleration within the limit of its jerk would take it back by
-    /// millimetres.
+    /// The same, where the jerk of it is no object (M101): from a state that no axis comes to by itself, on
+    /// the law of a spindle that jams, undoing its acceleration within the limit of its jerk would take it
+    /// back by millimetres.
     ///
     /// # Panics
     /// If a limit is not positive.

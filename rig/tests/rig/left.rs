@@ -137,7 +137,8 @@ fn a_tool_that_was_out_and_is_back_at_the_start_is_not_told() {
     assert_eq!(tool_in_thread(&left.seen), None);
 }
 
-/// The regulators are all well, and one of them is not heard; or the interpolator hears none, since it was held up.
+/// The regulators are all well, and one of them is not heard; or the interpolator hears none, since it was
+/// held up.
 #[test]
 fn who_is_silent_is_named() {
     let lost =

@@ -319,6 +319,14 @@ struct Seen {
     x_mm_s: f64,
 }
 
+/// How far X, by an estimate, and Z lag behind a spindle that is uneven, mm.
+fn lags_mm(machine: &Machine, pass: &ThreadPass, lead: f64, uneven: f64) -> (f64, f64) {
+    let steepest = excuse::steepest_mm(pass.axis(Axis::X));
+    let x_mm =
+        excuse::lag_mm(machine, Axis::X, steepest, uneven) + excuse::late_mm(machine, steepest, uneven);
+    (excuse::SLACK * x_mm, excuse::lag_mm(machine, Axis::Z, lead, uneven))
+}
+
 /// The tool is beside its groove. Without torque X gives no depth any more, but Z goes on along the helix up
 /// to where the pass brakes, unless its encoder has failed too; without Z, X may not go deeper.
 fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
@@ -338,14 +346,9 @@ fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> O
         return None;
     }
     if known.reference.is_some() {
-        let law = pass.axis(Axis::X);
-        let x_lead = excuse::steepest_mm(law);
-        let lag_mm = excuse::lag_mm(known.machine, Axis::Z, lead, uneven);
-        flank += excuse::SLACK * lag_mm;
-        let x_lag_mm = excuse::lag_mm(known.machine, Axis::X, x_lead, uneven);
-        let x_lag_mm = excuse::SLACK * (x_lag_mm + excuse::late_mm(known.machine, x_lead, uneven));
-        flank += x_lag_mm * tan;
-        bottom += x_lag_mm + lag_mm * law.lead_mm.abs() / lead;
+        let (x_lag_mm, lag_mm) = lags_mm(known.machine, pass, lead, uneven);
+        flank += excuse::SLACK * lag_mm + x_lag_mm * tan;
+        bottom += x_lag_mm + lag_mm * pass.axis(Axis::X).lead_mm.abs() / lead;
     }
     let out = bounds::way_out(known.machine, pass);
     for event in known.events {
