@@ -27,7 +27,7 @@ pub(crate) fn way_out(machine: &Machine, pass: &ThreadPass) -> u64 {
 /// over, and what its loop swings over.
 pub(crate) fn run_down_turns(machine: &Machine, rpm: f64) -> f64 {
     let told_s = machine.general.cycle_s * (20 + 5 * machine.cycles_per_tick()) as f64;
-    1.1 * rpm * rpm / (120.0 * machine.spindle.ramp_rpm_s) + rpm.abs() / 60.0 * told_s + 0.5
+    1.15 * rpm * rpm / (120.0 * machine.spindle.ramp_rpm_s) + rpm.abs() / 60.0 * told_s + 0.5
 }
 
 /// Control cycles in which the axes of timed motion are at rest, once one of them has lost its torque.
