@@ -122,7 +122,7 @@ impl<'m> Clock<'m> {
                 if self.rpm != 0.0 {
                     // What the filter still sees when the ramp is over dies away.
                     let tail = libm::log((ramp / WATCH / SpindleConfig::STANDSTILL_RPM).max(1.0)) / WATCH;
-                    self.pass_time(self.rpm.abs() / ramp + tail);
+                    self.pass_time(self.rpm.abs() / ramp + tail.max(SpindleConfig::SETTLES_S));
                 }
             }
             _ => {}

@@ -104,6 +104,9 @@ impl SpindleConfig {
     pub const WATCH_HZ: f64 = 5.0;
     /// Speed below which the spindle counts as standing, 1/min.
     pub const STANDSTILL_RPM: f64 = 1.0;
+    /// Time in which the loop of its speed settles behind its ramp, s: an encoder that shows it standing
+    /// sooner is not believed.
+    pub const SETTLES_S: f64 = 0.2;
 
     /// Bandwidth of the slower of the two observers, Hz: a pass waits for ten of its periods.
     pub fn slowest_observer_hz(&self) -> f64 {

@@ -146,8 +146,8 @@ fn rising(now: &Sample, pass: &Pass, ratio: f64, limits: &Limits) -> Option<Exit
 /// To where the tool is clear, and neither deeper nor far beyond. Turned round at once, a tool on its way to
 /// depth, or that a spindle takes back, would go deeper than to come to rest first, and perhaps deeper than
 /// the pass, or than it is: a cone may begin below where it ends. One that a spindle that runs away has
-/// thrown out of the groove would go far beyond. `hard`: at once, whatever the jerk, if nothing else does. And
-/// by how much it is too deep then, mm.
+/// thrown out of the groove would go far beyond. `hard`: at once, whatever the jerk, if nothing else does.
+/// And by how much it is too deep then, mm.
 fn no_deeper(now: &Sample, pass: &Pass, begins: bool, hard: bool, limits: &Limits) -> (Exit, f64) {
     let clear = pass.out.clear.mm();
     let into = (now.s - clear).signum();

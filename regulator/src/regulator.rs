@@ -24,8 +24,8 @@ use crate::{
 const MOST_MISSED: u64 = 50;
 /// Control cycles from a call until the axis that heard it calls too.
 const HEARS: u64 = 3;
-/// An axis that leaves is led for so many control cycles at least: a drive that braked by itself at once would
-/// brake from the speed of an encoder that has just jumped.
+/// An axis that leaves is led for so many control cycles at least: a drive that braked by itself at once
+/// would brake from the speed of an encoder that has just jumped.
 const LED: u64 = 10;
 /// Two places are the same, mm.
 const SAME_MM: f64 = 0.001;

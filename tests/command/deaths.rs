@@ -89,7 +89,7 @@ struct Program {
 fn programs(place: &Place) -> Vec<Program> {
     let head = "G18 G21 G90 G8\nM3 S1500\nG0 X20 Z20\n";
     let thread = format!("{head}G0 X9\nG33 Z-120 K2\nG0 X20\nG0 Z20\nM5\nM2\n");
-    let feed = format!("{head}G94 G1 Z-100 F3000\nG2 X30 Z-110 K-10 I0\nG1 Z20 X20 F2000\nM5\nM2\n");
+    let feed = format!("{head}G94 G1 Z-100 F3000\nG3 X30 Z-110 K-10 I0\nG1 Z20 X20 F2000\nM5\nM2\n");
     let pass = |n: u32| format!("G0 X{:.2}\nG33 Z-8 K2\nG0 X20\nG0 Z20\n", 9.9 - 0.05 * f64::from(n));
     let many = format!("{head}{}M5\nM2\n", (0..8).map(pass).collect::<String>());
     let program = |name, text: &str, clear_mm| {

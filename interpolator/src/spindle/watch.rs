@@ -15,11 +15,12 @@
 //! reversed        three ticks backwards at 5 % of c, or a turn back: in a pass
 //! stalls          observed < \|d\|/10 for a second and a quarter turn of c: in a pass
 //! does not stop   c = 0, m = 0, and five seconds later it does not rest (`rest.rs`)
+//! may rest        c = 0 for as long as the drive's ramp takes, and 0.2 s
 //! loses speed     by a hundredth of its highest speed within five seconds; these begin anew then
 //! ```
 //! A drive without torque coasts: a spindle that only gets slower has not run away.
 
-use machine::Machine;
+use machine::{Machine, SpindleConfig};
 use protocol::Fault;
 
 use super::rest::Rest;
@@ -46,9 +47,6 @@ const STALL_TURNS: f64 = 0.25;
 const STOP_S: f64 = 5.0;
 /// What of its highest speed it has to lose in that time, or it does not slow down.
 const SIGN_SHARE: f64 = 0.01;
-
-/// Behind its ramp the loop of its speed settles in so many s.
-const SETTLES_S: f64 = 0.2;
 
 /// An encoder that shows less than this share of what it should may be dead.
 const DOUBT_SHARE: f64 = 0.5;
@@ -183,7 +181,7 @@ impl Watch {
 
     /// Whether its drive has had the time to bring it to rest: an encoder that stands sooner has died.
     pub(super) fn may_rest(&self) -> bool {
-        self.ramped_s >= SETTLES_S
+        self.ramped_s >= SpindleConfig::SETTLES_S
     }
 
     /// Whether its encoder showed less than half of its speed when it was to turn last.
