@@ -22,8 +22,8 @@ use std::collections::BTreeMap;
 
 use machine::{AxisConfig, Machine, SpindleConfig};
 use protocol::{
-    Axis, AxisState, Code, Fault, Item, MachineState, Module, Panel, ThreadPass, operator::Request,
-    units::AXES,
+    Axis, AxisState, Code, DriveState, Fault, Item, MachineState, Module, Panel, ThreadPass,
+    operator::Request, units::AXES,
 };
 
 use crate::observe::Record;
@@ -89,10 +89,15 @@ enum Phase {
     Over(End),
 }
 
-/// Whether an axis is in fault. One that is on its way out is left alone: a spindle that was stopped
-/// meanwhile would not turn any more as it is taken to by who does not believe its encoder.
+/// Whether an axis is in fault, or its drive, of which a regulator that measures nothing says nothing. One
+/// that is on its way out is left alone: a spindle that was stopped meanwhile would not turn any more as it is
+/// taken to by who does not believe its encoder.
 fn faults(record: &Record) -> bool {
-    record.axes.iter().any(|(_, status)| status.state() == AxisState::Fault)
+    record.axes.iter().any(|(axis, status)| {
+        let drive = record.truth.measurement.axes[axis.index()].drive().state();
+        let tripped = matches!(drive, Some(DriveState::Fault | DriveState::FaultReaction));
+        status.state() == AxisState::Fault || tripped
+    })
 }
 
 /// Whether the plant goes on although the run is over, or does not open although the spindle does not stop.

@@ -165,6 +165,13 @@ fn an_axis_that_faults_in_a_pass_without_its_interpolator_stops_the_machine_at_o
     made.told = Some(made.truth.cycle);
     made.go(100);
     assert_eq!(made.asked, [201 + 4 * Machine::default().cycles_per_tick()]);
+    // Its regulator measures nothing, and says nothing: its drive has tripped.
+    let mut made = Made::in_pass();
+    made.go(100);
+    made.truth.measurement.axes[Axis::X.index()].status_word = 0x0008;
+    made.told = Some(made.truth.cycle);
+    made.go(100);
+    assert_eq!(made.asked, [101 + 4 * Machine::default().cycles_per_tick()]);
 }
 
 #[test]
