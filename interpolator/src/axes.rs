@@ -193,13 +193,22 @@ impl<'a> Axes<'a> {
         self.each().any(|(_, status)| status.state() == AxisState::Leaving)
     }
 
-    /// Whether an axis that follows the stream is farther from where it is led than it can be on its way: its
-    /// setpoints do not arrive. `here` lies so many s ahead of it.
-    pub(crate) fn astray(&self, machine: &Machine, here: &PerAxis<Position>, ahead_s: f64) -> bool {
+    /// Whether an axis that follows the stream is farther from where it is led than it can be on its way, or
+    /// not there although it should have arrived: its setpoints do not. `here` lies so many s ahead of it, and
+    /// has been the same since a cycle.
+    pub(crate) fn astray(
+        &self,
+        machine: &Machine,
+        here: &PerAxis<Position>,
+        since: &PerAxis<Cycle>,
+        ahead_s: f64,
+    ) -> bool {
         self.live().any(|(axis, status)| {
+            let i = axis.index();
             let most = machine.axis.get(&axis).map_or(f64::INFINITY, |config| config.velocity_mm_s * ahead_s);
-            let apart = here[axis.index()].mm() - status.commanded_mm;
-            status.state() == AxisState::Streaming && apart.abs() > most
+            let (here_mm, arrived) = (here[i].mm(), status.cycle > since[i]);
+            let far = (here_mm - status.commanded_mm).abs() > most;
+            status.state() == AxisState::Streaming && (far || arrived && !near(status.commanded_mm, here_mm))
         })
     }
 
@@ -251,7 +260,7 @@ mod tests {
     fn an_axis_is_astray_that_is_farther_from_its_setpoint_than_it_can_go() {
         let machine = Machine::default();
         let most_mm = machine.axis[&Axis::Z].velocity_mm_s * 0.012;
-        let astray = |state: AxisState, apart_mm: f64, tick: u64| {
+        let since = |state: AxisState, apart_mm: f64, tick: u64, since: u64| {
             let (mut statuses, mut here) = ([AxisStatus::default(); AXES], [Position(0); AXES]);
             for (axis, _) in machine.axes() {
                 let (cycle, state) = (Cycle(99), state as u32);
@@ -262,11 +271,16 @@ mod tests {
             here[Axis::Z.index()] = Position::from_mm(7.0 + apart_mm);
             let mut heard = Heard::new();
             heard.take(&machine, &statuses, Cycle(100));
-            Axes::new(&machine, &heard, Cycle(tick)).astray(&machine, &here, 0.012)
+            Axes::new(&machine, &heard, Cycle(tick)).astray(&machine, &here, &[Cycle(since); AXES], 0.012)
         };
+        let astray = |state, apart_mm, tick| since(state, apart_mm, tick, 110);
         for sign in [1.0, -1.0] {
             assert!(!astray(AxisState::Streaming, sign * 0.99 * most_mm, 100));
             assert!(astray(AxisState::Streaming, sign * 1.01 * most_mm, 100));
+            // It has to have arrived, or has not.
+            assert!(since(AxisState::Streaming, sign * 0.01, 100, 98));
+            assert!(!since(AxisState::Streaming, sign * 0.01, 100, 99));
+            assert!(!since(AxisState::Streaming, 0.0, 100, 98));
             // One that is led by no setpoints, and one that is silent, are not.
             assert!(!astray(AxisState::Leaving, sign * 2.0 * most_mm, 100));
             assert!(!astray(AxisState::Streaming, sign * 2.0 * most_mm, 120));

@@ -32,6 +32,8 @@ pub(crate) struct Travel {
     working: Working,
     /// Commanded position of every axis at the last tick.
     here: PerAxis<Position>,
+    /// The cycle from which on each axis has been led nowhere else.
+    since: PerAxis<Cycle>,
     /// Speed of the spindle that feeds per revolution follow, 1/s.
     turns: f64,
     /// How often it was short of machine code.
@@ -72,6 +74,7 @@ impl Travel {
             run: Run::new(machine),
             working: Working::default(),
             here: [Position(0); AXES],
+            since: [Cycle(0); AXES],
             turns: 0.0,
             starved: 0,
             moves: 0,
@@ -81,6 +84,11 @@ impl Travel {
     /// Commanded position of every axis.
     pub(crate) fn here(&self) -> &PerAxis<Position> {
         &self.here
+    }
+
+    /// The cycle from which on each axis has been led nowhere else: a later status tells that it is there.
+    pub(crate) fn since(&self) -> &PerAxis<Cycle> {
+        &self.since
     }
 
     /// The axes rest here, as others found or led them.
@@ -188,6 +196,11 @@ impl Travel {
             moved.wait = Wait::CycleStart(panel.cycle_starts);
         }
         let setpoints = self.setpoints(&step, due);
+        for (i, setpoint) in setpoints.iter().enumerate() {
+            if self.here[i] != setpoint.position {
+                self.since[i] = due;
+            }
+        }
         self.here = setpoints.map(|setpoint| setpoint.position);
         if self.run.is_over() || last && self.run.rests() {
             self.arrive(panel, &mut moved);

@@ -51,13 +51,15 @@ impl Interpolator {
             None if axes.silent().is_some() && axes.ahead() => Some(Fault::InterpolatorSilent),
             None if axes.silent().is_some() => Some(Fault::RegulatorSilent),
             None if enabled && axes.drive_off(measurement) => Some(Fault::DriveFault),
-            None if self.leads() && axes.astray(&self.machine, self.travel.here(), self.ahead_s()) => {
-                Some(Fault::StreamStarved)
-            }
+            None if self.leads() && self.has_strayed(axes) => Some(Fault::StreamStarved),
             None if self.ends_at_rest() && axes.elsewhere(self.travel.here()) => Some(Fault::StreamStarved),
             None if axes.in_fault() => Some(Fault::AxisFault),
             None => None,
         }
+    }
+
+    fn has_strayed(&self, axes: &Axes) -> bool {
+        axes.astray(&self.machine, self.travel.here(), self.travel.since(), self.ahead_s())
     }
 
     /// Whether the axes are led by setpoints.
