@@ -16,6 +16,7 @@
 //! | a command to a drive that is damaged | all its torque for a cycle |
 //! | noise, eccentricity | their counts |
 //! | an encoder that is not believed | what the spindle has turned otherwise than it would have at its speed |
+//! | a load on the spindle | a count: at another speed its counts meet the mode of the slide otherwise |
 //! | all others | none |
 
 use machine::{AxisConfig, Machine};
@@ -43,6 +44,8 @@ const MOST_COUNTS: f64 = 30.0;
 const UNSEEN_CYCLES: u64 = 60;
 /// What an observer makes of noise and of a step, in its deviations, at the worst in a hundred thousand runs.
 const NOISE: f64 = 4.5;
+/// In so many s the loop of a spindle has forgotten a load.
+pub(crate) const UNWINDS_S: f64 = 0.6;
 /// What of an excuse is only estimated.
 pub(crate) const SLACK: f64 = 2.0;
 
@@ -122,6 +125,10 @@ pub(crate) fn excuse(
         }
         Trouble::Load(nm, s) if beyond(machine, nm, lead_mm) && now < until(s) + out => {
             overrun(machine, lead_mm_s)
+        }
+        // At another speed the counts of the encoder meet the mode of the slide otherwise.
+        Trouble::Dip(_, s) | Trouble::Load(_, s) if now < until(s + UNWINDS_S) => {
+            Excuse { turns: 0.5 / machine.spindle_counts(), ..Excuse::default() }
         }
         // Before anybody looks an axis is where its encoder says.
         Trouble::Jump(axis, mm) if event.at < UNSEEN_CYCLES => kicked(machine, axis, mm.abs()),

@@ -33,8 +33,6 @@ const DAMPING: f64 = 0.03;
 const LEAST_S: f64 = 0.05;
 /// A spindle swings through rest when it has stopped, slower than this, 1/min.
 const SWINGS_RPM: f64 = 20.0;
-/// In so many s the loop of a spindle has forgotten a load.
-const UNWINDS_S: f64 = 0.6;
 /// A spindle that is slower than this stands, 1/min.
 const STANDS_RPM: f64 = 1.0;
 
@@ -246,7 +244,7 @@ impl Tool {
             What::Plant(Trouble::PowerLost) => now >= event.at,
             // Loaded to its limit, a drive swings over when the load lets go.
             What::Plant(Trouble::Load(_, s)) => (event.at
-                ..=event.at + ((s + UNWINDS_S) / known.machine.general.cycle_s) as u64)
+                ..=event.at + ((s + excuse::UNWINDS_S) / known.machine.general.cycle_s) as u64)
                 .contains(&now),
             What::Plant(Trouble::Spindle(fault, s)) if fault != SpindleFault::Jam => {
                 (event.at..=event.at + (s / known.machine.general.cycle_s) as u64).contains(&now)
