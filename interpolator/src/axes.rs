@@ -194,8 +194,8 @@ impl<'a> Axes<'a> {
     }
 
     /// Whether an axis that follows the stream is farther from where it is led than it can be on its way, or
-    /// not there although it should have arrived: its setpoints do not. `here` lies so many s ahead of it, and
-    /// has been the same since a cycle.
+    /// not there although it should have arrived: its setpoints do not. `here` lies so many s ahead of it,
+    /// and has been the same since a cycle.
     pub(crate) fn astray(
         &self,
         machine: &Machine,

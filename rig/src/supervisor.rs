@@ -90,8 +90,8 @@ enum Phase {
 }
 
 /// Whether an axis is in fault, or its drive, of which a regulator that measures nothing says nothing. One
-/// that is on its way out is left alone: a spindle that was stopped meanwhile would not turn any more as it is
-/// taken to by who does not believe its encoder.
+/// that is on its way out is left alone: a spindle that was stopped meanwhile would not turn any more as it
+/// is taken to by who does not believe its encoder.
 fn faults(record: &Record) -> bool {
     record.axes.iter().any(|(axis, status)| {
         let drive = record.truth.measurement.axes[axis.index()].drive().state();

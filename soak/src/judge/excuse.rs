@@ -19,6 +19,8 @@
 //! | a load on the spindle | a count: at another speed its counts meet the mode of the slide otherwise |
 //! | all others | none |
 
+use std::ops::Range;
+
 use machine::{AxisConfig, Machine};
 use protocol::{Axis, AxisLaw, ThreadPass};
 
@@ -76,14 +78,9 @@ pub(crate) fn excuse(
     let per_cycle = 0.5 * pass.s_rpm / 60.0 * machine.spindle_counts() * machine.general.cycle_s;
     let fast = per_cycle > seen_counts(machine);
     let cycle_s = machine.general.cycle_s;
-    if let What::Packet(Channel::Drive(axis), Fate::Corrupt(_), _) = event.what {
-        return if now < event.at { Excuse::default() } else { kicked(machine, axis, 0.0) };
-    }
-    if let What::Packet(Channel::Measurements | Channel::Measurement(_) | Channel::Drive(_), _, count) =
-        event.what
-    {
-        let lasts = (event.at..event.at + 2 * count + out).contains(&now);
-        return Excuse { axial_mm: if lasts { 0.5 * lead_mm_s * cycle_s } else { 0.0 }, ..Excuse::default() };
+    if let What::Packet(channel, fate, count) = event.what {
+        let until = event.at + 2 * count + out;
+        return of_packets(machine, (channel, fate), event.at..until, now, lead_mm_s);
     }
     let stops = matches!(event.what, What::Press(Button::EmergencyStop) | What::Plant(Trouble::PowerLost));
     if stops && (event.at..event.at + out).contains(&now) {
@@ -133,6 +130,24 @@ pub(crate) fn excuse(
         // Before anybody looks an axis is where its encoder says.
         Trouble::Jump(axis, mm) if event.at < UNSEEN_CYCLES => kicked(machine, axis, mm.abs()),
         Trouble::Jump(axis, mm) => jump(machine, axis, mm),
+        _ => Excuse::default(),
+    }
+}
+
+/// What messages excuse that are disturbed for so many cycles.
+fn of_packets(
+    machine: &Machine,
+    (channel, fate): (Channel, Fate),
+    lasts: Range<u64>,
+    now: u64,
+    lead_mm_s: f64,
+) -> Excuse {
+    match (channel, fate) {
+        (Channel::Drive(axis), Fate::Corrupt(_)) if now >= lasts.start => kicked(machine, axis, 0.0),
+        (Channel::Drive(_), Fate::Corrupt(_)) => Excuse::default(),
+        (Channel::Measurements | Channel::Measurement(_) | Channel::Drive(_), _) if lasts.contains(&now) => {
+            Excuse { axial_mm: 0.5 * lead_mm_s * machine.general.cycle_s, ..Excuse::default() }
+        }
         _ => Excuse::default(),
     }
 }
