@@ -16,7 +16,7 @@ use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
-use rig::observe::{Outcome, PassEnd, Summary, WorkKind};
+use rig::observe::{FaultReport, Outcome, PassEnd, Summary, WorkKind};
 
 use crate::{error::CliError, program::Program, screen, words};
 use args::Fell;
@@ -76,10 +76,7 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     drop(interrupts);
     let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
     if quiet && let Some(fault) = summary.faults.first() {
-        words::say(&format!(
-            "error: {} {} (cycle {}): {}\n",
-            fault.source, fault.code, fault.cycle, fault.text
-        ));
+        words::say(&format!("error: {}\n", told(fault)));
     }
     if args.json {
         let text =
@@ -136,22 +133,20 @@ fn read_scenario(
 /// Pauses and circles that are named.
 const SHOWN: usize = 10;
 
+/// A fault or a warning in a line.
+fn told(report: &FaultReport) -> String {
+    let FaultReport { source, code, cycle, text } = report;
+    format!("{source} {code} (cycle {cycle}): {text}")
+}
+
 /// What a person wants to know first.
 fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     let mut text = String::new();
     for fault in &summary.faults {
-        let _ = writeln!(
-            text,
-            "fault     {} {} (cycle {}): {}",
-            fault.source, fault.code, fault.cycle, fault.text
-        );
+        let _ = writeln!(text, "fault     {}", told(fault));
     }
     for warning in &summary.warnings {
-        let _ = writeln!(
-            text,
-            "warning   {} {} (cycle {}): {}",
-            warning.source, warning.code, warning.cycle, warning.text
-        );
+        let _ = writeln!(text, "warning   {}", told(warning));
     }
     let outcome = match summary.outcome {
         Outcome::Completed => "completed",

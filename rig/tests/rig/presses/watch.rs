@@ -136,11 +136,12 @@ impl<'a> Watch<'a> {
         });
         let c = now.pass.direction * (truth.spindle_deg - now.index_deg);
         let law = now.pass.axis(Axis::Z);
-        let z_mm = law.start.mm() + law.law(now.pass.s_rpm).at(c).s;
+        let motion = law.law(now.pass.s_rpm);
+        let z_mm = law.start.mm() + motion.at(c).s;
         let (tool, slide) = (&truth.axes[Axis::X.index()], &truth.axes[Axis::Z.index()]);
         let out = &now.pass.out;
         // The part begins where Z has reached its lead.
-        let face_mm = law.start.mm() + law.law(now.pass.s_rpm).at(law.locked_deg()).s;
+        let face_mm = law.start.mm() + motion.at(law.locked_deg()).s;
         let inside = (slide.motor_mm - face_mm) * law.lead_mm >= 0.0;
         let in_groove = inside && !out.is_free(protocol::Position::from_mm(tool.motor_mm));
         now.moved |= record.axes.iter().any(|(_, status)| status.velocity_mm_s != 0.0);
