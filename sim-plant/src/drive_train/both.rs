@@ -48,6 +48,7 @@ struct BothBristles {
     inverse_stribeck_squared: Both,
     stiffness_n_m: Both,
     stiffness_step: Both,
+    damping_rate: Both,
     step_s: Both,
 }
 
@@ -59,6 +60,7 @@ impl BothBristles {
             inverse_stribeck_squared: Both::of(two, |own| own.inverse_stribeck_squared),
             stiffness_n_m: Both::of(two, |own| own.stiffness_n_m),
             stiffness_step: Both::of(two, |own| own.stiffness_step),
+            damping_rate: Both::of(two, |own| own.damping_rate),
             step_s: Both::of(two, |own| own.step_s),
         }
     }
@@ -68,8 +70,9 @@ impl BothBristles {
         let u = v * v * self.inverse_stribeck_squared;
         let g = self.static_n + self.coulomb_n * u;
         let slip = self.stiffness_step * v.abs() * (Both([1.0; 2]) + u);
-        *deflection_m = (*deflection_m + v * self.step_s) * g / (g + slip);
-        self.stiffness_n_m * *deflection_m
+        let before_m = *deflection_m;
+        *deflection_m = (before_m + v * self.step_s) * g / (g + slip);
+        self.stiffness_n_m * *deflection_m + self.damping_rate * (*deflection_m - before_m)
     }
 }
 

@@ -108,22 +108,23 @@ impl DriveTrain {
         let mode_rad_s = TAU * train.mode_hz;
         let stiffness = slide_kg * mode_rad_s * mode_rad_s;
         let damping = 2.0 * train.mode_damping * slide_kg * mode_rad_s;
-        let screw_n_m = train.screw_presliding_n_mm * 1e3;
-        let guide_n_m = train.slide_presliding_n_mm * 1e3;
+        let (screw, guide) = (train.screw(), train.guide());
         let (screw_viscous, slide_viscous) =
             (train.screw_viscous_n_s_mm * 1e3, train.slide_viscous_n_s_mm * 1e3);
-        for (key, springs, dashpots, kg) in [
-            ("screw_presliding_n_mm", stiffness + screw_n_m, damping + screw_viscous, motor_kg),
-            ("slide_presliding_n_mm", stiffness + guide_n_m, damping + slide_viscous, slide_kg),
+        for (key, pair, viscous, kg) in [
+            ("screw_presliding_n_mm", screw, screw_viscous, motor_kg),
+            ("slide_presliding_n_mm", guide, slide_viscous, slide_kg),
         ] {
+            let (springs, dashpots) =
+                (stiffness + pair.stiffness_n_m, damping + viscous + pair.damping_n_s_m);
             let coarse = springs * step_s * step_s / kg + dashpots * step_s / kg;
             if coarse > COARSEST {
                 return Err(PlantError::Value {
                     key: format!("{section}.{key}"),
-                    value: if key.starts_with("screw") { screw_n_m * 1e-3 } else { guide_n_m * 1e-3 },
+                    value: pair.stiffness_n_m * 1e-3,
                     reason: format!(
-                        "with mode_hz and the viscous friction this is too stiff for a mass of {kg:.1} kg; \
-                         lower one of them or raise the mass"
+                        "with mode_hz, the damping of the bristles and the viscous friction this is too stiff for \
+                         a mass of {kg:.1} kg; lower one of them or raise the mass"
                     ),
                 });
             }
@@ -144,14 +145,8 @@ impl DriveTrain {
             brake_step: step_s / motor_kg * train.brake_n,
             lag_left,
             lag_mean: train.current_lag_s / step_s * (1.0 - lag_left),
-            screw: Bristles::new(train.screw_coulomb_n, train.screw_coulomb_n, 1.0, screw_n_m, step_s),
-            guide: Bristles::new(
-                train.slide_coulomb_n,
-                train.slide_static_n,
-                train.slide_stribeck_mm_s * 1e-3,
-                guide_n_m,
-                step_s,
-            ),
+            screw: Bristles::new(screw, step_s),
+            guide: Bristles::new(guide, step_s),
             motion: Motion::default(),
         })
     }

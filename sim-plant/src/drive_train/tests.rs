@@ -91,14 +91,60 @@ fn holds_below_breakaway_and_returns_elastically() {
 
 #[test]
 fn breaks_away_beyond_the_static_friction() {
-    for (force_n, moves) in [(280.0, false), (340.0, true)] {
-        let mut train = built(&AxisTrain::default());
+    let sticky = AxisTrain { screw_static_n: Some(187.5), ..AxisTrain::default() };
+    // 160 N of the guide, and 150 N or 187.5 N of the screw.
+    for (train, force_n, moves) in [
+        (AxisTrain::default(), 280.0, false),
+        (AxisTrain::default(), 325.0, true),
+        (sticky.clone(), 325.0, false),
+        (sticky, 370.0, true),
+    ] {
+        let mut train = built(&train);
         for cycle in 0..4000 {
             train.advance(of(torque(force_n * (f64::from(cycle) / 2000.0).min(1.0))));
         }
         let moved_um = 1e6 * train.motion().motor_m;
         assert_eq!(moved_um > 50.0, moves, "{moved_um} µm at {force_n} N");
     }
+}
+
+#[test]
+fn a_broken_away_screw_slides_with_its_coulomb_friction() {
+    let mut train = built(&AxisTrain { screw_static_n: Some(250.0), ..AxisTrain::default() });
+    for _ in 0..20_000 {
+        train.advance(of(torque(if train.motion().motor_m < 1e-3 { 500.0 } else { 400.0 })));
+    }
+    let v = train.motion().motor_m_s;
+    // 400 N less 150 N and 120 N, over 2600 N s/m.
+    assert!((v - 0.05).abs() < 5e-5, "{v} m/s");
+}
+
+#[test]
+fn the_damping_of_the_bristles_shortens_the_swing_of_a_slide_at_rest() {
+    // What is left of the swing after 20 ms.
+    let left = |slide_bristle_n_s_mm: f64| {
+        let mut train = built(&AxisTrain {
+            slide_bristle_n_s_mm,
+            mode_damping: 0.0,
+            slide_viscous_n_s_mm: 0.0,
+            ..AxisTrain::default()
+        });
+        train.advance(Acting { command_nm: None, force_n: 100.0 });
+        let mut swing_m = || {
+            let places = (0..20).map(|_| {
+                train.advance(of(None));
+                train.motion().slide_m
+            });
+            let (least, most) =
+                places.fold((f64::MAX, f64::MIN), |(least, most), y| (least.min(y), most.max(y)));
+            most - least
+        };
+        let [first, _, third] = [swing_m(), swing_m(), swing_m()];
+        third / first
+    };
+    // exp(−15 N·s/mm · 20 ms / (2 · 110 kg)) by the damping alone.
+    let by_damping = left(15.0) / left(0.0);
+    assert!((by_damping / 0.2557 - 1.0).abs() < 0.1, "{by_damping}");
 }
 
 #[test]
@@ -170,7 +216,14 @@ fn two_at_once_are_each_by_itself() {
     let plain = built(&AxisTrain::default());
     let heavy = built(&AxisTrain { slide_mass_kg: 300.0, slide_coulomb_n: 70.0, ..AxisTrain::default() });
     let worn = built(&AxisTrain { backlash_mm: 0.01, screw_wobble_um: 3.0, ..AxisTrain::default() });
-    for beside in [heavy, worn] {
+    let sticky = built(&AxisTrain {
+        screw_static_n: Some(190.0),
+        screw_stribeck_mm_s: 2.5,
+        screw_bristle_n_s_mm: 40.0,
+        slide_bristle_n_s_mm: 15.0,
+        ..AxisTrain::default()
+    });
+    for beside in [heavy, worn, sticky] {
         let (mut one, mut other, mut first, mut second) =
             (plain.clone(), beside.clone(), plain.clone(), beside);
         for cycle in 0..4000 {

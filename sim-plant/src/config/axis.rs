@@ -1,0 +1,135 @@
+//! `[plant.axis.*]`: what is true of an axis. In: its table. Out: checked values in the units of their names.
+
+use serde::Deserialize;
+
+use super::{PlantError, range};
+use crate::friction::Pair;
+
+/// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct AxisTrain {
+    /// Everything that turns: rotor, coupling, screw, kg m².
+    pub(crate) inertia_kg_m2: f64,
+    /// Slide with its tool, kg.
+    pub(crate) slide_mass_kg: f64,
+    /// Mode of the slide against the standing motor, Hz, and its damping ratio.
+    pub(crate) mode_hz: f64,
+    pub(crate) mode_damping: f64,
+    /// Way of the nut from flank to flank that does not move the slide, mm.
+    pub(crate) backlash_mm: f64,
+    /// Error of the screw: pairs of motor position in mm, rising, and how much too far the nut stands, µm.
+    pub(crate) screw_error: Vec<[f64; 2]>,
+    /// Size of the error that comes back with every turn of the screw, µm.
+    pub(crate) screw_wobble_um: f64,
+    /// Friction of the screw, referred to the slide; from rest it is the same if nothing is said.
+    pub(crate) screw_coulomb_n: f64,
+    pub(crate) screw_static_n: Option<f64>,
+    pub(crate) screw_stribeck_mm_s: f64,
+    pub(crate) screw_presliding_n_mm: f64,
+    pub(crate) screw_bristle_n_s_mm: f64,
+    pub(crate) screw_viscous_n_s_mm: f64,
+    /// Friction of the guide.
+    pub(crate) slide_coulomb_n: f64,
+    pub(crate) slide_static_n: f64,
+    pub(crate) slide_stribeck_mm_s: f64,
+    pub(crate) slide_presliding_n_mm: f64,
+    pub(crate) slide_bristle_n_s_mm: f64,
+    pub(crate) slide_viscous_n_s_mm: f64,
+    /// First-order lag of the current loop, s.
+    pub(crate) current_lag_s: f64,
+    /// Ramp of a quick stop and of the reaction to a fault, mm/s².
+    pub(crate) quick_stop_mm_s2: f64,
+    /// Speed at which the drive trips, mm/s.
+    pub(crate) overspeed_mm_s: f64,
+    /// Force at the slide with which the brake of the motor stops and holds it, N.
+    pub(crate) brake_n: f64,
+}
+
+impl Default for AxisTrain {
+    fn default() -> Self {
+        AxisTrain {
+            inertia_kg_m2: 12e-4,
+            slide_mass_kg: 110.0,
+            mode_hz: 100.0,
+            mode_damping: 0.03,
+            backlash_mm: 0.0,
+            screw_error: Vec::new(),
+            screw_wobble_um: 0.0,
+            screw_coulomb_n: 150.0,
+            screw_static_n: None,
+            screw_stribeck_mm_s: 1.5,
+            screw_presliding_n_mm: 30_000.0,
+            screw_bristle_n_s_mm: 0.0,
+            screw_viscous_n_s_mm: 2.0,
+            slide_coulomb_n: 120.0,
+            slide_static_n: 160.0,
+            slide_stribeck_mm_s: 1.5,
+            slide_presliding_n_mm: 15_000.0,
+            slide_bristle_n_s_mm: 0.0,
+            slide_viscous_n_s_mm: 0.6,
+            current_lag_s: 0.0005,
+            quick_stop_mm_s2: 3000.0,
+            overspeed_mm_s: 290.0,
+            brake_n: 10_000.0,
+        }
+    }
+}
+
+impl AxisTrain {
+    pub(super) fn check(&self, section: &str) -> Result<(), PlantError> {
+        for (name, value, low, high) in [
+            ("inertia_kg_m2", self.inertia_kg_m2, 1e-6, 1.0),
+            ("slide_mass_kg", self.slide_mass_kg, 0.1, 1e5),
+            ("mode_hz", self.mode_hz, 5.0, 1000.0),
+            ("mode_damping", self.mode_damping, 0.0, 1.0),
+            ("backlash_mm", self.backlash_mm, 0.0, 10.0),
+            ("screw_coulomb_n", self.screw_coulomb_n, 0.0, 1e5),
+            (
+                "screw_static_n",
+                self.screw_static_n.unwrap_or(self.screw_coulomb_n),
+                self.screw_coulomb_n,
+                1e5,
+            ),
+            ("screw_stribeck_mm_s", self.screw_stribeck_mm_s, 0.01, 1e3),
+            ("screw_presliding_n_mm", self.screw_presliding_n_mm, 1.0, 1e6),
+            ("screw_bristle_n_s_mm", self.screw_bristle_n_s_mm, 0.0, 1e3),
+            ("screw_viscous_n_s_mm", self.screw_viscous_n_s_mm, 0.0, 1e3),
+            ("slide_coulomb_n", self.slide_coulomb_n, 0.0, 1e5),
+            ("slide_static_n", self.slide_static_n, self.slide_coulomb_n, 1e5),
+            ("slide_stribeck_mm_s", self.slide_stribeck_mm_s, 0.01, 1e3),
+            ("slide_presliding_n_mm", self.slide_presliding_n_mm, 1.0, 1e6),
+            ("slide_bristle_n_s_mm", self.slide_bristle_n_s_mm, 0.0, 1e3),
+            ("slide_viscous_n_s_mm", self.slide_viscous_n_s_mm, 0.0, 1e3),
+            ("current_lag_s", self.current_lag_s, 1e-6, 0.1),
+            ("quick_stop_mm_s2", self.quick_stop_mm_s2, 1.0, 1e6),
+            ("overspeed_mm_s", self.overspeed_mm_s, 1.0, 1e5),
+            ("brake_n", self.brake_n, 1.0, 1e6),
+        ] {
+            range(&format!("{section}.{name}"), value, low, high)?;
+        }
+        Ok(())
+    }
+
+    /// The pair of screw and nut. Without a breakaway of its own its curve is flat, whatever its speed.
+    pub(crate) fn screw(&self) -> Pair {
+        Pair {
+            coulomb_n: self.screw_coulomb_n,
+            static_n: self.screw_static_n.unwrap_or(self.screw_coulomb_n),
+            stribeck_m_s: self.screw_static_n.map_or(1.0, |_| self.screw_stribeck_mm_s * 1e-3),
+            stiffness_n_m: self.screw_presliding_n_mm * 1e3,
+            damping_n_s_m: self.screw_bristle_n_s_mm * 1e3,
+        }
+    }
+
+    /// The pair of slide and guide.
+    pub(crate) fn guide(&self) -> Pair {
+        Pair {
+            coulomb_n: self.slide_coulomb_n,
+            static_n: self.slide_static_n,
+            stribeck_m_s: self.slide_stribeck_mm_s * 1e-3,
+            stiffness_n_m: self.slide_presliding_n_mm * 1e3,
+            damping_n_s_m: self.slide_bristle_n_s_mm * 1e3,
+        }
+    }
+}

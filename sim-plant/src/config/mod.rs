@@ -1,0 +1,151 @@
+//! `[plant.*]` of the machine file: the truth about the simulated machine, which no controller reads.
+//! In: the table that `machine::Machine` passes on unread. Out: checked values; every key has a default: a
+//! 1 kW servo axis on a 5 mm screw (plausible, not identified). Units are in the names of the keys.
+
+mod axis;
+mod spindle;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use machine::Machine;
+use protocol::Axis;
+use serde::Deserialize;
+
+pub(crate) use axis::AxisTrain;
+pub(crate) use spindle::SpindleTrain;
+
+/// What a plant that cannot be built has wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum PlantError {
+    /// An unknown key, or a value of the wrong type.
+    #[error("[plant] of the machine file: {0}")]
+    Syntax(#[from] Box<toml::de::Error>),
+    /// A value that no plant can have.
+    #[error("{key} = {value}: {reason}")]
+    Value {
+        /// Path of the key.
+        key: String,
+        /// The value given.
+        value: f64,
+        /// What is allowed, and why.
+        reason: String,
+    },
+    /// A section for an axis that the machine does not have.
+    #[error("[plant.axis.{0}]: the machine has no [axis.{0}]; add it or remove this section")]
+    NoSuchAxis(&'static str),
+    /// An event of the scenario for an axis that the machine does not have.
+    #[error("event {event} of the scenario acts on axis {axis}: the machine has no [axis.{axis}]")]
+    NoAxisToActOn {
+        /// Which event, from 1.
+        event: usize,
+        /// Name of the axis.
+        axis: &'static str,
+    },
+}
+
+/// `[plant]`
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct PlantConfig {
+    /// `[plant.axis.x]`, `[plant.axis.z]`
+    pub(crate) axis: BTreeMap<Axis, AxisTrain>,
+    /// `[plant.spindle]`
+    pub(crate) spindle: SpindleTrain,
+    /// `[plant.cutting]`
+    pub(crate) cutting: Cutting,
+    /// `[plant.power]`
+    pub(crate) power: Power,
+}
+
+/// `[plant.cutting]`
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Cutting {
+    /// Time in which a force or load of a scenario comes on, and goes, s.
+    pub(crate) rise_s: f64,
+    /// Specific cutting force (M75), N/mm²; 0 cuts air.
+    pub(crate) specific_force_n_mm2: f64,
+    /// How much more a V chip takes than a straight one.
+    pub(crate) form_factor: f64,
+    /// Forces on X and on Z as shares of the tangential force.
+    pub(crate) radial_share: f64,
+    pub(crate) axial_share: f64,
+    /// Half angle of the threading tool, degrees.
+    pub(crate) flank_half_angle_deg: f64,
+    /// Where the stock begins and where it ends along Z, mm.
+    pub(crate) face_mm: f64,
+    pub(crate) back_mm: f64,
+}
+
+impl Default for Cutting {
+    fn default() -> Self {
+        Cutting {
+            rise_s: 0.01,
+            specific_force_n_mm2: 0.0,
+            form_factor: 1.5,
+            radial_share: 0.5,
+            axial_share: 0.2,
+            flank_half_angle_deg: 30.0,
+            face_mm: 0.0,
+            back_mm: -1e4,
+        }
+    }
+}
+
+/// `[plant.power]`
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Power {
+    /// For how long the drives of the axes have torque after the mains have failed, s.
+    pub(crate) link_hold_s: f64,
+}
+
+impl Default for Power {
+    fn default() -> Self {
+        Power { link_hold_s: 0.1 }
+    }
+}
+
+impl PlantConfig {
+    /// Reads and checks the truth about a machine.
+    pub(crate) fn of(machine: &Machine) -> Result<PlantConfig, PlantError> {
+        let config: PlantConfig = machine.plant.clone().try_into().map_err(Box::new)?;
+        for (axis, train) in &config.axis {
+            if !machine.axis.contains_key(axis) {
+                return Err(PlantError::NoSuchAxis(axis.name()));
+            }
+            train.check(&format!("plant.axis.{}", axis.name()))?;
+        }
+        config.spindle.check()?;
+        config.cutting.check()?;
+        range("plant.power.link_hold_s", config.power.link_hold_s, 0.0, 10.0)?;
+        Ok(config)
+    }
+}
+
+impl Cutting {
+    fn check(&self) -> Result<(), PlantError> {
+        for (name, value, low, high) in [
+            ("rise_s", self.rise_s, 0.0, 10.0),
+            ("specific_force_n_mm2", self.specific_force_n_mm2, 0.0, 20_000.0),
+            ("form_factor", self.form_factor, 0.1, 10.0),
+            ("radial_share", self.radial_share, 0.0, 5.0),
+            ("axial_share", self.axial_share, 0.0, 5.0),
+            ("flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0),
+            ("face_mm", self.face_mm, -1e5, 1e5),
+            ("back_mm", self.back_mm, -1e5, self.face_mm),
+        ] {
+            range(&format!("plant.cutting.{name}"), value, low, high)?;
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), PlantError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(PlantError::Value { key: key.into(), value, reason: format!("must lie between {low} and {high}") })
+}

@@ -1,0 +1,69 @@
+//! What is read of `[plant.*]`, and what is refused.
+
+use super::*;
+
+fn with(plant: &str) -> Result<PlantConfig, PlantError> {
+    PlantConfig::of(&Machine { plant: plant.parse().unwrap(), ..Machine::default() })
+}
+
+/// Texts, and what is said of them.
+fn refuses(cases: &[(&str, &str)]) {
+    for (text, expected) in cases {
+        let message = with(text).unwrap_err().to_string();
+        assert!(message.contains(expected), "{text}: {message}");
+    }
+}
+
+#[test]
+fn the_small_lathe_has_the_default_plant() {
+    let config = PlantConfig::of(&Machine::default()).unwrap();
+    assert_eq!(config.spindle, SpindleTrain::default());
+    assert_eq!(config.cutting, Cutting::default());
+    assert!(config.axis.values().all(|train| *train == AxisTrain::default()));
+    assert_eq!(with("").unwrap(), PlantConfig::default());
+}
+
+#[test]
+fn a_refusal_of_an_axis_names_the_key_and_what_is_allowed() {
+    refuses(&[
+        ("[axis.x]\nmode_hz = 0.5", "plant.axis.x.mode_hz = 0.5: must lie between 5 and 1000"),
+        ("[axis.z]\nslide_static_n = 100", "plant.axis.z.slide_static_n = 100: must lie between 120"),
+        ("[axis.z]\nscrew_static_n = 149", "plant.axis.z.screw_static_n = 149: must lie between 150"),
+        ("[axis.z]\nscrew_stribeck_mm_s = 0", "plant.axis.z.screw_stribeck_mm_s = 0: must lie between 0.01"),
+        (
+            "[axis.x]\nscrew_bristle_n_s_mm = -1",
+            "plant.axis.x.screw_bristle_n_s_mm = -1: must lie between 0 and",
+        ),
+        (
+            "[axis.x]\nslide_bristle_n_s_mm = 1e4",
+            "plant.axis.x.slide_bristle_n_s_mm = 10000: must lie between 0",
+        ),
+        ("[axis.x]\nbrake_n = 0", "plant.axis.x.brake_n = 0: must lie between 1 and"),
+        ("[axis.y]\nmode_hz = 80", "[plant.axis.y]: the machine has no [axis.y]"),
+        ("[axis.x]\nmode = 80", "unknown field `mode`"),
+    ]);
+}
+
+#[test]
+fn a_refusal_of_the_spindle_names_the_key_and_what_is_allowed() {
+    refuses(&[
+        ("[spindle]\nripple_pct = -1", "plant.spindle.ripple_pct = -1: must lie between 0 and 10"),
+        ("[spindle]\nripple_per_rev = 1.5", "ripple_per_rev"),
+    ]);
+}
+
+#[test]
+fn a_refusal_of_the_cut_and_the_mains_names_the_key_and_what_is_allowed() {
+    refuses(&[
+        ("[cutting]\nrise_s = nan", "plant.cutting.rise_s = NaN: must lie between"),
+        (
+            "[cutting]\nspecific_force_n_mm2 = -1",
+            "plant.cutting.specific_force_n_mm2 = -1: must lie between 0 and",
+        ),
+        (
+            "[cutting]\nface_mm = -5\nback_mm = 0",
+            "plant.cutting.back_mm = 0: must lie between -100000 and -5",
+        ),
+        ("[power]\nlink_hold_s = 11", "plant.power.link_hold_s = 11: must lie between 0 and 10"),
+    ]);
+}
