@@ -6,11 +6,15 @@
 //! | v_cmd | mm/s | target velocity + velocity offset |
 //! | v_meas | mm/s | one difference of the encoder: the mean speed of the cycle before |
 //! | Kp, Ti | N·m s/mm, s | gain M 2π f_v lead/2π of the believed mass M, and integral time |
+//! | T | N·m | limit of the torque |
+//! | v_f, v_0 | mm/s | speeds up to which the voltage lets the motor give it all, and at which it is used up |
 //!
 //! ```text
 //! torque = Kp (v_cmd − v_meas) + I + torque offset,   dI/dt = Kp/Ti (v_cmd − v_meas)                   (M54)
+//! |torque| ≤ T; in the direction of v_meas ≤ T (v_0 − |v_meas|)/(v_0 − v_f), at least 0, above v_f     (M110)
 //! ```
-//! The integral stands still while the torque is at its limit and the error would drive it further.
+//! A motor that brakes keeps T: the voltage is on its side. The integral stands still while the torque is at
+//! its limit and the error would drive it further.
 //!
 //! A command that no regulator gives trips the drive: numbers that are none, a speed beyond that of the trip,
 //! a torque offset well beyond the limit, the answer to a measurement that was not made yet.
@@ -47,6 +51,7 @@ pub(crate) struct Drive {
     gain: f64,
     integral_gain: f64,
     limit_nm: f64,
+    fading_mm_s: Option<[f64; 2]>,
     braking_step: f64,
     overspeed_mm_s: f64,
     integral_nm: f64,
@@ -65,6 +70,7 @@ impl Drive {
             gain,
             integral_gain: gain * cycle_s / config.velocity_integral_s,
             limit_nm: config.torque_limit_nm,
+            fading_mm_s: train.fading_mm_s(),
             braking_step: train.quick_stop_mm_s2 * cycle_s,
             overspeed_mm_s: train.overspeed_mm_s,
             integral_nm: 0.0,
@@ -111,11 +117,11 @@ impl Drive {
         }
         if self.is_enabled() {
             self.braking_mm_s = v_meas;
-            return Some(self.velocity_loop(v_cmd - v_meas, command.torque_offset_nm));
+            return Some(self.velocity_loop(v_cmd, v_meas, command.torque_offset_nm));
         }
         let left = self.braking_mm_s.abs() - self.braking_step;
         self.braking_mm_s = if left > 0.0 { left.copysign(self.braking_mm_s) } else { 0.0 };
-        Some(self.velocity_loop(self.braking_mm_s - v_meas, 0.0))
+        Some(self.velocity_loop(self.braking_mm_s, v_meas, 0.0))
     }
 
     /// Whether a regulator could have meant this. Comparisons with what is no number are false.
@@ -125,13 +131,24 @@ impl Drive {
             && command.cycle <= now
     }
 
-    fn velocity_loop(&mut self, error_mm_s: f64, offset_nm: f64) -> f64 {
+    fn velocity_loop(&mut self, v_cmd: f64, v_meas: f64, offset_nm: f64) -> f64 {
+        let error_mm_s = v_cmd - v_meas;
         let integral_nm = self.integral_nm + self.integral_gain * error_mm_s;
         let torque = self.gain * error_mm_s + integral_nm + offset_nm;
-        let limited = torque.clamp(-self.limit_nm, self.limit_nm);
+        let [low, high] = self.limits_nm(v_meas);
+        let limited = torque.clamp(low, high);
         if torque == limited || (torque > limited) != (error_mm_s > 0.0) {
             self.integral_nm = integral_nm.clamp(-self.limit_nm, self.limit_nm);
         }
         limited
+    }
+
+    /// Lowest and highest torque at a speed (M110), N·m.
+    fn limits_nm(&self, v_meas: f64) -> [f64; 2] {
+        let share = self
+            .fading_mm_s
+            .map_or(1.0, |[full, none]| ((none - v_meas.abs()) / (none - full)).clamp(0.0, 1.0));
+        let motoring = share * self.limit_nm;
+        if v_meas < 0.0 { [-motoring, self.limit_nm] } else { [-self.limit_nm, motoring] }
     }
 }

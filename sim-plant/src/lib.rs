@@ -11,7 +11,7 @@
 //! | `belief` | what a controller would believe if it knew the truth |
 //! | `friction`, `screw`, `drive_train` | motor, screw, slide: the mechanics of one axis |
 //! | `scale` | the linear scale at a slide |
-//! | `drive_state`, `drive` | the drive of one axis: state machine, velocity loop |
+//! | `drive_state`, `drive`, `meter` | the drive of one axis: state machine, velocity loop, measured torque |
 //! | `spindle` | motor, speed loop, ripple, encoder, index |
 //! | `encoder` | faults of the spindle encoder that a scenario brings |
 //! | `breakages` | what else it breaks: drives, counters of the axes, the drive of the spindle |
@@ -33,6 +33,7 @@ mod drive_train;
 mod encoder;
 mod friction;
 mod grooves;
+mod meter;
 mod orders;
 mod plant;
 mod ramped;

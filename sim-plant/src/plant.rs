@@ -13,6 +13,7 @@ use crate::config::{PlantConfig, PlantError};
 use crate::cutting::Cutter;
 use crate::drive::{Drive, Trip};
 use crate::drive_train::{Acting, DriveTrain};
+use crate::meter::Meter;
 use crate::orders::{Order, Packet};
 use crate::scale::Scale;
 use crate::scenario::{Scenario, SpindleFault};
@@ -27,6 +28,7 @@ struct AxisPlant {
     home_mm: f64,
     drive: Drive,
     train: DriveTrain,
+    meter: Meter,
     /// Torque command computed in the cycle before; `None` without power.
     torque_nm: Option<f64>,
     quantum_mm: f64,
@@ -92,16 +94,18 @@ impl Plant {
             return Err(PlantError::NoAxisToActOn { event, axis: axis.name() });
         }
         let cycle_s = machine.general.cycle_s;
-        let mut seed = Seed(seed);
+        let (mut seed, unseen) = (Seed(seed), Seed(seed));
         let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed);
         let mut axes = Vec::new();
         for (axis, belief) in machine.axes() {
             let train = config.axis.get(&axis).cloned().unwrap_or_default();
+            let mut own = unseen.branch(axis.index() as u64);
             axes.push(AxisPlant {
                 axis,
                 home_mm: belief.home_mm,
                 drive: Drive::new(belief, &train, cycle_s),
-                train: DriveTrain::new(&train, axis, belief, cycle_s)?,
+                train: DriveTrain::new(&train, axis, belief, cycle_s, &mut own)?,
+                meter: Meter::new(train.torque_noise_nm, train.torque_step_nm, own),
                 torque_nm: None,
                 quantum_mm: belief.screw_lead_mm / f64::from(belief.encoder_counts),
                 inverse_cycle: 1.0 / cycle_s,
@@ -250,14 +254,14 @@ impl Plant {
             let measured = &mut self.truth.measurement.axes[index];
             measured.position = axis.position();
             measured.scale = axis.scale.map_or(measured.position, |scale| scale.position(slide_mm));
-            measured.torque_nm = motion.torque_nm;
+            measured.torque_nm = axis.meter.show(now, motion.torque_nm);
             let StatusWord(word) = axis.drive.status_word();
             measured.status_word = u32::from(word);
             let truth = &mut self.truth.axes[index];
             truth.motor_mm = axis.home_mm + 1e3 * nut_m;
             truth.slide_mm = slide_mm;
             truth.velocity_mm_s = 1e3 * nut_m_s;
-            truth.torque_nm = motion.torque_nm;
+            truth.torque_nm = axis.train.torque_nm();
         }
         let index = (self.truth.measurement.index_number > 0)
             .then(|| (360.0 * self.spindle.index_turn(), self.truth.measurement.index_cycle));

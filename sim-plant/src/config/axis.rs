@@ -5,6 +5,11 @@ use serde::Deserialize;
 use super::{PlantError, range};
 use crate::friction::Pair;
 
+/// The weight that a brake holds, a share of its force.
+const HELD: f64 = 0.9;
+/// Where a motor begins to lose its torque, a share of the speed at which it has none.
+const FULL: f64 = 0.75;
+
 /// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -36,8 +41,21 @@ pub(crate) struct AxisTrain {
     pub(crate) slide_presliding_n_mm: f64,
     pub(crate) slide_bristle_n_s_mm: f64,
     pub(crate) slide_viscous_n_s_mm: f64,
+    /// Constant force on the slide, N: what hangs has its weight. The machine was referenced under it.
+    pub(crate) gravity_n: f64,
     /// First-order lag of the current loop, s.
     pub(crate) current_lag_s: f64,
+    /// What the motor gives more than its drive believes, per cent.
+    pub(crate) torque_constant_pct: f64,
+    /// Noise of the torque that the drive measures, root of its mean square, and its step, N·m.
+    pub(crate) torque_noise_nm: f64,
+    pub(crate) torque_step_nm: f64,
+    /// Torque by which the magnets hold the rotor at the teeth, N·m, and how often a turn.
+    pub(crate) cogging_nm: f64,
+    pub(crate) cogging_per_rev: u32,
+    /// Speeds up to which the voltage lets the motor give all its torque, and at which it gives none, mm/s.
+    pub(crate) full_torque_mm_s: Option<f64>,
+    pub(crate) no_torque_mm_s: Option<f64>,
     /// Ramp of a quick stop and of the reaction to a fault, mm/s².
     pub(crate) quick_stop_mm_s2: f64,
     /// Speed at which the drive trips, mm/s.
@@ -68,7 +86,15 @@ impl Default for AxisTrain {
             slide_presliding_n_mm: 15_000.0,
             slide_bristle_n_s_mm: 0.0,
             slide_viscous_n_s_mm: 0.6,
+            gravity_n: 0.0,
             current_lag_s: 0.0005,
+            torque_constant_pct: 0.0,
+            torque_noise_nm: 0.0,
+            torque_step_nm: 0.0,
+            cogging_nm: 0.0,
+            cogging_per_rev: 24,
+            full_torque_mm_s: None,
+            no_torque_mm_s: None,
             quick_stop_mm_s2: 3000.0,
             overspeed_mm_s: 290.0,
             brake_n: 10_000.0,
@@ -78,6 +104,7 @@ impl Default for AxisTrain {
 
 impl AxisTrain {
     pub(super) fn check(&self, section: &str) -> Result<(), PlantError> {
+        let corner = self.no_torque_mm_s.unwrap_or(1e5);
         for (name, value, low, high) in [
             ("inertia_kg_m2", self.inertia_kg_m2, 1e-6, 1.0),
             ("slide_mass_kg", self.slide_mass_kg, 0.1, 1e5),
@@ -102,13 +129,32 @@ impl AxisTrain {
             ("slide_bristle_n_s_mm", self.slide_bristle_n_s_mm, 0.0, 1e3),
             ("slide_viscous_n_s_mm", self.slide_viscous_n_s_mm, 0.0, 1e3),
             ("current_lag_s", self.current_lag_s, 1e-6, 0.1),
+            ("torque_constant_pct", self.torque_constant_pct, -50.0, 50.0),
+            ("torque_noise_nm", self.torque_noise_nm, 0.0, 100.0),
+            ("torque_step_nm", self.torque_step_nm, 0.0, 100.0),
+            ("cogging_nm", self.cogging_nm, 0.0, 100.0),
+            ("cogging_per_rev", f64::from(self.cogging_per_rev), 1.0, 1000.0),
+            ("no_torque_mm_s", corner, 1.0, 1e5),
+            ("full_torque_mm_s", self.full_torque_mm_s.unwrap_or(0.0), 0.0, 0.99 * corner),
             ("quick_stop_mm_s2", self.quick_stop_mm_s2, 1.0, 1e6),
             ("overspeed_mm_s", self.overspeed_mm_s, 1.0, 1e5),
             ("brake_n", self.brake_n, 1.0, 1e6),
+            ("gravity_n", self.gravity_n, -HELD * self.brake_n, HELD * self.brake_n),
         ] {
             range(&format!("{section}.{name}"), value, low, high)?;
         }
+        if let (Some(value), None) = (self.full_torque_mm_s, self.no_torque_mm_s) {
+            let reason =
+                "says nothing without no_torque_mm_s, the speed at which the voltage is used up".into();
+            return Err(PlantError::Value { key: format!("{section}.full_torque_mm_s"), value, reason });
+        }
         Ok(())
+    }
+
+    /// Up to which speed the motor has all its torque and from which on none, mm/s; `None` if the voltage is
+    /// always enough.
+    pub(crate) fn fading_mm_s(&self) -> Option<[f64; 2]> {
+        self.no_torque_mm_s.map(|none| [self.full_torque_mm_s.unwrap_or(FULL * none), none])
     }
 
     /// The pair of screw and nut. Without a breakaway of its own its curve is flat, whatever its speed.

@@ -45,6 +45,24 @@ fn a_refusal_of_an_axis_names_the_key_and_what_is_allowed() {
 }
 
 #[test]
+fn a_refusal_of_a_motor_names_the_key_and_what_is_allowed() {
+    refuses(&[
+        ("[axis.x]\ntorque_constant_pct = 60", "plant.axis.x.torque_constant_pct = 60: must lie between -50"),
+        ("[axis.x]\ntorque_noise_nm = -1", "plant.axis.x.torque_noise_nm = -1: must lie between 0"),
+        ("[axis.x]\ntorque_step_nm = inf", "plant.axis.x.torque_step_nm = inf: must lie between 0"),
+        ("[axis.x]\ncogging_nm = -1", "plant.axis.x.cogging_nm = -1: must lie between 0"),
+        ("[axis.x]\ncogging_per_rev = 0", "plant.axis.x.cogging_per_rev = 0: must lie between 1 and 1000"),
+        ("[axis.x]\ngravity_n = -9001", "plant.axis.x.gravity_n = -9001: must lie between -9000 and 9000"),
+        ("[axis.x]\nno_torque_mm_s = 0", "plant.axis.x.no_torque_mm_s = 0: must lie between 1"),
+        (
+            "[axis.x]\nno_torque_mm_s = 200\nfull_torque_mm_s = 300",
+            "full_torque_mm_s = 300: must lie between 0 and 198",
+        ),
+        ("[axis.x]\nfull_torque_mm_s = 300", "full_torque_mm_s = 300: says nothing without no_torque_mm_s"),
+    ]);
+}
+
+#[test]
 fn a_refusal_of_the_spindle_names_the_key_and_what_is_allowed() {
     refuses(&[
         ("[spindle]\nripple_pct = -1", "plant.spindle.ripple_pct = -1: must lie between 0 and 10"),

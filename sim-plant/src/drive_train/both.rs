@@ -1,6 +1,6 @@
 //! Two drive trains whose motors have torque, side by side: the same steps as one by one, number for number,
-//! with the same operation on both in one instruction. Plain is a train without backlash and without error of
-//! the screw: its nut is where its motor is.
+//! with the same operation on both in one instruction. Plain is a train without backlash, error of the screw,
+//! weight and cogging: its nut is where its motor is, and its motor runs evenly.
 
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Sub};
@@ -126,19 +126,21 @@ impl Trains {
     #[inline(never)]
     fn advance_plain(&self, steps: u32, motions: &mut Motions, acting: [Both; 2]) {
         let push = |gap: Both, gaining: Both| self.stiffness * gap + self.damping * gaining;
-        self.advance(steps, motions, acting, |x| (x, Both([1.0; 2])), push);
+        let even = |_| Both([0.0; 2]);
+        self.advance(steps, motions, acting, even, |x| (x, Both([1.0; 2])), push);
     }
 
-    /// The same of any two: nut and backlash of each are its own.
+    /// The same of any two: magnets, nut and backlash of each are its own.
     #[inline(never)]
     fn advance_any(&self, two: [&DriveTrain; 2], motions: &mut Motions, acting: [Both; 2]) {
+        let cogging = |Both(x): Both| Both(from_fn(|lane| two[lane].cogging_n(x[lane])));
         let nut = |Both(x): Both| {
             let [here, there] = from_fn(|lane| nut(&two[lane].screw_error, x[lane]));
             (Both([here.0, there.0]), Both([here.1, there.1]))
         };
         let push =
             |gap: Both, gaining: Both| Both(from_fn(|lane| two[lane].push(gap.0[lane], gaining.0[lane])));
-        self.advance(two[0].steps, motions, acting, nut, push);
+        self.advance(two[0].steps, motions, acting, cogging, nut, push);
     }
 
     /// Steps under torque commands in N·m and forces on the slides in N, as those of [`DriveTrain`].
@@ -148,6 +150,7 @@ impl Trains {
         steps: u32,
         motions: &mut Motions,
         [command, force_n]: [Both; 2],
+        cogging: impl Fn(Both) -> Both,
         nut: impl Fn(Both) -> (Both, Both),
         push: impl Fn(Both, Both) -> Both,
     ) {
@@ -167,7 +170,8 @@ impl Trains {
             let push = push(nut_m - y, slope * v - w);
             let screw_n = self.screw.force(&mut screw_m, v);
             let guide_n = self.guide.force(&mut guide_m, w);
-            let on_motor = self.force_per_torque * mean - slope * push - self.screw_viscous * v - screw_n;
+            let driving = self.force_per_torque * mean - cogging(x);
+            let on_motor = driving - slope * push - self.screw_viscous * v - screw_n;
             let on_slide = push - self.slide_viscous * w - guide_n + force_n;
             v = v + self.motor_step * on_motor;
             w = w + self.slide_step * on_slide;

@@ -7,24 +7,31 @@
 //! | M, m | kg | motor side referred to the slide, J (2π/lead)²; slide |
 //! | k, c | N/m, N s/m | elastic mode: k = m (2π f)², c = 2 ζ m 2π f |
 //! | b_M, b_m | N s/m | viscous friction of screw and guide |
-//! | tau, T_c | N·m, s | torque of the motor and lag of its current loop |
+//! | tau, T_c | N·m, s | torque of the motor as its drive believes it, and lag of its current loop |
+//! | e | – | what the motor gives more than its drive believes, a share |
+//! | T_g, n_g, phi | N·m, –, rad | cogging: torque of the magnets, how often a turn, its phase |
 //! | x, v; y, w | m, m/s | motor (turns times lead) and slide |
 //! | n, n' | m, 1 | nut by the true screw, and dn/dx (`screw`; without error x and 1) |
 //! | B | m | backlash: at home the slide stands in its middle |
-//! | f | N | force between nut and slide |
+//! | G | N | weight of the slide along the axis |
+//! | f, F | N | force between nut and slide; other forces on the slide |
 //!
 //! ```text
-//! M dv/dt = 2π/lead tau − n' f − b_M v − bristles(v)
-//! m dw/dt = f − b_m w − bristles(w) + F
-//! f = k g + c (n' v − w),   g = n − y                                           without backlash
+//! M dv/dt = 2π/lead ((1 + e) tau − T_g sin(n_g 2π x/lead + phi)) − n' f − b_M v − bristles(v)         (M108)
+//! m dw/dt = f − b_m w − bristles(w) + F + G
+//! f = k g + c (n' v − w),   g = n − y − G/k − B/2 sgn G                         without backlash      (M111)
 //! f = max(0, k (g − B/2) + c (n' v − w)) beyond one flank, min(0, …) beyond the other, 0 between      (M73)
 //! tau = command + (tau − command) exp(−t/T_c)        exact, its mean over the step drives the motor
 //! ```
-//! A flank pushes and does not pull: that is the max. The error of the screw acts like a lever, so its force
-//! on the motor is n' f: what the motor gives in power, the slide takes. Semi-implicit Euler at 25 µs or
-//! less: speeds first, positions with the new speeds, so the mode neither grows nor decays by the method.
+//! The machine was referenced as it hangs. So the slide is at home when its weight rests on the spring of the
+//! drive train, and with backlash on a flank: that is the rest of g. While the motor is without torque its
+//! brake holds the weight. A flank pushes and does not pull: that is the max. The error of the screw acts
+//! like a lever, so its force on the motor is n' f: what the motor gives in power, the slide takes.
+//! Semi-implicit Euler at 25 µs or less: speeds first, positions with the new speeds, so the mode neither
+//! grows nor decays by the method.
 
 mod both;
+mod cogging;
 #[cfg(test)]
 mod tests;
 
@@ -34,8 +41,10 @@ use machine::AxisConfig;
 use protocol::Axis;
 
 use crate::config::{AxisTrain, PlantError};
-use crate::friction::Bristles;
+use crate::friction::{Bristles, Pair};
 use crate::screw::ScrewError;
+use crate::seed::Seed;
+use cogging::Cogging;
 
 /// Longest step of the mechanics, s.
 const LONGEST_STEP_S: f64 = 25e-6;
@@ -47,12 +56,19 @@ const COARSEST: f64 = 0.1;
 pub(crate) struct DriveTrain {
     steps: u32,
     step_s: f64,
+    /// What the motor gives by what its drive believes.
+    torque_constant: f64,
+    /// Force at the slide by torque as the drive believes it, 1/m.
     force_per_torque: f64,
+    cogging: Option<Cogging>,
     motor_step: f64,
     slide_step: f64,
     stiffness: f64,
     damping: f64,
     half_backlash: f64,
+    gravity_n: f64,
+    /// What the nut lies back from the slide at home, m.
+    hang_m: f64,
     screw_error: Option<ScrewError>,
     screw_viscous: f64,
     slide_viscous: f64,
@@ -80,15 +96,15 @@ pub(crate) struct Motion {
 /// What acts on a drive train in one control cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Acting {
-    /// Torque command, N·m; without one the motor has no torque and is held by the brake, which first has to
-    /// stop what moves.
+    /// Torque command, N·m, as the drive believes it; without one the motor has no torque and is held by the
+    /// brake, which first has to stop what moves.
     pub(crate) command_nm: Option<f64>,
-    /// Force on the slide, N.
+    /// Force on the slide besides its weight, N.
     pub(crate) force_n: f64,
 }
 
 impl DriveTrain {
-    /// At rest at home.
+    /// At rest at home; where the magnets lie is drawn from the seed.
     ///
     /// # Errors
     /// A stiffness that the step cannot follow, and a table that no screw has, by key.
@@ -97,13 +113,14 @@ impl DriveTrain {
         axis: Axis,
         belief: &AxisConfig,
         cycle_s: f64,
+        seed: &mut Seed,
     ) -> Result<DriveTrain, PlantError> {
         let section = format!("plant.axis.{}", axis.name());
         let screw_lead_mm = belief.screw_lead_mm;
         let steps = (cycle_s / LONGEST_STEP_S - 1e-9).ceil() as u32;
         let step_s = cycle_s / f64::from(steps);
-        let force_per_torque = TAU / (screw_lead_mm * 1e-3);
-        let motor_kg = train.inertia_kg_m2 * force_per_torque * force_per_torque;
+        let turns = TAU / (screw_lead_mm * 1e-3);
+        let motor_kg = train.inertia_kg_m2 * turns * turns;
         let slide_kg = train.slide_mass_kg;
         let mode_rad_s = TAU * train.mode_hz;
         let stiffness = slide_kg * mode_rad_s * mode_rad_s;
@@ -111,34 +128,33 @@ impl DriveTrain {
         let (screw, guide) = (train.screw(), train.guide());
         let (screw_viscous, slide_viscous) =
             (train.screw_viscous_n_s_mm * 1e3, train.slide_viscous_n_s_mm * 1e3);
-        for (key, pair, viscous, kg) in [
-            ("screw_presliding_n_mm", screw, screw_viscous, motor_kg),
-            ("slide_presliding_n_mm", guide, slide_viscous, slide_kg),
+        let cogging = Cogging::new(train.cogging_nm, train.cogging_per_rev, turns, seed.fraction());
+        let magnets = cogging.map_or(0.0, |cogging| cogging.stiffness());
+        for (key, pair, springs, dashpots, kg) in [
+            ("screw_presliding_n_mm", screw, stiffness + magnets, damping + screw_viscous, motor_kg),
+            ("slide_presliding_n_mm", guide, stiffness, damping + slide_viscous, slide_kg),
         ] {
-            let (springs, dashpots) =
-                (stiffness + pair.stiffness_n_m, damping + viscous + pair.damping_n_s_m);
-            let coarse = springs * step_s * step_s / kg + dashpots * step_s / kg;
-            if coarse > COARSEST {
-                return Err(PlantError::Value {
-                    key: format!("{section}.{key}"),
-                    value: pair.stiffness_n_m * 1e-3,
-                    reason: format!(
-                        "with mode_hz, the damping of the bristles and the viscous friction this is too stiff for \
-                         a mass of {kg:.1} kg; lower one of them or raise the mass"
-                    ),
-                });
+            let (springs, dashpots) = (springs + pair.stiffness_n_m, dashpots + pair.damping_n_s_m);
+            if (springs * step_s + dashpots) * step_s / kg > COARSEST {
+                return Err(too_stiff(format!("{section}.{key}"), &pair, kg));
             }
         }
+        let half_backlash = 0.5e-3 * train.backlash_mm;
+        let torque_constant = 1.0 + 0.01 * train.torque_constant_pct;
         let lag_left = libm::exp(-step_s / train.current_lag_s);
         Ok(DriveTrain {
             steps,
             step_s,
-            force_per_torque,
+            torque_constant,
+            force_per_torque: turns * torque_constant,
+            cogging,
             motor_step: step_s / motor_kg,
             slide_step: step_s / slide_kg,
             stiffness,
             damping,
-            half_backlash: 0.5e-3 * train.backlash_mm,
+            half_backlash,
+            gravity_n: train.gravity_n,
+            hang_m: hang_m(train.gravity_n, stiffness, half_backlash),
             screw_error: ScrewError::new(train, screw_lead_mm, belief.home_mm, &section)?,
             screw_viscous,
             slide_viscous,
@@ -162,8 +178,15 @@ impl DriveTrain {
         (nut_m, slope * motor_m_s)
     }
 
+    /// True torque of the motor, N·m.
+    pub(crate) fn torque_nm(&self) -> f64 {
+        let Motion { motor_m, torque_nm, .. } = self.motion;
+        self.torque_constant * (torque_nm - self.cogging_n(motor_m) / self.force_per_torque)
+    }
+
     /// One control cycle.
     pub(crate) fn advance(&mut self, acting: Acting) {
+        let acting = Acting { force_n: acting.force_n + self.gravity_n, ..acting };
         let mut motion = self.begin(&acting);
         for _ in 0..self.steps {
             self.step(&mut motion, &acting);
@@ -174,7 +197,7 @@ impl DriveTrain {
     /// One control cycle of two drive trains with the same steps: with torque, in the time of one.
     pub(crate) fn advance_both(&mut self, acting: Acting, other: &mut DriveTrain, acting_there: Acting) {
         if let (Some(here), Some(there)) = (acting.command_nm, acting_there.command_nm) {
-            let forces_n = [acting.force_n, acting_there.force_n];
+            let forces_n = [acting.force_n + self.gravity_n, acting_there.force_n + other.gravity_n];
             [self.motion, other.motion] = both::advance([self, other], [here, there], forces_n);
         } else {
             self.advance(acting);
@@ -182,9 +205,16 @@ impl DriveTrain {
         }
     }
 
-    /// Whether the nut is where the motor is.
+    /// Whether the nut is where the motor is, and the motor runs evenly.
     fn is_plain(&self) -> bool {
-        self.screw_error.is_none() && self.half_backlash == 0.0
+        let follows = self.screw_error.is_none() && self.half_backlash == 0.0 && self.hang_m == 0.0;
+        follows && self.cogging.is_none()
+    }
+
+    /// Force of the magnets against the motion, at the slide, N.
+    #[inline]
+    fn cogging_n(&self, motor_m: f64) -> f64 {
+        self.cogging.map_or(0.0, |cogging| cogging.against(motor_m))
     }
 
     fn begin(&self, acting: &Acting) -> Motion {
@@ -202,6 +232,7 @@ impl DriveTrain {
         let (nut_m, slope) = nut(&self.screw_error, *x);
         let push = self.push(nut_m - *y, slope * *v - *w);
         let on_motor = self.force_per_torque * mean
+            - self.cogging_n(*x)
             - slope * push
             - self.screw_viscous * *v
             - self.screw.force(screw_m, *v);
@@ -215,9 +246,10 @@ impl DriveTrain {
         *y += *w * self.step_s;
     }
 
-    /// Force of the nut on the slide (M73): the nut ahead by a gap, and gaining on the slide.
+    /// Force of the nut on the slide (M73, M111): the nut ahead by a gap, and gaining on the slide.
     #[inline]
     fn push(&self, gap_m: f64, gaining_m_s: f64) -> f64 {
+        let gap_m = gap_m - self.hang_m;
         let force = |beyond_m: f64| self.stiffness * beyond_m + self.damping * gaining_m_s;
         if self.half_backlash == 0.0 {
             force(gap_m)
@@ -235,4 +267,18 @@ impl DriveTrain {
 #[inline]
 fn nut(screw: &Option<ScrewError>, x: f64) -> (f64, f64) {
     screw.as_ref().map_or((x, 1.0), |screw| screw.nut(x))
+}
+
+/// What the nut lies back from the slide, m, where a weight hangs on it (M111).
+fn hang_m(gravity_n: f64, stiffness: f64, half_backlash: f64) -> f64 {
+    if gravity_n == 0.0 { 0.0 } else { gravity_n / stiffness + half_backlash.copysign(gravity_n) }
+}
+
+/// A pair whose bristles are too stiff for the step.
+fn too_stiff(key: String, pair: &Pair, kg: f64) -> PlantError {
+    let reason = format!(
+        "with mode_hz and what damps it this is too stiff for a mass of {kg:.1} kg; lower one of them or raise \
+         the mass"
+    );
+    PlantError::Value { key, value: pair.stiffness_n_m * 1e-3, reason }
 }

@@ -17,7 +17,7 @@ fn frictionless() -> AxisTrain {
 
 fn of_x(train: &AxisTrain) -> Result<DriveTrain, PlantError> {
     let x = machine::Machine::default().axis[&Axis::X].clone();
-    DriveTrain::new(train, Axis::X, &x, CYCLE_S)
+    DriveTrain::new(train, Axis::X, &x, CYCLE_S, &mut Seed(1))
 }
 
 fn built(train: &AxisTrain) -> DriveTrain {
@@ -223,7 +223,14 @@ fn two_at_once_are_each_by_itself() {
         slide_bristle_n_s_mm: 15.0,
         ..AxisTrain::default()
     });
-    for beside in [heavy, worn, sticky] {
+    let hanging = built(&AxisTrain {
+        gravity_n: -700.0,
+        torque_constant_pct: 7.0,
+        cogging_nm: 0.1,
+        backlash_mm: 0.004,
+        ..AxisTrain::default()
+    });
+    for beside in [heavy, worn, sticky, hanging] {
         let (mut one, mut other, mut first, mut second) =
             (plain.clone(), beside.clone(), plain.clone(), beside);
         for cycle in 0..4000 {
@@ -234,6 +241,59 @@ fn two_at_once_are_each_by_itself() {
             other.advance(there);
             first.advance_both(acting, &mut second, there);
             assert_eq!((one.motion(), other.motion()), (first.motion(), second.motion()), "cycle {cycle}");
+        }
+    }
+}
+
+#[test]
+fn a_motor_that_gives_more_than_its_drive_believes_moves_more() {
+    let mut train = built(&AxisTrain { torque_constant_pct: 8.0, ..frictionless() });
+    for _ in 0..400 {
+        train.advance(of(Some(1.0)));
+    }
+    let Motion { motor_m_s: v, slide_m_s: w, torque_nm, .. } = *train.motion();
+    let impulse = TAU / 5e-3 * (0.2 - 0.0005);
+    let momentum = 12e-4 * (TAU / 5e-3).powi(2) * v + 110.0 * w;
+    assert!((momentum / impulse - 1.08).abs() < 1e-9, "{momentum} N s");
+    assert!((torque_nm - 1.0).abs() < 1e-9 && (train.torque_nm() - 1.08).abs() < 1e-9);
+}
+
+#[test]
+fn cogging_gives_back_what_it_takes() {
+    let plain = AxisTrain { mode_damping: 0.0, ..frictionless() };
+    let mut train = built(&AxisTrain { cogging_nm: 0.2, cogging_per_rev: 24, ..plain });
+    let energy = |train: &DriveTrain| {
+        let Motion { motor_m: x, motor_m_s: v, slide_m: y, slide_m_s: w, .. } = *train.motion();
+        let motor_kg = 12e-4 * (TAU / 5e-3).powi(2);
+        let spring = 110.0 * (TAU * 100.0 * (x - y)).powi(2);
+        0.5 * (motor_kg * v * v + 110.0 * w * w + spring)
+    };
+    // Sets off, and runs out without torque: 24 teeth a turn of 5 mm take 2 · 0.2/24 J and give them back.
+    (0..100).for_each(|_| train.advance(of(Some(2.0))));
+    (0..100).for_each(|_| train.advance(of(Some(0.0))));
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for _ in 0..4000 {
+        train.advance(of(Some(0.0)));
+        (least, most) = (least.min(energy(&train)), most.max(energy(&train)));
+    }
+    assert!(((most - least) / (2.0 * 0.2 / 24.0) - 1.0).abs() < 0.02, "{least} J to {most} J");
+}
+
+#[test]
+fn what_hangs_rests_at_home_on_a_flank() {
+    for gravity_n in [-700.0, 700.0] {
+        let mut train = built(&AxisTrain { gravity_n, backlash_mm: 0.02, ..AxisTrain::default() });
+        (0..1000).for_each(|_| train.advance(of(None)));
+        let Motion { motor_m, slide_m, .. } = *train.motion();
+        assert!(motor_m == 0.0 && slide_m.abs() < 1e-9, "{motor_m} {slide_m}");
+        // The motor carries it: both ways the slide comes along from the first micrometre on.
+        for push_n in [400.0, -400.0] {
+            let mut train = train.clone();
+            while train.motion().motor_m.abs() < 8e-6 {
+                train.advance(of(torque(push_n - gravity_n)));
+            }
+            let Motion { motor_m, slide_m, .. } = *train.motion();
+            assert!((slide_m / motor_m) > 0.2, "slide {slide_m} m, motor {motor_m} m");
         }
     }
 }

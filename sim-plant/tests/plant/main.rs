@@ -5,6 +5,7 @@ mod cutting;
 mod drives;
 mod examples;
 mod faults;
+mod motors;
 mod scenarios;
 mod spindle;
 mod stand;
