@@ -12,7 +12,7 @@
 //! | `friction`, `screw`, `drive_train` | motor, screw, slide: the mechanics of one axis |
 //! | `scale` | the linear scale at a slide |
 //! | `drive_state`, `drive`, `meter` | the drive of one axis: state machine, velocity loop, measured torque |
-//! | `spindle` | motor, speed loop, ripple, encoder, index |
+//! | `spindle`, `reading` | motor, speed loop, ripple; how its encoder and its index are read |
 //! | `encoder` | faults of the spindle encoder that a scenario brings |
 //! | `breakages` | what else it breaks: drives, counters of the axes, the drive of the spindle |
 //! | `orders` | what it wants of whoever runs the machine: modules killed, messages tampered with |
@@ -37,6 +37,7 @@ mod meter;
 mod orders;
 mod plant;
 mod ramped;
+mod reading;
 mod scale;
 mod scenario;
 mod screw;

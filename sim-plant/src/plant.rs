@@ -95,7 +95,8 @@ impl Plant {
         }
         let cycle_s = machine.general.cycle_s;
         let (mut seed, unseen) = (Seed(seed), Seed(seed));
-        let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed);
+        let own = unseen.branch(Axis::ALL.len() as u64);
+        let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed, &own);
         let mut axes = Vec::new();
         for (axis, belief) in machine.axes() {
             let train = config.axis.get(&axis).cloned().unwrap_or_default();
@@ -128,8 +129,7 @@ impl Plant {
         let link_cycles = (config.power.link_hold_s / cycle_s).round() as u64;
         let truth = Truth::default();
         let mut plant = Plant { axes, spindle, timeline, cutter, freshness, outage: 0, link_cycles, truth };
-        let turns = plant.spindle.turns();
-        plant.sample(Cycle(0), turns, &SpindleCommand::default());
+        plant.sample(Cycle(0), &SpindleCommand::default());
         Ok(plant)
     }
 
@@ -190,7 +190,6 @@ impl Plant {
             }
             axes.iter_mut().for_each(AxisPlant::count);
         }
-        let turns_before = self.spindle.turns();
         let [load_nm, ..] = self.timeline.burdens();
         let fault = self.timeline.breakages().spindle();
         let jam_nm = if fault == Some(SpindleFault::Jam) { self.spindle.jam_nm() } else { 0.0 };
@@ -200,7 +199,7 @@ impl Plant {
         for request in request.into_iter().chain(opens.then_some(Request::EmergencyStop)) {
             self.timeline.operate(request);
         }
-        self.sample(now.after(1), turns_before, spindle);
+        self.sample(now.after(1), spindle);
     }
 
     /// What the scenario breaks at the axes, and the end of their link without mains.
@@ -237,7 +236,7 @@ impl Plant {
     }
 
     /// Writes the truth of a cycle, and what is measured of it.
-    fn sample(&mut self, now: Cycle, turns_before: f64, command: &SpindleCommand) {
+    fn sample(&mut self, now: Cycle, command: &SpindleCommand) {
         self.truth.cycle = now;
         self.truth.spindle_deg = 360.0 * self.spindle.turns();
         self.truth.spindle_rpm = self.spindle.rpm();
@@ -245,7 +244,7 @@ impl Plant {
         let measurement = &mut self.truth.measurement;
         measurement.cycle = now;
         measurement.last = u32::from(command.is_last());
-        self.spindle.measure(turns_before, now, self.timeline.encoder(), measurement);
+        self.spindle.measure(now, self.timeline.encoder(), measurement);
         for axis in &self.axes {
             let index = axis.axis.index();
             let motion = axis.train.motion();

@@ -7,14 +7,16 @@
 //! | w, J | rad/s, kg m² | speed and inertia of everything that turns |
 //! | set | rad/s | speed on the drive's ramp |
 //! | tau | N·m | torque of the motor, with a first-order lag, limited by torque and by power |
-//! | r, n, phi | –, –, rad | ripple as a share of the speed, how often a turn, its phase |
+//! | r, n, phi | –, –, rad | a harmonic of the ripple as a share of the speed, how often a turn, its phase |
 //!
 //! ```text
 //! tau_cmd = J 2π f (set − w) + I + J dset/dt,    J dw/dt = tau − b w − (friction + load) against the motion
-//! angle = q + r/(2π n) sin(2π n q + phi)  with q the turns of the rotor,
-//!     so speed = w (1 + r cos(2π n q + phi))
+//! angle = q + Σ r/(2π n) sin(2π n q + phi)  with q the turns of the rotor,
+//!     so speed = w (1 + Σ r cos(2π n q + phi))                                                       (M112)
 //! count = floor(4 lines · angle + offset);  the index lies where the angle is a whole number of turns
 //! ```
+//! How the count comes about in a real encoder is `reading`.
+//!
 //! Friction and load only hold back: they can stop the spindle, and never drive it. A drive can be at fault
 //! or without power; then it does not what is commanded ([`Drive`]).
 
@@ -25,6 +27,7 @@ use protocol::{Cycle, Measurement};
 
 use crate::config::SpindleTrain;
 use crate::encoder::Disturbance;
+use crate::reading::Reading;
 use crate::seed::Seed;
 
 /// Longest step of the mechanics, s.
@@ -48,6 +51,14 @@ pub(crate) enum Drive {
     RunsAway(f64),
 }
 
+/// A harmonic of the ripple.
+#[derive(Clone, Copy, Debug)]
+struct Harmonic {
+    share: f64,
+    per_rev: f64,
+    phase: f64,
+}
+
 /// The spindle and its drive.
 #[derive(Clone, Debug)]
 pub(crate) struct Spindle {
@@ -62,7 +73,8 @@ pub(crate) struct Spindle {
     top_speed: f64,
     counts_per_turn: f64,
     count_offset: f64,
-    ripple_phase: f64,
+    ripple: Vec<Harmonic>,
+    reading: Reading,
     set: f64,
     integral_nm: f64,
     torque_nm: f64,
@@ -70,18 +82,27 @@ pub(crate) struct Spindle {
     rotor_turns: f64,
     turns: f64,
     rpm: f64,
+    /// Angles that were sampled in this cycle and in the one before.
+    sampled: f64,
+    sampled_before: f64,
     index_turn: f64,
 }
 
 impl Spindle {
-    /// At rest at an angle, a phase of the ripple and a place within a count that only the seed knows. The
-    /// encoder counts from where the spindle stands.
-    pub(crate) fn new(config: &SpindleConfig, train: SpindleTrain, cycle_s: f64, seed: &mut Seed) -> Spindle {
+    /// At rest at an angle, a phase of the ripple and a place within a count that only the seed knows; what
+    /// else there is to draw comes from `own`. The encoder counts from where the spindle stands.
+    pub(crate) fn new(
+        config: &SpindleConfig,
+        train: SpindleTrain,
+        cycle_s: f64,
+        seed: &mut Seed,
+        own: &Seed,
+    ) -> Spindle {
         let steps = (cycle_s / LONGEST_STEP_S - 1e-9).ceil() as u32;
         let step_s = cycle_s / f64::from(steps);
         let gain = train.inertia_kg_m2 * TAU * train.speed_bandwidth_hz;
+        let counts_per_turn = 4.0 * f64::from(config.encoder_lines);
         let mut spindle = Spindle {
-            train,
             cycle_s,
             steps,
             step_s,
@@ -90,9 +111,10 @@ impl Spindle {
             integral_gain: gain * cycle_s / train.speed_integral_s,
             ramp_step: config.ramp_rpm_s * RAD_S_PER_RPM * cycle_s,
             top_speed: config.max_rpm * RAD_S_PER_RPM,
-            counts_per_turn: 4.0 * f64::from(config.encoder_lines),
+            counts_per_turn,
             count_offset: 0.0,
-            ripple_phase: TAU * seed.fraction(),
+            ripple: ripple(&train, TAU * seed.fraction(), own.branch(0)),
+            reading: Reading::new(&train, counts_per_turn, &own.branch(1)),
             set: 0.0,
             integral_nm: 0.0,
             torque_nm: 0.0,
@@ -100,10 +122,15 @@ impl Spindle {
             rotor_turns: seed.fraction(),
             turns: 0.0,
             rpm: 0.0,
+            sampled: 0.0,
+            sampled_before: 0.0,
             index_turn: 0.0,
+            train,
         };
         spindle.look();
-        spindle.count_offset = seed.fraction() - spindle.turns * spindle.counts_per_turn;
+        spindle.sampled_before = spindle.sampled;
+        let at = spindle.sampled;
+        spindle.count_offset = seed.fraction() - (at * counts_per_turn + spindle.reading.ahead(at));
         spindle
     }
 
@@ -191,37 +218,52 @@ impl Spindle {
 
     /// From the rotor to what turns before the tool.
     fn look(&mut self) {
-        let share = 0.01 * self.train.ripple_pct;
-        let per_rev = f64::from(self.train.ripple_per_rev);
         let in_turn = self.rotor_turns - self.rotor_turns.floor();
-        let (sin, cos) = libm::sincos(TAU * per_rev * in_turn + self.ripple_phase);
-        self.turns = self.rotor_turns + share / (TAU * per_rev) * sin;
-        self.rpm = self.speed * (1.0 + share * cos) / RAD_S_PER_RPM;
+        let mut slope = 1.0;
+        self.turns = self.rotor_turns;
+        for Harmonic { share, per_rev, phase } in &self.ripple {
+            let (sin, cos) = libm::sincos(TAU * per_rev * in_turn + phase);
+            self.turns += share / (TAU * per_rev) * sin;
+            slope += share * cos;
+        }
+        self.rpm = self.speed * slope / RAD_S_PER_RPM;
+        self.sampled_before = self.sampled;
+        self.sampled = self.reading.sampled(self.turns, self.rpm);
     }
 
-    /// Writes what the encoder shows in a cycle; `before` is the true angle one cycle earlier, in turns.
+    /// Writes what the encoder shows in a cycle.
     ///
     /// Between two cycles the angle only grows or only falls but for the one cycle in which the spindle
     /// reverses, so the whole numbers between the two angles are the indexes that passed. The count at an
     /// index does not depend on when in the cycle it passed. Both are what a disturbed encoder makes of them.
-    pub(crate) fn measure(
-        &mut self,
-        before: f64,
-        now: Cycle,
-        encoder: &mut Disturbance,
-        measurement: &mut Measurement,
-    ) {
-        let (per_turn, offset) = (self.counts_per_turn, self.count_offset);
-        let count = |turns: f64, ahead: f64| (turns * per_turn + offset + ahead).floor() as i64;
-        measurement.spindle_count = encoder.show(now, count(self.turns, encoder.ahead(self.turns)));
-        let (low, high) = (before.floor(), self.turns.floor());
+    pub(crate) fn measure(&mut self, now: Cycle, encoder: &mut Disturbance, measurement: &mut Measurement) {
+        let (per_turn, offset, reading) = (self.counts_per_turn, self.count_offset, &self.reading);
+        let count = |turns: f64, ahead: f64| {
+            (turns * per_turn + offset + (ahead + reading.ahead(turns))).floor() as i64
+        };
+        measurement.spindle_count = encoder.show(now, count(self.sampled, encoder.ahead(self.sampled)));
+        let (low, high) = (self.sampled_before.floor(), self.sampled.floor());
+        if low == high {
+            return;
+        }
         let turn = if high > low { high } else { high + 1.0 };
-        let latched = if low != high { encoder.latch(now, count(turn, encoder.ahead(turn))) } else { None };
-        if let Some(index_count) = latched {
+        let at = reading.latched(turn, self.rpm, measurement.index_number);
+        if let Some(index_count) = encoder.latch(now, count(at, encoder.ahead(at))) {
             measurement.index_count = index_count;
             self.index_turn = turn;
             measurement.index_number += (high - low).abs() as u64;
             measurement.index_cycle = now;
         }
     }
+}
+
+/// The harmonics of the ripple; the phase of the first is drawn first.
+fn ripple(train: &SpindleTrain, first_phase: f64, mut phases: Seed) -> Vec<Harmonic> {
+    let rows = train.ripple_pct.all().iter().zip(train.ripple_per_rev.all()).enumerate();
+    let harmonic = |(index, (pct, per_rev)): (usize, (&f64, &f64))| Harmonic {
+        share: 0.01 * pct,
+        per_rev: *per_rev,
+        phase: if index == 0 { first_phase } else { TAU * phases.fraction() },
+    };
+    rows.map(harmonic).collect()
 }

@@ -66,7 +66,29 @@ fn a_refusal_of_a_motor_names_the_key_and_what_is_allowed() {
 fn a_refusal_of_the_spindle_names_the_key_and_what_is_allowed() {
     refuses(&[
         ("[spindle]\nripple_pct = -1", "plant.spindle.ripple_pct = -1: must lie between 0 and 10"),
-        ("[spindle]\nripple_per_rev = 1.5", "ripple_per_rev"),
+        ("[spindle]\nripple_per_rev = 1.5", "plant.spindle.ripple_per_rev = 1.5: must be a whole number"),
+        ("[spindle]\nripple_pct = \"much\"", "must be a number or a list of numbers"),
+        ("[spindle]\nripple_pct = [0.2, 0.1]", "ripple_per_rev = 1: harmonics were found; ripple_pct and"),
+        (
+            "[spindle]\nripple_pct = [0.2, 11]\nripple_per_rev = [1, 2]",
+            "ripple_pct[1] = 11: must lie between 0 and 10",
+        ),
+        (
+            "[spindle]\nencoder_error_arcsec = [[1, 20], [2.5, 5]]",
+            "encoder_error_arcsec[1][0] = 2.5: must be a whole",
+        ),
+        (
+            "[spindle]\nencoder_error_arcsec = [[2500, 60]]",
+            "is the steepness of all rows together; it must be at most",
+        ),
+        (
+            "[spindle]\nindex_jitter_s = 0.001",
+            "plant.spindle.index_jitter_s = 0.001: must lie between 0 and 0.0001",
+        ),
+        (
+            "[spindle]\nencoder_delay_s = -0.001",
+            "plant.spindle.encoder_delay_s = -0.001: must lie between -0.0002",
+        ),
     ]);
 }
 

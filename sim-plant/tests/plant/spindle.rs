@@ -119,3 +119,107 @@ fn an_even_spindle_has_none() {
     let spread = (0..200).map(|_| (stand.tick().spindle_rpm - 600.0).abs()).fold(0.0, f64::max);
     assert!(spread < 0.01, "{spread} rpm");
 }
+
+/// The small lathe with such keys of the spindle, up to speed.
+fn with(keys: &str, rpm: f64) -> Stand {
+    let plant = format!("[spindle]\n{keys}").parse().expect("the table of the test");
+    let mut stand = Stand::new(&Machine { plant, ..Machine::default() }, sim_plant::Scenario::none(), 1);
+    stand.spindle.rpm = rpm;
+    stand.run(8000);
+    stand
+}
+
+/// Sizes of harmonics of values at angles in turns, over whole turns.
+fn harmonics<const N: usize>(seen: &[(f64, f64)], orders: [f64; N]) -> [f64; N] {
+    orders.map(|order| {
+        let (mut c, mut s) = (0.0, 0.0);
+        for (turns, value) in seen {
+            let (sin, cos) = libm::sincos(core::f64::consts::TAU * order * turns);
+            (c, s) = (c + value * cos, s + value * sin);
+        }
+        2.0 * (c * c + s * s).sqrt() / seen.len() as f64
+    })
+}
+
+#[test]
+fn a_ripple_of_several_harmonics_has_them_all() {
+    let mut stand = with("ripple_pct = [0.2, 0.5, 0.1]\nripple_per_rev = [2, 1, 9]", 600.0);
+    // One turn at 600 rpm: 200 cycles.
+    let seen: Vec<_> = (0..200).map(|i| (f64::from(i) / 200.0, stand.tick().spindle_rpm / 600.0)).collect();
+    let [one, two, three, nine] = harmonics(&seen, [1.0, 2.0, 3.0, 9.0]);
+    assert!((two - 0.002).abs() < 1e-4 && (one - 0.005).abs() < 1e-4, "{one} {two}");
+    assert!((nine - 0.001).abs() < 1e-4 && three < 2e-4, "{nine} {three}");
+}
+
+#[test]
+fn a_list_of_one_is_a_number() {
+    let run = |keys: &str| *with(keys, 417.0).truth();
+    assert_eq!(run("ripple_pct = 0.3"), run("ripple_pct = [0.3]\nripple_per_rev = [2]"));
+}
+
+#[test]
+fn an_encoder_has_its_errors_and_moves_nothing_else() {
+    // 600 and 200 seconds of arc are 4.63 and 1.54 of the 10,000 counts of a turn.
+    let mut stand = with("encoder_error_arcsec = [[1, 600], [7, 200]]", 600.0);
+    let mut sound = with("", 600.0);
+    let mut latched = Vec::new();
+    let seen: Vec<_> = (0..2000)
+        .map(|_| {
+            let (truth, plain) = (*stand.tick(), *sound.tick());
+            assert_eq!(truth.spindle_deg, plain.spindle_deg);
+            assert_eq!(truth.axes, plain.axes);
+            assert_eq!(truth.measurement.axes, plain.measurement.axes);
+            latched.push(truth.measurement.index_count - plain.measurement.index_count);
+            let turns = truth.spindle_deg / 360.0;
+            (turns, truth.measurement.spindle_count as f64 - 1e4 * turns)
+        })
+        .collect();
+    let [one, seven, three] = harmonics(&seen, [1.0, 7.0, 3.0]);
+    assert!((one - 4.63).abs() < 0.1 && (seven - 1.543).abs() < 0.1 && three < 0.1, "{one} {seven} {three}");
+    // The index comes where it comes: what is latched there is off by the same in every turn.
+    assert!(latched.iter().all(|off| (off - latched[0]).abs() <= 1), "{latched:?}");
+}
+
+#[test]
+fn the_latch_of_the_index_jitters_by_a_time() {
+    let latched = |keys: &str, rpm: f64, cycles: u32| {
+        let mut stand = with(keys, rpm);
+        let mut seen = Vec::new();
+        for _ in 0..cycles {
+            let before = stand.truth().measurement.index_number;
+            let now = stand.tick().measurement;
+            if now.index_number != before {
+                seen.push(now.index_count as f64 - 1e4 * now.index_number as f64);
+            }
+        }
+        let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+        let most = seen.iter().map(|count| (count - mean).abs()).fold(0.0, f64::max);
+        let rms = (seen.iter().map(|count| (count - mean).powi(2)).sum::<f64>() / seen.len() as f64).sqrt();
+        (most, rms)
+    };
+    assert_eq!(latched("", 600.0, 20_000).1, 0.0);
+    // 50 µs at ten turns a second are five counts: evenly spread, so 5/√3 by their squares.
+    let (most, rms) = latched("index_jitter_s = 50e-6", 600.0, 60_000);
+    assert!(most < 6.0 && most > 4.0 && (rms / 2.9 - 1.0).abs() < 0.1, "{most} {rms}");
+    let (most, _) = latched("index_jitter_s = 50e-6", 60.0, 60_000);
+    assert!(most < 1.5, "{most} counts at a tenth of the speed");
+}
+
+#[test]
+fn a_spindle_that_is_sampled_before_the_axes_is_seen_where_it_was() {
+    let behind = |keys: &str| {
+        let mut stand = with(keys, 600.0);
+        let origin = {
+            let truth = stand.truth();
+            truth.measurement.index_count as f64 - 1e4 * (truth.spindle_deg / 360.0).floor()
+        };
+        let behind =
+            |truth: &Truth| truth.spindle_deg / 360.0 * 1e4 + origin - truth.measurement.spindle_count as f64;
+        (0..2000).map(|_| behind(stand.tick())).sum::<f64>() / 2000.0
+    };
+    let prompt = behind("");
+    for (delay_s, counts) in [(1e-4, 10.0), (-1e-4, -10.0), (3e-5, 3.0)] {
+        let late = behind(&format!("encoder_delay_s = {delay_s:?}")) - prompt;
+        assert!((late - counts).abs() < 0.2, "{late} counts behind with {delay_s} s");
+    }
+}
