@@ -58,6 +58,9 @@ pub struct Threading {
     pub lost_counts_um: f64,
     /// Turns without an index after which the tool leaves the thread.
     pub index_lost_turns: f64,
+    /// What a thread may be off at the tool before the part counts as not good, µm: the swing of each pass
+    /// about its mean, passes and starts against each other, the depth, and that from end to end.
+    pub part_error_um: f64,
 }
 
 /// What becomes of a pass that is interrupted.
@@ -83,6 +86,7 @@ impl Default for Threading {
             lift_mm: 2.0,
             lost_counts_um: 5.0,
             index_lost_turns: 3.0,
+            part_error_um: 10.0,
         }
     }
 }
@@ -167,7 +171,8 @@ impl Threading {
         range("threading.flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0)?;
         range("threading.lift_mm", self.lift_mm, 0.01, 100.0)?;
         range("threading.lost_counts_um", self.lost_counts_um, 0.0, 1000.0)?;
-        range("threading.index_lost_turns", self.index_lost_turns, 1.0, 100.0)
+        range("threading.index_lost_turns", self.index_lost_turns, 1.0, 100.0)?;
+        range("threading.part_error_um", self.part_error_um, 0.1, 1000.0)
     }
 
     /// What makes the axes leave a pass ([`WayOut::leaves`](protocol::WayOut::leaves)).

@@ -82,3 +82,12 @@ pub fn current_lag_s(machine: &Machine, axis: Axis) -> Result<f64, PlantError> {
 pub fn spindle_inertia_kg_m2(machine: &Machine) -> Result<f64, PlantError> {
     Ok(PlantConfig::of(machine)?.spindle.inertia_kg_m2)
 }
+
+/// Where the stock truly ends and begins along Z of the machine, mm.
+///
+/// # Errors
+/// [`PlantError`] if the truth cannot be.
+pub fn stock_mm(machine: &Machine) -> Result<[f64; 2], PlantError> {
+    let cutting = PlantConfig::of(machine)?.cutting;
+    Ok([cutting.back_mm, cutting.face_mm])
+}

@@ -45,7 +45,7 @@ mod seed;
 mod spindle;
 mod timeline;
 
-pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2};
+pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2, stock_mm};
 pub use config::PlantError;
 pub use orders::{Channel, Packet, Tampering};
 pub use plant::Plant;

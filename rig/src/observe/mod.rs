@@ -2,8 +2,8 @@
 //! pass.
 //!
 //! In: once per control cycle a [`Record`], positions in mm, angles in degrees. Out: an [`Observation`],
-//! errors in µm, and the hash of the run. Errors are measured at the motor, the side that is controlled;
-//! those of the slide behind the elastic mode are reported apart.
+//! errors in µm, and the hash of the run. What is controlled is measured at the motor; what the part is
+//! judged by, at the slide behind the elastic mode, as long as the tool is in the material ([`ToolReport`]).
 //!
 //! A [`Summary`] is what `summary.json` holds.
 
@@ -12,13 +12,18 @@ mod contour;
 mod cutting;
 mod helix;
 mod inside;
+mod judged;
 mod limits;
 mod pass;
 mod pause;
+mod span;
 mod summary;
 #[cfg(test)]
 pub(crate) mod tests;
+mod threads;
 mod told;
+mod tool;
+mod used;
 mod work;
 
 use std::collections::BTreeMap;
@@ -30,23 +35,29 @@ use protocol::{
 use zerocopy::IntoBytes;
 
 pub use summary::{
-    AxisLimits, Channel, CircleReport, FaultReport, LimitsUsed, MovesReport, Outcome, PassEnd, PassReport,
-    Process, ServoError, Summary, SummaryError, ThreadReport, VERSION,
+    AxisLimits, Channel, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process,
+    ServoError, Summary, SummaryError, VERSION,
 };
 
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
 pub use inside::TOOL_IN_THREAD;
+pub use judged::{PartReport, PartVerdict};
 pub use pause::{PauseEnd, PauseReport};
+pub use threads::ThreadReport;
+pub use tool::ToolReport;
+pub use used::LimitsUsed;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
 
 use circle::Circles;
 use contour::Contour;
 use inside::Inside;
+use judged::judged;
 use limits::Limits;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
+use threads::Threads;
 use work::Works;
 
 /// Everything that is said of one control cycle.
@@ -76,6 +87,7 @@ pub struct Observer {
     program: BTreeMap<u32, (u32, ThreadPass)>,
     current: Option<PassObserver>,
     inside: Inside,
+    threads: Threads,
     index_number: u64,
     index_deg: f64,
     hash: blake3::Hasher,
@@ -129,6 +141,8 @@ pub struct Observation {
     pub pauses: Vec<PauseReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
+    /// What a thread may be off at the tool, µm.
+    pub part_error_um: f64,
 }
 
 impl Observer {
@@ -144,6 +158,7 @@ impl Observer {
             program: items.iter().filter_map(pass).collect(),
             current: None,
             inside: Inside::new(),
+            threads: Threads::default(),
             index_number: 0,
             index_deg: 0.0,
             hash: blake3::Hasher::new(),
@@ -161,6 +176,7 @@ impl Observer {
             out: Observation {
                 cycle_s: machine.general.cycle_s,
                 limits: limits::reported(machine),
+                part_error_um: machine.threading.part_error_um,
                 ..Observation::default()
             },
         }
@@ -219,7 +235,7 @@ impl Observer {
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
         self.out.pauses = self.pauses.finish();
-        self.out.thread.phase_spread_um = phase_spread(&self.out.passes);
+        self.out.thread = self.threads.report(&self.out.passes);
         self.out
     }
 
@@ -266,6 +282,7 @@ impl Observer {
         let Some(pass) = self.current.take() else { return };
         let report = pass.finish();
         self.inside.ends(report.as_ref().filter(|report| !report.complete).map(|_| *pass.pass()));
+        report.iter().for_each(|report| self.threads.take(report, pass.depth()));
         self.out.passes.extend(report);
     }
 
@@ -286,7 +303,7 @@ impl Observer {
         let mut take = |seen: &mut u32, code: u32, who: &dyn Fn() -> (String, Option<String>)| {
             if std::mem::replace(seen, code) != code && code != 0 {
                 let (source, detail) = who();
-                faults.push(fault_report(cycle, source, code, detail));
+                faults.push(FaultReport::of(cycle, source, code, detail));
             }
         };
         let mut corrected = 0;
@@ -353,7 +370,7 @@ impl Observation {
     /// The summary of a run, as far as it can be observed. `clock` is `virtual` or `real`; processes,
     /// channels, wall time and deadline misses are for the launcher to fill.
     pub fn summary(self, program: &str, clock: &str) -> Summary {
-        Summary {
+        let summary = Summary {
             version: VERSION,
             program: program.into(),
             clock: clock.into(),
@@ -373,27 +390,7 @@ impl Observation {
             pauses: self.pauses,
             limits: self.limits,
             ..Summary::default()
-        }
+        };
+        Summary { part: judged(&summary, self.part_error_um), ..summary }
     }
-}
-
-/// What is known besides is told in brackets: counts of the spindle encoder, the regulator concerned.
-fn fault_report(cycle: u64, source: String, code: u32, detail: Option<String>) -> FaultReport {
-    let told = detail.map_or_else(String::new, |detail| format!(" ({detail})"));
-    let (code, text) = match Fault::from_code(code) {
-        Some(fault) => (fault.code().into(), format!("{}{told}", fault.text())),
-        None => (format!("unknown-{code}"), "a fault that this version does not know".into()),
-    };
-    FaultReport { cycle, source, code, text }
-}
-
-/// Largest minus smallest phase among the passes of one start and lead that have a thread, µm.
-fn phase_spread(passes: &[PassReport]) -> f64 {
-    let mut spans: BTreeMap<(u32, u64), (f64, f64)> = BTreeMap::new();
-    for pass in passes.iter().filter(|pass| pass.thread_cycles > 0) {
-        let phase = pass.phase_um;
-        let span = spans.entry((pass.start, pass.lead_mm.to_bits())).or_insert((phase, phase));
-        *span = (span.0.min(phase), span.1.max(phase));
-    }
-    spans.values().map(|(low, high)| high - low).fold(0.0, f64::max)
 }

@@ -8,40 +8,28 @@
 //! | thread of an axis (servo error, slide error) | its state is `locked` |
 //! | settled thread of an axis | the same, from one turn after its law reached the helix |
 //! | thread of the pass (helix) | every axis is `locked`: Z on its lead, X at depth, before the first run-out |
+//! | contact of the tool | what `tool` says |
 //! | the pass (speed, override, limits, setpoints) | an axis is in `run-in`, `locked` or `run-out` |
 
 use std::mem::{offset_of, size_of};
 
 use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, ThreadPass};
+use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, ThreadPass};
 
 use super::Record;
 use super::cutting::CuttingReport;
 use super::helix::{Helix, LineFit};
-use super::summary::{LimitsUsed, PassEnd, PassReport, ServoError};
+use super::span::Span;
+use super::summary::{PassEnd, PassReport, ServoError};
+use super::tool::{Finish, Tool};
+use super::used::{LimitsUsed, Used, limits_of};
 
 /// What one axis frame carries because of a pass: number, S, direction, the first cycle that counts, the law.
 const PASS_BYTES: usize = size_of::<AxisFrame>() - offset_of!(AxisFrame, pass);
 
 /// Two ways of computing one position differ by less, mm.
 const SAME_MM: f64 = 1e-6;
-
-/// The least interval that holds every value seen.
-#[derive(Clone, Copy, Debug, Default)]
-struct Span(Option<(f64, f64)>);
-
-impl Span {
-    fn add(&mut self, value: f64) {
-        let (low, high) = self.0.unwrap_or((value, value));
-        self.0 = Some((low.min(value), high.max(value)));
-    }
-
-    /// Smallest and largest; zeros if nothing was seen.
-    fn ends(self) -> (f64, f64) {
-        self.0.unwrap_or_default()
-    }
-}
 
 /// One error of an axis over its pass, mm.
 #[derive(Clone, Copy, Debug, Default)]
@@ -90,8 +78,11 @@ struct AxisTrack {
     axis: Axis,
     law: PassLaw,
     start_mm: f64,
-    /// Limits of speed, acceleration and jerk, mm/sⁿ.
+    /// Limits of speed, acceleration and jerk, mm/sⁿ, and the largest share of each that its law asks for.
     limits: [f64; 3],
+    asked: [f64; 3],
+    /// What its nut uses of them.
+    used: Used,
     state: AxisState,
     /// True angle of the index this axis started from, degrees.
     index_deg: Option<f64>,
@@ -100,8 +91,6 @@ struct AxisTrack {
     slide: ErrorTrack,
     /// Angle from which the run-in counts as died away, degrees.
     settled_deg: f64,
-    /// Largest share of each limit.
-    used: [f64; 3],
     /// It came to rest at the end of its law.
     done: bool,
     /// It left the pass.
@@ -111,8 +100,9 @@ struct AxisTrack {
 }
 
 impl AxisTrack {
-    /// Takes the status of a cycle and where the slide truly stands; whether the law moves the axis in it.
-    fn cycle(&mut self, pass: u32, status: &AxisStatus, slide_mm: f64, index_deg: f64) -> bool {
+    /// Takes the status of a cycle and where the axis truly stands; whether the law moves the axis in it.
+    fn cycle(&mut self, pass: u32, status: &AxisStatus, truth: &AxisTruth, index_deg: f64) -> bool {
+        self.used.cycle(truth.motor_mm);
         let state = state_in(pass, status);
         let before = std::mem::replace(&mut self.state, state);
         self.left |= state == AxisState::Leaving;
@@ -128,10 +118,10 @@ impl AxisTrack {
         }
         let settled = status.angle_deg >= self.settled_deg;
         self.servo.add(before, state, settled, status.servo_error_mm);
-        self.slide.add(before, state, settled, status.commanded_mm - slide_mm);
+        self.slide.add(before, state, settled, status.commanded_mm - truth.slide_mm);
         let moves = [status.velocity_mm_s, status.acceleration_mm_s2, status.jerk_mm_s3];
-        for ((used, value), limit) in self.used.iter_mut().zip(moves).zip(self.limits) {
-            *used = used.max(value.abs() / limit);
+        for ((asked, value), limit) in self.asked.iter_mut().zip(moves).zip(self.limits) {
+            *asked = asked.max(value.abs() / limit);
         }
         true
     }
@@ -156,6 +146,7 @@ pub(super) struct PassObserver {
     helix: Helix,
     motor: LineFit,
     slide: LineFit,
+    tool: Tool,
     cutting: Option<CuttingReport>,
     rpm: Span,
     override_pct: Span,
@@ -175,13 +166,14 @@ impl PassObserver {
             axis,
             law: pass.axis(axis).law(pass.s_rpm),
             start_mm: pass.axis(axis).start.mm(),
-            limits: [config.velocity_mm_s, config.acceleration_mm_s2, config.jerk_mm_s3],
+            limits: limits_of(config),
+            asked: [0.0; 3],
+            used: Used::new(machine, config),
             state: AxisState::Armed,
             index_deg: None,
             servo: ErrorTrack::default(),
             slide: ErrorTrack::default(),
             settled_deg: pass.axis(axis).locked_deg() + 360.0,
-            used: [0.0; 3],
             done: false,
             left: false,
             end_mm: pass.axis(axis).end.mm(),
@@ -195,6 +187,7 @@ impl PassObserver {
             helix: Helix::of(pass, pass.axis(along)),
             motor: LineFit::default(),
             slide: LineFit::default(),
+            tool: Tool::new(machine, pass, along),
             cutting: None,
             rpm: Span::default(),
             override_pct: Span::default(),
@@ -219,8 +212,8 @@ impl PassObserver {
         let (mut moving, mut waiting) = (false, false);
         for (axis, status) in record.axes {
             if let Some(track) = self.axes.iter_mut().find(|track| track.axis == *axis) {
-                let slide_mm = record.truth.axes[axis.index()].slide_mm;
-                let led = track.cycle(self.pass.pass, status, slide_mm, index_deg);
+                let place = &record.truth.axes[axis.index()];
+                let led = track.cycle(self.pass.pass, status, place, index_deg);
                 self.moved |= led && status.velocity_mm_s != 0.0;
                 moving |= led;
                 waiting |= track.state.is_in_pass();
@@ -244,7 +237,16 @@ impl PassObserver {
             self.slide.add(c, self.helix.error_um(c, place.slide_mm));
             self.thread_cycles += 1;
         }
+        if self.track(self.along).is_some_and(|track| track.index_deg.is_some()) {
+            let led = !self.axes.iter().any(|track| track.left || track.state == AxisState::Fault);
+            self.tool.cycle(self.angle_deg(self.along, truth.spindle_deg), truth, led);
+        }
         waiting
+    }
+
+    /// How deep the pass goes, if its tool was in the material.
+    pub(super) fn depth(&self) -> Option<Finish> {
+        self.tool.finish()
     }
 
     /// True angle since the index that an axis took, in the direction of the pass, degrees; 0 before it took
@@ -298,9 +300,11 @@ impl PassObserver {
             helix_max_abs_um: self.motor.max_abs(),
             phase_um: self.motor.mean(),
             lead_error_um_per_rev: self.motor.slope(),
-            limits_used_pct: self.limits_used(),
+            limits_used_pct: self.limits(|track| track.used.shares()),
+            limits_asked_pct: self.limits(|track| track.asked),
             slide_helix_max_abs_um: self.slide.max_abs(),
             slide_phase_um: self.slide.mean(),
+            tool: self.tool.report(),
             cutting: self.cutting,
             direction,
             index_deg,
@@ -335,10 +339,8 @@ impl PassObserver {
         self.track(axis).map(|track| of(track).report()).unwrap_or_default()
     }
 
-    fn limits_used(&self) -> LimitsUsed {
-        let used = |axis| self.track(axis).map_or([0.0; 3], |track| track.used.map(|share| 100.0 * share));
-        let ([x_v, x_a, x_j], [z_v, z_a, z_j]) = (used(Axis::X), used(Axis::Z));
-        LimitsUsed { x_v, x_a, x_j, z_v, z_a, z_j }
+    fn limits(&self, of: fn(&AxisTrack) -> [f64; 3]) -> LimitsUsed {
+        LimitsUsed::of([Axis::X, Axis::Z].map(|axis| self.track(axis).map_or([0.0; 3], of)))
     }
 }
 

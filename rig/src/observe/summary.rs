@@ -9,7 +9,10 @@ use std::{collections::BTreeMap, path::Path};
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
-use super::{cutting::CuttingReport, pause::PauseReport, work::TraceReport};
+use super::{
+    cutting::CuttingReport, judged::PartReport, pause::PauseReport, threads::ThreadReport, tool::ToolReport,
+    used::LimitsUsed, work::TraceReport,
+};
 
 /// Version of the layout; fields may be added without a new one.
 pub const VERSION: u32 = 1;
@@ -92,18 +95,6 @@ pub struct ServoError {
     pub settled_max_abs_um: f64,
 }
 
-/// Largest commanded speed, acceleration and jerk of a pass (M8) in per cent of the limits of the axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)] // axis and derivative, as the name says
-pub struct LimitsUsed {
-    pub x_v: f64,
-    pub x_a: f64,
-    pub x_j: f64,
-    pub z_v: f64,
-    pub z_a: f64,
-    pub z_j: f64,
-}
-
 /// One pass of a thread.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PassReport {
@@ -158,12 +149,18 @@ pub struct PassReport {
     pub phase_um: f64,
     /// Slope of the same.
     pub lead_error_um_per_rev: f64,
-    /// How much of the limits the pass used.
+    /// How much of the limits the true motion of the nut used (M124).
     pub limits_used_pct: LimitsUsed,
+    /// How much of them the law asked for, at the observed speed of the spindle (M8).
+    #[serde(default)]
+    pub limits_asked_pct: LimitsUsed,
     /// As `helix_max_abs_um`, for the slide behind the elastic mode.
     pub slide_helix_max_abs_um: f64,
     /// As `phase_um`, for the slide.
     pub slide_phase_um: f64,
+    /// What the tool did in the material: what the part is judged by.
+    #[serde(default)]
+    pub tool: ToolReport,
     /// What cutting took; absent if nothing was cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cutting: Option<CuttingReport>,
@@ -218,13 +215,6 @@ pub struct AxisLimits {
     pub acceleration_mm_s2: f64,
     /// mm/s³.
     pub jerk_mm_s3: f64,
-}
-
-/// The threads as a whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ThreadReport {
-    /// Largest minus smallest `phase_um` among the passes of one start and lead.
-    pub phase_spread_um: f64,
 }
 
 /// Timed motion. Contour error: distance of the true position (linear axes, at the motors) from the commanded
@@ -326,6 +316,9 @@ pub struct Summary {
     pub passes: Vec<PassReport>,
     /// The threads.
     pub thread: ThreadReport,
+    /// Whether the part is good.
+    #[serde(default)]
+    pub part: PartReport,
     /// Timed motion.
     pub moves: MovesReport,
     /// Contours, surfaces and seams in the order of their cutting; of more than 200 those with the largest

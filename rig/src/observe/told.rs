@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{PassReport, Summary};
+use protocol::Fault;
+
+use super::{FaultReport, PassReport, Summary};
 
 impl Summary {
     /// The last attempt at each pass, in the order of the program: one that was left may have been entered
@@ -19,6 +21,20 @@ impl Summary {
         self.last_attempts().filter(broken)
     }
 
+    /// The passes whose tool was in the material while it had to be on the helix: those that are judged.
+    pub fn touched(&self) -> impl Iterator<Item = &PassReport> {
+        self.passes.iter().filter(|pass| pass.tool.contact_deg > 0.0)
+    }
+
+    /// How far the threads are off at the tool, µm: a pass from its helix, less its mean; passes of one
+    /// groove and starts of one thread from each other; the depth at most, and from end to end.
+    pub fn at_the_tool(&self) -> [f64; 4] {
+        let helix = self.touched().map(|pass| pass.tool.helix_max_abs_um).fold(0.0, f64::max);
+        let thread = &self.thread;
+        let passes = thread.tool_phase_spread_um.max(thread.tool_start_spread_um);
+        [helix, passes, thread.tool_depth_off_um.abs(), thread.tool_depth_um]
+    }
+
     /// How often the spindle did not get the override that was asked for; nothing if it always did.
     pub fn overrides_held(&self) -> Option<String> {
         let often = match self.overrides_clamped {
@@ -30,5 +46,18 @@ impl Summary {
             "held {often} below what was asked: by the highest override or speed of the machine, by what the pass \
              allows, or because of the load in it"
         ))
+    }
+}
+
+impl FaultReport {
+    /// Of a fault by its number. What is known besides is told in brackets: counts of the spindle encoder,
+    /// the regulator concerned.
+    pub(super) fn of(cycle: u64, source: String, code: u32, detail: Option<String>) -> FaultReport {
+        let told = detail.map_or_else(String::new, |detail| format!(" ({detail})"));
+        let (code, text) = match Fault::from_code(code) {
+            Some(fault) => (fault.code().into(), format!("{}{told}", fault.text())),
+            None => (format!("unknown-{code}"), "a fault that this version does not know".into()),
+        };
+        FaultReport { cycle, source, code, text }
     }
 }

@@ -19,6 +19,8 @@ pub(crate) struct Injected {
     pub(crate) lead_error_um_per_rev: f64,
     /// The slide lies this much further than the motor, µm.
     pub(crate) slide_um: f64,
+    /// And this much, as a function of the axis and the angle, µm.
+    pub(crate) slide_at_um: Option<fn(Axis, f64) -> f64>,
     /// Servo error of X and Z as a function of state and angle since the state began to be possible, µm.
     pub(crate) servo_um: Option<fn(Axis, AxisState, f64) -> f64>,
     /// The run stops dead at this angle.
@@ -174,7 +176,8 @@ impl Ideal {
             let grown = injected.lead_error_um_per_rev * (c - middle) / 360.0;
             truth.motor_mm += 1e-3 * (injected.phase_um + grown);
         }
-        truth.slide_mm = truth.motor_mm + 1e-3 * injected.slide_um;
+        let slide_um = injected.slide_um + injected.slide_at_um.map_or(0.0, |at| at(axis, c));
+        truth.slide_mm = truth.motor_mm + 1e-3 * slide_um;
         self.truth.measurement.axes[axis.index()].position = Position::from_mm(truth.motor_mm);
         AxisStatus {
             cycle: Cycle(self.truth.cycle.0),

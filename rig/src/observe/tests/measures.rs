@@ -84,16 +84,18 @@ fn limits_used_scale_with_the_speed_of_the_spindle() {
         let mut ideal = Ideal { ratio, ..Ideal::new() };
         let pass = pass(1);
         let report = ideal.run(&[(pass, Injected::default())], |_, _| {}).passes.remove(0);
-        let used = report.limits_used_pct;
-        for (axis, [v, a, j]) in
-            [(Axis::X, [used.x_v, used.x_a, used.x_j]), (Axis::Z, [used.z_v, used.z_a, used.z_j])]
-        {
-            let peak = pass.axis(axis).law(pass.s_rpm).peak().scaled(ratio);
-            let limit = &ideal.machine.axis[&axis];
-            let expected =
-                [peak.v / limit.velocity_mm_s, peak.a / limit.acceleration_mm_s2, peak.j / limit.jerk_mm_s3];
-            for (used, expected) in [v, a, j].into_iter().zip(expected) {
-                close(used / (100.0 * expected), 1.0, 0.01); // the peak may fall between two cycles
+        let peak = |axis: Axis| {
+            let (peak, limit) =
+                (pass.axis(axis).law(pass.s_rpm).peak().scaled(ratio), &ideal.machine.axis[&axis]);
+            [peak.v / limit.velocity_mm_s, peak.a / limit.acceleration_mm_s2, peak.j / limit.jerk_mm_s3]
+        };
+        let expected: Vec<f64> = [Axis::X, Axis::Z].into_iter().flat_map(peak).collect();
+        // Asked for: the peak may fall between two cycles. Used, by differences: the peak of a pulse of jerk
+        // lies higher than its mean over three ticks.
+        for (of, loss) in [(report.limits_asked_pct, 0.01), (report.limits_used_pct, 0.08)] {
+            for (share, expected) in [of.x_v, of.x_a, of.x_j, of.z_v, of.z_a, of.z_j].iter().zip(&expected) {
+                let share = share / (100.0 * expected);
+                assert!((1.0 - loss..=1.0 + 1e-6).contains(&share), "{share} at {ratio}: {report:#?}");
             }
         }
         close(report.rpm_min, 600.0 * ratio, 1e-9);

@@ -4,4 +4,5 @@ mod contour;
 pub(crate) mod ideal;
 mod measures;
 mod run;
+mod tool;
 mod traces;

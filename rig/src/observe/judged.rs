@@ -1,0 +1,100 @@
+//! Whether the part is good, as far as a run shows it. In: a summary. Out: a verdict, and every reason
+//! against the part in words.
+//!
+//! A thread is judged at the tool, over all contact, by `threading.part_error_um` of the machine file: the
+//! swing of each pass about its mean, passes and starts against each other, the depth, and how it differs
+//! from end to end. Where along the part the whole thread lies is not judged: nobody measures that in µm.
+//! Work from formulas is judged by what its job asks for.
+
+use machine::Threading;
+use serde::{Deserialize, Serialize};
+
+use super::{PassReport, Summary};
+
+/// How good the part is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PartVerdict {
+    /// Nothing speaks against it.
+    Good,
+    /// Something does.
+    Bad,
+    /// Nothing was cut that is judged.
+    #[default]
+    None,
+}
+
+/// The part, as far as it is judged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PartReport {
+    /// How good it is.
+    pub verdict: PartVerdict,
+    /// What a thread may be off at the tool.
+    pub error_um: f64,
+    /// What speaks against it.
+    pub reasons: Vec<String>,
+}
+
+impl Default for PartReport {
+    fn default() -> Self {
+        let error_um = Threading::default().part_error_um;
+        PartReport { verdict: PartVerdict::None, error_um, reasons: Vec::new() }
+    }
+}
+
+/// Judges the part of a run.
+pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
+    let mut reasons = Vec::new();
+    for pass in summary.interrupted().filter(|last| !last.complete) {
+        reasons.push(format!("pass {} was not cut to its end", pass.pass));
+    }
+    for pass in summary.passes.iter().filter(|pass| !pass.same_index) {
+        reasons.push(format!("the axes of pass {} started from different indexes of the spindle", pass.pass));
+    }
+    reasons.extend(threads(summary, error_um));
+    for trace in summary.traces.iter().filter(|trace| trace.is_wrong()) {
+        reasons.push(format!(
+            "in line {} the commanded path itself is {:.2} µm off, more than the chord error of {:.2} µm allows: the \
+             part is not what the formula says",
+            trace.line,
+            trace.commanded.max_abs_um(),
+            trace.most_um.unwrap_or(0.0)
+        ));
+    }
+    let judges = !summary.traces.is_empty() || summary.touched().next().is_some();
+    let verdict = match (reasons.is_empty(), judges) {
+        (false, _) => PartVerdict::Bad,
+        (true, true) => PartVerdict::Good,
+        (true, false) => PartVerdict::None,
+    };
+    PartReport { verdict, error_um, reasons }
+}
+
+/// What is wrong with the threads.
+fn threads(summary: &Summary, error_um: f64) -> Vec<String> {
+    let mut reasons = Vec::new();
+    let mut judge = |um: f64, says: &dyn Fn(String) -> String| {
+        if um > error_um {
+            let words = says(format!("{um:.2} µm"));
+            reasons.push(format!("{words}, and threading.part_error_um allows {error_um} µm"));
+        }
+    };
+    let farthest =
+        |a: &&PassReport, b: &&PassReport| a.tool.helix_max_abs_um.total_cmp(&b.tool.helix_max_abs_um);
+    if let Some(PassReport { pass, tool, .. }) = summary.passes.iter().max_by(farthest) {
+        judge(tool.helix_max_abs_um, &|um| match tool.flank_um < tool.helix_max_abs_um {
+            true => format!("pass {pass} strays by {um} from its own groove at the tool"),
+            false => format!("pass {pass} takes {um} from the flank while the tool leaves the thread"),
+        });
+    }
+    let thread = &summary.thread;
+    judge(thread.tool_phase_spread_um, &|um| format!("passes of one groove lie {um} apart at the tool"));
+    judge(thread.tool_start_spread_um, &|um| format!("the starts of a thread lie {um} apart at the tool"));
+    judge(thread.tool_depth_um, &|um| {
+        format!("from end to end the depth of a thread differs by {um} of radius at the tool")
+    });
+    let way = if thread.tool_depth_off_um > 0.0 { "shallow" } else { "deep" };
+    judge(thread.tool_depth_off_um.abs(), &|um| format!("a thread is {um} of radius too {way} at the tool"));
+    reasons
+}
