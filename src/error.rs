@@ -1,4 +1,5 @@
-//! What ends a command early, and the exit status it leaves: 1 the machine, 2 the input.
+//! What ends a command early, and the exit status it leaves: 1 the machine, 2 the input. That of a run that
+//! came to its end is in [`crate::run`].
 
 use std::process::ExitCode;
 

@@ -25,8 +25,9 @@ after 1 s on the machine, and the summary names the pause.
 Ctrl-C (or SIGTERM, or closing the terminal) stops the machine and ends the program: a tool in a thread leaves it
 first. Ctrl-C again is an emergency stop, and once more ends the processes as they are.
 
-Exit status: 0 the whole program was executed and nothing was wrong; 1 the run ended in a fault, or before the end of
-its program (stop, abort, Ctrl-C); 2 the program, machine file, scenario or an argument is wrong.";
+Exit status: 0 the whole program was executed, and the part is good as far as it is judged; 1 the run ended in a fault,
+or before the end of its program (stop, abort, Ctrl-C); 2 the program, machine file, scenario or an argument is wrong;
+3 the program was executed, and the part is not good: why is said on standard error.";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RunArgs {

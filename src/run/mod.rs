@@ -16,7 +16,7 @@ use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
-use rig::observe::{FaultReport, Outcome, PassEnd, Summary, WorkKind};
+use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, Summary, WorkKind};
 
 use crate::{error::CliError, program::Program, screen, words};
 use args::Fell;
@@ -88,7 +88,18 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if let Some(error) = unrecorded.or(report.err()) {
         return Err(error);
     }
-    Ok(if summary.outcome == Outcome::Completed { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(status(&summary))
+}
+
+/// 0 done, and the part is good as far as it is judged; 1 not done; 3 done, but the part is not good, and why
+/// is said.
+fn status(summary: &Summary) -> ExitCode {
+    if summary.outcome != Outcome::Completed {
+        return ExitCode::from(1);
+    }
+    let reasons = &summary.part.reasons;
+    reasons.iter().for_each(|reason| words::say(&format!("not good: {reason}\n")));
+    if reasons.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) }
 }
 
 /// Refuses what the machine cannot play in the way it is run.
@@ -204,23 +215,32 @@ fn threads(text: &mut String, summary: &Summary) {
         };
         let _ = writeln!(text, "pass      {} {words}", last.pass);
     }
-    let worst = |of: fn(&rig::observe::PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
-    if !summary.passes.is_empty() {
-        let _ = writeln!(
-            text,
-            "thread    helix error at most {:.2} µm, phase spread from pass to pass {:.2} µm, lead error at most {:.3} µm/rev",
-            worst(|pass| pass.helix_max_abs_um),
-            summary.thread.phase_spread_um,
-            worst(|pass| pass.lead_error_um_per_rev.abs()),
-        );
-        let _ = writeln!(
-            text,
-            "depth (X) servo error in the approach at most {:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
-            worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
-            worst(|pass| pass.x.end_um.abs()),
-            worst(|pass| pass.x.thread_max_abs_um),
-        );
+    if summary.passes.is_empty() {
+        return;
     }
+    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    let [helix, passes, depth, ends] = summary.at_the_tool();
+    let _ = match summary.touched().next() {
+        None => writeln!(text, "thread    the tool touched no material: nothing of it is judged"),
+        Some(_) => writeln!(
+            text,
+            "thread    at the tool: helix error at most {helix:.2} µm about its mean, from pass to pass {passes:.2} µm, depth off by {depth:.2} µm, from end to end {ends:.2} µm"
+        ),
+    };
+    let _ = writeln!(
+        text,
+        "nut       helix error at most {:.2} µm, phase spread from pass to pass {:.2} µm, lead error at most {:.3} µm/rev",
+        worst(|pass| pass.helix_max_abs_um),
+        summary.thread.phase_spread_um,
+        worst(|pass| pass.lead_error_um_per_rev.abs()),
+    );
+    let _ = writeln!(
+        text,
+        "depth (X) servo error in the approach at most {:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
+        worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
+        worst(|pass| pass.x.end_um.abs()),
+        worst(|pass| pass.x.thread_max_abs_um),
+    );
 }
 
 fn traces(text: &mut String, summary: &Summary) {

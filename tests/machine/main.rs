@@ -13,6 +13,7 @@ mod behind_the_motor;
 mod cutting;
 mod encoder;
 mod machine_code;
+mod part;
 mod pass_rules;
 mod rest_to_rest;
 mod seams;

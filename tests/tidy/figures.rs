@@ -29,6 +29,10 @@ fn the_figures_of_threads_are_those_of_runs() {
         let lowest = summary.passes.iter().map(|pass| pass.rpm_min).fold(f64::MAX, f64::min);
         let shown = [
             format!("{lowest:.0} … {:.0}", worst(&summary, |pass| pass.rpm_max)),
+            format!("{:.2}", worst(&summary, |pass| pass.tool.helix_max_abs_um)),
+            format!("{:.3}", summary.thread.tool_phase_spread_um),
+            format!("{:.2}", summary.thread.tool_depth_off_um.abs()),
+            format!("{:.2}", summary.thread.tool_depth_um),
             format!("{:.2}", worst(&summary, |pass| pass.helix_max_abs_um)),
             format!("{:.3}", summary.thread.phase_spread_um),
             format!("{:.3}", worst(&summary, |pass| pass.lead_error_um_per_rev.abs())),

@@ -117,13 +117,13 @@ pub(super) fn limits(pass: &PassReport, shown: &ShownCurves) -> Figure {
             data.push(drawn);
         }
     }
-    let used = &pass.limits_used_pct;
-    let most = [used.x_v, used.x_a, used.x_j, used.z_v, used.z_a, used.z_j].into_iter().fold(0.0, f64::max);
+    let (most, used) = (pass.limits_asked_pct.most(), pass.limits_used_pct.most());
     Figure {
         title: format!("Pass {}: speed, acceleration and jerk against the limits", pass.pass),
         caption: format!(
             "What the pass asks of each axis, in per cent of what the machine file allows. Good: never beyond ±100 %. \
-             This pass uses at most {most:.0} %; it could be followed up to {:.0} % override.",
+             This pass asks for at most {most:.0} %, and could be followed up to {:.0} % override; the true motion of \
+             the nut uses {used:.0} %.",
             pass.max_feasible_override_pct
         ),
         alt: format!(

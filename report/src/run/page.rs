@@ -1,7 +1,7 @@
 //! The page of a report. In: a [`Run`]. Out: HTML with everything in it.
 
 use maud::{Markup, html};
-use rig::observe::{FaultReport, Outcome, PassReport, ServoError, Summary};
+use rig::observe::{FaultReport, Outcome, PassReport, ServoError, Summary, ToolReport};
 
 use super::Run;
 use super::cutting;
@@ -51,8 +51,10 @@ fn head(summary: &Summary) -> Markup {
                 }
                 @if !summary.passes.is_empty() {
                     div { dt { "Thread passes" } dd { (summary.last_attempts().count()) } }
-                    div { dt { "Farthest from the helix" } dd { (verdict::helix(summary)) } }
-                    div { dt { "Pass to pass" } dd { (um(summary.thread.phase_spread_um)) } }
+                    @let [helix, passes, depth, _] = summary.at_the_tool();
+                    div { dt { "Farthest from the helix, at the tool" } dd { (um(helix)) } }
+                    div { dt { "Pass to pass, at the tool" } dd { (um(passes)) } }
+                    div { dt { "Off in depth, at the tool" } dd { (um(depth)) } }
                     div { dt { "X in the thread, servo error" } dd { (um(worst(|pass| pass.x.thread_max_abs_um))) } }
                     div { dt { "Z in the thread, servo error" } dd { (um(worst(|pass| pass.z.thread_max_abs_um))) } }
                 }
@@ -64,7 +66,7 @@ fn head(summary: &Summary) -> Markup {
 /// One column of the table of passes: heading, its explanation, and the cell.
 type Column = (&'static str, &'static str, fn(&PassReport) -> String);
 
-const COLUMNS: [Column; 13] = [
+const COLUMNS: [Column; 14] = [
     ("Pass", "(line)", |p| format!("{} ({})", p.pass, p.line)),
     ("Start", "of a multi-start thread", |p| (p.start + 1).to_string()),
     ("Lead", "mm/rev", |p| format!("{:.3}", p.lead_mm)),
@@ -76,16 +78,23 @@ const COLUMNS: [Column; 13] = [
         let range = if low == high { format!("{low:.0}") } else { format!("{low:.0}…{high:.0}") };
         format!("{range} ({:.0})", p.max_feasible_override_pct)
     }),
+    ("Tool", "helix about its mean; phase; depth: range, µm", |p| {
+        let ToolReport { helix_max_abs_um, phase_um, x_min_um, x_max_um, contact_deg, .. } = p.tool;
+        match contact_deg > 0.0 {
+            true => format!("{helix_max_abs_um:.2}; {phase_um:+.2}; {x_min_um:+.2}…{x_max_um:+.2}"),
+            false => "no contact".into(),
+        }
+    }),
     ("X run-in", "servo error: range, at its end, µm", |p| approach(&p.x)),
     ("X thread", "servo error (after a turn), µm", |p| in_thread(&p.x)),
     ("X slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.x_slide)),
     ("Z run-in", "servo error: range, at its end, µm", |p| approach(&p.z)),
     ("Z thread", "servo error (after a turn), µm", |p| in_thread(&p.z)),
     ("Z slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.z_slide)),
-    ("Helix", "largest error; mean (phase), µm", |p| {
+    ("Nut", "largest error from the helix; mean (phase), µm", |p| {
         format!("{:.2}; {:+.2}", p.helix_max_abs_um, p.phase_um)
     }),
-    ("Lead error", "µm/rev", |p| format!("{:+.3}", p.lead_error_um_per_rev)),
+    ("Lead error", "of the nut, µm/rev", |p| format!("{:+.3}", p.lead_error_um_per_rev)),
 ];
 
 fn approach(error: &ServoError) -> String {
@@ -117,8 +126,10 @@ fn passes(summary: &Summary) -> Markup {
                 }
             }
             p.caption {
-                "Helix: true Z of the nut minus the programmed helix at the true spindle angle. Phase is its mean: "
-                "passes of one start must agree in it, or they cut different grooves. Servo error: commanded minus "
+                "Tool: the true slide against the programmed helix at the true spindle angle, and against its depth, "
+                "as long as the point is in the material; this is what the part is judged by. Phase is the mean: "
+                "passes of one start must agree in it, or they cut different grooves. Depth is positive where the "
+                "groove is too shallow. Nut: the same of true Z of the nut over the thread. Servo error: commanded minus "
                 "measured. Slide: commanded minus true position of the slide, behind backlash, screw and elasticity. "
                 "A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
             }

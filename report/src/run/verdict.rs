@@ -5,9 +5,8 @@ use std::collections::BTreeSet;
 use protocol::Axis;
 use rig::observe::{Outcome, PassReport, Summary, TOOL_IN_THREAD, TraceReport, WorkKind};
 
-/// A pass further than this from its helix, or from the other passes of its start, deserves a look, µm. It is
-/// several times what a sound machine shows.
-const LOOK_UM: f64 = 5.0;
+/// A thread that is off at the tool by more than this share of what it may be deserves a look.
+const LOOK_SHARE: f64 = 0.5;
 
 /// A slide further than this from its programmed place in the thread deserves a look, µm; elasticity and
 /// friction alone make three or four.
@@ -75,6 +74,9 @@ pub(super) fn of(summary: &Summary) -> Verdict {
     }
     threads(summary, &mut verdict);
     traces(summary, &mut verdict);
+    for reason in &summary.part.reasons {
+        verdict.say(Grade::Bad, format!("The part is not good: {reason}."));
+    }
     limits(summary, &mut verdict);
     moves(summary, &mut verdict);
     if summary.deadline_misses > 0 {
@@ -92,40 +94,17 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
         }
         return;
     }
-    let (again, broken): (Vec<_>, Vec<_>) = summary.interrupted().partition(|last| last.complete);
-    let named =
-        |passes: &[&PassReport]| passes.iter().map(|one| one.pass.to_string()).collect::<Vec<_>>().join(", ");
-    if !broken.is_empty() {
-        verdict.say(Grade::Bad, format!("Not cut to the end: pass {}.", named(&broken)));
-    }
+    let again: Vec<_> = summary.interrupted().filter(|last| last.complete).map(|last| last.pass).collect();
     if !again.is_empty() {
-        verdict.say(Grade::Good, format!("Left, entered again and cut to the end: pass {}.", named(&again)));
-    }
-    if passes.iter().any(|pass| !pass.same_index) {
-        verdict.say(Grade::Bad, "The axes of a pass started from different indexes of the spindle.");
+        let named = again.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+        verdict.say(Grade::Good, format!("Left, entered again and cut to the end: pass {named}."));
     }
     let cut: Vec<_> = passes.iter().filter(|pass| pass.thread_cycles > 0).collect();
-    let numbers = cut.iter().map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
     if cut.is_empty() {
         return;
     }
+    at_the_tool(summary, verdict);
     let worst = |of: fn(&PassReport) -> f64| cut.iter().map(|pass| of(pass)).fold(0.0, f64::max);
-    let spread = summary.thread.phase_spread_um;
-    // Where backlash is compensated, or the loop closes over a scale, the nut stands off on purpose, so that
-    // the slide does not.
-    let both = worst(|pass| pass.helix_max_abs_um.min(pass.slide_helix_max_abs_um));
-    let grade = if both.max(spread) > LOOK_UM { Grade::Look } else { Grade::Good };
-    let same = if cut.len() > 1 {
-        format!(", and passes of one start follow the same groove within {}", um(spread))
-    } else {
-        String::new()
-    };
-    let count = match numbers {
-        1 => "One pass was cut; it keeps".into(),
-        n => format!("{n} passes were cut; they keep"),
-    };
-    let helix = helix(summary);
-    verdict.say(grade, format!("{count} to the programmed helix within {helix}{same}."));
     let x = worst(|pass| pass.x_slide.thread_max_abs_um);
     let z = worst(|pass| pass.slide_helix_max_abs_um);
     if x.max(z) > LOOK_SLIDE_UM {
@@ -134,12 +113,31 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
     }
 }
 
-/// How far the passes are from their helix: at the nut, which the controller leads, and at the slide behind
-/// it.
-pub(super) fn helix(summary: &Summary) -> String {
-    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
-    let (nut, slide) = (worst(|pass| pass.helix_max_abs_um), worst(|pass| pass.slide_helix_max_abs_um));
-    format!("{} at the nut and {} at the slide", um(nut), um(slide))
+/// What the tool did in the material.
+fn at_the_tool(summary: &Summary, verdict: &mut Verdict) {
+    let numbers = summary.touched().map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
+    let off = summary.at_the_tool();
+    let [helix, passes, depth, ends] = off.map(um);
+    let count = match numbers {
+        0 => {
+            let words = "The tool touched no material, so the thread is not judged: the machine file says where the \
+                         stock is (plant.cutting).";
+            return verdict.say(Grade::Look, words);
+        }
+        1 => "One pass was cut. At the tool it keeps to its".into(),
+        n => format!("{n} passes were cut. At the tool they keep to their"),
+    };
+    let (same, are) = match numbers {
+        1 => (String::new(), "is"),
+        _ => (format!(", follow one groove within {passes}"), "are"),
+    };
+    let most = off.into_iter().fold(0.0, f64::max);
+    let grade = if most > LOOK_SHARE * summary.part.error_um { Grade::Look } else { Grade::Good };
+    let words = format!(
+        "{count} helix within {helix} about its mean{same}, and {are} off in depth by {depth}, from end to end by \
+         {ends}."
+    );
+    verdict.say(grade, words);
 }
 
 /// A tool further than this from its surface or contour, or a beam from its seam, deserves a look, µm.
@@ -164,17 +162,6 @@ fn traces(summary: &Summary, verdict: &mut Verdict) {
             (worst(|trace| trace.commanded.max_abs_um()), worst(|trace| trace.slide.max_abs_um()));
         if of_kind.iter().any(|trace| trace.unmeasured_cycles > 0) {
             verdict.say(Grade::Look, "In some cycles no place was found where the tool would touch.");
-        }
-        let wrong: Vec<_> = of_kind.iter().filter(|trace| trace.is_wrong()).collect();
-        if let Some(first) = wrong.first() {
-            let words = format!(
-                "In line {} the commanded path itself is {} off, more than the chord error of {} allows: the part is not \
-                 what the formula says.",
-                first.line,
-                um(first.commanded.max_abs_um()),
-                um(first.most_um.unwrap_or(0.0))
-            );
-            verdict.say(Grade::Bad, words);
         }
         let unexplained = worst(|trace| trace.feed.unexplained_s);
         if unexplained > 0.0 {
@@ -202,10 +189,7 @@ fn moves(summary: &Summary, verdict: &mut Verdict) {
 }
 
 fn limits(summary: &Summary, verdict: &mut Verdict) {
-    let beyond = summary.passes.iter().find(|pass| {
-        let used = &pass.limits_used_pct;
-        [used.x_v, used.x_a, used.x_j, used.z_v, used.z_a, used.z_j].iter().any(|used| *used > 100.0)
-    });
+    let beyond = summary.passes.iter().find(|pass| pass.limits_asked_pct.most() > 100.0);
     if let Some(pass) = beyond {
         verdict.say(Grade::Look, format!("Pass {} asked an axis for more than its limits.", pass.pass));
     }
@@ -230,9 +214,10 @@ pub(super) fn um(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Grade, TOOL_IN_THREAD, of};
-    use rig::observe::{DeviationReport, FaultReport, Outcome, PassReport, Summary, TraceReport};
+    use rig::observe::{FaultReport, Outcome, PassReport, Summary, ToolReport};
 
     fn good() -> Summary {
+        let tool = ToolReport { helix_max_abs_um: 0.75, contact_deg: 3600.0, ..ToolReport::default() };
         let pass = PassReport {
             pass: 1,
             complete: true,
@@ -240,9 +225,12 @@ mod tests {
             thread_cycles: 100,
             helix_max_abs_um: 0.5,
             slide_helix_max_abs_um: 3.5,
+            tool,
             ..PassReport::default()
         };
-        Summary { outcome: Outcome::Completed, passes: vec![pass], ..Summary::default() }
+        let mut summary = Summary { outcome: Outcome::Completed, passes: vec![pass], ..Summary::default() };
+        (summary.thread.tool_depth_um, summary.thread.tool_depth_off_um) = (2.7, -1.5);
+        summary
     }
 
     #[test]
@@ -251,13 +239,13 @@ mod tests {
         assert_eq!(verdict.grade, Grade::Good);
         assert_eq!(
             verdict.sentences.join(" "),
-            "The program ran to its end. One pass was cut; it keeps to the programmed helix within 0.50 µm at the nut and \
-             3.50 µm at the slide."
+            "The program ran to its end. One pass was cut. At the tool it keeps to its helix within 0.75 µm about its \
+             mean, and is off in depth by 1.50 µm, from end to end by 2.70 µm."
         );
     }
 
     #[test]
-    fn a_pass_that_was_entered_again_is_judged_by_its_last_attempt() {
+    fn a_pass_that_was_entered_again_is_one_pass() {
         let mut summary = good();
         let again = PassReport { pass: 2, ..summary.passes[0].clone() };
         summary.passes.extend([PassReport { complete: false, ..again.clone() }, again]);
@@ -268,28 +256,25 @@ mod tests {
             words.contains("Left, entered again and cut to the end: pass 2. 2 passes were cut"),
             "{words}"
         );
-        summary.passes.swap(1, 2);
-        let verdict = of(&summary);
-        let words = verdict.sentences.join(" ");
-        assert!(verdict.grade == Grade::Bad && words.contains("Not cut to the end: pass 2."), "{words}");
     }
 
     #[test]
-    fn a_nut_that_stands_off_for_the_slide_is_no_defect() {
+    fn a_nut_that_is_off_where_the_slide_is_not_is_no_defect() {
         let mut summary = good();
-        (summary.passes[0].helix_max_abs_um, summary.passes[0].slide_helix_max_abs_um) = (6.5, 1.0);
+        (summary.passes[0].helix_max_abs_um, summary.passes[0].slide_helix_max_abs_um) = (60.5, 1.0);
         let verdict = of(&summary);
         assert!(verdict.grade == Grade::Good, "{:?}", verdict.sentences);
     }
 
     #[test]
-    fn a_slide_that_is_off_is_not_hidden_by_its_nut() {
+    fn a_part_that_is_not_good_is_called_bad_with_its_reason() {
         let mut summary = good();
-        (summary.passes[0].helix_max_abs_um, summary.passes[0].slide_helix_max_abs_um) = (0.3, 9.0);
+        summary.part.reasons = vec!["pass 1 strays by 90.00 µm".into()];
         let verdict = of(&summary);
         let words = verdict.sentences.join(" ");
         assert!(
-            verdict.grade == Grade::Look && words.contains("0.30 µm at the nut and 9.00 µm at"),
+            verdict.grade == Grade::Bad
+                && words.ends_with("The part is not good: pass 1 strays by 90.00 µm."),
             "{words}"
         );
     }
@@ -302,20 +287,19 @@ mod tests {
             let verdict = of(&summary);
             (verdict.grade, verdict.sentences.join(" "))
         };
-        let (grade, words) = defect(|summary| {
-            summary.passes[0].helix_max_abs_um = 2100.0;
-            summary.passes[0].slide_helix_max_abs_um = 2103.0;
-        });
-        assert!(grade == Grade::Look && words.contains("2.100 mm"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].tool.helix_max_abs_um = 5.1);
+        assert!(grade == Grade::Look && words.contains("within 5.10 µm about its mean"), "{words}");
+        let (grade, words) = defect(|summary| summary.thread.tool_depth_um = 5.1);
+        assert!(grade == Grade::Look && words.contains("from end to end by 5.10 µm"), "{words}");
+        let (grade, words) = defect(|summary| summary.thread.tool_depth_off_um = -5.1);
+        assert!(grade == Grade::Look && words.contains("off in depth by 5.10 µm"), "{words}");
+        let (grade, words) = defect(|summary| summary.passes[0].tool.contact_deg = 0.0);
+        assert!(grade == Grade::Look && words.contains("touched no material"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].slide_helix_max_abs_um = 10.5);
         assert!(grade == Grade::Look && words.contains("0.000 µm in X and 10.50 µm in Z"), "{words}");
         let (grade, words) = defect(|summary| summary.passes[0].x_slide.thread_max_abs_um = 12.0);
         assert!(grade == Grade::Look && words.contains("up to 12.00 µm in X and 3.50 µm in Z"), "{words}");
-        let (grade, words) = defect(|summary| summary.passes[0].complete = false);
-        assert!(grade == Grade::Bad && words.contains("Not cut to the end: pass 1"), "{words}");
-        let (grade, words) = defect(|summary| summary.passes[0].same_index = false);
-        assert!(grade == Grade::Bad && words.contains("different indexes"), "{words}");
-        let (grade, words) = defect(|summary| summary.passes[0].limits_used_pct.z_a = 101.0);
+        let (grade, words) = defect(|summary| summary.passes[0].limits_asked_pct.z_a = 101.0);
         assert!(grade == Grade::Look && words.contains("more than its limits"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.contour_max_um = 25.0);
         assert!(grade == Grade::Look && words.contains("within 25.00 µm of its path"), "{words}");
@@ -325,15 +309,6 @@ mod tests {
         assert!(grade == Grade::Look && words.contains("stopped 2 times"), "{words}");
         let (grade, words) = defect(|summary| summary.moves.limit_violations = 3);
         assert!(grade == Grade::Look && words.contains("in 3 cycles"), "{words}");
-        let (grade, words) = defect(|summary| {
-            let commanded = DeviationReport { low_um: -2.5, ..DeviationReport::default() };
-            summary.traces =
-                vec![TraceReport { line: 7, commanded, most_um: Some(2.0), ..TraceReport::default() }];
-        });
-        assert!(
-            grade == Grade::Bad && words.contains("In line 7 the commanded path itself is 2.50 µm"),
-            "{words}"
-        );
         let (grade, words) = defect(|summary| {
             summary.outcome = Outcome::Faulted;
             let text = "the drive reports a fault".into();
