@@ -2,8 +2,16 @@
 //! a machine file. Out: mass in kg and friction in N, N/mm, N·s/mm at the slide, as `[axis.*]` has them. For
 //! experiments that ask what a wrong belief costs; no controller sees it.
 //!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | P, N | mm, – | true lead of the screw and counts of its encoder; P0, N0 as believed |
+//! | e | – | what the motor gives more than its drive believes, a share |
+//! | s | – | true way by the way that the controller takes it for |
+//!
 //! ```text
-//! mass = J (2π/lead)² + slide      Coulomb, presliding, viscous: screw + guide
+//! mass = J (2π/P)² + slide      Coulomb, presliding, viscous: screw + guide
+//! in the torque, the turns and the counts that the controller has to do with:
+//! a force times P/(P0 (1 + e));  mass, presliding and viscous also times s = P N0/(P0 N)               (M117)
 //! ```
 
 use core::f64::consts::TAU;
@@ -34,12 +42,16 @@ impl Belief {
     pub fn of_truth(machine: &Machine, axis: Axis) -> Result<Belief, PlantError> {
         let train = PlantConfig::of(machine)?.axis.get(&axis).cloned().unwrap_or_default();
         let config = machine.axis.get(&axis).ok_or(PlantError::NoSuchAxis(axis.name()))?;
-        let turns = TAU / (config.screw_lead_mm / 1000.0);
+        let facts = train.facts(config);
+        let turns = TAU / (facts.screw_lead_mm / 1000.0);
+        let lead = facts.screw_lead_mm / config.screw_lead_mm;
+        let force = lead / (1.0 + 0.01 * train.torque_constant_pct);
+        let way = force * lead * f64::from(config.encoder_counts) / f64::from(facts.encoder_counts);
         Ok(Belief {
-            mass_kg: train.inertia_kg_m2 * turns * turns + train.slide_mass_kg,
-            coulomb_n: train.screw_coulomb_n + train.slide_coulomb_n,
-            presliding_n_mm: train.screw_presliding_n_mm + train.slide_presliding_n_mm,
-            viscous_n_s_mm: train.screw_viscous_n_s_mm + train.slide_viscous_n_s_mm,
+            mass_kg: way * (train.inertia_kg_m2 * turns * turns + train.slide_mass_kg),
+            coulomb_n: force * (train.screw_coulomb_n + train.slide_coulomb_n),
+            presliding_n_mm: way * (train.screw_presliding_n_mm + train.slide_presliding_n_mm),
+            viscous_n_s_mm: way * (train.screw_viscous_n_s_mm + train.slide_viscous_n_s_mm),
         })
     }
 

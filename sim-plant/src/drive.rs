@@ -69,7 +69,7 @@ impl Drive {
             machine: StateMachine::new(),
             gain,
             integral_gain: gain * cycle_s / config.velocity_integral_s,
-            limit_nm: config.torque_limit_nm,
+            limit_nm: train.facts(config).torque_limit_nm,
             fading_mm_s: train.fading_mm_s(),
             braking_step: train.quick_stop_mm_s2 * cycle_s,
             overspeed_mm_s: train.overspeed_mm_s,

@@ -25,13 +25,17 @@ use crate::timeline::{Moment, Timeline};
 #[derive(Clone, Debug)]
 struct AxisPlant {
     axis: Axis,
+    /// Where the axis was referenced, as the controller believes and as it is.
     home_mm: f64,
+    true_home_mm: f64,
     drive: Drive,
     train: DriveTrain,
     meter: Meter,
     /// Torque command computed in the cycle before; `None` without power.
     torque_nm: Option<f64>,
+    /// A count, as the controller believes and as it is.
     quantum_mm: f64,
+    true_quantum_mm: f64,
     inverse_cycle: f64,
     /// Where home lies within its count, a share of one.
     encoder_phase: f64,
@@ -97,18 +101,22 @@ impl Plant {
         let (mut seed, unseen) = (Seed(seed), Seed(seed));
         let own = unseen.branch(Axis::ALL.len() as u64);
         let spindle = Spindle::new(&machine.spindle, config.spindle, cycle_s, &mut seed, &own);
-        let mut axes = Vec::new();
+        let (mut axes, mut scales_mm) = (Vec::new(), Vec::new());
         for (axis, belief) in machine.axes() {
             let train = config.axis.get(&axis).cloned().unwrap_or_default();
+            let facts = train.facts(belief);
+            scales_mm.push(facts.scale_step_mm.zip(belief.scale_step_mm));
             let mut own = unseen.branch(axis.index() as u64);
             axes.push(AxisPlant {
                 axis,
                 home_mm: belief.home_mm,
+                true_home_mm: facts.home_mm,
                 drive: Drive::new(belief, &train, cycle_s),
-                train: DriveTrain::new(&train, axis, belief, cycle_s, &mut own)?,
+                train: DriveTrain::new(&train, axis, &facts, cycle_s, &mut own)?,
                 meter: Meter::new(train.torque_noise_nm, train.torque_step_nm, own),
                 torque_nm: None,
                 quantum_mm: belief.screw_lead_mm / f64::from(belief.encoder_counts),
+                true_quantum_mm: facts.screw_lead_mm / f64::from(facts.encoder_counts),
                 inverse_cycle: 1.0 / cycle_s,
                 encoder_phase: seed.fraction(),
                 jumped: 0.0,
@@ -118,11 +126,11 @@ impl Plant {
             });
         }
         // Drawn last: with a scale or without, the encoders lie where they lie.
-        for axis in &mut axes {
-            let step_mm = machine.axis.get(&axis.axis).and_then(|belief| belief.scale_step_mm);
-            axis.scale = step_mm.map(|step_mm| Scale::new(step_mm, seed.fraction()));
+        for (axis, steps_mm) in axes.iter_mut().zip(scales_mm) {
+            let homes_mm = [axis.true_home_mm, axis.home_mm];
+            axis.scale = steps_mm.map(|steps_mm| Scale::new(steps_mm.into(), homes_mm, seed.fraction()));
         }
-        let z_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| z.home_mm);
+        let z_mm = axes.iter().find(|own| own.axis == Axis::Z).map_or(0.0, |z| z.true_home_mm);
         let timeline = Timeline::new(scenario, cycle_s, config.cutting.rise_s, z_mm);
         let cutter = Cutter::new(config.cutting, machine);
         let freshness = Freshness { stale: 4 * machine.cycles_per_tick(), ..Freshness::default() };
@@ -249,7 +257,7 @@ impl Plant {
             let index = axis.axis.index();
             let motion = axis.train.motion();
             let (nut_m, nut_m_s) = axis.train.nut();
-            let slide_mm = axis.home_mm + 1e3 * motion.slide_m;
+            let slide_mm = axis.true_home_mm + 1e3 * motion.slide_m;
             let measured = &mut self.truth.measurement.axes[index];
             measured.position = axis.position();
             measured.scale = axis.scale.map_or(measured.position, |scale| scale.position(slide_mm));
@@ -257,7 +265,7 @@ impl Plant {
             let StatusWord(word) = axis.drive.status_word();
             measured.status_word = u32::from(word);
             let truth = &mut self.truth.axes[index];
-            truth.motor_mm = axis.home_mm + 1e3 * nut_m;
+            truth.motor_mm = axis.true_home_mm + 1e3 * nut_m;
             truth.slide_mm = slide_mm;
             truth.velocity_mm_s = 1e3 * nut_m_s;
             truth.torque_nm = axis.train.torque_nm();
@@ -332,7 +340,7 @@ impl AxisPlant {
     fn count(&mut self) {
         self.count_before = self.count;
         let motor_mm = 1e3 * self.train.motion().motor_m;
-        self.count = (motor_mm / self.quantum_mm + self.encoder_phase).floor();
+        self.count = (motor_mm / self.true_quantum_mm + self.encoder_phase).floor();
         if self.jumped != 0.0 {
             self.count += self.jumped;
         }
@@ -341,10 +349,10 @@ impl AxisPlant {
     /// Where the slide will be in the middle of the cycle that begins, mm.
     fn slide_ahead_mm(&self) -> f64 {
         let motion = self.train.motion();
-        self.home_mm + 1e3 * (motion.slide_m + 0.5 * motion.slide_m_s / self.inverse_cycle)
+        self.true_home_mm + 1e3 * (motion.slide_m + 0.5 * motion.slide_m_s / self.inverse_cycle)
     }
 
-    /// Middle of the count.
+    /// Middle of the count, as the controller takes it (M116).
     fn position(&self) -> Position {
         Position::from_mm(self.home_mm + (self.count + 0.5 - self.encoder_phase) * self.quantum_mm)
     }

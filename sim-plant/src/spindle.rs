@@ -101,7 +101,7 @@ impl Spindle {
         let steps = (cycle_s / LONGEST_STEP_S - 1e-9).ceil() as u32;
         let step_s = cycle_s / f64::from(steps);
         let gain = train.inertia_kg_m2 * TAU * train.speed_bandwidth_hz;
-        let counts_per_turn = 4.0 * f64::from(config.encoder_lines);
+        let counts_per_turn = 4.0 * f64::from(train.encoder_lines.unwrap_or(config.encoder_lines));
         let mut spindle = Spindle {
             cycle_s,
             steps,
@@ -109,8 +109,8 @@ impl Spindle {
             lag_left: libm::exp(-step_s / train.torque_lag_s),
             gain,
             integral_gain: gain * cycle_s / train.speed_integral_s,
-            ramp_step: config.ramp_rpm_s * RAD_S_PER_RPM * cycle_s,
-            top_speed: config.max_rpm * RAD_S_PER_RPM,
+            ramp_step: train.ramp_rpm_s.unwrap_or(config.ramp_rpm_s) * RAD_S_PER_RPM * cycle_s,
+            top_speed: train.max_rpm.unwrap_or(config.max_rpm) * RAD_S_PER_RPM,
             counts_per_turn,
             count_offset: 0.0,
             ripple: ripple(&train, TAU * seed.fraction(), own.branch(0)),

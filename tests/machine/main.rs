@@ -10,6 +10,7 @@ mod stand;
 mod approach;
 mod axis_faults;
 mod behind_the_motor;
+mod beliefs;
 mod cutting;
 mod encoder;
 mod machine_code;

@@ -1,5 +1,6 @@
 //! `[plant.axis.*]`: what is true of an axis. In: its table. Out: checked values in the units of their names.
 
+use machine::AxisConfig;
 use serde::Deserialize;
 
 use super::{PlantError, range};
@@ -10,10 +11,31 @@ const HELD: f64 = 0.9;
 /// Where a motor begins to lose its torque, a share of the speed at which it has none.
 const FULL: f64 = 0.75;
 
+/// What is true of an axis where its controller believes something, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Facts {
+    /// Way per turn of the motor, mm.
+    pub(crate) screw_lead_mm: f64,
+    /// Counts per turn of the motor.
+    pub(crate) encoder_counts: u32,
+    /// Where the slide truly stands when the controller takes it to be at home, mm.
+    pub(crate) home_mm: f64,
+    /// Step of the scale, mm, if there is one.
+    pub(crate) scale_step_mm: Option<f64>,
+    /// Limit of the drive's torque, as the drive believes its torque, N·m.
+    pub(crate) torque_limit_nm: f64,
+}
+
 /// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct AxisTrain {
+    /// What the controller believes, too; that is true if nothing is said here.
+    pub(crate) screw_lead_mm: Option<f64>,
+    pub(crate) encoder_counts: Option<u32>,
+    pub(crate) home_mm: Option<f64>,
+    pub(crate) scale_step_mm: Option<f64>,
+    pub(crate) torque_limit_nm: Option<f64>,
     /// Everything that turns: rotor, coupling, screw, kg m².
     pub(crate) inertia_kg_m2: f64,
     /// Slide with its tool, kg.
@@ -67,6 +89,11 @@ pub(crate) struct AxisTrain {
 impl Default for AxisTrain {
     fn default() -> Self {
         AxisTrain {
+            screw_lead_mm: None,
+            encoder_counts: None,
+            home_mm: None,
+            scale_step_mm: None,
+            torque_limit_nm: None,
             inertia_kg_m2: 12e-4,
             slide_mass_kg: 110.0,
             mode_hz: 100.0,
@@ -143,12 +170,32 @@ impl AxisTrain {
         ] {
             range(&format!("{section}.{name}"), value, low, high)?;
         }
+        for (name, value, low, high) in [
+            ("screw_lead_mm", self.screw_lead_mm, 1e-6, 1e3),
+            ("encoder_counts", self.encoder_counts.map(f64::from), 16.0, 4e9),
+            ("home_mm", self.home_mm, -1e5, 1e5),
+            ("scale_step_mm", self.scale_step_mm, 1e-7, 10.0),
+            ("torque_limit_nm", self.torque_limit_nm, 1e-6, 1e4),
+        ] {
+            value.map_or(Ok(()), |value| range(&format!("{section}.{name}"), value, low, high))?;
+        }
         if let (Some(value), None) = (self.full_torque_mm_s, self.no_torque_mm_s) {
             let reason =
                 "says nothing without no_torque_mm_s, the speed at which the voltage is used up".into();
             return Err(PlantError::Value { key: format!("{section}.full_torque_mm_s"), value, reason });
         }
         Ok(())
+    }
+
+    /// What is true where a controller believes this.
+    pub(crate) fn facts(&self, belief: &AxisConfig) -> Facts {
+        Facts {
+            screw_lead_mm: self.screw_lead_mm.unwrap_or(belief.screw_lead_mm),
+            encoder_counts: self.encoder_counts.unwrap_or(belief.encoder_counts),
+            home_mm: self.home_mm.unwrap_or(belief.home_mm),
+            scale_step_mm: belief.scale_step_mm.map(|step_mm| self.scale_step_mm.unwrap_or(step_mm)),
+            torque_limit_nm: self.torque_limit_nm.unwrap_or(belief.torque_limit_nm),
+        }
     }
 
     /// Up to which speed the motor has all its torque and from which on none, mm/s; `None` if the voltage is

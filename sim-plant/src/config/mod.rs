@@ -13,7 +13,7 @@ use machine::Machine;
 use protocol::Axis;
 use serde::Deserialize;
 
-pub(crate) use axis::AxisTrain;
+pub(crate) use axis::{AxisTrain, Facts};
 pub(crate) use spindle::SpindleTrain;
 
 /// What a plant that cannot be built has wrong.
@@ -113,10 +113,13 @@ impl PlantConfig {
     pub(crate) fn of(machine: &Machine) -> Result<PlantConfig, PlantError> {
         let config: PlantConfig = machine.plant.clone().try_into().map_err(Box::new)?;
         for (axis, train) in &config.axis {
-            if !machine.axis.contains_key(axis) {
-                return Err(PlantError::NoSuchAxis(axis.name()));
+            let belief = machine.axis.get(axis).ok_or(PlantError::NoSuchAxis(axis.name()))?;
+            let section = format!("plant.axis.{}", axis.name());
+            train.check(&section)?;
+            if let (Some(value), None) = (train.scale_step_mm, belief.scale_step_mm) {
+                let reason = format!("the axis has no scale: [axis.{}] has no scale_step_mm", axis.name());
+                return Err(PlantError::Value { key: format!("{section}.scale_step_mm"), value, reason });
             }
-            train.check(&format!("plant.axis.{}", axis.name()))?;
         }
         config.spindle.check()?;
         config.cutting.check()?;

@@ -47,6 +47,10 @@ impl Numbers {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct SpindleTrain {
+    /// What the controller believes, too; that is true if nothing is said here.
+    pub(crate) encoder_lines: Option<u32>,
+    pub(crate) ramp_rpm_s: Option<f64>,
+    pub(crate) max_rpm: Option<f64>,
     /// Everything that turns, referred to the spindle, kg m².
     pub(crate) inertia_kg_m2: f64,
     /// Limits of the motor at the spindle: torque below, power above the corner speed.
@@ -73,6 +77,9 @@ pub(crate) struct SpindleTrain {
 impl Default for SpindleTrain {
     fn default() -> Self {
         SpindleTrain {
+            encoder_lines: None,
+            ramp_rpm_s: None,
+            max_rpm: None,
             inertia_kg_m2: 0.15,
             peak_torque_nm: 60.0,
             peak_power_kw: 7.5,
@@ -105,6 +112,13 @@ impl SpindleTrain {
             ("encoder_delay_s", self.encoder_delay_s, -2e-4, 2e-4),
         ] {
             range(&format!("plant.spindle.{name}"), value, low, high)?;
+        }
+        for (name, value, low, high) in [
+            ("encoder_lines", self.encoder_lines.map(f64::from), 1.0, 250_000.0),
+            ("ramp_rpm_s", self.ramp_rpm_s, 1.0, 1e6),
+            ("max_rpm", self.max_rpm, 1.0, 1e5),
+        ] {
+            value.map_or(Ok(()), |value| range(&format!("plant.spindle.{name}"), value, low, high))?;
         }
         self.check_ripple()?;
         self.check_encoder()

@@ -63,6 +63,23 @@ fn a_refusal_of_a_motor_names_the_key_and_what_is_allowed() {
 }
 
 #[test]
+fn a_refusal_of_what_is_believed_too_names_the_key_and_what_is_allowed() {
+    refuses(&[
+        ("[axis.x]\nscrew_lead_mm = 0", "plant.axis.x.screw_lead_mm = 0: must lie between 0.000001 and 1000"),
+        ("[axis.x]\nencoder_counts = 8", "plant.axis.x.encoder_counts = 8: must lie between 16 and"),
+        ("[axis.x]\nhome_mm = 1e6", "plant.axis.x.home_mm = 1000000: must lie between -100000 and"),
+        (
+            "[axis.x]\nscale_step_mm = 0.001",
+            "plant.axis.x.scale_step_mm = 0.001: the axis has no scale: [axis.x]",
+        ),
+        ("[axis.x]\ntorque_limit_nm = 0", "plant.axis.x.torque_limit_nm = 0: must lie between 0.000001"),
+        ("[spindle]\nencoder_lines = 0", "plant.spindle.encoder_lines = 0: must lie between 1 and 250000"),
+        ("[spindle]\nramp_rpm_s = 0", "plant.spindle.ramp_rpm_s = 0: must lie between 1 and 1000000"),
+        ("[spindle]\nmax_rpm = 0", "plant.spindle.max_rpm = 0: must lie between 1 and 100000"),
+    ]);
+}
+
+#[test]
 fn a_refusal_of_the_spindle_names_the_key_and_what_is_allowed() {
     refuses(&[
         ("[spindle]\nripple_pct = -1", "plant.spindle.ripple_pct = -1: must lie between 0 and 10"),

@@ -37,10 +37,9 @@ mod tests;
 
 use core::f64::consts::TAU;
 
-use machine::AxisConfig;
 use protocol::Axis;
 
-use crate::config::{AxisTrain, PlantError};
+use crate::config::{AxisTrain, Facts, PlantError};
 use crate::friction::{Bristles, Pair};
 use crate::screw::ScrewError;
 use crate::seed::Seed;
@@ -111,12 +110,12 @@ impl DriveTrain {
     pub(crate) fn new(
         train: &AxisTrain,
         axis: Axis,
-        belief: &AxisConfig,
+        facts: &Facts,
         cycle_s: f64,
         seed: &mut Seed,
     ) -> Result<DriveTrain, PlantError> {
         let section = format!("plant.axis.{}", axis.name());
-        let screw_lead_mm = belief.screw_lead_mm;
+        let screw_lead_mm = facts.screw_lead_mm;
         let steps = (cycle_s / LONGEST_STEP_S - 1e-9).ceil() as u32;
         let step_s = cycle_s / f64::from(steps);
         let turns = TAU / (screw_lead_mm * 1e-3);
@@ -155,7 +154,7 @@ impl DriveTrain {
             half_backlash,
             gravity_n: train.gravity_n,
             hang_m: hang_m(train.gravity_n, stiffness, half_backlash),
-            screw_error: ScrewError::new(train, screw_lead_mm, belief.home_mm, &section)?,
+            screw_error: ScrewError::new(train, screw_lead_mm, facts.home_mm, &section)?,
             screw_viscous,
             slide_viscous,
             brake_step: step_s / motor_kg * train.brake_n,

@@ -17,7 +17,7 @@ fn frictionless() -> AxisTrain {
 
 fn of_x(train: &AxisTrain) -> Result<DriveTrain, PlantError> {
     let x = machine::Machine::default().axis[&Axis::X].clone();
-    DriveTrain::new(train, Axis::X, &x, CYCLE_S, &mut Seed(1))
+    DriveTrain::new(train, Axis::X, &train.facts(&x), CYCLE_S, &mut Seed(1))
 }
 
 fn built(train: &AxisTrain) -> DriveTrain {

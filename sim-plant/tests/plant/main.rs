@@ -4,6 +4,7 @@ mod belief;
 mod cutting;
 mod drives;
 mod examples;
+mod facts;
 mod faults;
 mod motors;
 mod scenarios;

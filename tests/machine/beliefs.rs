@@ -1,0 +1,46 @@
+//! What the controller believes of screw, home and encoders, and is wrong about: what becomes of a thread.
+#![allow(clippy::unwrap_used)]
+
+use machine::Machine;
+use rig::{
+    observe::{Observation, Outcome},
+    trial::{self, Trial},
+};
+use sim_plant::Scenario;
+
+/// Ten turns of a thread with a lead of 5 mm at 500 1/min on a lathe of which this is true.
+fn thread(plant: &str) -> Observation {
+    let machine = Machine { plant: plant.parse().unwrap(), ..Machine::default() };
+    let trial = Trial { s_rpm: 500.0, delta_x_mm: 0.0, turns: 10.0, ..Trial::default() };
+    let items = trial::program(&machine, &[trial]).unwrap();
+    trial::run(&machine, &items, &Scenario::none(), 1, &mut |_| ()).unwrap()
+}
+
+#[test]
+fn an_encoder_of_other_lines_is_named() {
+    for (lines, fault) in
+        [(2490, "encoder-pulses-lost"), (2498, "encoder-pulses-lost"), (2510, "encoder-pulses-gained")]
+    {
+        let seen = thread(&format!("[spindle]\nencoder_lines = {lines}"));
+        assert_eq!(seen.outcome, Outcome::Faulted, "{lines} lines");
+        assert!(seen.faults.iter().any(|found| found.code == fault), "{lines}: {:?}", seen.faults);
+    }
+}
+
+#[test]
+fn a_wrong_lead_of_the_screw_is_an_error_of_the_lead() {
+    // 5 mm a turn come out as 5.002 mm.
+    let seen = thread("[axis.z]\nscrew_lead_mm = 5.002");
+    let pass = &seen.passes[0];
+    assert!(pass.complete && (pass.lead_error_um_per_rev.abs() - 2.0).abs() < 0.05, "{pass:#?}");
+}
+
+#[test]
+fn a_wrong_home_is_an_offset_of_the_thread() {
+    let [right, wrong] = ["", "[axis.z]\nhome_mm = 100.3"].map(|plant| {
+        let seen = thread(plant);
+        assert!(seen.passes[0].complete);
+        seen.passes[0].slide_phase_um
+    });
+    assert!((wrong - right - 300.0).abs() < 1.0, "{right} µm, {wrong} µm");
+}
