@@ -11,7 +11,7 @@
 //! ```text
 //! mass = J (2π/P)² + slide      Coulomb, presliding, viscous: screw + guide
 //! in the torque, the turns and the counts that the controller has to do with:
-//! a force times P/(P0 (1 + e));  mass, presliding and viscous also times s = P N0/(P0 N)               (M117)
+//! a force times P/(P0 (1 + e));  mass, presliding and viscous also times s = P N0/(P0 N)              (M117)
 //! ```
 
 use core::f64::consts::TAU;
