@@ -13,6 +13,7 @@
 //! | a chain of blocks: look-ahead, blends, overrides, hold | [`chain::Chain`] | M24–M26, M65–M66 |
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
+//! | what of its angle repeats with every turn | [`Ripple`] | M130 |
 //!
 //! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to
 //! `p`. For a thread `p` is the *time at programmed speed*, `p = (C − C0)/(6 S)` (M1), so the path follows
@@ -35,6 +36,7 @@ mod pass;
 mod path;
 mod ramp;
 mod reach;
+mod ripple;
 mod sample;
 mod search;
 mod stroke;
@@ -49,5 +51,6 @@ pub use observer::{SpindleMotion, SpindleObserver};
 pub use pass::{PassLaw, Window};
 pub use path::Path;
 pub use ramp::{Binding, Ramp};
+pub use ripple::Ripple;
 pub use sample::Sample;
 pub use stroke::Stroke;

@@ -18,18 +18,21 @@
 //! with al + h res/T². An axis that is led by c has to be fed forward with these; with w and al alone it is
 //! left behind by g res/T for the time of learning, three times as far as the observer errs.
 //!
-//! A count is known to half of itself, so a res within ±1/2 may be nothing but rounding; at a speed with
-//! nearly whole counts in a cycle it is a slow sawtooth, which no filter of this bandwidth averages. For
-//! counts, res is split: what lies within a width is taken with the gains of a lower bandwidth, and only a
-//! share of it is fed forward; what lies beyond is taken in full. A changing spindle is followed as fast, a
-//! steady one more quietly.
-//!
-//! | the spindle turns by | width | bandwidth | fed forward |
-//! |---|---|---|---|
-//! | four counts in 1/f_o, or more | ±1/2 | f_o/2 | a half |
-//! | less: counts come one by one, each with a res of about 1 | ±3/2 | f_o/6 | nothing |
+//! A count is known to half of itself, so a small res may be nothing but rounding; at a speed with nearly
+//! whole counts in a cycle it is a slow sawtooth, which no filter of this bandwidth averages. For counts, res
+//! is split: what lies within a width is taken with the gains of an eighth of the bandwidth, and not fed
+//! forward, so that no axis is shaken by it; what lies beyond is taken in full. A changing spindle is followed
+//! as fast, a steady one more quietly, if what repeats with its turns is taken off before ([`crate::Ripple`]).
+//! The width is one count: half of it rounding, half for what is not known yet; and one and a half while the
+//! spindle turns by less than four counts in 1/f_o, and they come one by one, each with a res of about 1.
 
 use core::f64::consts::TAU;
+
+/// What may be rounding is taken with a bandwidth so many times lower.
+const QUIETER: f64 = 8.0;
+/// How much of a residual may be rounding, counts; while counts come one by one.
+const WIDTH: f64 = 1.0;
+const SLOW_WIDTH: f64 = 1.5;
 
 /// Angle of the spindle and its derivatives, in units of the measurement per sⁿ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,24 +43,36 @@ pub struct SpindleMotion {
     pub speed: f64,
     /// Acceleration, 1/s².
     pub acceleration: f64,
+    /// Jerk, 1/s³, and its rate, 1/s⁴; 0 where nobody knows them.
+    pub jerk: f64,
+    /// See `jerk`.
+    pub snap: f64,
 }
 
 impl SpindleMotion {
-    /// The motion `lead_s` seconds later (earlier if negative) at constant acceleration.
+    /// The motion `lead_s` seconds later (earlier if negative) at constant jerk.
     #[must_use]
     pub fn after(self, lead_s: f64) -> SpindleMotion {
-        let SpindleMotion { angle, speed, acceleration } = self;
+        let SpindleMotion { angle, speed, acceleration, jerk, snap } = self;
         SpindleMotion {
-            angle: angle + (speed + 0.5 * acceleration * lead_s) * lead_s,
-            speed: speed + acceleration * lead_s,
-            acceleration,
+            angle: angle + (speed + (0.5 * acceleration + jerk / 6.0 * lead_s) * lead_s) * lead_s,
+            speed: speed + (acceleration + 0.5 * jerk * lead_s) * lead_s,
+            acceleration: acceleration + jerk * lead_s,
+            jerk,
+            snap,
         }
     }
 
     /// Every part times a factor.
     fn times(self, factor: f64) -> SpindleMotion {
-        let SpindleMotion { angle, speed, acceleration } = self;
-        SpindleMotion { angle: factor * angle, speed: factor * speed, acceleration: factor * acceleration }
+        let SpindleMotion { angle, speed, acceleration, jerk, snap } = self;
+        SpindleMotion {
+            angle: factor * angle,
+            speed: factor * speed,
+            acceleration: factor * acceleration,
+            jerk: factor * jerk,
+            snap: factor * snap,
+        }
     }
 }
 
@@ -112,40 +127,45 @@ impl SpindleObserver {
     /// As [`new`](Self::new).
     #[must_use]
     pub fn of_counts(bandwidth_hz: f64, period_s: f64) -> SpindleObserver {
-        let counts = Counts {
-            steady: Rounding { width: 0.5, gain: gain(bandwidth_hz / 2.0, period_s), forward: 0.5 },
-            slow: Rounding { width: 1.5, gain: gain(bandwidth_hz / 6.0, period_s), forward: 0.0 },
-            slow_below: 4.0 * bandwidth_hz,
-        };
+        let counts = Counts { gain: gain(bandwidth_hz / QUIETER, period_s), slow_below: 4.0 * bandwidth_hz };
         SpindleObserver { counts: Some(counts), ..SpindleObserver::new(bandwidth_hz, period_s) }
     }
 
     /// Sets the state to `count` and `speed` (per s) without acceleration. Take the speed from two counts far
     /// apart, and start at least 10/f_o before the thread.
     pub fn start(&mut self, count: f64, speed: f64) {
-        self.state = Some(SpindleMotion { angle: count, speed, acceleration: 0.0 });
+        self.state = Some(SpindleMotion { angle: count, speed, ..SpindleMotion::default() });
         self.drift = SpindleMotion::default();
     }
 
     /// Advances by one period and corrects with the angle `measured` at its end. The first measurement of an
-    /// observer that was not started is where it stands.
-    pub fn update(&mut self, measured: f64) {
-        let Some(state) = self.state else { return self.start(measured, 0.0) };
+    /// observer that was not started is where it stands. What it had not expected of the measurement.
+    pub fn update(&mut self, measured: f64) -> f64 {
+        let Some(state) = self.state else {
+            self.start(measured, 0.0);
+            return 0.0;
+        };
         let predicted = state.after(self.period);
         let res = measured - predicted.angle;
-        let rounding = self.counts.map_or(Rounding::default(), |counts| counts.at(predicted.speed));
-        let inside = res.clamp(-rounding.width, rounding.width);
-        let (within, beyond) = (rounding.gain.times(inside), self.gain.times(res - inside));
+        let (mut within, mut beyond) = (SpindleMotion::default(), self.gain.times(res));
+        if let Some(counts) = &self.counts {
+            let width = counts.width(predicted.speed);
+            let inside = res.clamp(-width, width);
+            (within, beyond) = (counts.gain.times(inside), self.gain.times(res - inside));
+        }
         self.state = Some(SpindleMotion {
             angle: predicted.angle + within.angle + beyond.angle,
             speed: predicted.speed + within.speed + beyond.speed,
             acceleration: predicted.acceleration + within.acceleration + beyond.acceleration,
+            ..SpindleMotion::default()
         });
         self.drift = SpindleMotion {
             angle: 0.0,
-            speed: (rounding.forward * within.angle + beyond.angle) / self.period,
-            acceleration: (rounding.forward * within.speed + beyond.speed) / self.period,
+            speed: beyond.angle / self.period,
+            acceleration: beyond.speed / self.period,
+            ..SpindleMotion::default()
         };
+        res
     }
 
     /// Advances by one period whose measurement is missing, as the observer expects it.
@@ -172,35 +192,28 @@ impl SpindleObserver {
     /// among them.
     #[must_use]
     pub fn following(&self, lead_s: f64) -> SpindleMotion {
-        let SpindleMotion { angle, speed, acceleration } = self.at(lead_s);
+        let at = self.at(lead_s);
         SpindleMotion {
-            angle,
-            speed: speed + self.drift.speed,
-            acceleration: acceleration + self.drift.acceleration,
+            speed: at.speed + self.drift.speed,
+            acceleration: at.acceleration + self.drift.acceleration,
+            ..at
         }
     }
 }
 
-/// What is done with a residual that may be rounding, at two speeds.
+/// What is done with a residual that may be rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Counts {
-    steady: Rounding,
-    slow: Rounding,
+    /// What is taken of it.
+    gain: SpindleMotion,
     /// Speed below which counts come one by one, count/s.
     slow_below: f64,
 }
 
-/// So much of a residual, in counts, is taken with these gains, and a share of it fed forward.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Rounding {
-    width: f64,
-    gain: SpindleMotion,
-    forward: f64,
-}
-
 impl Counts {
-    fn at(&self, speed: f64) -> Rounding {
-        if speed.abs() < self.slow_below { self.slow } else { self.steady }
+    /// How much of a residual may be rounding at a speed, counts.
+    fn width(&self, speed: f64) -> f64 {
+        if speed.abs() < self.slow_below { SLOW_WIDTH } else { WIDTH }
     }
 }
 
@@ -212,6 +225,7 @@ fn gain(bandwidth_hz: f64, period_s: f64) -> SpindleMotion {
         angle: 1.0 - th * th * th,
         speed: 1.5 * (1.0 - th * th) * rest / period_s,
         acceleration: rest * rest * rest / (period_s * period_s),
+        ..SpindleMotion::default()
     }
 }
 

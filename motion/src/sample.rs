@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | s, v, a, j, dj | mm, mm/s … mm/s⁴ | path and its derivatives with respect to the parameter p |
 //! | r | – | actual spindle speed over programmed speed |
-//! | r_dot | 1/s | its rate dr/dt |
+//! | r', r'', r''' | 1/s … 1/s³ | its derivatives by time |
 
 use core::ops::{Add, Mul, Neg, Sub};
 
@@ -25,14 +25,14 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// The same point in real time when the master runs at ratio `r` (actual over programmed speed, ≥ 0) that
-    /// changes by `r_dot` per second (M8). The path stays: position follows the spindle at any speed.
+    /// The same point in real time when the master runs at ratio r (actual over programmed speed, ≥ 0), given
+    /// with its derivatives by time (M8). The path stays: position follows the spindle at any speed.
     ///
     /// ```text
     /// v_t  = r v
     /// a_t  = r² a + r' v
-    /// j_t  = r³ j + 3 r r' a
-    /// dj_t = r⁴ dj + 6 r² r' j + 3 r'² a        with r'' = 0
+    /// j_t  = r³ j + 3 r r' a + r'' v
+    /// dj_t = r⁴ dj + 6 r² r' j + 3 r'² a + 4 r r'' a + r''' v
     /// ```
     ///
     /// Speed and acceleration feedforward must use these values: a spindle that slows down brakes its axes
@@ -40,19 +40,19 @@ impl Sample {
     ///
     /// ```
     /// let steady = motion::Sample { s: 1.0, v: 20.0, ..Default::default() };
-    /// let braked = steady.driven(0.5, -2.0);
+    /// let braked = steady.driven([0.5, -2.0, 0.0, 0.0]);
     /// assert_eq!((braked.s, braked.v, braked.a), (1.0, 10.0, -40.0));
     /// ```
     #[must_use]
-    pub fn driven(self, r: f64, r_dot: f64) -> Sample {
+    pub fn driven(self, [r, r1, r2, r3]: [f64; 4]) -> Sample {
         let Sample { s, v, a, j, dj } = self;
-        let r2 = r * r;
+        let rr = r * r;
         Sample {
             s,
             v: r * v,
-            a: r2 * a + r_dot * v,
-            j: r * (r2 * j + 3.0 * r_dot * a),
-            dj: r2 * (r2 * dj + 6.0 * r_dot * j) + 3.0 * r_dot * r_dot * a,
+            a: rr * a + r1 * v,
+            j: r * (rr * j + 3.0 * r1 * a) + r2 * v,
+            dj: rr * (rr * dj + 6.0 * r1 * j) + (3.0 * r1 * r1 + 4.0 * r * r2) * a + r3 * v,
         }
     }
 

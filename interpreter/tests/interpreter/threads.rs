@@ -78,7 +78,7 @@ fn greatest_share(law: &AxisLaw, s_rpm: f64, ratio: f64, limits: Limits) -> f64 
     let mut share = 0.0f64;
     let mut window = |from: f64, to: f64| {
         for step in 0..=4000 {
-            let at = moves.at(from + (to - from) * f64::from(step) / 4000.0).driven(ratio, 0.0);
+            let at = moves.at(from + (to - from) * f64::from(step) / 4000.0).driven([ratio, 0.0, 0.0, 0.0]);
             share = share
                 .max(at.v.abs() / limits.v)
                 .max(at.a.abs() / limits.a)

@@ -16,7 +16,9 @@ fn states() -> impl Iterator<Item = Sample> {
     let laws = [PassLaw::new(300.0), helix(-0.3)].map(stroke);
     let ratios = [0.1, 0.5, 1.0, 1.1];
     laws.into_iter().flat_map(move |law| {
-        ratios.into_iter().flat_map(move |r| (0..2400).map(move |c| law.at(f64::from(c)).driven(r, 0.0)))
+        ratios
+            .into_iter()
+            .flat_map(move |r| (0..2400).map(move |c| law.at(f64::from(c)).driven([r, 0.0, 0.0, 0.0])))
     })
 }
 

@@ -67,7 +67,7 @@ proptest! {
     #[test]
     fn m8_steady_ratio_is_a_shorter_stroke(length in signed(1e-2, 1e2), share in 0.01..0.99, r in 0.1..3.0) {
         let (slow, fast) = (Stroke::new(length, 0.5), Stroke::new(length, 0.5 / r));
-        let (driven, direct) = (slow.at(share * 0.5).driven(r, 0.0), fast.at(share * 0.5 / r));
+        let (driven, direct) = (slow.at(share * 0.5).driven([r, 0.0, 0.0, 0.0]), fast.at(share * 0.5 / r));
         let (difference, peak) = (magnitudes(driven - direct), fast.peak());
         prop_assert!((driven.s - direct.s).abs() <= 1e-12 * length.abs());
         let rounding = Limits { v: 1e-11 * peak.v, a: 1e-11 * peak.a, j: 1e-11 * peak.j, dj: 1e-11 * peak.dj };
@@ -80,7 +80,7 @@ proptest! {
     fn m8_changing_ratio_agrees_with_differences(share in prop_oneof![0.1..0.45, 0.55..0.9], r in 0.5..1.5, r_dot in -2.0..2.0) {
         let stroke = Stroke::new(5.0, 0.2);
         let p0 = share * 0.2;
-        let driven = |t: f64| stroke.at(p0 + (r + 0.5 * r_dot * t) * t).driven(r + r_dot * t, r_dot);
+        let driven = |t: f64| stroke.at(p0 + (r + 0.5 * r_dot * t) * t).driven([r + r_dot * t, r_dot, 0.0, 0.0]);
         let h = 1e-5;
         let (before, now, after) = (driven(-h), driven(0.0), driven(h));
         let peak = stroke.peak().scaled(r);

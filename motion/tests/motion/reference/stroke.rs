@@ -71,7 +71,7 @@ fn check_parameters(case: &Case, stroke: &Stroke) {
 
 fn check_chain_rule(case: &Case, stroke: &Stroke) {
     let rule = &case.chain_rule;
-    let driven = stroke.at(rule.p_s).driven(rule.r, rule.r_dot_1_s);
+    let driven = stroke.at(rule.p_s).driven([rule.r, rule.r_dot_1_s, 0.0, 0.0]);
     close(&format!("{}: chain rule v", case.id), driven.v, rule.v_mm_s, case.v_peak_mm_s.abs(), 1e-9);
     close(&format!("{}: chain rule a", case.id), driven.a, rule.a_mm_s2, case.a_p_mm_s2.abs(), 1e-9);
 }

@@ -1,0 +1,262 @@
+//! What of the angle of a spindle repeats with every turn. In: its measured angle, once a period. Out: the
+//! angle of its even rotation; and that again with as much of the ripple on it as somebody can follow, with
+//! derivatives.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | θ | rad | angle of the spindle within its turn |
+//! | h | 1/turn | which harmonic, 1 … 8 |
+//! | Z_h | unit of the angle | complex amplitude of it |
+//! | f_l | Hz | bandwidth of the observer (M53) that learns |
+//! | x | – | frequency of the harmonic over f_l |
+//! | S | – | share of a swing that the observer leaves in its residual res |
+//! | n | turns | learned from so far, 1 … 5 |
+//! | T | s | period |
+//!
+//! ```text
+//! R(θ) = Σ Re(Z_h e^(jhθ))
+//! Z_h ← Z_h + 2 Δturns/n · res e^(−jhθ)/S,   1/S = (1 − j/x)³                                    (M130)
+//! ```
+//! A swing slower than 0.7 f_l the observer follows by itself: then nothing is learned of that harmonic, and
+//! what is known of it stays. Nothing is learned while the speed changes by more than 1 % a turn, nor for
+//! 0.5/f_l after that: a residual is no ripple then.
+//!
+//! Ripple of the speed, and an encoder that is eccentric or badly divided, look the same. Both are taken off
+//! the measurement and put back where they are followed; so it does no harm that something was learned
+//! wrongly but where a harmonic is not followed.
+
+use core::f64::consts::TAU;
+
+use crate::{SpindleMotion, SpindleObserver};
+
+/// Harmonics that are learned.
+const HARMONICS: usize = 8;
+/// Bandwidth of the observer that learns, Hz.
+const LEARNING_HZ: f64 = 8.0;
+/// Slowest harmonic that is learned, by that bandwidth.
+const SLOWEST: f64 = 0.7;
+/// Turns that are averaged in the end.
+const TURNS: f64 = 5.0;
+/// Change of the speed in a turn, a share of it, up to which a spindle turns steadily.
+const STEADY: f64 = 0.01;
+/// How long it has to, by the bandwidth.
+const STEADY_FOR: f64 = 0.5;
+/// Largest residual that is learned from, shares of a turn: no spindle is that uneven.
+const LARGEST: f64 = 0.002;
+
+/// A complex number.
+type Complex = (f64, f64);
+
+/// What repeats with every turn of a spindle.
+///
+/// ```
+/// // 2000 measurements a second of a spindle of 10 turns a second, uneven by a thousandth of a turn.
+/// let mut ripple = motion::Ripple::new(1.0, 5e-4);
+/// let uneven = |turns: f64| turns + 1e-3 * (2.0 * std::f64::consts::TAU * turns).sin();
+/// ripple.start(0.0, 10.0);
+/// let even: Vec<f64> = (1..20_000).map(|n| ripple.update(uneven(f64::from(n) * 5e-3))).collect();
+/// assert!((even[19_998] - 19_999.0 * 5e-3).abs() < 1e-5);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ripple {
+    per_turn: f64,
+    period: f64,
+    observer: SpindleObserver,
+    z: [Complex; HARMONICS],
+    steady_s: f64,
+    turns: f64,
+}
+
+impl Ripple {
+    /// Nothing is known yet of a spindle with so many units of the angle in a turn, measured every
+    /// `period_s`.
+    ///
+    /// # Panics
+    /// If the period is not positive and finite.
+    #[must_use]
+    pub fn new(per_turn: f64, period_s: f64) -> Ripple {
+        Ripple {
+            per_turn,
+            period: period_s,
+            observer: SpindleObserver::new(LEARNING_HZ, period_s),
+            z: [(0.0, 0.0); HARMONICS],
+            steady_s: 0.0,
+            turns: 0.0,
+        }
+    }
+
+    /// The observer goes on from an angle and a speed (per s); what is known stays.
+    pub fn start(&mut self, angle: f64, speed: f64) {
+        self.observer.start(angle, speed);
+        self.steady_s = 0.0;
+    }
+
+    /// A measurement is missing.
+    pub fn skip(&mut self) {
+        self.observer.skip();
+    }
+
+    /// Takes a measured angle. That of the even rotation.
+    pub fn update(&mut self, measured: f64) -> f64 {
+        let even = measured - self.ahead(measured);
+        let residual = self.observer.update(even);
+        self.learn(residual);
+        even
+    }
+
+    fn learn(&mut self, residual: f64) {
+        let SpindleMotion { angle, speed, acceleration, .. } = self.observer.at(0.0);
+        let uneven = acceleration.abs() * self.per_turn > STEADY * speed * speed;
+        self.steady_s = if uneven { 0.0 } else { self.steady_s + self.period };
+        if self.steady_s * LEARNING_HZ < STEADY_FOR || residual.abs() > LARGEST * self.per_turn {
+            return;
+        }
+        let turns_s = speed / self.per_turn;
+        let turned = turns_s.abs() * self.period;
+        self.turns = (self.turns + turned).min(TURNS);
+        let gain = 2.0 * turned / self.turns.max(1.0) * residual;
+        let turn = self.wave(angle);
+        let mut wave = turn;
+        for (harmonic, z) in (1..).map(f64::from).zip(&mut self.z) {
+            let x = harmonic * turns_s / LEARNING_HZ;
+            if x.abs() >= SLOWEST {
+                let found = times((gain * wave.0, -gain * wave.1), unseen(x));
+                *z = (z.0 + found.0, z.1 + found.1);
+            }
+            wave = times(wave, turn);
+        }
+    }
+
+    /// R: how far ahead of its even rotation the spindle is at an angle.
+    fn ahead(&self, angle: f64) -> f64 {
+        let turn = self.wave(angle);
+        let mut wave = turn;
+        let mut ahead = 0.0;
+        for z in &self.z {
+            ahead += times(*z, wave).0;
+            wave = times(wave, turn);
+        }
+        ahead
+    }
+
+    /// An even motion with the ripple on it, each harmonic by a share that depends on its frequency in Hz.
+    #[must_use]
+    pub fn upon(&self, even: &SpindleMotion, share: impl Fn(f64) -> f64) -> SpindleMotion {
+        let turn = self.wave(even.angle);
+        let mut wave = turn;
+        let turns_s = even.speed / self.per_turn;
+        let (w, al) = (TAU * turns_s, TAU * even.acceleration / self.per_turn);
+        let mut motion = *even;
+        for (h, z) in (1..).map(f64::from).zip(&self.z) {
+            let (re, im) = times(*z, wave);
+            let share = share(h * turns_s.abs());
+            let (re, im, w, al) = (share * re, share * im, h * w, h * al);
+            motion.angle += re;
+            motion.speed -= w * im;
+            motion.acceleration -= w * w * re + al * im;
+            motion.jerk += w * w * w * im - 3.0 * w * al * re;
+            motion.snap += w * w * w * w * re;
+            wave = times(wave, turn);
+        }
+        motion
+    }
+
+    /// e^(jθ).
+    fn wave(&self, angle: f64) -> Complex {
+        let turns = angle / self.per_turn;
+        let (sin, cos) = libm::sincos(TAU * (turns - turns.floor()));
+        (cos, sin)
+    }
+}
+
+fn times(a: Complex, b: Complex) -> Complex {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+/// 1/S.
+fn unseen(x: f64) -> Complex {
+    let root = (1.0, -1.0 / x);
+    times(root, times(root, root))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const T: f64 = 5e-4;
+    const COUNTS: f64 = 10_000.0;
+
+    /// Counts by which a spindle is ahead: two and six times a turn.
+    fn ahead(turns: f64) -> f64 {
+        1.6 * libm::sin(2.0 * TAU * turns + 1.0) + 0.4 * libm::sin(6.0 * TAU * turns)
+    }
+
+    /// Runs a spindle up to a speed, 1/min, and on for some turns, through an encoder with counts.
+    fn learned(rpm: f64, turns: f64) -> Ripple {
+        let mut ripple = Ripple::new(COUNTS, T);
+        let (mut q, mut w) = (0.0f64, 0.0f64);
+        let mut steady = 0.0;
+        while steady < turns {
+            w = (w + 800.0 / 60.0 * T).min(rpm / 60.0);
+            q += w * T;
+            steady += if w == rpm / 60.0 { w * T } else { 0.0 };
+            ripple.update((q * COUNTS + ahead(q)).floor() + 0.5);
+        }
+        ripple
+    }
+
+    #[test]
+    fn a_ripple_is_known_a_few_turns_after_the_speed_is_reached() {
+        for (rpm, turns, within) in
+            [(307.0, 6.0, 0.4), (607.0, 9.0, 0.4), (607.0, 25.0, 0.1), (2007.0, 25.0, 0.2)]
+        {
+            let ripple = learned(rpm, turns);
+            let worst = (0..360).map(|deg| f64::from(deg) / 360.0);
+            let worst = worst.map(|at| (ripple.ahead(at * COUNTS) - ahead(at)).abs()).fold(0.0, f64::max);
+            assert!(worst < within, "{worst} counts after {turns} turns at {rpm} 1/min");
+        }
+    }
+
+    #[test]
+    fn a_slow_spindle_and_one_that_changes_its_speed_teach_nothing() {
+        assert_eq!(learned(30.0, 3.0).z, [(0.0, 0.0); HARMONICS]);
+        let mut ripple = Ripple::new(COUNTS, T);
+        (0..4000).map(|n| f64::from(n) * T).for_each(|t| {
+            ripple.update(((5.0 + 5.0 * t) * t * COUNTS).floor());
+        });
+        assert_eq!(ripple.z, [(0.0, 0.0); HARMONICS]);
+    }
+
+    #[test]
+    fn the_derivatives_belong_to_the_angle() {
+        let ripple = learned(600.0, 20.0);
+        let even = |t: f64| SpindleMotion {
+            angle: 3000.0 + (1e5 + 1e4 * t) * t,
+            speed: 1e5 + 2e4 * t,
+            acceleration: 2e4,
+            ..SpindleMotion::default()
+        };
+        let (all, h) = (|_: f64| 1.0, 1e-5);
+        let (before, now, after) = (even(-h), even(0.0), even(h));
+        let [before, now, after] = [before, now, after].map(|even| ripple.upon(&even, all));
+        let rate = |of: fn(&SpindleMotion) -> f64| (of(&after) - of(&before)) / (2.0 * h);
+        for (name, found, expected) in [
+            ("speed", now.speed, rate(|motion| motion.angle)),
+            ("acceleration", now.acceleration, rate(|motion| motion.speed)),
+            ("jerk", now.jerk, rate(|motion| motion.acceleration)),
+            ("snap", now.snap, rate(|motion| motion.jerk)),
+        ] {
+            assert!((found / expected - 1.0).abs() < 0.02, "{name}: {found}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_harmonic_that_is_not_followed_is_left_out() {
+        let ripple = learned(600.0, 20.0);
+        let even = SpindleMotion { angle: 1234.0, speed: 1e5, ..SpindleMotion::default() };
+        assert_eq!(ripple.upon(&even, |_| 0.0), even);
+        let slow = ripple.upon(&even, |hz| if hz < 30.0 { 1.0 } else { 0.0 });
+        let expected = 1.6 * libm::sin(2.0 * TAU * 0.1234 + 1.0);
+        assert!((slow.angle - even.angle - expected).abs() < 0.15, "{slow:?}");
+    }
+}
