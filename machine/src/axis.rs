@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error, ser};
 
 use protocol::{Axis, AxisMeasurement, Position};
 
-use super::{General, MachineError, range, refuse};
+use super::{Bus, General, MachineError, range, refuse};
 
 /// Rows of a table of errors of a screw are at least so far apart, mm.
 pub const CLOSEST_MM: f64 = 0.1;
@@ -91,6 +91,10 @@ pub struct AxisConfig {
     /// (M69).
     #[serde(default, alias = "backlash_deg")]
     pub backlash_mm: f64,
+    /// Mode of the slide against the standing motor as believed, Hz. With it the motor is led so that the slide
+    /// does what is commanded (M131); without, the slide is taken to be rigid.
+    #[serde(default)]
+    pub mode_hz: Option<f64>,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide
     /// stands, in thousandths of that unit (µm). Only its change since home counts. Empty for none.
     #[serde(default, deserialize_with = "pairs")]
@@ -151,7 +155,7 @@ impl AxisConfig {
         if self.scale_step_mm.is_some() { measured.scale } else { measured.position }
     }
 
-    pub(super) fn check(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
+    pub(super) fn check(&self, axis: Axis, general: &General, bus: &Bus) -> Result<(), MachineError> {
         let key = |name: &str| key(axis, name);
         let [low, high] = self.travel_mm;
         range(&key("travel_mm[0]"), low, -1e5, 1e5)?;
@@ -184,20 +188,24 @@ impl AxisConfig {
             // A coarser scale would never show the axis in position.
             range(&key("scale_step_mm"), step_mm, 1e-7, self.in_position_mm)?;
         }
+        if let Some(mode_hz) = self.mode_hz {
+            range(&key("mode_hz"), mode_hz, 5.0, 1000.0)?;
+        }
         range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)?;
-        self.check_reach(axis, general)?;
+        self.check_reach(axis, general, bus)?;
         self.check_screw_error(&key("screw_error"))
     }
 
     /// Feedforward looks no farther than the setpoints of a stream reach: at the first cycle of a tick one
-    /// tick back, at its last one tick and one cycle ahead.
-    fn check_reach(&self, axis: Axis, general: &General) -> Result<(), MachineError> {
+    /// tick back, at its last one tick and one cycle ahead. What is on its way to the drive is part of that.
+    fn check_reach(&self, axis: Axis, general: &General, bus: &Bus) -> Result<(), MachineError> {
         let Difference { quantum_mm, cycles, centred } = self.difference;
         let difference = |name: &str| key(axis, &format!("difference.{name}"));
         range(&difference("quantum_mm"), quantum_mm, 1e-12, 1.0)?;
         range(&difference("cycles"), f64::from(cycles), 1.0, 16.0)?;
-        let back_s = general.interpolator_cycle_s;
-        let reach_s = general.interpolator_cycle_s + general.cycle_s;
+        let output_s = bus.output_s(general.cycle_s);
+        let back_s = general.interpolator_cycle_s + output_s;
+        let reach_s = general.interpolator_cycle_s + general.cycle_s - output_s;
         let beyond = |look_s: f64, reach_s: f64| look_s > reach_s * (1.0 + 1e-9);
         let leads = [self.velocity_lead_s, self.acceleration_lead_s];
         for (name, lead_s) in ["velocity_lead_s", "acceleration_lead_s"].into_iter().zip(leads) {

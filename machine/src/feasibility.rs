@@ -28,13 +28,14 @@ impl Machine {
     /// before it.
     ///
     /// A status tells of the cycle before its tick, and a frame that calls the pass off acts a tick later.
-    /// What the spindle turns meanwhile, at its highest override, is this angle.
+    /// What the spindle turns meanwhile, at its highest override, is this angle; and what it turns while
+    /// counts and commands are on the bus.
     pub fn call_off_s(&self) -> f64 {
         self.highest_ratio() * self.call_off_cycles() * self.general.cycle_s
     }
 
     fn call_off_cycles(&self) -> f64 {
-        self.cycles_per_tick() as f64 + 1.0
+        self.cycles_per_tick() as f64 + 1.0 + f64::from(self.bus.input_cycles + self.bus.output_cycles)
     }
 
     /// Highest speed of the spindle as a multiple of the programmed one.

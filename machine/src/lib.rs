@@ -5,6 +5,7 @@
 //! refuses impossible values with the path of the key. Units are in the names of the keys.
 
 mod axis;
+mod bus;
 mod feasibility;
 pub mod kinematics;
 mod path;
@@ -14,6 +15,7 @@ mod spindle;
 use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_ROWS};
+pub use bus::{Bus, LONGEST_CYCLES};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
@@ -63,6 +65,9 @@ pub struct Machine {
     /// `[positioner]`: only a positioner has it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positioner: Option<PositionerConfig>,
+    /// `[bus]`
+    #[serde(default)]
+    pub bus: Bus,
     /// `[path]`
     #[serde(default)]
     pub path: PathConfig,
@@ -249,7 +254,8 @@ impl Machine {
         if let Some(other) = self.axis.keys().find(|axis| !needed.contains(axis) && !allowed.contains(axis)) {
             return Err(refuse("axis", other.name(), reason));
         }
-        self.axes().try_for_each(|(axis, config)| config.check(axis, general))?;
+        self.bus.check(general)?;
+        self.axes().try_for_each(|(axis, config)| config.check(axis, general, &self.bus))?;
         self.check_positioner()?;
         self.check_spindle()?;
         self.path.check()?;

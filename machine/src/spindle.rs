@@ -21,6 +21,9 @@ pub struct SpindleConfig {
     /// Bandwidth of the one that leads an axis which only strokes to depth and back, Hz.
     #[serde(default = "stroke_observer_hz")]
     pub stroke_observer_hz: f64,
+    /// How much older than those of the axes the counts of the spindle are, s: the delay of its encoder.
+    #[serde(default)]
+    pub encoder_delay_s: f64,
     /// Highest spindle override, per cent.
     pub override_max_pct: f64,
     /// Band around the commanded speed that counts as "at speed", per cent.
@@ -125,6 +128,7 @@ impl SpindleConfig {
             ramp_rpm_s: 1000.0,
             observer_hz: 30.0,
             stroke_observer_hz: stroke_observer_hz(),
+            encoder_delay_s: 0.0,
             override_max_pct: 100.0,
             at_speed_pct: 5.0,
         }
@@ -141,6 +145,7 @@ impl SpindleConfig {
         range("spindle.ramp_rpm_s", self.ramp_rpm_s, 1.0, 1e6)?;
         range("spindle.observer_hz", self.observer_hz, 1.0, 500.0)?;
         range("spindle.stroke_observer_hz", self.stroke_observer_hz, 1.0, 500.0)?;
+        range("spindle.encoder_delay_s", self.encoder_delay_s, -2e-4, 2e-4)?;
         range("spindle.override_max_pct", self.override_max_pct, 100.0, 200.0)?;
         range("spindle.at_speed_pct", self.at_speed_pct, 0.5, 100.0)
     }

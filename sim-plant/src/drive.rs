@@ -96,12 +96,18 @@ impl Drive {
         self.trip = Some(trip);
     }
 
-    /// The answer to a command in a cycle: torque for the next one, or `None` without power, when the brake
-    /// holds.
-    pub(crate) fn answer(&mut self, now: Cycle, command: &DriveCommand, v_meas: f64) -> Option<f64> {
+    /// The answer to a command in a cycle, which was under way for `late` cycles: torque for the next one, or
+    /// `None` without power, when the brake holds.
+    pub(crate) fn answer(
+        &mut self,
+        now: Cycle,
+        late: u64,
+        command: &DriveCommand,
+        v_meas: f64,
+    ) -> Option<f64> {
         let v_cmd = command.target_velocity_mm_s + command.velocity_offset_mm_s;
         let was_powered = self.machine.powered();
-        let late = was_powered && now.0 >= command.cycle.0.saturating_add(OLDEST_COMMAND);
+        let late = was_powered && now.0 >= command.cycle.0.saturating_add(OLDEST_COMMAND + late);
         let overspeed = was_powered && v_meas.abs() > self.overspeed_mm_s;
         let standstill = !was_powered || (self.braking_mm_s == 0.0 && v_meas.abs() < STANDSTILL_MM_S);
         let tripped = !self.believes(now, command, v_cmd) || late || overspeed;

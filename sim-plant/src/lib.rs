@@ -14,6 +14,7 @@
 //! | `drive_state`, `drive`, `meter` | the drive of one axis: state machine, velocity loop, measured torque |
 //! | `spindle`, `reading` | motor, speed loop, ripple; how its encoder and its index are read |
 //! | `encoder` | faults of the spindle encoder that a scenario brings |
+//! | `bus` | what is under way between drives and regulators |
 //! | `breakages` | what else it breaks: drives, counters of the axes, the drive of the spindle |
 //! | `orders` | what it wants of whoever runs the machine: modules killed, messages tampered with |
 //! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
@@ -25,6 +26,7 @@
 
 mod belief;
 mod breakages;
+mod bus;
 mod config;
 mod cutting;
 mod drive;

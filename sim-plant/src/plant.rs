@@ -9,7 +9,8 @@ use protocol::{
 };
 
 use crate::breakages::AxisBreakage;
-use crate::config::{PlantConfig, PlantError};
+use crate::bus::Bus;
+use crate::config::{self, PlantConfig, PlantError};
 use crate::cutting::Cutter;
 use crate::drive::{Drive, Trip};
 use crate::drive_train::{Acting, DriveTrain};
@@ -83,6 +84,9 @@ pub struct Plant {
     /// Control cycles for which the mains have been off, and for which the drives have torque then.
     outage: u64,
     link_cycles: u64,
+    bus: Bus,
+    /// What is measured in the present cycle; regulators see of it what the bus has brought.
+    fresh: Measurement,
     truth: Truth,
 }
 
@@ -135,9 +139,13 @@ impl Plant {
         let cutter = Cutter::new(config.cutting, machine);
         let freshness = Freshness { stale: 4 * machine.cycles_per_tick(), ..Freshness::default() };
         let link_cycles = (config.power.link_hold_s / cycle_s).round() as u64;
-        let truth = Truth::default();
-        let mut plant = Plant { axes, spindle, timeline, cutter, freshness, outage: 0, link_cycles, truth };
+        let (fresh, truth) = (Measurement::default(), Truth::default());
+        let bus = Bus::new(0, 0, &fresh);
+        let mut plant =
+            Plant { axes, spindle, timeline, cutter, freshness, outage: 0, link_cycles, bus, fresh, truth };
         plant.sample(Cycle(0), &SpindleCommand::default());
+        let config::Bus { input_cycles, output_cycles } = config.bus;
+        plant.bus = Bus::new(input_cycles, output_cycles, &plant.fresh);
         Ok(plant)
     }
 
@@ -181,10 +189,12 @@ impl Plant {
     ) {
         let now = self.truth.cycle;
         self.break_axes();
+        let late = self.bus.output_cycles();
+        let drives = self.bus.commanded(drives);
         for axes in self.axes.chunks_mut(2) {
             let acting = |own: &mut AxisPlant| {
                 let index = own.axis.index();
-                own.acting(now, &drives[index], self.truth.axes[index].force_n)
+                own.acting(now, late, &drives[index], self.truth.axes[index].force_n)
             };
             match axes {
                 [one, other] => {
@@ -249,7 +259,7 @@ impl Plant {
         self.truth.spindle_deg = 360.0 * self.spindle.turns();
         self.truth.spindle_rpm = self.spindle.rpm();
         self.truth.spindle_torque_nm = self.spindle.torque_nm();
-        let measurement = &mut self.truth.measurement;
+        let measurement = &mut self.fresh;
         measurement.cycle = now;
         measurement.last = u32::from(command.is_last());
         self.spindle.measure(now, self.timeline.encoder(), measurement);
@@ -258,7 +268,7 @@ impl Plant {
             let motion = axis.train.motion();
             let (nut_m, nut_m_s) = axis.train.nut();
             let slide_mm = axis.true_home_mm + 1e3 * motion.slide_m;
-            let measured = &mut self.truth.measurement.axes[index];
+            let measured = &mut self.fresh.axes[index];
             measured.position = axis.position();
             measured.scale = axis.scale.map_or(measured.position, |scale| scale.position(slide_mm));
             measured.torque_nm = axis.meter.show(now, motion.torque_nm);
@@ -270,8 +280,8 @@ impl Plant {
             truth.velocity_mm_s = 1e3 * nut_m_s;
             truth.torque_nm = axis.train.torque_nm();
         }
-        let index = (self.truth.measurement.index_number > 0)
-            .then(|| (360.0 * self.spindle.index_turn(), self.truth.measurement.index_cycle));
+        let index = (self.fresh.index_number > 0)
+            .then(|| (360.0 * self.spindle.index_turn(), self.fresh.index_cycle));
         let moment = Moment {
             cycle: now,
             z_mm: self.truth.axes[Axis::Z.index()].slide_mm,
@@ -280,7 +290,8 @@ impl Plant {
             index,
         };
         self.timeline.advance(&moment, command);
-        self.truth.measurement.panel = self.timeline.panel();
+        self.fresh.panel = self.timeline.panel();
+        self.truth.measurement = self.bus.measured(&self.fresh);
         (self.truth.doom, self.truth.doomed) = match self.timeline.order() {
             Some(Order::Doom(doom, module)) => (doom as u32, module.code()),
             _ => (0, 0),
@@ -327,9 +338,10 @@ impl AxisPlant {
     }
 
     /// What acts on the mechanics until the next cycle, when the drive has a command.
-    fn acting(&mut self, now: Cycle, command: &DriveCommand, force_n: f64) -> Acting {
+    /// It has been under way for `late` cycles.
+    fn acting(&mut self, now: Cycle, late: u64, command: &DriveCommand, force_n: f64) -> Acting {
         let v_meas = (self.count - self.count_before) * self.quantum_mm * self.inverse_cycle;
-        let answer = self.drive.answer(now, command, v_meas);
+        let answer = self.drive.answer(now, late, command, v_meas);
         // Power comes with the first torque; it goes at once, and the brake with it.
         let command_nm = answer.and(self.torque_nm);
         self.torque_nm = answer;

@@ -57,6 +57,8 @@ pub(crate) struct PlantConfig {
     pub(crate) cutting: Cutting,
     /// `[plant.power]`
     pub(crate) power: Power,
+    /// `[plant.bus]`
+    pub(crate) bus: Bus,
 }
 
 /// `[plant.cutting]`
@@ -108,6 +110,15 @@ impl Default for Power {
     }
 }
 
+/// `[plant.bus]`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Bus {
+    /// Control cycles for which a measurement is under way to the regulators, and a command to the drives.
+    pub(crate) input_cycles: u32,
+    pub(crate) output_cycles: u32,
+}
+
 impl PlantConfig {
     /// Reads and checks the truth about a machine.
     pub(crate) fn of(machine: &Machine) -> Result<PlantConfig, PlantError> {
@@ -124,6 +135,9 @@ impl PlantConfig {
         config.spindle.check()?;
         config.cutting.check()?;
         range("plant.power.link_hold_s", config.power.link_hold_s, 0.0, 10.0)?;
+        let (longest, bus) = (f64::from(machine::LONGEST_CYCLES), config.bus);
+        range("plant.bus.input_cycles", f64::from(bus.input_cycles), 0.0, longest)?;
+        range("plant.bus.output_cycles", f64::from(bus.output_cycles), 0.0, longest)?;
         Ok(config)
     }
 }
