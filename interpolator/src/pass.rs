@@ -81,7 +81,7 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     let at_rest = *rested > SETPOINT_LEAD && axes.in_position();
     let watched_s = cycle.0 as f64 * machine.general.cycle_s;
     let watched = watched_s * machine.spindle.slowest_observer_hz() >= WATCHED_PERIODS;
-    if !at_rest || !watched || !spindle.at_speed() {
+    if !at_rest || !watched || !spindle.at_speed() || !spindle.is_known() {
         return Ok(Ready::Wait);
     }
     let not_before = cycle.after(ARMING_TICKS * machine.cycles_per_tick());

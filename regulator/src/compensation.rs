@@ -95,9 +95,9 @@ impl Compensation {
         }
     }
 
-    /// Where the axis is when the motor is measured at `motor_mm` at the sample instant.
-    pub fn axis_mm(&self, motor_mm: f64) -> f64 {
-        let nut_mm = motor_mm - self.side(0.0).s;
+    /// Where the axis was when the motor was measured at `motor_mm`, so long ago.
+    pub fn axis_mm(&self, motor_mm: f64, ago_s: f64) -> f64 {
+        let nut_mm = motor_mm - self.side(-ago_s).s;
         (0..INVERSIONS).fold(nut_mm, |s, _| nut_mm + self.error(s)[0])
     }
 

@@ -15,7 +15,7 @@
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
-//! | t_v, t_a | s | leads of speed and of acceleration and friction, after the sample instant |
+//! | t_v, t_a | s | leads of speed and of acceleration and friction, after the present; the way to the drive is part of them |
 //! | q, n, T, h = n T | mm, –, s, s | quantum of positions, control cycles between two of them, control cycle |
 //! | x̂ | mm | position of the motor, rounded: q round(x/q) |
 //!
@@ -84,9 +84,10 @@ struct Rounded {
 
 impl Feedforward {
     /// The structure that an axis of the machine file asks for.
-    pub fn new(config: &AxisConfig, cycle_s: f64) -> Feedforward {
+    /// The drive takes what is fed forward `output_s` later.
+    pub fn new(config: &AxisConfig, cycle_s: f64, output_s: f64) -> Feedforward {
         use Source::{Backward, Centred, Law, Nothing};
-        let (t_v, t_a) = (config.velocity_lead_s, config.acceleration_lead_s);
+        let (t_v, t_a) = (config.velocity_lead_s + output_s, config.acceleration_lead_s + output_s);
         let row = |speed, ahead, acceleration, friction| Row { speed, ahead, acceleration, friction };
         let centred = config.difference.centred;
         let row = match config.feedforward {
@@ -114,7 +115,7 @@ impl Feedforward {
         self.rounded.map_or(1, |rounded| rounded.cycles)
     }
 
-    /// Farthest look back and ahead of the sample instant, s, both ≥ 0.
+    /// Farthest look back and ahead of the present, s, both ≥ 0.
     pub fn reach_s(&self) -> [f64; 2] {
         let about = |source| match source {
             Source::Nothing | Source::Backward => [0.0, 0.0],
@@ -144,7 +145,7 @@ impl Feedforward {
         if let Some(rounded) = &mut self.rounded {
             rounded.send(motor);
         }
-        let position_mm = motor.now.s;
+        let position_mm = motor.sampled_mm;
         Feed {
             position_mm: self.rounded.map_or(position_mm, |rounded| rounded.round(position_mm)),
             v,

@@ -14,11 +14,13 @@
 //! | [`stream`] | timed motion between setpoints |
 //! | [`reference`](mod@reference) | where the axis shall be: now, and about it, at the leads of the feedforwards (M8, M54) |
 //! | [`compensation`], [`screw`] | what the motor does besides, for backlash and the error of the screw (M68, M69) |
+//! | [`elastic`] | what the motor does besides, for what the drive train gives (M131) |
 //! | [`feedforward`] | structures of feedforward: which of them feeds what (M54, M67) |
 //! | [`loops`] | position loop, feedforward of mass and friction (M54) |
 #![forbid(unsafe_code)]
 
 pub mod compensation;
+pub mod elastic;
 pub mod encoder;
 pub mod feedforward;
 mod jumps;

@@ -19,7 +19,7 @@
 //! never gets the full force. Only the way commanded moves z, neither time nor noise of a measurement. |z| ≤
 //! Fc/s0 at any speed, because the step is implicit.
 
-use machine::AxisConfig;
+use machine::{AxisConfig, Bus};
 
 use crate::{feedforward::Feedforward, reference::Motor};
 
@@ -49,8 +49,8 @@ pub struct Loops {
 
 impl Loops {
     /// The loops as an axis of the machine file sets them.
-    pub fn new(config: &AxisConfig, cycle_s: f64) -> Loops {
-        let feedforward = Feedforward::new(config, cycle_s);
+    pub fn new(config: &AxisConfig, bus: &Bus, cycle_s: f64) -> Loops {
+        let feedforward = Feedforward::new(config, cycle_s, bus.output_s(cycle_s));
         Loops {
             step_s: cycle_s * feedforward.cycles() as f64,
             feedforward,
@@ -67,9 +67,11 @@ impl Loops {
         }
     }
 
-    /// Farthest look of feedforward back and ahead of the sample instant, s, both ≥ 0.
-    pub fn reach_s(&self) -> [f64; 2] {
-        self.feedforward.reach_s()
+    /// Farthest look back and ahead of the present, s, both ≥ 0: of feedforward, and back to when a
+    /// measurement was made, `input_s` ago.
+    pub fn reach_s(&self, input_s: f64) -> [f64; 2] {
+        let [back_s, ahead_s] = self.feedforward.reach_s();
+        [back_s.max(input_s), ahead_s]
     }
 
     /// The axis has no command; the next one begins at rest.

@@ -1,4 +1,5 @@
-//! Where the axis shall be, at the sample instant and about it: feedforwards look ahead and back (M54).
+//! Where the axis shall be, in the present and about it: feedforwards look ahead and back (M54), and what is
+//! measured is as old as the bus makes it.
 //!
 //! Whatever the master is (time in a stream, the spindle angle in a pass), a lead in s becomes a sample in mm
 //! and s; position is absolute. [`Reference::axis`] is the motion of the axis. That of the motor behind it,
@@ -9,6 +10,7 @@ use protocol::Cycle;
 
 use crate::{
     compensation::Compensation,
+    elastic::Elastic,
     leave::{Leaving, Way},
     spindle::Spindle,
     state::{Pass, Stage, State},
@@ -24,7 +26,7 @@ pub struct Reference<'a> {
     pub stream: &'a Stream,
     /// The spindle, master of a pass.
     pub spindle: &'a Spindle,
-    /// The cycle of the sample instant.
+    /// The present cycle.
     pub cycle: Cycle,
     /// The control cycle, s.
     pub cycle_s: f64,
@@ -33,12 +35,17 @@ pub struct Reference<'a> {
 }
 
 impl Reference<'_> {
-    /// The motion of the axis at the sample instant, as estimated.
+    /// The motion of the axis now, as estimated.
     pub fn now(&self) -> Sample {
         self.sample(0.0, Spindle::since)
     }
 
-    /// The motion of the axis `lead_s` after the sample instant, as it is fed forward.
+    /// The motion of the axis so long ago, as estimated by now.
+    pub fn ago(&self, ago_s: f64) -> Sample {
+        self.sample(-ago_s, Spindle::since)
+    }
+
+    /// The motion of the axis `lead_s` from now, as it is fed forward.
     pub fn axis(&self, lead_s: f64) -> Sample {
         self.sample(lead_s, Spindle::followed_since)
     }
@@ -49,14 +56,18 @@ impl Reference<'_> {
             State::Idle | State::Fault(_) => still(self.measured_mm),
             State::InPass { pass, stage: Stage::Armed } => still(pass.law.start.mm()),
             State::Leaving(Leaving { way: Way::Timed { exit, from }, .. }) => {
-                exit.at((self.cycle.0 - from.0) as f64 * self.cycle_s + lead_s)
+                let t = (self.cycle.0 - from.0) as f64 * self.cycle_s + lead_s;
+                let begun = exit.at(t.max(0.0));
+                // Before it the axis came as it begins.
+                let before = t.min(0.0);
+                Sample { s: begun.s + (begun.v + 0.5 * begun.a * before) * before, ..begun }
             }
             State::Leaving(Leaving { way: Way::Along(_), pass: Some(pass), .. })
             | State::InPass { pass, .. } => {
                 let c = since(self.spindle, pass, lead_s);
-                let ratio = c.speed / pass.programmed_deg_s;
-                let ratio_rate = c.acceleration / pass.programmed_deg_s;
-                let mut sample = pass.motion.at(c.angle).driven(ratio, ratio_rate);
+                let ratio = |value: f64| value / pass.programmed_deg_s;
+                let mut sample =
+                    pass.motion.at(c.angle).driven([c.speed, c.acceleration, c.jerk, c.snap].map(ratio));
                 sample.s += pass.law.start.mm();
                 sample
             }
@@ -64,7 +75,7 @@ impl Reference<'_> {
         }
     }
 
-    /// C at the sample instant, degrees; 0 as long as it is not counted.
+    /// C now, degrees; 0 as long as it is not counted.
     pub fn angle_deg(&self) -> f64 {
         match self.state {
             State::Idle | State::Fault(_) | State::Streaming => 0.0,
@@ -87,16 +98,18 @@ impl Reference<'_> {
 pub struct Motor<'a> {
     /// What the axis shall do.
     pub reference: Reference<'a>,
-    /// What it shall do at the sample instant ([`Reference::now`]).
-    pub now: Sample,
+    /// What the measurement should have shown, mm.
+    pub sampled_mm: f64,
+    /// What the drive train gives.
+    pub elastic: Elastic,
     /// What the motor does besides, if anything.
     pub compensation: Option<&'a Compensation>,
 }
 
 impl Motor<'_> {
-    /// The motion of the motor `lead_s` after the sample instant: position, speed, acceleration.
+    /// The motion of the motor `lead_s` from now: position, speed, acceleration.
     pub fn at(&self, lead_s: f64) -> Sample {
-        let axis = self.reference.axis(lead_s);
+        let axis = self.elastic.nut(&self.reference.axis(lead_s));
         self.compensation.map_or(axis, |compensation| compensation.motor(&axis, lead_s))
     }
 }

@@ -9,8 +9,9 @@ use protocol::{
 
 use crate::{
     compensation::Compensation,
+    elastic::Elastic,
     jumps::Jumps,
-    leave::{self, Cause, Leaving},
+    leave::{self, Cause},
     lift::Lift,
     loops::{Command, Loops},
     reference::{Motor, Reference},
@@ -56,8 +57,11 @@ pub struct Regulator {
     stream: Stream,
     spindle: Spindle,
     loops: Loops,
+    elastic: Elastic,
     compensation: Option<Compensation>,
     cycle_s: f64,
+    /// How old a measurement is, s.
+    input_s: f64,
     limits: Limits,
     in_position_mm: f64,
     watch: Watch,
@@ -96,16 +100,19 @@ impl Regulator {
     pub fn new(machine: &Machine, axis: Axis) -> Regulator {
         let config = &machine.axis[&axis];
         let cycle_s = machine.general.cycle_s;
-        let loops = Loops::new(config, cycle_s);
+        let loops = Loops::new(config, &machine.bus, cycle_s);
+        let input_s = machine.bus.input_s(cycle_s);
         let of = |index: usize| machine.axis.get(&Axis::ALL[index]);
         Regulator {
             axis: axis.index(),
             state: State::Idle,
             stream: Stream::new(cycle_s),
-            spindle: Spindle::new(machine),
-            compensation: Compensation::of(config, loops.reach_s(), cycle_s),
+            spindle: Spindle::new(machine, config.mode_hz),
+            elastic: Elastic::of(config),
+            compensation: Compensation::of(config, loops.reach_s(input_s), cycle_s),
             loops,
             cycle_s,
+            input_s,
             limits: config.limits(),
             in_position_mm: config.in_position_mm,
             watch: Watch::new(machine, axis, config),
@@ -159,10 +166,13 @@ impl Regulator {
             None => {}
         }
         let now = reference.now();
-        let motor = Motor { reference, now, compensation: compensation.as_ref() };
+        let sampled = if self.input_s > 0.0 { reference.ago(self.input_s) } else { now };
+        let ahead_mm = if self.scales[self.axis] { 0.0 } else { self.elastic.ahead_mm(&sampled) };
+        let (elastic, sampled_mm) = (self.elastic, sampled.s + ahead_mm);
+        let motor = Motor { reference, sampled_mm, elastic, compensation: compensation.as_ref() };
         let command = if idle { loops.rest() } else { loops.tick(&motor, measured_mm) };
         self.last = now;
-        self.answered = self.answer(measurement, angle_deg, &command, measured_mm);
+        self.answered = self.answer(measurement, angle_deg, &command, sampled_mm - measured_mm);
         &self.answered
     }
 
@@ -178,7 +188,9 @@ impl Regulator {
             return measured.scale.mm();
         }
         let motor_mm = measured.position.mm();
-        self.compensation.as_ref().map_or(motor_mm, |compensation| compensation.axis_mm(motor_mm))
+        self.compensation
+            .as_ref()
+            .map_or(motor_mm, |compensation| compensation.axis_mm(motor_mm, self.input_s))
     }
 
     /// Takes a frame and its setpoint; what cannot be used is counted and changes nothing.
@@ -323,7 +335,7 @@ impl Regulator {
         Lift::of(out, measured, self.lifting[lifting].position(place.mm(), missed, true))
     }
 
-    fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, measured_mm: f64) -> Out {
+    fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, error: f64) -> Out {
         let (cycle, now) = (measurement.cycle, &self.last);
         let control_word = self.control_word(measurement);
         let drive = DriveCommand {
@@ -334,14 +346,13 @@ impl Regulator {
             velocity_offset_mm_s: command.velocity_offset_mm_s,
             torque_offset_nm: command.torque_offset_nm,
         };
-        let error = now.s - measured_mm;
         let turning = self.compensation.as_ref().is_some_and(Compensation::is_turning);
         let still = now.v == 0.0 && now.a == 0.0 && !turning;
         let streaming = matches!(self.state, State::Streaming);
         let status = AxisStatus {
             cycle,
             state: self.state.public() as u32,
-            fault: self.fault().map_or(0, |fault| fault as u32),
+            fault: self.state.fault().map_or(0, |fault| fault as u32),
             pass: self.state.pass().map_or(0, |pass| pass.number),
             line: self.line,
             in_position: u32::from(streaming && still && error.abs() <= self.in_position_mm),
@@ -362,18 +373,9 @@ impl Regulator {
         Out { drive: drive.sealed(), status }
     }
 
-    /// The fault that is latched, or will be once the axis has left.
-    fn fault(&self) -> Option<Fault> {
-        match self.state {
-            State::Fault(fault) => Some(fault),
-            State::Leaving(Leaving { fault, .. }) => fault,
-            _ => None,
-        }
-    }
-
     /// The counts of the encoder's fault that is latched; else those that were corrected.
     fn encoder_counts(&self) -> i32 {
-        let counts = match (self.fault(), self.spindle.fault()) {
+        let counts = match (self.state.fault(), self.spindle.fault()) {
             (Some(fault), Some(found)) if found.fault == fault => found.counts,
             _ => self.spindle.corrected().into(),
         };

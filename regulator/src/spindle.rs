@@ -5,13 +5,17 @@
 //! seen: then its speed is taken from two counts 1/f_o apart. No pass is armed before 10/f_o
 //! (`interpolator/src/pass.rs`).
 //!
-//! There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads it, and it
-//! follows every correction of the estimate. An axis that only strokes is at rest at both ends, whatever the
-//! angle; on the way, the noise of the encoder would be its largest error: a slow observer leads it, by the
-//! estimate alone.
+//! What is known of the spindle is as old as the bus and its encoder make it; the angle is that of the
+//! present, by the speed observed.
+//!
+//! What repeats with every turn is taken off the counts before anything else (M130), so observers see an even
+//! rotation. There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads
+//! it, it follows every correction of the estimate beyond the rounding of counts, and as much of the ripple as
+//! its mode lets through. An axis that only strokes is at rest at both ends, whatever the angle; on the way,
+//! the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
 
 use machine::Machine;
-use motion::{SpindleMotion, SpindleObserver};
+use motion::{Ripple, SpindleMotion, SpindleObserver};
 use protocol::{Cycle, Measurement, measurement::middle_of};
 
 use crate::{
@@ -27,6 +31,10 @@ const ROUND_SHARE: f64 = 0.001;
 const ROUND_COUNTS: f64 = 4.0;
 const RESTING_RPM: f64 = 20.0;
 const RESTING_SHARE: f64 = 0.05;
+/// A ripple is followed up to this share of the mode of the axis, and left out from this one on: beyond it
+/// the motor would have to go the other way, by a model that is not right to a tenth.
+const FOLLOWED: f64 = 0.6;
+const LEFT_OUT: f64 = 0.85;
 /// More measurements than this are never made up for.
 const MOST_MISSED: u64 = 8;
 
@@ -43,6 +51,10 @@ pub struct Index {
 #[derive(Clone, Debug)]
 pub struct Spindle {
     leading: SpindleObserver,
+    /// What of its angle repeats with every turn.
+    ripple: Ripple,
+    /// The mode of the axis; none is infinite, Hz.
+    mode_hz: f64,
     stroking: SpindleObserver,
     first_count: Option<i64>,
     opening_s: f64,
@@ -50,6 +62,8 @@ pub struct Spindle {
     opening: u64,
     encoder: Encoder,
     degrees_per_count: f64,
+    /// How old a count is, s.
+    age_s: f64,
     /// Error of the lead up to which counts are corrected, mm.
     lost_counts_mm: f64,
     /// Count of the last measurement.
@@ -69,18 +83,22 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// A spindle with the encoder and the observer of a machine file.
-    pub fn new(machine: &Machine) -> Spindle {
+    /// A spindle with the encoder and the observer of a machine file, for an axis with a mode, if that is
+    /// known, Hz.
+    pub fn new(machine: &Machine, mode_hz: Option<f64>) -> Spindle {
         let (config, cycle_s) = (&machine.spindle, machine.general.cycle_s);
         let opening = (1.0 / (config.slowest_observer_hz() * cycle_s)).ceil().max(1.0);
         Spindle {
             leading: SpindleObserver::of_counts(config.observer_hz, cycle_s),
+            ripple: Ripple::new(machine.spindle_counts(), cycle_s),
+            mode_hz: mode_hz.unwrap_or(f64::INFINITY),
             stroking: SpindleObserver::new(config.stroke_observer_hz, cycle_s),
             first_count: None,
             opening_s: opening * cycle_s,
             opening: opening as u64,
             encoder: Encoder::new(machine),
             degrees_per_count: 360.0 / machine.spindle_counts(),
+            age_s: machine.bus.input_s(cycle_s) + config.encoder_delay_s,
             lost_counts_mm: machine.threading.lost_counts_um / 1000.0,
             count: 0,
             index: None,
@@ -100,6 +118,7 @@ impl Spindle {
         for _ in 0..missed.min(MOST_MISSED) {
             self.leading.skip();
             self.stroking.skip();
+            self.ripple.skip();
         }
         if missed > 0 {
             self.encoder.skip();
@@ -115,11 +134,11 @@ impl Spindle {
         // Only a spindle that has jammed is believed again: it stands.
         self.is_back = std::mem::take(&mut self.coasts);
         if self.is_back {
-            self.leading.start(angle, 0.0);
-            self.stroking.start(angle, 0.0);
+            self.start(angle, 0.0);
         }
-        self.leading.update(angle);
-        self.stroking.update(angle);
+        let even = self.ripple.update(angle);
+        self.leading.update(even);
+        self.stroking.update(even);
         self.farthest = pass.map(|pass| {
             let ahead = self.ahead(pass);
             self.farthest.map_or(ahead, |farthest| farthest.max(ahead))
@@ -130,6 +149,19 @@ impl Spindle {
             self.index = Some(Index { count, cycle: measurement.index_cycle });
             self.index_number = measurement.index_number;
         }
+    }
+
+    /// The observers begin anew.
+    fn start(&mut self, angle: f64, speed: f64) {
+        self.leading.start(angle, speed);
+        self.stroking.start(angle, speed);
+        self.ripple.start(angle, speed);
+    }
+
+    /// An even rotation with as much of the ripple as an axis can follow.
+    fn upon(&self, even: &SpindleMotion) -> SpindleMotion {
+        let mode_hz = self.mode_hz;
+        self.ripple.upon(even, |hz| ((LEFT_OUT - hz / mode_hz) / (LEFT_OUT - FOLLOWED)).clamp(0.0, 1.0))
     }
 
     /// Counts that may be lost or gained within ten turns.
@@ -147,6 +179,7 @@ impl Spindle {
         let speed = if (fast - steady).abs() > STEADY * steady.abs() { fast } else { steady };
         self.leading.coast(speed);
         self.stroking.coast(speed);
+        self.ripple.skip();
     }
 
     /// Counts lost or gained that were corrected so far.
@@ -189,8 +222,7 @@ impl Spindle {
         };
         if self.opening == 1 {
             let speed = count.saturating_sub(first) as f64 / self.opening_s;
-            self.leading.start(middle_of(count), speed);
-            self.stroking.start(middle_of(count), speed);
+            self.start(middle_of(count), speed);
         }
         self.opening = self.opening.saturating_sub(1);
     }
@@ -205,11 +237,15 @@ impl Spindle {
         self.index
     }
 
-    /// Angle since the index of a pass, speed and acceleration as estimated, at `lead_s` after the
-    /// measurement, positive in the direction of the pass.
+    /// Angle since the index of a pass, speed and acceleration as estimated, at `lead_s` after the present,
+    /// positive in the direction of the pass.
     pub fn since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
-        let observer = if pass.law.lead_mm != 0.0 { &self.leading } else { &self.stroking };
-        self.in_degrees(observer.at(lead_s), pass)
+        let lead_s = self.age_s + lead_s;
+        let motion = match pass.law.lead_mm {
+            0.0 => self.stroking.at(lead_s),
+            _ => self.upon(&self.leading.at(lead_s)),
+        };
+        self.in_degrees(motion, pass)
     }
 
     /// The same as an axis is fed forward: on a lead with the corrections of the estimate, too.
@@ -217,7 +253,7 @@ impl Spindle {
         if pass.law.lead_mm == 0.0 {
             return self.since(pass, lead_s);
         }
-        self.in_degrees(self.leading.following(lead_s), pass)
+        self.in_degrees(self.upon(&self.leading.following(self.age_s + lead_s)), pass)
     }
 
     /// Angle since the index of a pass by the count of the last measurement, degrees: the same on every axis.
@@ -231,6 +267,8 @@ impl Spindle {
             angle: (motion.angle - middle_of(pass.index_count)) * scale,
             speed: motion.speed * scale,
             acceleration: motion.acceleration * scale,
+            jerk: motion.jerk * scale,
+            snap: motion.snap * scale,
         }
     }
 

@@ -208,6 +208,15 @@ impl State {
         }
     }
 
+    /// The fault that is latched, or will be once the axis has left.
+    pub fn fault(&self) -> Option<Fault> {
+        match self {
+            State::Fault(fault) => Some(*fault),
+            State::Leaving(leaving) => leaving.fault,
+            State::Idle | State::Streaming | State::InPass { .. } => None,
+        }
+    }
+
     /// The state as others see it.
     pub fn public(&self) -> AxisState {
         match self {

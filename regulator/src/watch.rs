@@ -51,6 +51,8 @@ pub(crate) struct Watch {
     following_mm: f64,
     thread_mm: f64,
     cycle_s: f64,
+    /// How old a measurement is, s.
+    input_s: f64,
     tick: u64,
     /// What of its programmed speed a spindle may reach, a share, and 1/min besides.
     fastest: (f64, f64),
@@ -94,6 +96,7 @@ impl Watch {
             following_mm: config.following_error_mm,
             thread_mm: config.thread_error_mm,
             cycle_s,
+            input_s: machine.bus.input_s(cycle_s),
             tick: machine.cycles_per_tick(),
             fastest: (
                 FASTER * machine.spindle.override_max_pct / 100.0,
@@ -151,8 +154,9 @@ impl Watch {
     /// The servo error is that of the reference of the cycle before against its measurement, so it is known
     /// without evaluating twice.
     fn servo(&self, known: &Known) -> Option<Cause> {
-        // One cycle of motion lies between the last reference and this measurement, and those missed.
-        let since_s = self.cycle_s * (1 + known.missed) as f64;
+        // One cycle of motion lies between the last reference and the present, and those missed; the
+        // measurement is older.
+        let since_s = self.cycle_s * (1 + known.missed) as f64 - self.input_s;
         let error = (known.last.s + known.last.v * since_s - known.measured_mm).abs();
         // An error that is not a number is beyond every limit.
         let within = |limit: f64| error.is_finite() && error <= limit;

@@ -28,6 +28,11 @@ const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
 const COUNT_RPM: f64 = 8.0;
 const KEPT_TICKS: usize = 64;
 
+/// Turns at speed, or time if that is shorter, after which the speed has settled and regulators know what
+/// repeats with every turn (M130).
+const KNOWN_TURNS: f64 = 7.0;
+const KNOWN_S: f64 = 0.7;
+
 /// The spindle.
 #[derive(Clone, Debug)]
 pub struct Spindle {
@@ -57,6 +62,8 @@ pub struct Spindle {
     at_top: bool,
     top_said: bool,
     clamped: u32,
+    /// How long it has been at the speed programmed, and how far it has turned then, s and turns.
+    even: (f64, f64),
     watch: Watch,
 }
 
@@ -84,6 +91,7 @@ impl Spindle {
             at_top: false,
             top_said: false,
             clamped: 0,
+            even: (0.0, 0.0),
             watch: Watch::new(machine),
         }
     }
@@ -128,6 +136,12 @@ impl Spindle {
         self.grant();
         let after = (request, request.min(self.allowed_pct()));
         let limited = after.1 < request && after != before;
+        if self.commanded() == 0.0 {
+            self.even = (0.0, 0.0);
+        } else if self.at_speed() {
+            let (s, turns) = self.even;
+            self.even = (s + self.tick_s, turns + self.observed().abs() / 60.0 * self.tick_s);
+        }
         let topped = self.at_top && (!self.top_said || request != before.0);
         self.top_said = self.at_top;
         self.clamped += u32::from(limited || topped);
@@ -161,6 +175,9 @@ impl Spindle {
 
     /// Programs direction and speed.
     pub fn program(&mut self, mode: SpindleMode, speed: SpindleSpeed) {
+        if speed != self.speed {
+            self.even = (0.0, 0.0);
+        }
         (self.mode, self.speed) = (mode, speed);
         (self.programmed, self.rate) = (speed.rpm(self.x), 0.0);
         self.grant();
@@ -202,6 +219,12 @@ impl Spindle {
         let band = (self.at_speed_share * commanded.abs()).max(least);
         let rate = (self.rate * self.override_pct / 100.0).abs().min(self.ramp_rpm_s);
         (self.observed() - commanded).abs() <= band + rate / (TAU * WATCH_HZ)
+    }
+
+    /// Whether it has been at speed for so long that regulators know it.
+    pub(crate) fn is_known(&self) -> bool {
+        let (s, turns) = self.even;
+        turns >= KNOWN_TURNS || s >= KNOWN_S
     }
 
     /// Whether it shall turn, and the override holds it at 0.

@@ -53,7 +53,7 @@ fn m68_speed_and_acceleration_of_the_motor_are_those_of_its_position() {
             assert!((v - motor.v).abs() < 1e-6, "{v} {} at {t} + {lead_s}", motor.v);
             assert!((a - motor.a).abs() < 1e-6 * 1234.0, "{a} {} at {t} + {lead_s}", motor.a);
         }
-        let axis_mm = compensation.axis_mm(compensation.motor(&swing(t), 0.0).s);
+        let axis_mm = compensation.axis_mm(compensation.motor(&swing(t), 0.0).s, 0.0);
         assert!((axis_mm - swing(t).s).abs() < 1e-12, "{axis_mm} at {t}");
     }
     assert!((200..1000).contains(&turning), "{turning} cycles");

@@ -19,7 +19,7 @@ struct Course {
 
 impl Course {
     fn new() -> Course {
-        let (stream, spindle) = (Stream::new(T), Spindle::new(&machine(|_| {})));
+        let (stream, spindle) = (Stream::new(T), Spindle::new(&machine(|_| {}), None));
         Course { stream, spindle, index: None, cycle: 0 }
     }
 
@@ -49,7 +49,8 @@ impl Course {
             motion: law().law(300.0),
         };
         let c = self.spindle.followed_since(&pass, lead_s);
-        let mut sample = pass.motion.at(c.angle).driven(c.speed / 1800.0, c.acceleration / 1800.0);
+        let mut sample =
+            pass.motion.at(c.angle).driven([c.speed / 1800.0, c.acceleration / 1800.0, 0.0, 0.0]);
         sample.s += law().start.mm();
         sample
     }
