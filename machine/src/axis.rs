@@ -95,6 +95,10 @@ pub struct AxisConfig {
     /// does what is commanded (M131); without, the slide is taken to be rigid.
     #[serde(default)]
     pub mode_hz: Option<f64>,
+    /// How far an approach to depth goes beyond it and comes back, so that the guide is not left loaded (M132),
+    /// mm; about 0.7 of what its friction bends it before it slides. 0: it stops at depth.
+    #[serde(default, alias = "unload_deg")]
+    pub unload_mm: f64,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide
     /// stands, in thousandths of that unit (µm). Only its change since home counts. Empty for none.
     #[serde(default, deserialize_with = "pairs")]
@@ -192,6 +196,7 @@ impl AxisConfig {
             range(&key("mode_hz"), mode_hz, 5.0, 1000.0)?;
         }
         range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)?;
+        range(&key("unload_mm"), self.unload_mm, 0.0, 0.1)?;
         self.check_reach(axis, general, bus)?;
         self.check_screw_error(&key("screw_error"))
     }

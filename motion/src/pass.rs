@@ -1,4 +1,5 @@
-//! What one axis does in a threading pass, as a function of the spindle angle: a stroke in (M2), a ramp onto
+//! What one axis does in a threading pass, as a function of the spindle angle: a stroke in (M2), perhaps a
+//! little too far and back (M132), a ramp onto
 //! its lead (M13), the lead (M14), a brake (M15), a stroke out (M2); parts may overlap and add up.
 //!
 //! | symbol | unit | meaning |
@@ -22,6 +23,7 @@ struct Begins<T> {
 pub struct PassLaw {
     deg_per_s: f64,
     approach: Option<Begins<Stroke>>,
+    unloading: Option<Begins<Stroke>>,
     run_in: Option<Begins<Ramp>>,
     brake: Option<Begins<Ramp>>,
     braked_from: f64,
@@ -38,6 +40,7 @@ impl PassLaw {
         PassLaw {
             deg_per_s: 6.0 * s_rpm,
             approach: None,
+            unloading: None,
             run_in: None,
             brake: None,
             braked_from: 0.0,
@@ -48,6 +51,13 @@ impl PassLaw {
     /// Adds the approach: a stroke in mm made over `dc` degrees from angle `c0` (M2).
     pub fn with_approach(mut self, length: f64, c0: f64, dc: f64) -> PassLaw {
         self.approach = Some(Begins { c: c0, law: Stroke::new(length, dc / self.deg_per_s) });
+        self
+    }
+
+    /// Adds the way back of an approach that goes too far, by a stroke in mm made over `dc` degrees from angle
+    /// `c0`, where the approach is over (M132).
+    pub fn with_unloading(mut self, length: f64, c0: f64, dc: f64) -> PassLaw {
+        self.unloading = Some(Begins { c: c0, law: Stroke::new(length, dc / self.deg_per_s) });
         self
     }
 
@@ -72,7 +82,7 @@ impl PassLaw {
     /// The law at angle `c`, relative to the start of the pass; derivatives by time at programmed speed.
     pub fn at(&self, c: f64) -> Sample {
         let mut x = Sample::default();
-        if let Some(part) = &self.approach {
+        for part in self.approach.iter().chain(&self.unloading) {
             x = x + part.law.at((c - part.c) / self.deg_per_s);
         }
         if let (Some(run_in), Some(brake)) = (&self.run_in, &self.brake) {
@@ -97,14 +107,15 @@ impl PassLaw {
         let stroke = |part: &Option<Begins<Stroke>>| part.as_ref().map_or(zero, |part| part.law.peak());
         let ramp = |part: &Option<Begins<Ramp>>| part.as_ref().map_or(zero, |part| part.law.peak());
         let sum = |a: Limits, b: Limits| Limits { v: a.v + b.v, a: a.a + b.a, j: a.j + b.j, dj: a.dj + b.dj };
-        let enter = sum(stroke(&self.approach), ramp(&self.run_in));
+        let most = |a: Limits, b: Limits| Limits {
+            v: a.v.max(b.v),
+            a: a.a.max(b.a),
+            j: a.j.max(b.j),
+            dj: a.dj.max(b.dj),
+        };
+        let enter = sum(most(stroke(&self.approach), stroke(&self.unloading)), ramp(&self.run_in));
         let leave = sum(stroke(&self.retract), ramp(&self.brake));
-        Limits {
-            v: enter.v.max(leave.v),
-            a: enter.a.max(leave.a),
-            j: enter.j.max(leave.j),
-            dj: enter.dj.max(leave.dj),
-        }
+        most(enter, leave)
     }
 }
 

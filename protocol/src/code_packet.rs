@@ -22,7 +22,7 @@ pub struct CodePacket {
 
 impl CodePacket {
     /// Most bytes of a packet: a pass that moves eight axes, each in its own way.
-    pub const LONGEST: usize = 1200;
+    pub const LONGEST: usize = 1280;
 
     /// Puts an item on the wire. `sequence`: its running number in the program, from 0.
     ///
@@ -81,7 +81,7 @@ fn config() -> impl bincode::config::Config {
 }
 
 impl Payload for CodePacket {
-    const NAME: &str = "pitchlock/code-packet/5";
+    const NAME: &str = "pitchlock/code-packet/6";
     const MOST_BYTES: usize = CodePacket::LONGEST;
 
     fn bytes(&self) -> &[u8] {

@@ -94,7 +94,7 @@ pub struct AxisFrame {
 }
 
 impl Message for AxisFrame {
-    const NAME: &str = "pitchlock/axis-frame/4";
+    const NAME: &str = "pitchlock/axis-frame/5";
 }
 
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that

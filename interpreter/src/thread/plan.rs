@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! run-in  T from Ramp::fastest(R V) (M21);  window  -ΔC/2 … ΔC/2:  z = F c/360 after it  (M14, phase rule)
-//! approach   T from Stroke::shortest (M7);     ends with the run-in
+//! approach   T from Stroke::shortest (M7);     ends with the run-in, with its way back from beyond (M132)
 //! brake      T as the run-in;                  within: centred on c_end = 360 L/F, so that it ends at L
 //! retract    T as the approach;                begins before the brake by the delay of flank.rs
 //! both       take FEWEST_COUNTS of the encoder at least, which binds at a few 1/min
@@ -71,6 +71,8 @@ impl Span {
 #[derive(Clone, Copy, Debug)]
 struct Windows {
     approach: Span,
+    /// What of the approach is its way back from beyond, mm and degrees.
+    unload: (f64, f64),
     run_in: Span,
     brake: Span,
     retract: Span,
@@ -184,7 +186,8 @@ impl Design {
 fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Refusal> {
     let run_in_dc = design.q * design.run_in.duration();
     let run_in = Span { c: -0.5 * run_in_dc, dc: run_in_dc };
-    let approach = approach(cut, design, run_in.end())?;
+    let unload = unload(cut, machine, design);
+    let approach = approach(cut, design, unload, run_in.end())?;
     let locked = run_in.end().max(approach.end());
 
     let retract_dc = retract_window(cut, design)?;
@@ -215,13 +218,24 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
             length_mm: length.abs(),
         });
     }
-    Ok(Windows { approach, run_in, brake, retract, locked, thread_end })
+    Ok(Windows { approach, unload, run_in, brake, retract, locked, thread_end })
+}
+
+/// How far an approach goes beyond its depth, and over which angle it comes back: in the air, so not on a
+/// taper; a cone keeps the guide sliding anyway.
+fn unload(cut: &Cut, machine: &Machine, design: &Design) -> (f64, f64) {
+    let unload_mm = machine.axis.get(&Axis::X).map_or(0.0, |x| x.unload_mm);
+    if unload_mm == 0.0 || cut.approach_mm == 0.0 || cut.entry.is_some() || cut.lead.x != 0.0 {
+        return (0.0, 0.0);
+    }
+    (unload_mm.copysign(cut.approach_mm), design.stroke_deg(unload_mm, &design.approach_limits))
 }
 
 /// The window of the approach, ending with the run-in, or where its taper ends.
-fn approach(cut: &Cut, design: &Design, run_in_end: f64) -> Result<Span, Refusal> {
+fn approach(cut: &Cut, design: &Design, unload: (f64, f64), run_in_end: f64) -> Result<Span, Refusal> {
     let stroke = cut.approach_mm.abs();
-    let least = design.stroke_deg(stroke, &design.approach_limits);
+    let (unload_mm, unload_dc) = unload;
+    let least = design.stroke_deg(stroke + unload_mm.abs(), &design.approach_limits) + unload_dc;
     let Some(taper) = cut.entry else { return Ok(Span { c: run_in_end - least, dc: least }) };
     // The last `height` of the stroke lies on the taper: the share of the window it takes, by symmetry of the
     // law.
@@ -268,7 +282,7 @@ fn pass(
     turn: f64,
     limits: [Limits; 2],
 ) -> Result<ThreadPass, Refusal> {
-    let Windows { approach, run_in, brake, retract, thread_end, .. } = *windows;
+    let Windows { approach, unload, run_in, brake, retract, thread_end, .. } = *windows;
     let lead = |lead_mm: f64| AxisLaw {
         lead_mm,
         run_in_c0_deg: run_in.c + turn,
@@ -291,6 +305,7 @@ fn pass(
         x.stroke_mm = cut.approach_mm;
         x.stroke_c0_deg = approach.c + turn;
         x.stroke_dc_deg = approach.dc;
+        (x.unload_mm, x.unload_dc_deg) = unload;
     }
     let mut pass = ThreadPass {
         out: out(cut, machine),

@@ -29,8 +29,13 @@ pub struct AxisLaw {
     pub stroke_mm: f64,
     /// Angle at which the approach begins.
     pub stroke_c0_deg: f64,
-    /// Angle over which it is made.
+    /// Angle over which it is made, with its unloading.
     pub stroke_dc_deg: f64,
+    /// How far the approach goes beyond its stroke, in its direction, and comes back: so the guide is not
+    /// left loaded by its friction (M132), mm. 0 for an approach that stops at its stroke.
+    pub unload_mm: f64,
+    /// Angle over which it comes back, the last of the approach.
+    pub unload_dc_deg: f64,
     /// Signed advance of this axis per revolution, mm.
     pub lead_mm: f64,
     /// C0: angle at which the run-in begins.
@@ -90,7 +95,12 @@ impl AxisLaw {
     pub fn law(&self, s_rpm: f64) -> motion::PassLaw {
         let mut law = motion::PassLaw::new(s_rpm);
         if self.stroke_mm != 0.0 {
-            law = law.with_approach(self.stroke_mm, self.stroke_c0_deg, self.stroke_dc_deg);
+            let dc = self.stroke_dc_deg - self.unload_dc_deg;
+            law = law.with_approach(self.stroke_mm + self.unload_mm, self.stroke_c0_deg, dc);
+        }
+        if self.unload_mm != 0.0 {
+            let back = self.stroke_c0_deg + self.stroke_dc_deg - self.unload_dc_deg;
+            law = law.with_unloading(-self.unload_mm, back, self.unload_dc_deg);
         }
         if self.lead_mm != 0.0 {
             let run_in = Window { c: self.run_in_c0_deg, dc: self.run_in_dc_deg, lambda: self.run_in_lambda };
@@ -133,6 +143,13 @@ impl AxisLaw {
         for (lambda, name) in [(self.run_in_lambda, "run-in lambda"), (self.brake_lambda, "braking lambda")] {
             if self.lead_mm != 0.0 && !(1e-6..=0.5).contains(&finite(lambda, name)?) {
                 return Err(Refused::OutOfRange(name));
+            }
+        }
+        let unload = (finite(self.unload_mm, "unloading")?, finite(self.unload_dc_deg, "unloading angle")?);
+        if unload != (0.0, 0.0) {
+            let room = 1e-6..=self.stroke_dc_deg - 1e-6;
+            if self.stroke_mm * unload.0 <= 0.0 || unload.0.abs() > MM || !room.contains(&unload.1) {
+                return Err(Refused::OutOfRange("unloading"));
             }
         }
         let runs = self.run_in_c0_deg + self.run_in_dc_deg;

@@ -48,10 +48,16 @@ struct Helix {
 struct Law {
     start: Position,
     way: i64,
-    /// Stroke, angle, window.
-    approach: Option<[Bits; 3]>,
+    approach: Option<Approach>,
     lead: Option<Lead>,
     retract: Option<Retract>,
+}
+
+/// Stroke, angle, window; way and angle of its unloading.
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Approach {
+    stroke: [Bits; 3],
+    unload: Option<[Bits; 2]>,
 }
 
 /// Signed advance per revolution, mm, and where it is reached and left.
@@ -186,7 +192,10 @@ fn first_leaves(laws: &PerAxis<AxisLaw>) -> f64 {
 
 impl Law {
     fn new(law: &AxisLaw, common: Option<Helix>) -> Option<Law> {
-        let approach = bits([law.stroke_mm, law.stroke_c0_deg, law.stroke_dc_deg]);
+        let stroke = bits([law.stroke_mm, law.stroke_c0_deg, law.stroke_dc_deg]);
+        let [mm, dc_deg, _] = bits([law.unload_mm, law.unload_dc_deg, 0.0]);
+        let unload = ([mm, dc_deg] != [Bits(0); 2]).then_some([mm, dc_deg]);
+        let approach = (is_something(stroke) || unload.is_some()).then_some(Approach { stroke, unload });
         let retract = bits([law.retract_mm, law.retract_c_deg, law.retract_dc_deg]);
         let with_brake = bits([0.0, law.brake_c_deg, law.brake_dc_deg]);
         let lead_mm = Short(law.lead_mm);
@@ -197,7 +206,7 @@ impl Law {
         let stored = Law {
             start: law.start,
             way: law.end.0.wrapping_sub(law.start.0),
-            approach: is_something(approach).then_some(approach),
+            approach,
             lead,
             retract: is_something(retract).then_some(match retract == with_brake {
                 true => Retract::WithBrake,
@@ -212,7 +221,11 @@ impl Law {
     }
 
     fn axis_law(self, common: Option<Helix>) -> AxisLaw {
-        let [stroke_mm, stroke_c0_deg, stroke_dc_deg] = self.approach.map_or([0.0; 3], values);
+        let [stroke_mm, stroke_c0_deg, stroke_dc_deg] =
+            self.approach.map_or([0.0; 3], |approach| values(approach.stroke));
+        let unload = self.approach.and_then(|approach| approach.unload);
+        let [unload_mm, unload_dc_deg] =
+            unload.map_or([0.0; 2], |two| two.map(|Bits(bits)| f64::from_bits(bits)));
         let (lead_mm, helix) = match self.lead {
             None => (0.0, None),
             Some(Lead::OnHelix(Short(lead_mm))) => (lead_mm, common),
@@ -232,6 +245,8 @@ impl Law {
             stroke_mm,
             stroke_c0_deg,
             stroke_dc_deg,
+            unload_mm,
+            unload_dc_deg,
             lead_mm,
             run_in_c0_deg,
             run_in_dc_deg,

@@ -21,12 +21,13 @@ macro_rules! layout {
 layout!(credit: Credit, 8, "pitchlock/credit/1", {
     taken: 0,
 });
-layout!(axis_law: AxisLaw, 120, {
-    start: 0, end: 8, stroke_mm: 16, stroke_c0_deg: 24, stroke_dc_deg: 32, lead_mm: 40,
-    run_in_c0_deg: 48, run_in_dc_deg: 56, run_in_lambda: 64, brake_c_deg: 72, brake_dc_deg: 80,
-    brake_lambda: 88, retract_mm: 96, retract_c_deg: 104, retract_dc_deg: 112,
+layout!(axis_law: AxisLaw, 136, {
+    start: 0, end: 8, stroke_mm: 16, stroke_c0_deg: 24, stroke_dc_deg: 32, unload_mm: 40,
+    unload_dc_deg: 48, lead_mm: 56, run_in_c0_deg: 64, run_in_dc_deg: 72, run_in_lambda: 80,
+    brake_c_deg: 88, brake_dc_deg: 96, brake_lambda: 104, retract_mm: 112, retract_c_deg: 120,
+    retract_dc_deg: 128,
 });
-layout!(axis_frame: AxisFrame, 232, "pitchlock/axis-frame/4", {
+layout!(axis_frame: AxisFrame, 248, "pitchlock/axis-frame/5", {
     cycle: 0, command: 8, line: 12, setpoint: 16, stop_s: 48, pass: 56, check: 60, s_rpm: 64,
     direction: 72, not_before: 80, out: 88, law: 112,
 });

@@ -30,6 +30,8 @@ fn busy_law(number: usize) -> AxisLaw {
         stroke_mm: own * 0.1,
         stroke_c0_deg: own * 0.2,
         stroke_dc_deg: own * 0.3,
+        unload_mm: own * 0.01,
+        unload_dc_deg: own * 0.02,
         lead_mm: own * 0.7,
         run_in_c0_deg: own * 0.4,
         run_in_dc_deg: own * 0.6,
@@ -107,7 +109,7 @@ fn each_kind_of_item_has_its_largest_size() {
         ("tool", Code::Tool { number: u32::MAX }, 20),
         ("coolant", Code::Coolant { mist: true, flood: true }, 17),
         ("pause", Code::Pause, 15),
-        ("pass", Code::Pass(busy_pass()), 1141),
+        ("pass", Code::Pass(busy_pass()), 1277),
         ("formula", Code::Formula { slot: u8::MAX, formula: long_formula() }, 370),
         ("contour", work(Shape::Contour(contour, [Axis::C, Axis::C])), 87),
         ("lines", work(surface(lines)), 124),
@@ -147,8 +149,9 @@ fn position() -> impl Strategy<Value = Position> {
 /// Any law: parts that are missing, like those of another axis, or half made.
 fn law() -> impl Strategy<Value = AxisLaw> {
     let part = || prop_oneof![Just([0.0; 3]), Just([0.5; 3]), prop::array::uniform3(number())];
-    (position(), position(), part(), number(), part(), part(), part(), any::<bool>()).prop_map(
-        |(start, end, stroke, lead_mm, run_in, brake, retract, with_brake)| {
+    let more = (number(), any::<bool>());
+    (position(), position(), part(), part(), more, part(), part(), part()).prop_map(
+        |(start, end, stroke, unload, (lead_mm, with_brake), run_in, brake, retract)| {
             let retract = if with_brake { [0.0, brake[0], brake[1]] } else { retract };
             AxisLaw {
                 start,
@@ -156,6 +159,8 @@ fn law() -> impl Strategy<Value = AxisLaw> {
                 stroke_mm: stroke[0],
                 stroke_c0_deg: stroke[1],
                 stroke_dc_deg: stroke[2],
+                unload_mm: unload[0],
+                unload_dc_deg: unload[1],
                 lead_mm,
                 run_in_c0_deg: run_in[0],
                 run_in_dc_deg: run_in[1],

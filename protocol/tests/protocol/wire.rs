@@ -190,6 +190,10 @@ fn laws_that_cannot_be_evaluated_are_refused() {
     case(|law| law.retract_mm = f64::INFINITY, Refused::NotFinite("retract stroke"));
     case(|law| law.stroke_c0_deg = -1.0, Refused::OutOfRange("approach angle"));
     case(|law| law.stroke_dc_deg = 0.0, Refused::OutOfRange("approach angle"));
+    let unloading = Refused::OutOfRange("unloading");
+    case(|law| (law.unload_mm, law.unload_dc_deg) = (0.01, 0.0), unloading);
+    case(|law| (law.unload_mm, law.unload_dc_deg) = (0.01, law.stroke_dc_deg), unloading);
+    case(|law| (law.unload_mm, law.unload_dc_deg) = (-0.01 * law.stroke_mm, 10.0), unloading);
     case(|law| law.run_in_dc_deg = 1e10, Refused::OutOfRange("run-in angle"));
     case(|law| law.brake_dc_deg = f64::NAN, Refused::NotFinite("braking angle"));
     case(|law| law.retract_dc_deg = -5.0, Refused::OutOfRange("retract angle"));
