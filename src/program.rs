@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
 use machine::Machine;
 use protocol::{Arc, Code, Item, code_file::CodeFile};
-use rig::observe::Watch;
+use rig::observe::{Observer, Watch};
 use route::{Course, Route};
 
 use crate::{error::CliError, screen};
@@ -27,6 +27,8 @@ pub(crate) struct Program {
     pub(crate) messages: String,
     /// How long it takes at 100 % override, s.
     pub(crate) time_s: f64,
+    /// The file beside it that describes the part.
+    pub(crate) part_file: Option<PathBuf>,
 }
 
 impl Program {
@@ -61,10 +63,25 @@ impl Program {
                 time_s.map_err(|(line, reason)| CliError::file(path, changed(&reason.to_string(), line)))?;
             let steps = file.items.iter().map(Item::steps).sum();
             let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
-            return Ok(Program { code, count, steps, moves, watched, check: None, messages, time_s });
+            return Ok(Program {
+                code,
+                count,
+                steps,
+                moves,
+                watched,
+                check: None,
+                messages,
+                time_s,
+                part_file: None,
+            });
         }
         let (mut watch, mut watched) = (Watch::default(), Vec::new());
-        let check = interpreter::check_program(open(path, language, machine)?, machine, |item| {
+        let program = open(path, language, machine)?;
+        let beside =
+            interpreter::part_beside(path, machine).map_err(|error| CliError::Input(error.to_string()))?;
+        let (part_file, part) = beside.unzip();
+        let interpreter = Interpreter::new(program, machine).with_part(part);
+        let check = interpreter::check_interpreter(interpreter, machine, |item| {
             if watch.wants(&item) {
                 watched.push(item);
             }
@@ -73,7 +90,17 @@ impl Program {
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let messages = check.diagnostics.iter().map(render).collect();
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
-        Ok(Program { code: None, count, steps, moves, watched, check: Some(check), messages, time_s })
+        Ok(Program {
+            code: None,
+            count,
+            steps,
+            moves,
+            watched,
+            check: Some(check),
+            messages,
+            time_s,
+            part_file,
+        })
     }
 
     /// The machine code of a program that was judged and is good, item by item.
@@ -96,6 +123,17 @@ impl Program {
     /// How many passes of threads there are.
     pub(crate) fn passes(&self) -> u32 {
         self.watched.iter().filter(|item| matches!(item.code, Code::Pass(_))).count() as u32
+    }
+
+    /// Who observes a run of it.
+    pub(crate) fn observer(&self, machine: &Machine) -> Observer {
+        let observer = Observer::new(machine, &self.watched);
+        match self.check.as_ref().and_then(|check| Some((check.part.as_ref()?, &check.passes))) {
+            Some((part, notes)) => {
+                observer.of_part(part, &notes.iter().map(|note| (note.pass, note.origin_mm)).collect())
+            }
+            None => observer,
+        }
     }
 
     /// Files that were read besides the program.

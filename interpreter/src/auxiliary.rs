@@ -21,6 +21,11 @@ impl Auxiliary {
         (self.tool.replace(number) != Some(number)).then_some(Code::Tool { number })
     }
 
+    /// The tool that was selected last.
+    pub(crate) fn tool(&self) -> Option<u32> {
+        self.tool
+    }
+
     /// M7, M9.
     pub(crate) fn mist(&mut self, on: bool) -> Option<Code> {
         self.coolant(on, self.flood)

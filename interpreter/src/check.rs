@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use gcode::{Diagnostic, Program, Severity};
-use machine::Machine;
+use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
@@ -32,6 +32,8 @@ pub struct Check {
     pub passes: Vec<PassNote>,
     /// The jobs.
     pub jobs: Vec<JobNote>,
+    /// The part, if anybody said what it is.
+    pub part: Option<Part>,
     /// Files that were read besides the program.
     pub subroutine_files: Vec<PathBuf>,
     /// Estimated duration at 100 % override, s.
@@ -65,8 +67,16 @@ pub fn check_job(name: &str, source: &str, machine: &Machine) -> Check {
 /// Reads a whole program: all of its diagnostics (the first hundred errors), the feasibility of every pass,
 /// and an estimate of its duration. `machine` has been checked; `each` gets the machine code, item by item,
 /// so that a program of any length takes no more memory than its diagnostics and passes.
-pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(Item)) -> Check {
-    let mut interpreter = Interpreter::new(program, machine);
+pub fn check_program(program: Program, machine: &Machine, each: impl FnMut(Item)) -> Check {
+    check_interpreter(Interpreter::new(program, machine), machine, each)
+}
+
+/// The same of an interpreter at the beginning of its program.
+pub fn check_interpreter(
+    mut interpreter: Interpreter,
+    machine: &Machine,
+    mut each: impl FnMut(Item),
+) -> Check {
     let mut check = Check::default();
     let mut clock = Clock::new(machine);
     for item in &mut interpreter {
@@ -98,6 +108,7 @@ pub fn check_program(program: Program, machine: &Machine, mut each: impl FnMut(I
     check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
     check.passes = interpreter.passes().to_vec();
     check.jobs = interpreter.jobs().to_vec();
+    check.part = interpreter.part().cloned();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.time_s = clock.seconds();

@@ -25,6 +25,7 @@
 //! | `arc`, `spindle`, `auxiliary`, `threading` | a call, what is in force | codes |
 //! | `job` | the text of a job | moves, formulas, a trace |
 //! | `reach` | a machine | what it does not have, by name |
+//! | `stock` | moves, the part | what is left of it, and warnings |
 //! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
@@ -45,6 +46,7 @@ mod path_mode;
 mod points;
 mod reach;
 mod spindle;
+mod stock;
 pub mod thread;
 mod threading;
 mod time;
@@ -54,14 +56,14 @@ use std::collections::{BTreeSet, VecDeque};
 
 use gcode::problem::Blame;
 use gcode::{Place, Problem, Program, Step};
-use machine::Machine;
+use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
-pub use check::{Check, check, check_job, check_program, time_s};
+pub use check::{Check, check, check_interpreter, check_job, check_program, time_s};
 pub use gcode::{Diagnostic, Dialect, Severity};
 pub use job::JobNote;
-pub use options::{Language, OpenError, check_folders, is_job, no_other, open};
+pub use options::{Language, OpenError, check_folders, is_job, no_other, open, part_beside};
 pub use threading::PassNote;
 use translate::Translator;
 
@@ -94,6 +96,13 @@ impl Interpreter {
         }
     }
 
+    /// The same of a program whose part is known.
+    #[must_use]
+    pub fn with_part(mut self, part: Option<Part>) -> Interpreter {
+        part.into_iter().for_each(|part| self.translator.has_part(part));
+        self
+    }
+
     /// An interpreter of a text, in the dialect and with the tools of the machine file.
     pub fn of_text(name: &str, text: impl Into<Vec<u8>>, machine: &Machine) -> Interpreter {
         Interpreter::new(Program::from_text(name, text, &options::options(machine)), machine)
@@ -112,6 +121,11 @@ impl Interpreter {
     /// The jobs so far.
     pub fn jobs(&self) -> &[JobNote] {
         self.translator.jobs()
+    }
+
+    /// The part, if a comment or a file beside the program said what it is.
+    pub fn part(&self) -> Option<&Part> {
+        self.translator.part()
     }
 
     /// The program, for its parameters and tools at the end.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gcode::files::ToolTable;
 use gcode::{Dialect, Options, Program};
-use machine::{self, Machine};
+use machine::{self, Machine, Part, PartError};
 use protocol::code_file::{CodeFile, MAGIC};
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +58,14 @@ pub enum OpenError {
         "dialect fanuc is that of lathes: let the mill read programs with --dialect linuxcnc, and write machine.dialect = \"linuxcnc\""
     )]
     Dialect,
+    /// The file beside the program that describes its part.
+    #[error("{}: {error}\nhelp: {}", path.display(), error.help())]
+    Part {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: PartError,
+    },
     /// The tool table; the text names file and line.
     #[error("{0}")]
     Tools(String),
@@ -82,6 +90,22 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     }
     let opened = if is_job(path) { Program::open_job(path, &options) } else { Program::open(path, &options) };
     opened.map_err(|error| OpenError::Program { path: path.to_owned(), error })
+}
+
+/// The part that a program on a lathe cuts, if a file beside it describes it: `part.toml` beside `part.ngc`;
+/// and that file.
+///
+/// # Errors
+/// It cannot be read, or what it says cannot be.
+pub fn part_beside(path: &Path, machine: &Machine) -> Result<Option<(PathBuf, Part)>, OpenError> {
+    let path = path.with_extension("toml");
+    if machine.general.kinematics != machine::Kinematics::Lathe || !path.is_file() {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(&path);
+    let text = text.map_err(|error| OpenError::Program { path: path.clone(), error })?;
+    let part = Part::from_toml(&text).map_err(|error| OpenError::Part { path: path.clone(), error })?;
+    Ok(part.map(|part| (path, part)))
 }
 
 /// Whether a file is a job by its name: `.toml`.

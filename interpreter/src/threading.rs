@@ -50,6 +50,8 @@ pub struct PassNote {
     pub max_override_pct: f64,
     /// Size of the pass on its way to the interpolator, bytes.
     pub packet_bytes: usize,
+    /// X and Z of the machine at which X 0 and Z 0 of the program lie in it, tool and offsets included, mm.
+    pub origin_mm: [f64; 2],
 }
 
 /// A G33 that waits for its retract.
@@ -58,6 +60,7 @@ struct Held {
     place: Place,
     single: Single,
     policy: Policy,
+    origin: Point,
 }
 
 /// The threads of a program.
@@ -72,8 +75,9 @@ pub(crate) struct Threads {
 
 /// A G33 that has been planned.
 pub(crate) struct Released {
-    /// Where it stands in the program.
+    /// Where it stands in the program, and where zero of the program lay there.
     pub(crate) place: Place,
+    pub(crate) origin: Point,
     /// The pass; else why there is none.
     pub(crate) pass: Result<ThreadPass, Box<Problem>>,
 }
@@ -95,8 +99,14 @@ impl Threads {
     }
 
     /// A G33 waits from now on.
-    pub(crate) fn hold(&mut self, place: Place, single: Single) {
-        self.held = Some(Held { place, single, policy: self.policy });
+    pub(crate) fn hold(&mut self, place: Place, single: Single, origin: Point) {
+        self.held = Some(Held { place, single, policy: self.policy, origin });
+    }
+
+    /// Where zero of the program lies in a pass.
+    pub(crate) fn lies_at(&mut self, pass: u32, origin: Point) {
+        let noted = self.notes.iter_mut().rfind(|note| note.pass == pass);
+        noted.into_iter().for_each(|note| note.origin_mm = [origin.x, origin.z]);
     }
 
     /// Plans the G33 that waits, if there is one. `rest` is where the axes are before it.
@@ -106,7 +116,7 @@ impl Threads {
         rest: &PerAxis<Position>,
         machine: &Machine,
     ) -> Option<Released> {
-        let Held { place, single, policy } = self.held.take()?;
+        let Held { place, single, policy, origin } = self.held.take()?;
         let cut = Single { next, ..single }.cut();
         let pass = match plan(&cut, machine) {
             Ok(mut planned) => {
@@ -123,7 +133,7 @@ impl Threads {
                 Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem }))
             }
         };
-        Some(Released { place, pass })
+        Some(Released { place, origin, pass })
     }
 
     /// Every pass of a threading cycle, each from the start point of its cut.
@@ -181,6 +191,7 @@ impl Threads {
             delta_z_mm: planned.delta_z_mm,
             max_override_pct: 100.0 * pass.max_ratio,
             packet_bytes: CodePacket::pack(0, &Item { line, code: Code::Pass(pass) }).as_bytes().len(),
+            origin_mm: [0.0; 2],
         });
         pass
     }

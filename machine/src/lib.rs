@@ -8,6 +8,7 @@ mod axis;
 mod bus;
 mod feasibility;
 pub mod kinematics;
+mod part;
 mod path;
 mod positioner;
 mod spindle;
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
+pub use part::{Part, PartError};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
@@ -131,6 +133,33 @@ pub enum Kinematics {
 pub struct Tool {
     /// What it is, for people.
     pub name: String,
+    /// Angle between its flanks, degrees: 60 of a metric thread.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+    /// Radius of its nose, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nose_mm: Option<f64>,
+    /// Width of its edge along Z, mm; the diameter of a drill.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width_mm: Option<f64>,
+}
+
+impl Tool {
+    /// How far its edge reaches to either side of the point along Z, mm: half its width, or its nose.
+    pub fn edge_mm(&self) -> f64 {
+        (0.5 * self.width_mm.unwrap_or(0.0)).max(self.nose_mm.unwrap_or(0.0))
+    }
+
+    fn check(&self, key: &str) -> Result<(), MachineError> {
+        for (name, value, low, high) in [
+            ("angle_deg", self.angle_deg, 2.0, 120.0),
+            ("nose_mm", self.nose_mm, 0.0, 50.0),
+            ("width_mm", self.width_mm, 0.01, 200.0),
+        ] {
+            value.map_or(Ok(()), |value| range(&format!("{key}.{name}"), value, low, high))?;
+        }
+        Ok(())
+    }
 }
 
 impl MachineError {
@@ -224,6 +253,11 @@ impl Machine {
         Identity { name: name.clone(), cycle_s: *cycle_s, interpolator_cycle_s: *interpolator_cycle_s }
     }
 
+    /// The tool of a number, if the file has it.
+    pub fn tool(&self, number: u32) -> Option<&Tool> {
+        self.tools.iter().find(|(name, _)| name.parse() == Ok(number)).map(|(_, tool)| tool)
+    }
+
     /// Encoder counts in one turn of the spindle.
     pub fn spindle_counts(&self) -> f64 {
         4.0 * f64::from(self.spindle.encoder_lines)
@@ -260,10 +294,11 @@ impl Machine {
         self.check_spindle()?;
         self.path.check()?;
         self.threading.check()?;
-        for number in self.tools.keys() {
+        for (number, tool) in &self.tools {
             if number.parse::<u32>().is_err() {
                 return Err(refuse("tools", number, "a tool is named by its number, as in [tools.3]"));
             }
+            tool.check(&format!("tools.{number}"))?;
         }
         Ok(())
     }

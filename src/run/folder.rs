@@ -55,27 +55,22 @@ impl RunFolder {
         let lock = lock(&path)?;
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
         let program = path.join(name);
-        if [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| name == *kept)
-            && !same_file(&args.program, &program)
+        let part = program.with_extension("toml");
+        for (from, to, what) in
+            [(Some(&args.program), &program, "job"), (judged.part_file.as_ref(), &part, "part")]
         {
-            let text = "the run folder keeps another file under this name: rename the job";
-            return Err(CliError::file(&args.program, text));
-        }
-        // A run folder that is used again keeps nothing of the run before: neither what this one does not
-        // write itself, nor results, which it may not live to write.
-        let old = RESULTS.map(|name| path.join(name));
-        let used = old.iter().any(|old| old.exists());
-        for old in old.iter().filter(|old| old.exists()) {
-            std::fs::remove_file(old).map_err(|error| CliError::file(old, error))?;
-        }
-        for name in [TOOLS, LANGUAGE, SCENARIO].into_iter().filter(|_| used) {
-            let old = path.join(name);
-            let input = [&args.language.tools, &args.scenario].into_iter().flatten();
-            if old.exists() && !input.into_iter().any(|input| same_file(input, &old)) {
-                std::fs::remove_file(&old).map_err(|error| CliError::file(&old, error))?;
+            let Some(from) = from else { continue };
+            let kept = [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| to.file_name() == Some(kept.as_ref()));
+            if kept && !same_file(from, to) {
+                let text = format!("the run folder keeps another file under this name: rename the {what}");
+                return Err(CliError::file(from, text));
             }
         }
+        clear(&path, &part, args, judged)?;
         copy(&args.program, &program)?;
+        if let Some(file) = &judged.part_file {
+            copy(file, &part)?;
+        }
         for file in judged.subroutine_files() {
             copy(file, &path.join(file.file_name().unwrap_or_default()))?;
         }
@@ -105,6 +100,25 @@ impl RunFolder {
     }
 }
 
+/// A run folder that is used again keeps nothing of the run before: neither what this one does not write
+/// itself, nor results, which it may not live to write.
+fn clear(path: &Path, part: &Path, args: &RunArgs, judged: &Program) -> Result<(), CliError> {
+    let old = RESULTS.map(|name| path.join(name));
+    let used = old.iter().any(|old| old.exists());
+    for old in old.iter().filter(|old| old.exists()) {
+        std::fs::remove_file(old).map_err(|error| CliError::file(old, error))?;
+    }
+    let kept = [TOOLS, LANGUAGE, SCENARIO].map(|name| path.join(name));
+    let part = is_part(part).then(|| part.to_owned());
+    for old in kept.into_iter().chain(part).filter(|_| used) {
+        let input = [&args.language.tools, &args.scenario, &args.machine.machine, &judged.part_file];
+        if old.exists() && !input.into_iter().flatten().any(|input| same_file(input, &old)) {
+            std::fs::remove_file(&old).map_err(|error| CliError::file(&old, error))?;
+        }
+    }
+    Ok(())
+}
+
 /// Two runs do not write into one folder.
 fn lock(path: &Path) -> Result<File, CliError> {
     let folder = File::open(path).map_err(|error| CliError::file(path, error))?;
@@ -123,6 +137,12 @@ fn copy(from: &Path, to: &Path) -> Result<(), CliError> {
         std::fs::copy(from, to).map_err(|error| CliError::file(to, error))?;
     }
     Ok(())
+}
+
+/// Whether a file describes a part, and is not something of another kind that has the name of a program.
+fn is_part(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    matches!(machine::Part::from_toml(&text), Ok(Some(_)))
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

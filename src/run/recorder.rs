@@ -31,7 +31,7 @@ impl Recorder {
             TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)
         };
         Ok(Recorder {
-            observer: Observer::new(&setup.machine, &setup.program.watched),
+            observer: setup.program.observer(&setup.machine),
             trace: setup.folder.trace.map(create).transpose()?,
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,

@@ -13,6 +13,7 @@ mod experiments;
 mod first_hour;
 mod jobs;
 mod memory;
+mod part;
 mod processes;
 mod resolution;
 mod straight_lines;

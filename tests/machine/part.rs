@@ -72,7 +72,10 @@ fn a_blow_in_the_taper_at_the_end_makes_a_bad_part() {
     let load =
         "[[event]]\nat = { pass = 2, z_mm = -12 }\nspindle_load = { torque_nm = 1000, for_s = 0.01 }\n";
     let summary = is_bad(TAPER, SMALL_LATHE, load, "pass 2 strays by ");
-    assert!(summary.passes[1].helix_max_abs_um < 0.5 && summary.passes[1].tool.helix_max_abs_um > 15.0);
+    let struck = &summary.passes[1];
+    assert!(struck.helix_max_abs_um < 0.5 && struck.tool.helix_max_abs_um > 15.0, "{struck:#?}");
+    // The law knows of no blow, the nut does.
+    assert!(struck.limits_asked_pct.z_j < 100.0 && struck.limits_used_pct.z_j > 300.0, "{struck:#?}");
     assert_eq!(run(TAPER, SMALL_LATHE, "").0, Some(0));
 }
 
@@ -97,12 +100,4 @@ fn a_good_thread_stands_off_together() {
     }
     let [_, passes, depth, ends] = summary.at_the_tool();
     assert!(passes < 0.05 && depth < 3.5 && ends < 2.5, "{passes} {depth} {ends}");
-}
-
-/// Differences of the true motion, which the law does not know.
-#[test]
-fn a_nut_that_is_shaken_uses_more_than_its_law_asks_for() {
-    let single = "G18 G21 G90 G8 G97\nM3 S300\nG0 X12 Z75\nG0 X9.5\nG33 Z-30 K25\nG0 X12\nG0 Z90\nM5\nM2\n";
-    let pass = run(single, SMALL_LATHE, "").2.passes.remove(0);
-    assert!(pass.limits_asked_pct.z_j < 80.0 && pass.limits_used_pct.z_j > 900.0, "{pass:#?}");
 }

@@ -10,6 +10,7 @@ mod job_keys;
 mod jobs;
 mod merge;
 mod mill;
+mod part;
 mod policy;
 mod properties;
 mod ridges;

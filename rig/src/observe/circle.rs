@@ -75,8 +75,8 @@ pub(super) struct Circles {
     reports: Vec<CircleReport>,
 }
 
-/// Finds what an [`Observer`](super::Observer) wants to know of a program beforehand: its passes, its
-/// formulas and traces, and the arcs that go around at least half. Give it every item in order.
+/// Finds what an [`Observer`](super::Observer) wants to know of a program beforehand: its passes and tools,
+/// its formulas and traces, and the arcs that go around at least half. Give it every item in order.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     at: PerAxis<Position>,
@@ -100,7 +100,7 @@ impl Watch {
                 (self.at, self.arcs) = (arc.target, self.arcs + usize::from(round));
                 round
             }
-            Code::Formula { .. } | Code::Work(_) => true,
+            Code::Formula { .. } | Code::Work(_) | Code::Tool { .. } => true,
             _ => false,
         }
     }

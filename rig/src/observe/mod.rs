@@ -16,6 +16,7 @@ mod judged;
 mod limits;
 mod pass;
 mod pause;
+mod planned;
 mod span;
 mod summary;
 #[cfg(test)]
@@ -28,10 +29,8 @@ mod work;
 
 use std::collections::BTreeMap;
 
-use machine::Machine;
-use protocol::{
-    Axis, AxisStatus, Code, Fault, Item, MachineState, MachineStatus, PerAxis, ThreadPass, Truth,
-};
+use machine::{Machine, Part};
+use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, PerAxis, Truth};
 use zerocopy::IntoBytes;
 
 pub use summary::{
@@ -57,6 +56,7 @@ use judged::judged;
 use limits::Limits;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
+use planned::Planned;
 use threads::Threads;
 use work::Works;
 
@@ -71,8 +71,7 @@ pub struct Record<'a> {
     pub machine: &'a MachineStatus,
 }
 
-/// Bytes that are hashed at once: a power of two, so that whole subtrees of the hash are computed side by
-/// side.
+/// Bytes that are hashed at once: a power of two, so that whole subtrees of the hash go side by side.
 const HASH_BATCH: usize = 64 * 1024;
 /// Bytes of a truth that count: all but what is to be done to a module, which shows in what follows.
 const HASHED: usize = std::mem::offset_of!(Truth, doomed);
@@ -83,8 +82,8 @@ const COUNTS_CORRECTED: &str = "encoder-counts-corrected";
 /// Watches a run. Feed it every control cycle from the first, in order.
 pub struct Observer {
     machine: Machine,
-    /// Every pass of the program and its line, by its number.
-    program: BTreeMap<u32, (u32, ThreadPass)>,
+    /// Every pass of the program, by its number.
+    program: BTreeMap<u32, Planned>,
     current: Option<PassObserver>,
     inside: Inside,
     threads: Threads,
@@ -149,13 +148,9 @@ impl Observer {
     /// An observer of a machine and of its program, of which what [`Watch`] wants is enough. A pass that no
     /// regulator would accept is not expected.
     pub fn new(machine: &Machine, items: &[Item]) -> Observer {
-        let pass = |item: &Item| match item.code {
-            Code::Pass(pass) if pass.check().is_ok() => Some((pass.pass, (item.line, pass))),
-            _ => None,
-        };
         Observer {
             machine: machine.clone(),
-            program: items.iter().filter_map(pass).collect(),
+            program: planned::planned(machine, items),
             current: None,
             inside: Inside::new(),
             threads: Threads::default(),
@@ -180,6 +175,14 @@ impl Observer {
                 ..Observation::default()
             },
         }
+    }
+
+    /// The same observer of a part that is known, and where its zero lies on the machine in each pass: X, Z,
+    /// mm.
+    #[must_use]
+    pub fn of_part(mut self, part: &Part, origins_mm: &BTreeMap<u32, [f64; 2]>) -> Observer {
+        planned::lie_in(&mut self.program, part, origins_mm);
+        self
     }
 
     /// The same observer for whoever makes many runs and asks how they ended: with the outcome, the faults
@@ -269,8 +272,8 @@ impl Observer {
         if self.current.is_none() {
             let armed = record.axes.iter().find(|(_, status)| state_in(status.pass, status).is_in_pass());
             let Some((_, status)) = armed else { return };
-            let Some((line, pass)) = self.program.get(&status.pass) else { return };
-            self.current = Some(PassObserver::new(&self.machine, pass, *line, record.truth.cycle.0));
+            let Some(planned) = self.program.get(&status.pass) else { return };
+            self.current = Some(PassObserver::new(&self.machine, planned, record.truth.cycle.0));
         }
         let index_deg = self.index_deg;
         if self.current.as_mut().is_some_and(|pass| !pass.cycle(record, index_deg, is_tick)) {

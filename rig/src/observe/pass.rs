@@ -20,6 +20,7 @@ use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, Threa
 use super::Record;
 use super::cutting::CuttingReport;
 use super::helix::{Helix, LineFit};
+use super::planned::Planned;
 use super::span::Span;
 use super::summary::{PassEnd, PassReport, ServoError};
 use super::tool::{Finish, Tool};
@@ -161,7 +162,8 @@ pub(super) struct PassObserver {
 
 impl PassObserver {
     /// A pass that was armed just now.
-    pub(super) fn new(machine: &Machine, pass: &ThreadPass, line: u32, armed_cycle: u64) -> PassObserver {
+    pub(super) fn new(machine: &Machine, planned: &Planned, armed_cycle: u64) -> PassObserver {
+        let pass = &planned.pass;
         let track = |(axis, config): (Axis, &machine::AxisConfig)| AxisTrack {
             axis,
             law: pass.axis(axis).law(pass.s_rpm),
@@ -181,13 +183,13 @@ impl PassObserver {
         let along = if pass.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X };
         PassObserver {
             pass: *pass,
-            line,
+            line: planned.line,
             axes: machine.axes().map(track).collect(),
             along,
             helix: Helix::of(pass, pass.axis(along)),
             motor: LineFit::default(),
             slide: LineFit::default(),
-            tool: Tool::new(machine, pass, along),
+            tool: Tool::new(machine, planned, along),
             cutting: None,
             rpm: Span::default(),
             override_pct: Span::default(),

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | C | deg | true spindle angle since the index of the pass |
 //! | a, b | mm | true place of the slide along the thread (Z; X of a face thread), and of the one across it |
-//! | z, z_f, z_b | mm | place along the spindle; where the stock begins and ends there |
+//! | z, z_f, z_b | mm | place along the spindle, less what the edge reaches; where the stock begins and ends there |
 //! | d | mm | how deep the point is: below the crest of the pass; of a pass that does not say its depth (G33), below where its way out says that the tool is out of the groove, less its margin |
 //! | h(C), x(C) | mm | helix that the program means; law of the axis across |
 //! | x_full(a) | mm | the axis across at full depth; on a cone it grows with a |
@@ -15,7 +15,7 @@
 //! | e, ē | µm | error along the thread, its mean over the angle |
 //!
 //! ```text
-//! (M120) contact: d > 0 and z_b ≤ z ≤ z_f;  it counts from where the law along the thread is on its lead
+//! (M120) contact: d > 0 and z_b ≤ z ≤ z_f, or within the part if it is known
 //! (M121) e = a − h(C)  as long as that law asks for the helix;   phase = ē,   helix = max |e − ē|
 //! (M122) behind that: |e − ē| − max(0, s (b − x_full(a))) tan α, if positive: what is taken from the flank
 //! (M123) s (b − x(C)): positive where the groove is too shallow
@@ -26,10 +26,11 @@
 
 use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, Groove, ThreadPass, Truth};
+use protocol::{Axis, Groove, Truth};
 use serde::{Deserialize, Serialize};
 
 use super::helix::Helix;
+use super::planned::{Planned, Stock};
 use super::span::Span;
 
 /// How much farther than the groove is deep a way out goes until the tool counts as free, a share of the
@@ -82,8 +83,9 @@ pub(super) struct Tool {
     outwards: f64,
     /// Where the tool rests when it has left.
     clear_mm: f64,
-    /// Where the stock ends and begins along Z.
-    stock_mm: [f64; 2],
+    stock: Stock,
+    /// How far the edge reaches to either side of the point along Z, mm.
+    edge_mm: f64,
     tan_flank: f64,
     /// Angles between which the law along the thread asks for the helix, and the one across is at full depth.
     helix_deg: [f64; 2],
@@ -121,7 +123,11 @@ impl Mean {
 
 impl Tool {
     /// The tool of a pass along an axis.
-    pub(super) fn new(machine: &Machine, pass: &ThreadPass, along: Axis) -> Tool {
+    pub(super) fn new(machine: &Machine, planned: &Planned, along: Axis) -> Tool {
+        let pass = &planned.pass;
+        let tool = machine.tool(planned.tool);
+        let half_angle_deg = tool.and_then(|tool| Some(0.5 * tool.angle_deg?));
+        let half_angle_deg = half_angle_deg.unwrap_or(machine.threading.flank_half_angle_deg);
         let across = if along == Axis::Z { Axis::X } else { Axis::Z };
         let (lead, depth) = (pass.axis(along), pass.axis(across));
         let groove = if along == Axis::Z { Groove::of(pass) } else { Groove::default() };
@@ -141,8 +147,9 @@ impl Tool {
             deepest_mm: (outwards * (pass.out.free.mm() - bottom_mm) - grows_mm) / (1.0 + WAY_OUT_MARGIN),
             outwards,
             clear_mm: pass.out.clear.mm(),
-            stock_mm: sim_plant::stock_mm(machine).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
-            tan_flank: libm::tan(machine.threading.flank_half_angle_deg.to_radians()),
+            stock: planned.stock.clone(),
+            edge_mm: tool.map_or(0.0, machine::Tool::edge_mm),
+            tan_flank: libm::tan(half_angle_deg.to_radians()),
             helix_deg: [lead.run_in_c0_deg + lead.run_in_dc_deg, lead.brake_c_deg],
             full_deg: [depth.locked_deg(), depth.leaves_deg()],
             lifts: depth.retract_mm != 0.0,
@@ -158,21 +165,22 @@ impl Tool {
     pub(super) fn cycle(&mut self, c_deg: f64, truth: &Truth, led: bool) {
         let turned_deg = (c_deg - self.c_deg.replace(c_deg).unwrap_or(c_deg)).abs();
         let [a, b] = [self.along, self.across].map(|axis| truth.axes[axis.index()].slide_mm);
-        if c_deg < self.helix_deg[0] || !self.is_in_material(a, b) {
+        let runs_in = c_deg < self.helix_deg[0];
+        if runs_in && !matches!(self.stock, Stock::Part(..)) || !self.is_in_material(a, b) {
             return;
         }
         let e = self.helix.error_um(c_deg, a);
-        let on_helix = led && c_deg < self.helix_deg[1];
+        let on_helix = led && !runs_in && c_deg < self.helix_deg[1];
         if on_helix {
             self.error.add(turned_deg, e);
-        } else if self.lifts || !led {
+        } else if self.lifts || runs_in || !led {
             let room_mm = self.way_out_mm(a, b).max(0.0) * self.tan_flank;
             self.flank_um = self.flank_um.max((e - self.error.mean()).abs() - 1e3 * room_mm);
         }
         let shallow_um = 1e3 * self.outwards * (b - self.start_mm - self.law.at(c_deg).s);
         match (self.full_deg[0]..self.full_deg[1]).contains(&c_deg) {
             true if on_helix => self.depth.add(shallow_um),
-            false if led => self.stroke_max_um = self.stroke_max_um.max(shallow_um.abs()),
+            false if led && !runs_in => self.stroke_max_um = self.stroke_max_um.max(shallow_um.abs()),
             _ => {}
         }
     }
@@ -189,12 +197,12 @@ impl Tool {
 
     /// Whether the point of the tool is in the material (M120).
     fn is_in_material(&self, a: f64, b: f64) -> bool {
-        let z = if self.along == Axis::Z { a } else { b };
+        let (x, z) = if self.along == Axis::Z { (b, a) } else { (a, b) };
         let deep = match self.groove.into {
             0.0 => self.way_out_mm(a, b) < self.deepest_mm,
             _ => self.groove.depth_mm(b, a) > 0.0,
         };
-        deep && (self.stock_mm[0]..=self.stock_mm[1]).contains(&z)
+        deep && self.stock.holds(x, z, self.edge_mm)
     }
 
     /// How deep the pass goes, if the tool was in the material.

@@ -2,7 +2,7 @@
 //! that is where it should be, plus exactly the errors that a test asks for. In: passes. Out: the records of
 //! a run.
 
-use machine::Machine;
+use machine::{Machine, Part};
 use protocol::{
     Axis, AxisLaw, AxisState, AxisStatus, Code, Cycle, Item, MachineState, MachineStatus, Position,
     ThreadPass, Truth,
@@ -36,6 +36,9 @@ pub(crate) struct Ideal {
     pub(crate) spindle_deg: f64,
     pub(crate) truth: Truth,
     pub(crate) status: MachineStatus,
+    /// The tool of every pass, and the part with its zero on the machine: X, Z.
+    pub(crate) tool: u32,
+    pub(crate) part: Option<(Part, [f64; 2])>,
 }
 
 /// A pass by 2 mm/rev along -Z at 600 1/min, X going in by 1 mm, ten turns of thread.
@@ -92,6 +95,8 @@ impl Ideal {
             spindle_deg: -1234.5,
             truth,
             status: MachineStatus::default(),
+            tool: 0,
+            part: None,
         }
     }
 
@@ -105,8 +110,12 @@ impl Ideal {
             line: 10 + index as u32,
             code: Code::Pass(*pass),
         };
-        let items: Vec<Item> = passes.iter().enumerate().map(item).collect();
+        let tool = Item { line: 1, code: Code::Tool { number: self.tool } };
+        let items: Vec<Item> = std::iter::once(tool).chain(passes.iter().enumerate().map(item)).collect();
         let mut observer = Observer::new(&self.machine, &items);
+        if let Some((part, origin)) = &self.part {
+            observer = observer.of_part(part, &passes.iter().map(|(pass, _)| (pass.pass, *origin)).collect());
+        }
         for (pass, injected) in passes {
             self.cut(pass, injected, &mut |record| {
                 observer.cycle(record);

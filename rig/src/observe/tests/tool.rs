@@ -1,5 +1,6 @@
 //! What the tool does in the material, as injected into an ideal machine: contact, helix, flank and depth.
 
+use machine::{Machine, Part, SMALL_LATHE};
 use protocol::{Axis, Position, ThreadPass};
 
 use super::ideal::{Ideal, Injected, lay_out, pass};
@@ -77,10 +78,17 @@ fn a_taper_is_contact() {
     assert_eq!((late.tool.x_min_um, late.tool.x_max_um), (0.0, 0.0), "full depth ends where X leaves");
 }
 
+/// X leaves 60° after Z began to brake.
+fn with_a_late_retract() -> ThreadPass {
+    let mut pass = pass(1);
+    pass.axes[Axis::X.index()].retract_c_deg = END_DEG + 60.0;
+    pass
+}
+
 #[test]
 fn m122_a_brake_may_come_as_near_to_the_flank_as_x_has_made_room() {
-    // Z brakes while X leaves; how far it lags beyond the room, by the laws alone.
-    let pass = pass(1);
+    // Z brakes before X leaves; how far it lags beyond the room, by the laws alone.
+    let pass = with_a_late_retract();
     let (x, z) = (pass.axis(Axis::X).law(pass.s_rpm), pass.axis(Axis::Z).law(pass.s_rpm));
     for half_angle_deg in [14.5, 30.0, 60.0] {
         let tan = libm::tan(half_angle_deg * std::f64::consts::PI / 180.0);
@@ -89,7 +97,8 @@ fn m122_a_brake_may_come_as_near_to_the_flank_as_x_has_made_room() {
             let lag_mm = (z.at(END_DEG).s - 2.0 * (c - END_DEG) / 360.0 - z.at(c).s).abs();
             if out_mm < 0.2 { 1e3 * (lag_mm - out_mm * tan) } else { 0.0 }
         };
-        let expected = (0..1800).map(|step| beyond_um(END_DEG + 0.1 * f64::from(step))).fold(0.0, f64::max);
+        let expected = (0..2400).map(|step| beyond_um(END_DEG + 0.1 * f64::from(step))).fold(0.0, f64::max);
+        assert!(expected > 10.0, "{expected}");
         let mut ideal = Ideal::new();
         ideal.machine.threading.flank_half_angle_deg = half_angle_deg;
         let report = ideal.run(&[(pass, Injected::default())], |_, _| {}).passes.remove(0);
@@ -183,4 +192,43 @@ fn each_figure_has_its_reason() {
     let broken = Injected { broken_off_deg: Some(300.0), ..Injected::default() };
     let broken = Ideal::new().run(&[(pass(1), broken)], |_, _| {}).summary("part.ngc", "virtual").part;
     assert_eq!(broken.reasons, ["pass 1 was not cut to its end"]);
+}
+
+/// A bar whose face is at Z 4.5: the tool is on its helix from Z 4 on.
+#[test]
+fn in_a_part_that_is_known_the_run_in_counts_too() {
+    let part = |text: &str| Part::from_comment(text, 1.0).expect("a part").expect("a part");
+    let observed = |part: &Part, origin: [f64; 2]| {
+        let (mut ideal, item) = (Ideal::new(), pass(1));
+        ideal.part = Some((part.clone(), origin));
+        ideal.run(&[(item, Injected::default())], |_, _| {}).passes.remove(0).tool
+    };
+    let far = observed(&part("part, bar D30 L60 Z3"), [0.0; 2]);
+    close(far.contact_deg, END_DEG - 720.0, 2.0); // from Z 3 to where X leaves
+    assert!(far.helix_max_abs_um < 1e-6, "{far:?}");
+    let inside = observed(&part("part, bar D30 L60 Z4.5"), [0.0; 2]);
+    assert!(inside.flank_um > 2.0, "{inside:?} {far:?}");
+    assert_eq!(observed(&part("part, bar D20 L60 Z3"), [0.0; 2]).contact_deg, 0.0, "X 11 is beside it");
+    assert_eq!(
+        observed(&part("part, bar D20 L60 Z1"), [5.0, 2.0]).contact_deg,
+        far.contact_deg,
+        "it lies elsewhere"
+    );
+}
+
+#[test]
+fn a_tool_has_its_angle_and_its_edge() {
+    let shaped = |keys: &str| {
+        let mut ideal = Ideal::new();
+        let file = format!("{SMALL_LATHE}\n[tools.3]\nname = \"a tool\"\n{keys}\n");
+        ideal.machine = Machine::from_toml(&file).expect("a machine with a tool");
+        ideal.tool = 3;
+        ideal.run(&[(with_a_late_retract(), Injected::default())], |_, _| {}).passes.remove(0).tool
+    };
+    let plain = shaped("");
+    assert_eq!(plain, one(with_a_late_retract(), |_, _| 0.0).tool);
+    // 29° between the flanks are what the machine file has.
+    assert_eq!(shaped("angle_deg = 29"), plain);
+    assert!(shaped("angle_deg = 60").flank_um < plain.flank_um);
+    close(shaped("width_mm = 0.4").contact_deg, plain.contact_deg + 36.0, 1.0); // 0.2 mm before the face
 }

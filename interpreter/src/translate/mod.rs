@@ -3,21 +3,25 @@
 //!
 //! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
+mod jobs;
+mod part;
+
 use gcode::canon::{self, ThreadCycle};
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
 use gcode::{Call, Job, Place, Pose, Problem, Sink};
-use machine::Machine;
+use machine::{Machine, Part};
 use protocol::{Axis, Code, Feed, Item, ThreadPass};
 
 use crate::arc;
 use crate::auxiliary::{Auxiliary, find_tool};
-use crate::job::{Coolant, InForce, JobNote, Jobs, Move, Planned, Setup};
+use crate::job::{JobNote, Jobs};
 use crate::modal::{Modal, Synchronised};
 use crate::output::Output;
 use crate::points::Points;
 use crate::reach::{Done, refuse_absent};
 use crate::spindle::Spindle;
+use crate::stock::Stock;
 use crate::thread::{Next, Point};
 use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
 
@@ -34,6 +38,8 @@ pub(crate) struct Translator {
     threads: Threads,
     jobs: Jobs,
     output: Output,
+    part: Option<Part>,
+    stock: Option<Stock>,
 }
 
 impl Sink for Translator {
@@ -67,6 +73,8 @@ impl Translator {
             auxiliary: Auxiliary::default(),
             threads: Threads::default(),
             jobs: Jobs::default(),
+            part: None,
+            stock: None,
         }
     }
 
@@ -143,7 +151,7 @@ impl Translator {
 
     fn take(&mut self, place: Place, call: Call<'_>) -> Done {
         match call {
-            Call::Comment(text) => self.threads.comment(text),
+            Call::Comment(text) => self.threads.comment(text).and_then(|()| self.take_part(text)),
             Call::Note(_)
             | Call::OnReset
             | Call::SetFeedReference
@@ -188,7 +196,7 @@ impl Translator {
         match *call {
             Call::StraightTraverse(to) => self.straight(place, &to, true)?,
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
-            Call::ArcFeed(arc) => self.arc(line, &arc)?,
+            Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,
@@ -244,6 +252,7 @@ impl Translator {
             let way = [self.points.axes_at_rest(), self.points.axes(&target)];
             self.modal.feed_of_line(way, &self.spindle)?
         };
+        self.part_sees(place, &self.points.axes(&target), rapid);
         self.points.program_goes_to(target);
         self.line_to(place.line, target, feed);
         Ok(())
@@ -258,7 +267,7 @@ impl Translator {
     }
 
     /// G2, G3, helices.
-    fn arc(&mut self, line: u32, arc: &canon::Arc) -> Done {
+    fn arc(&mut self, place: Place, arc: &canon::Arc) -> Done {
         arc::check_plane(&self.modal, &self.machine)?;
         // A move before that could not be made was reported: this arc would begin where it did not end.
         let astray = self.points.is_astray();
@@ -273,9 +282,10 @@ impl Translator {
             made => made?,
         };
         arc::check_travel(&corners, &self.machine)?;
+        self.part_sees_arc(place, &arc);
         self.points.program_goes_to(target);
         self.points.axes_go_to(target);
-        self.push(line, Code::Arc { arc, feed });
+        self.push(place.line, Code::Arc { arc, feed });
         Ok(())
     }
 
@@ -284,7 +294,7 @@ impl Translator {
         let single = threading::single(target, synchronised, &self.points, &self.spindle, &self.machine)?;
         self.warn_of_encoder(place, synchronised.lead_mm);
         self.points.thread_goes_to(*target);
-        self.threads.hold(place, single);
+        self.threads.hold(place, single, self.origin());
         Ok(())
     }
 
@@ -303,7 +313,7 @@ impl Translator {
         let place = released.place;
         match released.pass {
             Err(problem) => return self.output.report(place, *problem),
-            Ok(pass) => self.pass(place.line, pass),
+            Ok(pass) => self.pass(place, pass, released.origin),
         }
         if let Some(problem) = threading::no_retract(place.line, next) {
             self.output.report(place, *problem);
@@ -317,7 +327,7 @@ impl Translator {
         let rest = self.points.axes_at_rest();
         for (from, pass) in self.threads.cycle(place.line, &cycle, &rest, &self.machine)? {
             self.line_to(place.line, in_plane_of(self.points.rest(), from), Feed::Rapid);
-            self.pass(place.line, pass);
+            self.pass(place, pass, self.origin());
         }
         let end = in_plane_of(self.points.rest(), Point { x: cycle.from.x, z: cycle.to_z });
         if is_apart(self.points.rest(), &end) {
@@ -327,66 +337,16 @@ impl Translator {
         Ok(())
     }
 
-    fn pass(&mut self, line: u32, pass: ThreadPass) {
+    fn pass(&mut self, place: Place, pass: ThreadPass, origin: Point) {
+        self.part_sees_pass(place, &pass, origin);
         let end = Point { x: pass.axis(Axis::X).end.mm(), z: pass.axis(Axis::Z).end.mm() };
         self.points.axes_go_to(in_plane_of(self.points.rest(), end));
-        self.push(line, Code::Pass(pass));
+        self.push(place.line, Code::Pass(pass));
     }
 
     fn warn_of_encoder(&mut self, place: Place, lead_mm: f64) {
         if let Some(warning) = coarse_encoder(place.line, lead_mm, &self.machine) {
             self.output.report(place, *warning);
-        }
-    }
-
-    /// A job: what its file sets, moves to the work, the work, moves away.
-    fn take_job(&mut self, place: Place, source: &Job, tools: &ToolTable) {
-        let in_force = InForce {
-            machine: &self.machine,
-            frame: &self.modal.frame,
-            feed_mm_min: self.modal.feed_mm_min(),
-            rest: self.points.axes_at_rest(),
-            spindle_turns: self.spindle.turns(),
-        };
-        let ready = match self.jobs.plan(place, source, tools, &in_force) {
-            Ok(ready) => ready,
-            Err((place, problem)) => return self.output.report(place, problem),
-        };
-        for (place, warning) in ready.warnings {
-            self.output.report(place, warning);
-        }
-        if let Some(setup) = ready.setup {
-            self.set_up(place.line, &setup);
-        }
-        let Planned { approach, formulas, traces, end, retract, .. } = ready.planned;
-        self.go(place.line, &approach);
-        for (slot, formula) in (0..).zip(formulas) {
-            self.push(place.line, Code::Formula { slot, formula });
-        }
-        for trace in traces {
-            self.push(place.line, Code::Work(trace));
-        }
-        self.points.axes_rest_at(&end);
-        self.go(place.line, &retract);
-        self.points.program_follows_axes();
-    }
-
-    /// Tool, spindle and coolant of a job file.
-    fn set_up(&mut self, line: u32, setup: &Setup) {
-        let tool = setup.tool.and_then(|number| self.auxiliary.select_tool(number));
-        self.push_some(line, tool);
-        if let Some(rpm) = setup.spindle_rpm {
-            self.spindle.turn(rpm);
-        }
-        let coolant = self.auxiliary.coolant(setup.coolant == Coolant::Mist, setup.coolant == Coolant::Flood);
-        self.push_some(line, coolant);
-    }
-
-    /// Moves around the work of a job.
-    fn go(&mut self, line: u32, moves: &[Move]) {
-        for step in moves {
-            self.push(line, Code::Line { target: step.to, feed: step.feed });
-            self.points.axes_rest_at(&step.to);
         }
     }
 }

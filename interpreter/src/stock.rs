@@ -1,0 +1,289 @@
+//! What is left of the part while a program cuts it, and what no program should do with it: go through it, or
+//! into the chuck, in rapid motion; begin a run-in inside it; cut while the spindle stands. In: moves in the
+//! coordinates of the part, mm, X a radius. Out: warnings.
+//!
+//! The stock is kept as a bore and an outer radius at nodes along Z. A feed takes off what lies beyond its
+//! point on the side of the free end: `|x| ≥ x_tool, z ≥ z_tool` from outside, `|x| ≤ x_tool, z ≥ z_tool` in
+//! a bore. That is more than a groove or a tool for the other hand takes, so there is material that these
+//! warnings do not know of, and none that they invent.
+
+use gcode::Problem;
+use gcode::problem::{Blame, short};
+use machine::{Machine, Part};
+use protocol::{Axis, PerAxis, Position, ThreadPass};
+
+use crate::thread::Point;
+
+/// Distance of the nodes, mm, and most of them.
+const STEP_MM: f64 = 0.05;
+const MOST_NODES: f64 = 40_000.0;
+/// So far a point is in the material that is in it, mm: nodes and lines are not finer.
+const SKIN_MM: f64 = 0.06;
+/// Places of a run-in that are looked at.
+const LOOKS: u32 = 64;
+/// Warnings of one program.
+const MOST_WARNINGS: u32 = 20;
+
+/// The part as far as it is cut.
+#[derive(Clone, Debug)]
+pub(crate) struct Stock {
+    low_mm: f64,
+    step_mm: f64,
+    /// Bore and outer radius at each node.
+    nodes: Vec<[f64; 2]>,
+    widest_mm: f64,
+    chuck_mm: Option<f64>,
+    warnings: u32,
+}
+
+/// How a move goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Goes {
+    /// In rapid motion.
+    Rapid,
+    /// Cutting, with the spindle turning.
+    Cuts,
+    /// Cutting, with the spindle standing.
+    CutsAtRest,
+}
+
+impl Stock {
+    /// The part before it is cut.
+    pub(crate) fn new(part: &Part) -> Stock {
+        let [low_mm, high_mm] = part.ends_mm();
+        let intervals = ((high_mm - low_mm) / STEP_MM).ceil().clamp(1.0, MOST_NODES);
+        let step_mm = (high_mm - low_mm) / intervals;
+        let node = |number: u32| part.radii_mm(low_mm + f64::from(number) * step_mm).unwrap_or([0.0; 2]);
+        Stock {
+            low_mm,
+            step_mm,
+            nodes: (0..=intervals as u32).map(node).collect(),
+            widest_mm: part.widest_mm(),
+            chuck_mm: part.chuck_mm(),
+            warnings: 0,
+        }
+    }
+
+    /// Takes a straight move; a warning if it should not be. `drill_mm` is the radius of a drill, if the tool
+    /// has a width.
+    pub(crate) fn goes(&mut self, [from, to]: [Point; 2], how: Goes, drill_mm: f64) -> Option<Box<Problem>> {
+        let inside = self.first_inside(from, to);
+        let warning = match (how, inside) {
+            (Goes::Rapid, Some(at)) => Some(warning(
+                "rapid-in-stock",
+                format!("the rapid goes through the stock at {}", place(at)),
+                "go around it, or cut it off first; is the part as it is said to be, and the offset?",
+            )),
+            (Goes::CutsAtRest, Some(at)) => Some(warning(
+                "cut-at-rest",
+                format!("the tool cuts into the stock at {}, and the spindle stands", place(at)),
+                "start the spindle before, as in G97 S800 M3",
+            )),
+            _ => self.in_chuck(from, to),
+        };
+        if how != Goes::Rapid && inside.is_some() {
+            self.cut(from, to, drill_mm);
+        }
+        self.told(warning)
+    }
+
+    /// Takes a pass of a thread, of which X 0 and Z 0 of the part lie at `origin` on the machine.
+    pub(crate) fn pass(&mut self, pass: &ThreadPass, origin: Point) -> Option<Box<Problem>> {
+        let law = |axis: Axis| (pass.axis(axis).start.mm(), pass.axis(axis).law(pass.s_rpm));
+        let ((x0, x), (z0, z)) = (law(Axis::X), law(Axis::Z));
+        let at = |c: f64| Point { x: x0 + x.at(c).s - origin.x, z: z0 + z.at(c).s - origin.z };
+        // From where the axis along the thread sets off to where it is on its lead.
+        let [begins, locked] = {
+            let z = pass.axis(Axis::Z);
+            [z.run_in_c0_deg, z.run_in_c0_deg + z.run_in_dc_deg]
+        };
+        let looks =
+            (0..LOOKS).map(|look| at(begins + (locked - begins) * f64::from(look) / f64::from(LOOKS)));
+        let inside = looks.into_iter().find(|point| self.is_inside(*point));
+        let warning = match inside {
+            Some(at) => Some(warning(
+                "run-in-in-stock",
+                format!("the tool is in the stock at {} before it is on the helix", place(at)),
+                "start further from the part: `pitchlock check` says from which Z on there is full depth",
+            )),
+            None => self.in_chuck(at(begins), at(pass.done_deg())),
+        };
+        self.told(warning)
+    }
+
+    fn told(&mut self, warning: Option<Box<Problem>>) -> Option<Box<Problem>> {
+        self.warnings += u32::from(warning.is_some());
+        warning.filter(|_| self.warnings <= MOST_WARNINGS)
+    }
+
+    /// A move that ends deeper in the chuck than it begins.
+    fn in_chuck(&self, from: Point, to: Point) -> Option<Box<Problem>> {
+        let chuck_mm = self.chuck_mm?;
+        (to.z < chuck_mm && to.z < from.z).then(|| {
+            let message =
+                format!("the tool goes to Z{}, and the chuck begins at Z{}", short(to.z), short(chuck_mm));
+            warning("into-chuck", message, "end the move before it, or let more of the stock stand out")
+        })
+    }
+
+    /// The node nearest to Z, if the stock is there.
+    fn node(&self, z: f64) -> Option<usize> {
+        let node = ((z - self.low_mm) / self.step_mm).round();
+        (node >= 0.0 && node < self.nodes.len() as f64).then_some(node as usize)
+    }
+
+    fn is_inside(&self, point: Point) -> bool {
+        let Some([bore, outer]) = self.node(point.z).and_then(|node| self.nodes.get(node)) else {
+            return false;
+        };
+        let x = point.x.abs();
+        x < outer - SKIN_MM && (*bore == 0.0 || x > bore + SKIN_MM)
+    }
+
+    /// Points of a line, no farther apart than the nodes.
+    fn points(&self, from: Point, to: Point) -> impl Iterator<Item = Point> + use<> {
+        let count =
+            (libm::hypot(to.x - from.x, to.z - from.z) / self.step_mm).ceil().clamp(1.0, 2.0 * MOST_NODES);
+        (0..=count as u32).map(move |number| {
+            let share = f64::from(number) / count;
+            Point { x: from.x + (to.x - from.x) * share, z: from.z + (to.z - from.z) * share }
+        })
+    }
+
+    /// Where a line comes into the material.
+    fn first_inside(&self, from: Point, to: Point) -> Option<Point> {
+        let end_mm = self.low_mm + self.step_mm * (self.nodes.len() - 1) as f64;
+        let beside = from.z.max(to.z) < self.low_mm || from.z.min(to.z) > end_mm + self.step_mm;
+        let above = from.x.min(to.x) > self.widest_mm || from.x.max(to.x) < -self.widest_mm;
+        if beside || above {
+            return None;
+        }
+        self.points(from, to).find(|point| self.is_inside(*point))
+    }
+
+    /// Takes off what a feed cuts.
+    fn cut(&mut self, from: Point, to: Point, drill_mm: f64) {
+        let along_the_axis = from.x.abs() < SKIN_MM && to.x.abs() < SKIN_MM;
+        let last = self.nodes.len() - 1;
+        // What the points at each node leave.
+        let mut left = vec![[0.0, f64::INFINITY]; self.nodes.len()];
+        for point in self.points(from, to) {
+            let behind = (point.z - self.low_mm) / self.step_mm;
+            if behind.round() > last as f64 {
+                continue;
+            }
+            let node = behind.round().max(0.0) as usize;
+            let ([bore, outer], x) = (self.nodes[node], point.x.abs());
+            if along_the_axis && drill_mm > 0.0 {
+                left[node][0] = drill_mm.max(left[node][0]);
+            } else if bore > 0.0 && x < 0.5 * (bore + outer) {
+                left[node][0] = x.max(left[node][0]);
+            } else {
+                left[node][1] = x.min(left[node][1]);
+            }
+        }
+        let mut taken: [f64; 2] = [0.0, f64::INFINITY];
+        for (node, left) in self.nodes.iter_mut().zip(left) {
+            taken = [taken[0].max(left[0]), taken[1].min(left[1])];
+            *node = [node[0].max(taken[0]), node[1].min(taken[1])];
+        }
+    }
+}
+
+/// Where X and Z of the machine stand, mm.
+pub(crate) fn point(axes: &PerAxis<Position>, origin: Point) -> Point {
+    let at = |axis: Axis| axes[axis.index()].mm();
+    Point { x: at(Axis::X) - origin.x, z: at(Axis::Z) - origin.z }
+}
+
+/// The radius of a drill, mm; 0 if the tool has no width.
+pub(crate) fn drill_mm(machine: &Machine, tool: Option<u32>) -> f64 {
+    let tool = tool.and_then(|number| machine.tool(number));
+    0.5 * tool.and_then(|tool| tool.width_mm).unwrap_or(0.0)
+}
+
+fn place(at: Point) -> String {
+    format!("X{} Z{} of the part (X as a radius, mm)", short(at.x), short(at.z))
+}
+
+fn warning(code: &'static str, message: String, help: &str) -> Box<Problem> {
+    Problem::warning(code, Blame::Block, message, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stock(text: &str) -> Stock {
+        Stock::new(&Part::from_comment(text, 1.0).expect("a part").expect("a part"))
+    }
+
+    fn at(x: f64, z: f64) -> Point {
+        Point { x, z }
+    }
+
+    fn code(warning: Option<Box<Problem>>) -> &'static str {
+        warning.map_or("", |warning| warning.code)
+    }
+
+    #[test]
+    fn a_rapid_may_go_where_nothing_is_or_is_left() {
+        let mut bar = stock("part, bar D40 L60 C-55");
+        let mut rapid = |from, to| code(bar.goes([from, to], Goes::Rapid, 0.0));
+        assert_eq!(rapid(at(60.0, 100.0), at(20.0, 2.0)), "");
+        assert_eq!(rapid(at(20.0, 2.0), at(20.0, -30.0)), "", "along the surface");
+        assert_eq!(rapid(at(18.0, 2.0), at(18.0, -0.5)), "rapid-in-stock");
+        assert_eq!(rapid(at(30.0, 5.0), at(5.0, -10.0)), "rapid-in-stock");
+        assert_eq!(rapid(at(30.0, -20.0), at(30.0, -56.0)), "into-chuck");
+        assert_eq!(code(bar.goes([at(18.0, 2.0), at(18.0, -30.0)], Goes::Cuts, 0.0)), "");
+        let mut rapid = |from, to| code(bar.goes([from, to], Goes::Rapid, 0.0));
+        assert_eq!(rapid(at(18.0, 2.0), at(18.0, -30.0)), "", "it has been cut off");
+        assert_eq!(rapid(at(19.0, -29.0), at(19.0, -31.0)), "rapid-in-stock");
+        assert_eq!(rapid(at(17.0, 2.0), at(17.0, -1.0)), "rapid-in-stock");
+    }
+
+    #[test]
+    fn a_face_is_gone_when_it_has_been_cut() {
+        let mut bar = stock("part, bar D40 L60 Z1");
+        assert_eq!(code(bar.goes([at(22.0, 0.0), at(-0.8, 0.0)], Goes::Cuts, 0.0)), "");
+        assert_eq!(code(bar.goes([at(-0.8, 0.0), at(-0.8, 1.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(bar.goes([at(10.0, 2.0), at(10.0, 0.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(bar.goes([at(10.0, 2.0), at(10.0, -0.2)], Goes::Rapid, 0.0)), "rapid-in-stock");
+    }
+
+    #[test]
+    fn a_bore_is_cut_from_within_and_leaves_the_outside() {
+        let mut tube = stock("part, tube D40 I20 L60");
+        assert_eq!(code(tube.goes([at(9.0, 2.0), at(9.0, -50.0)], Goes::Rapid, 0.0)), "", "in the bore");
+        tube.goes([at(12.0, 2.0), at(12.0, -20.0)], Goes::Cuts, 0.0);
+        assert_eq!(code(tube.goes([at(11.5, 2.0), at(11.5, -19.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(tube.goes([at(11.5, 2.0), at(11.5, -21.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        assert_eq!(code(tube.goes([at(19.0, 2.0), at(19.0, -1.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+    }
+
+    #[test]
+    fn a_drill_leaves_a_hole_of_its_width() {
+        let mut bar = stock("part, bar D40 L60");
+        bar.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 6.0);
+        assert_eq!(code(bar.goes([at(5.0, 2.0), at(5.0, -29.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(bar.goes([at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        // Of one whose width nobody knows all of the stock above may be gone.
+        let mut bar = stock("part, bar D40 L60");
+        bar.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 0.0);
+        assert_eq!(code(bar.goes([at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid, 0.0)), "");
+    }
+
+    #[test]
+    fn nothing_is_cut_while_the_spindle_stands() {
+        let mut bar = stock("part, bar D40 L60");
+        assert_eq!(code(bar.goes([at(21.0, 2.0), at(21.0, -30.0)], Goes::CutsAtRest, 0.0)), "");
+        assert_eq!(code(bar.goes([at(18.0, 2.0), at(18.0, -30.0)], Goes::CutsAtRest, 0.0)), "cut-at-rest");
+    }
+
+    #[test]
+    fn a_program_is_warned_a_number_of_times_and_no_more() {
+        let mut bar = stock("part, bar D40 L60");
+        let mut warned = || bar.goes([at(5.0, 2.0), at(5.0, -30.0)], Goes::Rapid, 0.0).is_some();
+        assert_eq!((0..100).filter(|_| warned()).count(), 20);
+    }
+}

@@ -1,0 +1,88 @@
+//! The part: what a program says of it in either dialect, and what it is warned of while it cuts it.
+
+use machine::{Machine, Part, ProgramDialect};
+
+/// Codes and lines of what is found in a program.
+fn found(program: &str) -> Vec<(&'static str, u32)> {
+    let check = interpreter::check("part.ngc", program, &Machine::default());
+    check.diagnostics.iter().map(|one| (one.code, one.line)).collect()
+}
+
+const HEAD: &str = "G18 G21 G90 G8 G94 G97 G61\n";
+
+#[test]
+fn a_good_program_is_not_warned_of_anything() {
+    // Face, roughing, a groove, a thread with its relief, in steps that leave and come back.
+    let turning = "(part, bar D40 L60 Z1 C-50)\nS800 M3 F100\nG0 X22 Z3\nG0 Z0\nG1 X-0.5\nG0 Z1\nG0 X18\nG1 Z-40\nG1 X21\n\
+                   G0 Z1\nG0 X15\nG1 Z-30\nG1 X21\nG0 Z1\nG0 X12\nG1 X15 Z-2\nG3 X16 Z-3 K-1\nG1 Z-30\nG0 X22\nG0 Z5\n\
+                   G0 X17\nG76 P2 Z-25 I-1 J0.3 K1.2\nG0 X40\nG0 Z60\nM5\nM2\n";
+    assert_eq!(found(&format!("{HEAD}{turning}")), []);
+    let boring = "(part, tube D40 I20 L60)\nS800 M3 F100\nG0 X9 Z3\nG0 X12\nG1 Z-30\nG0 X11\nG0 Z3\nG0 X13\nG1 Z-20\n\
+                  G0 X12\nG0 Z5\nG0 X40\nM5\nM2\n";
+    assert_eq!(found(&format!("{HEAD}{boring}")), []);
+}
+
+#[test]
+fn each_warning_has_its_line() {
+    for (program, expected) in [
+        ("(part, bar D40 L60)\nG0 X10 Z-5\n", ("rapid-in-stock", 3)),
+        ("(part, bar D40 L60)\nF100\nG0 X10 Z2\nG1 Z-5\n", ("cut-at-rest", 5)),
+        ("(part, bar D40 L60)\nF100\nG0 X22 Z-10\nG3 X18 Z-14 R4\n", ("cut-at-rest", 5)),
+        ("(part, bar D40 L60 C-50)\nG0 X30 Z-40\nG0 Z-55\n", ("into-chuck", 4)),
+        ("(part, bar D40 L60 C-50)\nF100 S300 M3\nG0 X30 Z-40\nG1 Z-55\n", ("into-chuck", 5)),
+        ("(part, bar D40 L60 Z7.9)\nS600 M3\nG0 X12 Z8\nG33 Z-20 K2\nG0 X40\n", ("run-in-in-stock", 5)),
+        ("(part, bar D40 L60 C-10)\nS600 M3\nG0 X12 Z8\nG33 Z-20 K2\nG0 X40\n", ("into-chuck", 5)),
+    ] {
+        assert_eq!(found(&format!("{HEAD}{program}M2\n")), [expected], "{program}");
+    }
+}
+
+#[test]
+fn the_part_lies_where_the_program_has_its_zero() {
+    let at = |z: f64| {
+        format!("{HEAD}G10 L2 P1 X0 Z{z}\nG54\n(part, bar D40 L60)\nG0 X30 Z5\nG0 Z-5\nG0 X10\nM2\n")
+    };
+    assert_eq!(found(&at(-100.0)), [("rapid-in-stock", 7)], "by the coordinates of the program");
+    let machine =
+        format!("{HEAD}G10 L2 P1 X0 Z-100\nG54\n(part, bar D40 L60)\nG0 X30 Z5\nG53 G0 X10 Z-94\nM2\n");
+    assert_eq!(found(&machine), [], "Z6 of the program");
+    let mut program = at(-100.0);
+    program.insert_str(
+        program.find("M2").expect("an end"),
+        "S600 M3\nG0 X40\nG0 Z8\nG76 P2 Z-20 I-1 J0.3 K1.2\n",
+    );
+    let check = interpreter::check("part.ngc", &program, &Machine::default());
+    assert!(!check.passes.is_empty() && check.passes.iter().all(|pass| pass.origin_mm == [0.0, -100.0]));
+    assert_eq!(check.part, Part::from_comment("part, bar D40 L60", 1.0).expect("a part"));
+}
+
+#[test]
+fn a_comment_is_in_inch_where_the_program_is_and_fanuc_has_it_too() {
+    let part = |program: &str, dialect| {
+        let mut machine = Machine::default();
+        machine.general.dialect = dialect;
+        let check = interpreter::check("part", program, &machine);
+        assert!(check.is_good(), "{:#?}", check.diagnostics);
+        check.part.expect("it says what the part is")
+    };
+    let bar = |text: &str| Part::from_comment(text, 1.0).expect("a part").expect("a part");
+    let inch = part("G18 G20 G90\n(part, bar D2 L4)\nM2\n", ProgramDialect::Linuxcnc);
+    assert_eq!(inch, bar("part, bar D50.8 L101.6"));
+    let fanuc = part("%\nO0001 (PART, TUBE D40 I20 L60 C-50)\nG21 M30\n%\n", ProgramDialect::Fanuc);
+    assert_eq!(fanuc, bar("part, tube D40 I20 L60 C-50"));
+}
+
+#[test]
+fn what_cannot_be_is_an_error_at_its_line() {
+    for (program, words) in [
+        ("(part, bra D40 L60)\n", "cannot be \"bra\""),
+        ("(part bar D40 L60)\n", "a comma is missing"),
+        ("(part, bar D40 L60)\n(part, bar D40 L60)\n", "said before"),
+    ] {
+        let check = interpreter::check("part.ngc", &format!("{program}M2\n"), &Machine::default());
+        let [found] = &check.diagnostics[..] else { panic!("{:#?}", check.diagnostics) };
+        assert_eq!((found.code, found.line as usize), ("bad-part", program.lines().count()));
+        assert!(found.message.contains(words) && !found.help.is_empty(), "{found:#?}");
+    }
+    assert_eq!(found("(PART NO 4711)\n(part 1 of 2)\nM2\n"), []);
+}

@@ -1,0 +1,363 @@
+//! The part that a lathe turns, before it is cut. In: a file beside the program (`[part]`), or a comment in
+//! it
+//! (`(part, bar D40 L60)`). Out: the stock as radii over Z, and where the jaws of the chuck begin; mm, in the
+//! coordinates of the program.
+//!
+//! | stock | keys | words of the comment |
+//! |---|---|---|
+//! | `bar` | `diameter_mm`, `length_mm`, `face_mm` | D, L, Z |
+//! | `tube` | the same and `inner_mm`, the diameter of its bore | D, L, Z, I |
+//! | `profile` | `profile_mm`: rows of Z and diameter | Z and D in turn |
+//! | each | `chuck_mm`: Z at which the jaws begin; they lie below | C |
+//!
+//! The face of the stock is at Z 0 if nothing else is said, and the stock lies below it. A comment is in the
+//! units of its program, a file in mm.
+
+mod error;
+
+use serde::Deserialize;
+
+pub use error::PartError;
+
+/// Widest and longest part, mm.
+const LARGEST_MM: f64 = 10_000.0;
+/// Most rows of a profile.
+const MOST_ROWS: usize = 256;
+/// Tables and keys by which a file beside a program is known to be something else: a job, a machine file, a
+/// scenario, what is kept of a run.
+const OTHERS: [&str; 5] = ["kind", "machine", "event", "dialect", "block_delete"];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Bar,
+    Tube,
+    Profile,
+}
+
+impl Kind {
+    fn named(name: &str) -> Option<Kind> {
+        let kinds = [("bar", Kind::Bar), ("tube", Kind::Tube), ("profile", Kind::Profile)];
+        kinds.into_iter().find(|(known, _)| name.eq_ignore_ascii_case(known)).map(|(_, kind)| kind)
+    }
+}
+
+/// What is said of a part, in mm.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Said {
+    stock: Kind,
+    diameter_mm: Option<f64>,
+    inner_mm: Option<f64>,
+    length_mm: Option<f64>,
+    face_mm: Option<f64>,
+    profile_mm: Option<Vec<[f64; 2]>>,
+    chuck_mm: Option<f64>,
+}
+
+/// `part.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    part: Said,
+}
+
+/// The part before it is cut: radii over Z, mm, in the coordinates of the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Z and radius, Z rising; a step has two rows of one Z.
+    rows: Vec<[f64; 2]>,
+    inner_mm: f64,
+    chuck_mm: Option<f64>,
+}
+
+impl Part {
+    /// Reads the file beside a program; `None` if it is something else: a job, a machine file, a scenario.
+    ///
+    /// # Errors
+    /// [`PartError`] says what is wrong and where.
+    pub fn from_toml(text: &str) -> Result<Option<Part>, PartError> {
+        let syntax = |error: toml::de::Error| PartError::Syntax(error.to_string().trim_end().to_owned());
+        let table: toml::Table = toml::from_str(text).map_err(syntax)?;
+        if !table.contains_key("part") {
+            let other = OTHERS.iter().any(|key| table.contains_key(*key));
+            return if other { Ok(None) } else { Err(PartError::NotAPart) };
+        }
+        let File { part } = toml::from_str(text).map_err(syntax)?;
+        Part::of(&part).map(Some)
+    }
+
+    /// Reads a comment of a program whose unit is so many mm; `None` if it is a remark.
+    ///
+    /// # Errors
+    /// [`PartError`] says what is wrong.
+    pub fn from_comment(text: &str, unit_mm: f64) -> Result<Option<Part>, PartError> {
+        let text = text.trim();
+        let word = text.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
+        if !word.eq_ignore_ascii_case("part") {
+            return Ok(None);
+        }
+        let rest = text[word.len()..].trim_start();
+        let Some(rest) = rest.strip_prefix(',') else {
+            let next = rest.split_whitespace().next().unwrap_or_default();
+            return if Kind::named(next).is_some() { Err(PartError::Comma) } else { Ok(None) };
+        };
+        let mut words = rest.split_whitespace();
+        let kind = words.next().unwrap_or_default();
+        let stock = Kind::named(kind).ok_or_else(|| PartError::Kind(kind.into()))?;
+        Part::of(&said(stock, words, unit_mm)?).map(Some)
+    }
+
+    fn of(said: &Said) -> Result<Part, PartError> {
+        let unwanted = match said.stock {
+            Kind::Bar => [said.inner_mm.map(|_| "inner_mm"), said.profile_mm.as_ref().map(|_| "profile_mm")],
+            Kind::Tube => [said.profile_mm.as_ref().map(|_| "profile_mm"), None],
+            Kind::Profile => {
+                let size = said
+                    .diameter_mm
+                    .or(said.length_mm)
+                    .or(said.face_mm)
+                    .map(|_| "a diameter, length or face");
+                [said.inner_mm.map(|_| "inner_mm"), size]
+            }
+        };
+        if let Some(word) = unwanted.into_iter().flatten().next() {
+            return Err(PartError::Word(word.into()));
+        }
+        let rows = match &said.profile_mm {
+            Some(rows) => profile(rows)?,
+            None if said.stock == Kind::Profile => return Err(PartError::Missing("profile")),
+            None => {
+                let diameter = size("diameter", said.diameter_mm)?;
+                let length = size("length", said.length_mm)?;
+                let face = place("face", said.face_mm.unwrap_or(0.0))?;
+                vec![[face - length, 0.5 * diameter], [face, 0.5 * diameter]]
+            }
+        };
+        let inner_mm =
+            if said.stock == Kind::Tube { 0.5 * size("inner diameter", said.inner_mm)? } else { 0.0 };
+        if rows.iter().any(|[_, radius]| inner_mm > 0.0 && *radius <= inner_mm) {
+            let (what, value) = ("inner diameter", 2.0 * inner_mm);
+            return Err(PartError::Value { what, value, allowed: "less than the outer one" });
+        }
+        let chuck_mm = said.chuck_mm.map(|z| place("chuck", z)).transpose()?;
+        Ok(Part { rows, inner_mm, chuck_mm })
+    }
+
+    /// Where the stock ends and begins along Z.
+    pub fn ends_mm(&self) -> [f64; 2] {
+        let end = |row: Option<&[f64; 2]>| row.map_or(0.0, |[z, _]| *z);
+        [end(self.rows.first()), end(self.rows.last())]
+    }
+
+    /// The largest radius.
+    pub fn widest_mm(&self) -> f64 {
+        self.rows.iter().map(|[_, radius]| *radius).fold(0.0, f64::max)
+    }
+
+    /// Inner and outer radius at Z; the larger outer one at a step; `None` beside the stock.
+    pub fn radii_mm(&self, z: f64) -> Option<[f64; 2]> {
+        let between = self.rows.windows(2).filter_map(|rows| {
+            let ([z0, r0], [z1, r1]) = (rows[0], rows[1]);
+            let share = if z1 > z0 { (z - z0) / (z1 - z0) } else { 0.0 };
+            (z0..=z1).contains(&z).then_some(r0 + (r1 - r0) * share)
+        });
+        between.reduce(f64::max).map(|outer| [self.inner_mm, outer])
+    }
+
+    /// Whether a point lies in the stock.
+    pub fn holds(&self, x: f64, z: f64) -> bool {
+        self.radii_mm(z).is_some_and(|[inner, outer]| (inner..=outer).contains(&x.abs()))
+    }
+
+    /// Z at which the jaws begin.
+    pub fn chuck_mm(&self) -> Option<f64> {
+        self.chuck_mm
+    }
+}
+
+/// The words of a comment: a letter and a number each.
+fn said<'a>(stock: Kind, words: impl Iterator<Item = &'a str>, unit_mm: f64) -> Result<Said, PartError> {
+    let mut said = Said {
+        stock,
+        diameter_mm: None,
+        inner_mm: None,
+        length_mm: None,
+        face_mm: None,
+        profile_mm: None,
+        chuck_mm: None,
+    };
+    // The Z of a row of a profile whose diameter is still to come.
+    let mut z = None;
+    for word in words {
+        let wrong = || PartError::Word(word.into());
+        let letter = word.chars().next().map(|letter| letter.to_ascii_uppercase()).ok_or_else(wrong)?;
+        let number: f64 =
+            word.get(letter.len_utf8()..).and_then(|text| text.parse().ok()).ok_or_else(wrong)?;
+        let mm = number * unit_mm;
+        let (name, slot) = match (letter, stock) {
+            ('Z', Kind::Profile) => ("Z", &mut z),
+            ('D', Kind::Profile) => {
+                let z = z.take().ok_or(PartError::Missing("Z before a diameter"))?;
+                said.profile_mm.get_or_insert_default().push([z, mm]);
+                continue;
+            }
+            ('D', _) => ("D", &mut said.diameter_mm),
+            ('I', _) => ("I", &mut said.inner_mm),
+            ('L', _) => ("L", &mut said.length_mm),
+            ('Z', _) => ("Z", &mut said.face_mm),
+            ('C', _) => ("C", &mut said.chuck_mm),
+            _ => return Err(wrong()),
+        };
+        if slot.replace(mm).is_some() {
+            return Err(PartError::Twice(name));
+        }
+    }
+    if z.is_some() { Err(PartError::Missing("diameter behind the last Z")) } else { Ok(said) }
+}
+
+/// Rows of a profile from either end, as radii with Z rising.
+fn profile(rows: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, PartError> {
+    let mut radii = Vec::with_capacity(rows.len());
+    for [z, diameter] in rows {
+        radii.push([place("profile", *z)?, 0.5 * size("diameter", Some(*diameter))?]);
+    }
+    if radii.first().zip(radii.last()).is_some_and(|([first, _], [last, _])| first > last) {
+        radii.reverse();
+    }
+    let refuse = |value: f64, allowed| Err(PartError::Value { what: "profile", value, allowed });
+    if !(2..=MOST_ROWS).contains(&radii.len()) {
+        return refuse(radii.len() as f64, "2 to 256 rows");
+    }
+    if let Some(rows) = radii.windows(2).find(|rows| rows[0][0] > rows[1][0]) {
+        return refuse(rows[1][0], "Z has to go in one direction");
+    }
+    let [[low, _], [high, _]] = [radii[0], radii[radii.len() - 1]];
+    if low >= high { refuse(low, "the stock has no length") } else { Ok(radii) }
+}
+
+fn size(what: &'static str, value: Option<f64>) -> Result<f64, PartError> {
+    let value = value.ok_or(PartError::Missing(what))?;
+    let allowed = "more than 0 and at most 10000 mm";
+    if value > 0.0 && value <= LARGEST_MM {
+        Ok(value)
+    } else {
+        Err(PartError::Value { what, value, allowed })
+    }
+}
+
+fn place(what: &'static str, value: f64) -> Result<f64, PartError> {
+    let allowed = "within 10000 mm";
+    if value.abs() <= LARGEST_MM { Ok(value) } else { Err(PartError::Value { what, value, allowed }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn comment(text: &str) -> Part {
+        Part::from_comment(text, 1.0).unwrap_or_else(|error| panic!("{text}: {error}")).expect(text)
+    }
+
+    fn file(text: &str) -> Part {
+        Part::from_toml(text).unwrap_or_else(|error| panic!("{text}: {error}")).expect(text)
+    }
+
+    #[test]
+    fn a_comment_and_a_file_say_the_same() {
+        for (words, keys) in [
+            ("part, bar D40 L60", "stock = \"bar\"\ndiameter_mm = 40\nlength_mm = 60"),
+            (
+                " PART ,tube d40 i20 l60 z1.5 c-50",
+                "stock = \"tube\"\ndiameter_mm = 40\ninner_mm = 20\nlength_mm = 60\nface_mm = 1.5\nchuck_mm = -50",
+            ),
+            (
+                "part, profile Z0 D20 Z-30 D20 Z-30 D40 Z-60 D40",
+                "stock = \"profile\"\nprofile_mm = [[-60, 40], [-30, 40], [-30, 20], [0, 20]]",
+            ),
+        ] {
+            assert_eq!(comment(words), file(&format!("[part]\n{keys}\n")), "{words}");
+        }
+    }
+
+    #[test]
+    fn a_comment_is_in_the_units_of_its_program() {
+        let inch = Part::from_comment("part, bar D2 L4 Z1", 25.4).expect("a part").expect("a part");
+        assert_eq!(inch, comment("part, bar D50.8 L101.6 Z25.4"));
+    }
+
+    #[test]
+    fn points_lie_in_the_stock_or_beside_it() {
+        let part = comment("part, tube D40 I20 L60 Z1");
+        for (x, z, inside) in [
+            (15.0, 0.0, true),
+            (-15.0, 1.0, true),
+            (9.9, 0.0, false),
+            (20.1, 0.0, false),
+            (15.0, 1.1, false),
+            (15.0, -59.1, false),
+        ] {
+            assert_eq!(part.holds(x, z), inside, "{x} {z}");
+        }
+        let shaft = comment("part, profile Z0 D10 Z-20 D20 Z-20 D40 Z-60 D40 C-40");
+        assert_eq!((shaft.ends_mm(), shaft.widest_mm(), shaft.chuck_mm()), ([-60.0, 0.0], 20.0, Some(-40.0)));
+        assert_eq!(shaft.radii_mm(-10.0), Some([0.0, 7.5]));
+        assert_eq!(shaft.radii_mm(-20.0), Some([0.0, 20.0]), "a step belongs to the wider side");
+    }
+
+    #[test]
+    fn remarks_and_files_of_another_kind_are_no_parts() {
+        for remark in
+            ["part 7 of 9", "PART NO 4711", "parts, bar D40", "a part, bar D40 L60", "partition", ""]
+        {
+            assert_eq!(Part::from_comment(remark, 1.0), Ok(None), "{remark}");
+        }
+        for other in [
+            "kind = \"surface\"",
+            "[[event]]\nat = { cycle = 0 }",
+            "[machine]\nname = \"a\"",
+            "dialect = \"fanuc\"",
+        ] {
+            assert_eq!(Part::from_toml(other), Ok(None), "{other}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_remedy() {
+        for (text, words) in [
+            ("part bar D40 L60", "a comma is missing"),
+            ("part, bra D40 L60", "cannot be \"bra\""),
+            ("part,", "cannot be \"\""),
+            ("part, bar D40", "length of the stock is missing"),
+            ("part, bar L60", "diameter of the stock is missing"),
+            ("part, tube D40 L60", "inner diameter of the stock is missing"),
+            ("part, tube D40 I40 L60", "cannot be 40: less than the outer one"),
+            ("part, bar D40 L60 I20", "\"inner_mm\" says nothing"),
+            ("part, bar D40 L60 Q1", "\"Q1\" says nothing"),
+            ("part, bar D40 L6o", "\"L6o\" says nothing"),
+            ("part, bar D40 L60 D30", "D is said twice"),
+            ("part, bar D-40 L60", "cannot be -40"),
+            ("part, bar D40 L60 Cnan", "cannot be NaN"),
+            ("part, profile", "profile of the stock is missing"),
+            ("part, profile Z0 D20", "2 to 256 rows"),
+            ("part, profile Z0 D20 Z-5 D20 Z-3 D20", "one direction"),
+            ("part, profile Z0 Z-5 D20", "Z is said twice"),
+            ("part, profile Z0 D20 Z-5 D20 Z-9", "behind the last Z"),
+            ("part, profile D20", "before a diameter"),
+        ] {
+            let error = Part::from_comment(text, 1.0).expect_err(text);
+            assert!(error.to_string().contains(words), "{text}: {error}");
+            assert!(error.help().contains("(part, bar D40 L60)"));
+        }
+        for (text, words) in [
+            ("[prat]\nstock = \"bar\"", "there is no [part] in it"),
+            ("[part]\nstock = \"bar\"\ndiameter_mm = 40\nlenght_mm = 60", "unknown field `lenght_mm`"),
+            ("[part]\nstock = \"bra\"", "unknown variant `bra`"),
+            ("[part]\nstock = \"bar\"\ndiameter_mm = 4e4\nlength_mm = 60", "cannot be 40000"),
+            ("[part", "line 1"),
+        ] {
+            let error = Part::from_toml(text).expect_err(text);
+            assert!(error.to_string().contains(words), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! What is known of a pass before it is cut: its line, its tool, where the stock lies. In: machine code, the
+//! part if somebody said what it is, else the truth of the machine file. Out: a [`Planned`] for each pass; mm
+//! of the machine.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use machine::{Machine, Part};
+use protocol::{Code, Item, ThreadPass};
+
+/// Where the material is.
+#[derive(Clone, Debug)]
+pub(super) enum Stock {
+    /// Between two places along Z, whatever X is.
+    Ends([f64; 2]),
+    /// A part whose zero lies here on the machine: X, Z.
+    Part(Arc<Part>, [f64; 2]),
+}
+
+impl Stock {
+    /// Whether a tool at a point, whose edge reaches so far to either side along Z, is where material is; mm.
+    pub(super) fn holds(&self, x: f64, z: f64, edge_mm: f64) -> bool {
+        let nearest = |z: f64, [low, high]: [f64; 2]| {
+            let nearest = z.clamp(low, high);
+            ((z - nearest).abs() <= edge_mm).then_some(nearest)
+        };
+        match self {
+            Stock::Ends(ends) => nearest(z, *ends).is_some(),
+            Stock::Part(part, origin) => {
+                let z = nearest(z - origin[1], part.ends_mm());
+                z.is_some_and(|z| part.holds(x - origin[0], z))
+            }
+        }
+    }
+}
+
+/// A pass of the program.
+#[derive(Clone, Debug)]
+pub(super) struct Planned {
+    /// Line of the program.
+    pub(super) line: u32,
+    /// The pass.
+    pub(super) pass: ThreadPass,
+    /// Number of the tool; 0 if none was selected.
+    pub(super) tool: u32,
+    /// Where the material is.
+    pub(super) stock: Stock,
+}
+
+/// Every pass of a program by its number. A pass that no regulator would accept is not expected.
+pub(super) fn planned(machine: &Machine, items: &[Item]) -> BTreeMap<u32, Planned> {
+    let ends = sim_plant::stock_mm(machine).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let (mut passes, mut tool) = (BTreeMap::new(), 0);
+    for Item { line, code } in items {
+        match code {
+            Code::Tool { number } => tool = *number,
+            Code::Pass(pass) if pass.check().is_ok() => {
+                let planned = Planned { line: *line, pass: *pass, tool, stock: Stock::Ends(ends) };
+                passes.insert(pass.pass, planned);
+            }
+            _ => {}
+        }
+    }
+    passes
+}
+
+/// Says what the part is, and where its zero lies on the machine in each pass: X, Z.
+pub(super) fn lie_in(passes: &mut BTreeMap<u32, Planned>, part: &Part, origins_mm: &BTreeMap<u32, [f64; 2]>) {
+    let part = Arc::new(part.clone());
+    for (number, origin) in origins_mm {
+        if let Some(planned) = passes.get_mut(number) {
+            planned.stock = Stock::Part(Arc::clone(&part), *origin);
+        }
+    }
+}
