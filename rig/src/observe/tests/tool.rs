@@ -4,7 +4,7 @@ use machine::{Machine, Part, SMALL_LATHE};
 use protocol::{Axis, Position, ThreadPass};
 
 use super::ideal::{Ideal, Injected, lay_out, pass};
-use crate::observe::{Observation, PartVerdict, PassReport};
+use crate::observe::{DeviationReport, Observation, PartVerdict, PassReport, TraceReport};
 
 /// Where the tool of [`pass`] enters the stock, degrees: 5 mm at 360°, Z 0 two and a half turns behind.
 const FACE_DEG: f64 = 1260.0;
@@ -192,6 +192,20 @@ fn each_figure_has_its_reason() {
     let broken = Injected { broken_off_deg: Some(300.0), ..Injected::default() };
     let broken = Ideal::new().run(&[(pass(1), broken)], |_, _| {}).summary("part.ngc", "virtual").part;
     assert_eq!(broken.reasons, ["pass 1 was not cut to its end"]);
+}
+
+#[test]
+fn a_work_is_judged_by_its_commanded_path() {
+    let part = |low_um: f64, slide_um: f64| {
+        let of = |low_um: f64| DeviationReport { low_um, ..DeviationReport::default() };
+        let (commanded, slide) = (of(low_um), of(slide_um));
+        let trace = TraceReport { line: 7, commanded, slide, most_um: Some(2.0), ..TraceReport::default() };
+        Observation { traces: vec![trace], ..Observation::default() }.summary("part.toml", "virtual").part
+    };
+    assert_eq!(part(-1.9, -25.0).verdict, PartVerdict::Good, "what a slide may be off, no job says");
+    let wrong = part(-2.5, -2.5);
+    assert_eq!((wrong.verdict, wrong.reasons.len()), (PartVerdict::Bad, 1));
+    assert!(wrong.reasons[0].contains("in line 7 the commanded path itself is 2.50 µm off"), "{wrong:?}");
 }
 
 /// A bar whose face is at Z 4.5: the tool is on its helix from Z 4 on.
