@@ -2,9 +2,10 @@
 //!
 //! Moves are planned by the same chain that the interpolator runs (M16–M26, M66), so look-ahead, blends and
 //! path modes count as they do on the machine; a chain ends on an interpolator cycle. The spindle follows its
-//! ramp while rapids move; a feed waits until it is at speed. A pass begins at an index: the first one half a
-//! turn after it was armed, in the mean, the others a whole number of turns after the one before. A program
-//! is over when the spindle stands. How long a pause lasts is up to the operator; it counts as nothing.
+//! ramp while rapids move; a feed waits until it is at speed, a pass until it has been so for a while. A pass
+//! begins at an index: the first one half a turn after it was armed, in the mean, the others a whole number of
+//! turns after the one before. A program is over when the spindle stands. How long a pause lasts is up to the
+//! operator; it counts as nothing.
 
 use machine::{Machine, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
@@ -35,6 +36,8 @@ pub(crate) struct Clock<'m> {
     speed: SpindleSpeed,
     /// Signed speed that the spindle has, 1/min.
     rpm: f64,
+    /// How long it has been at the speed programmed, s.
+    even: f64,
     /// When the last pass began at its index, s, while the spindle goes on at that speed.
     index: Option<f64>,
     /// Time of the chain in hand, s.
@@ -58,6 +61,7 @@ impl<'m> Clock<'m> {
             mode: SpindleMode::Stop,
             speed: SpindleSpeed::Rpm(0.0),
             rpm: 0.0,
+            even: 0.0,
             index: None,
             moved: 0.0,
             seconds: START_CYCLES * machine.general.interpolator_cycle_s,
@@ -94,9 +98,16 @@ impl<'m> Clock<'m> {
         }
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
-            Code::Spindle { mode, speed } => (self.mode, self.speed, self.index) = (*mode, *speed, None),
+            Code::Spindle { mode, speed } => {
+                if (*mode, *speed) != (self.mode, self.speed) {
+                    self.even = 0.0;
+                }
+                (self.mode, self.speed, self.index) = (*mode, *speed, None);
+            }
             Code::Pass(pass) => {
                 self.wait_for_spindle();
+                let (turns, known_s) = SpindleConfig::KNOWN;
+                self.pass_time(((turns * 60.0 / pass.s_rpm).min(known_s) - self.even).max(0.0));
                 for (axis, _) in self.machine.axes() {
                     self.at[axis.index()] = pass.axis(axis).end;
                 }
@@ -228,8 +239,11 @@ impl<'m> Clock<'m> {
 
     /// The spindle's ramp towards a speed in its programmed direction.
     fn turn_towards(&mut self, rpm: f64, seconds: f64) {
-        let way = self.machine.spindle.ramp_rpm_s * seconds;
-        self.rpm += (self.mode.sign() * rpm - self.rpm).clamp(-way, way);
+        let ramp = self.machine.spindle.ramp_rpm_s;
+        let (way, off) = (ramp * seconds, self.mode.sign() * rpm - self.rpm);
+        self.rpm += off.clamp(-way, way);
+        let band = self.machine.spindle.at_speed_pct / 100.0 * rpm;
+        self.even += (seconds - (off.abs() - band).max(0.0) / ramp).max(0.0);
     }
 
     /// Signed speed of the spindle that the program asks for where the axes are, 1/min.

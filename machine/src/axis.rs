@@ -95,6 +95,9 @@ pub struct AxisConfig {
     /// does what is commanded (M131); without, the slide is taken to be rigid.
     #[serde(default)]
     pub mode_hz: Option<f64>,
+    /// Weight that the axis carries, as believed: a force along it, N; negative pulls it down.
+    #[serde(default)]
+    pub gravity_n: f64,
     /// How far an approach to depth goes beyond it and comes back, so that the guide is not left loaded (M132),
     /// mm; about 0.7 of what its friction bends it before it slides. 0: it stops at depth.
     #[serde(default, alias = "unload_deg")]
@@ -196,6 +199,7 @@ impl AxisConfig {
             range(&key("mode_hz"), mode_hz, 5.0, 1000.0)?;
         }
         range(&key("backlash_mm"), self.backlash_mm, 0.0, 10.0)?;
+        range(&key("gravity_n"), self.gravity_n, -1e5, 1e5)?;
         range(&key("unload_mm"), self.unload_mm, 0.0, 0.1)?;
         self.check_reach(axis, general, bus)?;
         self.check_screw_error(&key("screw_error"))

@@ -20,11 +20,16 @@
 //!
 //! A count is known to half of itself, so a small res may be nothing but rounding; at a speed with nearly
 //! whole counts in a cycle it is a slow sawtooth, which no filter of this bandwidth averages. For counts, res
-//! is split: what lies within a width is taken with the gains of an eighth of the bandwidth, and not fed
-//! forward, so that no axis is shaken by it; what lies beyond is taken in full. A changing spindle is followed
-//! as fast, a steady one more quietly, if what repeats with its turns is taken off before ([`crate::Ripple`]).
-//! The width is one count: half of it rounding, half for what is not known yet; and one and a half while the
-//! spindle turns by less than four counts in 1/f_o, and they come one by one, each with a res of about 1.
+//! is split: what lies within a width is taken with the gains of a lower bandwidth, and only a share of it is
+//! fed forward, so that no axis is shaken by it; what lies beyond is taken in full.
+//!
+//! | the spindle | width | bandwidth | fed forward |
+//! |---|---|---|---|
+//! | turns evenly | ±1: half of it rounding, half for what is not known yet | f_o/8 | nothing |
+//! | does not: for 8/(2π f_o) after a res beyond that | ±1/2 | f_o/2 | a half |
+//! | turns by less than four counts in 1/f_o: they come one by one, each with a res of about 1 | ±3/2 | f_o/8 | nothing |
+//!
+//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]).
 
 use core::f64::consts::TAU;
 
@@ -33,6 +38,8 @@ const QUIETER: f64 = 8.0;
 /// How much of a residual may be rounding, counts; while counts come one by one.
 const WIDTH: f64 = 1.0;
 const SLOW_WIDTH: f64 = 1.5;
+/// For how long a spindle counts as uneven after more than that, by 1/(2π f_o).
+const HOLD: f64 = 8.0;
 
 /// Angle of the spindle and its derivatives, in units of the measurement per sⁿ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -127,7 +134,13 @@ impl SpindleObserver {
     /// As [`new`](Self::new).
     #[must_use]
     pub fn of_counts(bandwidth_hz: f64, period_s: f64) -> SpindleObserver {
-        let counts = Counts { gain: gain(bandwidth_hz / QUIETER, period_s), slow_below: 4.0 * bandwidth_hz };
+        let counts = Counts {
+            quiet: Rounding { width: WIDTH, gain: gain(bandwidth_hz / QUIETER, period_s), forward: 0.0 },
+            busy: Rounding { width: 0.5, gain: gain(bandwidth_hz / 2.0, period_s), forward: 0.5 },
+            hold_s: HOLD / (TAU * bandwidth_hz),
+            left_s: 0.0,
+            slow_below: 4.0 * bandwidth_hz,
+        };
         SpindleObserver { counts: Some(counts), ..SpindleObserver::new(bandwidth_hz, period_s) }
     }
 
@@ -148,10 +161,12 @@ impl SpindleObserver {
         let predicted = state.after(self.period);
         let res = measured - predicted.angle;
         let (mut within, mut beyond) = (SpindleMotion::default(), self.gain.times(res));
-        if let Some(counts) = &self.counts {
-            let width = counts.width(predicted.speed);
-            let inside = res.clamp(-width, width);
-            (within, beyond) = (counts.gain.times(inside), self.gain.times(res - inside));
+        let mut forward = 0.0;
+        if let Some(counts) = &mut self.counts {
+            let rounding = counts.at(predicted.speed, res, self.period);
+            let inside = res.clamp(-rounding.width, rounding.width);
+            (within, beyond) = (rounding.gain.times(inside), self.gain.times(res - inside));
+            forward = rounding.forward;
         }
         self.state = Some(SpindleMotion {
             angle: predicted.angle + within.angle + beyond.angle,
@@ -161,8 +176,8 @@ impl SpindleObserver {
         });
         self.drift = SpindleMotion {
             angle: 0.0,
-            speed: beyond.angle / self.period,
-            acceleration: beyond.speed / self.period,
+            speed: (forward * within.angle + beyond.angle) / self.period,
+            acceleration: (forward * within.speed + beyond.speed) / self.period,
             ..SpindleMotion::default()
         };
         res
@@ -204,16 +219,32 @@ impl SpindleObserver {
 /// What is done with a residual that may be rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Counts {
-    /// What is taken of it.
-    gain: SpindleMotion,
+    /// While the spindle turns evenly, and while it does not.
+    quiet: Rounding,
+    busy: Rounding,
+    /// For how long it counts as uneven after a residual that is no rounding, and for how long it does yet, s.
+    hold_s: f64,
+    left_s: f64,
     /// Speed below which counts come one by one, count/s.
     slow_below: f64,
 }
 
+/// So much of a residual, in counts, is taken with these gains, and a share of it fed forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rounding {
+    width: f64,
+    gain: SpindleMotion,
+    forward: f64,
+}
+
 impl Counts {
-    /// How much of a residual may be rounding at a speed, counts.
-    fn width(&self, speed: f64) -> f64 {
-        if speed.abs() < self.slow_below { SLOW_WIDTH } else { WIDTH }
+    /// What is done with a residual at a speed, a period after the one before.
+    fn at(&mut self, speed: f64, residual: f64, period: f64) -> Rounding {
+        if speed.abs() < self.slow_below {
+            return Rounding { width: SLOW_WIDTH, ..self.quiet };
+        }
+        self.left_s = if residual.abs() > self.quiet.width { self.hold_s } else { self.left_s - period };
+        if self.left_s > 0.0 { self.busy } else { self.quiet }
     }
 }
 

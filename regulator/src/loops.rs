@@ -8,6 +8,7 @@
 //! | s0 | N/mm | stiffness of friction before it slides |
 //! | z | mm | deflection of that stiffness: dz = v − s0\|v\|z/Fc |
 //! | b | N·s/mm | viscous friction as believed |
+//! | G | N | weight along the axis as believed; the motor gives −G from its first torque on |
 //!
 //! Enters: the reference in mm and s, the measured position of the axis in mm. Leaves: velocities in mm/s for
 //! the drive, torque in N·m at the motor.
@@ -42,6 +43,7 @@ pub struct Loops {
     held: Option<Command>,
     position_gain: f64,
     mass: f64,
+    weight: f64,
     friction: Friction,
     metres_per_radian: f64,
     step_s: f64,
@@ -57,6 +59,7 @@ impl Loops {
             held: None,
             position_gain: config.position_gain_1_s,
             mass: config.mass_kg,
+            weight: config.gravity_n,
             friction: Friction {
                 coulomb: config.coulomb_n,
                 stiffness: config.presliding_n_mm,
@@ -78,7 +81,7 @@ impl Loops {
     pub fn rest(&mut self) -> Command {
         self.held = None;
         self.feedforward.rest();
-        Command::default()
+        Command { torque_offset_nm: self.torque_nm(0.0), ..Command::default() }
     }
 
     /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity
@@ -94,10 +97,15 @@ impl Loops {
         let command = Command {
             target_velocity_mm_s: self.position_gain * (feed.position_mm - measured_mm),
             velocity_offset_mm_s: feed.v,
-            torque_offset_nm: force * self.metres_per_radian,
+            torque_offset_nm: self.torque_nm(force),
         };
         self.held = Some(command);
         command
+    }
+
+    /// Torque that gives a force to what moves, N·m, N.
+    fn torque_nm(&self, force: f64) -> f64 {
+        (force - self.weight) * self.metres_per_radian
     }
 }
 

@@ -3,8 +3,8 @@
 use machine::Machine;
 use motion::{Limits, Sample};
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Fault,
-    Measurement, PerAxis, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
+    Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Measurement,
+    PerAxis, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
@@ -64,6 +64,8 @@ pub struct Regulator {
     input_s: f64,
     limits: Limits,
     in_position_mm: f64,
+    /// How far from where it is led it may stand when it begins, mm.
+    takes_over_mm: f64,
     watch: Watch,
     /// Which of the measured positions is that of an axis: by its scale, or by its motor.
     scales: [bool; AXES],
@@ -115,6 +117,7 @@ impl Regulator {
             input_s,
             limits: config.limits(),
             in_position_mm: config.in_position_mm,
+            takes_over_mm: config.thread_error_mm.max(config.in_position_mm),
             watch: Watch::new(machine, axis, config),
             scales: std::array::from_fn(|i| of(i).is_some_and(|axis| axis.scale_step_mm.is_some())),
             out: None,
@@ -285,7 +288,7 @@ impl Regulator {
             waits: young(LED) || lift.is_on_its_way(self.axis, young(HEARS)),
             stream_begun: matches!(self.state, State::Idle)
                 && self.stream.begun()
-                && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.in_position_mm,
+                && (self.stream.at(cycle, 0.0).s - measured_mm).abs() <= self.takes_over_mm,
             rests_at_start: rests_at(&self.last, command),
             command,
             index: self.spindle.index(),
@@ -390,13 +393,8 @@ impl Regulator {
         }
     }
 
-    /// Stop category 1: the drives go off once the axes rest.
     fn control_word(&self, measurement: &Measurement) -> ControlWord {
-        match self.state {
-            State::Fault(Fault::EmergencyStop | Fault::PowerLost) => return ControlWord::DisableVoltage,
-            State::Fault(_) => return ControlWord::QuickStop,
-            _ => {}
-        }
-        measurement.axes[self.axis].drive().towards_operation().unwrap_or(ControlWord::DisableVoltage)
+        let towards_operation = || measurement.axes[self.axis].drive().towards_operation();
+        self.state.stops().or_else(towards_operation).unwrap_or(ControlWord::DisableVoltage)
     }
 }

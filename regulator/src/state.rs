@@ -26,7 +26,7 @@
 //! in the state it is in.
 
 use motion::{PassLaw, Sample};
-use protocol::{AxisCommand, AxisLaw, AxisState, Cycle, Fault, WayOut};
+use protocol::{AxisCommand, AxisLaw, AxisState, ControlWord, Cycle, Fault, WayOut};
 
 use crate::leave::{Cause, Leaving, Way};
 use crate::spindle::Index;
@@ -214,6 +214,16 @@ impl State {
             State::Fault(fault) => Some(*fault),
             State::Leaving(leaving) => leaving.fault,
             State::Idle | State::Streaming | State::InPass { .. } => None,
+        }
+    }
+
+    /// What a fault asks of the drive. Stop category 1: without mains and with the emergency stop it goes off
+    /// once the axes rest.
+    pub fn stops(&self) -> Option<ControlWord> {
+        match self {
+            State::Fault(Fault::EmergencyStop | Fault::PowerLost) => Some(ControlWord::DisableVoltage),
+            State::Fault(_) => Some(ControlWord::QuickStop),
+            _ => None,
         }
     }
 

@@ -28,11 +28,6 @@ const STANDSTILL_RPM: f64 = SpindleConfig::STANDSTILL_RPM;
 const COUNT_RPM: f64 = 8.0;
 const KEPT_TICKS: usize = 64;
 
-/// Turns at speed, or time if that is shorter, after which the speed has settled and regulators know what
-/// repeats with every turn (M130).
-const KNOWN_TURNS: f64 = 7.0;
-const KNOWN_S: f64 = 0.7;
-
 /// The spindle.
 #[derive(Clone, Debug)]
 pub struct Spindle {
@@ -223,8 +218,8 @@ impl Spindle {
 
     /// Whether it has been at speed for so long that regulators know it.
     pub(crate) fn is_known(&self) -> bool {
-        let (s, turns) = self.even;
-        turns >= KNOWN_TURNS || s >= KNOWN_S
+        let ((s, turns), (known_turns, known_s)) = (self.even, SpindleConfig::KNOWN);
+        turns >= known_turns || s >= known_s
     }
 
     /// Whether it shall turn, and the override holds it at 0.

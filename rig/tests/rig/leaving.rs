@@ -158,7 +158,7 @@ fn every_row_leaves_the_thread_in_time_and_in_its_groove() {
     let machine = leaves_on_everything();
     println!("{:20} {:>6} {:>8} {:>7} {:>7} {:>8}  ended", "", "S", "cycles", "half", "out", "off µm");
     // In the middle of the thread, some turns behind its beginning.
-    for (s_rpm, at) in [(200, 6400), (600, 4400), (2000, 5400)] {
+    for (s_rpm, at) in [(200, 7800), (600, 5800), (2000, 5900)] {
         for Row { name, action, within, fault, sound, off_um } in &ROWS {
             if s_rpm > 200 && *name == "spindle turns back" {
                 continue; // the thread is over before it does
