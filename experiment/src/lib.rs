@@ -13,6 +13,7 @@ mod observer;
 mod page;
 mod positioner;
 mod profiles;
+mod reference;
 mod resolution;
 mod stand;
 mod surface;
@@ -45,6 +46,8 @@ pub enum Name {
     Positioner,
     /// What an approach leaves in a lightly damped mode, for six laws of motion.
     Profiles,
+    /// The reference simulation of the servo axis, made again: its figures beside those of this machine.
+    Reference,
     /// What rounded positions do to speed, acceleration and servo error, and how fine they have to be.
     Resolution,
     /// How far feed ratios miss curves and surfaces, as published and put right.
@@ -64,6 +67,7 @@ impl Name {
             Name::Sweep => "sweep",
             Name::Positioner => "positioner",
             Name::Profiles => "profiles",
+            Name::Reference => "reference",
             Name::Resolution => "resolution",
         }
     }
@@ -74,7 +78,7 @@ impl Name {
         match self {
             Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => Some(Kinematics::Lathe),
             Name::Positioner => Some(Kinematics::Positioner),
-            Name::Feed | Name::Profiles | Name::Surface => None,
+            Name::Feed | Name::Profiles | Name::Reference | Name::Surface => None,
         }
     }
 }
@@ -112,6 +116,7 @@ impl Name {
             Name::Sweep => shown(self, stand, again, &sweep::findings(stand)?),
             Name::Positioner => shown(self, stand, again, &positioner::findings(stand)?),
             Name::Profiles => shown(self, stand, again, &profiles::findings()),
+            Name::Reference => shown(self, stand, again, &reference::findings(stand)?),
             Name::Resolution => shown(self, stand, again, &resolution::findings(stand)?),
         }
     }

@@ -24,6 +24,10 @@ pub struct SpindleConfig {
     /// How much older than those of the axes the counts of the spindle are, s: the delay of its encoder.
     #[serde(default)]
     pub encoder_delay_s: f64,
+    /// Observers that know nothing of ripple and look at the encoder once in so many control cycles. No key
+    /// of a file: experiments ask what it costs, in runs where no measurement is lost.
+    #[serde(skip)]
+    pub plain_observer_cycles: Option<u32>,
     /// Highest spindle override, per cent.
     pub override_max_pct: f64,
     /// Band around the commanded speed that counts as "at speed", per cent.
@@ -133,6 +137,7 @@ impl SpindleConfig {
             observer_hz: 30.0,
             stroke_observer_hz: stroke_observer_hz(),
             encoder_delay_s: 0.0,
+            plain_observer_cycles: None,
             override_max_pct: 100.0,
             at_speed_pct: 5.0,
         }

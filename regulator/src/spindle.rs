@@ -56,6 +56,11 @@ pub struct Spindle {
     /// The mode of the axis; none is infinite, Hz.
     mode_hz: f64,
     stroking: SpindleObserver,
+    /// Control cycles from one look to the next of observers that know nothing of ripple; how long ago the
+    /// last one was, s.
+    plain_cycles: Option<u64>,
+    looked_s: f64,
+    cycle_s: f64,
     first_count: Option<i64>,
     opening_s: f64,
     /// Cycles until the observers get their speed from the first count and the present one.
@@ -88,11 +93,15 @@ impl Spindle {
     pub fn new(machine: &Machine, mode_hz: Option<f64>) -> Spindle {
         let (config, cycle_s) = (&machine.spindle, machine.general.cycle_s);
         let opening = (1.0 / (config.slowest_observer_hz() * cycle_s)).ceil().max(1.0);
+        let period_s = f64::from(config.plain_observer_cycles.unwrap_or(1)) * cycle_s;
         Spindle {
-            leading: SpindleObserver::of_counts(config.observer_hz, cycle_s),
+            leading: SpindleObserver::of_counts(config.observer_hz, period_s),
             ripple: Ripple::new(machine.spindle_counts(), cycle_s),
             mode_hz: mode_hz.unwrap_or(f64::INFINITY),
-            stroking: SpindleObserver::new(config.stroke_observer_hz, cycle_s),
+            stroking: SpindleObserver::new(config.stroke_observer_hz, period_s),
+            plain_cycles: config.plain_observer_cycles.map(u64::from),
+            looked_s: 0.0,
+            cycle_s,
             first_count: None,
             opening_s: opening * cycle_s,
             opening: opening as u64,
@@ -136,9 +145,7 @@ impl Spindle {
         if self.is_back {
             self.start(angle, 0.0);
         }
-        let even = self.ripple.update(angle);
-        self.leading.update(even);
-        self.stroking.update(even);
+        self.look(measurement.cycle, angle);
         self.farthest = pass.map(|pass| {
             let ahead = self.ahead(pass);
             self.farthest.map_or(ahead, |farthest| farthest.max(ahead))
@@ -149,6 +156,21 @@ impl Spindle {
             self.index = Some(Index { count, cycle: measurement.index_cycle });
             self.index_number = measurement.index_number;
         }
+    }
+
+    /// The observers look at the angle of a cycle.
+    fn look(&mut self, cycle: Cycle, angle: f64) {
+        let even = match self.plain_cycles {
+            None => self.ripple.update(angle),
+            Some(cycles) if cycle.0.is_multiple_of(cycles) => angle,
+            Some(_) => {
+                self.looked_s += self.cycle_s;
+                return;
+            }
+        };
+        self.leading.update(even);
+        self.stroking.update(even);
+        self.looked_s = 0.0;
     }
 
     /// The observers begin anew.
@@ -240,7 +262,7 @@ impl Spindle {
     /// Angle since the index of a pass, speed and acceleration as estimated, at `lead_s` after the present,
     /// positive in the direction of the pass.
     pub fn since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
-        let lead_s = self.age_s + lead_s;
+        let lead_s = self.looked_s + self.age_s + lead_s;
         let motion = match pass.law.lead_mm {
             0.0 => self.stroking.at(lead_s),
             _ => self.upon(&self.leading.at(lead_s)),
@@ -253,7 +275,7 @@ impl Spindle {
         if pass.law.lead_mm == 0.0 {
             return self.since(pass, lead_s);
         }
-        self.in_degrees(self.upon(&self.leading.following(self.age_s + lead_s)), pass)
+        self.in_degrees(self.upon(&self.leading.following(self.looked_s + self.age_s + lead_s)), pass)
     }
 
     /// Angle since the index of a pass by the count of the last measurement, degrees: the same on every axis.

@@ -6,8 +6,8 @@ use std::fs;
 use crate::shop::{Place, project};
 use serde_json::Value;
 
-const NAMES: [&str; 8] =
-    ["approach", "feed", "observer", "positioner", "profiles", "resolution", "surface", "sweep"];
+const NAMES: [&str; 9] =
+    ["approach", "feed", "observer", "positioner", "profiles", "reference", "resolution", "surface", "sweep"];
 
 #[test]
 fn json_is_one_document_with_the_rows() {
@@ -72,6 +72,27 @@ fn a_row_of_surface_has_its_inputs_and_figures() {
             assert!(row["max_next_point_um"].as_f64().is_some_and(|um| um < 1e-6), "{row}");
         }
     }
+}
+
+#[test]
+fn a_row_of_reference_has_its_inputs_and_figures() {
+    let place = Place::new();
+    let answer = place.ask(&["experiment", "reference", "--json"]);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let rows = document["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 9 * 3);
+    let figures = ["approach_min_um", "approach_max_um", "end_um", "thread_max_abs_um"];
+    for row in rows {
+        assert!(row["structure"].is_string() && row["override_pct"].is_f64(), "{row}");
+        for key in figures {
+            assert!(row[key].is_f64() && row[format!("reference_{key}")].is_f64(), "{row}");
+        }
+    }
+    // All but a row or two at the edge of what the seeds spread over.
+    let agree = rows.iter().filter(|row| row["agrees"] == true).count();
+    assert!(agree >= 24, "{agree} of 27 rows agree: {}", answer.stdout);
+    let refused = place.ask(&["experiment", "reference", "--machine", "lathe.toml"]);
+    assert_eq!(refused.status, Some(2), "it has a machine of its own: {}", refused.stderr);
 }
 
 #[test]

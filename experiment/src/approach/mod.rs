@@ -44,9 +44,6 @@ pub(super) const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 /// Seeds over which chance is looked at, beginning with that of the experiment.
 const SEEDS: u64 = 10;
 
-/// Seeds for the comparison with the reference simulation.
-const REFERENCE_SEEDS: u64 = 4;
-
 /// Errors beyond which a machine is stopped, mm: wide enough for structures that are made only to be compared
 /// with.
 const WIDE_MM: f64 = 10.0;
@@ -120,20 +117,6 @@ fn truth(machine: &Machine) -> Result<Belief, ExperimentError> {
     Belief::of_truth(machine, Axis::X).map_err(|error| ExperimentError::Input(error.to_string()))
 }
 
-/// The machine with the loops, the encoder and the observer of the reference figures, which knows itself
-/// exactly.
-fn as_in_reference(machine: &Machine) -> Result<Machine, ExperimentError> {
-    let mut machine = machine.clone();
-    let spindle = &mut machine.spindle;
-    (spindle.encoder_lines, spindle.observer_hz, spindle.stroke_observer_hz) = (1024, 30.0, 30.0);
-    let truth = truth(&machine)?;
-    if let Some(x) = machine.axis.get_mut(&Axis::X) {
-        (x.position_gain_1_s, x.velocity_bandwidth_hz, x.velocity_integral_s) = (60.0, 60.0, 0.012);
-        truth.put_into(x);
-    }
-    Ok(machine)
-}
-
 /// Every structure at each of the overrides on a machine.
 fn cases(machine: &Machine, overrides: &[f64], seed: u64) -> Vec<Case> {
     let each = |structure| {
@@ -182,24 +165,20 @@ pub(super) fn findings(stand: &Stand) -> Result<Findings<Row>, ExperimentError> 
     let (machine, seed) = (&stand.machine, stand.seed);
     let tuned =
         rig::bench::tuned(machine, seed).map_err(|error| ExperimentError::Machine(error.to_string()))?;
-    let known = as_in_reference(machine)?;
     let truth = truth(machine)?;
     let seeds = |n: u64| (0..n).map(move |more| seed.wrapping_add(more));
     let shown = cases(machine, &OVERRIDES, seed).into_iter().chain(of_full(&tuned, true, seed));
     let chance =
         seeds(SEEDS).flat_map(|seed| of_full(machine, false, seed).chain(of_full(&tuned, true, seed)));
-    let reference = seeds(REFERENCE_SEEDS).flat_map(|seed| cases(&known, &published::OVERRIDES, seed));
 
     let done = stand.each(&shown.collect::<Vec<_>>(), Case::run)?;
     let chance = Chance::all(&stand.each(&chance.collect::<Vec<_>>(), Case::run)?);
-    let reference = stand.each(&reference.collect::<Vec<_>>(), Case::run)?;
     let goals = goals::all(&done, &chance);
     let tables = vec![
         condensed(&done),
         Table::of("Structure full over ten seeds", &CHANCE, &chance).with_caption(text::chance()),
         Table::of("What is asked for", &goals::COLUMNS, &goals),
         published::beside_the_paper(&done),
-        published::beside_the_reference(&reference),
         Table::of("Every case", &FULL, &done).with_caption(text::full()).at(Place::Details),
     ];
     Ok(Findings {

@@ -129,14 +129,7 @@ pub(super) fn chance() -> String {
 
 pub(super) fn beside_the_paper() -> String {
     "The paper shows servo errors within ±8 µm in the approach and 0 … −1 µm at its end at these three overrides. Here \
-     loops and encoder are those of the machine file; the next table has those of the reference simulation."
-        .into()
-}
-
-pub(super) fn beside_the_reference() -> String {
-    "Conditions: position gain 60 1/s, velocity loop 60 Hz and 12 ms, 1024 lines, observer 30 Hz, mass and friction as they \
-     are; four seeds. The figures of difference-v in the reference are for the raw angle, those here for the observed one. \
-     What is left of the error of full is noise of the encoder and depends on where its counts fall."
+     loops and encoder are those of the machine file; experiment reference has those of the reference simulation."
         .into()
 }
 
