@@ -53,7 +53,7 @@ pub struct Spindle {
     leading: SpindleObserver,
     /// What of its angle repeats with every turn.
     ripple: Ripple,
-    /// The mode of the axis; none is infinite, Hz.
+    /// The mode of the axis, Hz.
     mode_hz: f64,
     stroking: SpindleObserver,
     /// Control cycles from one look to the next of observers that know nothing of ripple; how long ago the
@@ -88,16 +88,15 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// A spindle with the encoder and the observer of a machine file, for an axis with a mode, if that is
-    /// known, Hz.
-    pub fn new(machine: &Machine, mode_hz: Option<f64>) -> Spindle {
+    /// A spindle with the encoder and the observer of a machine file, for an axis with a mode, Hz.
+    pub fn new(machine: &Machine, mode_hz: f64) -> Spindle {
         let (config, cycle_s) = (&machine.spindle, machine.general.cycle_s);
         let opening = (1.0 / (config.slowest_observer_hz() * cycle_s)).ceil().max(1.0);
         let period_s = f64::from(config.plain_observer_cycles.unwrap_or(1)) * cycle_s;
         Spindle {
             leading: SpindleObserver::of_counts(config.observer_hz, period_s),
             ripple: Ripple::new(machine.spindle_counts(), cycle_s),
-            mode_hz: mode_hz.unwrap_or(f64::INFINITY),
+            mode_hz,
             stroking: SpindleObserver::new(config.stroke_observer_hz, period_s),
             plain_cycles: config.plain_observer_cycles.map(u64::from),
             looked_s: 0.0,

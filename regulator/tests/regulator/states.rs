@@ -19,6 +19,8 @@ fn law() -> AxisLaw {
         stroke_mm: -1.0,
         stroke_c0_deg: 100.0,
         stroke_dc_deg: 100.0,
+        unload_mm: 0.0,
+        unload_dc_deg: 0.0,
         lead_mm: 2.0,
         run_in_c0_deg: 50.0,
         run_in_dc_deg: 150.0,

@@ -19,7 +19,7 @@ struct Course {
 
 impl Course {
     fn new() -> Course {
-        let (stream, spindle) = (Stream::new(T), Spindle::new(&machine(|_| {}), None));
+        let (stream, spindle) = (Stream::new(T), Spindle::new(&machine(|_| {}), 100.0));
         Course { stream, spindle, index: None, cycle: 0 }
     }
 
