@@ -3,9 +3,9 @@
 //! Moves are planned by the same chain that the interpolator runs (M16–M26, M66), so look-ahead, blends and
 //! path modes count as they do on the machine; a chain ends on an interpolator cycle. The spindle follows its
 //! ramp while rapids move; a feed waits until it is at speed, a pass until it has been so for a while. A pass
-//! begins at an index: the first one half a turn after it was armed, in the mean, the others a whole number of
-//! turns after the one before. A program is over when the spindle stands. How long a pause lasts is up to the
-//! operator; it counts as nothing.
+//! begins at an index: the first one half a turn after it was armed, in the mean, the others a whole number
+//! of turns after the one before. A program is over when the spindle stands. How long a pause lasts is up to
+//! the operator; it counts as nothing.
 
 use machine::{Machine, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};

@@ -91,15 +91,15 @@ pub struct AxisConfig {
     /// (M69).
     #[serde(default, alias = "backlash_deg")]
     pub backlash_mm: f64,
-    /// Mode of the slide against the standing motor as believed, Hz. With it the motor is led so that the slide
-    /// does what is commanded (M131); without, the slide is taken to be rigid.
+    /// Mode of the slide against the standing motor as believed, Hz. With it the motor is led so that the
+    /// slide does what is commanded (M131); without, the slide is taken to be rigid.
     #[serde(default)]
     pub mode_hz: Option<f64>,
     /// Weight that the axis carries, as believed: a force along it, N; negative pulls it down.
     #[serde(default)]
     pub gravity_n: f64,
-    /// How far an approach to depth goes beyond it and comes back, so that the guide is not left loaded (M132),
-    /// mm; about 0.7 of what its friction bends it before it slides. 0: it stops at depth.
+    /// How far an approach to depth goes beyond it and comes back, so that the guide is not left loaded
+    /// (M132), mm; about 0.7 of what its friction bends it before it slides. 0: it stops at depth.
     #[serde(default, alias = "unload_deg")]
     pub unload_mm: f64,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide

@@ -119,8 +119,8 @@ impl SpindleConfig {
     /// sooner is not believed.
     pub const SETTLES_S: f64 = 0.2;
 
-    /// Turns at a new speed, or time if that is shorter, s, after which it has settled and regulators know what
-    /// repeats with every turn (M130): a pass waits for it.
+    /// Turns at a new speed, or time if that is shorter, s, after which it has settled and regulators know
+    /// what repeats with every turn (M130): a pass waits for it.
     pub const KNOWN: (f64, f64) = (7.0, 0.7);
 
     /// Bandwidth of the slower of the two observers, Hz: a pass waits for ten of its periods.

@@ -222,7 +222,8 @@ struct Counts {
     /// While the spindle turns evenly, and while it does not.
     quiet: Rounding,
     busy: Rounding,
-    /// For how long it counts as uneven after a residual that is no rounding, and for how long it does yet, s.
+    /// For how long it counts as uneven after a residual that is no rounding, and for how long it does yet,
+    /// s.
     hold_s: f64,
     left_s: f64,
     /// Speed below which counts come one by one, count/s.

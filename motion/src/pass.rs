@@ -54,8 +54,8 @@ impl PassLaw {
         self
     }
 
-    /// Adds the way back of an approach that goes too far, by a stroke in mm made over `dc` degrees from angle
-    /// `c0`, where the approach is over (M132).
+    /// Adds the way back of an approach that goes too far, by a stroke in mm made over `dc` degrees from
+    /// angle `c0`, where the approach is over (M132).
     pub fn with_unloading(mut self, length: f64, c0: f64, dc: f64) -> PassLaw {
         self.unloading = Some(Begins { c: c0, law: Stroke::new(length, dc / self.deg_per_s) });
         self

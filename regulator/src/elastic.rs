@@ -1,5 +1,5 @@
-//! What the drive train gives between motor and slide, as believed. In: the motion that the slide shall do, mm
-//! and s. Out: the motion of the motor that makes it do so.
+//! What the drive train gives between motor and slide, as believed. In: the motion that the slide shall do,
+//! mm and s. Out: the motion of the motor that makes it do so.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,9 +10,9 @@
 //! ```text
 //! n = s + a/ω²,   n′ = v + j/ω²,   n″ = a + dj/ω²                                                 (M131)
 //! ```
-//! From m s″ = k (n − s) with k = m ω²: the nut stands ahead by what the spring needs to accelerate the slide.
-//! Of what is commanded near the mode nothing reaches the motor, so it does not swing, however lightly it is
-//! damped; damping is left out.
+//! From m s″ = k (n − s) with k = m ω²: the nut stands ahead by what the spring needs to accelerate the
+//! slide. Of what is commanded near the mode nothing reaches the motor, so it does not swing, however lightly
+//! it is damped; damping is left out.
 
 use core::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! The bus between drives and regulators: what is measured arrives later, what is commanded acts later. In: what
-//! there is in a cycle. Out: what has arrived in it.
+//! The bus between drives and regulators: what is measured arrives later, what is commanded acts later. In:
+//! what there is in a cycle. Out: what has arrived in it.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|

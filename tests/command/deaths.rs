@@ -75,8 +75,8 @@ fn a_machine_whose_launcher_was_killed_comes_to_rest_and_wipes_itself() {
 /// Where the programs begin: the part ends at Z 0.
 const FRONT_MM: f64 = 19.0;
 
-/// A stop on the tangent of the path (M101) goes on beyond a corner by 0.3 v²/A at most, A being what it brakes
-/// with when it dies: X of a rapid with both axes has 75 mm/s and 1000 mm/s².
+/// A stop on the tangent of the path (M101) goes on beyond a corner by 0.3 v²/A at most, A being what it
+/// brakes with when it dies: X of a rapid with both axes has 75 mm/s and 1000 mm/s².
 const BEYOND_CORNER_MM: f64 = 0.3 * 75.0 * 75.0 / 1000.0;
 
 /// A program that somebody dies in.
