@@ -170,7 +170,7 @@ impl Spindle {
 
     /// Programs direction and speed.
     pub fn program(&mut self, mode: SpindleMode, speed: SpindleSpeed) {
-        if speed != self.speed {
+        if (mode, speed) != (self.mode, self.speed) {
             self.even = (0.0, 0.0);
         }
         (self.mode, self.speed) = (mode, speed);
