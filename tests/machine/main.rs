@@ -18,6 +18,7 @@ mod part;
 mod pass_rules;
 mod rest_to_rest;
 mod seams;
+mod shop_lathe;
 mod soak;
 mod surfaces;
 mod thread_quality;
