@@ -1,5 +1,5 @@
-//! The lathe as it stands in a shop: the worst of ten seeds, at the tool. What docs/machine-file.md shows of it
-//! is what runs give.
+//! The lathe as it stands in a shop: the worst of ten seeds, at the tool. What docs/machine-file.md shows of
+//! it is what runs give.
 
 use rig::observe::Summary;
 
