@@ -266,7 +266,8 @@ impl Spindle {
             0.0 => self.stroking.at(lead_s),
             _ => self.upon(&self.leading.at(lead_s)),
         };
-        self.in_degrees(motion, pass)
+        // A way out begins from this: the jerk of a ripple is not that of the axis.
+        self.in_degrees(SpindleMotion { jerk: 0.0, snap: 0.0, ..motion }, pass)
     }
 
     /// The same as an axis is fed forward: on a lead with the corrections of the estimate, too.
