@@ -102,6 +102,9 @@ pub struct AxisConfig {
     /// (M132), mm; about 0.7 of what its friction bends it before it slides. 0: it stops at depth.
     #[serde(default, alias = "unload_deg")]
     pub unload_mm: f64,
+    /// Learns what torque each place of a turn of the motor needs beyond what is believed (M133).
+    #[serde(default)]
+    pub learning: bool,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide
     /// stands, in thousandths of that unit (µm). Only its change since home counts. Empty for none.
     #[serde(default, deserialize_with = "pairs")]

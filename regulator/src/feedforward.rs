@@ -40,6 +40,8 @@ pub struct Feed {
     pub v: f64,
     /// Acceleration, mm/s² at the motor.
     pub a: f64,
+    /// Where the motor is when it is fed forward, mm.
+    pub place_mm: f64,
     /// Speed that friction is fed forward for, mm/s at the motor; `None` for no friction.
     pub friction_v: Option<f64>,
 }
@@ -140,8 +142,8 @@ impl Feedforward {
     /// cycles.
     pub fn feed(&mut self, motor: &Motor) -> Feed {
         let Row { speed, ahead, acceleration, friction } = self.row;
-        let [v, _] = self.derivatives(speed, motor);
-        let [friction_v, a] = self.derivatives(ahead, motor);
+        let [_, v, _] = self.derivatives(speed, motor);
+        let [place_mm, friction_v, a] = self.derivatives(ahead, motor);
         if let Some(rounded) = &mut self.rounded {
             rounded.send(motor);
         }
@@ -150,20 +152,21 @@ impl Feedforward {
             position_mm: self.rounded.map_or(position_mm, |rounded| rounded.round(position_mm)),
             v,
             a: if acceleration { a } else { 0.0 },
+            place_mm,
             friction_v: friction.then_some(friction_v),
         }
     }
 
-    /// Speed and acceleration from a source.
-    fn derivatives(&self, source: Source, motor: &Motor) -> [f64; 2] {
+    /// Position, speed and acceleration from a source; 0 of what it does not know.
+    fn derivatives(&self, source: Source, motor: &Motor) -> [f64; 3] {
         match (source, self.rounded) {
             (Source::Law(lead_s), _) => {
                 let sample = motor.at(lead_s);
-                [sample.v, sample.a]
+                [sample.s, sample.v, sample.a]
             }
             (Source::Backward, Some(rounded)) => rounded.backward(motor),
             (Source::Centred(lead_s), Some(rounded)) => rounded.centred(motor, lead_s),
-            (Source::Nothing | Source::Backward | Source::Centred(_), _) => [0.0, 0.0],
+            (Source::Nothing | Source::Backward | Source::Centred(_), _) => [0.0; 3],
         }
     }
 }
@@ -183,14 +186,14 @@ impl Rounded {
         self.sent = Some([now, self.sent.map_or(now, |[last, _]| last)]);
     }
 
-    fn backward(&self, motor: &Motor) -> [f64; 2] {
+    fn backward(&self, motor: &Motor) -> [f64; 3] {
         let (h, now) = (self.step_s, self.at(motor, 0.0));
         let [last, before] = self.sent.unwrap_or([now; 2]);
-        [(now - last) / h, (now - 2.0 * last + before) / (h * h)]
+        [now, (now - last) / h, (now - 2.0 * last + before) / (h * h)]
     }
 
-    fn centred(&self, motor: &Motor, l: f64) -> [f64; 2] {
+    fn centred(&self, motor: &Motor, l: f64) -> [f64; 3] {
         let (h, x) = (self.step_s, |lead_s| self.at(motor, lead_s));
-        [(x(l + 0.5 * h) - x(l - 0.5 * h)) / h, (x(l + h) - 2.0 * x(l) + x(l - h)) / (h * h)]
+        [x(l), (x(l + 0.5 * h) - x(l - 0.5 * h)) / h, (x(l + h) - 2.0 * x(l) + x(l - h)) / (h * h)]
     }
 }

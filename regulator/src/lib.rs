@@ -16,6 +16,7 @@
 //! | [`compensation`], [`screw`] | what the motor does besides, for backlash and the error of the screw (M68, M69) |
 //! | [`elastic`] | what the motor does besides, for what the drive train gives (M131) |
 //! | [`feedforward`] | structures of feedforward: which of them feeds what (M54, M67) |
+//! | [`learning`] | torque that each place of a turn of the motor needs besides (M133) |
 //! | [`loops`] | position loop, feedforward of mass and friction (M54) |
 #![forbid(unsafe_code)]
 
@@ -24,6 +25,7 @@ pub mod elastic;
 pub mod encoder;
 pub mod feedforward;
 mod jumps;
+pub mod learning;
 pub mod leave;
 mod lift;
 pub mod loops;

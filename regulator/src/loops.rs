@@ -21,8 +21,9 @@
 //! Fc/s0 at any speed, because the step is implicit.
 
 use machine::{AxisConfig, Bus};
+use protocol::AxisMeasurement;
 
-use crate::{feedforward::Feedforward, reference::Motor};
+use crate::{feedforward::Feedforward, learning::Learning, reference::Motor};
 
 /// Output of the loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +40,7 @@ pub struct Command {
 #[derive(Clone, Debug)]
 pub struct Loops {
     feedforward: Feedforward,
+    learning: Option<Learning>,
     /// What was commanded last, while there is a command.
     held: Option<Command>,
     position_gain: f64,
@@ -56,6 +58,7 @@ impl Loops {
         Loops {
             step_s: cycle_s * feedforward.cycles() as f64,
             feedforward,
+            learning: Learning::of(config, cycle_s),
             held: None,
             position_gain: config.position_gain_1_s,
             mass: config.mass_kg,
@@ -86,7 +89,7 @@ impl Loops {
 
     /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity
     /// PI that follows lives in the drive.
-    pub fn tick(&mut self, motor: &Motor, measured_mm: f64) -> Command {
+    pub fn tick(&mut self, motor: &Motor, measured_mm: f64, measured: &AxisMeasurement) -> Command {
         let due = motor.reference.cycle.0.is_multiple_of(self.feedforward.cycles());
         if let (false, Some(held)) = (due, self.held) {
             return held;
@@ -94,10 +97,14 @@ impl Loops {
         let feed = self.feedforward.feed(motor);
         let friction = feed.friction_v.map_or(0.0, |v| self.friction.force(v, self.step_s));
         let force = self.mass * feed.a / 1000.0 + friction;
+        let learned_nm = self.learning.as_mut().map_or(0.0, |learning| {
+            learning.look(motor.reference.cycle, measured.position.mm(), measured.torque_nm, feed.a);
+            learning.torque_nm(feed.place_mm)
+        });
         let command = Command {
             target_velocity_mm_s: self.position_gain * (feed.position_mm - measured_mm),
             velocity_offset_mm_s: feed.v,
-            torque_offset_nm: self.torque_nm(force),
+            torque_offset_nm: self.torque_nm(force) + learned_nm,
         };
         self.held = Some(command);
         command

@@ -173,7 +173,8 @@ impl Regulator {
         let ahead_mm = if self.scales[self.axis] { 0.0 } else { self.elastic.ahead_mm(&sampled) };
         let (elastic, sampled_mm) = (self.elastic, sampled.s + ahead_mm);
         let motor = Motor { reference, sampled_mm, elastic, compensation: compensation.as_ref() };
-        let command = if idle { loops.rest() } else { loops.tick(&motor, measured_mm) };
+        let command =
+            if idle { loops.rest() } else { loops.tick(&motor, measured_mm, &measurement.axes[self.axis]) };
         self.last = now;
         self.answered = self.answer(measurement, angle_deg, &command, sampled_mm - measured_mm);
         &self.answered

@@ -13,6 +13,7 @@ mod behind_the_motor;
 mod beliefs;
 mod cutting;
 mod encoder;
+mod learning;
 mod machine_code;
 mod part;
 mod pass_rules;
