@@ -55,7 +55,7 @@ fn observed(machine: &Machine, items: &[Item]) -> u64 {
 }
 
 fn whole(criterion: &mut Criterion) {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     for program in PROGRAMS {
         let items = items(&machine, program);
         let mut group = criterion.benchmark_group(program);
@@ -84,7 +84,7 @@ fn alone(machine: &Machine) -> f64 {
 }
 
 fn plant(criterion: &mut Criterion) {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let mut group = criterion.benchmark_group("plant");
     group.sample_size(20).throughput(Throughput::Elements(CYCLES));
     group.bench_function("alone", |bench| bench.iter(|| alone(&machine)));
@@ -93,7 +93,7 @@ fn plant(criterion: &mut Criterion) {
 
 /// Soak on one core and a run in one process, in turns. What a seed costs before it runs is counted.
 fn soaked(criterion: &mut Criterion) {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = items(&machine, PROGRAMS[0]);
     let soak = || soak::driver::soak(SEEDS, 1, &|_, _| true).cycles;
     let mut group = criterion.benchmark_group("a core");

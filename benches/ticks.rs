@@ -71,7 +71,7 @@ fn interpolator(machine: &Machine, items: &[Item]) -> Interpolator {
 }
 
 fn modules(criterion: &mut Criterion) {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = items(&machine);
     let tape = record(&machine, &items);
     let mut group = criterion.benchmark_group("tick");
@@ -112,7 +112,7 @@ fn modules(criterion: &mut Criterion) {
 }
 
 fn whole_machine(criterion: &mut Criterion) {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = items(&machine);
     let run = |observed: bool| {
         let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 1).unwrap();

@@ -152,7 +152,7 @@ fn surface() -> Vec<Item> {
 
 fn main() {
     let mill = Machine::from_toml(machine::SMALL_MILL).unwrap();
-    let lathe = Machine::default();
+    let lathe = Machine::plain();
     let runs =
         [("smooth", &lathe, turn(smooth)), ("star", &lathe, turn(star)), ("surface", &mill, surface())];
     for (name, machine, code) in runs {

@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn an_axis_is_astray_that_is_farther_from_its_setpoint_than_it_can_go() {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let most_mm = machine.axis[&Axis::Z].velocity_mm_s * 0.012;
         let since = |state: AxisState, apart_mm: f64, tick: u64, since: u64| {
             let (mut statuses, mut here) = ([AxisStatus::default(); AXES], [Position(0); AXES]);

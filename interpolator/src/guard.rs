@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn an_error_beyond_half_slows_down_and_a_good_turn_gives_back() {
-        let (machine, mut guard) = (Machine::default(), Guard::new());
+        let (machine, mut guard) = (Machine::plain(), Guard::new());
         assert_eq!(tick(&mut guard, &machine, 0.49, 0.84), 1.0);
         let mut before = 1.0;
         for _ in 0..40 {
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn slowing_down_is_in_vain_after_three_turns() {
-        let (machine, mut guard) = (Machine::default(), Guard::new());
+        let (machine, mut guard) = (Machine::plain(), Guard::new());
         for tick_number in 0..149 {
             tick(&mut guard, &machine, 0.6, 0.0);
             assert!(!guard.in_vain(), "tick {tick_number}");
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn torque_counts_after_twenty_milliseconds() {
-        let (machine, mut guard) = (Machine::default(), Guard::new());
+        let (machine, mut guard) = (Machine::plain(), Guard::new());
         for _ in 0..5 {
             (0..9).for_each(|_| assert_eq!(tick(&mut guard, &machine, 0.0, 0.9), 1.0));
             assert_eq!(tick(&mut guard, &machine, 0.0, 0.8), 1.0, "a peak");

@@ -181,6 +181,9 @@ impl Default for Machine {
 /// The built-in machine file.
 pub const SMALL_LATHE: &str = include_str!("../../examples/machines/small-lathe.toml");
 
+/// The same lathe without what a shop adds: on it one sees what the control alone does.
+pub const PLAIN_LATHE: &str = include_str!("../../examples/machines/plain-lathe.toml");
+
 /// A mill to begin with.
 pub const SMALL_MILL: &str = include_str!("../../examples/machines/small-mill.toml");
 
@@ -208,6 +211,11 @@ impl Kinematics {
 }
 
 impl Machine {
+    /// The lathe of `examples/machines/plain-lathe.toml`.
+    pub fn plain() -> Machine {
+        Machine::from_toml(PLAIN_LATHE).expect("the shipped machines are tested")
+    }
+
     /// Reads and checks a machine file.
     ///
     /// # Errors

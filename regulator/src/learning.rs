@@ -217,7 +217,7 @@ mod tests {
     const COGGING_NM: f64 = 0.05;
 
     fn learning() -> Learning {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let config = AxisConfig { learning: true, ..machine.axis[&Axis::Z].clone() };
         Learning::of(&config, T).expect("it learns")
     }

@@ -140,7 +140,7 @@ mod tests {
 
     fn cutter() -> Cutter {
         let config = Cutting { specific_force_n_mm2: 2000.0, back_mm: -30.0, ..Cutting::default() };
-        Cutter::new(config, &Machine::default())
+        Cutter::new(config, &Machine::plain())
     }
 
     fn tags(pass: u32, groove: Groove) -> SpindleCommand {
@@ -276,7 +276,7 @@ mod tests {
 
     #[test]
     fn nothing_is_cut_without_force_without_a_pass_and_without_a_groove() {
-        let air = Cutter::new(Cutting::default(), &Machine::default());
+        let air = Cutter::new(Cutting::default(), &Machine::plain());
         assert!(
             go(&mut air.clone(), 1, OUTSIDE, [5.0, -20.0], |_| 1.0).iter().all(|(_, cut)| cut.force_n == 0.0)
         );

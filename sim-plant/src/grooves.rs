@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn the_deepest_of_all_passes_is_left_and_lines_come_back_exactly() {
-        let mut grooves = Grooves::new(&Machine::default());
+        let mut grooves = Grooves::new(&Machine::plain());
         go(&mut grooves, &GROOVE, 5.0, -20.0, |z| -9.0 + 0.1 * z);
         go(&mut grooves, &GROOVE, 5.0, -20.0, |_| -10.0);
         grooves.begin(&GROOVE);
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_tool_does_not_find_its_own_groove() {
-        let mut grooves = Grooves::new(&Machine::default());
+        let mut grooves = Grooves::new(&Machine::plain());
         grooves.begin(&GROOVE);
         grooves.pass_by(1.0, -9.0);
         grooves.pass_by(-1.0, -9.0);
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_groove_that_ends_between_two_nodes_is_known_to_its_end() {
-        let mut grooves = Grooves::new(&Machine::default());
+        let mut grooves = Grooves::new(&Machine::plain());
         // To -10.01 and no further; the nodes beside it lie at -10 and -10.02.
         go(&mut grooves, &GROOVE, 0.0, -10.01, |_| -9.0);
         grooves.begin(&GROOVE);
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn each_start_has_its_groove_until_there_are_too_many() {
-        let mut grooves = Grooves::new(&Machine::default());
+        let mut grooves = Grooves::new(&Machine::plain());
         for start in 0..20 {
             let groove = Groove { start, ..GROOVE };
             go(&mut grooves, &groove, 2.0, -2.0, |_| -9.0 + 0.01 * f64::from(start));
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn places_off_the_travel_and_numbers_that_are_none_do_no_harm() {
-        let mut grooves = Grooves::new(&Machine::default());
+        let mut grooves = Grooves::new(&Machine::plain());
         for z in [1e9, -1e9, f64::NAN, f64::INFINITY, 0.0] {
             go(&mut grooves, &GROOVE, 0.0, -1.0, |_| f64::NAN);
             grooves.begin(&GROOVE);

@@ -15,7 +15,7 @@ const OVERRIDES: [f64; 5] = [120.0, 100.0, 80.0, 60.0, 40.0];
 
 /// Servo error of X in the pass of the experiment, on the built-in machine with another structure.
 fn approach(structure: Feedforward, override_pct: f64, seed: u64) -> ServoError {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     let x = machine.axis.get_mut(&Axis::X).expect("it has an X");
     (x.feedforward, x.following_error_mm, x.thread_error_mm) = (structure, 10.0, 10.0);
     on(&machine, override_pct, seed)
@@ -53,7 +53,7 @@ fn within(machine: &Machine, [approach, end, at_depth, thread]: [f64; 4]) {
 /// away.
 #[test]
 fn the_full_structure_over_ten_seeds() {
-    within(&Machine::default(), [2.0, 0.5, 0.5, 0.2]);
+    within(&Machine::plain(), [2.0, 0.5, 0.5, 0.2]);
 }
 
 #[test]

@@ -12,7 +12,7 @@ const SOON: u64 = 20_000;
 #[test]
 fn a_run_ends_when_one_axis_faults_in_a_thread() {
     for axis in [Axis::X, Axis::Z] {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         machine.axis.get_mut(&axis).unwrap().thread_error_mm = 1e-5;
         let items = trial::program(&machine, &[trial::Trial::default()]).unwrap();
         let mut cycles = 0;

@@ -126,7 +126,7 @@ fn measures(error: &ServoError) -> Measures {
 /// thread.
 #[test]
 fn an_encoder_at_the_motor_does_not_see_what_the_slide_does() {
-    let [[servo, slide], _] = trials_of_x(&Machine::default());
+    let [[servo, slide], _] = trials_of_x(&Machine::plain());
     assert!(servo[..2].iter().all(|um| um.abs() <= 2.0), "{servo:.2?}");
     let [_, to, end, thread, settled] = slide;
     assert!(to >= 5.0 && (2.0..4.0).contains(&end), "{slide:.2?}");
@@ -137,7 +137,7 @@ fn an_encoder_at_the_motor_does_not_see_what_the_slide_does() {
 
 /// The small lathe with linear scales of 0.1 µm.
 fn scaled(position_gain_1_s: f64) -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     for axis in machine.axis.values_mut() {
         axis.scale_step_mm = Some(1e-4);
         axis.position_gain_1_s = position_gain_1_s;

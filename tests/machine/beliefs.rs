@@ -10,7 +10,7 @@ use sim_plant::Scenario;
 
 /// Ten turns of a thread with a lead of 5 mm at 500 1/min on a lathe of which this is true.
 fn thread(plant: &str) -> Observation {
-    let machine = Machine { plant: plant.parse().unwrap(), ..Machine::default() };
+    let machine = Machine { plant: plant.parse().unwrap(), ..Machine::plain() };
     let trial = Trial { s_rpm: 500.0, delta_x_mm: 0.0, turns: 10.0, ..Trial::default() };
     let items = trial::program(&machine, &[trial]).unwrap();
     trial::run(&machine, &items, &Scenario::none(), 1, &mut |_| ()).unwrap()

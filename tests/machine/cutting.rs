@@ -8,7 +8,7 @@ use rig::observe::{CuttingReport, Outcome, PassReport, Summary};
 /// The small lathe with steel in the chuck.
 fn steel(place: &Place) -> String {
     let lathe =
-        std::fs::read_to_string(project().join("examples/machines/small-lathe.toml")).expect("shipped");
+        std::fs::read_to_string(project().join("examples/machines/plain-lathe.toml")).expect("shipped");
     let cutting = lathe.replace("specific_force_n_mm2 = 0.0", "specific_force_n_mm2 = 2000.0");
     assert_ne!(cutting, lathe, "the key stands in the file");
     place.write("steel.toml", cutting).display().to_string()

@@ -15,7 +15,7 @@ use sim_plant::{Plant, Scenario};
 /// The built-in lathe; loads of a scenario come on within a millisecond.
 fn machine(lines: u32) -> Machine {
     let plant = "[cutting]\nrise_s = 0.001".parse().unwrap();
-    let mut machine = Machine { plant, ..Machine::default() };
+    let mut machine = Machine { plant, ..Machine::plain() };
     machine.spindle.encoder_lines = lines;
     machine.check().unwrap();
     machine
@@ -96,7 +96,7 @@ fn the_helix_in_a_dip_of_the_speed() {
 /// It comes on within 10 ms, as loads do on this machine. Within 1 ms it is 1.66 µm.
 #[test]
 fn the_helix_under_an_axial_force() {
-    helix_within(&Machine::default(), 1.6, "axial_force_n = 200", |pass| pass.rpm_min > 497.0);
+    helix_within(&Machine::plain(), 1.6, "axial_force_n = 200", |pass| pass.rpm_min > 497.0);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use machine::SMALL_LATHE;
+use machine::PLAIN_LATHE;
 use protocol::{Axis, AxisState};
 
 use crate::shop::{EXAMPLES, Place, example};
@@ -13,7 +13,7 @@ const PER_TURN: f64 = 24.0;
 
 /// Amplitude of what comes back so often a turn in the way of the slide beside the helix, pass by pass, µm.
 fn amplitudes(place: &Place, program: &str, learning: bool) -> Vec<f64> {
-    let machine = SMALL_LATHE
+    let machine = PLAIN_LATHE
         .replace("mode_damping = 0.03", "mode_damping = 0.03\ncogging_nm = 0.05\ncogging_per_rev = 24")
         .replace("in_position_mm = 0.002", &format!("learning = {learning}\nin_position_mm = 0.002"));
     let file = place.write("cogging.toml", machine).display().to_string();

@@ -1,7 +1,7 @@
 //! Parts that are not good, although the nut behind the screw is: they are judged at the tool, over all
 //! contact, and the exit status says so. Beside each the same program on a machine that makes it well.
 
-use machine::SMALL_LATHE;
+use machine::PLAIN_LATHE;
 use rig::observe::{Outcome, PartVerdict, Summary};
 
 use crate::shop::{Place, example};
@@ -29,7 +29,7 @@ fn run(program: &str, machine: &str, scenario: &str) -> (Option<i32>, String, Su
 
 /// The built-in lathe with other values behind a key.
 fn lathe(changes: &[(&str, &str)]) -> String {
-    changes.iter().fold(SMALL_LATHE.to_owned(), |text, (from, to)| {
+    changes.iter().fold(PLAIN_LATHE.to_owned(), |text, (from, to)| {
         assert_eq!(text.matches(from).count(), 2, "{from} of both axes");
         text.replace(from, to)
     })
@@ -53,7 +53,7 @@ fn a_slide_that_swings_behind_its_nut_makes_a_bad_part() {
         lathe(&[("mode_hz = 100.0", "mode_hz = 20.0"), ("mode_damping = 0.03", "mode_damping = 0.005")]);
     let summary = is_bad(THREAD, &soft, "", "from its own groove at the tool");
     assert!(summary.at_the_tool()[0] > 30.0, "{:?}", summary.at_the_tool());
-    let (status, said, summary) = run(THREAD, SMALL_LATHE, "");
+    let (status, said, summary) = run(THREAD, PLAIN_LATHE, "");
     assert_eq!((status, said.as_str(), summary.part.verdict), (Some(0), "", PartVerdict::Good));
 }
 
@@ -71,18 +71,18 @@ fn a_guide_that_sticks_makes_a_bad_part() {
 fn a_blow_in_the_taper_at_the_end_makes_a_bad_part() {
     let load =
         "[[event]]\nat = { pass = 2, z_mm = -12 }\nspindle_load = { torque_nm = 1000, for_s = 0.01 }\n";
-    let summary = is_bad(TAPER, SMALL_LATHE, load, "pass 2 strays by ");
+    let summary = is_bad(TAPER, PLAIN_LATHE, load, "pass 2 strays by ");
     let struck = &summary.passes[1];
     assert!(struck.helix_max_abs_um < 0.5 && struck.tool.helix_max_abs_um > 15.0, "{struck:#?}");
     // The law knows of no blow, the nut does.
     assert!(struck.limits_asked_pct.z_j < 100.0 && struck.limits_used_pct.z_j > 300.0, "{struck:#?}");
-    assert_eq!(run(TAPER, SMALL_LATHE, "").0, Some(0));
+    assert_eq!(run(TAPER, PLAIN_LATHE, "").0, Some(0));
 }
 
 #[test]
 fn what_a_part_may_be_off_is_said_by_the_machine_file() {
     let allowed =
-        |um: &str| SMALL_LATHE.replace("[threading]\n", &format!("[threading]\npart_error_um = {um}\n"));
+        |um: &str| PLAIN_LATHE.replace("[threading]\n", &format!("[threading]\npart_error_um = {um}\n"));
     let (status, said, summary) = run(THREAD, &allowed("1.2"), "");
     assert_eq!((status, summary.part.error_um), (Some(3), 1.2));
     assert!(said.contains("threading.part_error_um allows 1.2 µm"), "{said}");

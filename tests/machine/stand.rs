@@ -25,7 +25,7 @@ pub struct Stand {
 impl Stand {
     /// The small lathe before cycle 0.
     pub fn new(items: Vec<Item>, scenario: &str) -> Stand {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let scenario = Scenario::from_toml(scenario).expect("the scenarios of the tests are sound");
         let observer = Observer::new(&machine, &items);
         let wires = Straight.with(Late::new(0, |_, _| false)).with(Losing::new(|_, _| false));
@@ -102,7 +102,7 @@ impl Stand {
 
 /// Machine code of a program without errors.
 pub fn compiled(program: &str) -> Vec<Item> {
-    let check = interpreter::check("test.ngc", program, &Machine::default());
+    let check = interpreter::check("test.ngc", program, &Machine::plain());
     assert!(check.is_good(), "{:?}", check.diagnostics);
     check.items
 }

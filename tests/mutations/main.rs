@@ -154,7 +154,7 @@ fn items() -> [Vec<Item>; 2] {
     let items: Vec<Item> = (1..).zip(codes).map(|(line, code)| Item { line, code }).collect();
     let threads = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/m20x2.ngc"));
     let threads = threads.expect("the example can be read");
-    let compiled = interpreter::Interpreter::of_text("m20x2.ngc", threads, &Machine::default());
+    let compiled = interpreter::Interpreter::of_text("m20x2.ngc", threads, &Machine::plain());
     [items, compiled.map_while(Result::ok).collect()]
 }
 
@@ -162,7 +162,7 @@ fn items() -> [Vec<Item>; 2] {
 fn code_files() -> Vec<Vec<u8>> {
     let file = |items: Vec<Item>| {
         let mut bytes = Vec::new();
-        CodeFile::new("mutated.ngc", &Machine::default().identity(), items)
+        CodeFile::new("mutated.ngc", &Machine::plain().identity(), items)
             .write(&mut bytes)
             .expect("it is sound");
         bytes

@@ -74,7 +74,7 @@ pub(super) fn machine(structure: &Structure, switches: Switches) -> Result<Machi
         damped(1.5e7, 110.0),
     );
     let plant = plant.parse().map_err(|error: toml::de::Error| failed(error.to_string()))?;
-    let mut machine = Machine { plant, ..Machine::default() };
+    let mut machine = Machine { plant, ..Machine::plain() };
     let truth = Belief::of_truth(&machine, Axis::X).map_err(|error| failed(error.to_string()))?;
     machine.bus = Bus::default();
     let spindle = &mut machine.spindle;

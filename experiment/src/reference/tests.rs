@@ -17,7 +17,7 @@ fn a_figure_agrees_within_five_per_cent_a_digit_or_the_spread() {
 /// Three rows that differ most in what they ask of the plant, at the seeds of the page.
 #[test]
 fn the_reference_comes_out() {
-    let stand = Stand { machine: machine::Machine::default(), seed: 1, progress: false };
+    let stand = Stand { machine: machine::Machine::plain(), seed: 1, progress: false };
     for (structure, at) in [(&STRUCTURES[0], 0), (&STRUCTURES[4], 0), (FULL, 0)] {
         let cases: Vec<Case> = seeds(&stand, structure, AS_PRINTED, OVERRIDES[at]).collect();
         let measured = stand.each(&cases, Case::run).expect("every pass can be cut");
@@ -29,7 +29,7 @@ fn the_reference_comes_out() {
 /// Without the breakaway of the screw the end of the approach is half of what it is in the reference.
 #[test]
 fn a_screw_without_breakaway_does_not() {
-    let stand = Stand { machine: machine::Machine::default(), seed: 1, progress: false };
+    let stand = Stand { machine: machine::Machine::plain(), seed: 1, progress: false };
     let switches = Switches { breakaway: false, ..AS_PRINTED };
     let cases: Vec<Case> = seeds(&stand, FULL, switches, 100.0).collect();
     let measured = stand.each(&cases, Case::run).expect("every pass can be cut");
@@ -41,7 +41,7 @@ fn a_screw_without_breakaway_does_not() {
 /// looks every 0.5 ms.
 #[test]
 fn an_observer_that_looks_less_often_is_noisier() {
-    let stand = Stand { machine: machine::Machine::default(), seed: 1, progress: false };
+    let stand = Stand { machine: machine::Machine::plain(), seed: 1, progress: false };
     let widest = |observer_cycles| {
         let switches = Switches { observer_cycles, ..AS_PRINTED };
         let cases: Vec<Case> = seeds(&stand, FULL, switches, 100.0).collect();

@@ -71,7 +71,7 @@ fn reference_steps_are_those_of_the_table() {
 }
 
 fn stand(seed: u64) -> Stand {
-    let machine = Machine::from_toml(include_str!("../../../examples/machines/small-lathe.toml"));
+    let machine = Machine::from_toml(include_str!("../../../examples/machines/plain-lathe.toml"));
     Stand { machine: machine.expect("it is the built-in one"), seed, progress: false }
 }
 

@@ -14,7 +14,7 @@ fn small(machine: Machine) -> Vec<Row> {
 
 #[test]
 fn wrong_beliefs_cost_little() {
-    let rows = small(with_finer_encoder(&Machine::default()));
+    let rows = small(with_finer_encoder(&Machine::plain()));
     assert_eq!(rows.len(), 2 * 2 * 2 * 4);
     let all = Over::all(&rows);
     assert!(all.median <= MEDIAN_UM, "median {} µm", all.median);
@@ -27,7 +27,7 @@ fn wrong_beliefs_cost_little() {
 #[test]
 fn the_encoder_shows_where_x_moves_far_in_a_turn() {
     let (far, near): (Vec<Row>, Vec<Row>) =
-        small(Machine::default()).into_iter().partition(|row| row.delta_x_mm == 10.0);
+        small(Machine::plain()).into_iter().partition(|row| row.delta_x_mm == 10.0);
     assert!(Over::all(&near).worst <= WORST_UM, "{} µm", Over::all(&near).worst);
     assert!(Over::all(&far).worst <= 3.0, "{} µm", Over::all(&far).worst);
 }
@@ -35,7 +35,7 @@ fn the_encoder_shows_where_x_moves_far_in_a_turn() {
 /// What a wrong mass leaves at the end has its sign.
 #[test]
 fn a_wrong_mass_shows_at_the_end() {
-    for row in small(Machine::default())
+    for row in small(Machine::plain())
         .iter()
         .filter(|row| row.override_pct == 120.0 && row.peak_acceleration() > 1000.0)
     {
@@ -45,7 +45,7 @@ fn a_wrong_mass_shows_at_the_end() {
 
 #[test]
 fn every_pass_can_be_followed_at_the_highest_override() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     for [s_rpm, delta_x_mm, delta_c_deg] in PASSES {
         let trial = rig::trial::Trial { s_rpm, delta_x_mm, delta_c_deg, ..Default::default() };
         let pass = trial.pass(&machine, 1).expect("it can be followed at the programmed speed");

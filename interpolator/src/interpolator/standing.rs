@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn axes_stand_once_they_have_rested_for_a_while_and_until_they_move() {
-        let (mut standing, mut z_mm) = (Standing::new(&Machine::default()), 5.0);
+        let (mut standing, mut z_mm) = (Standing::new(&Machine::plain()), 5.0);
         let count_mm = 5.0 / 131_072.0;
         assert!(!go(&mut standing, &mut z_mm, 100, 1.0, 0.0), "it moves at 1 mm/s");
         assert!(!go(&mut standing, &mut z_mm, 24, 0.0, count_mm), "not for long enough");

@@ -94,7 +94,7 @@ mod tests {
     }
 
     fn rest() -> (Rest, f64) {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         (Rest::new(&machine), machine.spindle_counts())
     }
 

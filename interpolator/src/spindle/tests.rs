@@ -11,7 +11,7 @@ fn surface() -> SpindleSpeed {
 }
 
 fn spindle() -> Spindle {
-    Spindle::new(&Machine::default())
+    Spindle::new(&Machine::plain())
 }
 
 /// Lets the measured speed go from `from` to `to` (1/min) within some ticks; X goes with `x`, told the
@@ -107,7 +107,7 @@ fn what_lags_behind_a_facing_cut_is_at_speed() {
 #[test]
 fn a_spindle_that_swings_through_zero_does_not_stand() {
     for lines in [500, 2500] {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         machine.spindle.encoder_lines = lines;
         let (mut spindle, mut count, mut stood) = (Spindle::new(&machine), 0.0, 0);
         spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(400.0));

@@ -25,7 +25,7 @@ pub(crate) struct Stand {
 
 impl Stand {
     pub(crate) fn new(items: impl IntoIterator<Item = Item>) -> Stand {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         Stand {
             upper: Interpolator::new(&machine),
             machine,

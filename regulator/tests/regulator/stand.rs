@@ -24,7 +24,7 @@ const INDEX_COUNT: i64 = 5000;
 
 /// The built-in lathe with another X.
 pub(crate) fn machine(change: impl FnOnce(&mut AxisConfig)) -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     change(machine.axis.get_mut(&Axis::X).unwrap());
     machine.check().unwrap();
     machine

@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn m124_a_polynomial_has_its_own_differences() {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let config = &machine.axis[&Axis::Z];
         let [v, a, j] = limits_of(config);
         // Up to s = 0.05 s: speed from 10 to 13 mm/s, acceleration from 40 to 80 mm/s², jerk 800 mm/s³.
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn an_axis_that_rests_uses_nothing() {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let mut used = Used::new(&machine, &machine.axis[&Axis::X]);
         (0..100).for_each(|_| used.cycle(12.0));
         assert_eq!(used.shares(), [0.0; 3]);

@@ -41,7 +41,7 @@ fn run(machine: &Machine, program: &str, scenario: &str) -> Vec<Seen> {
 
 #[test]
 fn a_cone_is_left_from_its_run_in_and_its_thread_without_cutting_into_it() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.axis.get_mut(&Axis::X).into_iter().for_each(|x| x.home_mm = 90.0);
     for cone in CONES {
         let program = program(cone);

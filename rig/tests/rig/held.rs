@@ -9,7 +9,7 @@ use crate::stand::{Stand, compiled};
 
 /// Runs a program; `operator` sees every cycle and says what is done at the panel in the next one.
 fn run(program: &str, scenario: &str, operator: impl FnMut(&Record) -> Option<Request>) -> Observation {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = compiled(&machine, &format!("G18 G21 G90 G8 G94 G97\n{program}"));
     Stand { machine: &machine, items: &items, scenario, seed: 3 }.run(operator)
 }
@@ -73,7 +73,7 @@ const DEEP: &str = "G18 G21 G90 G8 G94 G97\nM3 S600\nG0 X12 Z8\nG76 P2 Z-10 I-1 
 /// A hold that leaves a pass makes one pause, from where it waits; what ends the waiting is named.
 #[test]
 fn what_ends_the_pause_behind_a_pass_that_was_left_is_told() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.threading.on_hold = Reaction::Leave;
     let items = compiled(&machine, DEEP);
     for (action, ended_by, outcome) in [
@@ -101,7 +101,7 @@ fn what_ends_the_pause_behind_a_pass_that_was_left_is_told() {
 /// Whoever comes to its end first waits with the fault until the others are there.
 #[test]
 fn a_pass_that_is_finished_without_an_index_is_finished_by_every_axis() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.threading.on_fault = Reaction::Finish;
     let items = compiled(&machine, DEEP);
     let run = |scenario: &str| Stand { machine: &machine, items: &items, scenario, seed: 1 }.run(|_| None);

@@ -95,7 +95,7 @@ fn run(machine: &Machine, s_rpm: u32, action: &str, at: u64) -> Seen {
 }
 
 fn leaves_on_everything() -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.threading.on_hold = Reaction::Leave;
     machine
 }

@@ -77,7 +77,7 @@ const CAUSES: &[(&str, Fault, u64)] = &[
 #[test]
 fn the_cause_is_told_the_tool_is_out_and_the_run_ends() {
     for (event, fault, within) in CAUSES {
-        let left = run(&Machine::default(), THREAD, event);
+        let left = run(&Machine::plain(), THREAD, event);
         let told = left.told.unwrap_or_else(|| panic!("{event}: nothing is told"));
         println!(
             "{event}: {:?} after {} cycles, leaves {:?}, {:.0} 1/min",
@@ -112,7 +112,7 @@ const LAMED: &[&str] = &[
 #[test]
 fn a_tool_that_cannot_leave_is_told_with_its_place_and_the_way_out() {
     for event in LAMED {
-        let left = run(&Machine::default(), THREAD, event);
+        let left = run(&Machine::plain(), THREAD, event);
         assert!((left.x_mm - 9.5).abs() < 0.1, "{event}: X stands at {} mm", left.x_mm);
         let text = tool_in_thread(&left.seen).unwrap_or_else(|| panic!("{event}: {:?}", left.seen.warnings));
         for told in ["in the thread of pass 1", "at X 9.50", "move X by hand to 12.000"] {
@@ -131,7 +131,7 @@ fn a_tool_that_was_out_and_is_back_at_the_start_is_not_told() {
         later(20, "cycle_start = true"),
         later(25, "stop = true"),
     ];
-    let left = run(&Machine::default(), &format!("(on_hold, leave)\n{THREAD}"), &hold.concat());
+    let left = run(&Machine::plain(), &format!("(on_hold, leave)\n{THREAD}"), &hold.concat());
     assert_eq!((left.seen.outcome, left.seen.passes.len()), (Outcome::Stopped, 1));
     assert!((left.x_mm - 9.5).abs() < 0.01, "X stands at {} mm", left.x_mm);
     assert_eq!(tool_in_thread(&left.seen), None);
@@ -149,7 +149,7 @@ fn who_is_silent_is_named() {
         (lost("z"), Fault::RegulatorSilent.code(), "(regulator-z)"),
         (held_up.into(), Fault::InterpolatorSilent.code(), "the interpolator"),
     ] {
-        let left = run(&Machine::default(), THREAD, &event);
+        let left = run(&Machine::plain(), THREAD, &event);
         let [fault] = &left.seen.faults[..] else { panic!("{event}: {:?}", left.seen.faults) };
         assert_eq!((fault.source.as_str(), fault.code.as_str()), ("interpolator", code), "{event}");
         assert!(fault.text.contains(named), "{event}: {}", fault.text);
@@ -163,7 +163,7 @@ fn a_spindle_that_coasts_is_waited_for_and_has_not_run_away() {
     for (event, fault) in
         [("power_lost = true", Fault::PowerLost), ("spindle_fault = \"stall\"", Fault::SpindleDoesNotStop)]
     {
-        let left = run(&Machine::default(), &fast, event);
+        let left = run(&Machine::plain(), &fast, event);
         let told = |code: &str| left.seen.faults.iter().any(|fault| fault.code == code);
         println!("{event}: {:?}, {:.0} 1/min after {} cycles", left.seen.faults, left.rpm, left.seen.cycles);
         assert!(!told(Fault::SpindleRunaway.code()), "{event}: {:?}", left.seen.faults);
@@ -176,7 +176,7 @@ fn a_spindle_that_coasts_is_waited_for_and_has_not_run_away() {
 #[test]
 fn a_spindle_that_ran_away_is_waited_for_after_the_emergency_stop() {
     let slow = THREAD.replace("S600", "S264");
-    let left = run(&Machine::default(), &slow, "spindle_fault = \"runaway\"");
+    let left = run(&Machine::plain(), &slow, "spindle_fault = \"runaway\"");
     println!("{:?}, {:.0} 1/min after {} cycles", left.seen.faults, left.rpm, left.seen.cycles);
     assert_eq!(left.told.map(|(fault, _)| fault), Some(Fault::SpindleRunaway));
     assert!(left.seen.faults.iter().all(|fault| fault.code == "spindle-runaway"), "{:?}", left.seen.faults);
@@ -187,7 +187,7 @@ fn a_spindle_that_ran_away_is_waited_for_after_the_emergency_stop() {
 #[test]
 fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
     let left =
-        run(&Machine::default(), THREAD, "packet = { channel = \"measurement\", count = 4, drop = true }");
+        run(&Machine::plain(), THREAD, "packet = { channel = \"measurement\", count = 4, drop = true }");
     let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();
     assert_eq!(codes.first(), Some(&Fault::MeasurementGap.code()), "{codes:?}");
 }
@@ -200,7 +200,7 @@ fn a_spindle_without_an_encoder_is_waited_for_after_an_emergency_stop_too() {
         let at = AT_DEG + later;
         let event = format!("encoder_stands = true\n[[event]]\nat = {{ pass = 1, angle_deg = {AT_DEG} }}");
         let stop = event.replace(&AT_DEG.to_string(), &at.to_string());
-        let left = run(&Machine::default(), &fast, &format!("{stop}\nemergency_stop = true"));
+        let left = run(&Machine::plain(), &fast, &format!("{stop}\nemergency_stop = true"));
         assert!(left.rpm.abs() < 5.0, "{later}°: {} 1/min, {:?}", left.rpm, left.seen.faults);
     }
 }
@@ -212,10 +212,10 @@ fn a_spindle_that_turns_back_is_left_without_an_interpolator_too() {
         let both = format!(
             "freeze = {{ process = \"interpolator\", for_s = 3.0 }}\n[[event]]\nat = {{ pass = 1, angle_deg = {degrees} }}\nspindle_fault = \"reversal\""
         );
-        let left = run(&Machine::default(), THREAD, &both);
+        let left = run(&Machine::plain(), THREAD, &both);
         let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();
         assert!(codes.contains(&Fault::SpindleReversed.code()), "{degrees}: {codes:?}");
-        let asleep = (3.0 / Machine::default().general.cycle_s) as u64;
+        let asleep = (3.0 / Machine::plain().general.cycle_s) as u64;
         assert!(left.leaves.is_some_and(|cycles| cycles < asleep), "{degrees}: left after {:?}", left.leaves);
         assert!(left.x_mm > 11.9, "{degrees}: X stands at {} mm", left.x_mm);
     }

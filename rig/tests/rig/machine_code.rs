@@ -47,7 +47,7 @@ fn run_with(
     requests: &[(u64, Request)],
     mut see: impl FnMut(&Record),
 ) -> Observation {
-    let (machine, items) = (Machine::default(), items(codes));
+    let (machine, items) = (Machine::plain(), items(codes));
     Stand { machine: &machine, items: &items, scenario, seed: 5 }.run(|record| {
         see(record);
         pressed(requests, record)

@@ -52,7 +52,7 @@ fn strokes(moments: &[Moment]) -> impl Iterator<Item = usize> {
 /// The drive of an axis that is let go brakes from the speed that its encoder shows.
 #[test]
 fn an_encoder_that_jumps_near_a_pass_throws_no_axis() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let program = "M3 S600\nG0 X10.5 Z8\nG76 P2 Z-6 I-0.5 J0.3 K0.6 R1";
     let (calm, _) = run(&machine, program, None);
     let waits = |moment: &Moment| moment.x.state() == AxisState::WaitingForC0;
@@ -81,7 +81,7 @@ fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
 /// millimetres.
 #[test]
 fn a_spindle_that_jams_does_not_lead_the_tool_back_into_the_part() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     for program in [
         "M3 S800\nG0 X12 Z5\nG0 X9.5\nG33 Z-5 K1.5\nG0 X12",
         "M3 S400\nG0 X12 Z5\nG0 X9.5\nG33 Z-5 K3\nG0 X11",
@@ -106,7 +106,7 @@ fn a_spindle_that_jams_does_not_lead_the_tool_back_into_the_part() {
 /// 110 mm/s are 55 µm in a cycle, more than the error that a thread may have.
 #[test]
 fn a_fast_thread_goes_on_when_a_measurement_is_missing() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let program = "M3 S1100\nG0 X11 Z40\nG0 X9.7\nG33 Z-30 K6\nG0 X11";
     let (calm, _) = run(&machine, program, None);
     let thread = cycles(&calm, 3, |moment| moment.z.state() == AxisState::Locked);
@@ -121,7 +121,7 @@ fn a_fast_thread_goes_on_when_a_measurement_is_missing() {
 
 #[test]
 fn a_thread_without_a_retract_is_left_while_z_brakes_too() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let program = "M3 S600\nG0 X12 Z5\nG0 X9.7\nG33 Z-4 K2\nG4 P0.05\nG0 X12";
     let (calm, _) = run(&machine, program, None);
     let brake = cycles(&calm, 3, |moment| moment.z.state() == AxisState::RunOut);
@@ -142,7 +142,7 @@ fn a_thread_without_a_retract_is_left_while_z_brakes_too() {
 /// At 20 1/min the runaway is far below what the machine's highest speed would let pass.
 #[test]
 fn a_spindle_that_runs_away_from_a_slow_thread_drives_no_axis_beyond_its_limits() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let limits = machine.axis[&Axis::X].limits();
     let program = "M3 S20\nG0 X11 Z6\nG76 P5 Z-2 I-1 J0.3 K0.6 R1";
     let (calm, _) = run(&machine, program, None);
@@ -160,7 +160,7 @@ fn a_spindle_that_runs_away_from_a_slow_thread_drives_no_axis_beyond_its_limits(
 /// What stands sooner than its drive can have stopped it is the encoder.
 #[test]
 fn an_encoder_that_dies_while_the_spindle_runs_down_does_not_end_the_run_sooner() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     for (lines, program) in [(100, "M3 S900\nG4 P1\nG0 X30"), (2500, "M3 S300\nG4 P1\nG0 X30")] {
         machine.spindle.encoder_lines = lines;
         let (calm, _) = run(&machine, program, None);
@@ -176,7 +176,7 @@ fn an_encoder_that_dies_while_the_spindle_runs_down_does_not_end_the_run_sooner(
 /// Who misses a measurement says nothing of that cycle: what he said before is no error of the path.
 #[test]
 fn a_measurement_that_is_missing_is_no_contour_error() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let program = "M3 S600\nG0 X12 Z8\nG1 Z-20 F3000";
     let (calm, undisturbed) = run(&machine, program, None);
     let feed = cycles(&calm, 0, |moment| moment.z.velocity_mm_s < -45.0);

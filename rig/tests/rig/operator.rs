@@ -21,7 +21,7 @@ struct Run {
 }
 
 fn run(program: &str, scenario: &str, requests: &[(u64, Request)]) -> Run {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = compiled(&machine, &format!("{HEAD}{program}"));
     let (mut resting, mut longest) = (0_u64, 0_u64);
     let (mut end_mm, mut stopped, mut peak) = ([0.0; 2], false, 0.0_f64);
@@ -65,7 +65,7 @@ fn half_the_feed_takes_twice_the_time() {
 #[test]
 fn overrides_turned_at_any_moment_keep_the_limits() {
     let program = "G0 X20 Z50\nG1 X25 Z-10 F3000\nG0 X60 Z80\nG1 Z60 F600\nM2\n";
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let mut random = Seed::new(12_345);
     for _ in 0..20 {
         let requests: Vec<(u64, Request)> = (0..12)
@@ -122,7 +122,7 @@ fn feed_per_revolution_follows_the_spindle() {
 #[test]
 fn an_override_above_the_highest_speed_is_clamped_and_said() {
     let program = "M3 S2900\nG0 X22 Z8\nG33 Z-10 K1\nG0 X40\nM5\nM2\n";
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.spindle.override_max_pct = 150.0;
     let items = compiled(&machine, &format!("{HEAD}{program}"));
     let run = |pct: f64| {
@@ -144,7 +144,7 @@ fn an_override_above_the_highest_speed_is_clamped_and_said() {
 #[test]
 fn an_override_above_the_ceiling_of_a_pass_is_clamped_and_said() {
     let program = "M3 S600\nG0 X22 Z8\nG76 P2 Z-22 I-1 J0.3 K0.6\nG0 X40\nM5\nM2\n";
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.spindle.override_max_pct = 200.0;
     let items = compiled(&machine, &format!("{HEAD}{program}"));
     let scenario = "[[event]]\nat = { pass = 1, angle_deg = 1000 }\nspindle_override_pct = 180\n";

@@ -13,7 +13,7 @@ const PROGRAM: &str = "G18 G21 G90 G8 G94\nG0 X20 Z50\nG1 Z10 F3000\nM2\n";
 
 fn rig(event: &str) -> Rig<std::vec::IntoIter<Item>> {
     let scenario = Scenario::from_toml(&format!("[[event]]\nat = {{ cycle = 900 }}\n{event}\n")).unwrap();
-    let machine = Machine::default();
+    let machine = Machine::plain();
     Rig::new(&machine, compiled(&machine, PROGRAM).into_iter(), scenario, 1).unwrap()
 }
 
@@ -74,7 +74,7 @@ fn end(event: &str) -> (MachineStatus, Vec<u32>) {
 fn code(event: &str) -> MachineStatus {
     let moves: String = (0..600).map(|line| format!("G1 X{} F3000\n", 20 - line % 2)).collect();
     let scenario = Scenario::from_toml(&format!("[[event]]\nat = {{ cycle = 900 }}\n{event}\n")).unwrap();
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = compiled(&machine, &format!("G18 G21 G90 G8 G94\nG0 X20 Z50\n{moves}M2\n"));
     let mut rig = Rig::new(&machine, items.into_iter(), scenario, 1).unwrap();
     let mut status = MachineStatus::default();

@@ -1,7 +1,7 @@
 //! A lathe with a C axis: it turns with the others, in degrees, and holds its angle while a thread is cut.
 #![allow(clippy::unwrap_used)]
 
-use machine::{Machine, SMALL_LATHE};
+use machine::{Machine, PLAIN_LATHE};
 use protocol::Axis;
 use rig::observe::Outcome;
 
@@ -9,10 +9,10 @@ use crate::stand::{Stand, compiled};
 
 /// The small lathe with an axis C: another Z, in degrees.
 fn lathe_with_c() -> Machine {
-    let (_, z) = SMALL_LATHE.split_once("[axis.z]").unwrap();
+    let (_, z) = PLAIN_LATHE.split_once("[axis.z]").unwrap();
     let (z, _) = z.split_once("[spindle]").unwrap();
     let c = z.replace("mm", "deg").replace("home_deg = 100.0", "home_deg = 0.0");
-    Machine::from_toml(&format!("{SMALL_LATHE}\n[axis.c]{c}")).unwrap()
+    Machine::from_toml(&format!("{PLAIN_LATHE}\n[axis.c]{c}")).unwrap()
 }
 
 #[test]

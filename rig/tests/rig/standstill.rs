@@ -15,7 +15,7 @@ const PROGRAM: &str = "G18 G21 G90 G8 G94 G97\nM3 S600\nG0 X12 Z8\nG0 X9.5\nG33 
 
 /// Runs the program, stopped as soon as it is found to wait for nobody. When that was, s, and when it ended.
 fn run(scenario: &str) -> (Option<f64>, f64) {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = compiled(&machine, PROGRAM);
     let scenario = Scenario::from_toml(scenario).expect("a sound scenario");
     let mut standstill = Standstill::new(&machine, &scenario);

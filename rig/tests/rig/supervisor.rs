@@ -31,11 +31,11 @@ impl Made {
         let items = [Item { line: 5, code: Code::Pass(pass) }];
         let cuts = AxisStatus { state: AxisState::Locked as u32, pass: 1, ..AxisStatus::default() };
         let mut made = Made {
-            supervisor: Supervisor::new(&Machine::default(), &items),
+            supervisor: Supervisor::new(&Machine::plain(), &items),
             truth: Truth { spindle_rpm: 600.0, ..Truth::default() },
             axes: vec![(Axis::X, cuts), (Axis::Z, cuts)],
             asked: Vec::new(),
-            cycle_s: Machine::default().general.cycle_s,
+            cycle_s: Machine::plain().general.cycle_s,
             told: None,
             said: (MachineState::Ready, 0),
         };
@@ -129,7 +129,7 @@ fn what_was_before_the_pass_does_not_end_it() {
 /// Its wire to the spindle is cut.
 #[test]
 fn an_interpolator_that_is_not_heard_at_the_end_is_helped_at_the_panel() {
-    let cycles = (1.0 / Machine::default().general.cycle_s) as u64;
+    let cycles = (1.0 / Machine::plain().general.cycle_s) as u64;
     for said in [(MachineState::Ended, 0), (MachineState::Fault, Fault::SpindleDoesNotStop as u32)] {
         let mut made = Made::in_pass();
         made.set(AxisState::Streaming);
@@ -164,14 +164,14 @@ fn an_axis_that_faults_in_a_pass_without_its_interpolator_stops_the_machine_at_o
     assert!(made.asked.is_empty(), "the interpolator stops the spindle");
     made.told = Some(made.truth.cycle);
     made.go(100);
-    assert_eq!(made.asked, [201 + 4 * Machine::default().cycles_per_tick()]);
+    assert_eq!(made.asked, [201 + 4 * Machine::plain().cycles_per_tick()]);
     // Its regulator measures nothing, and says nothing: its drive has tripped.
     let mut made = Made::in_pass();
     made.go(100);
     made.truth.measurement.axes[Axis::X.index()].status_word = 0x0008;
     made.told = Some(made.truth.cycle);
     made.go(100);
-    assert_eq!(made.asked, [101 + 4 * Machine::default().cycles_per_tick()]);
+    assert_eq!(made.asked, [101 + 4 * Machine::plain().cycles_per_tick()]);
 }
 
 #[test]

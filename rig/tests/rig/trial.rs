@@ -22,7 +22,7 @@ fn trials() -> [Trial; 4] {
 
 #[test]
 fn trials_are_cut_as_asked() {
-    let (machine, trials) = (Machine::default(), trials());
+    let (machine, trials) = (Machine::plain(), trials());
     let items = program(&machine, &trials).unwrap();
     assert!(items.iter().all(|item| item.check().is_ok()));
     let mut cycles = 0;
@@ -46,7 +46,7 @@ fn trials_are_cut_as_asked() {
 /// The longest way that fits begins at one end of the travel and ends at the other.
 #[test]
 fn a_trial_moves_away_from_home_where_it_must() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     let x = machine.axis.get_mut(&Axis::X).unwrap();
     (x.home_mm, x.travel_mm) = (118.0, [110.0, 120.0]);
     let start = |machine: &Machine, delta_x_mm: f64| {
@@ -65,7 +65,7 @@ fn a_trial_moves_away_from_home_where_it_must() {
 /// 5.1 − 5 is a little less than 0.1: by rounding, no place is left where the axis may begin.
 #[test]
 fn a_way_as_long_as_the_travel_fits() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     let x = machine.axis.get_mut(&Axis::X).unwrap();
     (x.home_mm, x.travel_mm) = (2.0, [0.1, 5.1]);
     let pass = Trial::default().pass(&machine, 1).unwrap();
@@ -74,7 +74,7 @@ fn a_way_as_long_as_the_travel_fits() {
 
 #[test]
 fn what_cannot_be_is_refused() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let refused = |trial: Trial| program(&machine, &[trial]).unwrap_err();
     let plain = Trial::default();
     for bad in [
@@ -107,7 +107,7 @@ fn pass_of(items: &[protocol::Item]) -> protocol::ThreadPass {
 /// The override changes how fast a pass is made, and nothing else of it.
 #[test]
 fn the_override_stands_from_the_start() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = program(&machine, &[Trial::default()]).unwrap();
     for pct in [120.0, 100.0, 40.0] {
         let seen = run(&machine, &items, &Scenario::spindle_override(pct), 1, &mut |_| ()).unwrap();

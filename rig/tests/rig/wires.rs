@@ -86,13 +86,13 @@ fn disturbances_can_be_stacked() {
 const PROGRAM: &str = "G18 G21 G90 G8 G94\nG0 X20 Z50\nG1 Z10 F3000\nM2\n";
 
 fn items() -> Vec<Item> {
-    compiled(&Machine::default(), PROGRAM)
+    compiled(&Machine::plain(), PROGRAM)
 }
 
 /// Runs the program on a machine with these wires; everything that `see` returns, up to the end.
 fn run<T>(wires: impl Wires, mut see: impl FnMut(&Exchange) -> T) -> Vec<T> {
     let mut rig =
-        Rig::with_wires(&Machine::default(), items().into_iter(), Scenario::none(), 1, wires).unwrap();
+        Rig::with_wires(&Machine::plain(), items().into_iter(), Scenario::none(), 1, wires).unwrap();
     let mut seen = Vec::new();
     while rig.exchange(None, |exchange| seen.push(see(exchange))) {
         assert!(seen.len() < 200_000, "the program ends");
@@ -126,7 +126,7 @@ fn disturbances_that_concern_nothing_change_nothing() {
 /// request.
 #[test]
 fn an_exchange_shows_what_went_between_the_modules() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let k = machine.cycles_per_tick();
     let mut rig = Rig::new(&machine, items().into_iter(), Scenario::none(), 1).unwrap();
     let mut pressed = Vec::new();
@@ -211,7 +211,7 @@ fn a_test_can_bring_wires_of_its_own() {
     let frames = Rc::new(RefCell::new(PerAxis::default()));
     let states = run(Noting(Rc::clone(&frames)), |exchange| exchange.record.axes[0].1.state);
     assert!(states.contains(&(AxisState::Streaming as u32)));
-    let ticks = (states.len() as u64 - 1) / Machine::default().cycles_per_tick();
+    let ticks = (states.len() as u64 - 1) / Machine::plain().cycles_per_tick();
     assert_eq!(u64::from(frames.borrow()[Axis::X.index()]), ticks);
 }
 
@@ -221,7 +221,7 @@ fn ages(
     doom: impl Fn(&mut Rig<std::vec::IntoIter<Item>>, u64),
     cycles: u64,
 ) -> Vec<([u64; 2], bool, DriveState)> {
-    let mut rig = Rig::new(&Machine::default(), items().into_iter(), Scenario::none(), 1).unwrap();
+    let mut rig = Rig::new(&Machine::plain(), items().into_iter(), Scenario::none(), 1).unwrap();
     let mut seen = Vec::new();
     for cycle in 0..cycles {
         doom(&mut rig, cycle);
@@ -267,9 +267,9 @@ fn a_dead_interpolator_sends_no_frame_and_a_dead_interpreter_no_code() {
 
     let program = |line: u32| format!("G1 X{} F3000\n", 20 - line % 2);
     let program: String = (0..400).map(program).collect();
-    let items = compiled(&Machine::default(), &format!("G18 G21 G90 G8 G94\nG0 X20 Z50\n{program}M2\n"));
+    let items = compiled(&Machine::plain(), &format!("G18 G21 G90 G8 G94\nG0 X20 Z50\n{program}M2\n"));
     let ends = |killed: Option<u64>| {
-        let mut rig = Rig::new(&Machine::default(), items.clone().into_iter(), Scenario::none(), 1).unwrap();
+        let mut rig = Rig::new(&Machine::plain(), items.clone().into_iter(), Scenario::none(), 1).unwrap();
         let mut machine = MachineStatus::default();
         for cycle in 0.. {
             assert!(cycle < 100_000, "the program ends");
@@ -312,7 +312,7 @@ fn a_frozen_regulator_works_off_what_waited_for_it() {
 
 #[test]
 fn a_frozen_interpreter_counts_as_dead_after_a_second() {
-    let mut rig = Rig::new(&Machine::default(), items().into_iter(), Scenario::none(), 1).unwrap();
+    let mut rig = Rig::new(&Machine::plain(), items().into_iter(), Scenario::none(), 1).unwrap();
     rig.freeze(Module::Interpreter);
     let mut machine = MachineStatus::default();
     let mut cycles = 0;
@@ -327,7 +327,7 @@ fn a_frozen_interpreter_counts_as_dead_after_a_second() {
 /// Nobody acts on what has been damaged, whatever bit of it: it is like a measurement that is lost.
 #[test]
 fn a_damaged_measurement_is_one_that_is_missing() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let items = compiled(&machine, "G18 G21 G90 G8 G94 G97\nM3 S600\nG0 X12 Z8\nG0 X9.5\nM5\nM2\n");
     let told = |fate: &str| {
         let packet = format!("packet = {{ channel = \"measurement\", count = 2, {fate} }}");

@@ -3,7 +3,7 @@
 use super::*;
 
 fn with(plant: &str) -> Result<PlantConfig, PlantError> {
-    PlantConfig::of(&Machine { plant: plant.parse().unwrap(), ..Machine::default() })
+    PlantConfig::of(&Machine { plant: plant.parse().unwrap(), ..Machine::plain() })
 }
 
 /// Texts, and what is said of them.
@@ -16,7 +16,7 @@ fn refuses(cases: &[(&str, &str)]) {
 
 #[test]
 fn the_small_lathe_has_the_default_plant() {
-    let config = PlantConfig::of(&Machine::default()).unwrap();
+    let config = PlantConfig::of(&Machine::plain()).unwrap();
     assert_eq!(config.spindle, SpindleTrain::default());
     assert_eq!(config.cutting, Cutting::default());
     assert!(config.axis.values().all(|train| *train == AxisTrain::default()));

@@ -16,7 +16,7 @@ fn frictionless() -> AxisTrain {
 }
 
 fn of_x(train: &AxisTrain) -> Result<DriveTrain, PlantError> {
-    let x = machine::Machine::default().axis[&Axis::X].clone();
+    let x = machine::Machine::plain().axis[&Axis::X].clone();
     DriveTrain::new(train, Axis::X, &train.facts(&x), CYCLE_S, &mut Seed(1))
 }
 

@@ -7,7 +7,7 @@ use sim_plant::Belief;
 
 #[test]
 fn the_built_in_machine_is_a_little_wrong() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     for axis in [Axis::X, Axis::Z] {
         let config = &machine.axis[&axis];
         let mut wrong = config.clone();
@@ -21,6 +21,6 @@ fn the_built_in_machine_is_a_little_wrong() {
 
 #[test]
 fn a_missing_axis_is_named() {
-    let error = Belief::of_truth(&Machine::default(), Axis::B).unwrap_err();
+    let error = Belief::of_truth(&Machine::plain(), Axis::B).unwrap_err();
     assert!(error.to_string().contains("[axis.b]"), "{error}");
 }

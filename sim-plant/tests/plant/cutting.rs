@@ -12,7 +12,7 @@ fn machine(specific_force: f64) -> Machine {
     let plant = format!(
         "[cutting]\nspecific_force_n_mm2 = {specific_force:?}\nface_mm = 200.0\n[spindle]\nripple_pct = 0.0\n"
     );
-    Machine { plant: plant.parse().expect("the table of the test"), ..Machine::default() }
+    Machine { plant: plant.parse().expect("the table of the test"), ..Machine::plain() }
 }
 
 /// A pass along -Z from outside, that is so deep with the tool at X 60.

@@ -165,7 +165,7 @@ fn a_command_that_stays_out_trips_at_its_third_cycle() {
 #[test]
 fn the_same_seed_gives_the_same_numbers_and_another_does_not() {
     let run = |seed: u64| {
-        let mut stand = Stand::new(&Machine::default(), Scenario::none(), seed);
+        let mut stand = Stand::new(&Machine::plain(), Scenario::none(), seed);
         stand.spindle.rpm = 600.0;
         stand.velocity = [3.0, -20.0];
         *stand.run(3000).truth()
@@ -178,7 +178,7 @@ fn the_same_seed_gives_the_same_numbers_and_another_does_not() {
 
 #[test]
 fn the_measurement_after_a_finished_program_is_the_last() {
-    let mut plant = Plant::new(&Machine::default(), Scenario::none(), 1).unwrap();
+    let mut plant = Plant::new(&Machine::plain(), Scenario::none(), 1).unwrap();
     let command = SpindleCommand { finished: SpindleCommand::FINISHED, ..SpindleCommand::default() };
     plant.tick(&Default::default(), &SpindleCommand::default(), None);
     assert_eq!((plant.measurement().cycle, plant.measurement().last), (Cycle(1), 0));
@@ -190,7 +190,7 @@ fn the_measurement_after_a_finished_program_is_the_last() {
 fn every_control_cycle_a_machine_file_allows_works() {
     for (cycle_s, interpolator_cycle_s) in [(0.0001, 0.002), (0.00025, 0.002), (0.001, 0.002), (0.004, 0.004)]
     {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         machine.general.cycle_s = cycle_s;
         machine.general.interpolator_cycle_s = interpolator_cycle_s;
         let mut stand = Stand::new(&machine, Scenario::none(), 1);

@@ -23,7 +23,7 @@ struct Pass {
 
 fn play(text: &str, rpm: f64) -> Vec<Pass> {
     let mut stand =
-        Stand::new(&Machine::default(), Scenario::from_toml(text).expect("shipped scenarios are sound"), 1);
+        Stand::new(&Machine::plain(), Scenario::from_toml(text).expect("shipped scenarios are sound"), 1);
     let passes = (1..=7).map(|number| cut(&mut stand, number, rpm)).collect();
     assert_eq!(stand.plant.pending_events().count(), 0, "events that never happened at {rpm} rpm");
     passes

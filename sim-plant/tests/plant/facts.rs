@@ -10,7 +10,7 @@ use protocol::Axis;
 use sim_plant::{Belief, Scenario};
 
 fn lathe(plant: &str) -> Machine {
-    let mut machine = Machine { plant: plant.parse().unwrap(), ..Machine::default() };
+    let mut machine = Machine { plant: plant.parse().unwrap(), ..Machine::plain() };
     machine.axis.get_mut(&Axis::X).unwrap().scale_step_mm = Some(1e-4);
     machine
 }

@@ -65,7 +65,7 @@ fn without_mains_the_spindle_coasts_and_the_axes_have_torque_for_a_while() {
     stand.run(2);
     assert_eq!(stand.state(Axis::X), DriveState::Fault);
 
-    let machine = Machine { plant: "[power]\nlink_hold_s = 0".parse().unwrap(), ..Machine::default() };
+    let machine = Machine { plant: "[power]\nlink_hold_s = 0".parse().unwrap(), ..Machine::plain() };
     let scenario = Scenario::from_toml("[[event]]\nat = { cycle = 100 }\npower_lost = true").unwrap();
     let mut stand = Stand::new(&machine, scenario, 1);
     stand.run(101);

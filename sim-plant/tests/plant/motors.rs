@@ -10,7 +10,7 @@ use sim_plant::Scenario;
 /// The small lathe with such keys of X.
 fn lathe(keys: &str, seed: u64) -> Stand {
     let plant = format!("[axis.x]\n{keys}").parse().expect("the table of the test");
-    Stand::new(&Machine { plant, ..Machine::default() }, Scenario::none(), seed)
+    Stand::new(&Machine { plant, ..Machine::plain() }, Scenario::none(), seed)
 }
 
 fn x(stand: &Stand) -> AxisTruth {

@@ -156,7 +156,7 @@ fn an_event_for_an_axis_that_there_is_not_is_refused() {
         let text =
             format!("[[event]]\nat = {{ cycle = 1 }}\nstop = true\n[[event]]\nat = {{ cycle = 1 }}\n{event}");
         let scenario = Scenario::from_toml(&text).unwrap();
-        let refused = Plant::new(&Machine::default(), scenario, 1).expect_err(event).to_string();
+        let refused = Plant::new(&Machine::plain(), scenario, 1).expect_err(event).to_string();
         assert_eq!(refused, "event 2 of the scenario acts on axis y: the machine has no [axis.y]");
     }
 }

@@ -112,7 +112,7 @@ fn ripple_has_its_size_and_its_order() {
 #[test]
 fn an_even_spindle_has_none() {
     let plant = "[spindle]\nripple_pct = 0".parse().unwrap();
-    let machine = Machine { plant, ..Machine::default() };
+    let machine = Machine { plant, ..Machine::plain() };
     let mut stand = Stand::new(&machine, sim_plant::Scenario::none(), 1);
     stand.spindle.rpm = 600.0;
     stand.run(8000);
@@ -123,7 +123,7 @@ fn an_even_spindle_has_none() {
 /// The small lathe with such keys of the spindle, up to speed.
 fn with(keys: &str, rpm: f64) -> Stand {
     let plant = format!("[spindle]\n{keys}").parse().expect("the table of the test");
-    let mut stand = Stand::new(&Machine { plant, ..Machine::default() }, sim_plant::Scenario::none(), 1);
+    let mut stand = Stand::new(&Machine { plant, ..Machine::plain() }, sim_plant::Scenario::none(), 1);
     stand.spindle.rpm = rpm;
     stand.run(8000);
     stand

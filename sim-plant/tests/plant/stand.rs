@@ -24,12 +24,12 @@ impl Stand {
 
     /// The small lathe, nothing happens.
     pub fn lathe() -> Stand {
-        Stand::new(&Machine::default(), Scenario::none(), 1)
+        Stand::new(&Machine::plain(), Scenario::none(), 1)
     }
 
     pub fn playing(scenario: &str) -> Stand {
         Stand::new(
-            &Machine::default(),
+            &Machine::plain(),
             Scenario::from_toml(scenario).expect("the scenarios of the tests are sound"),
             1,
         )

@@ -4,7 +4,7 @@
 
 use std::sync::LazyLock;
 
-use machine::{AxisConfig, Kinematics, Machine, POSITIONER, Reaction, RunOut, SMALL_LATHE, SMALL_MILL};
+use machine::{AxisConfig, Kinematics, Machine, PLAIN_LATHE, POSITIONER, Reaction, RunOut, SMALL_MILL};
 use protocol::Axis;
 use testing::Seed;
 
@@ -15,7 +15,7 @@ const PEAK_NM: f64 = 60.0;
 const RAMP_SHARE: f64 = 0.6;
 
 /// What the machines are made from, read once.
-static LATHE: LazyLock<Machine> = LazyLock::new(|| read(SMALL_LATHE));
+static LATHE: LazyLock<Machine> = LazyLock::new(|| read(PLAIN_LATHE));
 static MILL: LazyLock<Machine> = LazyLock::new(|| read(SMALL_MILL));
 static POSITIONING: LazyLock<Machine> = LazyLock::new(|| read(POSITIONER));
 

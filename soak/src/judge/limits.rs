@@ -211,7 +211,7 @@ mod tests {
 
     /// What is found of X, status by status.
     fn found(statuses: &[AxisStatus]) -> Option<&'static str> {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let known = Known {
             machine: &machine,
             tan_flank: 0.0,
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn an_axis_goes_no_farther_in_a_gap_than_it_may_in_so_many_cycles() {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let x = machine.axis[&Axis::X].limits();
         let (home, step) = (machine.axis[&Axis::X].home_mm, x.v * machine.general.cycle_s);
         let from = status(100, home, 0.9 * x.v);
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn an_axis_stays_within_its_travel_and_its_speed_and_tells_its_drive_numbers() {
-        let machine = Machine::default();
+        let machine = Machine::plain();
         let x = &machine.axis[&Axis::X];
         assert_eq!(stays(status(1, x.travel_mm[0] - 0.000_9, 0.0)), None);
         assert_eq!(stays(status(1, x.travel_mm[0] - 0.001_1, 0.0)), Some("travel"));

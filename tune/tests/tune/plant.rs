@@ -35,7 +35,7 @@ const LATHE: Truth =
 
 impl Truth {
     fn machine(&self) -> Machine {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         let x = machine.plant["axis"]["x"].as_table_mut().expect("the lathe has an X");
         for (key, value) in [
             ("inertia_kg_m2", self.inertia_kg_m2),
@@ -166,7 +166,7 @@ fn a_proposal_is_stable_and_stays() {
 /// The margins of a linear loop say nothing of backlash.
 #[test]
 fn a_loop_over_a_scale_behind_a_backlash_gets_no_faster() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     let x = machine.axis.get_mut(&Axis::X).expect("the lathe has an X");
     (x.scale_step_mm, x.position_gain_1_s) = (Some(1e-4), 20.0);
     let without = tuned(&machine).expect("it is tuned").proposal.position_gain_1_s;

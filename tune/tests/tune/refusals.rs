@@ -44,7 +44,7 @@ fn refused(machine: &Machine, change: impl FnMut(&mut Measurement)) -> Refusal {
 }
 
 fn with(change: impl FnOnce(&mut Machine)) -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     change(&mut machine);
     machine
 }
@@ -63,7 +63,7 @@ fn says(refusal: &Refusal, words: &str) {
 
 #[test]
 fn an_axis_that_does_not_exist() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let mut bench = Changed::new(&machine, |_| ());
     let refusal = tune(&mut bench, Axis::Y, &machine).map(|_| ()).expect_err("there is no Y");
     says(&refusal, "add [axis.y]");
@@ -116,7 +116,7 @@ fn a_slow_axis_stays_within_its_travel() {
 #[test]
 fn an_axis_that_stands_still() {
     let stuck = Position::from_mm(60.0);
-    let refusal = refused(&Machine::default(), |seen| seen.axes[0].position = stuck);
+    let refusal = refused(&Machine::plain(), |seen| seen.axes[0].position = stuck);
     says(&refusal, "X did not move");
 }
 
@@ -147,7 +147,7 @@ fn loops_that_swing() {
 #[test]
 fn a_drive_in_fault() {
     let mut cycles = 0;
-    let refusal = refused(&Machine::default(), |seen| {
+    let refusal = refused(&Machine::plain(), |seen| {
         cycles += 1;
         if cycles > 500 {
             seen.axes[0].status_word = u32::from(StatusWord::of(DriveState::Fault).0);
@@ -158,7 +158,7 @@ fn a_drive_in_fault() {
 
 #[test]
 fn a_drive_that_does_not_come_into_operation() {
-    let refusal = refused(&Machine::default(), |seen| {
+    let refusal = refused(&Machine::plain(), |seen| {
         seen.axes[0].status_word = u32::from(StatusWord::of(DriveState::SwitchedOn).0);
     });
     says(&refusal, "the drive of X is in state SwitchedOn at 2.0");
@@ -166,25 +166,25 @@ fn a_drive_that_does_not_come_into_operation() {
 
 #[test]
 fn torque_that_is_not_measured() {
-    let refusal = refused(&Machine::default(), |seen| seen.axes[0].torque_nm = 0.0);
+    let refusal = refused(&Machine::plain(), |seen| seen.axes[0].torque_nm = 0.0);
     assert!(matches!(refusal, Refusal::Untold(Axis::X, ..)), "{refusal}");
 }
 
 #[test]
 fn torque_in_another_unit() {
-    let refusal = refused(&Machine::default(), |seen| seen.axes[0].torque_nm *= 0.5);
+    let refusal = refused(&Machine::plain(), |seen| seen.axes[0].torque_nm *= 0.5);
     says(&refusal, "gain of the torque came out as 0.5");
 }
 
 #[test]
 fn measurements_that_are_no_numbers() {
-    let refusal = refused(&Machine::default(), |seen| seen.axes[0].torque_nm = f64::NAN);
+    let refusal = refused(&Machine::plain(), |seen| seen.axes[0].torque_nm = f64::NAN);
     says(&refusal, "the torque of X");
 }
 
 #[test]
 fn margins_that_no_gain_reaches() {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let mut bench = Changed::new(&machine, |_| ());
     let goals = Goals { velocity_phase_deg: 100.0, ..Goals::default() };
     let refusal =

@@ -11,7 +11,7 @@ const T: f64 = 0.0005;
 const ENCODERS: [u32; 4] = [25, 1024, 2500, 250_000];
 
 fn machine(lines: u32) -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.spindle.encoder_lines = lines;
     machine
 }

@@ -90,7 +90,7 @@ impl Ideal {
         let mut truth = Truth::default();
         truth.measurement.panel.spindle_override_pct = 100.0;
         Ideal {
-            machine: Machine::default(),
+            machine: Machine::plain(),
             ratio: 1.0,
             spindle_deg: -1234.5,
             truth,

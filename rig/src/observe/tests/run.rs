@@ -39,7 +39,7 @@ fn a_pass_that_is_broken_off_is_reported_as_far_as_it_came() {
 
 /// A run of two cycles, the second with these statuses.
 fn two_cycles(items: &[Item], axis: AxisStatus, machine: MachineStatus) -> Observation {
-    let mut observer = Observer::new(&machine::Machine::default(), items);
+    let mut observer = Observer::new(&machine::Machine::plain(), items);
     let (mut truth, at_rest) = (Truth::default(), MachineStatus::default());
     let mut axes = [(Axis::X, AxisStatus::default()), (Axis::Z, AxisStatus::default())];
     observer.cycle(&Record { truth: &truth, axes: &axes, machine: &at_rest });
@@ -74,7 +74,7 @@ fn new_faults_are_named_once_with_cycle_and_source() {
 
 #[test]
 fn timed_motion_is_counted_and_held_against_the_limits() {
-    let limit = machine::Machine::default().axis[&Axis::Z].acceleration_mm_s2;
+    let limit = machine::Machine::plain().axis[&Axis::Z].acceleration_mm_s2;
     let moving = MachineStatus {
         cycle: Cycle(4),
         state: MachineState::Moving as u32,
@@ -142,7 +142,7 @@ fn a_summary_survives_its_file() {
 
 /// Violations of Z with these accelerations from tick to tick of 2 ms.
 fn violations(accelerations: &[f64]) -> u64 {
-    let mut observer = Observer::new(&machine::Machine::default(), &[]);
+    let mut observer = Observer::new(&machine::Machine::plain(), &[]);
     for (tick, acceleration_mm_s2) in (0..).zip(accelerations) {
         let truth = Truth { cycle: Cycle(4 * tick), ..Truth::default() };
         let machine = MachineStatus { cycle: truth.cycle, ..MachineStatus::default() };

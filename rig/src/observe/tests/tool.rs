@@ -1,6 +1,6 @@
 //! What the tool does in the material, as injected into an ideal machine: contact, helix, flank and depth.
 
-use machine::{Machine, Part, SMALL_LATHE};
+use machine::{Machine, PLAIN_LATHE, Part};
 use protocol::{Axis, Position, ThreadPass};
 
 use super::ideal::{Ideal, Injected, lay_out, pass};
@@ -234,7 +234,7 @@ fn in_a_part_that_is_known_the_run_in_counts_too() {
 fn a_tool_has_its_angle_and_its_edge() {
     let shaped = |keys: &str| {
         let mut ideal = Ideal::new();
-        let file = format!("{SMALL_LATHE}\n[tools.3]\nname = \"a tool\"\n{keys}\n");
+        let file = format!("{PLAIN_LATHE}\n[tools.3]\nname = \"a tool\"\n{keys}\n");
         ideal.machine = Machine::from_toml(&file).expect("a machine with a tool");
         ideal.tool = 3;
         ideal.run(&[(with_a_late_retract(), Injected::default())], |_, _| {}).passes.remove(0).tool

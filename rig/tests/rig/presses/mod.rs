@@ -188,7 +188,7 @@ const POLICIES: [[Reaction; 2]; 4] = [
 ];
 
 fn with([on_hold, on_stop]: [Reaction; 2]) -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     (machine.threading.on_hold, machine.threading.on_stop) = (on_hold, on_stop);
     machine
 }
@@ -296,7 +296,7 @@ fn a_press_at_every_cycle_around_each_border_of_a_pass() {
 #[test]
 fn nothing_has_moved_when_a_pass_is_called_off_at_any_interpolator_cycle() {
     for ticks in [3_u32, 4, 7, 10] {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         machine.general.interpolator_cycle_s = f64::from(ticks) * machine.general.cycle_s;
         machine.check().expect("a machine file may say so");
         let job = Job::new(SHORT, machine);

@@ -51,7 +51,7 @@ impl Case {
             fault,
             bound,
             program: program.to_owned(),
-            machine: Machine::default(),
+            machine: Machine::plain(),
             stages,
             lasts: 0,
             until: u64::MAX,

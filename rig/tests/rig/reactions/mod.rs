@@ -106,8 +106,8 @@ fn what_cannot_be_brought_about_here_has_its_test() {
 #[test]
 fn a_pass_of_a_faster_machine_is_refused_before_it_is_armed() {
     let program = "G18 G21 G90 G8\nM3 S600\nG0 X12 Z8\nG0 X9.5\nG33 Z-22 K2\nG0 X12\nM5\nM2\n";
-    let items = compiled(&Machine::default(), program);
-    let mut machine = Machine::default();
+    let items = compiled(&Machine::plain(), program);
+    let mut machine = Machine::plain();
     machine.axis.values_mut().for_each(|axis| axis.velocity_mm_s = 10.0);
     let job = Job { machine: &machine, items: &items, scenario: "", stranger: None };
     let course = job.run(100_000, |now| now.machine.fault != 0);

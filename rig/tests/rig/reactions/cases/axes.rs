@@ -28,7 +28,7 @@ pub(super) fn cases() -> Vec<Case> {
 }
 
 fn of_axis(axis: usize, other: usize) -> [Case; 6] {
-    let thread_mm = Machine::default().axis[&AXES[axis]].thread_error_mm;
+    let thread_mm = Machine::plain().axis[&AXES[axis]].thread_error_mm;
     [
         Case::new((Fault::FollowingError, 0), WHOLE, &[Stage::Timed], pushed(axis))
             .on(sharp)
@@ -88,7 +88,7 @@ fn jumps(axis: usize) -> impl Fn(&mut Seed, u64) -> String {
 
 /// It is measured farther than this from where it was led a cycle before, and on at that speed.
 fn strays(axis: usize, most_mm: f64) -> impl Fn(&Course, &Course, usize) -> Option<usize> {
-    let cycle_s = Machine::default().general.cycle_s;
+    let cycle_s = Machine::plain().general.cycle_s;
     when(move |course, _, n| {
         let led = &course[n - 1].axes[axis];
         (led.commanded_mm + led.velocity_mm_s * cycle_s - course[n].measured_mm(axis)).abs() > most_mm

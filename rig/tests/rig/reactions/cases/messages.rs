@@ -132,7 +132,7 @@ fn trips(now: &Moment, _: &Moment) -> bool {
 
 /// The setpoint that would arrive lies farther from the axis than it goes in six ticks.
 fn led_elsewhere() -> impl Fn(&Course, &Course, usize) -> Option<usize> {
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let most_mm = 6.0 * machine.general.interpolator_cycle_s * machine.axis[&AXES[Z]].velocity_mm_s;
     when(move |course, twin, n| {
         (twin[n].led[Z].position.mm() - course[n - 1].axes[Z].commanded_mm).abs() > most_mm

@@ -40,7 +40,7 @@ fn of_encoder() -> Vec<Case> {
         (at..course.len()).find(|n| number(*n) > number(at))
     };
     let blind = |course: &Course, _: &Course, at: usize| {
-        let turns = (course[at].deg / 360.0).floor() + Machine::default().threading.index_lost_turns;
+        let turns = (course[at].deg / 360.0).floor() + Machine::plain().threading.index_lost_turns;
         (at..course.len()).find(|n| course[*n].deg >= 360.0 * turns)
     };
     vec![
@@ -163,7 +163,7 @@ fn backwards(course: &Course, _: &Course, at: usize) -> Option<usize> {
 
 /// Faster than the highest override (M103). Who foresees it by a little has seen it in time.
 fn too_fast(course: &Course, _: &Course, at: usize) -> Option<usize> {
-    let Machine { spindle, .. } = Machine::default();
+    let Machine { spindle, .. } = Machine::plain();
     let most = 1.15 * spindle.override_max_pct / 100.0 * 600.0 + 0.02 * spindle.max_rpm;
     let last = course.len() - 1;
     (at..=last).find(|n| course[*n].rpm > if *n == last { 0.97 * most } else { most })
@@ -171,7 +171,7 @@ fn too_fast(course: &Course, _: &Course, at: usize) -> Option<usize> {
 
 /// It has turned a turn more than its commands explain.
 fn turn_too_much(course: &Course, _: &Course, at: usize) -> Option<usize> {
-    let Machine { spindle, general, .. } = Machine::default();
+    let Machine { spindle, general, .. } = Machine::plain();
     let told = course[at].machine.spindle_rpm;
     let explained = (1.0 + 0.02 * spindle.at_speed_pct) * told + 0.02 * spindle.max_rpm;
     let mut turns = 0.0;
@@ -183,7 +183,7 @@ fn turn_too_much(course: &Course, _: &Course, at: usize) -> Option<usize> {
 
 /// It was told to stop, and has had three times the time of its ramp.
 fn turns_on(course: &Course, _: &Course, at: usize) -> Option<usize> {
-    let Machine { spindle, general, .. } = Machine::default();
+    let Machine { spindle, general, .. } = Machine::plain();
     let ramp_s = course[at].machine.spindle_rpm / spindle.ramp_rpm_s;
     let told = (at..course.len()).find(|n| course[*n].machine.spindle_rpm == 0.0);
     told.map(|told| told + (3.0 * ramp_s / general.cycle_s) as usize)
@@ -191,7 +191,7 @@ fn turns_on(course: &Course, _: &Course, at: usize) -> Option<usize> {
 
 /// Z needs 85 % of its torque for 20 ms.
 fn forced(course: &Course, _: &Course, n: usize) -> bool {
-    let most_nm = 0.85 * Machine::default().axis[&AXES[Z]].torque_limit_nm;
+    let most_nm = 0.85 * Machine::plain().axis[&AXES[Z]].torque_limit_nm;
     (n.saturating_sub(40)..=n).all(|n| course[n].measurement.axes[AXES[Z].index()].torque_nm.abs() > most_nm)
 }
 
