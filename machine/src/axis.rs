@@ -15,6 +15,10 @@ pub const CLOSEST_MM: f64 = 0.1;
 const STEEPEST_UM_MM: f64 = 5.0;
 /// Most rows of a table of errors of a screw.
 pub const MOST_ROWS: usize = 256;
+/// Most rows of cogging as believed.
+pub const MOST_COGGING: usize = 8;
+/// A motor is believed to cog at most so often a turn.
+pub const MOST_A_TURN: u32 = 64;
 
 /// `[axis.*]`: limits, encoder scale, loops, and what the controller believes about the mechanics.
 ///
@@ -105,9 +109,13 @@ pub struct AxisConfig {
     /// Learns what torque each place of a turn of the motor needs beyond what is believed (M133).
     #[serde(default)]
     pub learning: bool,
+    /// Cogging as believed: rows of n times a turn of the motor, torque T in N·m and phase in degrees. What is
+    /// fed forward is the sum of T sin(n 360° x/lead + phase), with the motor at x as it is measured (M133).
+    #[serde(default, deserialize_with = "rows")]
+    pub cogging: Vec<[f64; 3]>,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide
     /// stands, in thousandths of that unit (µm). Only its change since home counts. Empty for none.
-    #[serde(default, deserialize_with = "pairs")]
+    #[serde(default, deserialize_with = "rows")]
     pub screw_error: Vec<[f64; 2]>,
 }
 
@@ -205,6 +213,7 @@ impl AxisConfig {
         range(&key("gravity_n"), self.gravity_n, -1e5, 1e5)?;
         range(&key("unload_mm"), self.unload_mm, 0.0, 0.1)?;
         self.check_reach(axis, general, bus)?;
+        self.check_cogging(&key("cogging"))?;
         self.check_screw_error(&key("screw_error"))
     }
 
@@ -246,6 +255,23 @@ impl AxisConfig {
         Ok(())
     }
 
+    fn check_cogging(&self, key: &str) -> Result<(), MachineError> {
+        if self.cogging.len() > MOST_COGGING {
+            let reason = format!("must have at most {MOST_COGGING} rows");
+            return Err(refuse(key, format!("{} rows", self.cogging.len()), &reason));
+        }
+        for (row, [times, torque_nm, phase_deg]) in self.cogging.iter().enumerate() {
+            let key = |column| format!("{key}[{row}][{column}]");
+            range(&key(0), *times, 1.0, f64::from(MOST_A_TURN))?;
+            if times.fract() != 0.0 {
+                return Err(refuse(&key(0), times, "must be whole: so often a turn of the motor"));
+            }
+            range(&key(1), *torque_nm, 0.0, self.torque_limit_nm)?;
+            range(&key(2), *phase_deg, -360.0, 360.0)?;
+        }
+        Ok(())
+    }
+
     fn check_screw_error(&self, key: &str) -> Result<(), MachineError> {
         let rows = &self.screw_error;
         if rows.len() == 1 || rows.len() > MOST_ROWS {
@@ -276,17 +302,17 @@ impl AxisConfig {
 
 /// Two numbers; a third one is an error too, which serde's arrays let pass.
 pub(super) fn pair<'de, D: Deserializer<'de>>(values: D) -> Result<[f64; 2], D::Error> {
-    two(Vec::deserialize(values)?)
+    row(Vec::deserialize(values)?)
 }
 
-/// Rows of two numbers.
-fn pairs<'de, D: Deserializer<'de>>(rows: D) -> Result<Vec<[f64; 2]>, D::Error> {
-    Vec::<Vec<f64>>::deserialize(rows)?.into_iter().map(two).collect()
+/// Rows of so many numbers.
+fn rows<'de, D: Deserializer<'de>, const N: usize>(rows: D) -> Result<Vec<[f64; N]>, D::Error> {
+    Vec::<Vec<f64>>::deserialize(rows)?.into_iter().map(row).collect()
 }
 
-fn two<E: Error>(values: Vec<f64>) -> Result<[f64; 2], E> {
-    let found = values.len();
-    values.try_into().map_err(|_| E::custom(format!("{found} numbers were found, and there must be two")))
+fn row<E: Error, const N: usize>(values: Vec<f64>) -> Result<[f64; N], E> {
+    let (found, due) = (values.len(), ["none", "one", "two", "three"][N]);
+    values.try_into().map_err(|_| E::custom(format!("{found} numbers were found, and there must be {due}")))
 }
 
 /// The path of a key, in the unit of the axis: `axis.x.travel_mm`, `axis.c.travel_deg`.

@@ -15,7 +15,7 @@ mod spindle;
 
 use serde::{Deserialize, Serialize};
 
-pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_ROWS};
+pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_A_TURN, MOST_COGGING, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
 pub use part::{Part, PartError};
 pub use path::PathConfig;

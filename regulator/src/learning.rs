@@ -12,6 +12,7 @@
 //! | d̄ | N·m | its mean over about a turn: friction, weight |
 //! | n | turns | learned from so far, 1 … 2 |
 //! | U(θ) | N·m | what has been learned: a table of 256 places |
+//! | n_g, T, φ | –, N·m, rad | cogging as believed: how often a turn, torque, phase |
 //!
 //! ```text
 //! d = Σ (N − |i|)/N² (τ(i) − U(i)) − M lead/2π (x(N) − 2 x(0) + x(−N))/(N T)²,   −N < i < N
@@ -22,14 +23,23 @@
 //! drives what it came from. Where U is right the drive has nothing left to do, d is d̄, and nothing changes
 //! any more: an error of M or of the torque constant makes the way there longer, not its end another.
 //!
+//! What is believed of cogging fills the table at the start:
+//!
+//! ```text
+//! U(θ) = Σ T sin(n_g 2π θ + φ)/sinc²(n_g/256),   sinc u = sin(π u)/(π u)                            (M133)
+//! ```
+//! Between two places it is in proportion, which makes a sine smaller by sinc². It is fed forward wholly until
+//! something is learned, and for good where nothing shall be.
+//!
 //! It is learned while the axis moves evenly, and slowly enough that every place is seen. It is fed forward,
 //! at any speed, by how much it explains of the torque over the last turns: all from four fifths on, nothing
 //! below a half. So noise is not fed forward. A table that explains less than none would is forgotten: the
 //! motor is not where it was.
 
-use core::f64::consts::TAU;
+use core::array;
+use core::f64::consts::{PI, TAU};
 
-use machine::AxisConfig;
+use machine::{AxisConfig, Feedforward};
 use protocol::Cycle;
 
 /// Places of a turn.
@@ -83,6 +93,8 @@ pub struct Learning {
     steady_turns: f64,
     steady_nm: f64,
     forwards: bool,
+    /// Whether anything is learned beyond what is believed.
+    learns: bool,
     turns: f64,
     /// Squares of what is left with the table, and of what would be without one, over the last turns.
     left: f64,
@@ -90,11 +102,16 @@ pub struct Learning {
 }
 
 impl Learning {
-    /// What an axis of the machine file learns; `None` if it shall not.
+    /// What an axis of the machine file believes and learns; `None` if it shall do neither.
     pub fn of(config: &AxisConfig, cycle_s: f64) -> Option<Learning> {
+        let asked = config.learning || !config.cogging.is_empty();
+        if !asked || config.feedforward != Feedforward::Full {
+            return None;
+        }
         let half = ((LOOK_S / cycle_s).round() as usize).clamp(1, WIDEST);
-        config.learning.then(|| Learning {
-            places: [0.0; PLACES],
+        let places = believed(&config.cogging);
+        Some(Learning {
+            places,
             mean_nm: 0.0,
             looks: [Look::default(); 2 * WIDEST + 1],
             next: 0,
@@ -109,15 +126,19 @@ impl Learning {
             steady_turns: 0.0,
             steady_nm: 0.0,
             forwards: true,
+            learns: config.learning,
             turns: 0.0,
             left: 0.0,
-            bare: 0.0,
+            bare: places.iter().map(|nm| nm * nm).sum::<f64>() / PLACES as f64,
         })
     }
 
     /// Takes where the motor stands in a cycle, mm, and what its drive gives, N·m; and the acceleration
     /// commanded, mm/s². Where cycles are missing it begins anew.
     pub fn look(&mut self, cycle: Cycle, motor_mm: f64, torque_nm: f64, commanded_mm_s2: f64) {
+        if !self.learns {
+            return;
+        }
         if cycle != self.due {
             self.even = 0;
         }
@@ -206,6 +227,19 @@ impl Learning {
     }
 }
 
+/// The table of cogging as believed, in rows of times a turn, N·m, degrees.
+fn believed(rows: &[[f64; 3]]) -> [f64; PLACES] {
+    array::from_fn(|place| {
+        let turn = (place as f64 + 0.5) / PLACES as f64;
+        let torque_nm = |[times, torque_nm, phase_deg]: &[f64; 3]| {
+            let u = PI * times / PLACES as f64;
+            let sinc = libm::sin(u) / u;
+            torque_nm / (sinc * sinc) * libm::sin(TAU * times * turn + phase_deg.to_radians())
+        };
+        rows.iter().map(torque_nm).sum()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use machine::Machine;
@@ -217,9 +251,13 @@ mod tests {
     const COGGING_NM: f64 = 0.05;
 
     fn learning() -> Learning {
-        let machine = Machine::plain();
-        let config = AxisConfig { learning: true, ..machine.axis[&Axis::Z].clone() };
-        Learning::of(&config, T).expect("it learns")
+        believing(&[], true)
+    }
+
+    fn believing(cogging: &[[f64; 3]], learning: bool) -> Learning {
+        let plain = Machine::plain().axis[&Axis::Z].clone();
+        let config = AxisConfig { learning, cogging: cogging.to_vec(), ..plain };
+        Learning::of(&config, T).expect("it believes or learns")
     }
 
     /// A motor with a tenth more mass and torque than is believed, led at a speed by a stiff loop. Way of the
@@ -273,6 +311,36 @@ mod tests {
             });
             assert!(worst < 0.15 * COGGING_NM, "{worst} N·m at {speed} mm/s");
         }
+    }
+
+    #[test]
+    fn what_is_believed_is_fed_forward_at_its_phase_and_is_never_changed_without_learning() {
+        let mut learning = believing(&[[24.0, 0.05, 70.0], [64.0, 0.02, -20.0]], false);
+        let wave = |mm: f64, times, degrees: f64| libm::sin(TAU * times * mm / 5.0 + degrees.to_radians());
+        for cycle in 0..20_000 {
+            let mm = -40.0 + 15.0 * T * cycle as f64;
+            let due_nm = 0.05 * wave(mm, 24.0, 70.0) + 0.02 * wave(mm, 64.0, -20.0);
+            let off_nm = learning.torque_nm(mm) - due_nm;
+            assert!(off_nm.abs() < 0.007, "{off_nm} N·m at {mm} mm");
+            learning.look(Cycle(cycle), mm, 10.0 * due_nm, 0.0);
+        }
+        let [mut cos, mut sin] = [0.0; 2];
+        for mm in (0..5000).map(|i| 1e-3 * f64::from(i)) {
+            cos += learning.torque_nm(mm) * wave(mm, 64.0, 70.0) / 2500.0;
+            sin += learning.torque_nm(mm) * wave(mm, 64.0, -20.0) / 2500.0;
+        }
+        assert!(cos.abs() < 1e-4 && (sin - 0.02).abs() < 1e-4, "{sin} and {cos} N·m");
+    }
+
+    #[test]
+    fn learning_begins_with_what_is_believed_and_takes_off_what_is_wrong_of_it() {
+        let off = |cogging, learns| { Motor::NEW }.turns(&mut believing(&[cogging], learns), 8.0, 15.0);
+        let bare = off([24.0, 0.0, 0.0], false);
+        let [believed, learned] = [false, true].map(|learns| off([24.0, 0.041, 8.0], learns));
+        assert!(
+            believed < bare / 3.0 && learned < believed / 3.0,
+            "{bare} mm, believed {believed} mm, learned {learned} mm"
+        );
     }
 
     #[test]

@@ -348,3 +348,24 @@ proptest! {
         let _ = Machine::from_toml(&replaced(&path, Value::Float(number)));
     }
 }
+
+#[test]
+fn cogging_as_believed_has_bounds() {
+    let nine: Vec<_> = (1..10).map(|times| format!("[{times}, 0.01, 0]")).collect();
+    for (rows, message) in [
+        ("[0.5, 0.01, 0]", "axis.x.cogging[0][0] = 0.5: must lie between 1 and 64"),
+        ("[1, 0.01, 0], [65, 0.01, 0]", "axis.x.cogging[1][0] = 65: must lie between 1 and 64"),
+        ("[2.5, 0.01, 0]", "axis.x.cogging[0][0] = 2.5: must be whole"),
+        ("[24, -0.01, 0]", "axis.x.cogging[0][1] = -0.01: must lie between 0 and 14.3"),
+        ("[24, 14.4, 0]", "axis.x.cogging[0][1] = 14.4: must lie between 0 and 14.3"),
+        ("[24, 0.01, 361]", "axis.x.cogging[0][2] = 361: must lie between -360 and 360"),
+        (&nine.join(", "), "axis.x.cogging = 9 rows: must have at most 8 rows"),
+    ] {
+        let refused = refusal(&with_x(&format!("cogging = [{rows}]")));
+        assert!(refused.starts_with(message), "{refused}");
+    }
+    let message = refusal(&with_x("cogging = [[24, 0.05]]"));
+    assert!(message.contains("2 numbers were found, and there must be three"), "{message}");
+    let machine = Machine::from_toml(&with_x("cogging = [[24, 0.05, -90], [12, 0.0, 10]]")).unwrap();
+    assert_eq!(machine.axis[&Axis::X].cogging, [[24.0, 0.05, -90.0], [12.0, 0.0, 10.0]]);
+}

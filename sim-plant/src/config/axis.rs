@@ -72,9 +72,11 @@ pub(crate) struct AxisTrain {
     /// Noise of the torque that the drive measures, root of its mean square, and its step, N·m.
     pub(crate) torque_noise_nm: f64,
     pub(crate) torque_step_nm: f64,
-    /// Torque by which the magnets hold the rotor at the teeth, N·m, and how often a turn.
+    /// Torque by which the magnets hold the rotor at the teeth, N·m, how often a turn, and its phase at home;
+    /// drawn from the seed if nothing is said.
     pub(crate) cogging_nm: f64,
     pub(crate) cogging_per_rev: u32,
+    pub(crate) cogging_deg: Option<f64>,
     /// Speeds up to which the voltage lets the motor give all its torque, and at which it gives none, mm/s.
     pub(crate) full_torque_mm_s: Option<f64>,
     pub(crate) no_torque_mm_s: Option<f64>,
@@ -120,6 +122,7 @@ impl Default for AxisTrain {
             torque_step_nm: 0.0,
             cogging_nm: 0.0,
             cogging_per_rev: 24,
+            cogging_deg: None,
             full_torque_mm_s: None,
             no_torque_mm_s: None,
             quick_stop_mm_s2: 3000.0,
@@ -161,6 +164,7 @@ impl AxisTrain {
             ("torque_step_nm", self.torque_step_nm, 0.0, 100.0),
             ("cogging_nm", self.cogging_nm, 0.0, 100.0),
             ("cogging_per_rev", f64::from(self.cogging_per_rev), 1.0, 1000.0),
+            ("cogging_deg", self.cogging_deg.unwrap_or(0.0), -360.0, 360.0),
             ("no_torque_mm_s", corner, 1.0, 1e5),
             ("full_torque_mm_s", self.full_torque_mm_s.unwrap_or(0.0), 0.0, 0.99 * corner),
             ("quick_stop_mm_s2", self.quick_stop_mm_s2, 1.0, 1e6),

@@ -52,6 +52,7 @@ fn a_refusal_of_a_motor_names_the_key_and_what_is_allowed() {
         ("[axis.x]\ntorque_step_nm = inf", "plant.axis.x.torque_step_nm = inf: must lie between 0"),
         ("[axis.x]\ncogging_nm = -1", "plant.axis.x.cogging_nm = -1: must lie between 0"),
         ("[axis.x]\ncogging_per_rev = 0", "plant.axis.x.cogging_per_rev = 0: must lie between 1 and 1000"),
+        ("[axis.x]\ncogging_deg = 361", "plant.axis.x.cogging_deg = 361: must lie between -360 and 360"),
         ("[axis.x]\ngravity_n = -9001", "plant.axis.x.gravity_n = -9001: must lie between -9000 and 9000"),
         ("[axis.x]\nno_torque_mm_s = 0", "plant.axis.x.no_torque_mm_s = 0: must lie between 1"),
         (

@@ -103,7 +103,7 @@ pub(crate) struct Acting {
 }
 
 impl DriveTrain {
-    /// At rest at home; where the magnets lie is drawn from the seed.
+    /// At rest at home; where the magnets lie is drawn from the seed, if nothing is said of it.
     ///
     /// # Errors
     /// A stiffness that the step cannot follow, and a table that no screw has, by key.
@@ -127,7 +127,9 @@ impl DriveTrain {
         let (screw, guide) = (train.screw(), train.guide());
         let (screw_viscous, slide_viscous) =
             (train.screw_viscous_n_s_mm * 1e3, train.slide_viscous_n_s_mm * 1e3);
-        let cogging = Cogging::new(train.cogging_nm, train.cogging_per_rev, turns, seed.fraction());
+        let drawn = seed.fraction();
+        let phase = train.cogging_deg.map_or(drawn, |degrees| degrees / 360.0);
+        let cogging = Cogging::new(train.cogging_nm, train.cogging_per_rev, turns, phase);
         let magnets = cogging.map_or(0.0, |cogging| cogging.stiffness());
         for (key, pair, springs, dashpots, kg) in [
             ("screw_presliding_n_mm", screw, stiffness + magnets, damping + screw_viscous, motor_kg),

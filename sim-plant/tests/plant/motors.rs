@@ -62,8 +62,8 @@ fn the_torque_that_is_shown_has_noise_and_steps_and_is_the_same_for_a_seed() {
 
 #[test]
 fn the_drive_works_against_the_cogging_of_its_motor() {
-    let share_nm = |keys: &str| {
-        let mut stand = lathe(keys, 1);
+    let share_nm = |keys: &str, seed: u64| {
+        let mut stand = lathe(keys, seed);
         stand.velocity = [1.0, 0.0];
         stand.run(4000);
         // Four turns of the motor: 20 s at 1 mm/s.
@@ -75,10 +75,16 @@ fn the_drive_works_against_the_cogging_of_its_motor() {
             (c, s) = (c + shown_nm(&stand) * cos, s + shown_nm(&stand) * sin);
             cycles += 1.0;
         }
-        2.0 * (c * c + s * s).sqrt() / cycles
+        (2.0 * (c * c + s * s).sqrt() / cycles, libm::atan2(c, s).to_degrees())
     };
-    let (even, cogging) = (share_nm(""), share_nm("cogging_nm = 0.05\ncogging_per_rev = 24"));
-    assert!(even < 0.003 && (cogging / 0.05 - 1.0).abs() < 0.1, "{even} N·m, with magnets {cogging} N·m");
+    let cogging = "cogging_nm = 0.05\ncogging_per_rev = 24";
+    let ((even, _), (drawn, _)) = (share_nm("", 1), share_nm(cogging, 1));
+    assert!(even < 0.003 && (drawn / 0.05 - 1.0).abs() < 0.1, "{even} N·m, with magnets {drawn} N·m");
+    // Home is a whole number of turns, and 24 times a turn is 4.8 Hz here.
+    for seed in [1, 2] {
+        let (nm, degrees) = share_nm(&format!("{cogging}\ncogging_deg = 70"), seed);
+        assert!((nm / 0.05 - 1.0).abs() < 0.1 && (degrees - 70.0).abs() < 5.0, "{nm} N·m at {degrees}°");
+    }
 }
 
 #[test]
