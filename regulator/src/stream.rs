@@ -11,6 +11,8 @@ use protocol::{Cycle, Position, Refused, Setpoint};
 const KEPT: usize = 4;
 /// A setpoint may go beyond a limit by this share: rounding, and what an axis does besides its path.
 const SPARE: f64 = 1.1;
+/// What a lead in control cycles is rounded by at most.
+const ROUNDING: f64 = 1e-6;
 
 /// The setpoints around the present.
 #[derive(Clone, Debug)]
@@ -137,7 +139,11 @@ impl Stream {
     pub fn at(&self, cycle: Cycle, offset: f64) -> Sample {
         let time = |node: &Setpoint| node.cycle.0.wrapping_sub(cycle.0) as i64 as f64;
         let later = self.nodes.iter().position(|node| time(node) > offset);
-        match later {
+        // A lead that reaches as far as the setpoints do is on its way to the last of them, not behind it: it
+        // brakes there only if no other comes, with a jerk that nobody was to see.
+        let [before, last] = [KEPT - 2, KEPT - 1].map(|i| time(&self.nodes[i]));
+        let arrives = before < last && offset - last < ROUNDING;
+        match later.or(arrives.then_some(KEPT - 1)) {
             None => self.stop.at(self.behind(cycle, offset)),
             Some(0) => rest(&self.nodes[0]),
             Some(i) => self.spans[i - 1].at(offset - time(&self.nodes[i - 1])),

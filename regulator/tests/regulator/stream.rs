@@ -53,3 +53,22 @@ fn refuses_the_past_and_sees_starvation() {
     assert!(!stream.starved(Cycle(12)));
     assert!(stream.starved(Cycle(13)));
 }
+
+#[test]
+fn a_lead_that_reaches_the_last_setpoint_sees_the_motion_that_leads_there() {
+    let limits = motion::Limits { v: 150.0, a: 2000.0, j: 80_000.0, dj: 8e6 };
+    let block = FeedBlock::plan(20.0, 0.0, 100.0, 0.0, &limits).expect("a plan");
+    let mut stream = Stream::new(T);
+    stream.rest_at(Position(0), Cycle(0));
+    let mut worst = 0.0_f64;
+    for tick in 1..200_u64 {
+        let ahead = block.at((2 * tick) as f64 * T);
+        let stop_s = motion::Exit::stop_s(ahead.v, ahead.a, &limits);
+        assert!(stream.push(node(2 * tick, ahead.s, ahead.v, ahead.a), stop_s));
+        // Some leads are rounded beyond it.
+        for beyond in [0.0, 1e-12, 1e-9] {
+            worst = worst.max((stream.at(Cycle(2 * tick - 2), 2.0 + beyond).j - ahead.j).abs());
+        }
+    }
+    assert!(worst < 0.1 * limits.j, "jerk off by {worst}");
+}
