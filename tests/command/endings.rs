@@ -55,7 +55,7 @@ fn slow_machine() -> String {
         let slow = SLOW.iter().find(|(slow, _)| *slow == key);
         slow.map_or_else(|| format!("{line}\n"), |(key, value)| format!("{key} = {value}\n"))
     };
-    machine::SMALL_LATHE.lines().map(line).collect()
+    machine::PLAIN_LATHE.lines().map(line).collect()
 }
 
 fn runs(place: &Place) {

@@ -8,7 +8,7 @@ use rig::observe::{CuttingReport, Outcome, PassReport, Summary};
 /// The small lathe with steel in the chuck.
 fn steel(place: &Place) -> String {
     let lathe =
-        std::fs::read_to_string(project().join("examples/machines/plain-lathe.toml")).expect("shipped");
+        std::fs::read_to_string(project().join("examples/machines/small-lathe.toml")).expect("shipped");
     let cutting = lathe.replace("specific_force_n_mm2 = 0.0", "specific_force_n_mm2 = 2000.0");
     assert_ne!(cutting, lathe, "the key stands in the file");
     place.write("steel.toml", cutting).display().to_string()
@@ -45,13 +45,14 @@ fn m20x2_in_steel_slows_the_spindle_and_stays_on_its_helix() {
 
     for (steel, air) in steel.passes.iter().zip(&air.passes) {
         assert!(steel.complete && steel.same_index, "{steel:#?}");
-        assert!(steel.helix_max_abs_um <= 2.0, "{steel:#?}");
+        assert!(steel.tool.helix_max_abs_um <= 2.0, "{steel:#?}");
         assert!(steel.lead_error_um_per_rev.abs() <= 0.1, "{steel:#?}");
         let slower = air.rpm_min - steel.rpm_min;
         assert_eq!(slower > 2.0, cutting(steel).torque_max_nm > 1.0, "{slower} 1/min: {steel:#?}");
     }
     assert!(steel.thread.phase_spread_um <= 1.5, "{} µm", steel.thread.phase_spread_um);
-    let worst = |passes: &[PassReport]| passes.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
+    let off = |pass: &PassReport| pass.tool.helix_max_abs_um;
+    let worst = |passes: &[PassReport]| passes.iter().map(off).fold(0.0, f64::max);
     let (with, without) = (worst(&steel.passes), worst(&air.passes));
     page_says(&format!("{with:.2} µm from the helix at most, {without:.2} µm without force"));
 }
@@ -139,7 +140,7 @@ fn the_figures_of_the_page_are_those_of_a_run() {
             cut.torque_max_nm,
             cut.power_max_kw,
             pass.rpm_min,
-            pass.helix_max_abs_um,
+            pass.tool.helix_max_abs_um,
         )
     };
     page_says(&summary.passes.iter().map(row).collect::<Vec<_>>().join("\n"));

@@ -38,7 +38,7 @@ fn program(place: &Place) -> PathBuf {
     ];
     let items = (1..).zip(codes).map(|(line, code)| Item { line, code }).collect();
     let mut bytes = Vec::new();
-    CodeFile::new("corner.ngc", &Machine::plain().identity(), items).write(&mut bytes).unwrap();
+    CodeFile::new("corner.ngc", &Machine::default().identity(), items).write(&mut bytes).unwrap();
     place.write("corner.mc", bytes)
 }
 

@@ -92,7 +92,7 @@ fn what_a_part_may_be_off_is_said_by_the_machine_file() {
 /// What the slide does in a good thread: it stands some micrometres behind its nut, the same in every pass.
 #[test]
 fn a_good_thread_stands_off_together() {
-    let summary = Place::new().run_inside(&example("m20x2"), None);
+    let summary = Place::new().run_plain(&example("m20x2"), None);
     for pass in &summary.passes {
         assert!((2.9..3.2).contains(&pass.tool.phase_um), "{pass:#?}");
         assert!(pass.tool.helix_max_abs_um < 0.8 && pass.tool.contact_deg > 3700.0, "{pass:#?}");

@@ -130,6 +130,15 @@ impl Place {
         self.run(program, &format!("inside-{}", scenario_name.unwrap_or("quiet")), &arguments)
     }
 
+    /// The same on the plain lathe.
+    pub fn run_plain(&self, program: &Path, scenario_name: Option<&str>) -> Summary {
+        let machine = project().join("examples/machines/plain-lathe.toml").display().to_string();
+        let scenario = scenario_name.map(|name| scenario(name).display().to_string());
+        let mut arguments = vec!["--in-process", "--trace", "none", "--machine", &machine];
+        arguments.extend(scenario.iter().flat_map(|path| ["--scenario", path.as_str()]));
+        self.run(program, &format!("plain-{}", scenario_name.unwrap_or("quiet")), &arguments)
+    }
+
     /// Starts a run over processes and leaves it alone. The run folder is called `run`.
     pub fn start(&self, program: &Path) -> Child {
         let mut command = self.pitchlock();

@@ -94,7 +94,7 @@ const THREADS: [(&str, u32, u32, &str); 24] = [
 
 /// What is wrong with the first error of a program, as a line to read; nothing if it is as expected.
 fn compare(source: &str, expected: (u32, u32, &str)) -> Option<String> {
-    let check = check("bad.ngc", source, &Machine::default());
+    let check = check("bad.ngc", source, &Machine::plain());
     let first = check.diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
     let Some(first) = first else { return Some(format!("no error in {source:?}")) };
     let shown = first.render(false);
@@ -152,7 +152,7 @@ fn limits_are_named() {
         (&deep, "64"),
         (&long, "4096"),
     ] {
-        let check = check("bad.ngc", source, &Machine::default());
+        let check = check("bad.ngc", source, &Machine::plain());
         let shown = check.diagnostics[0].render(false);
         assert!(shown.contains(named), "{shown}");
     }
@@ -160,7 +160,7 @@ fn limits_are_named() {
 
 #[test]
 fn unknown_tools_are_refused_once_there_is_a_table() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     assert!(check("t.ngc", "T7\nM2", &machine).is_good());
     machine.tools.insert("3".into(), machine::Tool::default());
     assert!(check("t.ngc", "T3\nM2", &machine).is_good());
@@ -170,7 +170,7 @@ fn unknown_tools_are_refused_once_there_is_a_table() {
 #[test]
 fn several_errors_are_reported_at_once() {
     let source = "G0 X500 Y1\nG2 M8 X1\nG0 Z900\nG1 X5\nM2\n";
-    let check = check("bad.ngc", source, &Machine::default());
+    let check = check("bad.ngc", source, &Machine::plain());
     let found: Vec<_> = check.diagnostics.iter().map(|d| (d.line, d.column, d.code)).collect();
     assert_eq!(
         found,
@@ -181,7 +181,7 @@ fn several_errors_are_reported_at_once() {
 #[test]
 fn a_diagnostic_shows_place_words_and_remedy() {
     let source = "G21 G90\nS4000 M3 (too fast)\nM2\n";
-    let check = check("part.ngc", source, &Machine::default());
+    let check = check("part.ngc", source, &Machine::plain());
     let expected = "\
 part.ngc:2:1: error[speed-limit]: S4000 is outside what the spindle can do: 0.01 to 3000 1/min (spindle.max_rpm)
   |
@@ -196,7 +196,7 @@ part.ngc:2:1: error[speed-limit]: S4000 is outside what the spindle can do: 0.01
 #[test]
 fn colour_is_only_colour() {
     let source = "G2 X1\nM2\n";
-    let check = check("bad.ngc", source, &Machine::default());
+    let check = check("bad.ngc", source, &Machine::plain());
     let (plain, colour) = (check.diagnostics[0].render(false), check.diagnostics[0].render(true));
     assert!(!plain.contains('\u{1b}') && colour.contains('\u{1b}'), "{plain}{colour}");
 }
@@ -209,7 +209,7 @@ fn a_program_that_moves_for_ever_is_not_read_for_ever() {
 #[test]
 fn feeds_that_are_none_are_refused_and_not_waited_for() {
     let errors = |text: &str| -> Vec<(u32, &'static str)> {
-        let diagnostics = interpreter::check("part.ngc", text, &Machine::default()).diagnostics;
+        let diagnostics = interpreter::check("part.ngc", text, &Machine::plain()).diagnostics;
         diagnostics
             .iter()
             .filter(|one| one.severity == Severity::Error)
@@ -227,7 +227,7 @@ fn feeds_that_are_none_are_refused_and_not_waited_for() {
 #[test]
 fn a_mistake_gives_one_message() {
     let codes = |text: &str| -> Vec<&'static str> {
-        check("part.ngc", text, &Machine::default()).diagnostics.iter().map(|one| one.code).collect()
+        check("part.ngc", text, &Machine::plain()).diagnostics.iter().map(|one| one.code).collect()
     };
     assert_eq!(codes("G1 X10 Z0 F1000000000000\nX20\nZ-5\nM2\n"), ["bad-value"]);
     // The second arc would begin where the line beyond the travel did not end.

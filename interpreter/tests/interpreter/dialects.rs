@@ -6,7 +6,7 @@ use protocol::Code;
 
 /// The machine code of a program, without lines, changes of tool and the order of the spindle's words.
 fn codes(dialect: ProgramDialect, source: &str) -> Vec<Code> {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.general.dialect = dialect;
     let check = check("test", source, &machine);
     let said: String = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect();

@@ -4,7 +4,7 @@ use interpreter::{Diagnostic, check};
 use machine::Machine;
 
 fn refusal(source: &str) -> Diagnostic {
-    check("t", source, &Machine::default()).diagnostics[0].clone()
+    check("t", source, &Machine::plain()).diagnostics[0].clone()
 }
 
 fn thread(s: f64, words: &str) -> String {
@@ -32,9 +32,9 @@ fn the_highest_speed_that_would_do_is_named_and_does() {
         assert_eq!(diagnostic.code, "pass-not-feasible", "{words}");
         let named = named_speed(&diagnostic);
         assert!(named < s);
-        assert!(check("t", &thread(named, words), &Machine::default()).is_good(), "{words} at S{named}");
+        assert!(check("t", &thread(named, words), &Machine::plain()).is_good(), "{words} at S{named}");
         let above = thread(named + 1.0, words);
-        assert!(!check("t", &above, &Machine::default()).is_good(), "{words} above S{named}");
+        assert!(!check("t", &above, &Machine::plain()).is_good(), "{words} above S{named}");
     }
 }
 
@@ -59,8 +59,8 @@ fn the_least_taper_that_is_named_does() {
             .and_then(|rest| rest.split(',').next())
             .and_then(|number| number.parse().ok())
             .expect("the help names a length");
-        assert!(check("t", &thread(800.0, &words(least)), &Machine::default()).is_good());
-        assert!(!check("t", &thread(800.0, &words(least - 2e-4)), &Machine::default()).is_good());
+        assert!(check("t", &thread(800.0, &words(least)), &Machine::plain()).is_good());
+        assert!(!check("t", &thread(800.0, &words(least - 2e-4)), &Machine::plain()).is_good());
     }
 }
 

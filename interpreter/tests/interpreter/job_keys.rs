@@ -48,7 +48,7 @@ fn an_array_has_as_many_values_as_there_must_be() {
 
 #[test]
 fn a_machine_of_another_kind_comes_before_what_it_lacks() {
-    says(WAVE, ["12000", "9000"], &Machine::default(), &["a surface needs a mill"], "kind");
+    says(WAVE, ["12000", "9000"], &Machine::plain(), &["a surface needs a mill"], "kind");
     says(WAVE, ["12000", "9000"], &positioner(), &["a surface needs a mill"], "kind");
     let spindle = ["share", "spindle_rpm = 3\nshare"];
     says(SEAM, spindle, &mill(), &["a seam needs a positioner"], "kind");

@@ -138,7 +138,7 @@ fn contours_on_a_mill_and_on_a_lathe() {
     assert_eq!((contour.radius_mm, axes), (5.0, [Axis::X, Axis::Y]));
     let lathe = "kind = \"contour\"\nx = \"12 - z^2/100\"\nz = [0, -20]\norigin_mm = [0, 0, 0]\nspindle_rpm = 900\n\
                  feed_mm_min = 80\ntool = { diameter_mm = 0.8, side = \"right\" }";
-    let check = good(lathe, &Machine::default());
+    let check = good(lathe, &Machine::plain());
     let Shape::Contour(contour, axes) = trace(&check.items).shape else { panic!("a contour") };
     assert_eq!(
         (contour.above_mm(), axes),

@@ -31,7 +31,7 @@ fn project() -> &'static std::path::Path {
 
 /// A program that must be right, on the built-in lathe.
 fn good(source: &str) -> Check {
-    let check = check("test.ngc", source, &Machine::default());
+    let check = check("test.ngc", source, &Machine::plain());
     let said: String = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect();
     assert!(check.is_good(), "{said}");
     check

@@ -4,7 +4,7 @@ use machine::{Machine, Part, ProgramDialect};
 
 /// Codes and lines of what is found in a program.
 fn found(program: &str) -> Vec<(&'static str, u32)> {
-    let check = interpreter::check("part.ngc", program, &Machine::default());
+    let check = interpreter::check("part.ngc", program, &Machine::plain());
     check.diagnostics.iter().map(|one| (one.code, one.line)).collect()
 }
 
@@ -51,7 +51,7 @@ fn the_part_lies_where_the_program_has_its_zero() {
         program.find("M2").expect("an end"),
         "S600 M3\nG0 X40\nG0 Z8\nG76 P2 Z-20 I-1 J0.3 K1.2\n",
     );
-    let check = interpreter::check("part.ngc", &program, &Machine::default());
+    let check = interpreter::check("part.ngc", &program, &Machine::plain());
     assert!(!check.passes.is_empty() && check.passes.iter().all(|pass| pass.origin_mm == [0.0, -100.0]));
     assert_eq!(check.part, Part::from_comment("part, bar D40 L60", 1.0).expect("a part"));
 }
@@ -59,7 +59,7 @@ fn the_part_lies_where_the_program_has_its_zero() {
 #[test]
 fn a_comment_is_in_inch_where_the_program_is_and_fanuc_has_it_too() {
     let part = |program: &str, dialect| {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         machine.general.dialect = dialect;
         let check = interpreter::check("part", program, &machine);
         assert!(check.is_good(), "{:#?}", check.diagnostics);
@@ -79,7 +79,7 @@ fn what_cannot_be_is_an_error_at_its_line() {
         ("(part bar D40 L60)\n", "a comma is missing"),
         ("(part, bar D40 L60)\n(part, bar D40 L60)\n", "said before"),
     ] {
-        let check = interpreter::check("part.ngc", &format!("{program}M2\n"), &Machine::default());
+        let check = interpreter::check("part.ngc", &format!("{program}M2\n"), &Machine::plain());
         let [found] = &check.diagnostics[..] else { panic!("{:#?}", check.diagnostics) };
         assert_eq!((found.code, found.line as usize), ("bad-part", program.lines().count()));
         assert!(found.message.contains(words) && !found.help.is_empty(), "{found:#?}");

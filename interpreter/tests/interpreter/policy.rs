@@ -9,7 +9,7 @@ const FAULT: u32 = WayOut::ON_FAULT;
 
 /// What makes the axes leave each pass of a program.
 fn leaves(program: &str, dialect: ProgramDialect) -> Vec<u32> {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.general.dialect = dialect;
     let check = interpreter::check("test", program, &machine);
     assert!(check.is_good(), "{:#?}", check.diagnostics);
@@ -41,7 +41,7 @@ fn fanuc_says_it_in_its_comments_too() {
 #[test]
 fn a_misspelt_word_is_an_error_at_its_line() {
     let program = "G18 G90\n(on_stop, leav)\nM2\n";
-    let check = interpreter::check("test", program, &Machine::default());
+    let check = interpreter::check("test", program, &Machine::plain());
     let [found] = &check.diagnostics[..] else { panic!("{:#?}", check.diagnostics) };
     assert_eq!((found.code, found.line), ("bad-value", 2));
     assert!(found.help.contains("(on_stop, leave)"), "{}", found.help);

@@ -21,7 +21,7 @@ const WITHOUT_EFFECT: [&str; 6] = ["G18", "G54", "G97", "G90.1", "G91.1", "G91.1
 /// What a program does, in words; diagnostics without their columns, which move when a word goes.
 fn effect(before: &str, block: &str) -> String {
     let program = format!("{before}\n{block}\n{AFTER}\n");
-    let machine = Machine::default();
+    let machine = Machine::plain();
     let mut interpreter = Interpreter::of_text("p", program, &machine);
     let items: Vec<String> = (&mut interpreter)
         .map(|item| match item {
@@ -37,7 +37,7 @@ fn effect(before: &str, block: &str) -> String {
 fn refused(before: &str, block: &str) -> bool {
     let program = format!("{before}\n{block}\n{AFTER}\n");
     let line = before.lines().count() as u32 + 1;
-    let diagnostics = check("p", &program, &Machine::default()).diagnostics;
+    let diagnostics = check("p", &program, &Machine::plain()).diagnostics;
     diagnostics.iter().any(|diagnostic| diagnostic.line == line && diagnostic.severity == Severity::Error)
 }
 
@@ -97,7 +97,7 @@ proptest! {
     #[test]
     fn random_bytes_do_not_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let source = String::from_utf8_lossy(&bytes).into_owned();
-        let check = check("random", &source, &Machine::default());
+        let check = check("random", &source, &Machine::plain());
         for diagnostic in &check.diagnostics {
             let _ = diagnostic.render(true);
         }
@@ -105,7 +105,7 @@ proptest! {
 
     #[test]
     fn random_letters_and_digits_do_not_panic(source in "([GMXZFSTPKIJREHLQN#\\[\\]=;%/()*+.,0-9a-z \n-]{0,12}\n?){0,40}") {
-        let check = check("random", &source, &Machine::default());
+        let check = check("random", &source, &Machine::plain());
         for diagnostic in &check.diagnostics {
             prop_assert!(!diagnostic.help.is_empty() && diagnostic.line >= 1 && diagnostic.column >= 1);
             let _ = diagnostic.render(false);
@@ -121,7 +121,7 @@ proptest! {
         let (s, p, i) = (s * scale, p * scale, i * scale);
         let cycle = format!("G76 P{p:.6} Z{z:.4} I{i:.6} J{j:.5} K{k:.5} E{e:.4} L{l} Q{q:.2} R2");
         let source = format!("S{s:.4} M3\nG0 X40 Z10\n{cycle}\nG33 X{k:.5} Z{z:.4} K{p:.6}\nG0 X50\nM2\n");
-        let check = check("random", &source, &Machine::default());
+        let check = check("random", &source, &Machine::plain());
         prop_assert!(!check.is_good() || check.time_s > 0.0);
     }
 }

@@ -235,7 +235,7 @@ fn what_is_no_seam_is_refused_with_its_place() {
         assert!(!check.is_good() && said(&check).contains(message), "{text}\n{}", said(&check));
         assert!(seams(&check).is_empty());
     }
-    let check = check_job("seam.toml", CYLINDERS, &Machine::default());
+    let check = check_job("seam.toml", CYLINDERS, &Machine::plain());
     assert!(said(&check).contains("a seam needs a positioner"), "{}", said(&check));
 }
 

@@ -45,7 +45,7 @@ fn without_a_retract_there_is_a_warning() {
     for next in ["G0 X25 Z4", "G1 X25 F100", "G4 P1\nG0 X25", "G0 X25 S500", "G0 X25 M5", "G0 Z4", "G0 X500"]
     {
         let check =
-            check("t", &format!("S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n{next}\nM2\n"), &Machine::default());
+            check("t", &format!("S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n{next}\nM2\n"), &Machine::plain());
         let warning = &check.diagnostics[0];
         assert_eq!((warning.code, warning.line), ("no-retract", 3), "{next}");
         let pass = passes(&check.items)[0];
@@ -62,7 +62,7 @@ fn the_way_out_of_a_thread_without_a_retract_is_that_of_the_next_move() {
         [("G1 X28 F100", 28.0), ("G0 X25 Z4", 25.0), ("G0 X15 Z-26", 15.0), ("G4 P1\nG0 X25", 21.5)]
     {
         let source = format!("(on_hold, leave)\nS400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\n{next}\nM2\n");
-        let check = check("t", &source, &Machine::default());
+        let check = check("t", &source, &Machine::plain());
         let out = passes(&check.items)[0].out;
         assert_eq!(out.clear.mm(), clear, "{next}");
         assert!((out.free.mm() - 19.5) * (clear - 19.5) > 0.0, "{next}");
@@ -75,7 +75,7 @@ fn the_way_out_of_a_thread_without_a_retract_is_that_of_the_next_move() {
 fn a_coarse_encoder_is_warned_of() {
     for (lines, lead, warned) in [(100, "5", None), (99, "5", Some("100 lines")), (25, "2", Some("40 lines"))]
     {
-        let mut machine = Machine::default();
+        let mut machine = Machine::plain();
         machine.spindle.encoder_lines = lines;
         for thread in [format!("G33 Z-25 K{lead}"), format!("G76 P{lead} Z-25 I-1 J0.3 K1.2 R1.5")] {
             let check = check("t", &format!("S100 M3\nG0 X19.5 Z10\n{thread}\nG0 X30\nM2\n"), &machine);
@@ -122,7 +122,7 @@ fn starts_are_told_apart_by_their_helix() {
 
 #[test]
 fn beyond_keeps_full_depth_to_the_programmed_end() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.threading.run_out = RunOut::Beyond;
     let source = "S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\nG0 X25\nM2\n";
     let beyond = check("t", source, &machine);
@@ -134,13 +134,13 @@ fn beyond_keeps_full_depth_to_the_programmed_end() {
         listing(&beyond.items).contains("4 rapid X25 Z-25\n"),
         "the programmed point stays as programmed"
     );
-    let within = check("t", source, &Machine::default());
+    let within = check("t", source, &Machine::plain());
     assert!(within.passes[0].full_depth_z_mm[1] > -25.0);
 }
 
 #[test]
 fn a_cycle_beyond_comes_back_to_its_end() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.threading.run_out = RunOut::Beyond;
     let check = check("t", "S400 M3\nG0 X12 Z4\nG76 P1 Z-20 I-2 J.999 K1\nM2\n", &machine);
     let listing = listing(&check.items);
@@ -149,7 +149,7 @@ fn a_cycle_beyond_comes_back_to_its_end() {
 
 #[test]
 fn a_run_out_beyond_the_travel_is_refused() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.threading.run_out = RunOut::Beyond;
     let source = "S1500 M3\nG0 X20 Z-370\nG33 Z-399.9 K3\nG0 X25\nM2\n";
     let refused = check("t", source, &machine);
@@ -159,5 +159,5 @@ fn a_run_out_beyond_the_travel_is_refused() {
         "{}",
         refused.diagnostics[0].message
     );
-    assert!(check("t", source, &Machine::default()).is_good(), "within the programmed end it can be cut");
+    assert!(check("t", source, &Machine::plain()).is_good(), "within the programmed end it can be cut");
 }

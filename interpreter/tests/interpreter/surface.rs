@@ -23,7 +23,7 @@ fn surface(speed: SpindleSpeed) -> [f64; 3] {
 
 #[test]
 fn metres_and_feet_a_minute() {
-    let highest = Machine::default().spindle.max_rpm;
+    let highest = Machine::plain().spindle.max_rpm;
     let metric = speeds("G96 D1500 S180 M3\nM2\n");
     assert_eq!(
         (metric[0].0, metric[0].1, surface(metric[0].2)),
@@ -56,7 +56,7 @@ fn g97_returns_to_a_constant_speed() {
     assert_eq!(items[1], (3, SpindleMode::Clockwise, SpindleSpeed::Rpm(400.0)));
     let kept = speeds("G96 D1500 S60 M3\nG97\nM2\n");
     assert_eq!(kept[1].2, SpindleSpeed::Rpm(60.0), "S is read as 1/min, as LinuxCNC does");
-    let check = check("test.ngc", "G96 D1500 S9000 M3\nG97\nM2\n", &Machine::default());
+    let check = check("test.ngc", "G96 D1500 S9000 M3\nG97\nM2\n", &Machine::plain());
     let errors: Vec<_> = check.diagnostics.iter().map(|one| (one.line, one.code)).collect();
     assert_eq!(errors, [(2, "speed-limit")]);
 }
@@ -74,7 +74,7 @@ fn feed_per_revolution_goes_with_it_and_threads_do_not() {
     let threads = ["G33 Z-10 K1", "G76 P1 Z-10 I-1 J0.1 K0.5"];
     for thread in threads {
         let source = format!("G18 G96 D1500 S60 M3\nG0 X20 Z5\n{thread}\nM2\n");
-        let check = check("test.ngc", &source, &Machine::default());
+        let check = check("test.ngc", &source, &Machine::plain());
         let error = check.diagnostics.iter().find(|one| one.code == "not-available").expect("refused");
         assert_eq!(error.line, 3);
         assert!(error.message.contains("G96") && error.help.contains("G97"), "{}", error.render(false));
@@ -84,7 +84,7 @@ fn feed_per_revolution_goes_with_it_and_threads_do_not() {
 
 #[test]
 fn fanuc_programs_say_it_with_g50() {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     machine.general.dialect = machine::ProgramDialect::Fanuc;
     let source =
         "G50 S1200\nG96 S150 M03\nG00 X40. Z2.\nG50 S900\nG01 Z0. F0.2\nG97 S500\nG61 G01 Z-1.\nM30\n";

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use protocol::{Axis, AxisLaw, Code, CodePacket, Item, Position, ThreadPass};
 
 fn machine() -> Machine {
-    Machine::default()
+    Machine::plain()
 }
 
 fn limits(machine: &Machine, axis: Axis) -> Limits {

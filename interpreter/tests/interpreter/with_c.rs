@@ -7,7 +7,7 @@ use protocol::{Axis, Code, Feed, Position};
 use crate::passes;
 
 fn lathe() -> Machine {
-    let mut machine = Machine::default();
+    let mut machine = Machine::plain();
     let mut c = machine.axis[&Axis::Z].clone();
     (c.travel_mm, c.home_mm) = ([-360.0, 360.0], 0.0);
     machine.axis.insert(Axis::C, c);

@@ -44,7 +44,7 @@ fn the_radii_may_differ_by_as_much_as_is_said() {
 
 #[test]
 fn quadrants_count_for_the_travel() {
-    let machine = Machine::default(); // X −5 to 120, Z −400 to 200
+    let machine = Machine::plain(); // X −5 to 120, Z −400 to 200
     // A half circle whose ends lie at X 115 and which bulges to X 125, or to X 105.
     let (from, outwards) = (point(115.0, 10.0), arc(115.0, -10.0, [115.0, 0.0], 1));
     let [low, high] = outwards.bounds(&from).unwrap();

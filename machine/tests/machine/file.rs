@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use machine::{
-    Difference, Feedforward, Kinematics, Machine, POSITIONER, PathConfig, SMALL_LATHE, SMALL_MILL,
+    Difference, Feedforward, Kinematics, Machine, PLAIN_LATHE, POSITIONER, PathConfig, SMALL_MILL,
 };
 use proptest::prelude::*;
 use protocol::{Axis, AxisMeasurement, Cycle, Position};
@@ -14,8 +14,8 @@ fn refusal(text: &str) -> String {
 
 /// The built-in file with one line changed.
 fn with(line: &str, instead: &str) -> String {
-    assert!(SMALL_LATHE.contains(line), "{line}");
-    SMALL_LATHE.replacen(line, instead, 1)
+    assert!(PLAIN_LATHE.contains(line), "{line}");
+    PLAIN_LATHE.replacen(line, instead, 1)
 }
 
 /// Every key that the controller reads, as a path.
@@ -30,7 +30,7 @@ fn paths() -> Vec<Vec<String>> {
             path.pop();
         }
     }
-    let mut table: Table = SMALL_LATHE.parse().unwrap();
+    let mut table: Table = PLAIN_LATHE.parse().unwrap();
     table.remove("plant");
     table.remove("tools");
     let mut found = Vec::new();
@@ -40,7 +40,7 @@ fn paths() -> Vec<Vec<String>> {
 
 /// The built-in file with one value replaced.
 fn replaced(path: &[String], value: Value) -> String {
-    let mut table: Table = SMALL_LATHE.parse().unwrap();
+    let mut table: Table = PLAIN_LATHE.parse().unwrap();
     let (key, parents) = path.split_last().unwrap();
     let mut inner = &mut table;
     for parent in parents {
@@ -51,13 +51,14 @@ fn replaced(path: &[String], value: Value) -> String {
 }
 
 #[test]
-fn the_built_in_machine_is_good() {
-    let machine = Machine::default();
-    assert_eq!(machine.cycles_per_tick(), 4);
-    assert!(machine.is_tick(Cycle(8)) && !machine.is_tick(Cycle(9)));
-    assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Z]);
-    let again = Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap();
-    assert_eq!(again, machine);
+fn the_built_in_machine_and_the_plain_one_are_good() {
+    for machine in [Machine::default(), Machine::plain()] {
+        assert_eq!(machine.cycles_per_tick(), 4);
+        assert!(machine.is_tick(Cycle(8)) && !machine.is_tick(Cycle(9)));
+        assert_eq!(machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>(), [Axis::X, Axis::Z]);
+        let again = Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap();
+        assert_eq!(again, machine);
+    }
 }
 
 #[test]
@@ -137,9 +138,9 @@ fn each_kinematics_has_its_axes() {
 
 /// The built-in lathe with a copy of Z as C, in degrees.
 fn with_c() -> String {
-    let (_, z) = SMALL_LATHE.split_once("[axis.z]").unwrap();
+    let (_, z) = PLAIN_LATHE.split_once("[axis.z]").unwrap();
     let (z, _) = z.split_once("[spindle]").unwrap();
-    format!("{SMALL_LATHE}\n[axis.c]{}", z.replace("mm", "deg"))
+    format!("{PLAIN_LATHE}\n[axis.c]{}", z.replace("mm", "deg"))
 }
 
 #[test]
@@ -161,7 +162,7 @@ fn unknown_keys_are_refused_wherever_they_are() {
         let message = refusal(&with(section, &format!("{section}\nvelocity_mm_min = 1")));
         assert!(message.contains("velocity_mm_min") && message.contains("line"), "{message}");
     }
-    assert!(refusal(&format!("{SMALL_LATHE}\n[turret]")).contains("turret"));
+    assert!(refusal(&format!("{PLAIN_LATHE}\n[turret]")).contains("turret"));
 }
 
 #[test]
@@ -182,7 +183,7 @@ fn a_value_of_the_wrong_type_is_shown() {
 fn every_number_has_bounds_and_its_refusal_names_its_path() {
     for path in paths() {
         let name = path.join(".");
-        let table: Table = SMALL_LATHE.parse().unwrap();
+        let table: Table = PLAIN_LATHE.parse().unwrap();
         let value = path.iter().fold(&Value::Table(table), |value, key| &value[key.as_str()]).clone();
         let impossible = match value {
             Value::Float(_) => Value::Float(f64::NAN),
@@ -221,7 +222,7 @@ fn values_that_contradict_each_other_are_refused() {
         let refused = refusal(&with(line, instead));
         assert!(refused.starts_with(message), "{instead}: {refused}");
     }
-    let message = refusal(&format!("{SMALL_LATHE}\n[tools.T3]\nname = \"x\""));
+    let message = refusal(&format!("{PLAIN_LATHE}\n[tools.T3]\nname = \"x\""));
     assert!(message.starts_with("tools = T3"), "{message}");
 }
 
@@ -331,7 +332,7 @@ fn what_lies_behind_the_motor_has_bounds() {
 #[test]
 fn the_loop_of_an_axis_with_a_scale_closes_over_it() {
     let measured = AxisMeasurement { position: Position(1), scale: Position(2), ..Default::default() };
-    let mut x = Machine::default().axis[&Axis::X].clone();
+    let mut x = Machine::plain().axis[&Axis::X].clone();
     assert_eq!(x.position(&measured), Position(1));
     x.scale_step_mm = Some(1e-4);
     assert_eq!(x.position(&measured), Position(2));

@@ -29,7 +29,7 @@ fn every_coordinate_reaches_its_axis() {
 
 #[test]
 fn an_axis_that_does_not_exist_is_named() {
-    let (lathe, mill) = (Machine::default(), Machine::from_toml(SMALL_MILL).unwrap());
+    let (lathe, mill) = (Machine::plain(), Machine::from_toml(SMALL_MILL).unwrap());
     let point = [10.0, -2.5, -30.0, 0.0, 0.0, 0.0];
     let error = lathe.axes_at(&point).unwrap_err();
     assert_eq!(error, MissingAxis { axis: Axis::Y, at: -2.5 });

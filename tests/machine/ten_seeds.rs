@@ -1,5 +1,5 @@
-//! The lathe as it stands in a shop: the worst of ten seeds, at the tool. What docs/machine-file.md shows of
-//! it is what runs give.
+//! The built-in lathe, which is as hard as one in a shop: the worst of ten seeds, at the tool. What
+//! docs/machine-file.md shows of it is what runs give.
 
 use rig::observe::Summary;
 
@@ -17,11 +17,10 @@ fn figures(summary: &Summary) -> [f64; 4] {
 }
 
 fn worst(place: &Place, program: &str, events: Option<&str>) -> [f64; 4] {
-    let machine = project().join("examples/machines/shop-lathe.toml").display().to_string();
     let events = events.map(|name| scenario(name).display().to_string());
     (1..=SEEDS).fold([0.0; 4], |worst, seed| {
         let seed = seed.to_string();
-        let mut arguments = vec!["--in-process", "--trace", "none", "--machine", &machine, "--seed", &seed];
+        let mut arguments = vec!["--in-process", "--trace", "none", "--seed", &seed];
         arguments.extend(events.iter().flat_map(|path| ["--scenario", path.as_str()]));
         let found = figures(&place.run(&example(program), "run", &arguments));
         std::fs::remove_dir_all(place.at("run")).expect("the run left its folder");
