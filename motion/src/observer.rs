@@ -144,6 +144,11 @@ impl SpindleObserver {
         SpindleObserver { counts: Some(counts), ..SpindleObserver::new(bandwidth_hz, period_s) }
     }
 
+    /// Another bandwidth, Hz, from now on. Angles are not in counts.
+    pub fn set_bandwidth(&mut self, bandwidth_hz: f64) {
+        self.gain = gain(bandwidth_hz, self.period);
+    }
+
     /// Sets the state to `count` and `speed` (per s) without acceleration. Take the speed from two counts far
     /// apart, and start at least 10/f_o before the thread.
     pub fn start(&mut self, count: f64, speed: f64) {

@@ -7,7 +7,7 @@
 //! | θ | rad | angle of the spindle within its turn |
 //! | h | 1/turn | which harmonic, 1 … 8 |
 //! | Z_h | unit of the angle | complex amplitude of it |
-//! | f_l | Hz | bandwidth of the observer (M53) that learns |
+//! | f_l | Hz | bandwidth of the observer (M53) that learns: turns per second, 4 … 8 |
 //! | x | – | frequency of the harmonic over f_l |
 //! | S | – | share of a swing that the observer leaves in its residual res |
 //! | n | turns | learned from so far, 1 … 5 |
@@ -18,7 +18,8 @@
 //! Z_h ← Z_h + 2 Δturns/n · res e^(−jhθ)/S,   1/S = (1 − j/x)³                                    (M130)
 //! ```
 //! A swing slower than 0.7 f_l the observer follows by itself: then nothing is learned of that harmonic, and
-//! what is known of it stays. Nothing is learned while the speed changes by more than 1 % a turn, nor for
+//! what is known of it stays. So f_l is low where the spindle is slow. It is no lower than that needs, because
+//! a spindle goes on settling long after its ramp, and a slow observer takes that for ripple. Nothing is learned while the speed changes by more than 1 % a turn, nor for
 //! 0.5/f_l after that: a residual is no ripple then.
 //!
 //! Ripple of the speed, and an encoder that is eccentric or badly divided, look the same. Both are taken off
@@ -31,8 +32,11 @@ use crate::{SpindleMotion, SpindleObserver};
 
 /// Harmonics that are learned.
 const HARMONICS: usize = 8;
-/// Bandwidth of the observer that learns, Hz.
-const LEARNING_HZ: f64 = 8.0;
+/// Lowest and highest bandwidth of the observer that learns, Hz.
+const SLOWEST_HZ: f64 = 4.0;
+const FASTEST_HZ: f64 = 8.0;
+/// It is set anew where it is off by more than this share.
+const OFF: f64 = 0.05;
 /// Slowest harmonic that is learned, by that bandwidth.
 const SLOWEST: f64 = 0.7;
 /// Turns that are averaged in the end.
@@ -62,6 +66,8 @@ pub struct Ripple {
     per_turn: f64,
     period: f64,
     observer: SpindleObserver,
+    /// Bandwidth of the observer, Hz.
+    learning_hz: f64,
     z: [Complex; HARMONICS],
     steady_s: f64,
     turns: f64,
@@ -78,7 +84,8 @@ impl Ripple {
         Ripple {
             per_turn,
             period: period_s,
-            observer: SpindleObserver::new(LEARNING_HZ, period_s),
+            observer: SpindleObserver::new(FASTEST_HZ, period_s),
+            learning_hz: FASTEST_HZ,
             z: [(0.0, 0.0); HARMONICS],
             steady_s: 0.0,
             turns: 0.0,
@@ -108,22 +115,32 @@ impl Ripple {
         let SpindleMotion { angle, speed, acceleration, .. } = self.observer.at(0.0);
         let uneven = acceleration.abs() * self.per_turn > STEADY * speed * speed;
         self.steady_s = if uneven { 0.0 } else { self.steady_s + self.period };
-        if self.steady_s * LEARNING_HZ < STEADY_FOR || residual.abs() > LARGEST * self.per_turn {
+        let turns_s = speed / self.per_turn;
+        self.listen(turns_s.abs());
+        if self.steady_s * self.learning_hz < STEADY_FOR || residual.abs() > LARGEST * self.per_turn {
             return;
         }
-        let turns_s = speed / self.per_turn;
         let turned = turns_s.abs() * self.period;
         self.turns = (self.turns + turned).min(TURNS);
         let gain = 2.0 * turned / self.turns.max(1.0) * residual;
         let turn = self.wave(angle);
         let mut wave = turn;
         for (harmonic, z) in (1..).map(f64::from).zip(&mut self.z) {
-            let x = harmonic * turns_s / LEARNING_HZ;
+            let x = harmonic * turns_s / self.learning_hz;
             if x.abs() >= SLOWEST {
                 let found = times((gain * wave.0, -gain * wave.1), unseen(x));
                 *z = (z.0 + found.0, z.1 + found.1);
             }
             wave = times(wave, turn);
+        }
+    }
+
+    /// Sets the observer to a spindle of so many turns a second.
+    fn listen(&mut self, turns_s: f64) {
+        let hz = turns_s.clamp(SLOWEST_HZ, FASTEST_HZ);
+        if (hz - self.learning_hz).abs() > OFF * self.learning_hz {
+            self.learning_hz = hz;
+            self.observer.set_bandwidth(hz);
         }
     }
 
@@ -218,8 +235,24 @@ mod tests {
     }
 
     #[test]
+    fn what_comes_once_a_turn_is_learned_of_slow_spindles_too() {
+        for rpm in [183.0, 307.0, 2007.0] {
+            let mut ripple = Ripple::new(COUNTS, T);
+            let eccentric = |turns: f64| 1.6 * libm::sin(TAU * turns);
+            let turned = |n: u32| f64::from(n) * T * rpm / 60.0;
+            ripple.start(0.0, COUNTS * rpm / 60.0);
+            (0..).map(turned).take_while(|q| *q < 25.0).for_each(|q| {
+                ripple.update((q * COUNTS + eccentric(q)).floor() + 0.5);
+            });
+            let worst = (0..360).map(|deg| f64::from(deg) / 360.0);
+            let worst = worst.map(|at| (ripple.ahead(at * COUNTS) - eccentric(at)).abs()).fold(0.0, f64::max);
+            assert!(worst < 0.3, "{worst} counts at {rpm} 1/min");
+        }
+    }
+
+    #[test]
     fn a_slow_spindle_and_one_that_changes_its_speed_teach_nothing() {
-        assert_eq!(learned(30.0, 3.0).z, [(0.0, 0.0); HARMONICS]);
+        assert_eq!(learned(20.0, 3.0).z, [(0.0, 0.0); HARMONICS]);
         let mut ripple = Ripple::new(COUNTS, T);
         (0..4000).map(|n| f64::from(n) * T).for_each(|t| {
             ripple.update(((5.0 + 5.0 * t) * t * COUNTS).floor());
