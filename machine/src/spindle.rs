@@ -24,6 +24,9 @@ pub struct SpindleConfig {
     /// How much older than those of the axes the counts of the spindle are, s: the delay of its encoder.
     #[serde(default)]
     pub encoder_delay_s: f64,
+    /// Jitter of the latch at the index, s: what it may be early or late.
+    #[serde(default)]
+    pub index_jitter_s: f64,
     /// Observers that know nothing of ripple and look at the encoder once in so many control cycles. No key
     /// of a file: experiments ask what it costs, in runs where no measurement is lost.
     #[serde(skip)]
@@ -137,6 +140,7 @@ impl SpindleConfig {
             observer_hz: 30.0,
             stroke_observer_hz: stroke_observer_hz(),
             encoder_delay_s: 0.0,
+            index_jitter_s: 0.0,
             plain_observer_cycles: None,
             override_max_pct: 100.0,
             at_speed_pct: 5.0,
@@ -155,6 +159,7 @@ impl SpindleConfig {
         range("spindle.observer_hz", self.observer_hz, 1.0, 500.0)?;
         range("spindle.stroke_observer_hz", self.stroke_observer_hz, 1.0, 500.0)?;
         range("spindle.encoder_delay_s", self.encoder_delay_s, -2e-4, 2e-4)?;
+        range("spindle.index_jitter_s", self.index_jitter_s, 0.0, 1e-4)?;
         range("spindle.override_max_pct", self.override_max_pct, 100.0, 200.0)?;
         range("spindle.at_speed_pct", self.at_speed_pct, 0.5, 100.0)
     }

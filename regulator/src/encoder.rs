@@ -29,7 +29,8 @@
 //! Fewer counts than (M70) sees are found by (M71) at the next index, one is enough: counts latched at an
 //! index do not depend on the speed. They are corrected there, a sixteenth of a count a cycle, so that no
 //! observer swings, as long as the sum over ten turns stays within what is tolerated; beyond it, it is a
-//! fault. Having turned back, the spindle meets the index it met last; then a latch may differ by a count,
+//! fault. Where the latch jitters by J, less than 1 + 2 J counts may be nothing: they are corrected once 16
+//! indexes in a row have shown them, and until then the index is taken to be where it belongs. Having turned back, the spindle meets the index it met last; then a latch may differ by a count,
 //! because it comes from the other side. More than half a turn is no way back to the same index.
 //!
 //! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
@@ -68,6 +69,8 @@ const STALLED: f64 = 3.0;
 const STANDS: u64 = 3;
 /// Turns over which corrections add up.
 const TURNS: usize = 10;
+/// Indexes in a row that have to show what may be jitter of the latch.
+const DOUBTED: i64 = 16;
 /// What is corrected in a cycle, count.
 const SHARE: f64 = 1.0 / 16.0;
 
@@ -119,6 +122,12 @@ pub struct Encoder {
     /// What the count shows too much, as known, and how much of that is taken off.
     slip: i64,
     taken: f64,
+    /// Twice the jitter of the latch, control cycles; how many indexes in a row have shown what may be it,
+    /// negative for too few counts.
+    jitter: f64,
+    doubted: i64,
+    /// What the last index was latched too high, and not corrected.
+    stray: i64,
     /// Corrections of the last turns.
     recent: [i64; TURNS],
     corrected: u32,
@@ -174,6 +183,9 @@ impl Encoder {
             found: None,
             slip: 0,
             taken: 0.0,
+            jitter: 2.0 * machine.spindle.index_jitter_s / machine.general.cycle_s,
+            doubted: 0,
+            stray: 0,
             recent: [0; TURNS],
             corrected: 0,
             still: 0,
@@ -195,7 +207,7 @@ impl Encoder {
 
     /// The count latched at the last index of a measurement, corrected.
     pub fn index_count(&self, measurement: &Measurement) -> i64 {
-        measurement.index_count.saturating_sub(self.slip)
+        measurement.index_count.saturating_sub(self.slip).saturating_sub(self.stray)
     }
 
     /// Counts lost or gained that were corrected so far.
@@ -280,7 +292,11 @@ impl Encoder {
             false => Ok(None),
         };
         if turns > 0 {
-            let at = measurement.index_count;
+            self.stray = 0;
+        }
+        let index = index.map(|missed| missed.map(|missed| self.believed(missed)));
+        if turns > 0 {
+            let at = measurement.index_count.saturating_sub(self.stray);
             (seen.index_number, seen.index) = (measurement.index_number, Some(at));
             (seen.low, seen.high) = (at.min(count), at.max(count));
         }
@@ -321,6 +337,23 @@ impl Encoder {
         self.slip += if forward { counts } else { -counts };
         self.corrected = self.corrected.saturating_add(counts.unsigned_abs() as u32);
         Ok(())
+    }
+
+    /// The counts that are believed to be missing at a new index: what may be jitter, only after a while.
+    fn believed(&mut self, missed: Missed) -> Missed {
+        let counts = missed.counts;
+        let jitter = self.jitter > 0.0 && counts.abs() <= 1 + (self.jitter * self.pace) as i64;
+        self.doubted = match jitter && counts != 0 {
+            true if self.doubted * counts.signum() > 0 => self.doubted + counts.signum(),
+            true => counts.signum(),
+            false => 0,
+        };
+        if self.doubted == 0 || self.doubted.abs() == DOUBTED {
+            self.doubted = 0;
+            return missed;
+        }
+        self.stray = if missed.forward { counts } else { -counts };
+        Missed { counts: 0, ..missed }
     }
 
     /// (M70)

@@ -22,6 +22,8 @@ struct Bench {
     turn: f64,
     before: f64,
     shift: i64,
+    /// Counts by which the next index is latched too high.
+    late: i64,
     /// Counts that may be lost or gained within ten turns.
     tolerated: i64,
     in_pass: bool,
@@ -42,6 +44,7 @@ impl Bench {
             turn,
             before: angle,
             shift: 0,
+            late: 0,
             tolerated: 0,
             in_pass: false,
             shown: Measurement::default(),
@@ -67,7 +70,7 @@ impl Bench {
         let (low, high) = (self.before.floor(), angle.floor());
         if low != high {
             let index = if high > low { high } else { high + 1.0 };
-            self.shown.index_count = self.count(index);
+            self.shown.index_count = self.count(index) + self.late;
             self.shown.index_number += 1;
         }
         self.go_blind(angle)
@@ -233,9 +236,37 @@ fn counts_within_what_is_tolerated_are_corrected_one_a_cycle() {
 fn a_latch_with_jitter_is_no_fault() {
     let mut bench = Bench { tolerated: 3, ..Bench::new(2500, 0.5) };
     for turn in 0..60 {
-        bench.shown.index_count += [1, -1, 0][turn % 3];
+        bench.late = [1, -1, 0][turn % 3];
         assert_eq!(bench.turn_on(600.0, 1.0, true), None, "turn {turn}");
     }
+}
+
+#[test]
+fn where_the_latch_jitters_a_count_is_corrected_once_sixteen_indexes_have_shown_it() {
+    let mut machine = machine(2500);
+    machine.spindle.index_jitter_s = 1e-6;
+    let (mut bench, mut seed) = (Bench::of(&machine, 0.9), 1u64);
+    bench.tolerated = 5;
+    let mut turns = |bench: &mut Bench, turns: u32, drawn: fn(u64) -> bool| {
+        for _ in 0..turns {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            bench.late = i64::from(drawn(seed >> 60));
+            assert_eq!(bench.turn_on(1500.0, 1.0, true), None);
+        }
+        (bench.encoder.corrected(), bench.encoder.index_count(&bench.shown))
+    };
+    let (corrected, origin) = turns(&mut bench, 1, |_| false);
+    assert_eq!(corrected, 0);
+    // Half of the latches are a count late.
+    assert_eq!(turns(&mut bench, 200, |n| n < 8), (0, origin + 200 * 10_000));
+    // A count that is really lost.
+    bench.shift -= 1;
+    assert_eq!(turns(&mut bench, 15, |_| false), (0, origin + 215 * 10_000));
+    assert_eq!(turns(&mut bench, 1, |_| false), (1, origin + 216 * 10_000));
+    assert_eq!(turns(&mut bench, 50, |_| false), (1, origin + 266 * 10_000));
+    // Many that are lost are no jitter.
+    bench.shift -= 4;
+    assert_eq!(turns(&mut bench, 1, |_| false), (5, origin + 267 * 10_000));
 }
 
 #[test]
