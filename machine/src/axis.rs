@@ -109,8 +109,8 @@ pub struct AxisConfig {
     /// Learns what torque each place of a turn of the motor needs beyond what is believed (M133).
     #[serde(default)]
     pub learning: bool,
-    /// Cogging as believed: rows of n times a turn of the motor, torque T in N·m and phase in degrees. What is
-    /// fed forward is the sum of T sin(n 360° x/lead + phase), with the motor at x as it is measured (M133).
+    /// Cogging as believed: rows of n times a turn of the motor, torque T in N·m and phase in degrees. Fed
+    /// forward is the sum of T sin(n 360° x/lead + phase), with the motor at x as it is measured (M133).
     #[serde(default, deserialize_with = "rows")]
     pub cogging: Vec<[f64; 3]>,
     /// Error of the screw as believed (M68): pairs of position in mm, rising, and how much too far the slide

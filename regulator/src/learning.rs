@@ -28,8 +28,8 @@
 //! ```text
 //! U(θ) = Σ T sin(n_g 2π θ + φ)/sinc²(n_g/256),   sinc u = sin(π u)/(π u)                            (M133)
 //! ```
-//! Between two places it is in proportion, which makes a sine smaller by sinc². It is fed forward wholly until
-//! something is learned, and for good where nothing shall be.
+//! Between two places it is in proportion, which makes a sine smaller by sinc². It is fed forward wholly
+//! until something is learned, and for good where nothing shall be.
 //!
 //! It is learned while the axis moves evenly, and slowly enough that every place is seen. It is fed forward,
 //! at any speed, by how much it explains of the torque over the last turns: all from four fifths on, nothing

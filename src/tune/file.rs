@@ -3,7 +3,7 @@
 
 use machine::AxisConfig;
 use protocol::Axis;
-use toml_edit::{DocumentMut, Item, Value};
+use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 use super::change::KEYS;
 use crate::error::CliError;
@@ -16,23 +16,34 @@ use crate::error::CliError;
 pub(super) fn edited(text: &str, axis: Axis, proposal: &AxisConfig) -> Result<String, CliError> {
     let mut document: DocumentMut =
         text.parse().map_err(|error| CliError::Input(format!("machine file: {error}")))?;
+    let section = ["axis", axis.name()].iter().try_fold(document.as_item_mut(), |item, name| {
+        item.as_table_like_mut().and_then(|table| table.get_mut(name))
+    });
+    let missing = || CliError::Input(format!("machine file: [axis.{}] is missing", axis.name()));
+    let section = section.and_then(Item::as_table_like_mut).ok_or_else(missing)?;
     for key in &KEYS {
         let name = key.name_on(axis);
-        let item = ["axis", axis.name(), &name].iter().try_fold(document.as_item_mut(), |item, name| {
-            item.as_table_like_mut().and_then(|table| table.get_mut(name))
+        // A weight that is not proposed is none.
+        let value = (key.of)(proposal).or(section.contains_key(&name).then_some(0.0));
+        if let Some(value) = value {
+            set(section, &name, Value::from(value));
+        }
+    }
+    if !proposal.cogging.is_empty() || section.contains_key("cogging") {
+        let rows = proposal.cogging.iter().map(|[times, torque_nm, phase_deg]| {
+            let row = [Value::from(*times as i64), (*torque_nm).into(), (*phase_deg).into()];
+            row.into_iter().collect::<Array>()
         });
-        let missing = || CliError::Input(format!("machine file: axis.{}.{name} is missing", axis.name()));
-        let item = item.ok_or_else(missing)?;
-        set(item, (key.of)(proposal));
+        set(section, "cogging", Value::from(rows.collect::<Array>()));
     }
     Ok(document.to_string())
 }
 
-/// Sets a number. A comment behind it stays in its column where there is room.
-fn set(item: &mut Item, number: f64) {
-    let mut value = Value::from(number);
+/// Sets a value; one that is absent comes at the end of the section. A comment behind it stays in its column
+/// where there is room.
+fn set(section: &mut dyn TableLike, name: &str, mut value: Value) {
     let length = |value: &Value| value.clone().decorated("", "").to_string().chars().count();
-    if let Some(before) = item.as_value() {
+    if let Some(before) = section.get(name).and_then(Item::as_value) {
         let decor = before.decor();
         let text =
             |raw: Option<&toml_edit::RawString>| raw.and_then(|raw| raw.as_str()).unwrap_or("").to_owned();
@@ -47,12 +58,12 @@ fn set(item: &mut Item, number: f64) {
         };
         value = value.decorated(prefix, suffix);
     }
-    *item = Item::Value(value);
+    section.insert(name, Item::Value(value));
 }
 
 #[cfg(test)]
 mod tests {
-    use machine::{Machine, SMALL_LATHE};
+    use machine::{Machine, PLAIN_LATHE, SMALL_LATHE};
     use protocol::Axis;
 
     use super::edited;
@@ -72,6 +83,25 @@ mod tests {
         ];
         assert_eq!(changed.iter().map(|(_, after)| *after).collect::<Vec<_>>(), expected);
         assert_eq!(SMALL_LATHE.lines().count(), text.lines().count());
+    }
+
+    #[test]
+    fn keys_that_are_absent_come_at_the_end_of_the_section() {
+        let mut proposal = Machine::plain().axis[&Axis::X].clone();
+        (proposal.gravity_n, proposal.mode_hz) = (-723.5, Some(99.86));
+        proposal.cogging = vec![[24.0, 0.0474, 150.0], [48.0, 0.01, -20.5]];
+        let text = edited(PLAIN_LATHE, Axis::X, &proposal).expect("it is a machine file");
+        assert_eq!(Machine::from_toml(&text).expect("it still is").axis[&Axis::X], proposal);
+        let added: Vec<_> =
+            text.lines().filter(|line| !PLAIN_LATHE.lines().any(|old| old == *line)).collect();
+        let rows = "cogging = [[24, 0.0474, 150.0], [48, 0.01, -20.5]]";
+        assert_eq!(added, ["gravity_n = -723.5", "mode_hz = 99.86", rows]);
+        assert_eq!(PLAIN_LATHE.lines().count() + 3, text.lines().count());
+        // And what is there and not proposed any more is none.
+        let plain = Machine::plain().axis[&Axis::X].clone();
+        let none = edited(&text.replace("mode_hz = 99.86\n", ""), Axis::X, &plain).expect("a machine file");
+        assert!(none.contains("\ngravity_n = 0.0\n") && none.contains("\ncogging = []\n"), "{none}");
+        assert_eq!(Machine::from_toml(&none).expect("it still is").axis[&Axis::X], plain);
     }
 
     #[test]

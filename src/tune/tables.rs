@@ -44,8 +44,8 @@ pub(super) fn changes(found: &Found, tuned: &Tuned) -> Table {
         let deviation = change.deviation.map_or("chosen".into(), two);
         vec![
             format!("{:key$}", change.key),
-            six(change.before),
-            six(change.after),
+            change.before.map_or("–".into(), six),
+            change.after.map_or("–".into(), six),
             deviation,
             change.unit.clone(),
             format!("{:how$}", change.how),

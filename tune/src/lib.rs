@@ -10,6 +10,7 @@
 //! | `stand` | drives the axis through test moves, watches over them, records them |
 //! | `drive_loop` | the torque that the drive commands, known from its configuration |
 //! | `rigid` | mass, Coulomb and viscous friction from impulses (M78) |
+//! | `cogging` | what comes back with every turn of the motor, from slow runs (M133) |
 //! | `presliding` | stiffness of friction before it slides, from small reversals (M79) |
 //! | `excitation`, `response` | a multisine on the torque, and what the axis answers to it |
 //! | `torque_path` | delay and lag from commanded to measured torque (M80) |
@@ -18,6 +19,7 @@
 //! | `least_squares` | linear least squares with deviations |
 #![forbid(unsafe_code)]
 
+mod cogging;
 mod drive_loop;
 mod estimate;
 mod excitation;
@@ -33,8 +35,9 @@ mod stand;
 mod torque_path;
 mod tuned;
 
+pub use cogging::Wave;
 pub use estimate::Estimate;
-pub use margins::{LoopMargins, Margins, OpenLoops};
+pub use margins::{LoopMargins, Margins, OpenLoops, Timing};
 pub use mode::Mode;
 pub use nalgebra::Complex;
 pub use proposal::Goals;

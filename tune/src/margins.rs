@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! velocity loop   L = C G,                C = Kp (1 + T/(Ti (1 − z⁻¹)))                                (M82)
-//! position loop   L = Kv C Gx/(1 + C G) T/(1 − z⁻¹),   Gx of the encoder that the loop closes over
+//! position loop   L = Kv C Gx/(1 + C G) T/(1 − z⁻¹) z⁻ᵇ, Gx of the encoder that the loop closes over,
+//!                 b cycles of the bus, there and back
 //! phase margin    least 180° + arg L where |L| = 1;   gain margin  least 1/|L| where arg L = 180°
 //! ```
 //! Between lines L is taken as a straight stretch of the complex plane.
@@ -53,6 +54,15 @@ impl Margins {
     }
 }
 
+/// When the loops are closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// Control cycle, s.
+    pub cycle_s: f64,
+    /// What the position loop is late by the bus, there and back, s.
+    pub bus_s: f64,
+}
+
 /// Both loops, opened, at one frequency.
 #[derive(Clone, Copy, Debug)]
 pub struct OpenLoops {
@@ -65,18 +75,18 @@ pub struct OpenLoops {
 }
 
 /// The loops of `config` on the measured response.
-pub(crate) fn open(lines: &[Line], config: &AxisConfig, cycle_s: f64) -> Vec<OpenLoops> {
+pub(crate) fn open(lines: &[Line], config: &AxisConfig, timing: Timing) -> Vec<OpenLoops> {
     let open = |line: &Line| OpenLoops {
         hz: line.hz,
-        velocity: velocity(line, config, cycle_s),
-        position: position(line, config, cycle_s),
+        velocity: velocity(line, config, timing.cycle_s),
+        position: position(line, config, timing),
     };
     lines.iter().map(open).collect()
 }
 
 /// Margins of the loops of `config` on the measured response.
-pub(crate) fn of(lines: &[Line], config: &AxisConfig, cycle_s: f64) -> Margins {
-    let open = open(lines, config, cycle_s);
+pub(crate) fn of(lines: &[Line], config: &AxisConfig, timing: Timing) -> Margins {
+    let open = open(lines, config, timing);
     let curve =
         |of: fn(&OpenLoops) -> Complex<f64>| open.iter().map(|at| (at.hz, of(at))).collect::<Vec<_>>();
     Margins { velocity: margins(&curve(|at| at.velocity)), position: margins(&curve(|at| at.position)) }
@@ -88,11 +98,12 @@ fn velocity(line: &Line, config: &AxisConfig, cycle_s: f64) -> Complex<f64> {
 }
 
 /// The position loop, opened, at a line.
-fn position(line: &Line, config: &AxisConfig, cycle_s: f64) -> Complex<f64> {
+fn position(line: &Line, config: &AxisConfig, Timing { cycle_s, bus_s }: Timing) -> Complex<f64> {
     let inner = Complex::from(1.0) + velocity(line, config, cycle_s);
     let speed =
         if config.scale_step_mm.is_some() { line.scale_speed_per_torque } else { line.speed_per_torque };
     let integral = cycle_s / (Complex::from(1.0) - delayed(line.hz, cycle_s));
+    let integral = integral * delayed(line.hz, bus_s);
     controller(line, config, cycle_s) * speed / inner * integral * config.position_gain_1_s
 }
 

@@ -3,7 +3,7 @@
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
-//! | F | N | friction: measured force without mass, viscous and constant part |
+//! | F | N | friction: measured force without mass, viscous and constant part, and without known cogging |
 //! | z, L | mm | deflection, and the one at which friction slides |
 //! | s0 | N/mm | stiffness; s0 L is the friction at which it breaks away |
 //!
@@ -83,8 +83,9 @@ fn means(rows: &[Row], cycle_s: f64, metres_per_radian: f64, rigid: &Rigid) -> V
     let length = (MEAN_S / cycle_s).round().max(1.0) as usize;
     let mean = |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
     let parts = rows.chunks_exact(length);
-    let means: Vec<_> =
-        parts.map(|part| [mean(part, |row| row.motor_mm), mean(part, |row| row.torque_nm)]).collect();
+    let means: Vec<_> = parts
+        .map(|part| [mean(part, |row| row.motor_mm), mean(part, |row| row.torque_nm - row.cogging_nm)])
+        .collect();
     let step_s = length as f64 * cycle_s;
     let friction = means.windows(3).map(|three| {
         let v = (three[2][0] - three[0][0]) / (2.0 * step_s);

@@ -15,7 +15,7 @@ use machine::AxisConfig;
 use protocol::Axis;
 
 use crate::{
-    margins::{self, LoopMargins},
+    margins::{self, LoopMargins, Timing},
     mode::Mode,
     refusal::Refusal,
     response::Line,
@@ -74,7 +74,7 @@ pub(crate) fn gains(
     axis: Axis,
     config: &mut AxisConfig,
     lines: &[Line],
-    cycle_s: f64,
+    timing: Timing,
     goals: &Goals,
 ) -> Result<(), Refusal> {
     let with = |config: &AxisConfig, hz: f64| AxisConfig {
@@ -82,12 +82,12 @@ pub(crate) fn gains(
         velocity_integral_s: INTEGRAL / (TAU * hz),
         ..config.clone()
     };
-    let good = |hz| goals.velocity(&margins::of(lines, &with(config, hz), cycle_s).velocity);
+    let good = |hz| goals.velocity(&margins::of(lines, &with(config, hz), timing).velocity);
     let Goals { velocity_phase_deg: phase, velocity_gain: gain, .. } = *goals;
     let hz = highest(BANDWIDTHS_HZ, good).ok_or(Refusal::NoGain(axis, "velocity", phase, gain))?;
     *config = with(config, hz);
     let with = |kv: f64| AxisConfig { position_gain_1_s: kv, ..config.clone() };
-    let good = |kv| goals.position(&margins::of(lines, &with(kv), cycle_s).position);
+    let good = |kv| goals.position(&margins::of(lines, &with(kv), timing).position);
     let Goals { position_phase_deg: phase, position_gain: gain, .. } = *goals;
     let kv = highest(POSITION_GAINS, good).ok_or(Refusal::NoGain(axis, "position", phase, gain))?;
     // Margins are those of a linear loop. One that closes behind a backlash hunts at gains they allow.
@@ -96,23 +96,26 @@ pub(crate) fn gains(
     Ok(())
 }
 
+/// A value in so many significant digits.
+pub(crate) fn digits(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
 /// The identified keys and gains with the digits that a machine file shall show. Leads keep those of a
 /// microsecond.
 pub(crate) fn rounded(config: AxisConfig) -> AxisConfig {
-    let to = |value: f64, digits: usize| {
-        format!("{value:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(value)
-    };
     let microsecond = |seconds: f64| (seconds * 1e6).round() / 1e6;
     AxisConfig {
-        mass_kg: to(config.mass_kg, 5),
-        coulomb_n: to(config.coulomb_n, 4),
-        viscous_n_s_mm: to(config.viscous_n_s_mm, 3),
-        presliding_n_mm: to(config.presliding_n_mm, 3),
+        mass_kg: digits(config.mass_kg, 5),
+        coulomb_n: digits(config.coulomb_n, 4),
+        viscous_n_s_mm: digits(config.viscous_n_s_mm, 3),
+        presliding_n_mm: digits(config.presliding_n_mm, 3),
         velocity_lead_s: microsecond(config.velocity_lead_s),
         acceleration_lead_s: microsecond(config.acceleration_lead_s),
-        velocity_bandwidth_hz: to(config.velocity_bandwidth_hz, 3),
-        velocity_integral_s: to(config.velocity_integral_s, 3),
-        position_gain_1_s: to(config.position_gain_1_s, 3),
+        velocity_bandwidth_hz: digits(config.velocity_bandwidth_hz, 3),
+        velocity_integral_s: digits(config.velocity_integral_s, 3),
+        position_gain_1_s: digits(config.position_gain_1_s, 3),
+        gravity_n: digits(config.gravity_n, 4),
         ..config
     }
 }

@@ -7,8 +7,8 @@
 //!
 //! ```text
 //! U, V, τ: Fourier sums over a period of commanded torque, speed (one difference of positions),
-//!          measured torque
-//! G = mean V/mean U,   D = mean τ/mean U,   over the periods after the first of each run
+//!          measured torque;  U': of what known cogging leaves of the command
+//! G = mean V/mean U',  D = mean τ/mean U,   over the periods after the first of each run
 //! ```
 //! Below the lowest line the axis is taken as what it is there, a mass with viscous friction behind the delay
 //! and the lag that were identified.
@@ -175,17 +175,18 @@ fn answer(runs: &[Vec<Row>], sine: &Multisine, line: usize, cycle_s: f64) -> Opt
         periods.iter().map(|rows| one(of, rows)).sum::<Complex<f64>>() / periods.len() as f64
     };
     let command = |_: &Row, row: &Row| row.command_nm;
+    let driving = |_: &Row, row: &Row| row.driving_nm;
     let way = |before: &Row, row: &Row| row.motor_mm - before.motor_mm;
-    let input = mean(command);
+    let input = mean(driving);
     let response = mean(way) / input;
-    let scatter = |rows: &&[Row]| (one(way, rows) - response * one(command, rows)).norm_sqr();
+    let scatter = |rows: &&[Row]| (one(way, rows) - response * one(driving, rows)).norm_sqr();
     let variance = periods.iter().map(scatter).sum::<f64>() / (periods.len() * (periods.len() - 1)) as f64;
     let deviation = variance.sqrt() / (response * input).norm();
     deviation.is_finite().then_some(Line {
         hz: sine.hz(line),
         speed_per_torque: response / cycle_s,
         scale_speed_per_torque: mean(|before, row| row.scale_mm - before.scale_mm) / input / cycle_s,
-        torque_per_torque: mean(|_, row| row.torque_nm) / input,
+        torque_per_torque: mean(|_, row| row.torque_nm) / mean(command),
         deviation,
     })
 }

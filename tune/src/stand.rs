@@ -4,12 +4,17 @@
 //!
 //! The axis runs on its drive's velocity loop and a position loop as configured, with the speed of the law
 //! fed forward. Mass and friction are not, so what is believed of them does not colour what is measured.
+//!
+//! What is measured is `input_cycles` old when it comes, what is commanded acts `output_cycles` later. A row
+//! holds what belongs together in the drive: a measurement, and the command that was in force then.
 
-use machine::AxisConfig;
+use std::collections::VecDeque;
+
+use machine::{AxisConfig, Bus};
 use motion::Sample;
 use protocol::{Axis, ControlWord, DriveCommand, DriveState, Measurement, PerAxis};
 
-use crate::{drive_loop::DriveLoop, refusal::Refusal};
+use crate::{cogging, drive_loop::DriveLoop, margins::Timing, refusal::Refusal};
 
 /// Longest time in which a drive comes into operation, or an axis to rest, s.
 const PATIENCE_S: f64 = 2.0;
@@ -36,6 +41,18 @@ pub(crate) struct Row {
     pub(crate) torque_nm: f64,
     /// Torque that the drive commands in this cycle, N·m.
     pub(crate) command_nm: f64,
+    /// Torque that cogging takes there as far as it was found, N·m.
+    pub(crate) cogging_nm: f64,
+    /// Of the command, what is left to drive the axis when it acts, N·m.
+    pub(crate) driving_nm: f64,
+}
+
+/// What a drive is told in a cycle.
+#[derive(Clone, Copy)]
+struct Told {
+    word: ControlWord,
+    velocity_mm_s: f64,
+    offset_nm: f64,
 }
 
 /// An axis under test. Its zero is where it stood at the start.
@@ -44,7 +61,12 @@ pub(crate) struct Stand<'a, B: Bench> {
     axis: Axis,
     config: &'a AxisConfig,
     cycle_s: f64,
+    bus: Bus,
     drive: DriveLoop,
+    /// What was told and is not in force yet in what was measured.
+    under_way: VecDeque<Told>,
+    /// Cogging as far as it was found: times a turn, N·m, degrees.
+    cogging: Vec<[f64; 3]>,
     start: Start,
     motor_before_mm: f64,
     /// What the drive was last made to command, N·m.
@@ -65,13 +87,25 @@ impl<'a, B: Bench> Stand<'a, B> {
         axis: Axis,
         config: &'a AxisConfig,
         cycle_s: f64,
+        bus: Bus,
     ) -> Result<Stand<'a, B>, Refusal> {
         let seen = bench.measurement().axes[axis.index()];
         let start = Start { motor: seen.position, scale: seen.scale };
         let drive = DriveLoop::new(config, cycle_s);
-        let (motor_before_mm, commanded_nm, elapsed) = (0.0, 0.0, 0);
-        let mut stand =
-            Stand { bench, axis, config, cycle_s, drive, start, motor_before_mm, commanded_nm, elapsed };
+        let mut stand = Stand {
+            bench,
+            axis,
+            config,
+            cycle_s,
+            bus,
+            drive,
+            under_way: VecDeque::new(),
+            cogging: Vec::new(),
+            start,
+            motor_before_mm: 0.0,
+            commanded_nm: 0.0,
+            elapsed: 0,
+        };
         while stand.state() != Some(DriveState::OperationEnabled) {
             let word = stand.seen().drive().towards_operation();
             let (Some(word), true) = (word, stand.time_s() < PATIENCE_S) else {
@@ -95,9 +129,12 @@ impl<'a, B: Bench> Stand<'a, B> {
         let cycles = (duration_s / self.cycle_s).ceil() as usize;
         let mut rows = Vec::with_capacity(cycles);
         let from = law(0.0).s;
+        let (input_s, output_s) = (self.bus.input_s(self.cycle_s), self.bus.output_s(self.cycle_s));
         for cycle in 0..cycles {
             let t = cycle as f64 * self.cycle_s;
-            let (now, ahead) = (law(t), law(t + self.config.velocity_lead_s));
+            // Where it should have been when it was measured, how fast it shall be when the drive is told.
+            let now = law((t - input_s).max(0.0));
+            let ahead = law(t + self.config.velocity_lead_s + output_s);
             let seen = self.seen();
             let motor_mm = seen.position.mm_from(self.start.motor);
             self.supervise(now.s - from, now.s - motor_mm, seen.torque_nm)?;
@@ -108,8 +145,11 @@ impl<'a, B: Bench> Stand<'a, B> {
                 scale_mm: seen.scale.mm_from(self.start.scale),
                 torque_nm: seen.torque_nm,
                 command_nm,
+                cogging_nm: self.cogging_nm(motor_mm),
+                driving_nm: command_nm,
             });
         }
+        self.drive_only(&mut rows);
         Ok(rows)
     }
 
@@ -131,7 +171,34 @@ impl<'a, B: Bench> Stand<'a, B> {
         self.command(ControlWord::DisableVoltage, 0.0, 0.0, 0.0);
     }
 
-    /// Sends a command, and gives the torque that the drive makes of it.
+    /// Takes off the commands what cogging takes when they act, `acceleration_lead_s` later.
+    fn drive_only(&self, rows: &mut [Row]) {
+        let later = (self.config.acceleration_lead_s / self.cycle_s).max(0.0);
+        let (whole, part) = (later as usize, later.fract());
+        for i in 0..rows.len() {
+            let cogging_nm = |later: usize| rows[(i + later).min(rows.len() - 1)].cogging_nm;
+            let taken_nm = cogging_nm(whole) + part * (cogging_nm(whole + 1) - cogging_nm(whole));
+            rows[i].driving_nm -= taken_nm;
+        }
+    }
+
+    /// From now on this cogging is known: rows of times a turn, N·m, degrees.
+    pub(crate) fn knows(&mut self, cogging: Vec<[f64; 3]>) {
+        self.cogging = cogging;
+    }
+
+    /// Known cogging at a place, mm from the start of the test.
+    fn cogging_nm(&self, motor_mm: f64) -> f64 {
+        cogging::torque_nm(&self.cogging, (self.start_mm() + motor_mm) / self.config.screw_lead_mm)
+    }
+
+    /// Where the motor stood at the start of the test, mm.
+    pub(crate) fn start_mm(&self) -> f64 {
+        self.start.motor.mm()
+    }
+
+    /// Sends a command, and gives the torque that the drive makes of the one that was in force when this was
+    /// measured.
     fn command(&mut self, word: ControlWord, target: f64, velocity_offset: f64, offset_nm: f64) -> f64 {
         let motor_mm = self.seen().position.mm_from(self.start.motor);
         let v = (motor_mm - self.motor_before_mm) / self.cycle_s;
@@ -140,10 +207,14 @@ impl<'a, B: Bench> Stand<'a, B> {
             self.state(),
             Some(DriveState::SwitchedOn | DriveState::OperationEnabled | DriveState::QuickStopActive)
         );
-        let torque_nm = if runs && word == ControlWord::Enable {
-            self.drive.torque(target + velocity_offset - v, offset_nm)
-        } else {
-            0.0
+        self.under_way.push_back(Told { word, velocity_mm_s: target + velocity_offset, offset_nm });
+        let late = (self.bus.input_cycles + self.bus.output_cycles) as usize;
+        let in_force = if self.under_way.len() > late { self.under_way.pop_front() } else { None };
+        let torque_nm = match in_force {
+            Some(Told { word: ControlWord::Enable, velocity_mm_s, offset_nm }) if runs => {
+                self.drive.torque(velocity_mm_s - v, offset_nm)
+            }
+            _ => 0.0,
         };
         let mut drives = PerAxis::<DriveCommand>::default();
         drives[self.axis.index()] = DriveCommand {
@@ -198,6 +269,12 @@ impl<'a, B: Bench> Stand<'a, B> {
     /// The axis under test.
     pub(crate) fn axis(&self) -> Axis {
         self.axis
+    }
+
+    /// When the loops of the axis are closed.
+    pub(crate) fn timing(&self) -> Timing {
+        let bus_s = self.bus.input_s(self.cycle_s) + self.bus.output_s(self.cycle_s);
+        Timing { cycle_s: self.cycle_s, bus_s }
     }
 
     /// Control cycle, s.

@@ -4,8 +4,9 @@ use machine::{AxisConfig, Machine};
 use protocol::Axis;
 
 use crate::{
+    cogging::{self, Wave},
     estimate::Estimate,
-    margins::{self, Margins, OpenLoops},
+    margins::{self, Margins, OpenLoops, Timing},
     mode::{self, Mode},
     presliding,
     proposal::{self, Goals},
@@ -20,6 +21,9 @@ use crate::{
 const MOST_MM: f64 = 50.0;
 const LEAST_MM: f64 = 5.0;
 const RESERVE_MM: f64 = 1.0;
+/// A weight is so many of its deviations, and so large, N.
+const SEEN: f64 = 5.0;
+const LEAST_N: f64 = 5.0;
 /// Most relative deviation of a line that margins are read from.
 const MOST_SCATTER: f64 = 0.2;
 
@@ -36,12 +40,14 @@ pub struct Tuned {
     pub coulomb_n: Estimate,
     /// Viscous friction, N s/mm.
     pub viscous_n_s_mm: Estimate,
-    /// Force that acts at rest too, N: weight, balance. No key of the machine file holds it.
+    /// Force that the motor gives at rest too, N: against weight, balance.
     pub constant_n: Estimate,
     /// Stiffness of friction before it slides, N/mm; none where there is too little friction to tell.
     pub presliding_n_mm: Option<Estimate>,
     /// Friction from which the axis breaks away, N.
     pub breakaway_n: f64,
+    /// What comes back with every turn of the motor; none where there is no room for a turn.
+    pub cogging: Option<Vec<Wave>>,
     /// From the measurement to the torque that answers it, s.
     pub delay_s: Estimate,
     /// Lag of the current loop, s.
@@ -63,14 +69,14 @@ pub struct Tuned {
     pub after: Margins,
     /// `[axis.*]` with the identified values and the gains that follow.
     pub proposal: AxisConfig,
-    /// Control cycle, s.
-    pub cycle_s: f64,
+    /// When its loops are closed.
+    pub timing: Timing,
 }
 
 impl Tuned {
     /// The loops of a configuration on the measured response, opened.
     pub fn open_loops(&self, config: &AxisConfig) -> Vec<OpenLoops> {
-        margins::open(&self.lines, config, self.cycle_s)
+        margins::open(&self.lines, config, self.timing)
     }
 }
 
@@ -96,7 +102,7 @@ pub fn tune_towards(
     let config = machine.axis.get(&axis).ok_or(Refusal::NoAxis(axis))?;
     let here = bench.measurement().axes[axis.index()].position.mm();
     let reach = reach(axis, config, here)?;
-    let mut stand = Stand::enable(bench, axis, config, machine.general.cycle_s)?;
+    let mut stand = Stand::enable(bench, axis, config, machine.general.cycle_s, machine.bus)?;
     let found = measure(&mut stand, axis, config, reach, goals);
     stand.release();
     found
@@ -120,11 +126,14 @@ fn measure<B: Bench>(
     reach_mm: f64,
     goals: &Goals,
 ) -> Result<Tuned, Refusal> {
-    let cycle_s = stand.cycle_s();
+    let timing = stand.timing();
+    let cycle_s = timing.cycle_s;
     stand.rest(0.0, 0.1)?;
     let none = |what, remedy| Refusal::Untold(axis, what, remedy);
     let rigid = rigid::measure(stand, config, reach_mm)?
         .ok_or(none("mass and friction", "the runs are too short; give the axis more travel"))?;
+    let cogging = cogging::measure(stand, config, &rigid, reach_mm)?;
+    stand.knows(cogging.iter().flatten().map(Wave::row).collect());
     let sliding = presliding::measure(stand, config, &rigid, &rigid::limits(config))?
         .ok_or(none("presliding stiffness", "the reversals did not move the axis"))?;
     let (lines, speed) = response::measure(stand, config, reach_mm)?;
@@ -135,32 +144,23 @@ fn measure<B: Bench>(
     let mode = mode::identify(&lines, config, &path, cycle_s);
     let body = [rigid.mass_kg.value, rigid.viscous_n_s_mm.value];
     let lines = [response::below(&lines, config, &path, body, cycle_s), lines].concat();
-    let before = margins::of(&lines, config, cycle_s);
+    let before = margins::of(&lines, config, timing);
     let stiffness = sliding.stiffness_n_mm.map(|found| found.value);
+    let trusted = mode.filter(|_| trusted(axis, config));
     let mut proposal = AxisConfig {
         presliding_n_mm: stiffness.unwrap_or(config.presliding_n_mm),
-        ..known(config, &rigid, &path, cycle_s)
+        ..known(&shaking(config, trusted, cogging.as_deref()), &rigid, &path, cycle_s)
     };
     plausible(axis, &rigid, &path, &sliding)?;
-    // These loops have just moved the axis.
-    if !before.stable() {
-        return Err(Refusal::Response(
-            axis,
-            "with it, the loops that moved the axis would be unstable",
-            speed,
-        ));
-    }
-    proposal::gains(axis, &mut proposal, &lines, cycle_s, goals)?;
+    stable(axis, &before, speed)?;
+    proposal::gains(axis, &mut proposal, &lines, timing, goals)?;
     let mut proposal = proposal::rounded(proposal);
     if stiffness.is_none() {
         // As it is written, digit by digit.
         proposal.presliding_n_mm = config.presliding_n_mm;
     }
-    let after = margins::of(&lines, &proposal, cycle_s);
+    let after = margins::of(&lines, &proposal, timing);
     scatter(axis, [before, after], &lines, speed)?;
-    // Approaches are strokes of linear axes; and a backlash makes the slide seem to swing slower than it
-    // does.
-    let trusted = mode.filter(|_| !axis.is_rotary() && config.backlash_mm <= 0.0);
     Ok(Tuned {
         axis,
         reach_mm,
@@ -168,6 +168,7 @@ fn measure<B: Bench>(
         coulomb_n: rigid.coulomb_n,
         viscous_n_s_mm: rigid.viscous_n_s_mm,
         constant_n: rigid.constant_n,
+        cogging,
         presliding_n_mm: sliding.stiffness_n_mm,
         breakaway_n: sliding.breakaway_n,
         delay_s: path.delay_s,
@@ -180,8 +181,24 @@ fn measure<B: Bench>(
         friction_curve: rigid.curve,
         reversals: sliding.loops,
         proposal,
-        cycle_s,
+        timing,
     })
+}
+
+/// Whether the mode is what it seems: approaches are strokes of linear axes, and a backlash makes the slide
+/// seem to swing slower than it does.
+fn trusted(axis: Axis, config: &AxisConfig) -> bool {
+    !axis.is_rotary() && config.backlash_mm <= 0.0
+}
+
+/// The axis with its mode and its cogging, as far as they were found.
+fn shaking(config: &AxisConfig, mode: Option<Mode>, cogging: Option<&[Wave]>) -> AxisConfig {
+    let rows = cogging.map(|waves| waves.iter().map(Wave::row).collect());
+    AxisConfig {
+        mode_hz: mode.map(|mode| proposal::digits(mode.hz.value, 4)).or(config.mode_hz),
+        cogging: rows.unwrap_or_else(|| config.cogging.clone()),
+        ..config.clone()
+    }
 }
 
 /// The axis with its mass, its frictions and the delays of its torque as they were found.
@@ -195,10 +212,23 @@ fn known(
         mass_kg: rigid.mass_kg.value,
         coulomb_n: rigid.coulomb_n.value.max(0.0),
         viscous_n_s_mm: rigid.viscous_n_s_mm.value.max(0.0),
+        gravity_n: weight_n(rigid.constant_n),
         velocity_lead_s: -0.5 * cycle_s,
         acceleration_lead_s: path.delay_s.value + 0.5 * cycle_s + path.lag_s.value,
         ..config.clone()
     }
+}
+
+/// The weight against which the motor gives a force, N; 0 where nothing stands out.
+fn weight_n(constant_n: Estimate) -> f64 {
+    let Estimate { value, deviation } = constant_n;
+    if value.abs() > SEEN * deviation && value.abs() > LEAST_N { -value } else { 0.0 }
+}
+
+/// Refuses a response with which the loops that have just moved the axis would be unstable.
+fn stable(axis: Axis, before: &Margins, speed: f64) -> Result<(), Refusal> {
+    let reason = "with it, the loops that moved the axis would be unstable";
+    if before.stable() { Ok(()) } else { Err(Refusal::Response(axis, reason, speed)) }
 }
 
 /// Refuses a response that is not known about the crossover.

@@ -174,3 +174,93 @@ fn a_loop_over_a_scale_behind_a_backlash_gets_no_faster() {
     let with = tuned(&machine).expect("it is tuned").proposal.position_gain_1_s;
     assert!(without > 30.0 && with == 20.0, "{without} without, {with} with backlash");
 }
+
+/// A lathe as it stands in a shop: the motor gives 5 % more torque than its drive believes, torque is
+/// measured with noise and steps, the screw breaks away, and everything is on its way for a cycle.
+fn shop(more: &str) -> Machine {
+    let mut machine = Machine::plain();
+    (machine.bus.input_cycles, machine.bus.output_cycles) = (1, 1);
+    let keys = format!(
+        "torque_constant_pct = 5.0\ntorque_noise_nm = 0.01\ntorque_step_nm = 0.00477\n\
+         screw_static_n = 190.0\nscrew_bristle_n_s_mm = 48.0\nslide_bristle_n_s_mm = 8.0\n{more}"
+    );
+    let keys: toml::Table = keys.parse().expect("keys of the plant");
+    let x = machine.plant["axis"]["x"].as_table_mut().expect("the lathe has an X");
+    x.extend(keys);
+    machine.plant.insert(
+        "bus".into(),
+        toml::toml! {
+            input_cycles = 1
+            output_cycles = 1
+        }
+        .into(),
+    );
+    machine
+}
+
+/// By torque as the drive believes it, everything is 5 % less: that is what feedforward needs.
+#[test]
+fn a_lathe_as_it_stands_in_a_shop() {
+    for (per_rev, degrees) in [(24u32, 150.0), (12, -75.0)] {
+        let machine = shop(&format!(
+            "gravity_n = -760.0\ncogging_nm = 0.05\ncogging_per_rev = {per_rev}\ncogging_deg = {degrees:?}"
+        ));
+        let found = tuned(&machine).expect("it is tuned");
+        within("mass", found.mass_kg.value, LATHE.mass_kg() / 1.05, 0.5);
+        within("Coulomb friction", found.coulomb_n.value, 270.0 / 1.05, 2.0);
+        within("viscous friction", found.viscous_n_s_mm.value, 2.6 / 1.05, 3.0);
+        within("weight", found.proposal.gravity_n, -760.0 / 1.05, 0.5);
+        within("mode", found.proposal.mode_hz.expect("a mode"), 100.0, 1.0);
+        within("acceleration lead", found.proposal.acceleration_lead_s, 1.25e-3, 1.0);
+        let presliding = found.presliding_n_mm.expect("there is friction").value;
+        within("presliding", presliding, LATHE.presliding_n_mm() / 1.05, 25.0);
+        let waves = found.cogging.clone().expect("there is room for some turns");
+        let [wave] = waves[..] else { panic!("one wave, not {waves:?}") };
+        assert_eq!(wave.times, per_rev);
+        for (what, estimate, is, most) in [
+            ("torque", wave.torque_nm, 0.05 / 1.05, 1e-3),
+            // Home is a whole number of turns.
+            ("phase", wave.phase_deg, degrees, 2.0),
+        ] {
+            let error = (estimate.value - is).abs();
+            assert!(error < most && error < 4.0 * estimate.deviation, "{what}: {estimate:?} for {is}");
+        }
+        assert_eq!(found.proposal.cogging.len(), 1);
+    }
+}
+
+#[test]
+fn a_motor_that_runs_evenly_gets_no_cogging_and_an_axis_that_lies_no_weight() {
+    let found = tuned(&shop("")).expect("it is tuned");
+    assert_eq!((found.proposal.gravity_n, found.proposal.cogging.len()), (0.0, 0));
+    let mut believing = Machine::plain();
+    let x = believing.axis.get_mut(&Axis::X).expect("the lathe has an X");
+    (x.gravity_n, x.cogging) = (300.0, vec![[24.0, 0.05, 0.0]]);
+    let proposal = tuned(&believing).expect("it is tuned").proposal;
+    assert_eq!((proposal.gravity_n, proposal.cogging.len()), (0.0, 0));
+}
+
+/// The loop of the position knows that it is late.
+#[test]
+fn a_bus_takes_margin_from_the_position_loop_alone() {
+    let without = tuned(&Machine::plain()).expect("it is tuned");
+    let mut machine = Machine::plain();
+    (machine.bus.input_cycles, machine.bus.output_cycles) = (1, 1);
+    machine.plant.insert(
+        "bus".into(),
+        toml::toml! {
+            input_cycles = 1
+            output_cycles = 1
+        }
+        .into(),
+    );
+    let with = tuned(&machine).expect("it is tuned");
+    within("mass", with.mass_kg.value, LATHE.mass_kg(), 0.5);
+    within("delay", with.delay_s.value, 5e-4, 1.0);
+    let (before, late) = (without.before, with.before);
+    assert!((before.velocity.phase_deg - late.velocity.phase_deg).abs() < 0.5, "{before:?} {late:?}");
+    // A millisecond at the crossover.
+    let taken_deg = 360.0 * 1e-3 * late.position.crossover_hz;
+    let left_deg = before.position.phase_deg - late.position.phase_deg;
+    assert!((left_deg - taken_deg).abs() < 1.0 && late.position.gain < before.position.gain, "{late:?}");
+}

@@ -173,7 +173,9 @@ fn torque_that_is_not_measured() {
 #[test]
 fn torque_in_another_unit() {
     let refusal = refused(&Machine::plain(), |seen| seen.axes[0].torque_nm *= 0.5);
-    says(&refusal, "gain of the torque came out as 0.5");
+    says(&refusal, "gain of the torque came out as 0.");
+    let Refusal::Implausible(.., gain, _, _) = refusal else { panic!("{refusal}") };
+    assert!((gain - 0.5).abs() < 1e-3, "{refusal}");
 }
 
 #[test]
