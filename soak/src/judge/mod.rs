@@ -21,6 +21,7 @@
 pub(crate) mod bounds;
 pub(crate) mod excuse;
 mod finish;
+mod frame;
 mod leaves;
 mod limits;
 mod rest;
@@ -37,6 +38,7 @@ use rig::Exchange;
 use crate::case::Ready;
 use crate::event::{Event, Trouble, What};
 pub use finish::Ending;
+use frame::Frame;
 use limits::Limits;
 use rest::Rest;
 use stock::PassStock;
@@ -139,7 +141,7 @@ impl<'a> Judge<'a> {
         Judge {
             known: Known { machine, tan_flank, passes, events, reference },
             limits: Limits::default(),
-            tool: Tool::new(),
+            tool: Tool::new(machine),
             rest: Rest::default(),
             measured: Reference::default(),
             states: Vec::new(),

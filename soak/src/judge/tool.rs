@@ -9,7 +9,7 @@ use protocol::{Axis, Fault, ThreadPass, WayOut};
 use rig::Exchange;
 
 use super::{
-    Broken, Known, bounds, excuse, is_led,
+    Broken, Frame, Known, bounds, excuse, is_led,
     leaves::makes_leave,
     stock::{Contact, PassStock},
     torque,
@@ -39,6 +39,8 @@ const STANDS_RPM: f64 = 1.0;
 /// The tool, from cycle to cycle.
 #[derive(Clone, Debug)]
 pub(crate) struct Tool {
+    /// The measures of X and Z.
+    frames: [Frame; 2],
     /// The pass that was cut last.
     pass: Option<u32>,
     /// Last cycle in which an axis had torque.
@@ -68,8 +70,9 @@ pub(crate) struct Tool {
 }
 
 impl Tool {
-    pub(crate) fn new() -> Tool {
+    pub(crate) fn new(machine: &Machine) -> Tool {
         Tool {
+            frames: [Axis::X, Axis::Z].map(|axis| Frame::of(machine, axis)),
             pass: None,
             led: [Some(0); 2],
             stuck: None,
@@ -136,7 +139,7 @@ impl Tool {
         let backwards = truth.spindle_rpm * pass.direction < -BACKWARDS_RPM;
         self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
         let stock = stock.as_ref()?;
-        let [x_mm, z_mm] = [Axis::X, Axis::Z].map(|axis| truth.axes[axis.index()].slide_mm);
+        let [x_mm, z_mm] = self.frames.map(|frame| frame.place_mm(truth));
         let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, known.tan_flank);
         self.touching = contact.is_some();
         self.cutting = contact.is_some_and(|contact| contact.depth_mm > LAGS_MM);
@@ -148,14 +151,15 @@ impl Tool {
         let [x_led, z_led] = self.led.map(|led| led == Some(now));
         let turn = turn_cycles(known, pass);
         if x_led && z_led {
-            let seen = servo.entry(pass.pass).or_insert((0.0, 0.0));
-            *seen = (seen.0.max(contact.bottom_mm), seen.1.max(contact.flank_mm));
+            let (bottom_mm, flank_mm) = servo.entry(pass.pass).or_insert((0.0, 0.0));
+            *flank_mm = flank_mm.max(contact.flank_mm);
+            // Where X strokes steeply, or Z brakes, only that is too deep which is so wherever Z is beside.
+            *bottom_mm = bottom_mm.max(stock.bottom_mm(&contact, *flank_mm + TOLERANCE_MM));
         }
         let blind = self.disbelieved || known.events.iter().any(|event| excuse::blinds(&event.what));
         let unseen = self.unseen.filter(|_| blind).map_or(0.0, |(_, turns)| turns.abs());
         // From the one to the other a slide swings twice as far.
-        let (uneven, rpm) = (self.uneven.iter().sum(), truth.spindle_rpm);
-        let x_mm_s = self.x_mm_s;
+        let (uneven, rpm, x_mm_s) = (self.uneven.iter().sum(), truth.spindle_rpm, self.x_mm_s);
         let seen = Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s };
         if let Some(broken) = beside(known, pass, stock, &seen) {
             return Some(broken);
@@ -329,8 +333,7 @@ fn lags_mm(machine: &Machine, pass: &ThreadPass, lead: f64, uneven: f64) -> (f64
 /// to where the pass brakes, unless its encoder has failed too; without Z, X may not go deeper.
 fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
     let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s } = seen;
-    let tan = known.tan_flank;
-    let (now, turn, uneven) = (*now, *turn, *uneven);
+    let (tan, now, turn, uneven) = (known.tan_flank, *now, *turn, *uneven);
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
         None => (WORST_SERVO_MM, WORST_SERVO_MM),
