@@ -10,7 +10,7 @@
 //! | a spindle that is stopped harder than Z can brake | the way in which Z brakes, three times, and in which the observer learns of it |
 //! | an encoder that stands, of a spindle so slow that it may be jammed | anything, until the drive has been waited for |
 //! | an emergency stop, no mains | X on its way to depth comes to rest by time, while the spindle slows down |
-//! | a spindle that changes its speed | the slide lags by a/(2πf)², and the servo by as much |
+//! | a spindle that changes its speed | the slide lags by a/(2πf)², and the servo by as much; over a bus of d s everybody goes on at the speed that an observer had learned, a d (t + d/2) |
 //! | a spindle that runs away | no axis can follow a retract by its angle: the groove is as deep as at its deepest; where the pass brakes Z goes on as far as its drive cannot brake it |
 //! | measurements, or commands to drives, that come late or not at all | half the way of a cycle |
 //! | a command to a drive that is damaged | all its torque for a cycle |
@@ -188,9 +188,20 @@ fn force_n(config: &AxisConfig) -> f64 {
 /// Z comes to rest behind a spindle that has stopped dead: it brakes three times as far as it must, once the
 /// observer has learned of it.
 fn overrun(machine: &Machine, v: f64) -> Excuse {
-    let learned_s = 2.0 / (core::f64::consts::TAU * machine.spindle.observer_hz);
     let brake_mm = machine.axis.get(&Axis::Z).map_or(0.0, |z| v * v / (2.0 * z.acceleration_mm_s2));
-    Excuse { axial_mm: 3.0 * brake_mm + v * learned_s, ..Excuse::default() }
+    Excuse { axial_mm: 3.0 * brake_mm + v * learned_s(machine), ..Excuse::default() }
+}
+
+/// In so many s the observer of a lead learns of a new speed.
+fn learned_s(machine: &Machine) -> f64 {
+    2.0 / (core::f64::consts::TAU * machine.spindle.observer_hz)
+}
+
+/// How long a bus takes there and back, s.
+fn bus_s(machine: &Machine) -> f64 {
+    let bus = machine.plant.get("bus");
+    let cycles = |key: &str| bus.and_then(|bus| bus.get(key)).and_then(toml::Value::as_integer).unwrap_or(0);
+    (cycles("input_cycles") + cycles("output_cycles")) as f64 * machine.general.cycle_s
 }
 
 /// How far X on its way to depth goes ahead of where the spindle has Z that is stopped meanwhile, mm: it
@@ -333,9 +344,11 @@ pub(crate) fn late_mm(machine: &Machine, stroke_mm: f64, change_rpm: f64) -> f64
 
 /// How far the slide of an axis lags behind that goes so many mm in a turn, while the spindle changes its
 /// speed by so many 1/min in a cycle, mm: by a/(2πf)², and the observer of the spindle and the servo by more
-/// than that.
+/// than that. What is under way on a bus for d was reckoned for the speed that was known, which is a t behind
+/// until the observer has learned, and lacks a d at the end: a d (t + d/2).
 pub(crate) fn lag_mm(machine: &Machine, axis: Axis, lead_mm: f64, change_rpm: f64) -> f64 {
     let a = lead_mm * change_rpm / 60.0 / machine.general.cycle_s;
     let rad_s = core::f64::consts::TAU * in_truth(machine, axis, "mode_hz", 100.0);
-    2.0 * SERVO * a / (rad_s * rad_s)
+    let bus_s = bus_s(machine);
+    2.0 * SERVO * a / (rad_s * rad_s) + a * bus_s * (learned_s(machine) + 0.5 * bus_s)
 }
