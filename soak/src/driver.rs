@@ -70,7 +70,9 @@ impl Report {
     }
 
     fn take(&mut self, case: &Case, ran: &Ran) {
-        for kind in case.kinds.iter().copied().chain(case.events.iter().map(|event| event.what.kind())) {
+        let shop = (case.machine.general.name == draw::SHOP).then_some(draw::SHOP);
+        let events = case.events.iter().map(|event| event.what.kind());
+        for kind in shop.into_iter().chain(case.kinds.iter().copied()).chain(events) {
             *self.drawn.entry(kind).or_default() += 1;
         }
         *self.drawn.entry(if case.events.is_empty() { "undisturbed" } else { "disturbed" }).or_default() += 1;

@@ -22,6 +22,7 @@ fn no_seed_breaks_an_invariant() {
         "formula",
         "power-lost",
         "kill-regulator",
+        "shop-lathe",
     ] {
         assert!(report.drawn.contains_key(kind), "no {kind} among {seeds} seeds");
     }

@@ -7,6 +7,9 @@ use std::sync::LazyLock;
 use machine::{AxisConfig, Kinematics, Machine, PLAIN_LATHE, POSITIONER, Reaction, RunOut, SMALL_MILL};
 use protocol::Axis;
 use testing::Seed;
+use toml::{Table, Value};
+
+use super::shop::shop;
 
 /// rad/s in one 1/min.
 const RAD_S: f64 = core::f64::consts::TAU / 60.0;
@@ -50,6 +53,11 @@ pub(super) fn lathe(seed: &mut Seed, x_mm: f64, z_mm: f64) -> Machine {
     what_all_have(seed, &mut machine);
     if seed.chance(0.2) {
         worn(seed, &mut machine);
+    }
+    // A branch of the seed: what follows draws what it would without.
+    let branch = &mut Seed::new(!seed.clone().next());
+    if branch.chance(0.5) {
+        shop(branch, &mut machine);
     }
     machine
 }
@@ -124,16 +132,17 @@ fn worn(seed: &mut Seed, machine: &mut Machine) {
     }
 }
 
-fn plant(machine: &mut Machine, section: &str, key: &str, value: f64) {
-    if let Some(toml::Value::Table(table)) = machine.plant.get_mut(section) {
-        table.insert(key.into(), toml::Value::Float(value));
+pub(super) fn plant(machine: &mut Machine, section: &str, key: &str, value: impl Into<Value>) {
+    let section = machine.plant.entry(section).or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(table) = section {
+        table.insert(key.into(), value.into());
     }
 }
 
-fn axis_truth(machine: &mut Machine, axis: Axis, key: &str, value: f64) {
-    let axes = machine.plant.get_mut("axis").and_then(toml::Value::as_table_mut);
-    let table = axes.and_then(|axes| axes.get_mut(axis.name())).and_then(toml::Value::as_table_mut);
+pub(super) fn axis_truth(machine: &mut Machine, axis: Axis, key: &str, value: impl Into<Value>) {
+    let axes = machine.plant.get_mut("axis").and_then(Value::as_table_mut);
+    let table = axes.and_then(|axes| axes.get_mut(axis.name())).and_then(Value::as_table_mut);
     if let Some(table) = table {
-        table.insert(key.into(), toml::Value::Float(value));
+        table.insert(key.into(), value.into());
     }
 }

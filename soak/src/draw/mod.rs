@@ -4,6 +4,7 @@
 mod events;
 mod lathe;
 mod machines;
+mod shop;
 mod thread;
 mod timed;
 
@@ -12,6 +13,7 @@ use testing::Seed;
 use crate::case::{Case, Ready};
 
 pub(crate) use events::events;
+pub(crate) use shop::SHOP;
 
 /// Programs that a machine refuses, or that take long, are drawn again so often.
 const TRIES: u64 = 1000;
