@@ -344,7 +344,7 @@ pub(crate) fn late_mm(machine: &Machine, stroke_mm: f64, change_rpm: f64) -> f64
 
 /// How far the slide of an axis lags behind that goes so many mm in a turn, while the spindle changes its
 /// speed by so many 1/min in a cycle, mm: by a/(2πf)², and the observer of the spindle and the servo by more
-/// than that. What is under way on a bus for d was reckoned for the speed that was known, which is a t behind
+/// than that. What is under way on a bus for d was reckoned for the speed that was known, a t behind
 /// until the observer has learned, and lacks a d at the end: a d (t + d/2).
 pub(crate) fn lag_mm(machine: &Machine, axis: Axis, lead_mm: f64, change_rpm: f64) -> f64 {
     let a = lead_mm * change_rpm / 60.0 / machine.general.cycle_s;
