@@ -37,7 +37,7 @@ fn a_wrong_lead_of_the_screw_is_an_error_of_the_lead() {
 
 #[test]
 fn a_wrong_home_is_an_offset_of_the_thread() {
-    let [right, wrong] = ["", "[axis.z]\nhome_mm = 100.3"].map(|plant| {
+    let [right, wrong] = ["", "[axis.z]\nhome_off_mm = 0.3"].map(|plant| {
         let seen = thread(plant);
         assert!(seen.passes[0].complete);
         seen.passes[0].slide_phase_um

@@ -33,9 +33,10 @@ pub(crate) struct AxisTrain {
     /// What the controller believes, too; that is true if nothing is said here.
     pub(crate) screw_lead_mm: Option<f64>,
     pub(crate) encoder_counts: Option<u32>,
-    pub(crate) home_mm: Option<f64>,
     pub(crate) scale_step_mm: Option<f64>,
     pub(crate) torque_limit_nm: Option<f64>,
+    /// How far beside where it believes to be at home the slide truly stands, mm.
+    pub(crate) home_off_mm: f64,
     /// Everything that turns: rotor, coupling, screw, kg m².
     pub(crate) inertia_kg_m2: f64,
     /// Slide with its tool, kg.
@@ -93,7 +94,7 @@ impl Default for AxisTrain {
         AxisTrain {
             screw_lead_mm: None,
             encoder_counts: None,
-            home_mm: None,
+            home_off_mm: 0.0,
             scale_step_mm: None,
             torque_limit_nm: None,
             inertia_kg_m2: 12e-4,
@@ -170,6 +171,7 @@ impl AxisTrain {
             ("quick_stop_mm_s2", self.quick_stop_mm_s2, 1.0, 1e6),
             ("overspeed_mm_s", self.overspeed_mm_s, 1.0, 1e5),
             ("brake_n", self.brake_n, 1.0, 1e6),
+            ("home_off_mm", self.home_off_mm, -100.0, 100.0),
             ("gravity_n", self.gravity_n, -HELD * self.brake_n, HELD * self.brake_n),
         ] {
             range(&format!("{section}.{name}"), value, low, high)?;
@@ -177,7 +179,6 @@ impl AxisTrain {
         for (name, value, low, high) in [
             ("screw_lead_mm", self.screw_lead_mm, 1e-6, 1e3),
             ("encoder_counts", self.encoder_counts.map(f64::from), 16.0, 4e9),
-            ("home_mm", self.home_mm, -1e5, 1e5),
             ("scale_step_mm", self.scale_step_mm, 1e-7, 10.0),
             ("torque_limit_nm", self.torque_limit_nm, 1e-6, 1e4),
         ] {
@@ -196,7 +197,7 @@ impl AxisTrain {
         Facts {
             screw_lead_mm: self.screw_lead_mm.unwrap_or(belief.screw_lead_mm),
             encoder_counts: self.encoder_counts.unwrap_or(belief.encoder_counts),
-            home_mm: self.home_mm.unwrap_or(belief.home_mm),
+            home_mm: belief.home_mm + self.home_off_mm,
             scale_step_mm: belief.scale_step_mm.map(|step_mm| self.scale_step_mm.unwrap_or(step_mm)),
             torque_limit_nm: self.torque_limit_nm.unwrap_or(belief.torque_limit_nm),
         }

@@ -68,7 +68,7 @@ fn a_refusal_of_what_is_believed_too_names_the_key_and_what_is_allowed() {
     refuses(&[
         ("[axis.x]\nscrew_lead_mm = 0", "plant.axis.x.screw_lead_mm = 0: must lie between 0.000001 and 1000"),
         ("[axis.x]\nencoder_counts = 8", "plant.axis.x.encoder_counts = 8: must lie between 16 and"),
-        ("[axis.x]\nhome_mm = 1e6", "plant.axis.x.home_mm = 1000000: must lie between -100000 and"),
+        ("[axis.x]\nhome_off_mm = 1e6", "plant.axis.x.home_off_mm = 1000000: must lie between -100 and"),
         (
             "[axis.x]\nscale_step_mm = 0.001",
             "plant.axis.x.scale_step_mm = 0.001: the axis has no scale: [axis.x]",

@@ -54,7 +54,7 @@ fn a_wrong_screw_or_encoder_makes_the_true_way_another_one() {
 
 #[test]
 fn a_wrong_home_is_an_offset_of_the_slide() {
-    let [slide, encoder, scale] = places(&stand("[axis.x]\nhome_mm = 60.25"));
+    let [slide, encoder, scale] = places(&stand("[axis.x]\nhome_off_mm = 0.25"));
     assert!((slide - 60.25).abs() < 1e-9 && (encoder - 60.0).abs() < 1e-4 && (scale - 60.0).abs() < 1e-4);
 }
 

@@ -116,7 +116,7 @@ fn screw(seed: &mut Seed, machine: &mut Machine, axis: Axis) {
     let longer = 6e-5 * MOST * seed.signed();
     let believed = told(seed, longer);
     let Some(config) = machine.axis.get_mut(&axis) else { return };
-    let (lead_mm, home_mm) = (config.screw_lead_mm, config.home_mm);
+    let lead_mm = config.screw_lead_mm;
     if seed.chance(0.5) {
         config.screw_error = config.travel_mm.map(|mm| [mm, 1000.0 * believed * mm]).to_vec();
     }
@@ -124,7 +124,7 @@ fn screw(seed: &mut Seed, machine: &mut Machine, axis: Axis) {
         config.unload_mm = 0.008 * seed.between(0.0, MOST);
     }
     axis_truth(machine, axis, "screw_lead_mm", lead_mm * (1.0 + longer));
-    axis_truth(machine, axis, "home_mm", home_mm + 0.005 * MOST * seed.signed());
+    axis_truth(machine, axis, "home_off_mm", 0.005 * MOST * seed.signed());
 }
 
 /// X on a bed that slants. More than the friction of its guide, so that it keeps the nut on its flank.

@@ -40,7 +40,7 @@ impl Frame {
         };
         Frame {
             axis,
-            true_home_mm: excuse::in_truth(machine, axis, "home_mm", config.home_mm),
+            true_home_mm: config.home_mm + excuse::in_truth(machine, axis, "home_off_mm", 0.0),
             home_mm: config.home_mm,
             scale: lead_mm / config.screw_lead_mm - believed,
         }
@@ -60,12 +60,12 @@ mod tests {
     use super::Frame;
 
     /// Where a slide is measured that is truly at 20 mm, with these beside what is believed.
-    fn measured(home_mm: f64, lead_mm: f64, screw_error: &[[f64; 2]]) -> f64 {
+    fn measured(home_off_mm: f64, lead_mm: f64, screw_error: &[[f64; 2]]) -> f64 {
         let mut machine = Machine::plain();
         let z = machine.axis.get_mut(&Axis::Z).expect("a lathe");
         (z.home_mm, z.screw_lead_mm, z.screw_error) = (100.0, 5.0, screw_error.to_vec());
         let truth = machine.plant["axis"]["z"].as_table_mut().expect("its truth");
-        truth.insert("home_mm".into(), home_mm.into());
+        truth.insert("home_off_mm".into(), home_off_mm.into());
         truth.insert("screw_lead_mm".into(), lead_mm.into());
         let mut there = Truth::default();
         there.axes[Axis::Z.index()].slide_mm = 20.0;
@@ -74,10 +74,10 @@ mod tests {
 
     #[test]
     fn what_was_measured_wrongly_is_taken_off() {
-        assert_eq!(measured(100.0, 5.0, &[]), 20.0);
-        assert!((measured(100.005, 5.0, &[]) - 19.995).abs() < 1e-12);
+        assert_eq!(measured(0.0, 5.0, &[]), 20.0);
+        assert!((measured(0.005, 5.0, &[]) - 19.995).abs() < 1e-12);
         // 80 mm from home a screw that is longer by 1e-4 is 8 µm beyond, but for what is believed of it.
-        assert!((measured(100.0, 5.0005, &[]) - 20.008).abs() < 1e-6);
-        assert!((measured(100.0, 5.0005, &[[-100.0, -10.0], [100.0, 10.0]]) - 20.0).abs() < 1e-9);
+        assert!((measured(0.0, 5.0005, &[]) - 20.008).abs() < 1e-6);
+        assert!((measured(0.0, 5.0005, &[[-100.0, -10.0], [100.0, 10.0]]) - 20.0).abs() < 1e-9);
     }
 }
