@@ -18,9 +18,10 @@
 //! Z_h ← Z_h + 2 Δturns/n · res e^(−jhθ)/S,   1/S = (1 − j/x)³                                    (M130)
 //! ```
 //! A swing slower than 0.7 f_l the observer follows by itself: then nothing is learned of that harmonic, and
-//! what is known of it stays. So f_l is low where the spindle is slow. It is no lower than that needs, because
-//! a spindle goes on settling long after its ramp, and a slow observer takes that for ripple. Nothing is learned while the speed changes by more than 1 % a turn, nor for
-//! 0.5/f_l after that: a residual is no ripple then.
+//! what is known of it stays. So f_l is low where the spindle is slow. It is no lower than that needs,
+//! because a spindle goes on settling long after its ramp, and a slow observer takes that for ripple. Nothing
+//! is learned while the speed changes by more than 1 % a turn, nor for 0.5/f_l after that: a residual is no
+//! ripple then.
 //!
 //! Ripple of the speed, and an encoder that is eccentric or badly divided, look the same. Both are taken off
 //! the measurement and put back where they are followed; so it does no harm that something was learned

@@ -30,8 +30,8 @@
 //! index do not depend on the speed. They are corrected there, a sixteenth of a count a cycle, so that no
 //! observer swings, as long as the sum over ten turns stays within what is tolerated; beyond it, it is a
 //! fault. Where the latch jitters by J, less than 1 + 2 J counts may be nothing: they are corrected once 16
-//! indexes in a row have shown them, and until then the index is taken to be where it belongs. Having turned back, the spindle meets the index it met last; then a latch may differ by a count,
-//! because it comes from the other side. More than half a turn is no way back to the same index.
+//! indexes in a row have shown them. Having turned back, the spindle meets the index it met last; then a
+//! latch may differ by a count: it comes from the other side. More than half a turn is no way back to it.
 //!
 //! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
 //! that turns by more than 3 + A T² counts a cycle. At a lower speed nobody can tell it from a spindle that

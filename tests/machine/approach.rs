@@ -2,7 +2,7 @@
 //! each structure of feedforward, at every override. Bounds in µm.
 
 use crate::shop::Place;
-use machine::{Feedforward, Machine};
+use machine::{Feedforward, Machine, PLAIN_LATHE};
 use protocol::Axis;
 use rig::{
     observe::{Outcome, ServoError},
@@ -56,10 +56,17 @@ fn the_full_structure_over_ten_seeds() {
     within(&Machine::plain(), [2.0, 0.5, 0.5, 0.2]);
 }
 
+/// The built-in lathe, which is as hard as one in a shop.
+#[test]
+fn the_full_structure_in_a_shop_over_ten_seeds() {
+    within(&Machine::default(), [2.0, 0.5, 0.2, 0.2]);
+}
+
 #[test]
 fn the_tuned_machine_over_ten_seeds() {
     let place = Place::new();
-    let answer = place.ask(&["tune", "-o", "tuned.toml"]);
+    place.write("plain.toml", PLAIN_LATHE);
+    let answer = place.ask(&["tune", "--machine", "plain.toml", "-o", "tuned.toml"]);
     assert_eq!(answer.status, Some(0), "{}", answer.stderr);
     let text = std::fs::read_to_string(place.at("tuned.toml")).expect("it is written");
     within(&Machine::from_toml(&text).expect("it can be read"), [1.5, 0.3, 0.1, 0.1]);
@@ -95,7 +102,7 @@ fn each_part_of_the_feedforward_pays() {
     assert!(errors.windows(2).all(|pair| pair[0] > 1.5 * pair[1]), "{errors:?}");
 }
 
-/// The rows of the command, at its one seed.
+/// The rows of the command, at its one seed, on the built-in lathe.
 #[test]
 fn the_command_says_the_same() {
     let answer = Place::new().ask(&["experiment", "approach", "--json"]);
@@ -105,7 +112,7 @@ fn the_command_says_the_same() {
     let number = |row: &Value, key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key} in {row}"));
     assert_eq!(rows.len(), 7 * OVERRIDES.len());
     for row in rows.iter().filter(|row| row["structure"] == "full" && row["tuned"] == false) {
-        let error = approach(Feedforward::Full, number(row, "override_pct"), 1);
+        let error = on(&Machine::default(), number(row, "override_pct"), 1);
         // The last digit is lost on the way through JSON.
         assert!((number(row, "approach_min_um") - error.approach_min_um).abs() < 1e-9, "{row}");
         assert!((number(row, "end_um") - error.end_um).abs() < 1e-9, "{row}");
@@ -116,6 +123,6 @@ fn the_command_says_the_same() {
     for row in tuned {
         assert_eq!(row["structure"], "full");
         assert!(number(row, "end_um").abs() <= 0.3, "{row}");
-        assert!(number(row, "at_depth_max_abs_um") <= 0.1, "{row}");
+        assert!(number(row, "at_depth_max_abs_um") <= 0.2, "{row}");
     }
 }

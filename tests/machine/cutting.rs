@@ -5,10 +5,10 @@ use crate::shop::{Place, example, project};
 use protocol::Axis;
 use rig::observe::{CuttingReport, Outcome, PassReport, Summary};
 
-/// The small lathe with steel in the chuck.
+/// The plain lathe with steel in the chuck.
 fn steel(place: &Place) -> String {
     let lathe =
-        std::fs::read_to_string(project().join("examples/machines/small-lathe.toml")).expect("shipped");
+        std::fs::read_to_string(project().join("examples/machines/plain-lathe.toml")).expect("shipped");
     let cutting = lathe.replace("specific_force_n_mm2 = 0.0", "specific_force_n_mm2 = 2000.0");
     assert_ne!(cutting, lathe, "the key stands in the file");
     place.write("steel.toml", cutting).display().to_string()
@@ -33,7 +33,7 @@ fn cutting(pass: &PassReport) -> CuttingReport {
 fn m20x2_in_steel_slows_the_spindle_and_stays_on_its_helix() {
     let place = Place::new();
     let machine = steel(&place);
-    let air = run(&place, "air", &["--in-process"]);
+    let air = place.run_plain(&example("m20x2"), None);
     let steel = run(&place, "steel", &["--in-process", "--machine", &machine]);
     assert_eq!(steel.outcome, Outcome::Completed, "{:?}", steel.faults);
     assert!(air.passes.iter().all(|pass| pass.cutting.is_none()), "the shipped machine cuts air");

@@ -69,7 +69,7 @@ fn a_pause_is_named_at_the_end_of_the_run() {
 fn an_arc_beyond_the_travel_of_a_machine_that_has_changed_is_refused() {
     let place = Place::new();
     let program = program(&place).display().to_string();
-    let changed = machine::PLAIN_LATHE.replacen("travel_mm = [-5.0, 120.0]", "travel_mm = [-5.0, 19.0]", 1);
+    let changed = machine::SMALL_LATHE.replacen("travel_mm = [-5.0, 120.0]", "travel_mm = [-5.0, 19.0]", 1);
     let changed = changed.replacen("home_mm = 60.0", "home_mm = 15.0", 1);
     let machine = place.write("changed.toml", changed).display().to_string();
     let answer = place.ask(&["run", &program, "--machine", &machine]);

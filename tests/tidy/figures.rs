@@ -1,45 +1,10 @@
-//! What docs/figures.md claims, a run shows: its table of threads, its samples of summaries.
+//! What docs/figures.md claims, a run shows: its samples of summaries. Its table of threads is held by
+//! `tests/machine/ten_seeds.rs`.
 
-use crate::shop::{self, Place, example, project};
-use rig::observe::{PassReport, Summary};
+use crate::shop::{Place, example, project};
 
 fn page() -> String {
     std::fs::read_to_string(project().join("docs/figures.md")).expect("there is a page of figures")
-}
-
-/// Rows of the table of figures: its cells without the marks of the table.
-fn figures(page: &str) -> Vec<Vec<String>> {
-    let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
-    let of_example = |line: &&str| shop::EXAMPLES.iter().any(|name| line.starts_with(&format!("| {name} |")));
-    page.lines().filter(of_example).map(cells).collect()
-}
-
-fn worst(summary: &Summary, of: impl Fn(&PassReport) -> f64) -> f64 {
-    summary.passes.iter().map(of).fold(0.0, f64::max)
-}
-
-#[test]
-fn the_figures_of_threads_are_those_of_runs() {
-    let rows = figures(&page());
-    assert_eq!(rows.len(), shop::EXAMPLES.len() * (1 + shop::SCENARIOS.len()));
-    let place = Place::new();
-    for row in rows {
-        let scenario = Some(row[1].as_str()).filter(|name| *name != "–");
-        let summary = place.run_inside(&example(&row[0]), scenario);
-        let lowest = summary.passes.iter().map(|pass| pass.rpm_min).fold(f64::MAX, f64::min);
-        let shown = [
-            format!("{lowest:.0} … {:.0}", worst(&summary, |pass| pass.rpm_max)),
-            format!("{:.2}", worst(&summary, |pass| pass.tool.helix_max_abs_um)),
-            format!("{:.3}", summary.thread.tool_phase_spread_um),
-            format!("{:.2}", summary.thread.tool_depth_off_um.abs()),
-            format!("{:.2}", summary.thread.tool_depth_um),
-            format!("{:.2}", worst(&summary, |pass| pass.helix_max_abs_um)),
-            format!("{:.3}", summary.thread.phase_spread_um),
-            format!("{:.3}", worst(&summary, |pass| pass.lead_error_um_per_rev.abs())),
-            format!("{:.2}", worst(&summary, |pass| pass.x.thread_max_abs_um)),
-        ];
-        assert_eq!(row[2..], shown, "{} {}", row[0], row[1]);
-    }
 }
 
 #[test]
