@@ -131,13 +131,22 @@ fn at_the_tool(summary: &Summary, verdict: &mut Verdict) {
         1 => (String::new(), "is"),
         _ => (format!(", follow one groove within {passes}"), "are"),
     };
-    let most = off.into_iter().fold(0.0, f64::max);
-    let grade = if most > LOOK_SHARE * summary.part.error_um { Grade::Look } else { Grade::Good };
     let words = format!(
         "{count} helix within {helix} about its mean{same}, and {are} off in depth by {depth}, from end to end by \
          {ends}."
     );
-    verdict.say(grade, words);
+    verdict.say(Grade::Good, words);
+    let names = ["the helix", "the groove of the passes", "the depth", "the depth from end to end"];
+    let close = |(_, off): &(&str, f64)| *off > LOOK_SHARE * summary.part.error_um;
+    let near: Vec<_> = names.into_iter().zip(off).filter(close).map(|(name, _)| name).collect();
+    if !near.is_empty() && summary.part.reasons.is_empty() {
+        let words = format!(
+            "That is more than half of the {} that threading.part_error_um allows, in {}.",
+            um(summary.part.error_um),
+            near.join(" and ")
+        );
+        verdict.say(Grade::Look, words);
+    }
 }
 
 /// A tool further than this from its surface or contour, or a beam from its seam, deserves a look, µm.
@@ -242,6 +251,17 @@ mod tests {
             "The program ran to its end. One pass was cut. At the tool it keeps to its helix within 0.75 µm about its \
              mean, and is off in depth by 1.50 µm, from end to end by 2.70 µm."
         );
+    }
+
+    #[test]
+    fn what_is_close_to_too_much_is_named() {
+        let mut summary = good();
+        (summary.part.error_um, summary.thread.tool_depth_off_um) = (10.0, -5.5);
+        let verdict = of(&summary);
+        assert_eq!(verdict.grade, Grade::Look);
+        let named =
+            "That is more than half of the 10.00 µm that threading.part_error_um allows, in the depth.";
+        assert_eq!(verdict.sentences.last().map(String::as_str), Some(named));
     }
 
     #[test]
