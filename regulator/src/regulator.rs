@@ -160,19 +160,19 @@ impl Regulator {
         self.advance(measurement, command.as_ref(), missed, measured_mm);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let Regulator { state, stream, spindle, compensation, loops, cycle_s, .. } = self;
-        let cycle = measurement.cycle;
-        let reference = Reference { state, stream, spindle, cycle, cycle_s: *cycle_s, measured_mm };
+        let (cycle, cycle_s) = (measurement.cycle, *cycle_s);
+        let reference = Reference { state, stream, spindle, cycle, cycle_s, measured_mm };
         let angle_deg = reference.angle_deg();
         match compensation {
-            Some(known) if idle => known.rest(),
-            Some(known) => known.watch(reference.count_mm(), |lead_s| reference.axis(lead_s)),
+            Some(compensation) if idle => compensation.rest(),
+            Some(compensation) => compensation.watch(reference.count_mm(), |lead_s| reference.axis(lead_s)),
             None => {}
         }
         let now = reference.now();
         let sampled = if self.input_s > 0.0 { reference.ago(self.input_s) } else { now };
         let ahead_mm = if self.scales[self.axis] { 0.0 } else { self.elastic.ahead_mm(&sampled) };
-        let (elastic, sampled_mm, measured) =
-            (self.elastic, sampled.s + ahead_mm, &measurement.axes[self.axis]);
+        let (elastic, sampled_mm) = (self.elastic, sampled.s + ahead_mm);
+        let measured = &measurement.axes[self.axis];
         let motor = Motor { reference, sampled_mm, elastic, compensation: compensation.as_ref() };
         let command = if idle { loops.rest() } else { loops.tick(&motor, measured_mm, measured) };
         self.last = now;
