@@ -35,7 +35,7 @@ fn a_whole_program_allocates_nothing() {
         for scenario in shop::SCENARIOS {
             let text = |path| fs::read_to_string(path).expect("examples are shipped");
             // With steel in the chuck, so that there is a cut to be remembered.
-            let lathe = text(shop::project().join("examples/machines/plain-lathe.toml"));
+            let lathe = text(shop::project().join("examples/machines/small-lathe.toml"));
             let steel = lathe.replace("specific_force_n_mm2 = 0.0", "specific_force_n_mm2 = 2000.0");
             assert_ne!(steel, lathe, "the key stands in the file");
             let machine = Machine::from_toml(&steel).expect("it is right");

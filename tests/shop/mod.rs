@@ -124,19 +124,20 @@ impl Place {
 
     /// The same in one process and without a trace; `scenario` may name one of the shipped ones.
     pub fn run_inside(&self, program: &Path, scenario_name: Option<&str>) -> Summary {
-        let scenario = scenario_name.map(|name| scenario(name).display().to_string());
-        let mut arguments = vec!["--in-process", "--trace", "none"];
-        arguments.extend(scenario.iter().flat_map(|path| ["--scenario", path.as_str()]));
-        self.run(program, &format!("inside-{}", scenario_name.unwrap_or("quiet")), &arguments)
+        self.run_with(program, "inside", scenario_name, &[])
     }
 
     /// The same on the plain lathe.
     pub fn run_plain(&self, program: &Path, scenario_name: Option<&str>) -> Summary {
         let machine = project().join("examples/machines/plain-lathe.toml").display().to_string();
+        self.run_with(program, "plain", scenario_name, &["--machine", &machine])
+    }
+
+    fn run_with(&self, program: &Path, out: &str, scenario_name: Option<&str>, more: &[&str]) -> Summary {
         let scenario = scenario_name.map(|name| scenario(name).display().to_string());
-        let mut arguments = vec!["--in-process", "--trace", "none", "--machine", &machine];
+        let mut arguments = [&["--in-process", "--trace", "none"], more].concat();
         arguments.extend(scenario.iter().flat_map(|path| ["--scenario", path.as_str()]));
-        self.run(program, &format!("plain-{}", scenario_name.unwrap_or("quiet")), &arguments)
+        self.run(program, &format!("{out}-{}", scenario_name.unwrap_or("quiet")), &arguments)
     }
 
     /// Starts a run over processes and leaves it alone. The run folder is called `run`.

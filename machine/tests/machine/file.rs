@@ -12,7 +12,7 @@ fn refusal(text: &str) -> String {
     Machine::from_toml(text).unwrap_err().to_string()
 }
 
-/// The built-in file with one line changed.
+/// The file of the plain lathe with one line changed.
 fn with(line: &str, instead: &str) -> String {
     assert!(PLAIN_LATHE.contains(line), "{line}");
     PLAIN_LATHE.replacen(line, instead, 1)
@@ -347,6 +347,16 @@ proptest! {
     #[test]
     fn no_number_makes_it_panic(path in prop::sample::select(paths()), number in any::<f64>()) {
         let _ = Machine::from_toml(&replaced(&path, Value::Float(number)));
+    }
+}
+
+#[test]
+fn the_jitter_of_the_index_has_bounds() {
+    for jitter in ["-1e-9", "2e-4"] {
+        let keys = format!("encoder_lines = 2500          # four counts each\nindex_jitter_s = {jitter}");
+        let refused = refusal(&with("encoder_lines = 2500          # four counts each", &keys));
+        assert!(refused.starts_with("spindle.index_jitter_s = "), "{refused}");
+        assert!(refused.contains("must lie between 0 and 0.0001"), "{refused}");
     }
 }
 
