@@ -22,6 +22,7 @@ pub(crate) mod bounds;
 pub(crate) mod excuse;
 mod finish;
 mod frame;
+mod groove;
 mod leaves;
 mod limits;
 mod rest;
