@@ -100,27 +100,9 @@ impl Tool {
     ) -> Option<Broken> {
         let truth = exchange.record.truth;
         let now = truth.cycle.0;
-        let mut let_go = None;
-        for (axis, led) in [Axis::X, Axis::Z].into_iter().zip(&mut self.led) {
-            if is_led(exchange, axis) {
-                *led = Some(now);
-            } else if now > 0 && *led == Some(now - 1) && !torque::is_explained(known, axis, now) {
-                let_go = let_go.or(Some(axis));
-            }
-        }
-        if self.led[1] == Some(now) {
-            self.x_mm_s = truth.axes[Axis::X.index()].velocity_mm_s.abs();
-        }
-        // It touched in the cycle before: what comes next is said of this one. Behind an X that was taken
-        // away the spindle stands in the end, or Z at the end of its way: then it may let go.
-        // And nobody knows whether a spindle stands whose encoder has failed.
-        let blind = known.events.iter().any(|event| now >= event.at && excuse::blinds(&event.what));
-        let turns = truth.spindle_rpm.abs() > STANDS_RPM && !self.braking && !blind;
-        let holds = self.led[0] == Some(now) || turns;
-        if let Some(axis) = let_go.filter(|axis| self.cutting && (*axis == Axis::X || holds)) {
-            let text =
-                format!("{axis} has no torque any more, the tool is in the material, nothing explains it");
-            return Some(Broken::new("let-go", now, text));
+        let let_go = self.lets_go(known, exchange);
+        if let_go.is_some() {
+            return let_go;
         }
         let in_hand = exchange.record.axes.iter().find(|(_, status)| status.state().is_in_pass());
         if let Some((_, status)) = in_hand {
@@ -161,6 +143,33 @@ impl Tool {
             return self.stuck(known, exchange, pass, stock.angle_deg(&contact));
         }
         self.late(known, pass, now)
+    }
+
+    /// An axis has had torque until now, and the tool touched in the cycle before. Behind an X that was taken
+    /// away the spindle stands in the end, or Z at the end of its way: then it may let go. And nobody knows
+    /// whether a spindle stands whose encoder has failed, or is so noisy that a module has said that it does
+    /// not believe it: without an angle Z can only come to rest where it is.
+    fn lets_go(&mut self, known: &Known, exchange: &Exchange) -> Option<Broken> {
+        let truth = exchange.record.truth;
+        let now = truth.cycle.0;
+        let mut let_go = None;
+        for (axis, led) in [Axis::X, Axis::Z].into_iter().zip(&mut self.led) {
+            if is_led(exchange, axis) {
+                *led = Some(now);
+            } else if now > 0 && *led == Some(now - 1) && !torque::is_explained(known, axis, now) {
+                let_go = let_go.or(Some(axis));
+            }
+        }
+        if self.led[1] == Some(now) {
+            self.x_mm_s = truth.axes[Axis::X.index()].velocity_mm_s.abs();
+        }
+        let fails = |what: &What| excuse::blinds(what) || self.disbelieved && excuse::miscounts(what);
+        let blind = known.events.iter().any(|event| now >= event.at && fails(&event.what));
+        let turns = truth.spindle_rpm.abs() > STANDS_RPM && !self.braking && !blind;
+        let holds = self.led[0] == Some(now) || turns;
+        let axis = let_go.filter(|axis| self.cutting && (*axis == Axis::X || holds))?;
+        let text = format!("{axis} has no torque any more, the tool is in the material, nothing explains it");
+        Some(Broken::new("let-go", now, text))
     }
 
     /// What the spindle does, and what of it nobody can see.

@@ -1,7 +1,7 @@
 //! Whether the judge would notice: a machine to which something happens that the judge is not told of. What
 //! an event excuses nobody excuses then, so the invariant that is named has to break; told of it, it holds.
 
-use protocol::{Axis, AxisState, Cycle, SpindleCommand, WayOut};
+use protocol::{Axis, AxisState, Cycle, Module, SpindleCommand, WayOut};
 use rig::observe::Observer;
 use rig::wires::{Straight, Wires};
 use rig::{Exchange, Rig};
@@ -24,15 +24,20 @@ pub(crate) struct Thread {
 pub(crate) fn thread(wanted: impl Fn(&Case, &Ready) -> bool) -> Thread {
     for seed in 0..500 {
         let (case, ready) = soak::draw(seed);
-        if !wanted(&case, &ready) {
-            continue;
+        if wanted(&case, &ready) {
+            return drawn(seed);
         }
-        let alone = run::undisturbed(&case, &ready);
-        assert_eq!(alone.broken, None, "seed {seed}");
-        let middle = middle(&case, &ready);
-        return Thread { case, ready, reference: alone.measured, middle };
     }
     panic!("no seed draws it");
+}
+
+/// The case of a seed.
+pub(crate) fn drawn(seed: u64) -> Thread {
+    let (case, ready) = soak::draw(seed);
+    let alone = run::undisturbed(&case, &ready);
+    assert_eq!(alone.broken, None, "seed {seed}");
+    let middle = middle(&case, &ready);
+    Thread { case, ready, reference: alone.measured, middle }
 }
 
 /// The cycle in the middle of the first time that Z is synchronised.
@@ -111,6 +116,24 @@ fn an_axis_that_lets_go_in_the_thread_is_found_unless_its_drive_has_failed() {
             assert_eq!(name(judged(&thread, &[event], &[told], Straight)), Some("let-go"), "{event:?}");
         }
     }
+}
+
+#[test]
+fn z_may_let_go_beside_an_x_that_is_stuck_if_nobody_believes_the_encoder() {
+    let thread = drawn(22137);
+    let frozen = Event { at: 3372, what: What::Freeze(Module::Regulator(Axis::X), Some(1.48)) };
+    let happens = |happen: &[Event], told: &[Event]| name(judged(&thread, happen, told, Straight));
+    // So noisy that it is taken for a glitch in cycle 3242.
+    let loud = [plant(3239, Trouble::Noise(6)), frozen];
+    assert_eq!(happens(&loud, &loud), None);
+    // X has not let go yet.
+    let early = plant(3365, Trouble::TorqueLost(Axis::Z));
+    assert_eq!(happens(&[loud[0], early], &loud), Some("let-go"));
+    // An encoder that is eccentric counts wrongly, too, and everybody believes it.
+    let believed = [plant(3239, Trouble::Eccentricity(5.0)), frozen];
+    assert_eq!(happens(&believed, &believed), None);
+    let later = plant(3400, Trouble::TorqueLost(Axis::Z));
+    assert_eq!(happens(&[believed[0], frozen, later], &believed), Some("let-go"));
 }
 
 #[test]
