@@ -4,7 +4,7 @@ use protocol::{Axis, MachineState, Module};
 use rig::observe::{Observation, Outcome, Record};
 use rig::supervisor::End;
 
-use super::{Broken, Judge, bounds, excuse};
+use super::{Broken, Judge, Reference, bounds, excuse};
 use crate::event::{Event, Fate, SpindleFault, Trouble, What};
 
 /// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
@@ -126,9 +126,8 @@ impl Judge<'_> {
         let faults = || observation.faults.iter().map(|fault| format!("{} {}", fault.source, fault.code));
         match observation.outcome {
             Outcome::Completed if ending == Ending::Finished => {
-                let near = |(here, there): (&f64, &f64)| (here - there).abs() < SAME_MM;
-                let there = self.measured.end_mm.iter().zip(&reference.end_mm).all(near);
-                if complete != all || (moves, taken) != (reference.moves, reference.taken) || !there {
+                let done = (moves, taken) == (reference.moves, reference.taken);
+                if complete != all || !done || !self.is_there(last, reference) {
                     let text = format!(
                         "completed with passes {complete:?} of {all:?}, {moves} moves of {}",
                         reference.moves
@@ -162,6 +161,21 @@ impl Judge<'_> {
             _ => {}
         }
         None
+    }
+
+    /// Whether every axis has been led to where it ends undisturbed. A regulator that hangs says nothing of
+    /// its last cycles, and nobody misses it so soon: its axis has to be there in truth, as near as is in
+    /// position.
+    fn is_there(&self, last: &Record, reference: &Reference) -> bool {
+        let now = last.truth.cycle;
+        (0..).zip(last.axes).all(|(i, (axis, status)): (usize, _)| {
+            let off = |here: &[f64], there: &[f64]| (here[i] - there[i]).abs();
+            let hangs = status.cycle < now;
+            match self.known.machine.axis.get(axis).filter(|_| hangs) {
+                None => off(&self.measured.end_mm, &reference.end_mm) < SAME_MM,
+                Some(config) => off(&self.measured.slides_mm, &reference.slides_mm) <= config.in_position_mm,
+            }
+        })
     }
 }
 

@@ -79,8 +79,10 @@ pub struct Reference {
     pub taken: u64,
     /// Cycle of the last of them: what follows is the spindle that runs down.
     pub worked: u64,
-    /// Where the axes are in the end, mm.
+    /// Where the axes are led in the end, mm.
     pub end_mm: Vec<f64>,
+    /// Where their slides truly are then, mm.
+    pub slides_mm: Vec<f64>,
     /// Cycles in which an axis, or the machine, goes from one state to another.
     pub borders: Vec<u64>,
     /// What the servo does in each pass: by how much the tool is too deep, and beside the groove, mm.
@@ -205,6 +207,9 @@ impl<'a> Judge<'a> {
         (measured.moves, measured.taken) = worked;
         measured.end_mm.clear();
         measured.end_mm.extend(record.axes.iter().map(|(_, status)| status.commanded_mm));
+        let slides = record.axes.iter().map(|(axis, _)| record.truth.axes[axis.index()].slide_mm);
+        measured.slides_mm.clear();
+        measured.slides_mm.extend(slides);
     }
 
     /// After the end of the program nothing is commanded any more.

@@ -11,6 +11,8 @@ use soak::event::{Button, Event, Trouble, What};
 use soak::judge::{Broken, Ending, Judge, Reference};
 use soak::run;
 
+use crate::mutants::{Blind, Row};
+
 /// A case of the drawn ones, ready, with what it does undisturbed, and the cycle in the middle of its first
 /// pass, 0 if it has none.
 pub(crate) struct Thread {
@@ -213,4 +215,18 @@ fn what_is_pressed_and_what_breaks_before_the_end_does_not_complete() {
     assert_eq!(name(judged(&thread, &[], &[], Straight)), None);
     let half = stop(thread.reference.cycles / 2);
     assert_eq!(name(judged(&thread, &[half], &[half], Straight)), None);
+}
+
+#[test]
+fn a_regulator_that_hangs_is_not_missed_once_its_axis_is_there() {
+    let thread = drawn(93009);
+    let ends = thread.reference.cycles;
+    let frozen = |at: u64| Event { at, what: What::Freeze(Module::Regulator(Axis::C), None) };
+    for event in (ends - 20..ends).map(frozen) {
+        assert_eq!(name(judged(&thread, &[event], &[event], Straight)), None, "{event:?}");
+    }
+    // Nobody is shown that it hangs on its way.
+    let early = frozen(ends - 60);
+    let hidden = Blind::new(Row::SilentRegulators, 1.0);
+    assert_eq!(name(judged(&thread, &[early], &[early], hidden)), Some("untrue"));
 }

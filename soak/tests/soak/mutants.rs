@@ -20,7 +20,7 @@ const LEAVE: u32 = 5;
 
 /// What is hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Row {
+pub(crate) enum Row {
     /// The drives of the other axes, and the order to leave that follows.
     OtherDrives,
     /// Emergency stop.
@@ -34,7 +34,7 @@ enum Row {
 }
 
 /// Wires that hide it.
-struct Blind {
+pub(crate) struct Blind {
     row: Row,
     measurement: Measurement,
     frame: AxisFrame,
@@ -53,7 +53,7 @@ const JUMP: i64 = 4;
 const SLEW: i64 = 2;
 
 impl Blind {
-    fn new(row: Row, turn: f64) -> Blind {
+    pub(crate) fn new(row: Row, turn: f64) -> Blind {
         Blind {
             row,
             measurement: Measurement::default(),
