@@ -59,7 +59,7 @@ pub struct PassStock {
     groove: Vec<(f64, f64)>,
 }
 
-/// Where the tool is in the material.
+/// Where the tool is, in the material or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// d, mm.
@@ -132,23 +132,42 @@ impl PassStock {
         }
     }
 
-    /// Where the tool is in the material, if it is; mm, degrees.
-    pub fn contact(&self, x_mm: f64, z_mm: f64, spindle_deg: f64, tan_flank: f64) -> Option<Contact> {
+    /// Where the tool is; mm, degrees.
+    pub fn place(&self, x_mm: f64, z_mm: f64, spindle_deg: f64, tan_flank: f64) -> Contact {
         let s = self.towards * (z_mm - self.start_z);
         let depth_mm = self.into * (x_mm - self.slope * z_mm - self.crest);
-        if depth_mm <= SKIN_MM || s <= self.face || s >= self.back {
-            return None;
-        }
         let turns = (self.direction * spindle_deg - self.helix.0) / 360.0;
         let ahead = (s - self.helix.1) / self.lead - turns;
         let beside = (ahead - ahead.round()).abs() * self.lead;
         let room = (self.deepest - depth_mm).max(0.0) * tan_flank;
-        Some(Contact {
+        Contact {
             depth_mm,
             way_mm: s,
             bottom_mm: depth_mm - self.groove_at(s),
             // Nothing is beside the groove by more than it is behind the face.
             flank_mm: (beside - room).min(s - self.face),
+        }
+    }
+
+    /// Whether the tool is in the material there.
+    pub fn touches(&self, place: &Contact) -> bool {
+        place.depth_mm > SKIN_MM && self.is_along(place)
+    }
+
+    fn is_along(&self, place: &Contact) -> bool {
+        place.way_mm > self.face && place.way_mm < self.back
+    }
+
+    /// Where the tool goes through the skin of the part from one cycle to the next, if it does.
+    pub fn through_skin(&self, from: &Contact, to: &Contact) -> Option<Contact> {
+        let [was, is] = [from, to].map(|place| place.depth_mm - SKIN_MM);
+        let along = [from, to].into_iter().all(|place| self.is_along(place));
+        let between = |from: f64, to: f64| from + was / (was - is) * (to - from);
+        (along && was * is < 0.0).then(|| Contact {
+            depth_mm: SKIN_MM,
+            way_mm: between(from.way_mm, to.way_mm),
+            bottom_mm: between(from.bottom_mm, to.bottom_mm),
+            flank_mm: between(from.flank_mm, to.flank_mm),
         })
     }
 

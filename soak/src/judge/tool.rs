@@ -13,6 +13,7 @@ use super::{
     groove::{Seen, TOLERANCE_MM, beside},
     is_led,
     leaves::makes_leave,
+    stock::{Contact, PassStock},
     torque,
 };
 use crate::event::{Button, Event, SpindleFault, Trouble, What};
@@ -41,6 +42,8 @@ pub(crate) struct Tool {
     /// Angle since when the tool touches the part without X being able to leave, degrees, and how many turns
     /// it may.
     stuck: Option<(f64, f64)>,
+    /// Where it was in the cycle before, in which pass.
+    place: Option<(u32, Contact)>,
     touching: bool,
     /// Deeper than a slide lags behind its motor.
     cutting: bool,
@@ -69,6 +72,7 @@ impl Tool {
             pass: None,
             led: [Some(0); 2],
             stuck: None,
+            place: None,
             touching: false,
             cutting: false,
             braking: false,
@@ -115,22 +119,23 @@ impl Tool {
         self.backwards = if backwards { self.backwards.or(Some(now)) } else { None };
         let stock = stock.as_ref()?;
         let [x_mm, z_mm] = self.frames.map(|frame| frame.place_mm(truth));
-        let contact = stock.contact(x_mm, z_mm, truth.spindle_deg, known.tan_flank);
+        let place = stock.place(x_mm, z_mm, truth.spindle_deg, known.tan_flank);
+        let before = self.place.replace((pass.pass, place)).filter(|(before, _)| *before == pass.pass);
+        let skin = before.and_then(|(_, before)| stock.through_skin(&before, &place));
+        let contact = Some(place).filter(|place| stock.touches(place));
         self.touching = contact.is_some();
         self.cutting = contact.is_some_and(|contact| contact.depth_mm > LAGS_MM);
         self.braking = contact.is_some_and(|contact| stock.brakes(&contact));
+        let [x_led, z_led] = self.led.map(|led| led == Some(now));
+        if x_led && z_led {
+            let servo = servo.entry(pass.pass).or_insert((0.0, 0.0));
+            contact.iter().chain(&skin).for_each(|contact| measure(stock, contact, servo));
+        }
         let Some(contact) = contact else {
             self.stuck = None;
             return None;
         };
-        let [x_led, z_led] = self.led.map(|led| led == Some(now));
         let turn = turn_cycles(known, pass);
-        if x_led && z_led {
-            let (bottom_mm, flank_mm) = servo.entry(pass.pass).or_insert((0.0, 0.0));
-            *flank_mm = flank_mm.max(contact.flank_mm);
-            // Where X strokes steeply, or Z brakes, only that is too deep which is so wherever Z is beside.
-            *bottom_mm = bottom_mm.max(stock.bottom_mm(&contact, *flank_mm + TOLERANCE_MM));
-        }
         let blind = self.disbelieved || known.events.iter().any(|event| excuse::blinds(&event.what));
         let unseen = self.unseen.filter(|_| blind).map_or(0.0, |(_, turns)| turns.abs());
         // From the one to the other a slide swings twice as far.
@@ -273,6 +278,13 @@ impl Tool {
             Broken::new("ring", now, text)
         })
     }
+}
+
+/// What the servo does where the tool touches: by how much it is too deep, and beside the groove, mm.
+fn measure(stock: &PassStock, contact: &Contact, (bottom_mm, flank_mm): &mut (f64, f64)) {
+    *flank_mm = flank_mm.max(contact.flank_mm);
+    // Where X strokes steeply, or Z brakes, only that is too deep which is so wherever Z is beside.
+    *bottom_mm = bottom_mm.max(stock.bottom_mm(contact, *flank_mm + TOLERANCE_MM));
 }
 
 /// When a hold that was pressed at `at` for so many cycles is released: any cycle start ends it.

@@ -230,3 +230,14 @@ fn a_regulator_that_hangs_is_not_missed_once_its_axis_is_there() {
     let hidden = Blind::new(Row::SilentRegulators, 1.0);
     assert_eq!(name(judged(&thread, &[early], &[early], hidden)), Some("untrue"));
 }
+
+#[test]
+fn a_tool_is_as_far_in_the_flank_where_it_leaves_the_part_between_two_cycles_as_undisturbed() {
+    let thread = drawn(11066);
+    // The tool leaves the part at 42 mm/s while Z brakes: a cycle later it is 18 µm farther in the flank.
+    let eccentric = plant(1891, Trouble::Eccentricity(11.05));
+    assert_eq!(name(judged(&thread, &[eccentric], &[eccentric], Straight)), None);
+    let pushed = plant(2010, Trouble::Force(Axis::Z, 1000.0, 0.05));
+    assert_eq!(name(judged(&thread, &[eccentric, pushed], &[eccentric], Straight)), Some("flank"));
+    assert_eq!(name(judged(&thread, &[eccentric, pushed], &[eccentric, pushed], Straight)), None);
+}
