@@ -21,7 +21,7 @@ const SWINGS_RPM: f64 = 20.0;
 
 /// What is seen of a tool that touches in a cycle: the changes of the spindle's speed so far, 1/min in a
 /// cycle; whether X and Z have torque; the speed of the spindle, 1/min; turns that nobody can have seen;
-/// how fast X was when Z had torque last, mm/s.
+/// how fast X was when Z had torque last, mm/s; how deep the tool was when X began to leave, mm.
 pub(super) struct Seen {
     pub(super) contact: Contact,
     pub(super) now: u64,
@@ -31,6 +31,7 @@ pub(super) struct Seen {
     pub(super) rpm: f64,
     pub(super) unseen: f64,
     pub(super) x_mm_s: f64,
+    pub(super) left_mm: Option<f64>,
 }
 
 /// How far X, by an estimate, and Z lag behind a spindle that is uneven, mm.
@@ -44,7 +45,7 @@ fn lags_mm(machine: &Machine, pass: &ThreadPass, lead: f64, uneven: f64) -> (f64
 /// The tool is beside its groove. Without torque X gives no depth any more, but Z goes on along the helix up
 /// to where the pass brakes, unless its encoder has failed too; without Z, X may not go deeper.
 pub(super) fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: &Seen) -> Option<Broken> {
-    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s } = seen;
+    let Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s, left_mm } = seen;
     let (tan, now, turn, uneven) = (known.tan_flank, *now, *turn, *uneven);
     let servo = match known.reference {
         Some(reference) => reference.servo.get(&pass.pass).copied().unwrap_or((0.0, 0.0)),
@@ -78,6 +79,9 @@ pub(super) fn beside(known: &Known, pass: &ThreadPass, stock: &PassStock, seen: 
         true => contact.depth_mm - stock.deepest,
         false => stock.bottom_mm(contact, flank),
     };
+    // A way out by time begins more gently than a retract by the angle that is under way: it is behind it at
+    // first, and no deeper along the cone than where it began.
+    let bottom_mm = left_mm.map_or(bottom_mm, |left_mm| bottom_mm.min(contact.depth_mm - left_mm));
     // Behind a spindle that runs away X is still in the part where Z ends: that is as far as Z may go.
     let ends = deepest && stock.brakes(contact);
     if ends {

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use machine::Machine;
-use protocol::{Axis, Fault, ThreadPass, WayOut};
+use protocol::{Axis, AxisState, AxisStatus, Fault, ThreadPass, WayOut};
 use rig::Exchange;
 
 use super::{
@@ -45,6 +45,8 @@ pub(crate) struct Tool {
     /// Where it was in the cycle before, in which pass.
     place: Option<(u32, Contact)>,
     touching: bool,
+    /// How deep it was when X began to leave, mm.
+    left_mm: Option<f64>,
     /// Deeper than a slide lags behind its motor.
     cutting: bool,
     /// And Z brakes there, or has.
@@ -74,6 +76,7 @@ impl Tool {
             stuck: None,
             place: None,
             touching: false,
+            left_mm: None,
             cutting: false,
             braking: false,
             said: None,
@@ -123,6 +126,10 @@ impl Tool {
         let before = self.place.replace((pass.pass, place)).filter(|(before, _)| *before == pass.pass);
         let skin = before.and_then(|(_, before)| stock.through_skin(&before, &place));
         let contact = Some(place).filter(|place| stock.touches(place));
+        let leaves =
+            |(axis, status): &(Axis, AxisStatus)| *axis == Axis::X && status.state() == AxisState::Leaving;
+        let leaves = exchange.record.axes.iter().any(leaves);
+        self.left_mm = leaves.then(|| self.left_mm.unwrap_or(place.depth_mm));
         self.touching = contact.is_some();
         self.cutting = contact.is_some_and(|contact| contact.depth_mm > LAGS_MM);
         self.braking = contact.is_some_and(|contact| stock.brakes(&contact));
@@ -140,7 +147,8 @@ impl Tool {
         let unseen = self.unseen.filter(|_| blind).map_or(0.0, |(_, turns)| turns.abs());
         // From the one to the other a slide swings twice as far.
         let (uneven, rpm, x_mm_s) = (self.uneven.iter().sum(), truth.spindle_rpm, self.x_mm_s);
-        let seen = Seen { contact, now, turn, uneven, led: [x_led, z_led], rpm, unseen, x_mm_s };
+        let (led, left_mm) = ([x_led, z_led], self.left_mm);
+        let seen = Seen { contact, now, turn, uneven, led, rpm, unseen, x_mm_s, left_mm };
         if let Some(broken) = beside(known, pass, stock, &seen) {
             return Some(broken);
         }

@@ -241,3 +241,14 @@ fn a_tool_is_as_far_in_the_flank_where_it_leaves_the_part_between_two_cycles_as_
     assert_eq!(name(judged(&thread, &[eccentric, pushed], &[eccentric], Straight)), Some("flank"));
     assert_eq!(name(judged(&thread, &[eccentric, pushed], &[eccentric, pushed], Straight)), None);
 }
+
+#[test]
+fn a_tool_that_leaves_from_its_retract_is_no_deeper_than_where_it_began() {
+    let thread = drawn(41171);
+    // The retract has begun in cycle 4595. It is slower than a way out, but for its first 30 ms.
+    let hold = Event { at: 4616, what: What::Press(Button::Hold(400)) };
+    assert_eq!(name(judged(&thread, &[hold], &[hold], Straight)), None);
+    let pushed = plant(4640, Trouble::Force(Axis::X, -1500.0, 0.05));
+    assert_eq!(name(judged(&thread, &[hold, pushed], &[hold], Straight)), Some("bottom"));
+    assert_eq!(name(judged(&thread, &[hold, pushed], &[hold, pushed], Straight)), None);
+}
