@@ -20,8 +20,9 @@
 //! A swing slower than 0.7 f_l the observer follows by itself: then nothing is learned of that harmonic, and
 //! what is known of it stays. So f_l is low where the spindle is slow. It is no lower than that needs,
 //! because a spindle goes on settling long after its ramp, and a slow observer takes that for ripple. Nothing
-//! is learned while the speed changes by more than 1 % a turn, nor for 0.5/f_l after that: a residual is no
-//! ripple then.
+//! is learned while the speed changes by more than 1 % a turn, or the residual is larger than any ripple, nor
+//! for 0.5/f_l after that: a residual is no ripple then. Of a swing whose peaks are too large the rest would
+//! teach harmonics that are not there.
 //!
 //! Ripple of the speed, and an encoder that is eccentric or badly divided, look the same. Both are taken off
 //! the measurement and put back where they are followed; so it does no harm that something was learned
@@ -114,11 +115,12 @@ impl Ripple {
 
     fn learn(&mut self, residual: f64) {
         let SpindleMotion { angle, speed, acceleration, .. } = self.observer.at(0.0);
-        let uneven = acceleration.abs() * self.per_turn > STEADY * speed * speed;
+        let uneven = acceleration.abs() * self.per_turn > STEADY * speed * speed
+            || residual.abs() > LARGEST * self.per_turn;
         self.steady_s = if uneven { 0.0 } else { self.steady_s + self.period };
         let turns_s = speed / self.per_turn;
         self.listen(turns_s.abs());
-        if self.steady_s * self.learning_hz < STEADY_FOR || residual.abs() > LARGEST * self.per_turn {
+        if self.steady_s * self.learning_hz < STEADY_FOR {
             return;
         }
         let turned = turns_s.abs() * self.period;
@@ -248,6 +250,17 @@ mod tests {
             let worst = (0..360).map(|deg| f64::from(deg) / 360.0);
             let worst = worst.map(|at| (ripple.ahead(at * COUNTS) - eccentric(at)).abs()).fold(0.0, f64::max);
             assert!(worst < 0.3, "{worst} counts at {rpm} 1/min");
+        }
+    }
+
+    #[test]
+    fn what_is_larger_than_any_ripple_teaches_no_harmonics() {
+        let mut ripple = Ripple::new(2000.0, T);
+        ripple.start(0.0, 26.4 * 2000.0);
+        for q in (0..2000).map(|n| f64::from(n) * T * 26.4) {
+            ripple.update((q * 2000.0 + 7.5 * libm::sin(TAU * q)).floor() + 0.5);
+            let worst = ripple.z[1..].iter().map(|z| (z.0 * z.0 + z.1 * z.1).sqrt()).fold(0.0, f64::max);
+            assert!(worst < 0.5, "{worst} counts after {q} turns");
         }
     }
 
