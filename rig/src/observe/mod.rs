@@ -9,6 +9,7 @@
 
 mod circle;
 mod contour;
+mod corrected;
 mod cutting;
 mod helix;
 mod inside;
@@ -51,6 +52,7 @@ pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, Trace
 
 use circle::Circles;
 use contour::Contour;
+use corrected::Corrected;
 use inside::Inside;
 use judged::judged;
 use limits::Limits;
@@ -76,9 +78,6 @@ const HASH_BATCH: usize = 64 * 1024;
 /// Bytes of a truth that count: all but what is to be done to a module, which shows in what follows.
 const HASHED: usize = std::mem::offset_of!(Truth, doomed);
 
-/// The warning of counts that were corrected.
-const COUNTS_CORRECTED: &str = "encoder-counts-corrected";
-
 /// Watches a run. Feed it every control cycle from the first, in order.
 pub struct Observer {
     machine: Machine,
@@ -95,8 +94,7 @@ pub struct Observer {
     batch: Vec<u8>,
     /// Fault last seen of every axis, and of the interpolator.
     fault_codes: (PerAxis<u32>, u32),
-    /// Counts of the encoder that were corrected so far.
-    corrected: i32,
+    corrected: Corrected,
     moving_cycles: u64,
     limits: Limits,
     contour: Contour,
@@ -160,7 +158,7 @@ impl Observer {
             brief: false,
             batch: Vec::with_capacity(2 * HASH_BATCH),
             fault_codes: Default::default(),
-            corrected: 0,
+            corrected: Corrected::default(),
             moving_cycles: 0,
             limits: Limits::of(machine),
             contour: Contour::default(),
@@ -229,8 +227,7 @@ impl Observer {
     /// Ends the observation; a pass in hand is reported as far as it came.
     pub fn finish(mut self) -> Observation {
         self.close();
-        self.out.warnings.extend(self.inside.warning(&self.machine));
-        self.warn_of_events();
+        self.warn();
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
@@ -325,35 +322,21 @@ impl Observer {
         };
         take(&mut self.fault_codes.1, record.machine.fault, &|| ("interpolator".into(), concerned()));
         self.out.overrides_clamped = record.machine.overrides_clamped;
-        self.warn_of_counts(cycle, corrected);
+        self.corrected.cycle(cycle, corrected);
         self.out.outcome = self.outcome(record.machine);
     }
 
-    /// Counts that were lost or gained, and corrected at an index: one warning, however many.
-    fn warn_of_counts(&mut self, cycle: u64, corrected: i32) {
-        if corrected <= self.corrected {
-            return;
-        }
-        let counts = if corrected == 1 { "1 count".into() } else { format!("{corrected} counts") };
-        let text = format!(
-            "{counts} too many or too few at an index, corrected there; check the encoder, its cable and the shield"
-        );
-        self.corrected = corrected;
-        match self.out.warnings.iter_mut().find(|warning| warning.code == COUNTS_CORRECTED) {
-            Some(warning) => warning.text = text,
-            None => {
-                let (source, code) = ("spindle-encoder".into(), COUNTS_CORRECTED.into());
-                self.out.warnings.push(FaultReport { cycle, source, code, text });
-            }
-        }
-    }
-
-    /// Events of the scenario whose moment never came.
-    fn warn_of_events(&mut self) {
+    /// What is no fault and has to be known.
+    fn warn(&mut self) {
+        let cycle = self.out.cycles;
+        let warning = FaultReport::warning;
+        let counts = |(since, text)| warning(since, "spindle-encoder", "encoder-counts-corrected", text);
+        let warnings = &mut self.out.warnings;
+        warnings.extend(self.corrected.told().map(counts));
+        warnings.extend(self.inside.warning(&self.machine));
         for event in (1..=u64::BITS).filter(|event| self.pending >> (event - 1) & 1 == 1) {
             let text = format!("event {event} of the scenario did not happen: its moment never came");
-            let (source, code) = ("scenario".into(), "event-never-came".into());
-            self.out.warnings.push(FaultReport { cycle: self.out.cycles, source, code, text });
+            warnings.push(warning(cycle, "scenario", "event-never-came", text));
         }
     }
 

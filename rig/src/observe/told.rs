@@ -60,4 +60,7 @@ impl FaultReport {
         };
         FaultReport { cycle, source, code, text }
     }
+    pub(super) fn warning(cycle: u64, source: &str, code: &str, text: String) -> FaultReport {
+        FaultReport { cycle, source: source.into(), code: code.into(), text }
+    }
 }
