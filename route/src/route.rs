@@ -86,12 +86,15 @@ impl Route {
     }
 
     /// Travel left beside a path, mm, and the axis that has it; negative beyond it. The quantum of the wire
-    /// is not counted.
+    /// is not counted, nor what an axis stands beyond its travel already, by a count or because it has sagged
+    /// when its brake let go: it may come back.
     pub(crate) fn room(&self, from: &PerAxis<Position>, path: &Path<AXES>) -> (f64, Axis) {
         let [low, high] = path.bounds();
         self.machine.axes().fold((f64::INFINITY, Axis::X), |narrowest, (axis, config)| {
             let (i, [lowest, highest]) = (axis.index(), config.travel_mm);
-            let beside = (from[i].mm() + low[i] - lowest).min(highest - from[i].mm() - high[i]);
+            let here = from[i].mm();
+            let (lowest, highest) = (lowest.min(here), highest.max(here));
+            let beside = (here + low[i] - lowest).min(highest - here - high[i]);
             let beside = if beside < 0.0 && beside > -2.0 / Position::PER_MM { 0.0 } else { beside };
             if beside < narrowest.0 { (beside, axis) } else { narrowest }
         })

@@ -223,3 +223,18 @@ fn coolant_is_seen_and_ends_with_the_program() {
     assert_eq!(observation.outcome, Outcome::Completed);
     assert_eq!(seen, [0, MachineStatus::MIST, MachineStatus::FLOOD, 0]);
 }
+
+/// Measured it stands beside it, by a count or because it sagged when its brake let go.
+#[test]
+fn an_axis_whose_home_is_the_end_of_its_travel_comes_away() {
+    let items = items(&[line(50.0, 50.0, FEED), line(50.0, 40.0, Feed::Rapid), Code::End]);
+    for ends in [0, 1] {
+        let mut machine = Machine::default();
+        machine.axis.values_mut().for_each(|axis| axis.home_mm = axis.travel_mm[ends]);
+        for seed in 1..=4 {
+            let seen = Stand { machine: &machine, items: &items, scenario: "", seed }.run(|_| None);
+            assert_eq!(seen.outcome, Outcome::Completed, "end {ends}, seed {seed}: {:?}", seen.faults);
+            assert_eq!((seen.moves.count, seen.moves.limit_violations), (2, 0));
+        }
+    }
+}
