@@ -214,6 +214,7 @@ impl AxisConfig {
         range(&key("unload_mm"), self.unload_mm, 0.0, 0.1)?;
         self.check_reach(axis, general, bus)?;
         self.check_cogging(&key("cogging"))?;
+        self.check_torque(axis)?;
         self.check_screw_error(&key("screw_error"))
     }
 
@@ -270,6 +271,33 @@ impl AxisConfig {
             range(&key(2), *phase_deg, -360.0, 360.0)?;
         }
         Ok(())
+    }
+
+    /// What the motor gives against weight, friction and cogging before anything accelerates is less than it
+    /// has.
+    fn check_torque(&self, axis: Axis) -> Result<(), MachineError> {
+        let torque_nm = |newton: f64| newton.abs() * 1e-3 * self.screw_lead_mm / core::f64::consts::TAU;
+        let shares = [
+            ("gravity_n", self.gravity_n, torque_nm(self.gravity_n)),
+            ("coulomb_n", self.coulomb_n, torque_nm(self.coulomb_n)),
+            (
+                "cogging",
+                self.cogging.len() as f64,
+                self.cogging.iter().map(|[_, torque_nm, _]| torque_nm).sum(),
+            ),
+        ];
+        let (sum_nm, limit_nm) = (shares.iter().map(|(.., nm)| nm).sum::<f64>(), self.torque_limit_nm);
+        if sum_nm < limit_nm {
+            return Ok(());
+        }
+        let most = shares.iter().max_by(|(.., one), (.., other)| one.total_cmp(other));
+        let (name, value, nm) = most.copied().unwrap_or(shares[0]);
+        let value = if name == "cogging" { format!("{value} rows") } else { value.to_string() };
+        let reason = format!(
+            "takes {nm:.3} N·m at the motor, with gravity_n, coulomb_n and cogging together {sum_nm:.3}, and \
+             torque_limit_nm is {limit_nm}: lower it, or raise torque_limit_nm if the drive has more"
+        );
+        Err(refuse(&key(axis, name), value, &reason))
     }
 
     fn check_screw_error(&self, key: &str) -> Result<(), MachineError> {

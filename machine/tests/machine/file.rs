@@ -369,6 +369,7 @@ fn cogging_as_believed_has_bounds() {
         ("[2.5, 0.01, 0]", "axis.x.cogging[0][0] = 2.5: must be whole"),
         ("[24, -0.01, 0]", "axis.x.cogging[0][1] = -0.01: must lie between 0 and 14.3"),
         ("[24, 14.4, 0]", "axis.x.cogging[0][1] = 14.4: must lie between 0 and 14.3"),
+        ("[24, 8, 0], [12, 7, 0]", "axis.x.cogging = 2 rows: takes 15.000 N·m at the motor, with gravity_n"),
         ("[24, 0.01, 361]", "axis.x.cogging[0][2] = 361: must lie between -360 and 360"),
         (&nine.join(", "), "axis.x.cogging = 9 rows: must have at most 8 rows"),
     ] {
@@ -379,4 +380,21 @@ fn cogging_as_believed_has_bounds() {
     assert!(message.contains("2 numbers were found, and there must be three"), "{message}");
     let machine = Machine::from_toml(&with_x("cogging = [[24, 0.05, -90], [12, 0.0, 10]]")).unwrap();
     assert_eq!(machine.axis[&Axis::X].cogging, [[24.0, 0.05, -90.0], [12.0, 0.0, 10.0]]);
+}
+
+/// 14.3 N·m are 17970 N on a lead of 5 mm.
+#[test]
+fn weight_and_friction_are_less_than_the_drive_can_hold() {
+    Machine::from_toml(&with_x("gravity_n = 17700.0")).unwrap();
+    for (file, message) in [
+        (
+            with_x("gravity_n = -1e5"),
+            "axis.x.gravity_n = -100000: takes 79.577 N·m at the motor, with gravity_n",
+        ),
+        (with_x("gravity_n = 17800.0"), "axis.x.gravity_n = 17800: takes 14.165 N·m at the motor"),
+        (with("coulomb_n = 216.0", "coulomb_n = 20000.0"), "axis.x.coulomb_n = 20000: takes 15.915 N·m"),
+    ] {
+        let refused = refusal(&file);
+        assert!(refused.starts_with(message) && refused.ends_with("if the drive has more"), "{refused}");
+    }
 }
