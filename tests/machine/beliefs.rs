@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use machine::Machine;
+use protocol::{Code, Feed, Item, Position, units::AXES};
 use rig::{
     observe::{Observation, Outcome},
     trial::{self, Trial},
@@ -44,3 +45,30 @@ fn a_wrong_home_is_an_offset_of_the_thread() {
     });
     assert!((wrong - right - 300.0).abs() < 1.0, "{right} µm, {wrong} µm");
 }
+
+#[test]
+fn a_loop_that_swings_is_not_taken_for_a_bad_encoder() {
+    // The same motor on a screw of twice the lead moves a quarter of the mass.
+    let mut machine = Machine::default();
+    machine.axis.values_mut().for_each(|axis| axis.screw_lead_mm = 10.0);
+    let fault = |machine: &Machine, scenario: &str| {
+        let scenario = Scenario::from_toml(scenario).unwrap();
+        let items = [Item { line: 1, code: AWAY }, Item { line: 2, code: Code::End }];
+        let seen = trial::run(machine, &items, &scenario, 1, &mut |_| ()).unwrap();
+        seen.faults.into_iter().find(|found| found.code == "axis-jump").unwrap().text
+    };
+    let swings = fault(&machine, "");
+    assert!(swings.contains("it swings, by ") && swings.contains("screw_lead_mm and mass_kg"), "{swings}");
+    let jumps = fault(
+        &Machine::default(),
+        "[[event]]\nat = { time_s = 0.2 }\naxis_jump = { axis = \"x\", mm = 0.045 }",
+    );
+    assert!(!jumps.contains("it swings"), "{jumps}");
+}
+
+/// X and Z go away from home in timed motion.
+const AWAY: Code = {
+    let mut target = [Position(0); AXES];
+    (target[0], target[2]) = (Position(30_000_000_000), Position(20_000_000_000));
+    Code::Line { target, feed: Feed::Rapid }
+};

@@ -292,7 +292,7 @@ pub const FAULTS: [FaultRow; 31] = [
         within: &[most(&[Cycles(1)], "")],
         reaction: "the axis goes on from where it was before the jump: leaves the pass, brakes in timed motion",
         text: "the position of the axis jumped by more than it can move; check its encoder, its scale and the cable",
-        remedy: "encoder, scale, cable of the axis",
+        remedy: "encoder, scale, cable of the axis; if it is told that it swings: `screw_lead_mm`, `mass_kg`, `[bus]`, gains",
     },
     FaultRow {
         fault: Fault::OtherAxis,

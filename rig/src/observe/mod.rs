@@ -20,6 +20,7 @@ mod pause;
 mod planned;
 mod span;
 mod summary;
+mod swing;
 #[cfg(test)]
 pub(crate) mod tests;
 mod threads;
@@ -59,6 +60,7 @@ use limits::Limits;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
 use planned::Planned;
+use swing::Swing;
 use threads::Threads;
 use work::Works;
 
@@ -94,6 +96,7 @@ pub struct Observer {
     batch: Vec<u8>,
     /// Fault last seen of every axis, and of the interpolator.
     fault_codes: (PerAxis<u32>, u32),
+    swings: PerAxis<Swing>,
     corrected: Corrected,
     moving_cycles: u64,
     limits: Limits,
@@ -158,6 +161,7 @@ impl Observer {
             brief: false,
             batch: Vec::with_capacity(2 * HASH_BATCH),
             fault_codes: Default::default(),
+            swings: Swing::of(machine),
             corrected: Corrected::default(),
             moving_cycles: 0,
             limits: Limits::of(machine),
@@ -309,9 +313,14 @@ impl Observer {
         let mut corrected = 0;
         for (axis, status) in record.axes {
             let counts = status.encoder_counts;
-            let told = || (counts != 0).then(|| format!("{counts:+} counts"));
+            let swing = &mut self.swings[axis.index()];
+            let told = || match Fault::from_code(status.fault) {
+                Some(Fault::AxisJump | Fault::FollowingError | Fault::ThreadError) => swing.told(),
+                _ => (counts != 0).then(|| format!("{counts:+} counts")),
+            };
             let who = || (format!("regulator-{}", axis.name()), told());
             take(&mut self.fault_codes.0[axis.index()], status.fault, &who);
+            swing.cycle(status.servo_error_mm);
             if status.fault == 0 {
                 corrected = corrected.max(status.encoder_counts);
             }
