@@ -28,6 +28,9 @@ const DEGRESSION: f64 = 100.0;
 /// So many counts of the spindle encoder at least have to lie within the servo error that Z may have on the
 /// helix. On the small lathe a lead of 5 mm faults with one of them at most speeds, with two at some.
 const COUNTS_IN_THREAD_ERROR: f64 = 4.0;
+/// And so many within what a thread may be off at the tool: where counts come one in a cycle or the speed
+/// changes, the observed angle is off by about so many of them.
+const COUNTS_IN_PART_ERROR: f64 = 2.5;
 /// The end of a law may miss the programmed one by this much, mm.
 const ROUNDING: f64 = 1e-8;
 
@@ -312,17 +315,21 @@ fn spindle_of_thread(spindle: &Spindle, machine: &Machine) -> Result<(f64, f64),
 /// Warns of a spindle encoder that is too coarse for a lead.
 pub(crate) fn coarse_encoder(line: u32, lead_mm: f64, machine: &Machine) -> Option<Box<Problem>> {
     let axis = machine.axis.get(&Axis::Z)?;
-    let (count_mm, allowed_mm) = (lead_mm / machine.spindle_counts(), axis.thread_error_mm);
-    if COUNTS_IN_THREAD_ERROR * count_mm <= allowed_mm * (1.0 + ROUNDING) {
+    let count_mm = lead_mm / machine.spindle_counts();
+    let (fault_mm, scrap_mm) = (axis.thread_error_mm, 1e-3 * machine.threading.part_error_um);
+    let (fault, scrap) = (fault_mm / COUNTS_IN_THREAD_ERROR, scrap_mm / COUNTS_IN_PART_ERROR);
+    let allowed_mm = fault.min(scrap);
+    if count_mm <= allowed_mm * (1.0 + ROUNDING) {
         return None;
     }
-    let lines = (COUNTS_IN_THREAD_ERROR / 4.0 * lead_mm / allowed_mm * (1.0 - ROUNDING)).ceil();
-    let message = format!(
-        "one count of the spindle encoder is {} mm of this lead, and axis.z.thread_error_mm is {}",
-        short(count_mm),
-        short(allowed_mm)
-    );
-    let help = format!("the thread may end in thread-error: take an encoder of {lines} lines or more");
+    let lines = (lead_mm / (4.0 * allowed_mm) * (1.0 - ROUNDING)).ceil();
+    let (limit, becomes) = match scrap < fault {
+        true => (format!("threading.part_error_um is {}", short(1e3 * scrap_mm)), "be off by more"),
+        false => (format!("axis.z.thread_error_mm is {}", short(fault_mm)), "end in thread-error"),
+    };
+    let message =
+        format!("one count of the spindle encoder is {} mm of this lead, and {limit}", short(count_mm));
+    let help = format!("the thread may {becomes}: take an encoder of {lines} lines or more");
     Some(Problem::warning("coarse-encoder", Blame::Line(line), message, help))
 }
 

@@ -70,24 +70,34 @@ fn the_way_out_of_a_thread_without_a_retract_is_that_of_the_next_move() {
     }
 }
 
-/// With 0.05 mm of servo error allowed a lead of 5 mm needs 100 lines.
+/// With 10 µm allowed at the tool a count may be 4 µm: a lead of 5 mm needs 313 lines. Where more is allowed
+/// there, the 0.05 mm of servo error count, of which it may be a quarter: 100 lines.
 #[test]
 fn a_coarse_encoder_is_warned_of() {
-    for (lines, lead, warned) in [(100, "5", None), (99, "5", Some("100 lines")), (25, "2", Some("40 lines"))]
-    {
+    for (lines, lead, part_error_um, warned) in [
+        (313, "5", 10.0, None),
+        (312, "5", 10.0, Some(("313 lines", "threading.part_error_um is 10"))),
+        (100, "5", 10.0, Some(("313 lines", "threading.part_error_um is 10"))),
+        (1024, "25", 10.0, Some(("1563 lines", "threading.part_error_um is 10"))),
+        (100, "5", 100.0, None),
+        (99, "5", 100.0, Some(("100 lines", "axis.z.thread_error_mm is 0.05"))),
+        (25, "2", 100.0, Some(("40 lines", "axis.z.thread_error_mm is 0.05"))),
+    ] {
         let mut machine = Machine::plain();
-        machine.spindle.encoder_lines = lines;
+        (machine.spindle.encoder_lines, machine.threading.part_error_um) = (lines, part_error_um);
         for thread in [format!("G33 Z-25 K{lead}"), format!("G76 P{lead} Z-25 I-1 J0.3 K1.2 R1.5")] {
             let check = check("t", &format!("S100 M3\nG0 X19.5 Z10\n{thread}\nG0 X30\nM2\n"), &machine);
-            let help = check.diagnostics.first().map(|found| found.help.as_str());
+            let told = check.diagnostics.first().map(|found| (found.help.as_str(), found.message.as_str()));
             assert!(
                 check.diagnostics.len() == usize::from(warned.is_some()),
                 "{thread}: {:?}",
                 check.diagnostics
             );
             assert!(
-                warned.is_none_or(|lines| help.is_some_and(|help| help.contains(lines))),
-                "{thread}: {help:?}"
+                warned.is_none_or(|(lines, limit)| {
+                    told.is_some_and(|(help, message)| help.contains(lines) && message.ends_with(limit))
+                }),
+                "{thread}: {told:?}"
             );
             assert!(check.diagnostics.iter().all(|found| (found.code, found.line) == ("coarse-encoder", 3)));
         }
