@@ -1,7 +1,7 @@
 //! What the controller believes of screw, home and encoders, and is wrong about: what becomes of a thread.
 #![allow(clippy::unwrap_used)]
 
-use machine::Machine;
+use machine::{AxisConfig, Bus, Machine};
 use protocol::{Code, Feed, Item, Position, units::AXES};
 use rig::{
     observe::{Observation, Outcome},
@@ -72,3 +72,36 @@ const AWAY: Code = {
     (target[0], target[2]) = (Position(30_000_000_000), Position(20_000_000_000));
     Code::Line { target, feed: Feed::Rapid }
 };
+
+#[test]
+fn a_wrong_bus_is_named_by_what_it_looks_like() {
+    let items = [Item { line: 1, code: AWAY }, Item { line: 2, code: Code::End }];
+    let told = |change: &dyn Fn(&mut Machine)| {
+        let mut machine = Machine::default();
+        change(&mut machine);
+        let seen = trial::run(&machine, &items, &Scenario::none(), 1, &mut |_| ()).unwrap();
+        assert_eq!(seen.outcome, Outcome::Completed);
+        seen.warnings.into_iter().find(|warning| warning.code == "bus-delay").map(|warning| warning.text)
+    };
+    for (input_cycles, output_cycles, believed) in
+        [(0, 0, 0), (0, 1, 1), (1, 0, 1), (2, 1, 3), (1, 2, 3), (2, 2, 4)]
+    {
+        let text = told(&|machine| machine.bus = Bus { input_cycles, output_cycles }).unwrap();
+        assert!(text.contains(&format!("of [bus] are {believed} together")), "{text}");
+        assert!(text.contains("if 2 were right"), "{text}");
+    }
+    // What else may be believed wrongly looks different.
+    let axes: [fn(&mut AxisConfig); 7] = [
+        |_| (),
+        |axis| axis.mass_kg *= 0.5,
+        |axis| axis.mass_kg *= 1.5,
+        |axis| axis.coulomb_n = 0.0,
+        |axis| axis.mode_hz = Some(50.0),
+        |axis| axis.velocity_integral_s *= 10.0,
+        |axis| axis.backlash_mm = 0.03,
+    ];
+    for (number, change) in axes.into_iter().enumerate() {
+        let text = told(&|machine| machine.axis.values_mut().for_each(change));
+        assert_eq!(text, None, "change {number}");
+    }
+}

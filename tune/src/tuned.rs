@@ -247,7 +247,8 @@ fn plausible(
     sliding: &presliding::Presliding,
 ) -> Result<(), Refusal> {
     let weighing = "check that the axis is free and that its torque is measured in N·m at the motor";
-    let timing = "check that torque is measured in every control cycle, and that mass_kg and the loops are those of the drive";
+    let timing = "check input_cycles and output_cycles of [bus] first, then that torque is measured in every control \
+                  cycle, and that mass_kg and the loops are those of the drive";
     let slow = "check whether something else moves or holds the axis";
     let mass = rigid.mass_kg;
     let most_sliding = |found: Estimate| ("presliding_n_mm", found, 1e-6, 1e9, 0.5 * found.value, slow);

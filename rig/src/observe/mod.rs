@@ -7,6 +7,7 @@
 //!
 //! A [`Summary`] is what `summary.json` holds.
 
+mod bus;
 mod circle;
 mod contour;
 mod corrected;
@@ -51,6 +52,7 @@ pub use tool::ToolReport;
 pub use used::LimitsUsed;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
 
+use bus::Bus;
 use circle::Circles;
 use contour::Contour;
 use corrected::Corrected;
@@ -98,6 +100,7 @@ pub struct Observer {
     fault_codes: (PerAxis<u32>, u32),
     swings: PerAxis<Swing>,
     corrected: Corrected,
+    bus: Bus,
     moving_cycles: u64,
     limits: Limits,
     contour: Contour,
@@ -163,6 +166,7 @@ impl Observer {
             fault_codes: Default::default(),
             swings: Swing::of(machine),
             corrected: Corrected::default(),
+            bus: Bus::of(machine),
             moving_cycles: 0,
             limits: Limits::of(machine),
             contour: Contour::default(),
@@ -204,6 +208,7 @@ impl Observer {
         if !self.brief {
             self.take_hash(record, is_tick);
             self.take_moves(record, is_tick);
+            self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
         self.pending = record.truth.pending;
@@ -342,6 +347,7 @@ impl Observer {
         let counts = |(since, text)| warning(since, "spindle-encoder", "encoder-counts-corrected", text);
         let warnings = &mut self.out.warnings;
         warnings.extend(self.corrected.told().map(counts));
+        warnings.extend(self.bus.told().map(|text| warning(cycle, "bus", "bus-delay", text)));
         warnings.extend(self.inside.warning(&self.machine));
         for event in (1..=u64::BITS).filter(|event| self.pending >> (event - 1) & 1 == 1) {
             let text = format!("event {event} of the scenario did not happen: its moment never came");

@@ -178,6 +178,16 @@ fn torque_in_another_unit() {
     assert!((gain - 0.5).abs() < 1e-3, "{refusal}");
 }
 
+/// Measurements are a cycle old and commands act a cycle later, and nobody has said so.
+#[test]
+fn a_bus_that_is_not_believed() {
+    let bus = with(|machine| {
+        let truth = "input_cycles = 1\noutput_cycles = 1".parse().expect("a table");
+        machine.plant.insert("bus".into(), toml::Value::Table(truth));
+    });
+    says(&refused(&bus, |_| ()), "check input_cycles and output_cycles of [bus] first");
+}
+
 #[test]
 fn measurements_that_are_no_numbers() {
     let refusal = refused(&Machine::plain(), |seen| seen.axes[0].torque_nm = f64::NAN);
