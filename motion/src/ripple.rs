@@ -7,7 +7,7 @@
 //! | θ | rad | angle of the spindle within its turn |
 //! | h | 1/turn | which harmonic, 1 … 8 |
 //! | Z_h | unit of the angle | complex amplitude of it |
-//! | f_l | Hz | bandwidth of the observer (M53) that learns: turns per second, 4 … 8 |
+//! | f_l | Hz | bandwidth of the observer (M53) that learns: half the turns per second, 4 … 16 |
 //! | x | – | frequency of the harmonic over f_l |
 //! | S | – | share of a swing that the observer leaves in its residual res |
 //! | n | turns | learned from so far, 1 … 5 |
@@ -21,8 +21,12 @@
 //! what is known of it stays. So f_l is low where the spindle is slow. It is no lower than that needs,
 //! because a spindle goes on settling long after its ramp, and a slow observer takes that for ripple. Nothing
 //! is learned while the speed changes by more than 1 % a turn, or the residual is larger than any ripple, nor
-//! for 0.5/f_l after that: a residual is no ripple then. Of a swing whose peaks are too large the rest would
+//! for 1/f_l after that: a residual is no ripple then. Of a swing whose peaks are too large the rest would
 //! teach harmonics that are not there.
+//!
+//! An observer as slow as that sees late that the speed begins to change, and takes the beginning for ripple:
+//! several counts along a ramp. So what is learned is believed only if the speed stays steady for 0.25/f_l to
+//! 0.5/f_l more; else it is forgotten. What is believed comes and goes smoothly, within 0.25/f_l.
 //!
 //! Ripple of the speed, and an encoder that is eccentric or badly divided, look the same. Both are taken off
 //! the measurement and put back where they are followed; so it does no harm that something was learned
@@ -36,7 +40,7 @@ use crate::{SpindleMotion, SpindleObserver};
 const HARMONICS: usize = 8;
 /// Lowest and highest bandwidth of the observer that learns, Hz.
 const SLOWEST_HZ: f64 = 4.0;
-const FASTEST_HZ: f64 = 8.0;
+const FASTEST_HZ: f64 = 16.0;
 /// It is set anew where it is off by more than this share.
 const OFF: f64 = 0.05;
 /// Slowest harmonic that is learned, by that bandwidth.
@@ -46,12 +50,24 @@ const TURNS: f64 = 5.0;
 /// Change of the speed in a turn, a share of it, up to which a spindle turns steadily.
 const STEADY: f64 = 0.01;
 /// How long it has to, by the bandwidth.
-const STEADY_FOR: f64 = 0.5;
+const STEADY_FOR: f64 = 1.0;
+/// From one look at what has been learned to the next, and how fast what is believed comes, by the bandwidth.
+const LOOK: f64 = 0.25;
+const COMES: f64 = 4.0;
 /// Largest residual that is learned from, shares of a turn: no spindle is that uneven.
 const LARGEST: f64 = 0.002;
 
 /// A complex number.
 type Complex = (f64, f64);
+/// Amplitudes of all harmonics.
+type Waves = [Complex; HARMONICS];
+
+/// What has been learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Learned {
+    z: Waves,
+    turns: f64,
+}
 
 /// What repeats with every turn of a spindle.
 ///
@@ -61,7 +77,7 @@ type Complex = (f64, f64);
 /// let uneven = |turns: f64| turns + 1e-3 * (2.0 * std::f64::consts::TAU * turns).sin();
 /// ripple.start(0.0, 10.0);
 /// let even: Vec<f64> = (1..20_000).map(|n| ripple.update(uneven(f64::from(n) * 5e-3))).collect();
-/// assert!((even[19_998] - 19_999.0 * 5e-3).abs() < 1e-5);
+/// assert!((even[19_998] - 19_999.0 * 5e-3).abs() < 1e-5, "{}", even[19_998] - 19_999.0 * 5e-3);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ripple {
@@ -70,9 +86,14 @@ pub struct Ripple {
     observer: SpindleObserver,
     /// Bandwidth of the observer, Hz.
     learning_hz: f64,
-    z: [Complex; HARMONICS],
+    /// What is taken off and put back.
+    z: Waves,
+    /// What is learned now; what was at the last look, and what is believed.
+    learned: Learned,
+    seen: Learned,
+    believed: Learned,
+    looked_s: f64,
     steady_s: f64,
-    turns: f64,
 }
 
 impl Ripple {
@@ -89,8 +110,11 @@ impl Ripple {
             observer: SpindleObserver::new(FASTEST_HZ, period_s),
             learning_hz: FASTEST_HZ,
             z: [(0.0, 0.0); HARMONICS],
+            learned: Learned::default(),
+            seen: Learned::default(),
+            believed: Learned::default(),
+            looked_s: 0.0,
             steady_s: 0.0,
-            turns: 0.0,
         }
     }
 
@@ -107,10 +131,10 @@ impl Ripple {
 
     /// Takes a measured angle. That of the even rotation.
     pub fn update(&mut self, measured: f64) -> f64 {
-        let even = measured - self.ahead(measured);
-        let residual = self.observer.update(even);
+        let wave = self.wave(measured);
+        let residual = self.observer.update(measured - ahead(&self.learned.z, wave));
         self.learn(residual);
-        even
+        measured - ahead(&self.z, wave)
     }
 
     fn learn(&mut self, residual: f64) {
@@ -120,15 +144,16 @@ impl Ripple {
         self.steady_s = if uneven { 0.0 } else { self.steady_s + self.period };
         let turns_s = speed / self.per_turn;
         self.listen(turns_s.abs());
+        self.believe(uneven);
         if self.steady_s * self.learning_hz < STEADY_FOR {
             return;
         }
         let turned = turns_s.abs() * self.period;
-        self.turns = (self.turns + turned).min(TURNS);
-        let gain = 2.0 * turned / self.turns.max(1.0) * residual;
+        self.learned.turns = (self.learned.turns + turned).min(TURNS);
+        let gain = 2.0 * turned / self.learned.turns.max(1.0) * residual;
         let turn = self.wave(angle);
         let mut wave = turn;
-        for (harmonic, z) in (1..).map(f64::from).zip(&mut self.z) {
+        for (harmonic, z) in (1..).map(f64::from).zip(&mut self.learned.z) {
             let x = harmonic * turns_s / self.learning_hz;
             if x.abs() >= SLOWEST {
                 let found = times((gain * wave.0, -gain * wave.1), unseen(x));
@@ -140,23 +165,25 @@ impl Ripple {
 
     /// Sets the observer to a spindle of so many turns a second.
     fn listen(&mut self, turns_s: f64) {
-        let hz = turns_s.clamp(SLOWEST_HZ, FASTEST_HZ);
+        let hz = (0.5 * turns_s).clamp(SLOWEST_HZ, FASTEST_HZ);
         if (hz - self.learning_hz).abs() > OFF * self.learning_hz {
             self.learning_hz = hz;
             self.observer.set_bandwidth(hz);
         }
     }
 
-    /// R: how far ahead of its even rotation the spindle is at an angle.
-    fn ahead(&self, angle: f64) -> f64 {
-        let turn = self.wave(angle);
-        let mut wave = turn;
-        let mut ahead = 0.0;
-        for z in &self.z {
-            ahead += times(*z, wave).0;
-            wave = times(wave, turn);
+    /// What was learned some time ago is believed; if the speed changes, nothing since then is.
+    fn believe(&mut self, uneven: bool) {
+        self.looked_s += self.period;
+        if uneven {
+            (self.learned, self.seen, self.looked_s) = (self.believed, self.believed, 0.0);
+        } else if self.looked_s * self.learning_hz >= LOOK {
+            (self.believed, self.seen, self.looked_s) = (self.seen, self.learned, 0.0);
         }
-        ahead
+        let share = (COMES * self.learning_hz * self.period).min(1.0);
+        for (z, believed) in self.z.iter_mut().zip(&self.believed.z) {
+            *z = (z.0 + share * (believed.0 - z.0), z.1 + share * (believed.1 - z.1));
+        }
     }
 
     /// An even motion with the ripple on it, each harmonic by a share that depends on its frequency in Hz.
@@ -189,6 +216,17 @@ impl Ripple {
     }
 }
 
+/// R: how far ahead of its even rotation a spindle is at an angle whose wave is e^(jθ).
+fn ahead(z: &Waves, turn: Complex) -> f64 {
+    let mut wave = turn;
+    let mut ahead = 0.0;
+    for z in z {
+        ahead += times(*z, wave).0;
+        wave = times(wave, turn);
+    }
+    ahead
+}
+
 fn times(a: Complex, b: Complex) -> Complex {
     (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
@@ -207,8 +245,13 @@ mod tests {
     const COUNTS: f64 = 10_000.0;
 
     /// Counts by which a spindle is ahead: two and six times a turn.
-    fn ahead(turns: f64) -> f64 {
+    fn uneven(turns: f64) -> f64 {
         1.6 * libm::sin(2.0 * TAU * turns + 1.0) + 0.4 * libm::sin(6.0 * TAU * turns)
+    }
+
+    /// What is known of it.
+    fn known(ripple: &Ripple, turns: f64) -> f64 {
+        ahead(&ripple.z, ripple.wave(turns * COUNTS))
     }
 
     /// Runs a spindle up to a speed, 1/min, and on for some turns, through an encoder with counts.
@@ -220,7 +263,7 @@ mod tests {
             w = (w + 800.0 / 60.0 * T).min(rpm / 60.0);
             q += w * T;
             steady += if w == rpm / 60.0 { w * T } else { 0.0 };
-            ripple.update((q * COUNTS + ahead(q)).floor() + 0.5);
+            ripple.update((q * COUNTS + uneven(q)).floor() + 0.5);
         }
         ripple
     }
@@ -232,7 +275,7 @@ mod tests {
         {
             let ripple = learned(rpm, turns);
             let worst = (0..360).map(|deg| f64::from(deg) / 360.0);
-            let worst = worst.map(|at| (ripple.ahead(at * COUNTS) - ahead(at)).abs()).fold(0.0, f64::max);
+            let worst = worst.map(|at| (known(&ripple, at) - uneven(at)).abs()).fold(0.0, f64::max);
             assert!(worst < within, "{worst} counts after {turns} turns at {rpm} 1/min");
         }
     }
@@ -248,7 +291,7 @@ mod tests {
                 ripple.update((q * COUNTS + eccentric(q)).floor() + 0.5);
             });
             let worst = (0..360).map(|deg| f64::from(deg) / 360.0);
-            let worst = worst.map(|at| (ripple.ahead(at * COUNTS) - eccentric(at)).abs()).fold(0.0, f64::max);
+            let worst = worst.map(|at| (known(&ripple, at) - eccentric(at)).abs()).fold(0.0, f64::max);
             assert!(worst < 0.3, "{worst} counts at {rpm} 1/min");
         }
     }
@@ -261,6 +304,24 @@ mod tests {
             ripple.update((q * 2000.0 + 7.5 * libm::sin(TAU * q)).floor() + 0.5);
             let worst = ripple.z[1..].iter().map(|z| (z.0 * z.0 + z.1 * z.1).sqrt()).fold(0.0, f64::max);
             assert!(worst < 0.5, "{worst} counts after {q} turns");
+        }
+    }
+
+    #[test]
+    fn the_beginning_of_a_change_of_speed_is_no_ripple() {
+        for (rpm, ramp_rpm_s) in [(307.0, 200.0), (607.0, 800.0), (1207.0, 800.0), (2007.0, 400.0)] {
+            let mut ripple = learned(rpm, 25.0);
+            let before = ripple.z;
+            let (mut q, mut w) = (25.0f64, rpm / 60.0);
+            ripple.start(q * COUNTS, w * COUNTS);
+            for n in 0..4000 {
+                w -= if (1000..2000).contains(&n) { ramp_rpm_s / 60.0 * T } else { 0.0 };
+                q += w * T;
+                ripple.update((q * COUNTS + uneven(q)).floor() + 0.5);
+            }
+            let moved = ripple.z.iter().zip(before).map(|(a, b)| libm::hypot(a.0 - b.0, a.1 - b.1));
+            let moved = moved.fold(0.0, f64::max);
+            assert!(moved < 0.15, "{moved} counts at {rpm} 1/min");
         }
     }
 
