@@ -26,17 +26,21 @@
 //! | the spindle | width | bandwidth | fed forward |
 //! |---|---|---|---|
 //! | turns evenly | ±1: half of it rounding, half for what is not known yet | f_o/8 | nothing |
-//! | does not: for 8/(2π f_o) after a res beyond that | ±1/2 | f_o/2 | a half |
+//! | does not: for 8/(2π f_o) after a res beyond that | ±3/4 | f_o/2 | a half |
 //! | turns by less than four counts in 1/f_o: they come one by one, each with a res of about 1 | ±3/2 | f_o/8 | nothing |
 //!
-//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]).
+//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]). Where a count
+//! is much of what an axis may do, it does not follow these steps, but what follows them
+//! ([`crate::Follower`]).
 
 use core::f64::consts::TAU;
 
 /// What may be rounding is taken with a bandwidth so many times lower.
 const QUIETER: f64 = 8.0;
-/// How much of a residual may be rounding, counts; while counts come one by one.
+/// How much of a residual may be rounding, counts; of a spindle that turns unevenly; while counts come one by
+/// one.
 const WIDTH: f64 = 1.0;
+const BUSY_WIDTH: f64 = 0.75;
 const SLOW_WIDTH: f64 = 1.5;
 /// For how long a spindle counts as uneven after more than that, by 1/(2π f_o).
 const HOLD: f64 = 8.0;
@@ -57,15 +61,15 @@ pub struct SpindleMotion {
 }
 
 impl SpindleMotion {
-    /// The motion `lead_s` seconds later (earlier if negative) at constant jerk.
+    /// The motion `t` seconds later (earlier if negative) at constant snap.
     #[must_use]
-    pub fn after(self, lead_s: f64) -> SpindleMotion {
+    pub fn after(self, t: f64) -> SpindleMotion {
         let SpindleMotion { angle, speed, acceleration, jerk, snap } = self;
         SpindleMotion {
-            angle: angle + (speed + (0.5 * acceleration + jerk / 6.0 * lead_s) * lead_s) * lead_s,
-            speed: speed + (acceleration + 0.5 * jerk * lead_s) * lead_s,
-            acceleration: acceleration + jerk * lead_s,
-            jerk,
+            angle: angle + (speed + (0.5 * acceleration + (jerk / 6.0 + snap / 24.0 * t) * t) * t) * t,
+            speed: speed + (acceleration + (0.5 * jerk + snap / 6.0 * t) * t) * t,
+            acceleration: acceleration + (jerk + 0.5 * snap * t) * t,
+            jerk: jerk + snap * t,
             snap,
         }
     }
@@ -136,7 +140,7 @@ impl SpindleObserver {
     pub fn of_counts(bandwidth_hz: f64, period_s: f64) -> SpindleObserver {
         let counts = Counts {
             quiet: Rounding { width: WIDTH, gain: gain(bandwidth_hz / QUIETER, period_s), forward: 0.0 },
-            busy: Rounding { width: 0.5, gain: gain(bandwidth_hz / 2.0, period_s), forward: 0.5 },
+            busy: Rounding { width: BUSY_WIDTH, gain: gain(bandwidth_hz / 2.0, period_s), forward: 0.5 },
             hold_s: HOLD / (TAU * bandwidth_hz),
             left_s: 0.0,
             slow_below: 4.0 * bandwidth_hz,

@@ -8,7 +8,7 @@
 //! ```text
 //! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
-//!          or 2π L/t² > 2 A on a stroke L that takes t at n                                      (M2)
+//!          or 2π L/t² > 7/4 A on a stroke L that takes t at n                                      (M2)
 //! reversed C more than 0.36° back from its farthest, n < −5 % of S, in a pass (`spindle.rs`)    (M106)
 //! ```
 
@@ -41,7 +41,7 @@ const FASTER: f64 = 1.15;
 const FASTER_SHARE: f64 = 0.02;
 /// And so has one that drives a stroke so many times as hard as the axis may be accelerated: the share above
 /// is many times the speed of a slow thread.
-const HARDEST: f64 = 2.0;
+const HARDEST: f64 = 1.75;
 
 /// What an axis watches.
 #[derive(Clone, Debug)]
