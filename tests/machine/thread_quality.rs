@@ -84,14 +84,15 @@ fn override_from_pass_to_pass_leaves_the_thread_in_its_place() {
     });
 }
 
+/// Eased, it has hardly come to 60 % before it is turned back.
 #[test]
 fn override_within_a_pass_leaves_the_thread_in_its_place() {
     holds_with("override-in-pass", |summary| {
         summary.passes.iter().all(|pass| {
             let turned = matches!(pass.pass, 2 | 3);
-            (pass.override_min_pct == 60.0) == turned
+            (pass.override_min_pct < 70.0) == turned
                 && pass.override_max_pct == 100.0
-                && (pass.rpm_min < 0.66 * pass.programmed_rpm) == turned
+                && (pass.rpm_min < 0.72 * pass.programmed_rpm) == turned
         })
     });
 }

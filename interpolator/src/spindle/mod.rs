@@ -7,8 +7,10 @@
 //! of the commanded speed, no more of it than the drive's ramp. A speed that has run away from the ramp, as
 //! after a rapid towards the axis, is not at speed before it has come there.
 //!
-//! No spindle is commanded above its highest speed: an override that would ask for more is clamped.
+//! No spindle is commanded above its highest speed: an override that would ask for more is clamped. While it
+//! leads a pass, the override is eased (M136).
 
+mod ease;
 mod rest;
 mod watch;
 
@@ -18,6 +20,7 @@ use machine::{Machine, SpindleConfig};
 use motion::SpindleObserver;
 use protocol::{Fault, Feed, Measurement, Position, SpindleMode, SpindleSpeed, measurement::middle_of};
 
+use ease::Ease;
 use watch::Watch;
 
 const WATCH_HZ: f64 = SpindleConfig::WATCH_HZ;
@@ -45,7 +48,10 @@ pub struct Spindle {
     programmed: f64,
     /// How fast X changes it, 1/min per s.
     rate: f64,
-    override_pct: f64,
+    /// What was asked for, as far as it is allowed; the same eased, while it leads a pass.
+    granted_pct: f64,
+    ease: Ease,
+    leads: bool,
     override_max_pct: f64,
     at_speed_share: f64,
     ceiling_pct: f64,
@@ -76,7 +82,9 @@ impl Spindle {
             x: Position(0),
             programmed: 0.0,
             rate: 0.0,
-            override_pct: 100.0,
+            granted_pct: 100.0,
+            ease: Ease::new(machine.general.interpolator_cycle_s),
+            leads: false,
             override_max_pct: machine.spindle.override_max_pct,
             at_speed_share: machine.spindle.at_speed_pct / 100.0,
             ceiling_pct: f64::INFINITY,
@@ -104,13 +112,16 @@ impl Spindle {
         self.grant();
     }
 
-    /// Override in force: what was asked for, as far as it is allowed.
+    /// What was asked for, as far as it is allowed; in force at once, unless it is eased.
     fn grant(&mut self) {
         let allowed = self.request_pct.min(self.allowed_pct());
         let top_pct =
             if self.programmed > 0.0 { 100.0 * self.max_rpm / self.programmed } else { f64::INFINITY };
         self.at_top = allowed > top_pct;
-        self.override_pct = allowed.min(top_pct) * self.guarded;
+        self.granted_pct = allowed.min(top_pct);
+        if !self.leads {
+            self.ease.jump(self.granted_pct);
+        }
     }
 
     /// The highest override of the machine and of the pass in hand, per cent.
@@ -128,7 +139,11 @@ impl Spindle {
         let request = if request.is_finite() { request.max(0.0) } else { self.request_pct };
         let before = (self.request_pct, self.request_pct.min(self.allowed_pct()));
         self.request_pct = request;
+        self.leads = pass.is_some() && self.programmed > 0.0;
         self.grant();
+        if self.leads {
+            self.ease.tick(self.granted_pct, 100.0 * self.ramp_rpm_s * self.tick_s / self.programmed);
+        }
         let after = (request, request.min(self.allowed_pct()));
         let limited = after.1 < request && after != before;
         if self.commanded() == 0.0 {
@@ -188,7 +203,7 @@ impl Spindle {
 
     /// Speed for the drive.
     pub fn commanded(&self) -> f64 {
-        self.mode.sign() * (self.programmed * self.override_pct / 100.0).min(self.max_rpm)
+        self.mode.sign() * (self.programmed * self.override_pct() / 100.0).min(self.max_rpm)
     }
 
     /// Programmed speed without override.
@@ -212,7 +227,7 @@ impl Spindle {
         // standing.
         let least = STANDSTILL_RPM.min(0.5 * commanded.abs());
         let band = (self.at_speed_share * commanded.abs()).max(least);
-        let rate = (self.rate * self.override_pct / 100.0).abs().min(self.ramp_rpm_s);
+        let rate = (self.rate * self.override_pct() / 100.0).abs().min(self.ramp_rpm_s);
         (self.observed() - commanded).abs() <= band + rate / (TAU * WATCH_HZ)
     }
 
@@ -269,7 +284,7 @@ impl Spindle {
 
     /// Override in force, per cent.
     pub fn override_pct(&self) -> f64 {
-        self.override_pct
+        self.ease.pct() * self.guarded
     }
 
     /// How often a request was clamped.
