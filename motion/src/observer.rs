@@ -30,8 +30,7 @@
 //! | turns by less than four counts in 1/f_o: they come one by one, each with a res of about 1 | ±3/2 | f_o/8 | nothing |
 //!
 //! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]). Where a count
-//! is much of what an axis may do, it does not follow these steps, but what follows them
-//! ([`crate::Follower`]).
+//! moves an axis far, it does not follow these steps, but what follows them ([`crate::Follower`]).
 
 use core::f64::consts::TAU;
 

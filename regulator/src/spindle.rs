@@ -11,7 +11,7 @@
 //! What repeats with every turn is taken off the counts before anything else (M130), so observers see an even
 //! rotation. There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads
 //! it, it follows every correction of the estimate beyond the rounding of counts, and as much of the ripple
-//! as its mode lets through; where a count is much of its jerk, it follows smoothly (M135). An axis that only strokes is at rest at both ends, whatever the angle; on the
+//! as its mode lets through; where a count is more than 1 µm, it follows smoothly (M135). An axis that only strokes is at rest at both ends, whatever the angle; on the
 //! way, the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
 
 use machine::{AxisConfig, Machine};
@@ -35,6 +35,8 @@ const RESTING_SHARE: f64 = 0.05;
 /// the motor would have to go the other way, by a model that is not right to a tenth.
 const FOLLOWED: f64 = 0.6;
 const LEFT_OUT: f64 = 0.85;
+/// A count moves an axis by so much that it has to be followed smoothly, mm.
+const COARSE_MM: f64 = 0.001;
 /// More measurements than this are never made up for.
 const MOST_MISSED: u64 = 8;
 
@@ -51,7 +53,7 @@ pub struct Index {
 #[derive(Clone, Debug)]
 pub struct Spindle {
     leading: SpindleObserver,
-    /// What follows it along the lead of the pass in hand, mm, where a count is much of the jerk of the axis,
+    /// What follows it along the lead of the pass in hand, mm, where a count is much; most jerk of the axis,
     /// mm/s³.
     follower: Option<Follower>,
     lead_mm: f64,
@@ -192,8 +194,9 @@ impl Spindle {
         }
         self.lead_mm = lead_mm;
         let mm_per_count = lead_mm.abs() / 360.0 * self.degrees_per_count;
-        let hz = Follower::gentle_hz(self.observer_hz, self.jerk / mm_per_count);
-        self.follower = hz.filter(|_| self.plain_cycles.is_none()).map(|hz| {
+        let coarse = mm_per_count > COARSE_MM && self.plain_cycles.is_none();
+        self.follower = coarse.then(|| {
+            let hz = Follower::gentle_hz(self.observer_hz, self.jerk / mm_per_count);
             let mut follower = Follower::new(hz, self.cycle_s);
             follower.start(&self.leading.at(0.0));
             follower

@@ -1,5 +1,5 @@
-//! The override of a spindle that leads a tool along a thread, eased. In: the override that is allowed, once a
-//! tick. Out: the one that is commanded.
+//! The override of a spindle that leads a tool along a thread, eased. In: the override that is allowed, once
+//! a tick. Out: the one that is commanded.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,9 +11,9 @@
 //! r follows m by at most 100 R/S a second;  e is r behind three lags 1/(1 + τ s)                 (M136)
 //! ```
 //! A drive changes its speed at once as fast as its ramp is, and who counts knows of it only when some counts
-//! are wrong. Behind the lags the acceleration comes within 0.15 s, and its jerk is R'/(3.7 τ) at most, with R'
-//! the acceleration of the ramp: the observer keeps up with that. Only a pass in hand needs it; where nobody
-//! cuts, and whenever the spindle has to stop, it is commanded as before.
+//! are wrong. Behind the lags the acceleration comes within 0.15 s, and its jerk is R'/(3.7 τ) at most, with
+//! R' the acceleration of the ramp: the observer keeps up with that. Only a pass in hand needs it; where
+//! nobody cuts, and whenever the spindle has to stop, it is commanded as before.
 
 /// Three lags in a row.
 const LAGS: usize = 3;
