@@ -17,16 +17,16 @@
 //! k₁ = 4 Ω − 1/2 T k₂ − 1/6 T² k₃ − 1/24 T³ k₄
 //! 2π f = ω_o (J/(0.9 ω_o³ q))^(4/7)                                                              (M135a)
 //! ```
-//! An observer corrects angle, speed and acceleration at once, by steps. Along a long lead, or with a coarse
-//! encoder, a count is much of what an axis may do: led by the steps it is shaken, and swings behind its
-//! motor. What follows the observer gets there by itself: at a constant acceleration nothing is left between
-//! the two, at a constant jerk j 4 j/Ω³. Jerk and snap are known, so that a motor can stand ahead of its slide
-//! (M131).
+//! An observer corrects angle, speed and acceleration at once, by steps. Along a long lead, or with a
+//! coarse encoder, a count is much of what an axis may do: led by the steps it is shaken, and swings
+//! behind its motor. What follows the observer gets there by itself: at a constant acceleration nothing
+//! is left between the two, at a constant jerk j 4 j/Ω³. Jerk and snap are known, so that a motor can
+//! stand ahead of its slide (M131).
 //!
-//! A count that an observer takes in full costs a jerk of 0.9 q ω_o^(5/4) (2π f)^(7/4) (peak of the answer of
-//! both to a step, within a sixth). (M135a) makes this J, with f between a quarter of f_o and twice: the longer
-//! the lead and the coarser the encoder, the softer an axis is led, and the later it sees a spindle that is
-//! bogged.
+//! A count that an observer takes in full costs a jerk of 0.9 q ω_o^(5/4) (2π f)^(7/4) (peak of the
+//! answer of both to a step, within a sixth). (M135a) makes this J, with f between a quarter of f_o and
+//! twice: the longer the lead and the coarser the encoder, the softer an axis is led, and the later it
+//! sees a spindle that is bogged.
 
 use core::f64::consts::TAU;
 
