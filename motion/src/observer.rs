@@ -29,8 +29,8 @@
 //! | does not: for 8/(2π f_o) after a res beyond that | ±3/4 | f_o/2 | a half |
 //! | turns by less than four counts in 1/f_o: they come one by one, each with a res of about 1 | ±3/2 | f_o/8 | nothing |
 //!
-//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]). Where a count
-//! moves an axis far, it does not follow these steps, but what follows them ([`crate::Follower`]).
+//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]). Where a
+//! count moves an axis far, it does not follow these steps, but what follows them ([`crate::Follower`]).
 
 use core::f64::consts::TAU;
 

@@ -11,8 +11,9 @@
 //! What repeats with every turn is taken off the counts before anything else (M130), so observers see an even
 //! rotation. There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads
 //! it, it follows every correction of the estimate beyond the rounding of counts, and as much of the ripple
-//! as its mode lets through; where a count is more than 1 µm, it follows smoothly (M135). An axis that only strokes is at rest at both ends, whatever the angle; on the
-//! way, the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
+//! as its mode lets through; where a count is more than 1 µm, it follows smoothly (M135). An axis that only
+//! strokes is at rest at both ends, whatever the angle; on the way, the noise of the encoder would be its
+//! largest error: a slow observer leads it, by the estimate alone.
 
 use machine::{AxisConfig, Machine};
 use motion::{Follower, Ripple, SpindleMotion, SpindleObserver};
