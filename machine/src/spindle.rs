@@ -124,7 +124,7 @@ impl SpindleConfig {
 
     /// Turns at a new speed, or time if that is shorter, s, after which it has settled and regulators know
     /// what repeats with every turn (M130): a pass waits for it.
-    pub const KNOWN: (f64, f64) = (7.0, 0.7);
+    pub const KNOWN: (f64, f64) = (7.0, 1.2);
 
     /// Bandwidth of the slower of the two observers, Hz: a pass waits for ten of its periods.
     pub fn slowest_observer_hz(&self) -> f64 {

@@ -13,7 +13,6 @@
 //! | a chain of blocks: look-ahead, blends, overrides, hold | [`chain::Chain`] | M24–M26, M65–M66 |
 //! | smooth junction of two paths | [`Blend`] | M59–M62 |
 //! | speed and acceleration of the spindle from its encoder count | [`SpindleObserver`] | M53 |
-//! | what an axis follows of it where a count is much | [`Follower`] | M135 |
 //! | what of its angle repeats with every turn | [`Ripple`] | M130 |
 //!
 //! A law maps a time-like parameter `p` to a [`Sample`]: the path and its four derivatives with respect to
@@ -31,7 +30,6 @@ pub mod chain;
 mod change;
 mod exit;
 mod feed;
-mod follower;
 mod limits;
 mod observer;
 mod pass;
@@ -48,7 +46,6 @@ pub use blend::Blend;
 pub use change::SpeedChange;
 pub use exit::Exit;
 pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
-pub use follower::Follower;
 pub use limits::Limits;
 pub use observer::{SpindleMotion, SpindleObserver};
 pub use pass::{PassLaw, Window};

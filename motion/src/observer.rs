@@ -29,8 +29,7 @@
 //! | does not: for 8/(2π f_o) after a res beyond that | ±3/4 | f_o/2 | a half |
 //! | turns by less than four counts in 1/f_o: they come one by one, each with a res of about 1 | ±3/2 | f_o/8 | nothing |
 //!
-//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]). Where a
-//! count moves an axis far, it does not follow these steps, but what follows them ([`crate::Follower`]).
+//! A spindle turns evenly if what repeats with its turns is taken off before ([`crate::Ripple`]).
 
 use core::f64::consts::TAU;
 
@@ -60,15 +59,15 @@ pub struct SpindleMotion {
 }
 
 impl SpindleMotion {
-    /// The motion `t` seconds later (earlier if negative) at constant snap.
+    /// The motion `lead_s` seconds later (earlier if negative) at constant jerk.
     #[must_use]
-    pub fn after(self, t: f64) -> SpindleMotion {
+    pub fn after(self, lead_s: f64) -> SpindleMotion {
         let SpindleMotion { angle, speed, acceleration, jerk, snap } = self;
         SpindleMotion {
-            angle: angle + (speed + (0.5 * acceleration + (jerk / 6.0 + snap / 24.0 * t) * t) * t) * t,
-            speed: speed + (acceleration + (0.5 * jerk + snap / 6.0 * t) * t) * t,
-            acceleration: acceleration + (jerk + 0.5 * snap * t) * t,
-            jerk: jerk + snap * t,
+            angle: angle + (speed + (0.5 * acceleration + jerk / 6.0 * lead_s) * lead_s) * lead_s,
+            speed: speed + (acceleration + 0.5 * jerk * lead_s) * lead_s,
+            acceleration: acceleration + jerk * lead_s,
+            jerk,
             snap,
         }
     }

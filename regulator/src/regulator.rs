@@ -109,7 +109,7 @@ impl Regulator {
             axis: axis.index(),
             state: State::Idle,
             stream: Stream::new(cycle_s),
-            spindle: Spindle::new(machine, config),
+            spindle: Spindle::new(machine, config.mode_hz.unwrap_or(config.velocity_bandwidth_hz)),
             elastic: Elastic::of(config),
             compensation: Compensation::of(config, loops.reach_s(input_s), cycle_s),
             loops,

@@ -11,12 +11,11 @@
 //! What repeats with every turn is taken off the counts before anything else (M130), so observers see an even
 //! rotation. There are two. An axis on a lead has to be where the spindle is, at once: a fast observer leads
 //! it, it follows every correction of the estimate beyond the rounding of counts, and as much of the ripple
-//! as its mode lets through; where a count is more than 1 µm, it follows smoothly (M135). An axis that only
-//! strokes is at rest at both ends, whatever the angle; on the way, the noise of the encoder would be its
-//! largest error: a slow observer leads it, by the estimate alone.
+//! as its mode lets through. An axis that only strokes is at rest at both ends, whatever the angle; on the
+//! way, the noise of the encoder would be its largest error: a slow observer leads it, by the estimate alone.
 
-use machine::{AxisConfig, Machine};
-use motion::{Follower, Ripple, SpindleMotion, SpindleObserver};
+use machine::Machine;
+use motion::{Ripple, SpindleMotion, SpindleObserver};
 use protocol::{Cycle, Measurement, measurement::middle_of};
 
 use crate::{
@@ -36,8 +35,6 @@ const RESTING_SHARE: f64 = 0.05;
 /// the motor would have to go the other way, by a model that is not right to a tenth.
 const FOLLOWED: f64 = 0.6;
 const LEFT_OUT: f64 = 0.85;
-/// A count moves an axis by so much that it has to be followed smoothly, mm.
-const COARSE_MM: f64 = 0.001;
 /// More measurements than this are never made up for.
 const MOST_MISSED: u64 = 8;
 
@@ -54,12 +51,6 @@ pub struct Index {
 #[derive(Clone, Debug)]
 pub struct Spindle {
     leading: SpindleObserver,
-    /// What follows it along the lead of the pass in hand, mm, where a count is much; most jerk of the axis,
-    /// mm/s³.
-    follower: Option<Follower>,
-    lead_mm: f64,
-    jerk: f64,
-    observer_hz: f64,
     /// What of its angle repeats with every turn.
     ripple: Ripple,
     /// The mode of the axis, Hz.
@@ -97,19 +88,15 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// A spindle with the encoder and the observer of a machine file, for one of its axes.
-    pub fn new(machine: &Machine, axis: &AxisConfig) -> Spindle {
+    /// A spindle with the encoder and the observer of a machine file, for an axis with a mode, Hz.
+    pub fn new(machine: &Machine, mode_hz: f64) -> Spindle {
         let (config, cycle_s) = (&machine.spindle, machine.general.cycle_s);
         let opening = (1.0 / (config.slowest_observer_hz() * cycle_s)).ceil().max(1.0);
         let period_s = f64::from(config.plain_observer_cycles.unwrap_or(1)) * cycle_s;
         Spindle {
             leading: SpindleObserver::of_counts(config.observer_hz, period_s),
-            follower: None,
-            lead_mm: 0.0,
-            jerk: axis.jerk_mm_s3,
-            observer_hz: config.observer_hz,
             ripple: Ripple::new(machine.spindle_counts(), cycle_s),
-            mode_hz: axis.mode_hz.unwrap_or(axis.velocity_bandwidth_hz),
+            mode_hz,
             stroking: SpindleObserver::new(config.stroke_observer_hz, period_s),
             plain_cycles: config.plain_observer_cycles.map(u64::from),
             looked_s: 0.0,
@@ -136,17 +123,15 @@ impl Spindle {
     /// Takes the measurement of one control cycle, which comes `missed` cycles late, and the pass in hand. An
     /// encoder that cannot be believed is not asked any more: the spindle is taken to turn on at its speed.
     pub fn update(&mut self, measurement: &Measurement, missed: u64, pass: Option<&Pass>) {
-        let lead_mm = pass.map_or(0.0, |pass| pass.law.lead_mm);
-        self.soften(lead_mm);
         for _ in 0..missed.min(MOST_MISSED) {
             self.leading.skip();
-            self.follow();
             self.stroking.skip();
             self.ripple.skip();
         }
         if missed > 0 {
             self.encoder.skip();
         }
+        let lead_mm = pass.map_or(0.0, |pass| pass.law.lead_mm);
         self.encoder.update(measurement, self.tolerated(lead_mm), pass.is_some());
         if self.encoder.is_blind() {
             (self.blind, self.coasts) = (self.blind + 1, true);
@@ -183,40 +168,13 @@ impl Spindle {
             }
         };
         self.leading.update(even);
-        self.follow();
         self.stroking.update(even);
         self.looked_s = 0.0;
-    }
-
-    /// Along a lead, mm, whose counts would shake the axis, it is led by what follows the observer.
-    fn soften(&mut self, lead_mm: f64) {
-        if lead_mm == self.lead_mm {
-            return;
-        }
-        self.lead_mm = lead_mm;
-        let mm_per_count = lead_mm.abs() / 360.0 * self.degrees_per_count;
-        let coarse = mm_per_count > COARSE_MM && self.plain_cycles.is_none();
-        self.follower = coarse.then(|| {
-            let hz = Follower::gentle_hz(self.observer_hz, self.jerk / mm_per_count);
-            let mut follower = Follower::new(hz, self.cycle_s);
-            follower.start(&self.leading.at(0.0));
-            follower
-        });
-    }
-
-    /// What follows the observer goes on by a period.
-    fn follow(&mut self) {
-        if let Some(follower) = &mut self.follower {
-            follower.update(&self.leading.at(0.0));
-        }
     }
 
     /// The observers begin anew.
     fn start(&mut self, angle: f64, speed: f64) {
         self.leading.start(angle, speed);
-        if let Some(follower) = &mut self.follower {
-            follower.start(&self.leading.at(0.0));
-        }
         self.stroking.start(angle, speed);
         self.ripple.start(angle, speed);
     }
@@ -241,7 +199,6 @@ impl Spindle {
         let (steady, fast) = (self.stroking.at(0.0).speed, self.leading.at(0.0).speed);
         let speed = if (fast - steady).abs() > STEADY * steady.abs() { fast } else { steady };
         self.leading.coast(speed);
-        self.follow();
         self.stroking.coast(speed);
         self.ripple.skip();
     }
@@ -307,7 +264,7 @@ impl Spindle {
         let lead_s = self.looked_s + self.age_s + lead_s;
         let motion = match pass.law.lead_mm {
             0.0 => self.stroking.at(lead_s),
-            _ => self.upon(&self.led(lead_s, SpindleObserver::at)),
+            _ => self.upon(&self.leading.at(lead_s)),
         };
         // A way out begins from this: the jerk of a ripple is not that of the axis.
         self.in_degrees(SpindleMotion { jerk: 0.0, snap: 0.0, ..motion }, pass)
@@ -318,13 +275,7 @@ impl Spindle {
         if pass.law.lead_mm == 0.0 {
             return self.since(pass, lead_s);
         }
-        let lead_s = self.looked_s + self.age_s + lead_s;
-        self.in_degrees(self.upon(&self.led(lead_s, SpindleObserver::following)), pass)
-    }
-
-    /// The even rotation that leads an axis, `lead_s` after the last measurement.
-    fn led(&self, lead_s: f64, observed: fn(&SpindleObserver, f64) -> SpindleMotion) -> SpindleMotion {
-        self.follower.map_or_else(|| observed(&self.leading, lead_s), |follower| follower.at(lead_s))
+        self.in_degrees(self.upon(&self.leading.following(self.looked_s + self.age_s + lead_s)), pass)
     }
 
     /// Angle since the index of a pass by the count of the last measurement, degrees: the same on every axis.

@@ -8,7 +8,7 @@
 //! | τ, T | s | time of each of three lags, 35 ms; tick |
 //!
 //! ```text
-//! r follows m by at most 100 R/S a second;  e is r behind three lags 1/(1 + τ s)                 (M136)
+//! r follows m by at most 100 R/S a second;  e is r behind three lags 1/(1 + τ s)                 (M135)
 //! ```
 //! A drive changes its speed at once as fast as its ramp is, and who counts knows of it only when some counts
 //! are wrong. Behind the lags the acceleration comes within 0.15 s, and its jerk is R'/(3.7 τ) at most, with

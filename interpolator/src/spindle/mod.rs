@@ -8,7 +8,7 @@
 //! after a rapid towards the axis, is not at speed before it has come there.
 //!
 //! No spindle is commanded above its highest speed: an override that would ask for more is clamped. While it
-//! leads a pass, the override is eased (M136).
+//! leads a pass, the override is eased (M135).
 
 mod ease;
 mod rest;

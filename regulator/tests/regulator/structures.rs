@@ -4,7 +4,7 @@
 use crate::stand::{ARMED, ENABLED, HOME_MM, OVER, T, arm, follows, frame, law, machine, run};
 use machine::{AxisConfig, Difference, Feedforward};
 use motion::Sample;
-use protocol::{Axis, AxisCommand, Cycle, Measurement};
+use protocol::{AxisCommand, Cycle, Measurement};
 use regulator::{Out, spindle::Spindle, state::Pass, stream::Stream};
 
 const TORQUE_PER_N: f64 = 5e-3 / core::f64::consts::TAU;
@@ -19,8 +19,7 @@ struct Course {
 
 impl Course {
     fn new() -> Course {
-        let machine = machine(|_| {});
-        let (stream, spindle) = (Stream::new(T), Spindle::new(&machine, &machine.axis[&Axis::X]));
+        let (stream, spindle) = (Stream::new(T), Spindle::new(&machine(|_| {}), 100.0));
         Course { stream, spindle, index: None, cycle: 0 }
     }
 
