@@ -1,4 +1,4 @@
-//! The scenarios that are shipped, played to a spindle that cuts seven passes of 2500° without any
+//! The scenarios that are shipped, played to a spindle that cuts seven passes of 4000° without any
 //! controller.
 
 use crate::stand::Stand;
@@ -6,7 +6,7 @@ use machine::Machine;
 use protocol::Panel;
 use sim_plant::Scenario;
 
-const PASS_DEG: f64 = 2500.0;
+const PASS_DEG: f64 = 4000.0;
 
 /// What the observer of a pass sees.
 #[derive(Debug)]
