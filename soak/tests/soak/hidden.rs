@@ -123,18 +123,19 @@ fn an_axis_that_lets_go_in_the_thread_is_found_unless_its_drive_has_failed() {
 #[test]
 fn z_may_let_go_beside_an_x_that_is_stuck_if_nobody_believes_the_encoder() {
     let thread = drawn(22137);
-    let frozen = Event { at: 3372, what: What::Freeze(Module::Regulator(Axis::X), Some(1.48)) };
+    let before = |cycles: u64| thread.middle - cycles;
+    let frozen = Event { at: before(397), what: What::Freeze(Module::Regulator(Axis::X), Some(1.48)) };
     let happens = |happen: &[Event], told: &[Event]| name(judged(&thread, happen, told, Straight));
-    // So noisy that it is taken for a glitch in cycle 3242.
-    let loud = [plant(3239, Trouble::Noise(6)), frozen];
+    // So noisy that it is taken for a glitch three cycles later.
+    let loud = [plant(before(530), Trouble::Noise(6)), frozen];
     assert_eq!(happens(&loud, &loud), None);
     // X has not let go yet.
-    let early = plant(3365, Trouble::TorqueLost(Axis::Z));
+    let early = plant(before(404), Trouble::TorqueLost(Axis::Z));
     assert_eq!(happens(&[loud[0], early], &loud), Some("let-go"));
     // An encoder that is eccentric counts wrongly, too, and everybody believes it.
-    let believed = [plant(3239, Trouble::Eccentricity(5.0)), frozen];
+    let believed = [plant(before(530), Trouble::Eccentricity(5.0)), frozen];
     assert_eq!(happens(&believed, &believed), None);
-    let later = plant(3400, Trouble::TorqueLost(Axis::Z));
+    let later = plant(before(396), Trouble::TorqueLost(Axis::Z));
     assert_eq!(happens(&[believed[0], frozen, later], &believed), Some("let-go"));
 }
 
@@ -235,9 +236,9 @@ fn a_regulator_that_hangs_is_not_missed_once_its_axis_is_there() {
 fn a_tool_is_as_far_in_the_flank_where_it_leaves_the_part_between_two_cycles_as_undisturbed() {
     let thread = drawn(11066);
     // The tool leaves the part at 42 mm/s while Z brakes: a cycle later it is 18 µm farther in the flank.
-    let eccentric = plant(1891, Trouble::Eccentricity(11.05));
+    let eccentric = plant(thread.middle + 5, Trouble::Eccentricity(11.05));
     assert_eq!(name(judged(&thread, &[eccentric], &[eccentric], Straight)), None);
-    let pushed = plant(2010, Trouble::Force(Axis::Z, 1000.0, 0.05));
+    let pushed = plant(thread.middle + 35, Trouble::Force(Axis::Z, 3000.0, 0.05));
     assert_eq!(name(judged(&thread, &[eccentric, pushed], &[eccentric], Straight)), Some("flank"));
     assert_eq!(name(judged(&thread, &[eccentric, pushed], &[eccentric, pushed], Straight)), None);
 }
