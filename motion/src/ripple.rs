@@ -77,7 +77,7 @@ struct Learned {
 /// let uneven = |turns: f64| turns + 1e-3 * (2.0 * std::f64::consts::TAU * turns).sin();
 /// ripple.start(0.0, 10.0);
 /// let even: Vec<f64> = (1..20_000).map(|n| ripple.update(uneven(f64::from(n) * 5e-3))).collect();
-/// assert!((even[19_998] - 19_999.0 * 5e-3).abs() < 1e-5, "{}", even[19_998] - 19_999.0 * 5e-3);
+/// assert!((even[19_998] - 19_999.0 * 5e-3).abs() < 1e-5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ripple {

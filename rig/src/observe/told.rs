@@ -60,6 +60,8 @@ impl FaultReport {
         };
         FaultReport { cycle, source, code, text }
     }
+
+    /// What is no fault and has to be known.
     pub(super) fn warning(cycle: u64, source: &str, code: &str, text: String) -> FaultReport {
         FaultReport { cycle, source: source.into(), code: code.into(), text }
     }

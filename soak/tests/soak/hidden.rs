@@ -124,18 +124,18 @@ fn an_axis_that_lets_go_in_the_thread_is_found_unless_its_drive_has_failed() {
 fn z_may_let_go_beside_an_x_that_is_stuck_if_nobody_believes_the_encoder() {
     let thread = drawn(22137);
     let before = |cycles: u64| thread.middle - cycles;
-    let frozen = Event { at: before(397), what: What::Freeze(Module::Regulator(Axis::X), Some(1.48)) };
+    let frozen = Event { at: before(335), what: What::Freeze(Module::Regulator(Axis::X), Some(1.48)) };
     let happens = |happen: &[Event], told: &[Event]| name(judged(&thread, happen, told, Straight));
     // So noisy that it is taken for a glitch three cycles later.
-    let loud = [plant(before(530), Trouble::Noise(6)), frozen];
+    let loud = [plant(before(468), Trouble::Noise(6)), frozen];
     assert_eq!(happens(&loud, &loud), None);
     // X has not let go yet.
-    let early = plant(before(404), Trouble::TorqueLost(Axis::Z));
+    let early = plant(before(342), Trouble::TorqueLost(Axis::Z));
     assert_eq!(happens(&[loud[0], early], &loud), Some("let-go"));
     // An encoder that is eccentric counts wrongly, too, and everybody believes it.
-    let believed = [plant(before(530), Trouble::Eccentricity(5.0)), frozen];
+    let believed = [plant(before(468), Trouble::Eccentricity(5.0)), frozen];
     assert_eq!(happens(&believed, &believed), None);
-    let later = plant(before(396), Trouble::TorqueLost(Axis::Z));
+    let later = plant(before(307), Trouble::TorqueLost(Axis::Z));
     assert_eq!(happens(&[believed[0], frozen, later], &believed), Some("let-go"));
 }
 
