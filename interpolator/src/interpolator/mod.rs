@@ -168,7 +168,8 @@ impl Interpolator {
         self.panel = measurement.panel;
         self.panel.buttons |= ended;
         self.heard.take(&self.machine, input.axes, measurement.cycle);
-        self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction));
+        let leaves = matches!(self.task, Task::Leaving { .. });
+        self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction), leaves);
         let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
         self.standing.update(measurement, axes.rest());
         match self.task {

@@ -52,6 +52,8 @@ pub struct Spindle {
     granted_pct: f64,
     ease: Ease,
     leads: bool,
+    /// A tool leaves a pass: the speed commanded stays what it is.
+    kept: bool,
     override_max_pct: f64,
     at_speed_share: f64,
     ceiling_pct: f64,
@@ -59,9 +61,8 @@ pub struct Spindle {
     /// What the guard of a thread leaves of the override, a share.
     guarded: f64,
     max_rpm: f64,
-    /// Whether the highest speed of the spindle binds.
-    at_top: bool,
-    top_said: bool,
+    /// Whether the override is held below what was asked for, and how often that has begun.
+    clamps: bool,
     clamped: u32,
     /// How long it has been at the speed programmed, and how far it has turned then, s and turns.
     even: (f64, f64),
@@ -85,14 +86,14 @@ impl Spindle {
             granted_pct: 100.0,
             ease: Ease::new(machine.general.interpolator_cycle_s),
             leads: false,
+            kept: false,
             override_max_pct: machine.spindle.override_max_pct,
             at_speed_share: machine.spindle.at_speed_pct / 100.0,
             ceiling_pct: f64::INFINITY,
             request_pct: 100.0,
             guarded: 1.0,
             max_rpm: machine.spindle.max_rpm,
-            at_top: false,
-            top_said: false,
+            clamps: false,
             clamped: 0,
             even: (0.0, 0.0),
             watch: Watch::new(machine),
@@ -105,8 +106,11 @@ impl Spindle {
         self.grant();
     }
 
-    /// What the guard of a thread leaves of the override, a share.
+    /// What the guard of a thread leaves of the override, a share; while a tool leaves, what it left.
     pub(crate) fn guard(&mut self, share: f64) {
+        if self.kept {
+            return;
+        }
         self.clamped += u32::from(share < 1.0 && self.guarded == 1.0);
         self.guarded = share;
         self.grant();
@@ -117,7 +121,6 @@ impl Spindle {
         let allowed = self.request_pct.min(self.allowed_pct());
         let top_pct =
             if self.programmed > 0.0 { 100.0 * self.max_rpm / self.programmed } else { f64::INFINITY };
-        self.at_top = allowed > top_pct;
         self.granted_pct = allowed.min(top_pct);
         if !self.leads {
             self.ease.jump(self.granted_pct);
@@ -129,32 +132,32 @@ impl Spindle {
         self.ceiling_pct.min(self.override_max_pct)
     }
 
-    /// Takes a measurement and the panel's override. `pass` is the direction of a pass in hand.
-    pub(crate) fn update(&mut self, measurement: &Measurement, pass: Option<f64>) {
+    /// Takes a measurement and the panel's override. `pass` is the direction of a pass in hand; a tool that
+    /// leaves it does so by an angle that may only be foretold, or behind a fault: the speed is kept until it
+    /// is out.
+    pub(crate) fn update(&mut self, measurement: &Measurement, pass: Option<f64>, leaves: bool) {
         self.observer.update(middle_of(measurement.spindle_count));
         self.counts.rotate_left(1);
         self.counts[KEPT_TICKS] = measurement.spindle_count;
         self.watch.update(measurement.spindle_count, self.commanded(), self.observed(), pass);
         let request = measurement.panel.spindle_override_pct;
         let request = if request.is_finite() { request.max(0.0) } else { self.request_pct };
-        let before = (self.request_pct, self.request_pct.min(self.allowed_pct()));
         self.request_pct = request;
         self.leads = pass.is_some() && self.programmed > 0.0;
+        self.kept = leaves;
         self.grant();
-        if self.leads {
+        if self.leads && !leaves {
             self.ease.tick(self.granted_pct, 100.0 * self.ramp_rpm_s * self.tick_s / self.programmed);
         }
-        let after = (request, request.min(self.allowed_pct()));
-        let limited = after.1 < request && after != before;
+        let clamps = self.granted_pct < request;
+        self.clamped += u32::from(clamps && !self.clamps);
+        self.clamps = clamps;
         if self.commanded() == 0.0 {
             self.even = (0.0, 0.0);
         } else if self.at_speed() {
             let (s, turns) = self.even;
             self.even = (s + self.tick_s, turns + self.observed().abs() / 60.0 * self.tick_s);
         }
-        let topped = self.at_top && (!self.top_said || request != before.0);
-        self.top_said = self.at_top;
-        self.clamped += u32::from(limited || topped);
     }
 
     /// What is wrong with it, as far as its encoder and its commands tell.

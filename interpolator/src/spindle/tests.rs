@@ -22,7 +22,7 @@ fn turn(spindle: &mut Spindle, count: &mut f64, ticks: u32, rpm: impl Fn(u32) ->
         let panel = Panel { spindle_override_pct: 100.0, ..Panel::default() };
         let axes = PerAxis::default();
         let spindle_count = count.floor() as i64;
-        spindle.update(&Measurement { spindle_count, panel, axes, ..Measurement::default() }, None);
+        spindle.update(&Measurement { spindle_count, panel, axes, ..Measurement::default() }, None, false);
     }
 }
 
@@ -153,4 +153,38 @@ fn a_spindle_that_only_gets_slower_obeys_as_well_as_it_can() {
     assert!((5.0..12.0).contains(&after_s), "one that keeps its speed, after {after_s} s");
     let (fault, after_s) = slows(-500.0);
     assert!(fault == Some(Fault::SpindleRunaway) && after_s < 2.0, "one that gets faster, after {after_s} s");
+}
+
+/// The panel turns the override in a pass; a tool may be leaving it.
+fn knob(spindle: &mut Spindle, pct: f64, leaves: bool) -> f64 {
+    let panel = Panel { spindle_override_pct: pct, ..Panel::default() };
+    spindle.update(&Measurement { panel, ..Measurement::default() }, Some(1.0), leaves);
+    spindle.commanded()
+}
+
+#[test]
+fn a_tool_that_leaves_keeps_the_speed() {
+    let mut spindle = spindle();
+    spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(600.0));
+    (0..100).for_each(|_| assert!(knob(&mut spindle, 50.0, false) <= 600.0));
+    let kept = spindle.commanded();
+    assert!(kept > 400.0 && kept < 590.0, "it is on its way: {kept}");
+    for (pct, guarded) in [(50.0, 1.0), (0.0, 0.5), (110.0, 1.0)] {
+        assert_eq!(knob(&mut spindle, pct, true), kept);
+        spindle.guard(guarded);
+        assert_eq!(spindle.commanded(), kept);
+    }
+    assert!(knob(&mut spindle, 0.0, false) < kept, "it goes on");
+}
+
+#[test]
+fn an_override_that_is_held_counts_once() {
+    let mut spindle = spindle();
+    spindle.program(SpindleMode::Clockwise, SpindleSpeed::Rpm(600.0));
+    spindle.set_ceiling(105.0);
+    (100..130).for_each(|pct| assert!(knob(&mut spindle, f64::from(pct), false) < 640.0));
+    assert_eq!(spindle.clamped(), 1, "a knob that is turned on is one");
+    knob(&mut spindle, 100.0, false);
+    knob(&mut spindle, 110.0, false);
+    assert_eq!(spindle.clamped(), 2);
 }

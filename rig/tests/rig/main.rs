@@ -21,4 +21,5 @@ mod standstill;
 mod supervisor;
 mod traces;
 mod trial;
+mod turned;
 mod wires;
