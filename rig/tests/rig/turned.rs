@@ -1,6 +1,6 @@
 //! Somebody turns the override in a pass, and while the spindle is on its way to the new speed the tool
-//! leaves: for a dead encoder, a glitch of it, an abort, at any moment of that way. The regulators foretell an
-//! angle that they cannot see by the speed they knew, so the spindle has to keep it
+//! leaves: for a dead encoder, a glitch of it, an abort, at any moment of that way. The regulators foretell
+//! an angle that they cannot see by the speed they knew, so the spindle has to keep it
 //! (`interpolator/src/spindle`).
 //! In: cycles of the turn and of what happens, by seeds. Checked from outside, on the built-in lathe: how far
 //! the slide is beside the groove in the part, how far beyond its flank, and the speed of the spindle.
