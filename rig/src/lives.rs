@@ -26,6 +26,7 @@ impl Life {
 }
 
 /// What waits for a module.
+#[derive(Clone)]
 pub(crate) struct Desk<T> {
     pub(crate) life: Life,
     waiting: VecDeque<T>,

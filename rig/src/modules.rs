@@ -21,6 +21,7 @@ const TICKS: usize = 16;
 const PATIENCE_S: f64 = 1.0;
 
 /// The regulator of an axis, and what waits for it.
+#[derive(Clone)]
 struct Governor {
     axis: Axis,
     regulator: Regulator,
@@ -51,6 +52,7 @@ impl Governor {
 }
 
 /// The modules, and the wires between them.
+#[derive(Clone)]
 pub(crate) struct Modules<I, W> {
     interpolator: Interpolator,
     ticks_waiting: Desk<Measurement>,

@@ -18,6 +18,7 @@ use crate::wires::{Straight, Wires};
 
 /// The machine. `I` is where its machine code comes from: an interpreter, a file, a list. `W` is what lies
 /// between its modules.
+#[derive(Clone)]
 pub struct Rig<I, W = Straight> {
     plant: Plant,
     modules: Modules<I, W>,
@@ -60,6 +61,15 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
         wires: W,
     ) -> Result<Rig<I, W>, PlantError> {
         Ok(Rig { plant: Plant::new(machine, scenario, seed)?, modules: Modules::new(machine, code, wires) })
+    }
+
+    /// A machine to which nothing has happened yet plays a scenario from here on, as if it had played it from
+    /// cycle 0: all of its events lie behind the present cycle, and no program has waited for cycle start.
+    ///
+    /// # Errors
+    /// [`PlantError`] if an event is for an axis that there is not.
+    pub fn play(&mut self, scenario: Scenario) -> Result<(), PlantError> {
+        self.plant.play(scenario)
     }
 
     /// One control cycle; `observe` sees its record before the plant goes on. What the operator does is on

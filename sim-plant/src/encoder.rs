@@ -39,11 +39,11 @@ pub(crate) struct Disturbance {
 }
 
 impl Disturbance {
-    /// None yet; for a scenario of so many events.
-    pub(crate) fn none(events: usize) -> Disturbance {
+    /// None yet.
+    pub(crate) fn none() -> Disturbance {
         Disturbance {
             shift: 0,
-            returns: Vec::with_capacity(events),
+            returns: Vec::new(),
             lose_next: false,
             blind_until: 0,
             stands_until: 0,
@@ -51,6 +51,11 @@ impl Disturbance {
             noise: 0,
             eccentricity: 0.0,
         }
+    }
+
+    /// For a scenario of so many events.
+    pub(crate) fn make_room(&mut self, events: usize) {
+        self.returns.reserve(events);
     }
 
     /// The counter jumps; back in the cycle `until`, if there is one.

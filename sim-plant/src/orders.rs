@@ -110,9 +110,15 @@ pub(crate) struct Orders {
 }
 
 impl Orders {
-    /// None yet; for a scenario of so many events.
-    pub(crate) fn none(events: usize) -> Orders {
-        Orders { waiting: VecDeque::with_capacity(2 * events), thaws: Vec::with_capacity(events), now: None }
+    /// None yet.
+    pub(crate) fn none() -> Orders {
+        Orders { waiting: VecDeque::new(), thaws: Vec::new(), now: None }
+    }
+
+    /// For a scenario of so many events.
+    pub(crate) fn make_room(&mut self, events: usize) {
+        self.waiting.reserve(2 * events);
+        self.thaws.reserve(events);
     }
 
     /// One more; what is frozen thaws in the cycle `until`, if there is one.
@@ -169,7 +175,7 @@ mod tests {
 
     #[test]
     fn one_order_a_cycle_and_a_thaw_in_its_time() {
-        let mut orders = Orders::none(2);
+        let mut orders = Orders::none();
         orders.give(Order::Doom(Doom::Freeze, Module::Interpolator), Some(3));
         orders.give(Order::Doom(Doom::Kill, Module::Interpreter), None);
         let given: Vec<_> = (0..5)

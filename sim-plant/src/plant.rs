@@ -98,9 +98,6 @@ impl Plant {
     /// there is not.
     pub fn new(machine: &Machine, scenario: Scenario, seed: u64) -> Result<Plant, PlantError> {
         let config = PlantConfig::of(machine)?;
-        if let Some((event, axis)) = scenario.axes().find(|(_, axis)| !machine.axis.contains_key(axis)) {
-            return Err(PlantError::NoAxisToActOn { event, axis: axis.name() });
-        }
         let cycle_s = machine.general.cycle_s;
         let (mut seed, unseen) = (Seed(seed), Seed(seed));
         let own = unseen.branch(Axis::ALL.len() as u64);
@@ -135,7 +132,7 @@ impl Plant {
             axis.scale = steps_mm.map(|steps_mm| Scale::new(steps_mm.into(), homes_mm, seed.fraction()));
         }
         let z_mm = axes.iter().find(|own| own.axis == Axis::Z).map_or(0.0, |z| z.true_home_mm);
-        let timeline = Timeline::new(scenario, cycle_s, config.cutting.rise_s, z_mm);
+        let timeline = Timeline::new(cycle_s, config.cutting.rise_s, z_mm);
         let cutter = Cutter::new(config.cutting, machine);
         let freshness = Freshness { stale: 4 * machine.cycles_per_tick(), ..Freshness::default() };
         let link_cycles = (config.power.link_hold_s / cycle_s).round() as u64;
@@ -143,10 +140,24 @@ impl Plant {
         let bus = Bus::new(0, 0, &fresh);
         let mut plant =
             Plant { axes, spindle, timeline, cutter, freshness, outage: 0, link_cycles, bus, fresh, truth };
+        plant.play(scenario)?;
         plant.sample(Cycle(0), &SpindleCommand::default());
         let config::Bus { input_cycles, output_cycles } = config.bus;
         plant.bus = Bus::new(input_cycles, output_cycles, &plant.fresh);
         Ok(plant)
+    }
+
+    /// Plays a scenario from here on; so far there was none. Its events lie behind the present cycle.
+    ///
+    /// # Errors
+    /// [`PlantError`] if an event is for an axis that there is not.
+    pub fn play(&mut self, scenario: Scenario) -> Result<(), PlantError> {
+        let there = |axis: Axis| self.axes.iter().any(|own| own.axis == axis);
+        if let Some((event, axis)) = scenario.axes().find(|(_, axis)| !there(*axis)) {
+            return Err(PlantError::NoAxisToActOn { event, axis: axis.name() });
+        }
+        self.timeline.play(scenario);
+        Ok(())
     }
 
     /// What the controllers see in the present cycle; the first is cycle 0.

@@ -58,13 +58,14 @@ pub(crate) struct Timeline {
 }
 
 impl Timeline {
-    pub(crate) fn new(scenario: Scenario, cycle_s: f64, rise_s: f64, z_mm: f64) -> Timeline {
+    /// Nothing happens.
+    pub(crate) fn new(cycle_s: f64, rise_s: f64, z_mm: f64) -> Timeline {
         Timeline {
-            due: vec![true; scenario.events.len()],
-            encoder: Disturbance::none(scenario.events.len()),
+            due: Vec::new(),
+            encoder: Disturbance::none(),
             breakages: Breakages::default(),
-            orders: Orders::none(scenario.events.len()),
-            events: scenario.events,
+            orders: Orders::none(),
+            events: Vec::new(),
             cycle_s,
             rise_cycles: rise_s / cycle_s,
             knobs: [Ramped::at(100.0); 3],
@@ -75,6 +76,14 @@ impl Timeline {
             pass: PassInHand::default(),
             z_before: z_mm,
         }
+    }
+
+    /// These events happen; so far there were none.
+    pub(crate) fn play(&mut self, scenario: Scenario) {
+        self.events = scenario.events;
+        self.due = vec![true; self.events.len()];
+        self.encoder.make_room(self.events.len());
+        self.orders.make_room(self.events.len());
     }
 
     /// Numbers, from 1, of the events that did not happen yet.

@@ -7,12 +7,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use machine::Machine;
-use rig::wires::{Straight, Wires};
+use rig::wires::Wires;
 
-use crate::case::Case;
+use crate::case::{Case, Ready};
 use crate::draw;
 use crate::judge::Broken;
-use crate::run::{self, Ran};
+use crate::run::{self, Ran, Undisturbed};
 
 /// A seed that broke an invariant.
 #[derive(Clone, Debug)]
@@ -90,24 +90,33 @@ impl Report {
 
 /// One seed: the case, and what it broke.
 pub fn one(seed: u64) -> (Case, Ran) {
-    let (case, cycles, ran) = over(seed, |_| Straight);
+    let (case, cycles, ran) = both(seed, |case, _, alone| alone.disturbed(case));
     (case, Ran { cycles, ..ran })
 }
 
-/// One seed over wires of a test. Undisturbed, the case runs over straight wires.
+/// One seed over wires of a test, from the beginning. Undisturbed, the case runs over straight wires.
 pub fn over<W: Wires>(seed: u64, wires: impl FnOnce(&Machine) -> W) -> (Case, u64, Ran) {
+    both(seed, |case, ready, alone| {
+        run::disturbed_by(case, ready, &alone.ran.measured, wires(&ready.machine))
+    })
+}
+
+/// One seed, without its events and then with them: the case, the cycles of both runs, and the last of them.
+fn both(seed: u64, disturbed: impl FnOnce(&Case, &Ready, Undisturbed) -> Ran) -> (Case, u64, Ran) {
     let (mut case, ready) = draw(seed);
-    let alone = run::undisturbed(&case, &ready);
-    if alone.broken.is_some() {
-        return (case, alone.cycles, alone);
+    let alone = Undisturbed::of(&case, &ready);
+    let cycles = alone.ran.cycles;
+    if alone.ran.broken.is_some() {
+        return (case, cycles, alone.ran);
     }
     let events = &mut draw::seed_of_events(seed);
-    case.events = draw::events(events, &ready.machine, alone.measured.cycles, &alone.measured.borders);
+    let reference = &alone.ran.measured;
+    case.events = draw::events(events, &ready.machine, reference.cycles, &reference.borders);
     if case.events.is_empty() {
-        return (case, alone.cycles, alone);
+        return (case, cycles, alone.ran);
     }
-    let ran = run::disturbed_by(&case, &ready, &alone.measured, wires(&ready.machine));
-    (case, alone.cycles + ran.cycles, ran)
+    let ran = disturbed(&case, &ready, alone);
+    (case, cycles + ran.cycles, ran)
 }
 
 /// One seed; nothing if a module panics.

@@ -13,6 +13,7 @@ use super::FaultReport;
 pub const TOOL_IN_THREAD: &str = "tool-in-thread";
 
 /// Where the tool is, as far as that is measured.
+#[derive(Clone)]
 pub(super) struct Inside {
     /// The pass that was broken off, as long as the axis that lifts has not got free of it.
     pass: Option<ThreadPass>,

@@ -83,6 +83,7 @@ const HASH_BATCH: usize = 64 * 1024;
 const HASHED: usize = std::mem::offset_of!(Truth, doomed);
 
 /// Watches a run. Feed it every control cycle from the first, in order.
+#[derive(Clone)]
 pub struct Observer {
     machine: Machine,
     /// Every pass of the program, by its number.

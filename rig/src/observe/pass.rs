@@ -75,6 +75,7 @@ impl ErrorTrack {
 }
 
 /// One axis of the pass.
+#[derive(Clone)]
 struct AxisTrack {
     axis: Axis,
     law: PassLaw,
@@ -138,6 +139,7 @@ pub(super) fn state_in(pass: u32, status: &AxisStatus) -> AxisState {
 }
 
 /// Measures one pass.
+#[derive(Clone)]
 pub(super) struct PassObserver {
     pass: ThreadPass,
     line: u32,

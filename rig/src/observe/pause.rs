@@ -57,7 +57,7 @@ impl PauseEnd {
 }
 
 /// Watches the pauses of a run.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Pauses {
     paused: bool,
     /// Buttons that were pressed in the pause in hand: one press may be shorter than a tick.

@@ -35,6 +35,7 @@ pub struct ThreadReport {
 }
 
 /// What is known of the depth of a groove.
+#[derive(Clone)]
 struct Groove {
     start: u32,
     lead_mm: f64,
@@ -44,7 +45,7 @@ struct Groove {
 }
 
 /// Collects the depths of the passes.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Threads(Vec<Groove>);
 
 impl Threads {

@@ -68,6 +68,7 @@ pub(super) struct Finish {
 }
 
 /// Watches the tool of one pass.
+#[derive(Clone)]
 pub(super) struct Tool {
     along: Axis,
     across: Axis,

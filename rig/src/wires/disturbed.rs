@@ -5,6 +5,7 @@ use protocol::{Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveCommand, Mea
 use super::{Disturbance, Wire, Wires};
 
 /// Wires on which a disturbance acts.
+#[derive(Clone)]
 pub struct Disturbed<D, W> {
     /// What becomes of the messages; a test may exchange it while the machine runs.
     pub disturbance: D,
@@ -14,7 +15,7 @@ pub struct Disturbed<D, W> {
 }
 
 /// What has arrived last, so that a module can look at it.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Arrived {
     code: Option<CodePacket>,
     measurement: Option<Measurement>,

@@ -18,6 +18,7 @@ use super::disturbance::{Disturbance, Message, damaged};
 const STRIDE: u32 = 1009;
 
 /// What is done to the messages on one wire.
+#[derive(Clone)]
 struct Task {
     wire: Wire,
     tampering: Tampering,
@@ -27,7 +28,7 @@ struct Task {
 }
 
 /// What a scenario does to the messages on all wires.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Tamperer(Vec<Task>);
 
 impl Tamperer {

@@ -90,6 +90,7 @@ pub struct Reference {
 }
 
 /// What a judge knows of a case.
+#[derive(Clone)]
 pub(crate) struct Known<'a> {
     pub(crate) machine: &'a Machine,
     /// Tangent of the half angle of the flank.
@@ -116,6 +117,7 @@ impl Known<'_> {
 }
 
 /// Judges one run.
+#[derive(Clone)]
 pub struct Judge<'a> {
     known: Known<'a>,
     limits: Limits,
@@ -153,6 +155,11 @@ impl<'a> Judge<'a> {
             broken: None,
             turns_from: None,
         }
+    }
+
+    /// The same judge who is told what will happen from here on, and what the case does undisturbed.
+    pub(crate) fn told(self, events: &'a [Event], reference: &'a Reference) -> Judge<'a> {
+        Judge { known: Known { events, reference: Some(reference), ..self.known }, ..self }
     }
 
     /// One control cycle; every one, in order.
