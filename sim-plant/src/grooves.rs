@@ -28,7 +28,7 @@ pub(crate) struct Grooves {
     nodes: usize,
     /// Whose reaches are kept, in the order of their first pass.
     known: [Option<Groove>; GROOVES],
-    /// Reach of each groove in turn at its nodes.
+    /// Reach of each of them in turn at its nodes; there is room for all.
     left: Vec<f64>,
     /// Which groove is being cut, if it is one that is kept.
     in_hand: Option<usize>,
@@ -50,7 +50,7 @@ impl Grooves {
             step_mm: (high_mm - low_mm) / intervals,
             nodes,
             known: [None; GROOVES],
-            left: vec![UNCUT; nodes * GROOVES],
+            left: Vec::with_capacity(nodes * GROOVES),
             in_hand: None,
             cut: vec![UNCUT; nodes],
             beside: vec![UNCUT; nodes],
@@ -70,6 +70,8 @@ impl Grooves {
         if let Some(known) = self.in_hand.and_then(|index| self.known.get_mut(index)) {
             known.get_or_insert(*groove);
         }
+        let known = self.known.iter().flatten().count();
+        self.left.resize(known * self.nodes, UNCUT);
     }
 
     /// The pass in hand is over: its groove is there from now on.

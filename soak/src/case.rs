@@ -1,6 +1,7 @@
 //! A case: a machine, a program, a seed of the plant and what happens. In: what was drawn. Out: the same as
 //! files that a person can run, and ready to be run here.
 
+use interpreter::Interpreter;
 use machine::Machine;
 use protocol::{Code, Item, ThreadPass};
 
@@ -52,12 +53,11 @@ impl Case {
     /// Reads the program; nothing if the machine refuses it, or the file of the machine would be refused.
     pub fn ready(&self) -> Option<Ready> {
         self.machine.check().ok()?;
-        let check = interpreter::check("soak.ngc", &self.program(), &self.machine);
-        check.is_good().then(|| Ready {
-            machine: self.machine.clone(),
-            items: check.items,
-            time_s: check.time_s,
-        })
+        // Nobody reads what is wrong with it: the first error is the last that is looked for.
+        let read = Interpreter::of_text("soak.ngc", self.program(), &self.machine);
+        let items: Vec<Item> = read.collect::<Result<_, _>>().ok()?;
+        let time_s = interpreter::time_s(&items, &self.machine).ok()?;
+        Some(Ready { machine: self.machine.clone(), items, time_s })
     }
 
     /// The scenario that the plant plays.

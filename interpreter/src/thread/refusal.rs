@@ -56,15 +56,19 @@ pub enum Refusal {
 
 /// Slowest speed the search considers, as a share of the programmed one.
 const SLOWEST: f64 = 1e-3;
-/// Halvings of the search: more than the three digits that are shown need.
+/// Halvings of the search at most; what is shown is mostly decided after ten.
 const STEPS: u32 = 24;
 
 /// The highest spindle speed up to the programmed one at which all cuts can be made, 1/min, rounded down.
 fn highest_speed(cuts: &[Cut], machine: &Machine) -> Option<f64> {
     let programmed = cuts.first()?.s_rpm;
     let speed = cuts.iter().try_fold(programmed, |top, cut| highest_of_one(cut, top, machine))?;
-    let rounded = if speed >= 10.0 { speed.floor() } else { (speed * 100.0).floor() / 100.0 };
-    (rounded > 0.0).then_some(rounded)
+    Some(shown(speed)).filter(|speed| *speed > 0.0)
+}
+
+/// A speed as it is shown, rounded down.
+fn shown(speed: f64) -> f64 {
+    if speed >= 10.0 { speed.floor() } else { (speed * 100.0).floor() / 100.0 }
 }
 
 /// The highest speed up to `top` at which one cut can be made.
@@ -78,6 +82,9 @@ fn highest_of_one(cut: &Cut, top: f64, machine: &Machine) -> Option<f64> {
         return None;
     }
     for _ in 0..STEPS {
+        if shown(low) == shown(high) {
+            break;
+        }
         let middle = 0.5 * (low + high);
         if possible(middle) {
             low = middle;

@@ -55,6 +55,8 @@ pub(crate) struct Tool {
     said: Option<(u64, Fault)>,
     /// Largest changes of the spindle's speed in a cycle, 1/min, up and down, fading away; its speed.
     uneven: [f64; 2],
+    /// What is left of them after a cycle, a share.
+    fades: f64,
     rpm: Option<f64>,
     /// Cycle since when the spindle turns the wrong way in a pass.
     backwards: Option<u64>,
@@ -81,6 +83,7 @@ impl Tool {
             braking: false,
             said: None,
             uneven: [0.0; 2],
+            fades: 1.0 - machine.general.cycle_s / swings_s(machine),
             rpm: None,
             backwards: None,
             unseen: None,
@@ -189,8 +192,7 @@ impl Tool {
     fn spindle(&mut self, known: &Known, now: u64, rpm: f64) {
         let cycle_s = known.machine.general.cycle_s;
         let change = rpm - self.rpm.replace(rpm).unwrap_or(rpm);
-        let fades = 1.0 - cycle_s / swings_s(known.machine);
-        let [up, down] = self.uneven;
+        let ([up, down], fades) = (self.uneven, self.fades);
         self.uneven = [(up * fades).max(change), (down * fades).max(-change)];
         let blind = |fault: Fault| matches!(fault, Fault::EncoderGlitch | Fault::EncoderStands);
         self.disbelieved |= self.said.is_some_and(|(_, fault)| blind(fault));
