@@ -1,0 +1,212 @@
+//! Names that begin with a size in inches: `1/4-20 UNC-2A/2B`, `1 1/8-5 ACME-2G`, `1/2-14 NPT`, `3/16-24 BSW`; and
+//! sizes of pipe threads. Out: a thread whose sizes and classes exist.
+
+use super::{
+    cursor::{Cursor, Misread},
+    metric::list,
+    size::{self, InchSize},
+};
+use crate::{
+    acme::Acme,
+    basic::Whitworth,
+    pipe::{self, Taper},
+    thread::Form,
+    unified::{Series, Unified},
+};
+
+/// Series that exist and are not here, and what to take or know instead.
+const ELSEWHERE: [(&str, &str); 9] = [
+    ("UNJ", "UNJ (ASME B1.15) is not known here; UNR is the nearest that is"),
+    ("STUB", "stub Acme (ASME B1.8) is not known here; ACME-2G is general purpose"),
+    ("NPTF", "dryseal threads (ASME B1.20.3) are not known here; NPT is"),
+    ("NPS", "straight pipe threads (NPSM, NPSC, ...) are not known here; NPT and G are"),
+    ("NC", "write UNC"),
+    ("NF", "write UNF"),
+    ("BSF", "BSF is not known here; BSW is, with basic sizes"),
+    ("BSPP", "write G and the size, as in G1/2-A"),
+    ("BSPT", "write R and the size, as in R1/2"),
+];
+
+/// What a size and threads per inch may be followed by.
+const SERIES: &str = "UNC, UNF, UNEF, UN, UNS, UNRC ... with a class as in -2A/2B; ACME-2G; NPT; BSW";
+
+/// Reads a name that begins with its size.
+pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
+    let size = size::read(cursor)?;
+    let at = cursor.at();
+    cursor.spaces();
+    let tpi = if cursor.one_of("-").is_some() { Some(threads_per_inch(cursor)?) } else { None };
+    cursor.spaces();
+    let from = cursor.at();
+    let series = cursor.letters().to_ascii_uppercase();
+    if series == "NPT" {
+        return taper(cursor, size, tpi, at);
+    }
+    let elsewhere = ELSEWHERE.iter().find(|(of, _)| series.starts_with(of));
+    if let Some((of, help)) = elsewhere {
+        return Err(cursor.wrong(from, format!("{of} is another thread"), *help));
+    }
+    let Some(tpi) = tpi else {
+        let help = "write the number of threads per inch behind a hyphen, as in 1/4-20 UNC";
+        return Err(cursor.wrong(at, "the threads per inch are missing", help));
+    };
+    match series.as_str() {
+        "ACME" => acme(cursor, size, tpi, at),
+        "BSW" => whitworth(cursor, size, tpi, at),
+        "" => Err(cursor.wrong(from, "the series is missing", format!("write one of {SERIES}"))),
+        _ => {
+            let letters = series.strip_prefix("UN").map(|rest| rest.strip_prefix('R').unwrap_or(rest));
+            let known = letters.and_then(|of| Series::ALL.iter().find(|(letters, _)| *letters == of));
+            let Some((_, known)) = known else {
+                return Err(cursor.wrong(from, format!("the series {series} is not known"), format!("known are {SERIES}")));
+            };
+            let rounded = series.starts_with("UNR");
+            unified(cursor, size.of_unified(tpi), tpi, (*known, rounded), at)
+        }
+    }
+}
+
+fn threads_per_inch(cursor: &mut Cursor<'_>) -> Result<f64, Misread> {
+    cursor.spaces();
+    let from = cursor.at();
+    let found = cursor.number().filter(|tpi| (1.0..=120.0).contains(tpi));
+    found.ok_or_else(|| {
+        let help = "a number from 1 to 120, as in 1/4-20 UNC";
+        cursor.wrong(from, "this is not a number of threads per inch", help)
+    })
+}
+
+/// Refuses a pitch that is too large for a size.
+fn fits(cursor: &Cursor<'_>, size: InchSize, tpi: f64, least: f64, at: usize) -> Result<(), Misread> {
+    if size.inches() * tpi >= least {
+        return Ok(());
+    }
+    let help = format!("it has at least {least} pitches in its diameter");
+    Err(cursor.wrong(at, format!("{tpi} threads per inch do not fit on {size} in"), help))
+}
+
+/// The digit and the letters of the classes behind a hyphen or a space; none without.
+fn classes(cursor: &mut Cursor<'_>, letters: &str, help: &str) -> Result<Vec<(u8, char)>, Misread> {
+    let mut ahead = cursor.clone();
+    ahead.spaces();
+    ahead.one_of("-");
+    ahead.spaces();
+    if !ahead.peek().is_some_and(|letter| letter.is_ascii_digit()) {
+        return Ok(Vec::new());
+    }
+    *cursor = ahead;
+    let mut found: Vec<(u8, char)> = Vec::new();
+    loop {
+        let from = cursor.at();
+        let digit = cursor.whole().and_then(|digit| u8::try_from(digit).ok());
+        let class = digit.zip(cursor.one_of(letters)).map(|(digit, letter)| (digit, letter.to_ascii_uppercase()));
+        let Some(class) = class else {
+            return Err(cursor.wrong(from, "this is not a class", help));
+        };
+        if found.iter().any(|(_, letter)| *letter == class.1) {
+            return Err(cursor.wrong(from, "there are two classes of one member", help));
+        }
+        found.push(class);
+        if cursor.one_of("/").is_none() {
+            return Ok(found);
+        }
+    }
+}
+
+fn unified(
+    cursor: &mut Cursor<'_>,
+    size: InchSize,
+    tpi: f64,
+    (series, rounded): (Series, bool),
+    at: usize,
+) -> Result<Form, Misread> {
+    fits(cursor, size, tpi, 3.0, at)?;
+    let help = "ASME B1.1 has 1A, 2A, 3A for screws and 1B, 2B, 3B for nuts, as in 2A/2B";
+    let from = cursor.at();
+    let found = classes(cursor, "ABab", help)?;
+    if found.iter().any(|(digit, _)| !(1..=3).contains(digit)) {
+        return Err(cursor.wrong(from, "this is not a class", help));
+    }
+    let of = |letter| found.iter().find(|(_, of)| *of == letter).map(|(digit, _)| *digit);
+    let [external, internal] = if found.is_empty() { [Some(2); 2] } else { ['A', 'B'].map(of) };
+    Ok(Form::Unified(Unified { size, tpi, series, rounded, external, internal }))
+}
+
+fn acme(cursor: &mut Cursor<'_>, size: InchSize, tpi: f64, at: usize) -> Result<Form, Misread> {
+    if !(0.25..=5.0).contains(&size.inches()) {
+        let help = "ASME B1.5 has sizes from 1/4 to 5 in";
+        return Err(cursor.wrong(0, format!("ACME of {size} in does not exist"), help));
+    }
+    fits(cursor, size, tpi, 2.5, at)?;
+    let help = "classes of general purpose are 2G, 3G and 4G; centralizing ones (2C ...) are not known here";
+    let from = cursor.at();
+    let found = classes(cursor, "GgCc", help)?;
+    match found.first().copied().unwrap_or((2, 'G')) {
+        (class @ 2..=4, 'G') => Ok(Form::Acme(Acme { size, tpi, class })),
+        _ => Err(cursor.wrong(from, "this is not a class", help)),
+    }
+}
+
+/// Behind the size of BSW.
+pub(super) fn whitworth(
+    cursor: &mut Cursor<'_>,
+    size: InchSize,
+    tpi: f64,
+    at: usize,
+) -> Result<Form, Misread> {
+    fits(cursor, size, tpi, 3.0, at)?;
+    Ok(Form::Whitworth(Whitworth { size, tpi }))
+}
+
+/// Size and threads per inch behind the letters BSW.
+pub(super) fn whitworth_first(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
+    cursor.spaces();
+    let at = cursor.at();
+    let size = size::read(cursor)?;
+    cursor.spaces();
+    if cursor.one_of("-").is_none() {
+        let help = "as in BSW 3/16-24";
+        return Err(cursor.wrong(at, "the threads per inch are missing", help));
+    }
+    let tpi = threads_per_inch(cursor)?;
+    whitworth(cursor, size, tpi, at)
+}
+
+/// Size, and threads per inch if they are written, behind the letters NPT.
+pub(super) fn taper_first(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
+    cursor.spaces();
+    let at = cursor.at();
+    let size = size::read(cursor)?;
+    cursor.spaces();
+    let tpi = if cursor.one_of("-").is_some() { Some(threads_per_inch(cursor)?) } else { None };
+    taper(cursor, size, tpi, at)
+}
+
+fn taper(cursor: &Cursor<'_>, size: InchSize, tpi: Option<f64>, at: usize) -> Result<Form, Misread> {
+    let (written, sizes) = (size.to_string(), pipe::taper_sizes());
+    let Some((size, has)) = sizes.iter().find(|(of, _)| *of == written) else {
+        let help = format!("known are {}", list(sizes.iter().map(|(size, _)| size)));
+        return Err(cursor.wrong(at, format!("NPT does not have the size {written}"), help));
+    };
+    if tpi.is_some_and(|tpi| tpi != *has) {
+        let help = format!("write {size}-{has} NPT");
+        return Err(cursor.wrong(at, format!("NPT {size} has {has} threads per inch"), help));
+    }
+    Ok(Form::Taper(Taper { size }))
+}
+
+/// A size of ISO 228-1 or ISO 7-1, one of those that exist.
+pub(super) fn pipe_size(
+    cursor: &mut Cursor<'_>,
+    letters: &str,
+    sizes: &[&'static str],
+) -> Result<&'static str, Misread> {
+    cursor.spaces();
+    let from = cursor.at();
+    let written = size::read(cursor)?.to_string();
+    let found = sizes.iter().find(|size| **size == written);
+    found.copied().ok_or_else(|| {
+        let help = format!("known are {}", list(sizes));
+        cursor.wrong(from, format!("{letters} does not have the size {written}"), help)
+    })
+}
