@@ -64,6 +64,9 @@ pub(crate) enum Command {
     /// Try to break the machine: random programs, machines and faults, judged by the truth.
     #[command(after_help = crate::soak::HELP)]
     Soak(crate::soak::SoakArgs),
+    /// Print the limits of a standard thread, from its name.
+    #[command(after_help = crate::thread::HELP)]
+    Thread(crate::thread::ThreadArgs),
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(crate::doctor::DoctorArgs),

@@ -15,6 +15,7 @@ mod resolution;
 mod run;
 mod screen;
 mod soak;
+mod thread;
 mod tune;
 mod words;
 
@@ -48,6 +49,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),
         Command::Soak(args) => soak::soak(args, quiet),
+        Command::Thread(args) => thread::thread(args),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(process::shell::interpreter::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => {

@@ -110,6 +110,40 @@ impl Size {
     }
 }
 
+impl Size {
+    /// What it is, for people.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        use Size::*;
+        match self {
+            MajorMax => "largest major diameter",
+            MajorMin => "smallest major diameter",
+            PitchMax => "largest pitch diameter",
+            PitchMin => "smallest pitch diameter",
+            FlatMinorMax => "largest minor diameter where a flat of the root begins",
+            MinorMax => "largest minor diameter",
+            MinorMin => "smallest minor diameter",
+            RootRadiusMax => "largest radius of the root",
+            RootRadiusMin => "smallest radius of the root",
+            Major => "major diameter",
+            Pitch => "pitch diameter",
+            Minor => "minor diameter",
+            SmallEnd => "pitch diameter at the small end",
+            HandTight => "pitch diameter where hand-tight engagement ends",
+            HandTightMax => "the same, one turn more",
+            HandTightMin => "the same, one turn less",
+            HandTightLength => "length of hand-tight engagement",
+            EffectiveLength => "length of effective thread",
+            Lead => "lead",
+            Tip => "tip diameter",
+            Root => "root diameter",
+            Depth => "depth of the thread",
+            LeadAngle => "lead angle, degrees",
+            AxialAngle => "angle of the flanks in an axial plane, degrees",
+        }
+    }
+}
+
 /// The sizes of one member.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {

@@ -21,6 +21,15 @@ impl fmt::Display for Misread {
 
 impl std::error::Error for Misread {}
 
+/// A refusal of a part of the text.
+pub(super) fn wrong_at(
+    span: Range<usize>,
+    message: impl Into<String>,
+    help: impl Into<String>,
+) -> Misread {
+    Misread { span, message: message.into(), help: help.into() }
+}
+
 /// A place in a text.
 #[derive(Clone)]
 pub(super) struct Cursor<'a> {
@@ -102,6 +111,19 @@ impl<'a> Cursor<'a> {
         Some(value as u32)
     }
 
+    /// Passes over what may stand before a class, if a class stands there: a digit.
+    pub(super) fn class(&mut self) -> bool {
+        let mut ahead = self.clone();
+        ahead.spaces();
+        ahead.one_of("-");
+        ahead.spaces();
+        let found = ahead.peek().is_some_and(|letter| letter.is_ascii_digit());
+        if found {
+            *self = ahead;
+        }
+        found
+    }
+
     /// A refusal of what lies between a place and here; of what follows if that is nothing.
     pub(super) fn wrong(
         &self,
@@ -110,6 +132,6 @@ impl<'a> Cursor<'a> {
         help: impl Into<String>,
     ) -> Misread {
         let end = if from < self.at { self.at } else { self.text.len() };
-        Misread { span: from..end, message: message.into(), help: help.into() }
+        wrong_at(from..end, message, help)
     }
 }

@@ -1,8 +1,10 @@
 //! Names that begin with a size in inches: `1/4-20 UNC-2A/2B`, `1 1/8-5 ACME-2G`, `1/2-14 NPT`, `3/16-24 BSW`; and
 //! sizes of pipe threads. Out: a thread whose sizes and classes exist.
 
+use std::ops::{Range, RangeInclusive};
+
 use super::{
-    cursor::{Cursor, Misread},
+    cursor::{Cursor, Misread, wrong_at},
     metric::list,
     size::{self, InchSize},
 };
@@ -32,15 +34,19 @@ const SERIES: &str = "UNC, UNF, UNEF, UN, UNS, UNRC ... with a class as in -2A/2
 
 /// Reads a name that begins with its size.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
-    let size = size::read(cursor)?;
     let at = cursor.at();
+    let size = size::read(cursor)?;
+    let mut at = at..cursor.at();
     cursor.spaces();
     let tpi = if cursor.one_of("-").is_some() { Some(threads_per_inch(cursor)?) } else { None };
+    if tpi.is_some() {
+        at.end = cursor.at();
+    }
     cursor.spaces();
     let from = cursor.at();
     let series = cursor.letters().to_ascii_uppercase();
     if series == "NPT" {
-        return taper(cursor, size, tpi, at);
+        return taper(size, tpi, at);
     }
     let elsewhere = ELSEWHERE.iter().find(|(of, _)| series.starts_with(of));
     if let Some((of, help)) = elsewhere {
@@ -48,11 +54,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     }
     let Some(tpi) = tpi else {
         let help = "write the number of threads per inch behind a hyphen, as in 1/4-20 UNC";
-        return Err(cursor.wrong(at, "the threads per inch are missing", help));
+        return Err(wrong_at(at, "the threads per inch are missing", help));
     };
     match series.as_str() {
         "ACME" => acme(cursor, size, tpi, at),
-        "BSW" => whitworth(cursor, size, tpi, at),
+        "BSW" => whitworth(size, tpi, at),
         "" => Err(cursor.wrong(from, "the series is missing", format!("write one of {SERIES}"))),
         _ => {
             let letters = series.strip_prefix("UN").map(|rest| rest.strip_prefix('R').unwrap_or(rest));
@@ -77,29 +83,30 @@ fn threads_per_inch(cursor: &mut Cursor<'_>) -> Result<f64, Misread> {
 }
 
 /// Refuses a pitch that is too large for a size.
-fn fits(cursor: &Cursor<'_>, size: InchSize, tpi: f64, least: f64, at: usize) -> Result<(), Misread> {
+fn fits(size: InchSize, tpi: f64, least: f64, at: Range<usize>) -> Result<(), Misread> {
     if size.inches() * tpi >= least {
         return Ok(());
     }
-    let help = format!("it has at least {least} pitches in its diameter");
-    Err(cursor.wrong(at, format!("{tpi} threads per inch do not fit on {size} in"), help))
+    let help = format!("its diameter is at least {least} pitches");
+    Err(wrong_at(at, format!("{tpi} threads per inch do not fit on {size} in"), help))
 }
 
-/// The digit and the letters of the classes behind a hyphen or a space; none without.
-fn classes(cursor: &mut Cursor<'_>, letters: &str, help: &str) -> Result<Vec<(u8, char)>, Misread> {
-    let mut ahead = cursor.clone();
-    ahead.spaces();
-    ahead.one_of("-");
-    ahead.spaces();
-    if !ahead.peek().is_some_and(|letter| letter.is_ascii_digit()) {
+/// The digits and letters of the classes behind a hyphen or a space; none without.
+fn classes(
+    cursor: &mut Cursor<'_>,
+    digits: RangeInclusive<u8>,
+    letters: &str,
+    help: &str,
+) -> Result<Vec<(u8, char)>, Misread> {
+    if !cursor.class() {
         return Ok(Vec::new());
     }
-    *cursor = ahead;
     let mut found: Vec<(u8, char)> = Vec::new();
     loop {
         let from = cursor.at();
         let digit = cursor.whole().and_then(|digit| u8::try_from(digit).ok());
-        let class = digit.zip(cursor.one_of(letters)).map(|(digit, letter)| (digit, letter.to_ascii_uppercase()));
+        let letter = cursor.one_of("ABCGabcg").filter(|letter| letters.contains(*letter));
+        let class = digit.filter(|digit| digits.contains(digit)).zip(letter).map(|(digit, letter)| (digit, letter.to_ascii_uppercase()));
         let Some(class) = class else {
             return Err(cursor.wrong(from, "this is not a class", help));
         };
@@ -118,43 +125,30 @@ fn unified(
     size: InchSize,
     tpi: f64,
     (series, rounded): (Series, bool),
-    at: usize,
+    at: Range<usize>,
 ) -> Result<Form, Misread> {
-    fits(cursor, size, tpi, 3.0, at)?;
+    fits(size, tpi, 3.0, at)?;
     let help = "ASME B1.1 has 1A, 2A, 3A for screws and 1B, 2B, 3B for nuts, as in 2A/2B";
-    let from = cursor.at();
-    let found = classes(cursor, "ABab", help)?;
-    if found.iter().any(|(digit, _)| !(1..=3).contains(digit)) {
-        return Err(cursor.wrong(from, "this is not a class", help));
-    }
+    let found = classes(cursor, 1..=3, "ABab", help)?;
     let of = |letter| found.iter().find(|(_, of)| *of == letter).map(|(digit, _)| *digit);
     let [external, internal] = if found.is_empty() { [Some(2); 2] } else { ['A', 'B'].map(of) };
     Ok(Form::Unified(Unified { size, tpi, series, rounded, external, internal }))
 }
 
-fn acme(cursor: &mut Cursor<'_>, size: InchSize, tpi: f64, at: usize) -> Result<Form, Misread> {
+fn acme(cursor: &mut Cursor<'_>, size: InchSize, tpi: f64, at: Range<usize>) -> Result<Form, Misread> {
     if !(0.25..=5.0).contains(&size.inches()) {
         let help = "ASME B1.5 has sizes from 1/4 to 5 in";
-        return Err(cursor.wrong(0, format!("ACME of {size} in does not exist"), help));
+        return Err(wrong_at(at, format!("ACME of {size} in does not exist"), help));
     }
-    fits(cursor, size, tpi, 2.5, at)?;
+    fits(size, tpi, 2.5, at)?;
     let help = "classes of general purpose are 2G, 3G and 4G; centralizing ones (2C ...) are not known here";
-    let from = cursor.at();
-    let found = classes(cursor, "GgCc", help)?;
-    match found.first().copied().unwrap_or((2, 'G')) {
-        (class @ 2..=4, 'G') => Ok(Form::Acme(Acme { size, tpi, class })),
-        _ => Err(cursor.wrong(from, "this is not a class", help)),
-    }
+    let found = classes(cursor, 2..=4, "Gg", help)?;
+    let class = found.first().map_or(2, |(class, _)| *class);
+    Ok(Form::Acme(Acme { size, tpi, class }))
 }
 
-/// Behind the size of BSW.
-pub(super) fn whitworth(
-    cursor: &mut Cursor<'_>,
-    size: InchSize,
-    tpi: f64,
-    at: usize,
-) -> Result<Form, Misread> {
-    fits(cursor, size, tpi, 3.0, at)?;
+fn whitworth(size: InchSize, tpi: f64, at: Range<usize>) -> Result<Form, Misread> {
+    fits(size, tpi, 3.0, at)?;
     Ok(Form::Whitworth(Whitworth { size, tpi }))
 }
 
@@ -165,11 +159,11 @@ pub(super) fn whitworth_first(cursor: &mut Cursor<'_>) -> Result<Form, Misread> 
     let size = size::read(cursor)?;
     cursor.spaces();
     if cursor.one_of("-").is_none() {
-        let help = "as in BSW 3/16-24";
+        let help = "write them as in BSW 3/16-24";
         return Err(cursor.wrong(at, "the threads per inch are missing", help));
     }
     let tpi = threads_per_inch(cursor)?;
-    whitworth(cursor, size, tpi, at)
+    whitworth(size, tpi, at..cursor.at())
 }
 
 /// Size, and threads per inch if they are written, behind the letters NPT.
@@ -177,20 +171,24 @@ pub(super) fn taper_first(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     cursor.spaces();
     let at = cursor.at();
     let size = size::read(cursor)?;
+    let end = cursor.at();
     cursor.spaces();
-    let tpi = if cursor.one_of("-").is_some() { Some(threads_per_inch(cursor)?) } else { None };
-    taper(cursor, size, tpi, at)
+    if cursor.one_of("-").is_none() {
+        return taper(size, None, at..end);
+    }
+    let tpi = threads_per_inch(cursor)?;
+    taper(size, Some(tpi), at..cursor.at())
 }
 
-fn taper(cursor: &Cursor<'_>, size: InchSize, tpi: Option<f64>, at: usize) -> Result<Form, Misread> {
+fn taper(size: InchSize, tpi: Option<f64>, at: Range<usize>) -> Result<Form, Misread> {
     let (written, sizes) = (size.to_string(), pipe::taper_sizes());
     let Some((size, has)) = sizes.iter().find(|(of, _)| *of == written) else {
         let help = format!("known are {}", list(sizes.iter().map(|(size, _)| size)));
-        return Err(cursor.wrong(at, format!("NPT does not have the size {written}"), help));
+        return Err(wrong_at(at, format!("NPT does not have the size {written}"), help));
     };
     if tpi.is_some_and(|tpi| tpi != *has) {
         let help = format!("write {size}-{has} NPT");
-        return Err(cursor.wrong(at, format!("NPT {size} has {has} threads per inch"), help));
+        return Err(wrong_at(at, format!("NPT {size} has {has} threads per inch"), help));
     }
     Ok(Form::Taper(Taper { size }))
 }

@@ -1,7 +1,9 @@
 //! Names of metric threads: `M20x2-6g/6H`, `MJ6x1-4h6h`, `Tr40x14P7-7e`. In: the place behind the letters. Out: a
 //! thread whose sizes and classes exist.
 
-use super::cursor::{Cursor, Misread};
+use std::ops::Range;
+
+use super::cursor::{Cursor, Misread, wrong_at};
 use crate::{
     deviations::{self, Position},
     grades,
@@ -23,83 +25,88 @@ pub(super) fn list(numbers: impl IntoIterator<Item = impl ToString>) -> String {
     numbers.into_iter().map(|number| number.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Diameter, pitch and starts, mm; where each was read. `coarse`: the pitch where none is written.
+/// What stands behind the letters of a metric thread; mm.
+struct Sizes {
+    d: f64,
+    pitch: f64,
+    starts: u32,
+    /// Where the diameter stands.
+    d_at: Range<usize>,
+    /// Where the pitch does; where the diameter does if there is none.
+    pitch_at: Range<usize>,
+}
+
+/// Reads sizes. `coarse`: the pitch where none is written.
 fn sizes(
     cursor: &mut Cursor<'_>,
     example: &str,
     coarse: impl Fn(f64) -> Option<f64>,
-) -> Result<(f64, f64, u32, usize), Misread> {
+) -> Result<Sizes, Misread> {
     cursor.spaces();
     let from = cursor.at();
-    let no_size = |cursor: &Cursor<'_>| cursor.wrong(from, "the diameter is missing", format!("as in {example}"));
-    let d = cursor.number().ok_or_else(|| no_size(cursor))?;
+    let missing = |cursor: &Cursor<'_>, from: usize, what: &str| {
+        cursor.wrong(from, format!("the {what} is missing"), format!("write it as in {example}"))
+    };
+    let d = cursor.number().ok_or_else(|| missing(cursor, from, "diameter"))?;
+    let d_at = from..cursor.at();
     cursor.spaces();
     if cursor.one_of("xX×*").is_none() {
         let refused = || {
-            let help = format!("write it behind an x, as in {example}");
-            cursor.wrong(from, format!("a diameter of {d} mm has no coarse pitch"), help)
+            let help = format!("write the pitch behind an x, as in {example}");
+            wrong_at(d_at.clone(), format!("a diameter of {d} mm has no coarse pitch"), help)
         };
-        return Ok((d, coarse(d).ok_or_else(refused)?, 1, from));
+        let pitch = coarse(d).ok_or_else(refused)?;
+        return Ok(Sizes { d, pitch, starts: 1, pitch_at: d_at.clone(), d_at });
     }
     cursor.spaces();
     // ISO 965-1 writes Ph before a lead, older names L.
     let _ = cursor.word("Ph") || cursor.word("L");
-    let at = cursor.at();
-    let no_pitch = |cursor: &Cursor<'_>| cursor.wrong(at, "the pitch is missing", format!("as in {example}"));
-    let lead = cursor.number().ok_or_else(|| no_pitch(cursor))?;
+    let from = cursor.at();
+    let lead = cursor.number().ok_or_else(|| missing(cursor, from, "pitch"))?;
+    let pitch_at = from..cursor.at();
     cursor.spaces();
     let bracket = cursor.one_of("(").is_some();
     if !cursor.word("P") {
-        return Ok((d, lead, 1, at));
+        return Ok(Sizes { d, pitch: lead, starts: 1, d_at, pitch_at });
     }
     cursor.spaces();
-    let pitch = cursor.number().ok_or_else(|| no_pitch(cursor))?;
+    let pitch = cursor.number().ok_or_else(|| missing(cursor, from, "pitch"))?;
     if bracket && cursor.one_of(")").is_none() {
-        return Err(cursor.wrong(at, "the bracket is not closed", "as in Tr40x14(P7)"));
+        return Err(cursor.wrong(from, "the bracket is not closed", "write it as in Tr40x14(P7)"));
     }
     let starts = (lead / pitch).round();
     if pitch <= 0.0 || (starts * pitch - lead).abs() > 1e-6 || !(1.0..=STARTS).contains(&starts) {
         let help = format!("a lead is 1 to {STARTS} pitches, as in Tr40x14P7 with two starts");
-        return Err(cursor.wrong(at, format!("a lead of {lead} mm is not a number of pitches of {pitch} mm"), help));
+        let message = format!("a lead of {lead} mm is not a number of pitches of {pitch} mm");
+        return Err(cursor.wrong(from, message, help));
     }
-    Ok((d, pitch, starts as u32, at))
-}
-
-/// The sign between sizes and classes; true if there is one and something behind it that is no hand.
-fn has_class(cursor: &mut Cursor<'_>) -> bool {
-    let mut ahead = cursor.clone();
-    ahead.spaces();
-    ahead.one_of("-");
-    ahead.spaces();
-    let found = ahead.peek().is_some_and(|letter| letter.is_ascii_digit());
-    if found {
-        *cursor = ahead;
-    }
-    found
+    Ok(Sizes { d, pitch, starts: starts as u32, d_at, pitch_at: from..cursor.at() })
 }
 
 /// Reads M or MJ.
 pub(super) fn read(cursor: &mut Cursor<'_>, mj: bool) -> Result<(Form, bool), Misread> {
     let example = if mj { "MJ6x1-4h6h/4H5H" } else { "M20x2-6g/6H" };
-    let (d, pitch, starts, at) = sizes(cursor, example, |d| coarse_pitch(d).filter(|_| !mj))?;
+    let Sizes { d, pitch, starts, d_at, pitch_at } =
+        sizes(cursor, example, |d| coarse_pitch(d).filter(|_| !mj))?;
     if grades::range(d).is_none() {
         let help = "ISO 965-1 has tolerances above 0.99 and up to 355 mm";
-        return Err(cursor.wrong(at, format!("a diameter of {d} mm has no tolerances"), help));
+        return Err(wrong_at(d_at, format!("a diameter of {d} mm has no tolerances"), help));
     }
     if !deviations::pitches().any(|known| known == pitch) {
         let help = format!("the pitches of ISO 261 are {}", list(deviations::pitches()));
-        return Err(cursor.wrong(at, format!("a pitch of {pitch} mm has no tolerances"), help));
+        return Err(wrong_at(pitch_at, format!("a pitch of {pitch} mm has no tolerances"), help));
     }
     if d < 3.0 * pitch {
         let help = "the pitch is at most a third of the diameter";
-        return Err(cursor.wrong(at, format!("a pitch of {pitch} mm does not fit on {d} mm"), help));
+        return Err(wrong_at(pitch_at, format!("a pitch of {pitch} mm does not fit on {d} mm"), help));
     }
     let left = super::hand(cursor);
     let zone = |grade, position| Zone { grade, position };
     let class = |pitch, crest| Some(Class { pitch, crest });
     let (mut external, mut internal) = (None, None);
+    let classes = cursor.class();
     let from = cursor.at();
-    if has_class(cursor) {
+    if classes {
         loop {
             let (side, read) = read_class(cursor, pitch)?;
             let slot = if side == Side::External { &mut external } else { &mut internal };
@@ -113,7 +120,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, mj: bool) -> Result<(Form, bool), Mi
         }
     } else if mj && d <= SMALL_MJ {
         let help = "write it behind a hyphen, as in MJ5x0.8-4h6h/4H6H";
-        return Err(cursor.wrong(from, format!("MJ of {d} mm needs a class"), help));
+        return Err(wrong_at(d_at, format!("MJ of {d} mm needs a class"), help));
     } else if mj {
         external = class(zone(4, Position::H), zone(6, Position::H));
         internal = class(zone(4, Position::H), zone(5, Position::H));
@@ -196,22 +203,22 @@ fn zone(cursor: &mut Cursor<'_>) -> Result<(Side, Zone), Misread> {
 
 /// Reads Tr.
 pub(super) fn read_trapezoidal(cursor: &mut Cursor<'_>) -> Result<(Form, bool), Misread> {
-    let (d, pitch, starts, at) = sizes(cursor, "Tr40x7-7e", |_| None)?;
+    let Sizes { d, pitch, starts, d_at, pitch_at } = sizes(cursor, "Tr40x7-7e", |_| None)?;
     if !(8.0..=300.0).contains(&d) {
         let help = "ISO 2904 has diameters from 8 to 300 mm";
-        return Err(cursor.wrong(at, format!("Tr of {d} mm does not exist"), help));
+        return Err(wrong_at(d_at, format!("Tr of {d} mm does not exist"), help));
     }
     if !trapezoidal::pitches().any(|known| known == pitch) {
         let help = format!("the pitches of ISO 2902 are {}", list(trapezoidal::pitches()));
-        return Err(cursor.wrong(at, format!("Tr does not have a pitch of {pitch} mm"), help));
+        return Err(wrong_at(pitch_at, format!("Tr does not have a pitch of {pitch} mm"), help));
     }
     if d < 2.5 * pitch {
         let help = "the pitch is at most two fifths of the diameter";
-        return Err(cursor.wrong(at, format!("a pitch of {pitch} mm does not fit on {d} mm"), help));
+        return Err(wrong_at(pitch_at, format!("a pitch of {pitch} mm does not fit on {d} mm"), help));
     }
     let left = super::hand(cursor);
     let thread = |external, internal| Form::Trapezoidal(Trapezoidal { d, pitch, starts, external, internal });
-    if !has_class(cursor) {
+    if !cursor.class() {
         return Ok((thread(Some((7, trapezoidal::Position::E)), Some(7)), left));
     }
     let (mut external, mut internal) = (None, None);

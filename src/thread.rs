@@ -1,0 +1,196 @@
+//! `pitchlock thread NAME --limits`: what a standard asks of a thread. In: its name. Out: a table, or one JSON
+//! document:
+//!
+//! ```json
+//! { "version": 1, "name": "M20x2-6g", "complete": "M20x2-6g", "standard": "ISO 965 M",
+//!   "ext": { "d_max": 19.962, "d_min": 19.682, "d2_max": 18.663, "d2_min": 18.503 },
+//!   "profile": { "pitch_mm": 2.0, "lead_mm": 2.0, "starts": 1, "flank_deg": [30.0, 30.0], "taper": 0.0 } }
+//! ```
+//! `ext` and `int` are in mm and have the members that the name has; `inch` holds the same in inches where the
+//! standard is in inches. Keys: docs/metrology.md.
+
+use std::{collections::BTreeMap, process::ExitCode};
+
+use clap::Args;
+use metrology::{Limits, Member, Misread, Side, Size, Thread, UNDERSTOOD, Unit};
+use serde::Serialize;
+
+use crate::{error::CliError, screen};
+
+pub(crate) const HELP: &str = "Examples:
+  pitchlock thread M20x2-6g --limits             a screw
+  pitchlock thread M20 --limits                  coarse pitch, 6g/6H: screw and nut
+  pitchlock thread 1/4-20 UNC-2A/2B --limits     in inches, too
+  pitchlock thread Tr40x14P7 LH --limits --json  two starts, left-hand, as one JSON document
+
+Names, with d for external and D for internal threads in the answer:
+  M20, M20x2, M20x2-6g/6H, MJ6x1-4h6h/4H5H, Tr40x7-7e/7H, Tr40x14P7-8e, 1/4-20 UNC-2A, #10-32 UNF-3A/3B, 1 1/8-8 UNR,
+  1/2-10 ACME-2G, 1/2-14 NPT, G1/2-A, R1/2, BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44;
+  behind any of them LH, external or internal
+
+What each standard sets, where the numbers come from and how well published tables agree: docs/metrology.md.
+
+Exit status: 0 done, 2 the name is not understood or an argument is wrong.";
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ThreadArgs {
+    /// Name of the thread, as on a drawing; its words may stand apart.
+    #[arg(required = true, num_args = 1.., value_name = "NAME")]
+    name: Vec<String>,
+    /// Print the limits of its diameters.
+    #[arg(long)]
+    limits: bool,
+    /// Print one JSON document, and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Sizes by their keys.
+type Sizes = BTreeMap<&'static str, f64>;
+
+#[derive(Serialize)]
+struct Members {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ext: Option<Sizes>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    int: Option<Sizes>,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    version: u32,
+    name: &'a str,
+    /// The same with everything that it leaves out.
+    complete: String,
+    standard: &'static str,
+    #[serde(flatten)]
+    mm: Members,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inch: Option<Members>,
+    profile: Profile,
+    note: &'static str,
+}
+
+/// The nominal profile.
+#[derive(Serialize)]
+struct Profile {
+    flank_deg: [f64; 2],
+    triangle_mm: f64,
+    pitch_mm: f64,
+    lead_mm: f64,
+    starts: u32,
+    left_hand: bool,
+    taper: f64,
+    major_mm: f64,
+    pitch_diameter_mm: f64,
+    minor_mm: f64,
+}
+
+/// Prints what was asked of a thread.
+pub(crate) fn thread(args: &ThreadArgs) -> Result<ExitCode, CliError> {
+    let name = args.name.join(" ");
+    let thread: Thread = name.parse().map_err(|misread| refused(&name, &misread))?;
+    if !args.limits {
+        let text = format!("nothing is asked of {name:?}: add --limits, which is all that this command prints");
+        return Err(CliError::Input(text));
+    }
+    if args.json {
+        let json = serde_json::to_string_pretty(&document(&name, &thread));
+        let json = json.map_err(|error| CliError::Machine(error.to_string()))?;
+        screen::print(&format!("{json}\n"));
+    } else {
+        screen::print(&text(&thread));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Where the name is wrong, and what is understood.
+fn refused(name: &str, misread: &Misread) -> CliError {
+    let Misread { span, message, help } = misread;
+    let letters = |range: &str| range.chars().count();
+    let before = letters(&name[..span.start]);
+    let marks = "^".repeat(letters(&name[span.clone()]).max(1));
+    let understood: String = UNDERSTOOD.lines().map(|line| format!("  {line}\n")).collect();
+    CliError::Input(format!(
+        "{message}\n\n  {name}\n  {:before$}{marks}\n\nhelp: {help}\n\nunderstood are\n{understood}",
+        ""
+    ))
+}
+
+fn document<'a>(name: &'a str, thread: &Thread) -> Document<'a> {
+    let (limits, profile) = (thread.limits(), thread.profile());
+    let sizes = |side: Side, in_inches: bool| {
+        let (_, member) = limits.members().find(|(of, _)| *of == side)?;
+        let key = |(size, value): (Size, f64)| (size.key(side), value);
+        Some(if in_inches {
+            member.sizes().map(key).collect::<Sizes>()
+        } else {
+            member.sizes_mm().map(key).collect()
+        })
+    };
+    let members = |in_inches| Members {
+        ext: sizes(Side::External, in_inches),
+        int: sizes(Side::Internal, in_inches),
+    };
+    Document {
+        version: 1,
+        name,
+        complete: thread.to_string(),
+        standard: thread.standard(),
+        mm: members(false),
+        inch: (limits.unit == Unit::Inch).then(|| members(true)),
+        profile: Profile {
+            flank_deg: profile.flank_deg,
+            triangle_mm: profile.triangle_mm(),
+            pitch_mm: profile.pitch_mm,
+            lead_mm: profile.lead_mm(),
+            starts: profile.starts,
+            left_hand: profile.left_hand,
+            taper: profile.taper,
+            major_mm: profile.major_mm,
+            pitch_diameter_mm: profile.pitch_diameter_mm,
+            minor_mm: profile.minor_mm,
+        },
+        note: thread.note(),
+    }
+}
+
+/// Everything for the screen.
+fn text(thread: &Thread) -> String {
+    let (limits, profile) = (thread.limits(), thread.profile());
+    let starts = if profile.starts == 1 { String::new() } else { format!(", {} starts", profile.starts) };
+    let hand = if profile.left_hand { "left-hand" } else { "right-hand" };
+    let taper = if profile.taper == 0.0 { "" } else { ", taper 1:16" };
+    let mut text = format!(
+        "{thread}, {}\npitch {} mm{starts}, {hand}{taper}, flanks {} deg\n",
+        thread.standard(),
+        places(profile.pitch_mm, 3),
+        places(profile.flank_deg[0], 1)
+    );
+    for (side, member) in limits.members() {
+        text += &format!("\n{}", table(&limits, side, member));
+    }
+    format!("{text}\n{}\n", thread.note())
+}
+
+/// A number with so many places, more if it has more: the six that sizes are rounded to at most.
+fn places(value: f64, least: usize) -> String {
+    let long = format!("{value:.6}");
+    let zeros = long.len() - long.trim_end_matches('0').len();
+    format!("{value:.*}", least.max(6 - zeros.min(6)))
+}
+
+/// The sizes of a member, a line each.
+fn table(limits: &Limits, side: Side, member: &Member) -> String {
+    let inch = limits.unit == Unit::Inch;
+    let title = if side == Side::External { "external" } else { "internal" };
+    let line = |key: &str, mm: &str, inches: &str, text: &str| {
+        let inches = if inch { format!("{inches:>9}") } else { String::new() };
+        format!("{key:<12}{mm:>9}{inches}  {text}").trim_end().to_owned() + "\n"
+    };
+    let sizes = member.sizes_mm().zip(member.sizes()).map(|((size, mm), (_, inches))| {
+        let mm = places((mm * 1e4).round() / 1e4, 3);
+        line(size.key(side), &mm, &places(inches, 4), size.text())
+    });
+    line(title, "mm", "in", "") + &sizes.collect::<String>()
+}
