@@ -1,13 +1,13 @@
-//! `pitchlock thread NAME --limits`: what a standard asks of a thread. In: its name. Out: a table, or one JSON
-//! document:
+//! `pitchlock thread NAME --limits`: what a standard asks of a thread. In: its name. Out: a table, or one
+//! JSON document:
 //!
 //! ```json
 //! { "version": 1, "name": "M20x2-6g", "complete": "M20x2-6g", "standard": "ISO 965 M",
 //!   "ext": { "d_max": 19.962, "d_min": 19.682, "d2_max": 18.663, "d2_min": 18.503 },
 //!   "profile": { "pitch_mm": 2.0, "lead_mm": 2.0, "starts": 1, "flank_deg": [30.0, 30.0], "taper": 0.0 } }
 //! ```
-//! `ext` and `int` are in mm and have the members that the name has; `inch` holds the same in inches where the
-//! standard is in inches. Keys: docs/metrology.md.
+//! `ext` and `int` are in mm and have the members that the name has; `inch` holds the same in inches where
+//! the standard is in inches. Keys: docs/metrology.md.
 
 use std::{collections::BTreeMap, process::ExitCode};
 
@@ -91,7 +91,8 @@ pub(crate) fn thread(args: &ThreadArgs) -> Result<ExitCode, CliError> {
     let name = args.name.join(" ");
     let thread: Thread = name.parse().map_err(|misread| refused(&name, &misread))?;
     if !args.limits {
-        let text = format!("nothing is asked of {name:?}: add --limits, which is all that this command prints");
+        let text =
+            format!("nothing is asked of {name:?}: add --limits, which is all that this command prints");
         return Err(CliError::Input(text));
     }
     if args.json {
@@ -128,10 +129,8 @@ fn document<'a>(name: &'a str, thread: &Thread) -> Document<'a> {
             member.sizes_mm().map(key).collect()
         })
     };
-    let members = |in_inches| Members {
-        ext: sizes(Side::External, in_inches),
-        int: sizes(Side::Internal, in_inches),
-    };
+    let members =
+        |in_inches| Members { ext: sizes(Side::External, in_inches), int: sizes(Side::Internal, in_inches) };
     Document {
         version: 1,
         name,
@@ -164,20 +163,34 @@ fn text(thread: &Thread) -> String {
     let mut text = format!(
         "{thread}, {}\npitch {} mm{starts}, {hand}{taper}, flanks {} deg\n",
         thread.standard(),
-        places(profile.pitch_mm, 3),
-        places(profile.flank_deg[0], 1)
+        places(profile.pitch_mm, 0),
+        places(profile.flank_deg[0], 0)
     );
     for (side, member) in limits.members() {
         text += &format!("\n{}", table(&limits, side, member));
     }
-    format!("{text}\n{}\n", thread.note())
+    format!("{text}\n{}", wrapped(thread.note()))
+}
+
+/// Words in lines of a terminal, each with its end.
+fn wrapped(words: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut lines = vec![String::new()];
+    for word in words.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.len() + word.len() < WIDTH => *line += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n") + "\n"
 }
 
 /// A number with so many places, more if it has more: the six that sizes are rounded to at most.
 fn places(value: f64, least: usize) -> String {
     let long = format!("{value:.6}");
     let zeros = long.len() - long.trim_end_matches('0').len();
-    format!("{value:.*}", least.max(6 - zeros.min(6)))
+    format!("{value:.*}", least.max(6 - zeros))
 }
 
 /// The sizes of a member, a line each.
@@ -189,7 +202,7 @@ fn table(limits: &Limits, side: Side, member: &Member) -> String {
         format!("{key:<12}{mm:>9}{inches}  {text}").trim_end().to_owned() + "\n"
     };
     let sizes = member.sizes_mm().zip(member.sizes()).map(|((size, mm), (_, inches))| {
-        let mm = places((mm * 1e4).round() / 1e4, 3);
+        let mm = places((mm * 1e4).round() / 1e4, if inch { 4 } else { 3 });
         line(size.key(side), &mm, &places(inches, 4), size.text())
     });
     line(title, "mm", "in", "") + &sizes.collect::<String>()

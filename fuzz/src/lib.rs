@@ -11,6 +11,7 @@ use gcode::files::{Tool, ToolTable};
 use gcode::{
     Call, Diagnostic, Dialect, Job, Limits, Options, Place, Pose, Problem, Program, Sink, Step, alone,
 };
+use metrology::Thread;
 use protocol::CodePacket;
 use protocol::code_file::{CodeFile, VERSION};
 use shape::{Formula, Gradient, Number, Series};
@@ -64,6 +65,24 @@ pub fn formula(bytes: &[u8]) {
             let series = formula.eval(Gradient::variables(Series::variable(0.5), Series::constant(0.5)));
             let same = series.value.value() == value || !value.is_finite();
             assert!(same, "{text}: {value} {series:?}");
+        }
+        Err(misread) => {
+            assert!(text.get(misread.span.clone()).is_some(), "{misread:?}");
+            assert!(!misread.message.is_empty() && !misread.help.is_empty(), "{misread:?}");
+        }
+    }
+}
+
+/// The bytes as the name of a thread: one with finite limits whose own name is read as the same, or a reason
+/// and its place.
+pub fn thread_name(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    match text.parse::<Thread>() {
+        Ok(thread) => {
+            let limits = thread.limits();
+            let mut sizes = limits.members().flat_map(|(_, member)| member.sizes_mm());
+            assert!(sizes.all(|(_, mm)| mm.is_finite() && mm > 0.0), "{text}: {limits:?}");
+            assert_eq!(thread.to_string().parse(), Ok(thread), "{text}");
         }
         Err(misread) => {
             assert!(text.get(misread.span.clone()).is_some(), "{misread:?}");

@@ -1,5 +1,5 @@
-//! Acme threads for general purpose, ASME B1.5. In: size in inches, threads per inch, class 2G, 3G or 4G. Out:
-//! limits in inches, four places.
+//! Acme threads for general purpose, ASME B1.5. In: size in inches, threads per inch, class 2G, 3G or 4G.
+//! Out: limits in inches, four places.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -10,10 +10,12 @@
 //! ```text
 //! A = (0.008, 0.006, 0.004) D^½,  T = (0.030, 0.014, 0.010) P^½ + (0.006, 0.0028, 0.002) D^½      (M144)
 //! screw: d_max = D,  T_d = 0.05 P, at least 0.005;  d2_max = D − P/2 − A;  d3_max = D − P − c,  T_d3 = 1.5 T
-//! nut: D_min = D + c, tolerance c;  D2_min = D − P/2, tolerance T;  D1_min = D − P, tolerance 0.05 P, at least 0.005
+//! nut: D_min = D + c, tolerance c;  D2_min = D − P/2, tolerance T;
+//!     D1_min = D − P, tolerance 0.05 P, at least 0.005
 //! ```
 //!
-//! Rounding: P/2, P, A and T to four places each; d3_min = d3_max − 1.5 T with T as it is; a half to the even one.
+//! Rounding: P/2, P, A and T to four places each; d3_min = d3_max − 1.5 T with T as it is; a half to the even
+//! one.
 
 use std::fmt;
 

@@ -1,8 +1,8 @@
-//! Fundamental deviations of metric threads, ISO 965-1: how far the zone of a tolerance position lies from the
-//! basic profile. In: pitch in mm, position. Out: µm, 0 or more: down for a screw, up for a nut.
+//! Fundamental deviations of metric threads, ISO 965-1: how far the zone of a tolerance position lies from
+//! the basic profile. In: pitch in mm, position. Out: µm, 0 or more: down for a screw, up for a nut.
 //!
-//! They follow 50 + 11 P (e), 30 + 11 P (f) and 15 + 11 P (g, G) with a rounding of their own, so the table of
-//! the standard is here. Positions a, b, c and d, and those of coated threads, are not.
+//! They follow 50 + 11 P (e), 30 + 11 P (f) and 15 + 11 P (g, G) with a rounding of their own, so the table
+//! of the standard is here. Positions a, b, c and d, and those of coated threads, are not.
 
 /// Pitch in mm and |es| of e, f, g in µm; g is also EI of G. ISO 965-1, table of fundamental deviations; as
 /// transcribed in two public programs, which agree.

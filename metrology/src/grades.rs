@@ -1,4 +1,5 @@
-//! Tolerances of metric threads by grade, ISO 965-1. In: nominal diameter d and pitch P in mm, grade. Out: µm.
+//! Tolerances of metric threads by grade, ISO 965-1. In: nominal diameter d and pitch P in mm, grade. Out:
+//! µm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,11 +12,11 @@
 //! T_d2(6) = 90 P^0.4 d̄^0.1                                                                          (M138)
 //! ```
 //!
-//! Only grade 6 follows a formula. Its value is rounded to the nearest preferred number of R40; the other grades
-//! are steps of R40 from there, and the grades of T_D2 are steps from T_d2(6) (M136). Where the tables of the
-//! standard leave that, the number is here with its place. A pair of range and pitch that the tables do not have
-//! has the formula with d itself and the factors of ISO 965-1, clause 13, rounded to whole µm (as FED-STD-H28/21B
-//! does in its examples).
+//! Only grade 6 follows a formula. Its value is rounded to the nearest preferred number of R40; the other
+//! grades are steps of R40 from there, and the grades of T_D2 are steps from T_d2(6) (M136). Where the tables
+//! of the standard leave that, the number is here with its place. A pair of range and pitch that the tables
+//! do not have has the formula with d itself and the factors of ISO 965-1, clause 13, rounded to whole µm (as
+//! FED-STD-H28/21B does in its examples).
 
 use crate::{
     limits::Side,
@@ -148,9 +149,15 @@ mod tests {
     #[test]
     fn cells_of_the_tables() {
         let td = |grade, pitch| crest_tolerance(Side::External, grade, pitch);
-        assert_eq!([td(4, 0.2), td(6, 0.45), td(6, 1.75), td(4, 5.5), td(8, 2.5)], [36.0, 100.0, 265.0, 355.0, 530.0]);
+        assert_eq!(
+            [td(4, 0.2), td(6, 0.45), td(6, 1.75), td(4, 5.5), td(8, 2.5)],
+            [36.0, 100.0, 265.0, 355.0, 530.0]
+        );
         let td1 = |grade, pitch| crest_tolerance(Side::Internal, grade, pitch);
-        assert_eq!([td1(5, 0.3), td1(7, 0.75), td1(8, 3.5), td1(4, 8.0), td1(6, 5.5)], [67.0, 236.0, 900.0, 630.0, 750.0]);
+        assert_eq!(
+            [td1(5, 0.3), td1(7, 0.75), td1(8, 3.5), td1(4, 8.0), td1(6, 5.5)],
+            [67.0, 236.0, 900.0, 630.0, 750.0]
+        );
         let td2 = |grade, d, pitch| pitch_tolerance(Side::External, grade, d, pitch);
         assert_eq!([td2(3, 1.0, 0.2), td2(4, 2.0, 0.4), td2(5, 5.0, 0.8)], [24.0, 42.0, 75.0]);
         assert_eq!([td2(7, 12.0, 1.75), td2(9, 42.0, 3.0), td2(8, 200.0, 4.0)], [190.0, 400.0, 450.0]);

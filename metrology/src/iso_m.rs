@@ -1,5 +1,5 @@
-//! Metric threads: M (ISO 68-1, ISO 724, ISO 965-1) and MJ (ISO 5855-1, ASME B1.21M). In: nominal diameter and
-//! pitch in mm, tolerance classes. Out: limits in mm.
+//! Metric threads: M (ISO 68-1, ISO 724, ISO 965-1) and MJ (ISO 5855-1, ASME B1.21M). In: nominal diameter
+//! and pitch in mm, tolerance classes. Out: limits in mm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|

@@ -1,5 +1,5 @@
-//! Pipe threads: G (ISO 228-1), R, Rp and Rc (ISO 7-1), in mm; NPT (ASME B1.20.1), in inches. In: nominal size, class.
-//! Out: limits, and what a taper has instead.
+//! Pipe threads: G (ISO 228-1), R, Rp and Rc (ISO 7-1), in mm; NPT (ASME B1.20.1), in inches. In: nominal
+//! size, class. Out: limits, and what a taper has instead.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,7 +11,8 @@
 //! ```text
 //! G: H = 0.960491 P,  h = 0.640327 P;  d2 = d − h,  d1 = d − 2 h, h to three places
 //!     T_d2 of class A = T_D2, of class B twice that;  T_d = 2 T_D2                                   (M145)
-//! NPT: E0 = D − (0.05 D + 1.1)/n,  E1 = E0 + L1/16,  L2 = (0.8 D + 6.8)/n; one turn is P/16 of diameter (M146)
+//! NPT: E0 = D − (0.05 D + 1.1)/n,  E1 = E0 + L1/16,  L2 = (0.8 D + 6.8)/n;
+//!     one turn is P/16 of diameter                                                                  (M146)
 //! ```
 //!
 //! Diameters and tolerances of G, and D and L1 of NPT, are tables. A taper is 1:16 of diameter.
@@ -54,8 +55,7 @@ const PARALLEL: [(&str, u32, f64); 24] = [
 ];
 
 /// Sizes of ISO 228-1 that ISO 7-1 does not have.
-const NOT_JOINTING: [&str; 9] =
-    ["5/8", "7/8", "1 1/8", "1 3/4", "2 1/4", "2 3/4", "3 1/2", "4 1/2", "5 1/2"];
+const NOT_JOINTING: [&str; 9] = ["5/8", "7/8", "1 1/8", "1 3/4", "2 1/4", "2 3/4", "3 1/2", "4 1/2", "5 1/2"];
 
 /// Above this the tolerance of 11 threads per inch is the wider one, mm: G2.
 const NARROW_UP_TO: f64 = 59.614;
@@ -250,8 +250,8 @@ impl Described for Taper {
         let e0 = d - (0.05 * d + 1.1) / n;
         let (e1, turn) = (e0 + l1 / 16.0, 1.0 / n / 16.0);
         let plane = [
-            (Size::HandTightMax, five(e1 + turn)),
             (Size::HandTight, five(e1)),
+            (Size::HandTightMax, five(e1 + turn)),
             (Size::HandTightMin, five(e1 - turn)),
             (Size::HandTightLength, l1),
         ];

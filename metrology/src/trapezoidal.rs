@@ -13,8 +13,8 @@
 //! ```
 //!
 //! T_d2 and T_D2 are those of M threads: the same T_d2(6) and the same steps of R40 (`grades.rs`). Major
-//! diameter of the screw and minor diameter of the nut have grade 4 alone. With several starts the tolerance of
-//! d2 and D2, and nothing else, is 1.12, 1.25, 1.4 or, from five starts on, 1.6 times as wide.
+//! diameter of the screw and minor diameter of the nut have grade 4 alone. With several starts the tolerance
+//! of d2 and D2, and nothing else, is 1.12, 1.25, 1.4 or, from five starts on, 1.6 times as wide.
 
 use std::fmt;
 
@@ -194,9 +194,9 @@ impl fmt::Display for Trapezoidal {
         if self.starts > 1 {
             write!(f, "P{}", self.pitch)?;
         }
-        let external = self.external.map(|(grade, position)| {
-            format!("{grade}{}", if position == Position::C { 'c' } else { 'e' })
-        });
+        let external = self
+            .external
+            .map(|(grade, position)| format!("{grade}{}", if position == Position::C { 'c' } else { 'e' }));
         write_classes(f, external, self.internal.map(|grade| format!("{grade}H")))
     }
 }

@@ -13,13 +13,14 @@
 //! allowance of 1A and 2A: 0.3 T;  T_d = 0.06 P^⅔, 0.09 P^⅔ (1A)                                      (M142)
 //! 1B, 2B below 0.25 in: T_D1 = 0.05 P^⅔ + 0.03 P/D − 0.002, within 0.25 P − 0.4 P² … 0.394 P
 //!     from 0.25 in on: 0.25 P − 0.4 P² with 4 threads per inch or more, 0.15 P with fewer
-//! 3B: 0.05 P^⅔ + 0.03 P/D − 0.002, within 0.23 P − 1.5 P² (13 threads per inch and finer) or 0.12 P … 0.394 P
+//! 3B: 0.05 P^⅔ + 0.03 P/D − 0.002, within 0.23 P − 1.5 P² (13 threads per inch and finer) or 0.12 P
+//!     and 0.394 P
 //! d1_max = d_max − 1.226869 P, of UNR d_max − 1.190785 P                                             (M143)
 //! ```
 //!
-//! Rounding: every product to four places, a half to the even one; D2 = D − 0.649519 P and D1 = D − 1.082532 P
-//! to four places before anything is added. Then D1 of 1B and 2B to three places from No. 6 up (0.138 in), of 3B
-//! the smallest alone; a half up.
+//! Rounding: every product to four places, a half to the even one; D2 = D − 0.649519 P and D1 = D − 1.082532
+//! P to four places before anything is added. Then D1 of 1B and 2B to three places from No. 6 up (0.138 in),
+//! of 3B the smallest alone; a half up.
 
 use std::fmt;
 
@@ -88,8 +89,7 @@ impl Unified {
             Series::Ef | Series::S => false,
         };
         let engaged = if by_diameter { d } else { 9.0 * pitch };
-        let terms =
-            [0.0015 * libm::cbrt(d), 0.0015 * engaged.sqrt(), 0.015 * libm::pow(pitch, 2.0 / 3.0)];
+        let terms = [0.0015 * libm::cbrt(d), 0.0015 * engaged.sqrt(), 0.015 * libm::pow(pitch, 2.0 / 3.0)];
         terms.map(|term| even(term, 6)).iter().sum()
     }
 

@@ -17,4 +17,5 @@ mod part;
 mod processes;
 mod resolution;
 mod straight_lines;
+mod thread;
 mod tune;

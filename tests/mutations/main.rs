@@ -115,6 +115,27 @@ fn formulas() -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
+/// Names of threads, one of each form.
+fn thread_names() -> Vec<Vec<u8>> {
+    let texts = [
+        "M20x2-6g/6H",
+        "M16xPh3P1.5-4g6g LH",
+        "MJ6x1-4h6h/4H5H",
+        "Tr40x14(P7)LH-8e/8H",
+        "1/4-20 UNC-2A/2B",
+        "1 1/8-8 UNRS-3A external",
+        "#10-32 UNF-3A",
+        "1.125-5 ACME-3G internal",
+        "NPT 1 1/2-11.5",
+        "G1 1/4-B",
+        "Rp1/2",
+        "BSW 3/16-24",
+        "Rd105 × 1/4",
+        "module worm m3 z1=2 d44",
+    ];
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
 /// One item of everything, and the passes of an example.
 fn items() -> [Vec<Item>; 2] {
     let point = |x: f64, z: f64| {
@@ -218,6 +239,11 @@ fn expression() {
 #[test]
 fn formula() {
     mutate(targets::formula, &formulas());
+}
+
+#[test]
+fn thread_name() {
+    mutate(targets::thread_name, &thread_names());
 }
 
 #[test]

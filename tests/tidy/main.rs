@@ -19,9 +19,10 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 18] = [
+const CRATES: [(&str, &[&str]); 19] = [
     ("motion", &[]),
     ("adviser", &[]),
+    ("metrology", &[]),
     ("shape", &["motion"]),
     ("gcode", &[]),
     ("protocol", &["motion", "shape"]),

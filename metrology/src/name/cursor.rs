@@ -1,4 +1,5 @@
-//! A place in a name, and what can be read from there. In: text. Out: numbers, letters, refusals with their place.
+//! A place in a name, and what can be read from there. In: text. Out: numbers, letters, refusals with their
+//! place.
 
 use std::{fmt, ops::Range};
 
@@ -22,11 +23,7 @@ impl fmt::Display for Misread {
 impl std::error::Error for Misread {}
 
 /// A refusal of a part of the text.
-pub(super) fn wrong_at(
-    span: Range<usize>,
-    message: impl Into<String>,
-    help: impl Into<String>,
-) -> Misread {
+pub(super) fn wrong_at(span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> Misread {
     Misread { span, message: message.into(), help: help.into() }
 }
 
@@ -125,12 +122,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// A refusal of what lies between a place and here; of what follows if that is nothing.
-    pub(super) fn wrong(
-        &self,
-        from: usize,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Misread {
+    pub(super) fn wrong(&self, from: usize, message: impl Into<String>, help: impl Into<String>) -> Misread {
         let end = if from < self.at { self.at } else { self.text.len() };
         wrong_at(from..end, message, help)
     }

@@ -1,5 +1,5 @@
-//! Names that begin with a size in inches: `1/4-20 UNC-2A/2B`, `1 1/8-5 ACME-2G`, `1/2-14 NPT`, `3/16-24 BSW`; and
-//! sizes of pipe threads. Out: a thread whose sizes and classes exist.
+//! Names that begin with a size in inches: `1/4-20 UNC-2A/2B`, `1 1/8-5 ACME-2G`, `1/2-14 NPT`, `3/16-24
+//! BSW`; and sizes of pipe threads. Out: a thread whose sizes and classes exist.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -64,7 +64,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
             let letters = series.strip_prefix("UN").map(|rest| rest.strip_prefix('R').unwrap_or(rest));
             let known = letters.and_then(|of| Series::ALL.iter().find(|(letters, _)| *letters == of));
             let Some((_, known)) = known else {
-                return Err(cursor.wrong(from, format!("the series {series} is not known"), format!("known are {SERIES}")));
+                return Err(cursor.wrong(
+                    from,
+                    format!("the series {series} is not known"),
+                    format!("known are {SERIES}"),
+                ));
             };
             let rounded = series.starts_with("UNR");
             unified(cursor, size.of_unified(tpi), tpi, (*known, rounded), at)
@@ -106,7 +110,10 @@ fn classes(
         let from = cursor.at();
         let digit = cursor.whole().and_then(|digit| u8::try_from(digit).ok());
         let letter = cursor.one_of("ABCGabcg").filter(|letter| letters.contains(*letter));
-        let class = digit.filter(|digit| digits.contains(digit)).zip(letter).map(|(digit, letter)| (digit, letter.to_ascii_uppercase()));
+        let class = digit
+            .filter(|digit| digits.contains(digit))
+            .zip(letter)
+            .map(|(digit, letter)| (digit, letter.to_ascii_uppercase()));
         let Some(class) = class else {
             return Err(cursor.wrong(from, "this is not a class", help));
         };

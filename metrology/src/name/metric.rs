@@ -1,5 +1,5 @@
-//! Names of metric threads: `M20x2-6g/6H`, `MJ6x1-4h6h`, `Tr40x14P7-7e`. In: the place behind the letters. Out: a
-//! thread whose sizes and classes exist.
+//! Names of metric threads: `M20x2-6g/6H`, `MJ6x1-4h6h`, `Tr40x14P7-7e`. In: the place behind the letters.
+//! Out: a thread whose sizes and classes exist.
 
 use std::ops::Range;
 
@@ -240,7 +240,11 @@ pub(super) fn read_trapezoidal(cursor: &mut Cursor<'_>) -> Result<(Form, bool), 
         }
         if letter != 'H' && trapezoidal::deviation(position, pitch).is_none() {
             let help = "7e and 8e are; or name a pitch of 1.5, 2, 3, 4, 5, 6 or 8";
-            return Err(cursor.wrong(from, format!("position c is not known here for a pitch of {pitch} mm"), help));
+            return Err(cursor.wrong(
+                from,
+                format!("position c is not known here for a pitch of {pitch} mm"),
+                help,
+            ));
         }
         if cursor.one_of("/").is_none() {
             return Ok((thread(external, internal), left));

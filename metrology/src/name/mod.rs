@@ -1,5 +1,5 @@
-//! Names of threads: one grammar for all standards. In: text as a drawing or a person writes it. Out: a thread, or
-//! where the text is wrong and what would be right.
+//! Names of threads: one grammar for all standards. In: text as a drawing or a person writes it. Out: a
+//! thread, or where the text is wrong and what would be right.
 //!
 //! ```text
 //! name   = thread [hand] [member]
@@ -8,8 +8,8 @@
 //! pitch  = P | lead P pitch;   hand = LH;   member = external | internal
 //! ```
 //!
-//! Letters are read in capitals or not, but for tolerance classes of metric threads, where they tell the screw
-//! from the nut. Spaces may stand between parts, and a comma for a point.
+//! Letters are read in capitals or not, but for tolerance classes of metric threads, where they tell the
+//! screw from the nut. Spaces may stand between parts, and a comma for a point.
 
 mod cursor;
 mod inch;
@@ -28,7 +28,8 @@ use crate::{
 use cursor::Cursor;
 
 /// What is understood, one form of a name a line.
-pub const UNDERSTOOD: &str = "M20, M20x2, M20x2-6g/6H, M6-4g6g, M16xPh3P1.5, LH behind any      ISO 965 metric
+pub const UNDERSTOOD: &str =
+    "M20, M20x2, M20x2-6g/6H, M6-4g6g, M16xPh3P1.5, LH behind any      ISO 965 metric
 MJ6x1-4h6h/4H5H                                                    ISO 5855, ASME B1.21M
 Tr40x7-7e/7H, Tr40x14P7-8e                                         ISO 2903 trapezoidal
 1/4-20 UNC-2A/2B, #10-32 UNF-3A, 1.125-7 UNC, 1 1/8-8 UNR-2A       ASME B1.1 unified
@@ -182,15 +183,21 @@ fn worm(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     value(&["module "]);
     value(&["worm "]);
     let module = value(&["m"]).filter(|module| (0.1..=100.0).contains(module));
-    let starts = value(&["z1=", "z1 =", "z="]).filter(|starts| starts.fract() == 0.0 && (1.0..=16.0).contains(starts));
+    let starts =
+        value(&["z1=", "z1 =", "z="]).filter(|starts| starts.fract() == 0.0 && (1.0..=16.0).contains(starts));
     let d = value(&["d"]).filter(|d| *d <= 1e4);
     let (Some(module), Some(starts), Some(d)) = (module, starts, d) else {
-        let help = "as in module worm m3 z1=2 d44: axial module and reference diameter in mm, 1 to 16 threads";
+        let help =
+            "as in module worm m3 z1=2 d44: axial module and reference diameter in mm, 1 to 16 threads";
         return Err(cursor.wrong(from, "this is not a worm", help));
     };
     if d < 4.0 * module {
         let help = "its reference diameter is at least four modules";
-        return Err(cursor.wrong(from, format!("a worm of {d} mm is too thin for a module of {module} mm"), help));
+        return Err(cursor.wrong(
+            from,
+            format!("a worm of {d} mm is too thin for a module of {module} mm"),
+            help,
+        ));
     }
     Ok(Form::Worm(Worm { module, starts: starts as u32, d }))
 }

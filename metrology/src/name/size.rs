@@ -49,8 +49,8 @@ impl InchSize {
         }
     }
 
-    /// A whole number with at least the threads per inch of a small size is that small size: `10-32` is No. 10,
-    /// `1-8` is one inch. Only unified threads have such sizes.
+    /// A whole number with at least the threads per inch of a small size is that small size: `10-32` is No.
+    /// 10, `1-8` is one inch. Only unified threads have such sizes.
     pub(super) fn of_unified(self, tpi: f64) -> InchSize {
         match self {
             InchSize::Fraction { whole, numerator: 0, .. } if is_number(whole, tpi) => {

@@ -54,7 +54,10 @@ pub(crate) fn cells(id: &str, external: Option<&Sizes>, internal: Option<&Sizes>
         ours: ours(&limits, side, key).unwrap_or_else(|| panic!("{id} has no {key}")),
         unit: limits.unit,
     };
-    published.flat_map(|(side, sizes)| sizes.iter().map(move |(key, value)| (side, key, value))).map(cell).collect()
+    published
+        .flat_map(|(side, sizes)| sizes.iter().map(move |(key, value)| (side, key, value)))
+        .map(cell)
+        .collect()
 }
 
 fn ours(limits: &Limits, side: Side, key: &str) -> Option<f64> {

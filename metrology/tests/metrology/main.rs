@@ -2,6 +2,7 @@
 
 mod compare;
 mod names;
+mod page;
 mod reference;
 mod rules;
 mod tables;

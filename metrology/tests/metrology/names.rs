@@ -53,7 +53,13 @@ fn names_are_completed() {
 /// Number 1 has 64 threads and more; one inch has up to 32.
 #[test]
 fn a_bare_number_is_a_small_size_or_inches() {
-    for (name, major_mm) in [("2-56 UNC", 2.1844), ("1-72 UNF", 1.8542), ("1-32 UN", 25.4), ("12-24 UNC", 5.4864), ("2-8 UN", 50.8)] {
+    for (name, major_mm) in [
+        ("2-56 UNC", 2.1844),
+        ("1-72 UNF", 1.8542),
+        ("1-32 UN", 25.4),
+        ("12-24 UNC", 5.4864),
+        ("2-8 UN", 50.8),
+    ] {
         let thread: Thread = name.parse().expect("a name");
         assert!((thread.profile().major_mm - major_mm).abs() < 1e-9, "{name}");
     }

@@ -8,7 +8,11 @@ use crate::compare::{Cell, Sizes, cells};
 
 /// What the file has, and the standards do not: name, size, why.
 const FAULTS: [(&str, &str, &str); 10] = [
-    ("M14x1.25-6g/6H", "D2_max", "T_D2 of 170 for 180, as in the rows of M16x1.25 and M18x1.25 of the same table"),
+    (
+        "M14x1.25-6g/6H",
+        "D2_max",
+        "T_D2 of 170 for 180, as in the rows of M16x1.25 and M18x1.25 of the same table",
+    ),
     ("Tr175x8-7e/7H", "d3_max", "a_c of 0.25 for 0.5: ISO 2901 has 0.5 from P = 6 to 12"),
     ("Tr175x8-7e/7H", "d3_min", "the same"),
     ("Tr175x8-7e/7H", "D_min", "the same"),
@@ -42,16 +46,20 @@ struct Members {
     int: Option<Sizes>,
 }
 
-/// Every published size beside ours, and whether it is known to differ.
-pub(crate) fn all() -> Vec<(Cell, bool)> {
-    let File { threads } = read("threads.json");
+/// Every published size of a text like the file beside ours, and whether it is known to differ.
+pub(crate) fn of(text: &str) -> Vec<(Cell, bool)> {
+    all(serde_json::from_str(text).expect("of the form of the file"))
+}
+
+fn all(File { threads }: File) -> Vec<(Cell, bool)> {
     assert!(!threads.is_empty(), "no cases");
     let mut all = Vec::new();
     for case in threads {
         let thread: Thread = case.id.parse().unwrap_or_else(|misread| panic!("{}: {misread}", case.id));
         assert_eq!(thread.standard(), case.standard, "{}", case.id);
         for cell in cells(&case.id, case.published.ext.as_ref(), case.published.int.as_ref()) {
-            let fault = FAULTS.iter().any(|(id, key, _)| (*id, *key) == (case.id.as_str(), cell.key.as_str()));
+            let fault =
+                FAULTS.iter().any(|(id, key, _)| (*id, *key) == (case.id.as_str(), cell.key.as_str()));
             let marked = fault || case.marked.get(&cell.key).is_some();
             all.push((cell, marked));
         }
@@ -61,7 +69,7 @@ pub(crate) fn all() -> Vec<(Cell, bool)> {
 
 #[test]
 fn reference_threads_agree_in_the_last_place_or_differ_as_they_are_known_to() {
-    let wrong = all().into_iter().filter(|(cell, marked)| cell.agrees() == *marked);
+    let wrong = all(read("threads.json")).into_iter().filter(|(cell, marked)| cell.agrees() == *marked);
     let wrong: Vec<String> = wrong.map(|(cell, _)| cell.to_string()).collect();
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
@@ -78,11 +86,18 @@ fn reference_threads_agree_in_mm() {
                 metrology::Side::Internal => &case.mm.int,
             };
             for (size, mm) in member.sizes_mm() {
-                let Some(want) = published.as_ref().and_then(|sizes| sizes.get(size.key(side))) else { continue };
+                let Some(want) = published.as_ref().and_then(|sizes| sizes.get(size.key(side))) else {
+                    continue;
+                };
                 let fault = FAULTS.iter().any(|(id, key, _)| (*id, *key) == (&case.id, size.key(side)));
                 let marked = fault || case.marked.get(size.key(side)).is_some();
                 // The file has four places.
-                assert!(marked || (mm - want).abs() < 0.51e-4, "{} {}: {mm}, {want}", case.id, size.key(side));
+                assert!(
+                    marked || (mm - want).abs() < 0.51e-4,
+                    "{} {}: {mm}, {want}",
+                    case.id,
+                    size.key(side)
+                );
             }
         }
     }

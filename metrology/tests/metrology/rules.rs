@@ -4,8 +4,8 @@ use metrology::{Limits, Member, Side, Size, Thread};
 use proptest::prelude::*;
 
 const PITCHES: [f64; 25] = [
-    0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.75, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5,
-    5.0, 5.5, 6.0, 8.0,
+    0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.75, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0,
+    4.5, 5.0, 5.5, 6.0, 8.0,
 ];
 
 fn limits(name: &str) -> Limits {
@@ -36,7 +36,9 @@ const UM: f64 = 1e-3;
 /// A diameter in tenths and a pitch that fits on it.
 fn metric() -> impl Strategy<Value = (f64, f64)> {
     let sizes = (10_u32..3550, proptest::sample::select(PITCHES.to_vec()));
-    sizes.prop_map(|(tenths, pitch)| (f64::from(tenths) / 10.0, pitch)).prop_filter("it fits", |(d, p)| *d >= 3.0 * p)
+    sizes
+        .prop_map(|(tenths, pitch)| (f64::from(tenths) / 10.0, pitch))
+        .prop_filter("it fits", |(d, p)| *d >= 3.0 * p)
 }
 
 proptest! {
@@ -66,7 +68,8 @@ proptest! {
         prop_assert!((up - down).abs() < UM / 2.0, "G lies above as g lies below");
     }
 
-    /// A grade is a quarter wider than the one before: four steps of R40, 1.259, and what rounding makes of it.
+    /// A grade is a quarter wider than the one before: four steps of R40, 1.259, and what rounding makes of
+    /// it.
     #[test]
     fn metric_grades_are_steps((d, pitch) in metric().prop_filter("all grades", |(_, pitch)| *pitch >= 0.8)) {
         for (of, letter, grades) in [(Side::External, 'h', 3..=9), (Side::Internal, 'H', 4..=8)] {
@@ -161,7 +164,9 @@ proptest! {
 /// Every size of ISO 228-1 and ASME B1.20.1, for there are few.
 #[test]
 fn pipe_threads_are_ordered_and_taper_by_a_sixteenth() {
-    for name in ["1/16", "1/8", "1/4", "3/8", "1/2", "3/4", "1", "1 1/4", "1 1/2", "2", "2 1/2", "3", "4", "5", "6"] {
+    for name in
+        ["1/16", "1/8", "1/4", "3/8", "1/2", "3/4", "1", "1 1/4", "1 1/2", "2", "2 1/2", "3", "4", "5", "6"]
+    {
         let [a, b] = ["A", "B"].map(|class| side(&format!("G{name}{class}"), Side::External));
         let widths = [&a, &b].map(|screw| tolerance(screw, Size::PitchMax, Size::PitchMin));
         assert!((widths[1] - 2.0 * widths[0]).abs() < 1e-9, "{name}: class B is twice as wide");
@@ -192,11 +197,17 @@ fn profiles_are_those_of_the_standards() {
         let profile = name.parse::<Thread>().expect("a name").profile();
         assert_eq!(profile.flank_deg, [flank; 2], "{name}");
         assert!(close(profile.triangle_mm() / profile.pitch_mm, height), "{name}: {}", profile.triangle_mm());
-        assert!(profile.minor_mm < profile.pitch_diameter_mm && profile.pitch_diameter_mm < profile.major_mm, "{name}");
+        assert!(
+            profile.minor_mm < profile.pitch_diameter_mm && profile.pitch_diameter_mm < profile.major_mm,
+            "{name}"
+        );
     }
     let two: Thread = "Tr40x14P7 LH".parse().expect("a name");
     let profile = two.profile();
-    assert_eq!((profile.lead_mm(), profile.pitch_mm, profile.starts, profile.left_hand), (14.0, 7.0, 2, true));
+    assert_eq!(
+        (profile.lead_mm(), profile.pitch_mm, profile.starts, profile.left_hand),
+        (14.0, 7.0, 2, true)
+    );
     assert_eq!("NPT 1/2".parse::<Thread>().expect("a name").profile().taper, 1.0 / 16.0);
     assert!(close("M20x2".parse::<Thread>().expect("a name").profile().pitch_diameter_mm, 18.700962));
 }
