@@ -165,6 +165,28 @@ mod tests {
         assert_eq!([big(4, 1.2, 0.25), big(5, 10.0, 1.5), big(8, 64.0, 6.0)], [45.0, 140.0, 600.0]);
     }
 
+    /// What docs/metrology.md says of a formula without the rounding of the tables.
+    #[test]
+    fn a_formula_alone_is_not_the_table() {
+        let (mut cells, mut wrong, mut worst) = (0, 0, 0.0_f64);
+        for side in [Side::External, Side::Internal] {
+            for (range, pitches) in LISTED.iter().enumerate() {
+                let mean = (RANGES[range] * RANGES[range + 1]).sqrt();
+                for (grade, _, factor, least) in PITCH_GRADES[side as usize] {
+                    for pitch in pitches.iter().filter(|pitch| *pitch >= least) {
+                        let apart = pitch_tolerance(side, *grade, mean, *pitch)
+                            - even(factor * pitch_formula(mean, *pitch), 0);
+                        cells += 1;
+                        wrong += usize::from(apart != 0.0);
+                        worst = worst.max(apart.abs());
+                    }
+                }
+            }
+        }
+        let said = format!("{wrong} of the {cells} tolerances of pitch diameters, by up to {worst} µm");
+        assert!(include_str!("../../docs/metrology.md").contains(&said), "{said}");
+    }
+
     /// FED-STD-H28/21B: M29x1.25-4g6h has 86.8 µm, printed as 87.
     #[test]
     fn a_pair_that_is_not_listed_takes_its_own_diameter() {

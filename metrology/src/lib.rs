@@ -20,8 +20,8 @@
 //! | `pipe.rs` | ISO 228-1 (G), ISO 7-1 (R, Rp), ASME B1.20.1 (NPT) |
 //! | `basic.rs` | DIN 405 (Rd), BS 84 (BSW), worms of a module: no limits, basic sizes |
 //!
-//! Tables of limits are made of rounded parts: a formula alone misses them by up to 24 µm. Where each part is
-//! rounded is written in its file, and [`rounding`] holds how.
+//! Tables of limits are made of rounded parts: a formula alone misses them. Where each part is rounded is
+//! written in its file, and [`rounding`] holds how.
 #![forbid(unsafe_code)]
 
 mod acme;

@@ -15,7 +15,7 @@
 //!     from 0.25 in on: 0.25 P − 0.4 P² with 4 threads per inch or more, 0.15 P with fewer
 //! 3B: 0.05 P^⅔ + 0.03 P/D − 0.002, within 0.23 P − 1.5 P² (13 threads per inch and finer) or 0.12 P
 //!     and 0.394 P
-//! d1_max = d_max − 1.226869 P, of UNR d_max − 1.190785 P                                             (M143)
+//! d1_max = d_max − 1.226869 P, of UNR d_max − 1.19078 P                                             (M143)
 //! ```
 //!
 //! Rounding: every product to four places, a half to the even one; D2 = D − 0.649519 P and D1 = D − 1.082532
@@ -105,7 +105,7 @@ impl Unified {
         let four = |value: f64| even(value, 4);
         let d_max = four(four(d) - allowance);
         let d2_max = four(d2 - allowance);
-        let flat = if self.rounded { 1.190785 } else { 1.226869 };
+        let flat = if self.rounded { 1.19078 } else { 1.226869 };
         vec![
             (Size::MajorMax, d_max),
             (Size::MajorMin, four(d_max - four(crest * libm::pow(pitch, 2.0 / 3.0)))),
@@ -176,7 +176,7 @@ impl Described for Unified {
     }
 
     fn note(&self) -> &'static str {
-        "d1_max is d_max - 1.226869 P, as older tables have it, of UNR d_max - 1.190785 P (B1.1-2003); the flat form has \
+        "d1_max is d_max - 1.226869 P, as older tables have it, of UNR d_max - 1.19078 P (B1.1-2003); the flat form has \
          d_max - 1.082532 P. Tolerances are those of the standard length of engagement. D_max is not limited."
     }
 }

@@ -77,7 +77,7 @@ fn what_is_not_understood_is_shown_with_what_is() {
             ["  M20x2-6k\n        ^^\n", "help: a screw has position e, f, g or h", "1/4-20 UNC-2A/2B"],
         ),
         ("1/2-14 NPTF", ["         ^^^^\n", "ASME B1.20.3", "NPT 1/2-14"]),
-        ("½ inch", ["  ^", "forms below", "G1/2-A"]),
+        ("½ inch", ["  ^", "write a name as in", "G1/2-A"]),
     ] {
         let answer = place.ask(&["thread", name, "--limits"]);
         assert_eq!((answer.status, answer.stdout.as_str()), (Some(2), ""), "{name}");

@@ -181,7 +181,7 @@ fn zone(cursor: &mut Cursor<'_>) -> Result<(Side, Zone), Misread> {
     let grade = cursor.whole().and_then(|grade| u8::try_from(grade).ok());
     let letters = cursor.peek().filter(char::is_ascii_alphabetic);
     let (Some(grade), Some(letter)) = (grade, letters) else {
-        let help = "a class is a grade and a position, as in 6g for a screw or 6H for a nut";
+        let help = "a class is a grade and a position, as in 6g for a screw or 6H for a nut; a pitch stands behind an x";
         return Err(cursor.wrong(from, "this is not a tolerance class", help));
     };
     cursor.one_of(&letter.to_string());

@@ -39,6 +39,10 @@ G1/2-A, G1 1/4 B                                                   ISO 228 paral
 R1/2, Rp1/2, Rc1/2                                                 ISO 7 pipe, diameters only
 BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44                  basic sizes only";
 
+/// What names begin with.
+const KNOWN: &str =
+    "write a name as in M20x2-6g, MJ6x1, Tr40x7, 1/4-20 UNC-2A, 1/2-10 ACME-2G, 1/2-14 NPT, G1/2-A, R1/2";
+
 /// Letters that names of other threads begin with, and what to know of them.
 const ELSEWHERE: [(&str, &str); 6] = [
     ("UN", "the size comes first, as in 1/4-20 UNC-2A"),
@@ -53,7 +57,7 @@ const ELSEWHERE: [(&str, &str); 6] = [
 pub(crate) fn read(text: &str) -> Result<Thread, Misread> {
     let mut cursor = Cursor::new(text);
     if !cursor.spaces() {
-        return Err(cursor.wrong(0, "there is no name", "as in M20x2-6g/6H; known are the forms below"));
+        return Err(cursor.wrong(0, "there is no name", KNOWN));
     }
     let (form, mut left_hand) = thread(&mut cursor)?;
     let mut only = None;
@@ -104,20 +108,8 @@ fn thread(cursor: &mut Cursor<'_>) -> Result<(Form, bool), Misread> {
     if begins || cursor.rest().get(..2).is_some_and(|no| no.eq_ignore_ascii_case("No")) {
         return inch::read(cursor).map(right);
     }
-    let from = cursor.at();
-    let mut behind = cursor.clone();
-    let letters = behind.letters().to_ascii_uppercase();
-    let mut take = |count: usize| {
-        let word = &cursor.rest()[..count];
-        cursor.word(word);
-    };
-    match letters.as_str() {
-        "M" => take(1),
-        "MJ" | "TR" | "RD" | "RP" | "RC" => take(2),
-        "NPT" | "BSW" => take(3),
-        "G" | "R" => take(1),
-        _ => {}
-    }
+    let start = cursor.clone();
+    let letters = cursor.letters().to_ascii_uppercase();
     match letters.as_str() {
         "M" => metric::read(cursor, false),
         "MJ" => metric::read(cursor, true),
@@ -129,11 +121,14 @@ fn thread(cursor: &mut Cursor<'_>) -> Result<(Form, bool), Misread> {
         "RP" => jointing(cursor, Joint::ParallelNut).map(right),
         "RC" => jointing(cursor, Joint::TaperedNut).map(right),
         "RD" => round(cursor).map(right),
-        "MODULE" | "WORM" => worm(cursor).map(right),
+        "MODULE" | "WORM" => {
+            *cursor = start;
+            worm(cursor).map(right)
+        }
         _ => {
             let elsewhere = ELSEWHERE.iter().find(|(of, _)| letters.starts_with(of));
-            let help = elsewhere.map_or("known are the forms below", |(_, help)| *help);
-            Err(behind.wrong(from, "no thread that is known here begins like this", help))
+            let help = elsewhere.map_or(KNOWN, |(_, help)| *help);
+            Err(cursor.wrong(start.at(), "no thread that is known here begins like this", help))
         }
     }
 }

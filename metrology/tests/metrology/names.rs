@@ -70,8 +70,8 @@ fn a_bare_number_is_a_small_size_or_inches() {
 fn refusals_have_their_place_and_a_remedy() {
     let mut wrong = Vec::new();
     for (name, part, words) in [
-        ("", "", "M20x2-6g/6H"),
-        ("Q20", "Q", "forms below"),
+        ("", "", "M20x2-6g"),
+        ("Q20", "Q", "1/4-20 UNC-2A"),
         ("M", "", "diameter is missing"),
         ("M20x", "", "pitch is missing"),
         ("M20x2q", "q", "is not understood"),
