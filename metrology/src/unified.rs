@@ -29,32 +29,12 @@ use crate::{
     name::InchSize,
     profile::Profile,
     rounding::{even, half_up},
+    series::Series,
     thread::Described,
 };
 
 /// From this size on minor diameters of nuts have three places, in: No. 6.
 const THREE_PLACES_FROM: f64 = 0.138;
-
-/// A series of diameters and pitches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Series {
-    /// Coarse.
-    C,
-    /// Fine.
-    F,
-    /// Extra fine.
-    Ef,
-    /// Constant pitch.
-    N,
-    /// Special.
-    S,
-}
-
-impl Series {
-    /// Series with the letters behind `UN` or `UNR`.
-    pub(crate) const ALL: [(&str, Series); 5] =
-        [("EF", Series::Ef), ("C", Series::C), ("F", Series::F), ("S", Series::S), ("", Series::N)];
-}
 
 /// A unified thread; in.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,9 +163,8 @@ impl Described for Unified {
 
 impl fmt::Display for Unified {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let letters = Series::ALL.iter().find(|(_, series)| *series == self.series).map_or("", |(of, _)| of);
         let rounded = if self.rounded { "R" } else { "" };
-        write!(f, "{}-{} UN{rounded}{letters}", self.size, self.tpi)?;
+        write!(f, "{}-{} UN{rounded}{}", self.size, self.tpi, self.series.letters())?;
         let classes = self.external.map(|class| format!("{class}A")).into_iter();
         let classes: Vec<String> = classes.chain(self.internal.map(|class| format!("{class}B"))).collect();
         write!(f, "-{}", classes.join("/"))

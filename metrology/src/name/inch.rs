@@ -12,8 +12,9 @@ use crate::{
     acme::Acme,
     basic::Whitworth,
     pipe::{self, Taper},
+    series::Series,
     thread::Form,
-    unified::{Series, Unified},
+    unified::Unified,
 };
 
 /// Series that exist and are not here, and what to take or know instead.
@@ -52,13 +53,13 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     if let Some((of, help)) = elsewhere {
         return Err(cursor.wrong(from, format!("{of} is another thread"), *help));
     }
-    let Some(tpi) = tpi else {
+    let missing = || {
         let help = "write the number of threads per inch behind a hyphen, as in 1/4-20 UNC";
-        return Err(wrong_at(at, "the threads per inch are missing", help));
+        wrong_at(at.clone(), "the threads per inch are missing", help)
     };
     match series.as_str() {
-        "ACME" => acme(cursor, size, tpi, at),
-        "BSW" => whitworth(size, tpi, at),
+        "ACME" => acme(cursor, size, tpi.ok_or_else(missing)?, at.clone()),
+        "BSW" => whitworth(size, tpi.ok_or_else(missing)?, at.clone()),
         "" => Err(cursor.wrong(from, "the series is missing", format!("write one of {SERIES}"))),
         _ => {
             let letters = series.strip_prefix("UN").map(|rest| rest.strip_prefix('R').unwrap_or(rest));
@@ -71,8 +72,22 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
                 ));
             };
             let rounded = series.starts_with("UNR");
-            unified(cursor, size.of_unified(tpi), tpi, (*known, rounded), at)
+            let (size, tpi) = match tpi {
+                Some(tpi) => (size.of_unified(tpi), tpi),
+                None => sole_pitch(size, *known).ok_or_else(missing)?,
+            };
+            unified(cursor, size, tpi, (*known, rounded), at)
         }
+    }
+}
+
+/// The one pitch that a series has for a size, if it gives one. A whole number may be a small size or inches:
+/// then there may be two.
+fn sole_pitch(size: InchSize, series: Series) -> Option<(InchSize, f64)> {
+    let pitch = |size: InchSize| Some((size, series.threads_per_inch(size.inches())?));
+    match (pitch(size), size.as_number().and_then(pitch)) {
+        (Some(_), Some(_)) => None,
+        (inches, number) => inches.or(number),
     }
 }
 
@@ -134,6 +149,15 @@ fn unified(
     (series, rounded): (Series, bool),
     at: Range<usize>,
 ) -> Result<Form, Misread> {
+    if series.gives_the_pitch() && series.threads_per_inch(size.inches()) != Some(tpi) {
+        let letters = series.letters();
+        let message = format!("UN{letters} does not have {size}-{tpi}");
+        let help = match series.threads_per_inch(size.inches()) {
+            Some(has) => format!("it has {size}-{has}; another pitch is UNS, as in {size}-{tpi} UNS"),
+            None => format!("sizes that it does not have are UN or UNS, as in {size}-{tpi} UNS"),
+        };
+        return Err(wrong_at(at, message, help));
+    }
     fits(size, tpi, 3.0, at)?;
     let help = "ASME B1.1 has 1A, 2A, 3A for screws and 1B, 2B, 3B for nuts, as in 2A/2B";
     let found = classes(cursor, 1..=3, "ABab", help)?;

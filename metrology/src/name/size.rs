@@ -49,6 +49,16 @@ impl InchSize {
         }
     }
 
+    /// The small size that a whole number may also be.
+    pub(super) fn as_number(self) -> Option<InchSize> {
+        match self {
+            InchSize::Fraction { whole, numerator: 0, .. } => Some(whole),
+            _ => None,
+        }
+        .filter(|whole| NUMBERS.iter().any(|(number, _)| number == whole))
+        .map(InchSize::Number)
+    }
+
     /// A whole number with at least the threads per inch of a small size is that small size: `10-32` is No.
     /// 10, `1-8` is one inch. Only unified threads have such sizes.
     pub(super) fn of_unified(self, tpi: f64) -> InchSize {

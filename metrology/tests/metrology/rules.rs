@@ -124,7 +124,7 @@ proptest! {
     fn unified_classes_share_one_tolerance(
         sixteenths in 4_u32..=64,
         tpi in proptest::sample::select(vec![6_u32, 7, 8, 10, 11, 12, 13, 14, 16, 18, 20, 24, 28, 32]),
-        series in proptest::sample::select(vec!["UNC", "UNF", "UNEF", "UN", "UNS"]),
+        series in proptest::sample::select(vec!["UN", "UNS", "UNR", "UNRS"]),
     ) {
         let d = f64::from(sixteenths) / 16.0;
         prop_assume!(d * f64::from(tpi) >= 3.0);
