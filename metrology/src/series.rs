@@ -1,5 +1,5 @@
-//! The series of ASME B1.1 that give a size its pitch: coarse (UNC), fine (UNF), extra fine (UNEF). In: size in
-//! inches. Out: threads per inch.
+//! The series of ASME B1.1 that give a size its pitch: coarse (UNC), fine (UNF), extra fine (UNEF). In: size
+//! in inches. Out: threads per inch.
 
 /// A series of diameters and pitches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,8 +80,8 @@ const FINE: [(f64, f64); 24] = [
     (1.5, 12.0),
 ];
 
-/// Up to and with these sizes in inches extra fine has these threads per inch; it begins at No. 12 and goes on
-/// by sixteenths.
+/// Up to and with these sizes in inches extra fine has these threads per inch; it begins at No. 12 and goes
+/// on by sixteenths.
 const EXTRA_FINE: [(f64, f64); 5] = [(0.375, 32.0), (0.5, 28.0), (0.6875, 24.0), (1.0, 20.0), (1.6875, 18.0)];
 
 /// Sizes are decimal fractions and sums; nearer than this they are the same, in.
