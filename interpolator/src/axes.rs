@@ -81,7 +81,7 @@ fn sound(status: &AxisStatus) -> bool {
         status.spindle_rpm,
     ];
     AxisState::from_code(status.state).is_ok()
-        && (status.fault == 0 || Fault::from_code(status.fault).is_some())
+        && (status.fault == 0 || Fault::from_code(status.fault).is_some_and(Fault::is_of_regulator))
         && status.in_position <= 1
         && numbers.iter().all(|number| number.abs() <= MOST)
 }
@@ -285,5 +285,19 @@ mod tests {
             assert!(!astray(AxisState::Leaving, sign * 2.0 * most_mm, 100));
             assert!(!astray(AxisState::Streaming, sign * 2.0 * most_mm, 120));
         }
+    }
+
+    #[test]
+    fn a_status_with_a_fault_that_no_regulator_finds_is_damaged() {
+        let machine = Machine::plain();
+        let believed = |fault: u32| {
+            let status = AxisStatus { cycle: Cycle(7), fault, ..AxisStatus::default() };
+            let mut heard = Heard::new();
+            heard.take(&machine, &[status; AXES], Cycle(8));
+            Axes::new(&machine, &heard, Cycle(8)).in_fault()
+        };
+        assert!(believed(Fault::AxisJump as u32) && believed(Fault::EmergencyStop as u32));
+        assert!(!believed(Fault::PlanRejected as u32) && !believed(Fault::TravelLimit as u32));
+        assert!(!believed(Fault::ALL.len() as u32 + 1));
     }
 }

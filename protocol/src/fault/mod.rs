@@ -88,6 +88,12 @@ impl Fault {
         &FAULTS[self as usize - 1]
     }
 
+    /// Whether a regulator can latch it: what it finds itself, and what it sees of the panel.
+    pub fn is_of_regulator(self) -> bool {
+        let source = self.row().source;
+        source.contains("regulator") || source.contains("panel")
+    }
+
     /// The stable name, as `summary.json` and traces print it.
     pub fn code(self) -> &'static str {
         self.row().code
