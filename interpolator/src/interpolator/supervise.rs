@@ -120,20 +120,27 @@ impl Interpolator {
     }
 
     /// With a fault latched: a spindle that does not obey is left to the brake of its drive, by the emergency
-    /// stop. What it does then is told as well.
+    /// stop. What it does then is told as well. Behind a fault of its encoder the axes leave on the speed that
+    /// was last known: nobody touches that until they are out. And whether a spindle obeys that nobody sees, or
+    /// that has run away before its encoder died, nobody knows: it is braked then in any case.
     pub(crate) fn look_after_spindle(&mut self) {
-        let Some(fault) = self.task.fault().filter(|fault| !of_encoder(*fault)) else { return };
+        let Some(fault) = self.task.fault() else { return };
+        let out = matches!(self.task, Task::Fault { .. });
+        if of_encoder(fault) && !out {
+            return;
+        }
+        let doubtful = |fault| matches!(fault, Fault::EncoderStands | Fault::SpindleRunaway);
+        let unseen = self.heard.faults().chain([fault]).any(doubtful);
         let found = match () {
-            () if self.spindle.never_stops() => Fault::SpindleDoesNotStop,
-            () if self.spindle.runs_away() => Fault::SpindleRunaway,
+            () if self.spindle.never_stops() => Some(Fault::SpindleDoesNotStop),
+            () if self.spindle.runs_away() => Some(Fault::SpindleRunaway),
+            () if out && unseen => None,
             () => return,
         };
-        if found != fault {
-            self.second = Some(found);
-        }
+        self.second = found.filter(|found| *found != fault).or(self.second);
         if !self.opened {
             self.opened = true;
-            self.spindle.wait_anew();
+            self.spindle.wait_anew(unseen);
         }
     }
 
@@ -158,7 +165,7 @@ impl Interpolator {
         let dead = of_encoder(fault) || self.heard.faults().any(of_encoder);
         let blind = dead || fault == Fault::SpindleNotAtSpeed;
         let rests = self.spindle.rests() && (self.spindle.ran_down() || !blind);
-        rests || self.spindle.never_stops() && (self.opened || dead)
+        rests || self.spindle.never_stops() && self.opened
     }
 }
 

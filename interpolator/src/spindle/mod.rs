@@ -176,9 +176,10 @@ impl Spindle {
         self.watch.runs_away()
     }
 
-    /// It is braked otherwise from here on: the time it has for that begins anew.
-    pub(crate) fn wait_anew(&mut self) {
-        self.watch.wait_anew();
+    /// It is braked otherwise from here on: the time it has for that begins anew, from its highest speed if
+    /// nobody sees it.
+    pub(crate) fn wait_anew(&mut self, unseen: bool) {
+        self.watch.wait_anew(unseen);
     }
 
     /// Whether it should have come to rest long ago: nobody waits for it any longer.

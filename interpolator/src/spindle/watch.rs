@@ -194,9 +194,13 @@ impl Watch {
         self.beyond_turns > BEYOND_TURNS
     }
 
-    /// It is braked otherwise from here on: the time it has for that begins anew, at the speed it has by now.
-    pub(super) fn wait_anew(&mut self) {
+    /// It is braked otherwise from here on: the time it has for that begins anew, at the speed it has by now;
+    /// at its highest if nobody sees it.
+    pub(super) fn wait_anew(&mut self, unseen: bool) {
         self.late = 0;
+        if unseen {
+            self.ramped = SLOWER * self.max_rpm;
+        }
         (self.slowest, self.sign_rpm, self.sign_s) = (f64::INFINITY, f64::INFINITY, 0.0);
     }
 

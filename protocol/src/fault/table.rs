@@ -260,7 +260,7 @@ pub const FAULTS: [FaultRow; 31] = [
         source: "regulator, interpolator",
         found: "in a pass the spindle is faster than the highest override of its speed (M103), or drives a stroke with more than twice the highest acceleration of its axis; or it has turned a turn more than band, ramp and coasting explain",
         within: &[most(&[Cycles(2)], "in a pass"), most(&[Ticks(2)], "after that turn")],
-        reaction: "leaves the pass, the spindle stops; emergency stop if it does not obey",
+        reaction: "leaves the pass, the spindle stops; then, or if it does not obey, emergency stop",
         text: "the spindle turns faster than it was told to; check its drive",
         remedy: "its drive",
     },

@@ -7,7 +7,7 @@
 use machine::Machine;
 use protocol::{Cycle, Measurement, PerAxis, Position, ThreadPass, units::AXES};
 
-use super::FaultReport;
+use super::{FaultReport, Outcome};
 
 /// The warning of a tool that has not left a thread.
 pub const TOOL_IN_THREAD: &str = "tool-in-thread";
@@ -15,8 +15,9 @@ pub const TOOL_IN_THREAD: &str = "tool-in-thread";
 /// Where the tool is, as far as that is measured.
 #[derive(Clone)]
 pub(super) struct Inside {
-    /// The pass that was broken off, as long as the axis that lifts has not got free of it.
-    pass: Option<ThreadPass>,
+    /// The last pass, as long as the axis that lifts has not got free of it, and whether it was cut to its end:
+    /// without a retract the tool is still in it then.
+    pass: Option<(ThreadPass, bool)>,
     at: PerAxis<Position>,
     cycle: Cycle,
 }
@@ -26,9 +27,9 @@ impl Inside {
         Inside { pass: None, at: [Position(0); AXES], cycle: Cycle(0) }
     }
 
-    /// A pass is over; `broken` is that pass if it was not cut to its end.
-    pub(super) fn ends(&mut self, broken: Option<ThreadPass>) {
-        self.pass = broken;
+    /// A pass is over, and was cut to its end or not.
+    pub(super) fn ends(&mut self, pass: ThreadPass, complete: bool) {
+        self.pass = Some((pass, complete));
         self.look();
     }
 
@@ -43,12 +44,16 @@ impl Inside {
 
     /// A tool that is out of the groove is forgotten.
     fn look(&mut self) {
-        self.pass = self.pass.filter(|pass| !pass.out.is_free(self.at[pass.out.axis as usize]));
+        self.pass = self.pass.filter(|(pass, _)| !pass.out.is_free(self.at[pass.out.axis as usize]));
     }
 
-    /// What the operator has to know at the end of the run.
-    pub(super) fn warning(&self, machine: &Machine) -> Option<FaultReport> {
-        let pass = self.pass?;
+    /// What the operator has to know at the end of the run. A program that is done may leave its tool where it
+    /// wants to.
+    pub(super) fn warning(&self, machine: &Machine, outcome: Outcome) -> Option<FaultReport> {
+        let (pass, complete) = self.pass?;
+        if complete && outcome == Outcome::Completed {
+            return None;
+        }
         let (lifts, _) = machine.axes().find(|(axis, _)| axis.index() == pass.out.axis as usize)?;
         let linear = machine.axes().filter(|(axis, _)| !axis.is_rotary());
         let places: Vec<String> =

@@ -12,6 +12,7 @@ mod circle;
 mod contour;
 mod corrected;
 mod cutting;
+mod faults;
 mod helix;
 mod inside;
 mod judged;
@@ -291,7 +292,7 @@ impl Observer {
     fn close(&mut self) {
         let Some(pass) = self.current.take() else { return };
         let report = pass.finish();
-        self.inside.ends(report.as_ref().filter(|report| !report.complete).map(|_| *pass.pass()));
+        report.iter().for_each(|report| self.inside.ends(*pass.pass(), report.complete));
         report.iter().for_each(|report| self.threads.take(report, pass.depth()));
         self.out.passes.extend(report);
     }
@@ -307,40 +308,6 @@ impl Observer {
         self.circles.cycle(record);
     }
 
-    fn take_faults(&mut self, record: &Record) {
-        let cycle = record.truth.cycle.0;
-        let faults = &mut self.out.faults;
-        let mut take = |seen: &mut u32, code: u32, who: &dyn Fn() -> (String, Option<String>)| {
-            if std::mem::replace(seen, code) != code && code != 0 {
-                let (source, detail) = who();
-                faults.push(FaultReport::of(cycle, source, code, detail));
-            }
-        };
-        let mut corrected = 0;
-        for (axis, status) in record.axes {
-            let counts = status.encoder_counts;
-            let swing = &mut self.swings[axis.index()];
-            let told = || match Fault::from_code(status.fault) {
-                Some(Fault::AxisJump | Fault::FollowingError | Fault::ThreadError) => swing.told(),
-                _ => (counts != 0).then(|| format!("{counts:+} counts")),
-            };
-            let who = || (format!("regulator-{}", axis.name()), told());
-            take(&mut self.fault_codes.0[axis.index()], status.fault, &who);
-            swing.cycle(status.servo_error_mm);
-            if status.fault == 0 {
-                corrected = corrected.max(status.encoder_counts);
-            }
-        }
-        let concerned = || {
-            let axis = Axis::ALL.get(usize::from(record.machine.fault_axis).checked_sub(1)?)?;
-            Some(format!("regulator-{}", axis.name()))
-        };
-        take(&mut self.fault_codes.1, record.machine.fault, &|| ("interpolator".into(), concerned()));
-        self.out.overrides_clamped = record.machine.overrides_clamped;
-        self.corrected.cycle(cycle, corrected);
-        self.out.outcome = self.outcome(record.machine);
-    }
-
     /// What is no fault and has to be known.
     fn warn(&mut self) {
         let cycle = self.out.cycles;
@@ -349,7 +316,7 @@ impl Observer {
         let warnings = &mut self.out.warnings;
         warnings.extend(self.corrected.told().map(counts));
         warnings.extend(self.bus.told().map(|text| warning(cycle, "bus", "bus-delay", text)));
-        warnings.extend(self.inside.warning(&self.machine));
+        warnings.extend(self.inside.warning(&self.machine, self.out.outcome));
         for event in (1..=u64::BITS).filter(|event| self.pending >> (event - 1) & 1 == 1) {
             let text = format!("event {event} of the scenario did not happen: its moment never came");
             warnings.push(warning(cycle, "scenario", "event-never-came", text));

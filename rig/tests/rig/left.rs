@@ -220,3 +220,59 @@ fn a_spindle_that_turns_back_is_left_without_an_interpolator_too() {
         assert!(left.x_mm > 11.9, "{degrees}: X stands at {} mm", left.x_mm);
     }
 }
+
+/// Behind a fault of its encoder, or in front of one, the spindle runs away: whether that is seen by counts that
+/// nobody believes any more, or by nobody, it is braked as soon as the tool is out.
+#[test]
+fn a_spindle_that_runs_away_beside_a_fault_of_its_encoder_is_braked() {
+    let encoder = [
+        "index_lost = { for_s = 0.5 }",
+        "encoder_glitch_counts = 60",
+        "encoder_glitch_counts = -30",
+        "encoder_stands = true",
+    ];
+    for fault in encoder {
+        for later_deg in [0.0, 40.0, 400.0, 1500.0] {
+            for [first, second] in [[fault, RUNAWAY], [RUNAWAY, fault]] {
+                let at = AT_DEG + later_deg;
+                let both = format!("{first}\n[[event]]\nat = {{ pass = 1, angle_deg = {at} }}\n{second}\n");
+                let left = run(&Machine::plain(), THREAD, &both);
+                let what = format!("{first}, {second} {later_deg}° later: {:?}", left.seen.faults);
+                assert_eq!(left.seen.outcome, Outcome::Faulted, "{what}");
+                // Without torque it coasts, and nobody sees for how long.
+                let most_rpm = if fault.starts_with("encoder_stands") { 200.0 } else { 5.0 };
+                assert!(left.rpm.abs() < most_rpm, "{:.0} 1/min, {what}", left.rpm);
+                assert!(left.x_mm > 11.9, "X stands at {} mm, {what}", left.x_mm);
+            }
+        }
+    }
+}
+
+const RUNAWAY: &str = "spindle_fault = \"runaway\"";
+
+/// Nothing lifts the tool out of a thread without a retract that is cut to its end.
+#[test]
+fn a_tool_that_waits_in_a_groove_is_told_unless_the_program_is_done() {
+    let waits = "M3 S600\nG0 X12 Z8\nG0 X9.5\nG33 Z-32 K1.5\nG4 P2\nM5\nM2\n";
+    let later =
+        |action: &str| format!("spindle_override_pct = 100\n[[event]]\nat = {{ time_s = 6 }}\n{action}");
+    for (event, outcome, told) in [
+        ("stop = true", Outcome::Stopped, true),
+        ("drive_fault = \"x\"", Outcome::Faulted, true),
+        ("feed_override_pct = 90", Outcome::Completed, false),
+    ] {
+        let left = run(&Machine::plain(), waits, &later(event));
+        assert_eq!(left.seen.outcome, outcome, "{event}: {:?}", left.seen.faults);
+        assert!((left.x_mm - 9.5).abs() < 0.1, "{event}: X stands at {} mm", left.x_mm);
+        assert!(left.seen.passes.iter().all(|pass| pass.complete), "{event}");
+        assert_eq!(tool_in_thread(&left.seen).is_some(), told, "{event}");
+    }
+}
+
+/// X looks first, and sees that the drive of Z has failed; Z tells the drive in the same cycle.
+#[test]
+fn of_one_cycle_the_cause_is_told_first() {
+    let left = run(&Machine::plain(), THREAD, "drive_fault = \"z\"");
+    let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();
+    assert_eq!(codes[..2], ["drive-fault", "other-axis"]);
+}
