@@ -119,10 +119,11 @@ impl Interpolator {
         !by_angle
     }
 
-    /// With a fault latched: a spindle that does not obey is left to the brake of its drive, by the emergency
-    /// stop. What it does then is told as well. Behind a fault of its encoder the axes leave on the speed that
-    /// was last known: nobody touches that until they are out. And whether a spindle obeys that nobody sees, or
-    /// that has run away before its encoder died, nobody knows: it is braked then in any case.
+    /// With a fault latched: a spindle that does not obey is left to the brake of its drive, by the
+    /// emergency stop. What it does then is told as well. Behind a fault of its encoder the axes leave on the
+    /// speed that was last known: nobody touches that until they are out. And whether a spindle obeys that
+    /// nobody sees, or that has run away before its encoder died, nobody knows: it is braked then in any
+    /// case.
     pub(crate) fn look_after_spindle(&mut self) {
         let Some(fault) = self.task.fault() else { return };
         let out = matches!(self.task, Task::Fault { .. });

@@ -1,5 +1,5 @@
-//! What the modules latch, as a person reads it. In: every control cycle the fault of each status. Out: reports
-//! in the order in which they came; of one cycle a cause before what it made of another axis.
+//! What the modules latch, as a person reads it. In: every control cycle the fault of each status. Out:
+//! reports in the order in which they came; of one cycle a cause before what it made of another axis.
 
 use protocol::{Axis, Fault};
 

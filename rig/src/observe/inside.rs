@@ -15,8 +15,8 @@ pub const TOOL_IN_THREAD: &str = "tool-in-thread";
 /// Where the tool is, as far as that is measured.
 #[derive(Clone)]
 pub(super) struct Inside {
-    /// The last pass, as long as the axis that lifts has not got free of it, and whether it was cut to its end:
-    /// without a retract the tool is still in it then.
+    /// The last pass, as long as the axis that lifts has not got free of it, and whether it was cut to its
+    /// end: without a retract the tool is still in it then.
     pass: Option<(ThreadPass, bool)>,
     at: PerAxis<Position>,
     cycle: Cycle,
@@ -47,8 +47,8 @@ impl Inside {
         self.pass = self.pass.filter(|(pass, _)| !pass.out.is_free(self.at[pass.out.axis as usize]));
     }
 
-    /// What the operator has to know at the end of the run. A program that is done may leave its tool where it
-    /// wants to.
+    /// What the operator has to know at the end of the run. A program that is done may leave its tool where
+    /// it wants to.
     pub(super) fn warning(&self, machine: &Machine, outcome: Outcome) -> Option<FaultReport> {
         let (pass, complete) = self.pass?;
         if complete && outcome == Outcome::Completed {

@@ -221,8 +221,8 @@ fn a_spindle_that_turns_back_is_left_without_an_interpolator_too() {
     }
 }
 
-/// Behind a fault of its encoder, or in front of one, the spindle runs away: whether that is seen by counts that
-/// nobody believes any more, or by nobody, it is braked as soon as the tool is out.
+/// Behind a fault of its encoder, or in front of one, the spindle runs away: whether that is seen by counts
+/// that nobody believes any more, or by nobody, it is braked as soon as the tool is out.
 #[test]
 fn a_spindle_that_runs_away_beside_a_fault_of_its_encoder_is_braked() {
     let encoder = [
