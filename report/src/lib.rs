@@ -3,6 +3,7 @@
 //!
 //! | module | in | out |
 //! |---|---|---|
+//! | [`colours`] | the place of something in its order | a colour for the ground of the page |
 //! | [`paint`] | points, names, colours | pictures as the plotting script takes them |
 //! | [`table`] | rows seen through columns | text for a terminal, HTML for a page |
 //! | [`page`] | content and pictures | one HTML file that opens without a network |
@@ -12,6 +13,7 @@
 //! it, of which `report/assets/README.md` says version, licence and origin.
 #![forbid(unsafe_code)]
 
+pub mod colours;
 mod envelope;
 pub mod page;
 pub mod paint;

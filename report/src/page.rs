@@ -9,6 +9,10 @@ use crate::paint::Figure;
 pub const PLOTTING_SCRIPT: &str = include_str!("../assets/plotly-cartesian.min.js");
 
 const STYLE: &str = include_str!("../assets/report.css");
+/// The colours of a dark ground: for a screen whose reader likes it dark. Paper is light.
+const DARK: &str = include_str!("../assets/dark.css");
+const DARK_SCREEN: &str = "screen and (prefers-color-scheme: dark)";
+const THEME: &str = include_str!("../assets/theme.js");
 const SCRIPT: &str = include_str!("../assets/report.js");
 
 /// A page with its style, and with the script that draws if there is something to draw.
@@ -21,6 +25,8 @@ pub fn document(title: &str, content: &Markup, draws: bool) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "pitchlock: " (title) }
                 style { (PreEscaped(STYLE)) }
+                style #dark media=(DARK_SCREEN) { (PreEscaped(DARK)) }
+                script { (PreEscaped(THEME)) }
             }
             body {
                 main { (content) }

@@ -4,6 +4,9 @@
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use serde_json::{Value, json};
 
+pub use crate::colours::{BLUE, GREEN, GREY, ORANGE, PURPLE, YELLOW};
+
+use crate::colours::BAND;
 use crate::envelope::Envelope;
 
 /// One picture and its words.
@@ -19,15 +22,6 @@ pub struct Figure {
     /// Height over width, on a wide page.
     pub aspect: f64,
 }
-
-/// The first of four colours that differ for every kind of colour vision and in grey (Okabe and Ito).
-pub const BLUE: &str = "#0072b2";
-/// The second.
-pub const ORANGE: &str = "#d55e00";
-/// The third.
-pub const GREEN: &str = "#009e73";
-/// For what only guides the eye.
-pub const GREY: &str = "#8a9099";
 
 /// Most numbers of a column that is written out; a longer one is packed.
 const WRITTEN_OUT: usize = 256;
@@ -79,5 +73,5 @@ pub(crate) fn stacked(x: &str, upper: &str, lower: &str) -> Value {
 /// A shaded interval of x.
 pub(crate) fn band(from: f64, to: f64) -> Value {
     json!({ "type": "rect", "xref": "x", "yref": "paper", "x0": short(from), "x1": short(to), "y0": 0, "y1": 1,
-            "fillcolor": "rgba(0,114,178,0.08)", "line": { "width": 0 }, "layer": "below" })
+            "fillcolor": BAND, "line": { "width": 0 }, "layer": "below" })
 }

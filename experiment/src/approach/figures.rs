@@ -6,13 +6,13 @@ use machine::Feedforward;
 use serde_json::{Value, json};
 
 use super::{Done, OVERRIDES, STRUCTURES, measure::Moment, micrometres, name, published::BAND_UM};
-use report::paint::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line};
+use report::paint::{BLUE, Figure, GREEN, GREY, ORANGE, PURPLE, YELLOW, axis, line};
 
 /// One of the pictures above each other: title of its axis, and its value.
 type Quantity = (&'static str, fn(&Moment) -> f64);
 
 /// Colour of each structure, in the order of [`STRUCTURES`].
-const COLORS: [&str; 6] = ["#8a9099", "#cc79a7", ORANGE, "#e69f00", GREEN, BLUE];
+const COLORS: [&str; 6] = [GREY, PURPLE, ORANGE, YELLOW, GREEN, BLUE];
 
 pub(super) fn all(done: &[Done]) -> Vec<Figure> {
     let original = OVERRIDES.into_iter().filter_map(|pct| original(done, pct));

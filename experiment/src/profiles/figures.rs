@@ -5,12 +5,9 @@ use serde_json::{Value, json};
 
 use super::{APPROACHES_S, Choice, MODES_HZ, Mode, Profile, QUIET_UM, Row, STROKE_MM, modes, three};
 use report::{
-    paint::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line},
+    paint::{BLUE, Figure, GREEN, GREY, ORANGE, PURPLE, YELLOW, axis, line},
     table::six,
 };
-
-const PURPLE: &str = "#cc79a7";
-const YELLOW: &str = "#e69f00";
 
 /// Points of a curve over time.
 const POINTS: u32 = 600;

@@ -6,7 +6,7 @@ use shape::{Correction, Section};
 
 use super::{Computed, Row, SCALES, maps, name, steps, work::Work};
 use report::{
-    paint::{BLUE, Figure, GREEN, GREY, ORANGE, axis, line},
+    paint::{BLUE, Figure, GREEN, GREY, ORANGE, PURPLE, axis, line},
     table::six,
 };
 
@@ -14,7 +14,7 @@ pub(super) fn color(correction: Correction) -> &'static str {
     match correction {
         Correction::None => GREY,
         Correction::Published => ORANGE,
-        Correction::PublishedSigns => "#cc79a7",
+        Correction::PublishedSigns => PURPLE,
         Correction::Mixed => GREEN,
         Correction::Exact => BLUE,
     }

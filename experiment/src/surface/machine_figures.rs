@@ -9,7 +9,8 @@ use super::{
     machine::{Run, STEP_MM},
     name,
 };
-use report::paint::{BLUE, Figure, GREY, line};
+use report::colours::{BLUE, EITHER_WAY, GREY, YELLOW};
+use report::paint::{Figure, line};
 
 /// Points of the map, of those that were kept.
 const MAP_EVERY: usize = 3;
@@ -37,7 +38,7 @@ fn map(run: &Run) -> Figure {
         title: "Where the tool is off on the small mill".into(),
         caption: format!(
             "The tip of the ball seen from above, lines {STEP_MM} mm apart, with exact ratios. Colour: how far the ball \
-             truly is from touching the surface; red stands off, blue cuts in, white is good. The largest magnitude is \
+             truly is from touching the surface; red stands off, blue cuts in, what is as the page is good. The largest magnitude is \
              {most:.2} µm."
         ),
         alt: format!(
@@ -49,7 +50,7 @@ fn map(run: &Run) -> Figure {
                 "type": "scatter", "mode": "markers", "x": column(|p| p.1[0]), "y": column(|p| p.1[1]),
                 "marker": {
                     "size": 5, "color": column(|p| 1e3 * p.2.slide.deviation_mm), "cmin": -most, "cmax": most,
-                    "colorscale": [[0, "#08519c"], [0.5, "#f2f2f2"], [1, "#b2182b"]],
+                    "colorscale": EITHER_WAY,
                     "colorbar": { "title": { "text": "µm" } },
                 },
                 "hovertemplate": "%{marker.color} µm<extra></extra>",
@@ -85,7 +86,7 @@ fn over_time(runs: &[Run], exact: &Run) -> Figure {
         line(&shown(exact, |traced| traced.commanded.feed_mm_min), "commanded feed", GREY, ("x", "y3"));
     feed["line"]["width"] = json!(5);
     data.push(feed);
-    data.push(line(&shown(exact, |traced| traced.slide.feed_mm_min), "true feed", "#e69f00", ("x", "y3")));
+    data.push(line(&shown(exact, |traced| traced.slide.feed_mm_min), "true feed", YELLOW, ("x", "y3")));
     let mut commanded = logarithmic("commanded (µm)");
     commanded["domain"] = json!([0.72, 1.0]);
     commanded["dtick"] = json!(1);

@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use shape::Correction;
 
 use super::{Computed, figures::heading, name, steps::Step, work::Work};
-use report::paint::{Figure, ORANGE};
+use report::colours::{AMOUNT, GREY, INK, ORANGE, RELIEF};
+use report::paint::Figure;
 
 /// Places of a grid along each side.
 const GRID: u32 = 60;
@@ -72,10 +73,10 @@ pub(super) fn parts(computed: &Computed) -> Figure {
         let row = |y: &f64| xs.iter().map(|x| short(work.height([*x, *y]).0)).collect();
         let heights: Vec<Vec<Value>> = ys.iter().map(row).collect();
         let mut lines = contour(at, [&xs, &ys], &heights);
-        lines["colorscale"] = json!([[0, "#8fb3a0"], [1, "#f7fbf6"]]);
+        lines["colorscale"] = json!(RELIEF);
         lines["showscale"] = json!(false);
-        lines["contours"] = json!({ "showlabels": true, "labelfont": { "size": 10, "color": "#1b2430" } });
-        lines["line"] = json!({ "color": "#5a6672", "width": 0.7 });
+        lines["contours"] = json!({ "showlabels": true, "labelfont": { "size": 10, "color": INK } });
+        lines["line"] = json!({ "color": GREY, "width": 0.7 });
         data.push(lines);
         data.push(path(work, at));
         let text = work.text;
@@ -133,7 +134,7 @@ pub(super) fn errors(computed: &Computed) -> Option<Figure> {
     }
     let mut layout = layout(shown.map(|correction| name(correction).to_owned()));
     layout["coloraxis"] = json!({
-        "colorscale": "Viridis", "cmin": -3, "cmax": 1.3,
+        "colorscale": AMOUNT, "cmin": -3, "cmax": 1.3,
         "colorbar": { "title": { "text": "µm" }, "tickvals": [-3, -2, -1, 0, 1],
                       "ticktext": ["0.001", "0.01", "0.1", "1", "10"] },
     });

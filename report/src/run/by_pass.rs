@@ -1,42 +1,57 @@
-//! Curves of all passes in one picture, each in the colour of its place in the order of cutting.
+//! Curves of all passes in one picture, each in the colour of its place in the order of cutting, with one
+//! key: a legend of few passes, the bar of a scale for many. In: curves of passes. Out: traces, which know
+//! the pass and the line of the program they belong to.
 
 use serde_json::{Value, json};
 
 use super::curves::Curves;
+use crate::colours::{bar, in_a_legend, in_order};
 use crate::{envelope::Envelope, paint::curve};
 
-/// Passes beyond this number are told apart by pointing at them, not by a legend.
-const LEGEND_PASSES: usize = 8;
-
-/// Colour of a pass: from dark blue for the first to light orange for the last.
-fn pass_color(index: usize, passes: usize) -> String {
-    const RAMP: [[f64; 3]; 5] = [
-        [20.0, 42.0, 100.0],
-        [0.0, 114.0, 178.0],
-        [0.0, 145.0, 120.0],
-        [190.0, 120.0, 0.0],
-        [213.0, 94.0, 0.0],
-    ];
-    let place = index as f64 * (RAMP.len() - 1) as f64 / passes.saturating_sub(1).max(1) as f64;
-    let (low, high) = (RAMP[place as usize], RAMP[(place as usize + 1).min(RAMP.len() - 1)]);
-    let share = place - place.floor();
-    let [r, g, b] = [0, 1, 2].map(|i| low[i] + share * (high[i] - low[i]));
-    format!("rgb({r:.0},{g:.0},{b:.0})")
+/// Colours, names and key of the passes of a run.
+pub(super) struct PassScale<'a> {
+    curves: &'a Curves,
 }
 
-/// One curve a pass, in the order of cutting.
+impl<'a> PassScale<'a> {
+    /// The scale of all passes of a run.
+    pub(super) fn new(curves: &'a Curves) -> PassScale<'a> {
+        PassScale { curves }
+    }
+
+    /// Gives a trace of lines the colour of a pass, its name, and its place in the legend, if asked for.
+    pub(super) fn dress(&self, drawn: &mut Value, index: usize, in_legend: bool) {
+        let passes = &self.curves.passes;
+        let name = format!("pass {}", passes[index].pass);
+        drawn["line"]["color"] = json!(in_order(index, passes.len()));
+        drawn["name"] = json!(name);
+        drawn["legendgroup"] = json!(name);
+        drawn["showlegend"] = json!(in_legend && in_a_legend(passes.len()));
+        drawn["meta"] = json!({ "pass": index, "line": passes[index].line });
+    }
+
+    /// The key of many passes, as a trace; few have a legend.
+    pub(super) fn key(&self) -> Option<Value> {
+        let passes = &self.curves.passes;
+        let (first, last) = (passes.first()?.pass, passes.last()?.pass);
+        (!in_a_legend(passes.len())).then(|| bar("pass", f64::from(first), f64::from(last)))
+    }
+}
+
+/// One curve a pass, in the order of cutting; the one picture of those above each other that has the legend
+/// has the key too.
 pub(super) fn by_pass<'a>(
     curves: &'a Curves,
     axes: (&'a str, &'a str),
     in_legend: bool,
     of: impl Fn(usize) -> &'a Envelope + 'a,
 ) -> impl Iterator<Item = Value> + 'a {
-    let passes = curves.passes.len();
-    (0..passes).map(move |index| {
-        let name = format!("pass {}", curves.passes[index].pass);
-        let mut drawn = curve(of(index), &name, &pass_color(index, passes), axes);
-        drawn["legendgroup"] = json!(name);
-        drawn["showlegend"] = json!(in_legend && passes <= LEGEND_PASSES);
+    let scale = PassScale::new(curves);
+    let key = if in_legend { scale.key() } else { None };
+    let drawn = (0..curves.passes.len()).map(move |index| {
+        let mut drawn = curve(of(index), "", "", axes);
+        scale.dress(&mut drawn, index, in_legend);
         drawn
-    })
+    });
+    drawn.chain(key)
 }

@@ -24,6 +24,8 @@ const PATH_POINTS: usize = 24_000;
 pub(super) struct PassCurves {
     /// Number of the pass.
     pub(super) pass: u32,
+    /// Line of the program that it belongs to.
+    pub(super) line: u32,
     /// Servo errors of X and Z over degrees, µm.
     pub(super) servo: [Envelope; 2],
     /// True Z minus true helix over turns of the thread, µm.
@@ -101,6 +103,7 @@ impl Curves {
             let servo = Envelope::new(from, to, slots);
             PassCurves {
                 pass: pass.pass,
+                line: pass.line,
                 servo: [servo.clone(), servo],
                 helix: Envelope::new(0.0, (leaves - locked) / 360.0, slots),
             }

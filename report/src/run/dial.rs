@@ -6,10 +6,9 @@
 
 use serde_json::{Value, json};
 
+use crate::colours::{EDGE, GRID};
 use crate::paint::column;
 
-const GRID: &str = "#e3e7ec";
-const EDGE: &str = "#9aa3ad";
 /// Degrees between spokes.
 const SPOKES_DEG: f64 = 30.0;
 /// The ray on which the rings have their numbers, degrees.

@@ -5,6 +5,7 @@ use rig::observe::PassReport;
 use serde_json::{Value, json};
 
 use super::curves::{ShownCurves, moving_deg, thread_deg};
+use crate::colours::WIDE;
 use crate::paint::{BLUE, Figure, GREEN, GREY, ORANGE, curve, stacked};
 
 /// The moments of a pass and the angles at which they come, degrees.
@@ -36,7 +37,7 @@ pub(super) fn motion(pass: &PassReport, shown: &ShownCurves) -> Figure {
     let mut data = Vec::new();
     for (index, y) in ["y", "y2"].into_iter().enumerate() {
         let mut programmed = curve(&shown.programmed[index], "programmed law", ORANGE, ("x", y));
-        programmed["line"] = json!({ "color": "rgba(213,94,0,0.35)", "width": 7 });
+        programmed["line"] = json!({ "color": WIDE, "width": 7 });
         let position = curve(&shown.position[index], "true position", BLUE, ("x", y));
         for mut drawn in [programmed, position] {
             drawn["showlegend"] = json!(index == 0);

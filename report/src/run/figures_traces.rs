@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::traces::{Map, TraceCurves, name};
 use super::verdict::um;
+use crate::colours::AMOUNT;
 use crate::envelope::Envelope;
 use crate::paint::{BLUE, Figure, ORANGE, axis, curve, short};
 
@@ -89,7 +90,7 @@ pub(super) fn map(trace: &TraceReport, map: &Map) -> Figure {
         ),
         plot: json!({
             "data": [{ "type": "heatmap", "x": middles(&x), "y": middles(&y), "z": cells, "zmin": 0,
-                       "zmax": rounded(reach), "colorscale": "Viridis", "hoverongaps": false,
+                       "zmax": rounded(reach), "colorscale": AMOUNT, "hoverongaps": false,
                        "colorbar": { "title": { "text": "µm" }, "thickness": 14 } }, mark],
             "layout": { "xaxis": right, "yaxis": up },
         }),
