@@ -12,6 +12,7 @@ mod figures_moves;
 mod figures_pass;
 mod figures_traces;
 mod page;
+mod passes;
 #[cfg(test)]
 mod tests;
 mod traces;

@@ -1,10 +1,11 @@
 //! The page of a report. In: a [`Run`]. Out: HTML with everything in it.
 
 use maud::{Markup, html};
-use rig::observe::{FaultReport, Outcome, PassReport, ServoError, Summary, ToolReport};
+use rig::observe::{FaultReport, Outcome, PassReport, Summary};
 
 use super::Run;
 use super::cutting;
+use super::passes;
 use super::traces;
 use super::verdict::{self, um};
 use crate::page::{document, pictures};
@@ -18,7 +19,7 @@ pub(super) fn html(run: &Run) -> String {
     let content = html! {
         (head(summary))
         @if let Some(note) = &run.trace_note { p.note { (note) } }
-        @if !summary.passes.is_empty() { (passes(summary)) }
+        @if !summary.passes.is_empty() { (passes::tables(summary)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
@@ -58,80 +59,6 @@ fn head(summary: &Summary) -> Markup {
                     div { dt { "X in the thread, servo error" } dd { (um(worst(|pass| pass.x.thread_max_abs_um))) } }
                     div { dt { "Z in the thread, servo error" } dd { (um(worst(|pass| pass.z.thread_max_abs_um))) } }
                 }
-            }
-        }
-    }
-}
-
-/// One column of the table of passes: heading, its explanation, and the cell.
-type Column = (&'static str, &'static str, fn(&PassReport) -> String);
-
-const COLUMNS: [Column; 14] = [
-    ("Pass", "(line)", |p| format!("{} ({})", p.pass, p.line)),
-    ("Start", "of a multi-start thread", |p| (p.start + 1).to_string()),
-    ("Lead", "mm/rev", |p| format!("{:.3}", p.lead_mm)),
-    ("Spindle", "programmed: true, 1/min", |p| {
-        format!("{:.0}: {:.0}…{:.0}", p.programmed_rpm, p.rpm_min, p.rpm_max)
-    }),
-    ("Override", "in the pass (most that is feasible), %", |p| {
-        let (low, high) = (p.override_min_pct, p.override_max_pct);
-        let range = if low == high { format!("{low:.0}") } else { format!("{low:.0}…{high:.0}") };
-        format!("{range} ({:.0})", p.max_feasible_override_pct)
-    }),
-    ("Tool", "helix about its mean; phase; depth: range, µm", |p| {
-        let ToolReport { helix_max_abs_um, phase_um, x_min_um, x_max_um, contact_deg, .. } = p.tool;
-        match contact_deg > 0.0 {
-            true => format!("{helix_max_abs_um:.2}; {phase_um:+.2}; {x_min_um:+.2}…{x_max_um:+.2}"),
-            false => "no contact".into(),
-        }
-    }),
-    ("X run-in", "servo error: range, at its end, µm", |p| approach(&p.x)),
-    ("X thread", "servo error (after a turn), µm", |p| in_thread(&p.x)),
-    ("X slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.x_slide)),
-    ("Z run-in", "servo error: range, at its end, µm", |p| approach(&p.z)),
-    ("Z thread", "servo error (after a turn), µm", |p| in_thread(&p.z)),
-    ("Z slide", "error: range in the run-in, at its end; thread, µm", |p| slide(&p.z_slide)),
-    ("Nut", "largest error from the helix; mean (phase), µm", |p| {
-        format!("{:.2}; {:+.2}", p.helix_max_abs_um, p.phase_um)
-    }),
-    ("Lead error", "of the nut, µm/rev", |p| format!("{:+.3}", p.lead_error_um_per_rev)),
-];
-
-fn approach(error: &ServoError) -> String {
-    format!("{:+.2}…{:+.2}, {:+.2}", error.approach_min_um, error.approach_max_um, error.end_um)
-}
-
-fn in_thread(error: &ServoError) -> String {
-    format!("{:.2} ({:.2})", error.thread_max_abs_um, error.settled_max_abs_um)
-}
-
-fn slide(error: &ServoError) -> String {
-    format!("{}; {:.2}", approach(error), error.thread_max_abs_um)
-}
-
-fn passes(summary: &Summary) -> Markup {
-    html! {
-        section {
-            h2 { "Passes" }
-            div.scroll tabindex="0" role="region" aria-label="Table of passes" {
-                table {
-                    thead { tr { @for (name, unit, _) in COLUMNS {
-                        th scope="col" { (name) small { (unit) } }
-                    } } }
-                    tbody { @for pass in &summary.passes {
-                        tr class=[(!pass.complete).then_some("broken")] { @for (_, _, cell) in COLUMNS {
-                            td { (cell(pass)) }
-                        } }
-                    } }
-                }
-            }
-            p.caption {
-                "Tool: the true slide against the programmed helix at the true spindle angle, and against its depth, "
-                "as long as the point is in the material; this is what the part is judged by. Phase is the mean: "
-                "passes of one start must agree in it, or they cut different grooves. Depth is positive where the "
-                "groove is too shallow. Nut: the same of true Z of the nut over the thread. Servo error: commanded minus "
-                "measured. Slide: commanded minus true position of the slide, behind backlash, screw and elasticity. "
-                "A run-in within ±8 µm that ends near 0 is good, in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z."
             }
         }
     }
