@@ -19,10 +19,11 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 19] = [
+const CRATES: [(&str, &[&str]); 20] = [
     ("motion", &[]),
     ("adviser", &[]),
     ("metrology", &[]),
+    ("gauge", &[]),
     ("shape", &["motion"]),
     ("gcode", &[]),
     ("protocol", &["motion", "shape"]),

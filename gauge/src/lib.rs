@@ -1,0 +1,36 @@
+//! The virtual gauge: whether the surface that all passes leave is the thread that was meant. In: where the
+//! tip of the tool was each time the spindle went through one of some angles, the shape of its edge, the
+//! limits of the thread; mm, degrees. Out: a [`Report`]: measures, and the verdict of GO and NO-GO with
+//! reasons.
+//!
+//! The edge of a threading tool lies in the plane of X and Z. So the section of the part through its axis at
+//! an angle is cut only while the spindle is at that angle, and the section is the envelope of the edge at
+//! its places there: no approximation is needed, and it does not matter which pass cut what.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `nominal.rs` | what is asked: pitch, flanks, limits |
+//! | `edge.rs` | the edge of the tool |
+//! | `section.rs` | from places of the tool at one angle to grooves |
+//! | `groove.rs` | from a groove to its measures |
+//! | `helix.rs` | from grooves at all angles to lead, drunkenness, starts |
+//! | `window.rs` | the longest and shortest over any length of a gauge |
+//! | `judge.rs`, `causes.rs` | GO, NO-GO, and which cause weighs most |
+//! | `reason.rs` | that in words |
+#![forbid(unsafe_code)]
+
+mod causes;
+mod edge;
+mod groove;
+mod helix;
+mod judge;
+mod nominal;
+mod reason;
+mod section;
+mod window;
+
+pub use edge::Edge;
+pub use judge::{Report, Verdict, judge};
+pub use nominal::{Nominal, NominalError, Side};
+pub use reason::{Cause, Check, Reason};
+pub use section::{Place, Sections};

@@ -1,0 +1,8 @@
+//! The virtual gauge against threads that are made up, right and wrong on purpose.
+
+mod border;
+mod counterpart;
+mod made;
+mod properties;
+mod verdicts;
+mod wires;
