@@ -167,6 +167,14 @@ impl Nominal {
         self.go_mm() + 2.0 * self.sign() * height_mm
     }
 
+    /// Whether a tip at a place can have cut something of the thread: it is less than the height of the triangle
+    /// of the flanks over the pitch line.
+    #[must_use]
+    pub fn is_near(&self, place: &crate::Place) -> bool {
+        let over = self.sign() * place.radius_mm - self.line_mm(place.z_mm);
+        over < self.pitch_mm / self.tangent()
+    }
+
     /// The heights between which flanks touch a GO gauge: as deep as it reaches, as high as there is
     /// material.
     pub(crate) fn flank_heights_mm(&self, crest_mm: Option<f64>) -> [f64; 2] {

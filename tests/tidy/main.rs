@@ -47,6 +47,7 @@ const CRATES: [(&str, &[&str]); 20] = [
             "regulator",
             "sim-plant",
             "tune",
+            "gauge",
         ],
     ),
     ("soak", &["machine", "protocol", "motion", "interpreter", "sim-plant", "rig", "testing"]),

@@ -53,6 +53,8 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
         reasons.push(format!("the axes of pass {} started from different indexes of the spindle", pass.pass));
     }
     reasons.extend(threads(summary, error_um));
+    let gauge = summary.gauge.iter().filter(|gauge| gauge.verdict == PartVerdict::Bad);
+    reasons.extend(gauge.flat_map(|gauge| gauge.reasons.iter().map(|why| format!("{}: {why}", gauge.name))));
     for trace in summary.traces.iter().filter(|trace| trace.is_wrong()) {
         reasons.push(format!(
             "in line {} the commanded path itself is {:.2} µm off, more than the chord error of {:.2} µm allows: the \

@@ -13,10 +13,12 @@ mod contour;
 mod corrected;
 mod cutting;
 mod faults;
+mod gauged;
 mod helix;
 mod inside;
 mod judged;
 mod limits;
+mod observation;
 mod pass;
 mod pause;
 mod planned;
@@ -45,8 +47,10 @@ pub use summary::{
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
+pub use gauged::{GaugeAsked, GaugeReport};
 pub use inside::TOOL_IN_THREAD;
 pub use judged::{PartReport, PartVerdict};
+pub use observation::Observation;
 pub use pause::{PauseEnd, PauseReport};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;
@@ -57,8 +61,8 @@ use bus::Bus;
 use circle::Circles;
 use contour::Contour;
 use corrected::Corrected;
+use gauged::Gauged;
 use inside::Inside;
-use judged::judged;
 use limits::Limits;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
@@ -92,6 +96,7 @@ pub struct Observer {
     current: Option<PassObserver>,
     inside: Inside,
     threads: Threads,
+    gauged: Option<Gauged>,
     index_number: u64,
     index_deg: f64,
     hash: blake3::Hasher,
@@ -114,42 +119,6 @@ pub struct Observer {
     out: Observation,
 }
 
-/// What was observed of a run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Observation {
-    /// How it ended, as far as the modules say.
-    pub outcome: Outcome,
-    /// Control cycles seen.
-    pub cycles: u64,
-    /// Control cycle, s.
-    pub cycle_s: f64,
-    /// BLAKE3 over the bytes of every truth (which holds the measurement), of every axis status, and of the
-    /// machine status of every tick, in this order within a cycle; hex.
-    pub trace_hash: String,
-    /// The passes whose law has moved an axis, in the order of their cutting.
-    pub passes: Vec<PassReport>,
-    /// The threads.
-    pub thread: ThreadReport,
-    /// Timed motion.
-    pub moves: MovesReport,
-    /// Contours, surfaces and seams in the order of their cutting.
-    pub traces: Vec<TraceReport>,
-    /// More of them, each with less deviation than those.
-    pub traces_left_out: u64,
-    /// Faults in the order of their coming.
-    pub faults: Vec<FaultReport>,
-    /// What is no fault and has to be known.
-    pub warnings: Vec<FaultReport>,
-    /// Overrides that were clamped.
-    pub overrides_clamped: u32,
-    /// Pauses of the program in the order of their coming.
-    pub pauses: Vec<PauseReport>,
-    /// Limits of the axes.
-    pub limits: BTreeMap<Axis, AxisLimits>,
-    /// What a thread may be off at the tool, µm.
-    pub part_error_um: f64,
-}
-
 impl Observer {
     /// An observer of a machine and of its program, of which what [`Watch`] wants is enough. A pass that no
     /// regulator would accept is not expected.
@@ -160,6 +129,7 @@ impl Observer {
             current: None,
             inside: Inside::new(),
             threads: Threads::default(),
+            gauged: None,
             index_number: 0,
             index_deg: 0.0,
             hash: blake3::Hasher::new(),
@@ -190,6 +160,16 @@ impl Observer {
     #[must_use]
     pub fn of_part(mut self, part: &Part, origins_mm: &BTreeMap<u32, [f64; 2]>) -> Observer {
         planned::lie_in(&mut self.program, part, origins_mm);
+        self
+    }
+
+    /// The same observer with a gauge for the thread; after [`Observer::of_part`], if there is one.
+    ///
+    /// # Panics
+    /// If no gauge can be made of what is asked: see [`gauge::Nominal::check`].
+    #[must_use]
+    pub fn with_gauge(mut self, asked: GaugeAsked) -> Observer {
+        self.gauged = Some(Gauged::new(&self.machine, &self.program, asked));
         self
     }
 
@@ -247,6 +227,7 @@ impl Observer {
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
         self.out.pauses = self.pauses.finish();
         self.out.thread = self.threads.report(&self.out.passes);
+        self.out.gauge = self.gauged.as_ref().map(Gauged::report);
         self.out
     }
 
@@ -284,6 +265,9 @@ impl Observer {
             self.current = Some(PassObserver::new(&self.machine, planned, record.truth.cycle.0));
         }
         let index_deg = self.index_deg;
+        if let Some((gauged, pass)) = self.gauged.as_mut().zip(self.current.as_ref()) {
+            gauged.cycle(pass.pass(), record.truth);
+        }
         if self.current.as_mut().is_some_and(|pass| !pass.cycle(record, index_deg, is_tick)) {
             self.close();
         }
@@ -332,34 +316,5 @@ impl Observer {
         } else {
             Outcome::Stopped
         }
-    }
-}
-
-impl Observation {
-    /// The summary of a run, as far as it can be observed. `clock` is `virtual` or `real`; processes,
-    /// channels, wall time and deadline misses are for the launcher to fill.
-    pub fn summary(self, program: &str, clock: &str) -> Summary {
-        let summary = Summary {
-            version: VERSION,
-            program: program.into(),
-            clock: clock.into(),
-            outcome: self.outcome,
-            cycle_s: self.cycle_s,
-            cycles: self.cycles,
-            simulated_s: self.cycles as f64 * self.cycle_s,
-            trace_hash: self.trace_hash,
-            faults: self.faults,
-            warnings: self.warnings,
-            overrides_clamped: self.overrides_clamped,
-            passes: self.passes,
-            thread: self.thread,
-            moves: self.moves,
-            traces: self.traces,
-            traces_left_out: self.traces_left_out,
-            pauses: self.pauses,
-            limits: self.limits,
-            ..Summary::default()
-        };
-        Summary { part: judged(&summary, self.part_error_um), ..summary }
     }
 }

@@ -10,8 +10,8 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    cutting::CuttingReport, judged::PartReport, pause::PauseReport, threads::ThreadReport, tool::ToolReport,
-    used::LimitsUsed, work::TraceReport,
+    cutting::CuttingReport, gauged::GaugeReport, judged::PartReport, pause::PauseReport,
+    threads::ThreadReport, tool::ToolReport, used::LimitsUsed, work::TraceReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -316,6 +316,9 @@ pub struct Summary {
     pub passes: Vec<PassReport>,
     /// The threads.
     pub thread: ThreadReport,
+    /// What the gauge says, if one was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gauge: Option<GaugeReport>,
     /// Whether the part is good.
     #[serde(default)]
     pub part: PartReport,

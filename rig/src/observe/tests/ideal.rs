@@ -8,7 +8,7 @@ use protocol::{
     ThreadPass, Truth,
 };
 
-use crate::observe::{Observation, Observer, Record};
+use crate::observe::{GaugeAsked, Observation, Observer, Record};
 
 /// Errors to inject into one pass.
 #[derive(Clone, Copy, Default)]
@@ -39,6 +39,7 @@ pub(crate) struct Ideal {
     /// The tool of every pass, and the part with its zero on the machine: X, Z.
     pub(crate) tool: u32,
     pub(crate) part: Option<(Part, [f64; 2])>,
+    pub(crate) gauge: Option<GaugeAsked>,
 }
 
 /// A pass by 2 mm/rev along -Z at 600 1/min, X going in by 1 mm, ten turns of thread.
@@ -97,6 +98,7 @@ impl Ideal {
             status: MachineStatus::default(),
             tool: 0,
             part: None,
+            gauge: None,
         }
     }
 
@@ -115,6 +117,9 @@ impl Ideal {
         let mut observer = Observer::new(&self.machine, &items);
         if let Some((part, origin)) = &self.part {
             observer = observer.of_part(part, &passes.iter().map(|(pass, _)| (pass.pass, *origin)).collect());
+        }
+        if let Some(asked) = &self.gauge {
+            observer = observer.with_gauge(asked.clone());
         }
         for (pass, injected) in passes {
             self.cut(pass, injected, &mut |record| {

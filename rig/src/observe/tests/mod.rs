@@ -1,6 +1,7 @@
 //! What is injected is what is measured.
 
 mod contour;
+mod gauge;
 pub(crate) mod ideal;
 mod measures;
 mod run;

@@ -20,8 +20,8 @@ use machine::Machine;
 use protocol::{Axis, Code, FORMULAS, Item, PerAxis, Position, Shape, Work, frame::SETPOINT_LEAD};
 use shape::{Correction, Formula};
 
+use self::gauge::{Gauge, Seen};
 use super::{Record, limits::Shares};
-use gauge::{Gauge, Seen};
 use pace::{Pace, distance};
 pub use report::{AxisUsed, DeviationReport, FeedReport, TraceReport, WorkKind};
 

@@ -1,0 +1,228 @@
+//! The thread that all passes leave, held against a virtual gauge. In: every control cycle of a pass the true
+//! places of the slides, mm, and the true angle of the spindle, degrees; what the gauge asks. Out: a
+//! [`GaugeReport`].
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | C₀, C₁ | deg | true spindle angle in the cycle before and in this one, unwrapped |
+//! | p₀, p₁ | mm | tip of the tool on the part in them: X from the axis, Z from the zero of the program |
+//! | Cₖ | deg | an angle at which the part is looked at: k 360°/n |
+//!
+//! ```text
+//! (M158) p(Cₖ) = p₀ + (Cₖ − C₀)/(C₁ − C₀) (p₁ − p₀)   for every Cₖ between C₀ and C₁, whole turns added
+//! ```
+//! The straight line is off by a h²/8 at most, with the acceleration a of a slide and the control cycle h: on
+//! the helix nothing, while a slide leaves with 5 m/s² 0.16 µm. The edge lies in the plane of X and Z, so no
+//! other angle sees what is cut at Cₖ.
+//!
+//! Nothing is kept unless somebody asks for a gauge. Then n is 72, or as many as [`PLACES`] has room for, at
+//! least [`LEAST`]; beyond that there is no verdict.
+
+use std::collections::BTreeMap;
+
+use gauge::{Edge, Nominal, Place, Sections};
+use machine::Machine;
+use protocol::{Axis, ThreadPass, Truth};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    helix::Helix,
+    judged::PartVerdict,
+    planned::{Planned, Stock},
+};
+
+/// Places of the tip that are kept at most; a place takes 24 bytes.
+const PLACES: usize = 1_000_000;
+/// Angles at which a part is looked at, if there is room, and at least.
+const STATIONS: usize = 72;
+const LEAST: usize = 16;
+/// Passes that are cut again after a hold, or that begin late, take more turns than planned: so much room.
+const SPARE: f64 = 1.25;
+
+/// A gauge that somebody asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaugeAsked {
+    /// What it asks.
+    pub nominal: Nominal,
+    /// Where the zero of the program lies on the machine in each pass: X, Z, mm; 0 if nothing is said.
+    pub origins_mm: BTreeMap<u32, [f64; 2]>,
+}
+
+/// What a gauge says of the thread of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct GaugeReport {
+    /// Name of the thread.
+    pub name: String,
+    /// What GO and NO-GO say.
+    pub verdict: PartVerdict,
+    /// Why they refuse.
+    pub reasons: Vec<String>,
+    /// Smallest pitch diameter, mm.
+    pub pitch_diameter_min_mm: f64,
+    /// Largest pitch diameter, mm.
+    pub pitch_diameter_max_mm: f64,
+    /// Virtual pitch diameter: what GO meets, mm.
+    pub virtual_pitch_diameter_mm: f64,
+    /// Error of the lead over the length of the GO gauge, or of the thread if that is shorter, µm.
+    pub lead_error_um: f64,
+    /// Largest unevenness of the helix within a turn, µm.
+    pub drunkenness_um: f64,
+    /// Change of the pitch diameter over that length, µm.
+    pub taper_um: f64,
+    /// How far the pitch line moves while the thread is turned, µm.
+    pub runout_um: f64,
+    /// Flanks towards lower and higher Z, degrees.
+    pub flank_deg: Vec<f64>,
+    /// Length of full thread that was measured, mm.
+    pub length_mm: f64,
+}
+
+/// Where a tip was, and at which angle.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    pass: u32,
+    deg: f64,
+    tip: [f64; 2],
+}
+
+/// Collects the places of the tip.
+#[derive(Clone, Debug)]
+pub(super) struct Gauged {
+    asked: GaugeAsked,
+    sections: Sections,
+    /// Number of the edge of each pass.
+    edges: BTreeMap<u32, usize>,
+    /// Where every pass is at full depth, along Z.
+    full_mm: [f64; 2],
+    before: Option<Seen>,
+    kept: usize,
+    is_full: bool,
+}
+
+impl Gauged {
+    /// A gauge for the passes of a program.
+    pub(super) fn new(machine: &Machine, program: &BTreeMap<u32, Planned>, asked: GaugeAsked) -> Gauged {
+        let turns: f64 = program.values().map(|planned| planned.pass.done_deg() / 360.0).sum();
+        let room = PLACES as f64 / (SPARE * turns.max(1.0));
+        let stations = (room as usize).clamp(LEAST, STATIONS);
+        let per_station = (SPARE * turns) as usize + 1;
+        let mut gauged = Gauged {
+            sections: Sections {
+                edges: Vec::new(),
+                stations: vec![Vec::with_capacity(per_station.min(PLACES / stations)); stations],
+            },
+            edges: BTreeMap::new(),
+            full_mm: [f64::NEG_INFINITY, f64::INFINITY],
+            before: None,
+            kept: 0,
+            is_full: false,
+            asked,
+        };
+        for (number, planned) in program {
+            let edge = edge_of(machine, planned.tool, &gauged.asked.nominal);
+            let edges = &mut gauged.sections.edges;
+            let known = edges.iter().position(|other| *other == edge);
+            let at = known.unwrap_or_else(|| {
+                edges.push(edge);
+                edges.len() - 1
+            });
+            gauged.edges.insert(*number, at);
+            let [low, high] = full_mm(planned, gauged.origin_mm(*number)[1]);
+            let [from, to] = &mut gauged.full_mm;
+            (*from, *to) = (from.max(low), to.min(high));
+        }
+        gauged
+    }
+
+    fn origin_mm(&self, pass: u32) -> [f64; 2] {
+        self.asked.origins_mm.get(&pass).copied().unwrap_or_default()
+    }
+
+    /// Takes a control cycle of a pass (M158).
+    pub(super) fn cycle(&mut self, pass: &ThreadPass, truth: &Truth) {
+        let [x, z] = self.origin_mm(pass.pass);
+        let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
+        let tip = [slide(Axis::X) - x, slide(Axis::Z) - z];
+        let now = Seen { pass: pass.pass, deg: truth.spindle_deg, tip };
+        let before = self.before.replace(now).filter(|before| before.pass == pass.pass);
+        let (Some(before), Some(edge)) = (before, self.edges.get(&pass.pass).copied()) else { return };
+        let n = self.sections.stations.len();
+        let [a, b] = [before.deg, now.deg].map(|deg| deg * n as f64 / 360.0);
+        let (first, last) = (a.min(b).floor() as i64 + 1, a.max(b).floor() as i64);
+        for k in (first..=last).take(n) {
+            let share = (k as f64 - a) / (b - a);
+            let [radius_mm, z_mm] = [0, 1].map(|i| before.tip[i] + share * (now.tip[i] - before.tip[i]));
+            let place = Place { z_mm, radius_mm: radius_mm.abs(), edge };
+            self.keep(k.rem_euclid(n as i64) as usize, place);
+        }
+    }
+
+    /// Keeps a place that can have cut something of the thread.
+    fn keep(&mut self, station: usize, place: Place) {
+        if !self.asked.nominal.is_near(&place) {
+            return;
+        }
+        self.is_full |= self.kept == PLACES;
+        if !self.is_full {
+            self.sections.stations[station].push(place);
+            self.kept += 1;
+        }
+    }
+
+    /// What the gauge says.
+    pub(super) fn report(&self) -> GaugeReport {
+        let nominal = &self.asked.nominal;
+        let name = nominal.name.clone();
+        if self.is_full {
+            let reasons = vec![format!("the thread is too long for the gauge: more than {PLACES} places")];
+            return GaugeReport { name, reasons, ..GaugeReport::default() };
+        }
+        let found = gauge::judge(nominal, &self.sections, self.full_mm, None);
+        let [low, high] = found.pitch_diameter_mm;
+        GaugeReport {
+            name,
+            verdict: match found.verdict {
+                gauge::Verdict::Good => PartVerdict::Good,
+                gauge::Verdict::Bad => PartVerdict::Bad,
+                gauge::Verdict::None => PartVerdict::None,
+            },
+            reasons: found.reasons.into_iter().map(|reason| reason.text).collect(),
+            pitch_diameter_min_mm: low,
+            pitch_diameter_max_mm: high,
+            virtual_pitch_diameter_mm: found.virtual_mm,
+            lead_error_um: found.lead_error_um,
+            drunkenness_um: found.drunkenness_um,
+            taper_um: found.taper_um,
+            runout_um: found.runout_um,
+            flank_deg: found.flank_deg.to_vec(),
+            length_mm: found.length_mm,
+        }
+    }
+}
+
+/// The edge of a tool; flanks as the thread has them and a sharp point where the machine file says nothing.
+fn edge_of(machine: &Machine, number: u32, nominal: &Nominal) -> Edge {
+    let tool = machine.tool(number);
+    let flank_deg = tool.and_then(|tool| tool.angle_deg).map_or(nominal.flank_deg, |deg| [0.5 * deg; 2]);
+    let nose_mm = tool.and_then(|tool| tool.nose_mm).unwrap_or(0.0);
+    match tool.and_then(|tool| tool.width_mm) {
+        Some(width_mm) => Edge::of_width(flank_deg, width_mm, nose_mm),
+        None => Edge { flank_deg, flat_mm: 0.0, nose_mm },
+    }
+}
+
+/// Where a pass is at full depth in the stock, along Z of the program.
+fn full_mm(planned: &Planned, origin_mm: f64) -> [f64; 2] {
+    let pass = &planned.pass;
+    let law = pass.axis(Axis::Z);
+    let helix = Helix::of(pass, law);
+    let locked_deg = pass.axes.iter().map(protocol::AxisLaw::locked_deg).fold(0.0, f64::max);
+    let at = |deg: f64| helix.at_index_mm() + law.lead_mm * deg / 360.0 - origin_mm;
+    let [a, b] = [at(locked_deg), at(pass.thread_end_deg)];
+    let [low, high] = match &planned.stock {
+        Stock::Ends(ends) => ends.map(|end| end - origin_mm),
+        Stock::Part(part, _) => part.ends_mm(),
+    };
+    [a.min(b).max(low), a.max(b).min(high)]
+}

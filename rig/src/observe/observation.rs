@@ -1,0 +1,79 @@
+//! What was observed of a run, and the summary that becomes of it. In: what the observer measured; mm, µm,
+//! degrees. Out: a [`Summary`], judged.
+
+use std::collections::BTreeMap;
+
+use protocol::Axis;
+
+use super::{
+    AxisLimits, FaultReport, GaugeReport, MovesReport, Outcome, PassReport, PauseReport, Summary,
+    ThreadReport, TraceReport, VERSION, judged::judged,
+};
+
+/// What was observed of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// How it ended, as far as the modules say.
+    pub outcome: Outcome,
+    /// Control cycles seen.
+    pub cycles: u64,
+    /// Control cycle, s.
+    pub cycle_s: f64,
+    /// BLAKE3 over the bytes of every truth (which holds the measurement), of every axis status, and of the
+    /// machine status of every tick, in this order within a cycle; hex.
+    pub trace_hash: String,
+    /// The passes whose law has moved an axis, in the order of their cutting.
+    pub passes: Vec<PassReport>,
+    /// The threads.
+    pub thread: ThreadReport,
+    /// What the gauge says, if one was asked for.
+    pub gauge: Option<GaugeReport>,
+    /// Timed motion.
+    pub moves: MovesReport,
+    /// Contours, surfaces and seams in the order of their cutting.
+    pub traces: Vec<TraceReport>,
+    /// More of them, each with less deviation than those.
+    pub traces_left_out: u64,
+    /// Faults in the order of their coming.
+    pub faults: Vec<FaultReport>,
+    /// What is no fault and has to be known.
+    pub warnings: Vec<FaultReport>,
+    /// Overrides that were clamped.
+    pub overrides_clamped: u32,
+    /// Pauses of the program in the order of their coming.
+    pub pauses: Vec<PauseReport>,
+    /// Limits of the axes.
+    pub limits: BTreeMap<Axis, AxisLimits>,
+    /// What a thread may be off at the tool, µm.
+    pub part_error_um: f64,
+}
+
+impl Observation {
+    /// The summary of a run, as far as it can be observed. `clock` is `virtual` or `real`; processes,
+    /// channels, wall time and deadline misses are for the launcher to fill.
+    pub fn summary(self, program: &str, clock: &str) -> Summary {
+        let summary = Summary {
+            version: VERSION,
+            program: program.into(),
+            clock: clock.into(),
+            outcome: self.outcome,
+            cycle_s: self.cycle_s,
+            cycles: self.cycles,
+            simulated_s: self.cycles as f64 * self.cycle_s,
+            trace_hash: self.trace_hash,
+            faults: self.faults,
+            warnings: self.warnings,
+            overrides_clamped: self.overrides_clamped,
+            passes: self.passes,
+            thread: self.thread,
+            gauge: self.gauge,
+            moves: self.moves,
+            traces: self.traces,
+            traces_left_out: self.traces_left_out,
+            pauses: self.pauses,
+            limits: self.limits,
+            ..Summary::default()
+        };
+        Summary { part: judged(&summary, self.part_error_um), ..summary }
+    }
+}
