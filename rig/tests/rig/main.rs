@@ -5,6 +5,7 @@
 mod cones;
 mod contour;
 mod corrections;
+mod gauge;
 mod held;
 mod leaving;
 mod left;

@@ -80,9 +80,9 @@ fn lead_drunkenness_and_runout_are_those_of_the_slides() {
     let long = Injected { lead_error_um_per_rev: -1.5, ..Injected::default() };
     // Z falls along the thread: 1.5 µm less in a turn of −2 mm is long, over 10 mm 7.5 µm.
     close(gauged(nominal(), &[(pass(1), long)]).lead_error_um, 7.5, 1e-3);
-    let drunken = with_slide(|axis, c| if axis == Axis::Z { 4.0 * c.to_radians().sin() } else { 0.0 });
+    let drunken = with_slide(|axis, c| if axis == Axis::Z { 4.0 * libm::sin(c.to_radians()) } else { 0.0 });
     close(gauged(nominal(), &[(pass(1), drunken)]).drunkenness_um, 8.0, 0.02);
-    let eccentric = with_slide(|axis, c| if axis == Axis::X { 3.0 * c.to_radians().cos() } else { 0.0 });
+    let eccentric = with_slide(|axis, c| if axis == Axis::X { 3.0 * libm::cos(c.to_radians()) } else { 0.0 });
     close(gauged(nominal(), &[(pass(1), eccentric)]).runout_um, 6.0, 0.02);
 }
 

@@ -1,0 +1,90 @@
+//! The virtual gauge on a whole machine: the thread of an example passes GO and NO-GO of its class, and one that
+//! is cut wrongly does not.
+
+use std::collections::BTreeMap;
+
+use gauge::{Nominal, Side};
+use machine::{Machine, Tool};
+use rig::{
+    Rig,
+    observe::{GaugeAsked, GaugeReport, Observer, PartVerdict, PassReport},
+};
+use sim_plant::Scenario;
+
+use crate::stand::compiled;
+
+/// M20x2-6g of ISO 965.
+fn m20x2() -> Nominal {
+    Nominal {
+        name: "M20x2-6g".into(),
+        side: Side::External,
+        flank_deg: [30.0; 2],
+        pitch_mm: 2.0,
+        starts: 1,
+        grows: false,
+        pitch_diameter_mm: [18.503, 18.663],
+        crest_mm: [Some(19.682), Some(19.962)],
+        root_go_mm: Some(17.797),
+        root_mm: [None; 2],
+        taper: 0.0,
+        plane_mm: 0.0,
+        gauge_mm: 20.0,
+    }
+}
+
+/// The thread of a program on the built-in lathe with an insert of this nose.
+fn gauged(program: &str, nose_mm: f64) -> (GaugeReport, Vec<PassReport>) {
+    let mut machine = Machine::default();
+    let (insert, angle_deg) = (Tool { name: "insert".into(), ..Tool::default() }, Some(60.0));
+    machine.tools.insert("1".into(), insert.clone());
+    machine.tools.insert("3".into(), Tool { angle_deg, nose_mm: Some(nose_mm), ..insert });
+    let items = compiled(&machine, program);
+    let asked = GaugeAsked { nominal: m20x2(), origins_mm: BTreeMap::new() };
+    let mut observer = Observer::new(&machine, &items).with_gauge(asked);
+    let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 1).expect("a machine");
+    while rig.cycle(None, |record| observer.cycle(record)) {}
+    let observation = observer.finish();
+    let report = observation.gauge.expect("a gauge was asked for");
+    println!("{report:?}");
+    (report, observation.passes)
+}
+
+fn example() -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/m20x2.ngc");
+    std::fs::read_to_string(path).expect("the example is there")
+}
+
+/// H/6, as the class allows at most: with it a depth of 0.6134 P from the nominal diameter is the basic profile.
+const NOSE_MM: f64 = 0.288_675;
+
+/// The basic profile is no 6g thread: it lacks the 38 µm that g leaves to a coating. Deeper by that and by half
+/// of the tolerance it is one, as large as its tool makes it.
+#[test]
+fn an_example_is_judged_by_what_its_tool_leaves() {
+    let (basic, _) = gauged(&example(), NOSE_MM);
+    let words = "GO does not go on: virtual pitch diameter 18.7";
+    assert!(basic.reasons[0].starts_with(words) && basic.reasons[0].ends_with("too shallow)"), "{basic:?}");
+    let (deeper, passes) = gauged(&example().replace("K2.454", "K2.572"), NOSE_MM);
+    assert_eq!((deeper.verdict, &deeper.reasons[..]), (PartVerdict::Good, &[][..]));
+    // The tip is meant to lie 1.286 mm below 20 mm; it is half a pitch wide H/2 − NOSE_MM above itself. How far
+    // it stood off at full depth is measured elsewhere: the last three passes go all as deep.
+    let meant_mm = 20.0 - 2.572 + 2.0 * (0.75_f64.sqrt() - NOSE_MM);
+    let finishing = &passes[passes.len() - 3..];
+    let low_um = finishing.iter().map(|pass| pass.tool.x_min_um).fold(f64::INFINITY, f64::min);
+    let high_um = finishing.iter().map(|pass| pass.tool.x_max_um).fold(f64::NEG_INFINITY, f64::max);
+    println!("depth off by {low_um:.2} to {high_um:.2} µm");
+    let off_um = |mm: f64| 0.5e3 * (mm - meant_mm);
+    assert!(off_um(deeper.pitch_diameter_min_mm) >= low_um - 0.2, "{deeper:?}");
+    assert!(off_um(deeper.pitch_diameter_max_mm) <= high_um + 0.2, "{deeper:?}");
+    assert!(deeper.lead_error_um.abs() < 2.0 && deeper.drunkenness_um < 4.0, "{deeper:?}");
+}
+
+/// A lead that is long by 10 µm a turn, 100 µm over the gauge.
+#[test]
+fn a_wrong_pitch_is_refused_because_of_its_lead() {
+    let program = example().replace("K2.454", "K2.572").replace("G76 P2 ", "G76 P2.01 ");
+    let (report, _) = gauged(&program, NOSE_MM);
+    assert!((report.lead_error_um - 100.0).abs() < 2.0, "{report:?}");
+    assert_eq!(report.verdict, PartVerdict::Bad);
+    assert!(report.reasons[0].contains("(lead ") && report.reasons[0].contains(" long over "), "{report:?}");
+}
