@@ -9,7 +9,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `nominal.rs` | what is asked: pitch, flanks, limits |
+//! | `nominal.rs`, `named.rs` | what is asked: pitch, flanks, limits; from the name of a thread |
 //! | `edge.rs` | the edge of the tool |
 //! | `section.rs` | from places of the tool at one angle to grooves |
 //! | `groove.rs` | from a groove to its measures |
@@ -24,6 +24,7 @@ mod edge;
 mod groove;
 mod helix;
 mod judge;
+mod named;
 mod nominal;
 mod reason;
 mod section;
@@ -31,6 +32,7 @@ mod window;
 
 pub use edge::Edge;
 pub use judge::{Report, Verdict, judge};
-pub use nominal::{Nominal, NominalError, Side};
+pub use metrology::Side;
+pub use nominal::{Nominal, NominalError};
 pub use reason::{Cause, Check, Reason};
 pub use section::{Place, Sections};

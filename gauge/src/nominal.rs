@@ -1,4 +1,5 @@
-//! What a gauge asks of a thread. In: sizes of a standard or of a drawing, mm and degrees. Out: heights over
+//! What a gauge asks of a thread. In: sizes of a drawing, or the name of a thread
+//! (`named.rs`), mm and degrees. Out: heights over
 //! the line on which a GO gauge is measured.
 //!
 //! | symbol | unit | meaning |
@@ -18,14 +19,7 @@
 
 use std::fmt;
 
-/// Which of the two members of a thread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// The screw.
-    External,
-    /// The nut.
-    Internal,
-}
+use metrology::Side;
 
 /// What is asked of a thread. Diameters in mm; `None` is not looked at.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +60,12 @@ pub enum NominalError {
     Sizes,
     /// The flanks are not between 0 and 80°, or both so steep that a gauge would not be held by them.
     Flanks,
+    /// The name says neither screw nor nut.
+    Side,
+    /// Its standard sets no limits that are known.
+    NoLimits,
+    /// Tapers are gauged by how far they go, at a plane that a name does not say.
+    Taper,
 }
 
 impl fmt::Display for NominalError {
@@ -73,6 +73,11 @@ impl fmt::Display for NominalError {
         f.write_str(match self {
             NominalError::Sizes => "a gauge needs a pitch, a length and a range of pitch diameters above 0",
             NominalError::Flanks => "a gauge needs flanks of 0 to 80°, 4° or more between them",
+            NominalError::Side => {
+                "a gauge needs a screw or a nut: add the class of one of them, as in M20x2-6g"
+            }
+            NominalError::NoLimits => "no limits are known for this thread: a gauge needs a class",
+            NominalError::Taper => "a tapered thread is not gauged by its name",
         })
     }
 }
@@ -167,8 +172,8 @@ impl Nominal {
         self.go_mm() + 2.0 * self.sign() * height_mm
     }
 
-    /// Whether a tip at a place can have cut something of the thread: it is less than the height of the triangle
-    /// of the flanks over the pitch line.
+    /// Whether a tip at a place can have cut something of the thread: it is less than the height of the
+    /// triangle of the flanks over the pitch line.
     #[must_use]
     pub fn is_near(&self, place: &crate::Place) -> bool {
         let over = self.sign() * place.radius_mm - self.line_mm(place.z_mm);

@@ -1,6 +1,8 @@
 //! Why a part is refused, in words with numbers. In: a check, a cause, measures in mm. Out: text.
 
-use crate::nominal::{Nominal, Side};
+use metrology::Side;
+
+use crate::nominal::Nominal;
 
 /// Which check refuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

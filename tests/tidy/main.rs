@@ -23,7 +23,7 @@ const CRATES: [(&str, &[&str]); 20] = [
     ("motion", &[]),
     ("adviser", &[]),
     ("metrology", &[]),
-    ("gauge", &[]),
+    ("gauge", &["metrology"]),
     ("shape", &["motion"]),
     ("gcode", &[]),
     ("protocol", &["motion", "shape"]),

@@ -3,6 +3,7 @@
 mod border;
 mod counterpart;
 mod made;
+mod named;
 mod properties;
 mod verdicts;
 mod wires;

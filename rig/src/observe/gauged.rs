@@ -158,6 +158,11 @@ impl Gauged {
         }
     }
 
+    /// Forgets where the tip was: the pass is over, and may be cut again from its start.
+    pub(super) fn pass_ends(&mut self) {
+        self.before = None;
+    }
+
     /// Keeps a place that can have cut something of the thread.
     fn keep(&mut self, station: usize, place: Place) {
         if !self.asked.nominal.is_near(&place) {

@@ -275,6 +275,7 @@ impl Observer {
 
     fn close(&mut self) {
         let Some(pass) = self.current.take() else { return };
+        self.gauged.iter_mut().for_each(Gauged::pass_ends);
         let report = pass.finish();
         report.iter().for_each(|report| self.inside.ends(*pass.pass(), report.complete));
         report.iter().for_each(|report| self.threads.take(report, pass.depth()));

@@ -1,5 +1,5 @@
-//! The virtual gauge on a whole machine: the thread of an example passes GO and NO-GO of its class, and one that
-//! is cut wrongly does not.
+//! The virtual gauge on a whole machine: the thread of an example passes GO and NO-GO of its class, and one
+//! that is cut wrongly does not.
 
 use std::collections::BTreeMap;
 
@@ -33,15 +33,16 @@ fn m20x2() -> Nominal {
 }
 
 /// The thread of a program on the built-in lathe with an insert of this nose.
-fn gauged(program: &str, nose_mm: f64) -> (GaugeReport, Vec<PassReport>) {
+fn gauged(program: &str, nose_mm: f64, scenario: &str) -> (GaugeReport, Vec<PassReport>) {
     let mut machine = Machine::default();
     let (insert, angle_deg) = (Tool { name: "insert".into(), ..Tool::default() }, Some(60.0));
     machine.tools.insert("1".into(), insert.clone());
     machine.tools.insert("3".into(), Tool { angle_deg, nose_mm: Some(nose_mm), ..insert });
     let items = compiled(&machine, program);
+    let scenario = Scenario::from_toml(scenario).expect("the scenarios of the tests are sound");
     let asked = GaugeAsked { nominal: m20x2(), origins_mm: BTreeMap::new() };
     let mut observer = Observer::new(&machine, &items).with_gauge(asked);
-    let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 1).expect("a machine");
+    let mut rig = Rig::new(&machine, items.iter().copied(), scenario, 1).expect("a machine");
     while rig.cycle(None, |record| observer.cycle(record)) {}
     let observation = observer.finish();
     let report = observation.gauge.expect("a gauge was asked for");
@@ -54,20 +55,21 @@ fn example() -> String {
     std::fs::read_to_string(path).expect("the example is there")
 }
 
-/// H/6, as the class allows at most: with it a depth of 0.6134 P from the nominal diameter is the basic profile.
+/// H/6, as the class allows at most: with it a depth of 0.6134 P from the nominal diameter is the basic
+/// profile.
 const NOSE_MM: f64 = 0.288_675;
 
-/// The basic profile is no 6g thread: it lacks the 38 µm that g leaves to a coating. Deeper by that and by half
-/// of the tolerance it is one, as large as its tool makes it.
+/// The basic profile is no 6g thread: it lacks the 38 µm that g leaves to a coating. Deeper by that and by
+/// half of the tolerance it is one, as large as its tool makes it.
 #[test]
 fn an_example_is_judged_by_what_its_tool_leaves() {
-    let (basic, _) = gauged(&example(), NOSE_MM);
+    let (basic, _) = gauged(&example(), NOSE_MM, "");
     let words = "GO does not go on: virtual pitch diameter 18.7";
     assert!(basic.reasons[0].starts_with(words) && basic.reasons[0].ends_with("too shallow)"), "{basic:?}");
-    let (deeper, passes) = gauged(&example().replace("K2.454", "K2.572"), NOSE_MM);
+    let (deeper, passes) = gauged(&example().replace("K2.454", "K2.572"), NOSE_MM, "");
     assert_eq!((deeper.verdict, &deeper.reasons[..]), (PartVerdict::Good, &[][..]));
-    // The tip is meant to lie 1.286 mm below 20 mm; it is half a pitch wide H/2 − NOSE_MM above itself. How far
-    // it stood off at full depth is measured elsewhere: the last three passes go all as deep.
+    // The tip is meant to lie 1.286 mm below 20 mm; it is half a pitch wide H/2 − NOSE_MM above itself. How
+    // far it stood off at full depth is measured elsewhere: the last three passes go all as deep.
     let meant_mm = 20.0 - 2.572 + 2.0 * (0.75_f64.sqrt() - NOSE_MM);
     let finishing = &passes[passes.len() - 3..];
     let low_um = finishing.iter().map(|pass| pass.tool.x_min_um).fold(f64::INFINITY, f64::min);
@@ -83,8 +85,30 @@ fn an_example_is_judged_by_what_its_tool_leaves() {
 #[test]
 fn a_wrong_pitch_is_refused_because_of_its_lead() {
     let program = example().replace("K2.454", "K2.572").replace("G76 P2 ", "G76 P2.01 ");
-    let (report, _) = gauged(&program, NOSE_MM);
+    let (report, _) = gauged(&program, NOSE_MM, "");
     assert!((report.lead_error_um - 100.0).abs() < 2.0, "{report:?}");
     assert_eq!(report.verdict, PartVerdict::Bad);
     assert!(report.reasons[0].contains("(lead ") && report.reasons[0].contains(" long over "), "{report:?}");
+}
+
+/// A pass that is left in a hold and cut again, and one in which the override is turned, leave the same thread.
+#[test]
+fn a_thread_that_was_held_or_turned_slower_passes_the_same_gauge() {
+    let program = example().replace("K2.454", "K2.572");
+    let (quiet, passes) = gauged(&program, NOSE_MM, "");
+    let finish = passes.len() - 2;
+    let held = format!(
+        "[[event]]\nat = {{ pass = {finish}, angle_deg = 2500 }}\nfeed_hold = true\n\
+         [[event]]\nat = {{ time_s = 200 }}\ncycle_start = true\n"
+    );
+    let slower =
+        format!("[[event]]\nat = {{ pass = {finish}, angle_deg = 2500 }}\nspindle_override_pct = 70\n");
+    let left = program.replace("T3 ", "(on_hold, leave)\nT3 ");
+    for (program, scenario) in [(&left, &held), (&program, &slower)] {
+        let (report, passes) = gauged(program, NOSE_MM, scenario);
+        assert_eq!((report.verdict, passes.len() >= finish + 2), (PartVerdict::Good, true), "{report:?}");
+        let change = report.virtual_pitch_diameter_mm - quiet.virtual_pitch_diameter_mm;
+        assert!(change.abs() < 0.01 && report.drunkenness_um < 8.0, "{report:?}");
+        assert_ne!(report, quiet, "something happened");
+    }
 }

@@ -8,8 +8,8 @@ use protocol::{Axis, ThreadPass};
 use super::ideal::{Ideal, Injected, lay_out, pass};
 use crate::observe::{GaugeAsked, GaugeReport, Observation, PartVerdict};
 
-/// Radius of the tip of [`pass`] at depth, and half a pitch over the tangents of two flanks of 30° above it the
-/// pitch line.
+/// Radius of the tip of [`pass`] at depth, and half a pitch over the tangents of two flanks of 30° above it
+/// the pitch line.
 const PITCH_DIAMETER_MM: f64 = 2.0 * (11.0 + 0.866_025_403_784_438_6);
 
 /// A thread that the passes leave, 50 µm to either limit.

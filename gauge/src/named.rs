@@ -1,0 +1,65 @@
+//! A gauge from the name of a thread. In: a thread of [`metrology`], mm. Out: a [`Nominal`].
+//!
+//! | what | from |
+//! |---|---|
+//! | pitch diameter, crest | the limits of the class |
+//! | root for GO | d1_max where a flat of the root may reach it, else the minor diameter of the basic profile; of a nut the major diameter |
+//! | length of the GO gauge | the major diameter: what is usually engaged |
+//!
+//! Roots of the form of Whitworth are round to the basic profile, so no straight flank of a gauge reaches
+//! them: GO is held against a quarter of the triangle of the flanks on that side. Limits of the root itself
+//! (d3) are those of a drawing, not of a gauge.
+
+use metrology::{Limits, Side, Size, Thread};
+
+use crate::nominal::{Nominal, NominalError};
+
+/// Flank of the form of Whitworth, degrees.
+const ROUND_DEG: f64 = 27.5;
+
+impl Nominal {
+    /// What GO and NO-GO of a thread ask. Z falls with the angle of the spindle along a right-hand thread:
+    /// cut with M3 towards the chuck, or with M4 away from it.
+    ///
+    /// # Errors
+    /// The name says neither screw nor nut, or its standard has no limits for cylinders.
+    pub fn of(thread: &Thread) -> Result<Nominal, NominalError> {
+        let Limits { external, internal, .. } = thread.limits();
+        let profile = thread.profile();
+        if profile.taper != 0.0 {
+            return Err(NominalError::Taper);
+        }
+        let (side, member) = match (external, internal) {
+            (Some(screw), None) => (Side::External, screw),
+            (None, Some(nut)) => (Side::Internal, nut),
+            (None, None) => return Err(NominalError::NoLimits),
+            _ => return Err(NominalError::Side),
+        };
+        let limits = member.get(Size::PitchMin).zip(member.get(Size::PitchMax));
+        let (least, most) = limits.ok_or(NominalError::NoLimits)?;
+        let (root, crest) = match side {
+            Side::External => {
+                let root = member.get(Size::FlatMinorMax).unwrap_or(profile.minor_mm);
+                (root, [Size::MajorMin, Size::MajorMax])
+            }
+            Side::Internal => (profile.major_mm, [Size::MinorMin, Size::MinorMax]),
+        };
+        let is_round = profile.flank_deg.contains(&ROUND_DEG);
+        let nominal = Nominal {
+            name: thread.to_string(),
+            side,
+            flank_deg: profile.flank_deg,
+            pitch_mm: profile.pitch_mm,
+            starts: profile.starts,
+            grows: profile.left_hand,
+            pitch_diameter_mm: [least, most],
+            crest_mm: crest.map(|size| member.get(size)),
+            root_go_mm: (!is_round).then_some(root),
+            root_mm: [None; 2],
+            taper: 0.0,
+            plane_mm: 0.0,
+            gauge_mm: profile.major_mm,
+        };
+        nominal.check().map(|()| nominal)
+    }
+}
