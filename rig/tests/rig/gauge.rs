@@ -91,7 +91,8 @@ fn a_wrong_pitch_is_refused_because_of_its_lead() {
     assert!(report.reasons[0].contains("(lead ") && report.reasons[0].contains(" long over "), "{report:?}");
 }
 
-/// A pass that is left in a hold and cut again, and one in which the override is turned, leave the same thread.
+/// A pass that is left in a hold and cut again, and one in which the override is turned, leave the same
+/// thread.
 #[test]
 fn a_thread_that_was_held_or_turned_slower_passes_the_same_gauge() {
     let program = example().replace("K2.454", "K2.572");
