@@ -9,7 +9,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `nominal.rs`, `named.rs` | what is asked: pitch, flanks, limits; from the name of a thread |
+//! | `nominal/` | what is asked: pitch, flanks, limits; from the name of a thread |
 //! | `edge.rs` | the edge of the tool |
 //! | `section.rs` | from places of the tool at one angle to grooves |
 //! | `groove.rs` | from a groove to its measures |
@@ -24,7 +24,6 @@ mod edge;
 mod groove;
 mod helix;
 mod judge;
-mod named;
 mod nominal;
 mod reason;
 mod section;

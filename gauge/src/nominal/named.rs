@@ -12,7 +12,7 @@
 
 use metrology::{Limits, Side, Size, Thread};
 
-use crate::nominal::{Nominal, NominalError};
+use super::{Nominal, NominalError};
 
 /// Flank of the form of Whitworth, degrees.
 const ROUND_DEG: f64 = 27.5;

@@ -1,6 +1,5 @@
-//! What a gauge asks of a thread. In: sizes of a drawing, or the name of a thread
-//! (`named.rs`), mm and degrees. Out: heights over
-//! the line on which a GO gauge is measured.
+//! What a gauge asks of a thread. In: sizes of a drawing, or the name of a thread (`named.rs`), mm and
+//! degrees. Out: heights over the line on which a GO gauge is measured.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -16,6 +15,8 @@
 //! ```
 //! On a cone, w is measured parallel to the axis at the height that the pitch line has in the middle of the
 //! groove; along the cone that is half of the pitch.
+
+mod named;
 
 use std::fmt;
 
