@@ -1,5 +1,5 @@
-//! The tables of passes: what the part is judged by, and, folded up, what each axis did for it. In: reports of
-//! passes. Out: HTML; each row knows its pass and its line of the program.
+//! The tables of passes: what the part is judged by, and, folded up, what each axis did for it. In: reports
+//! of passes. Out: HTML; each row knows its pass and its line of the program.
 
 use maud::{Markup, html};
 use rig::observe::{PassReport, ServoError, Summary};
