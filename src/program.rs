@@ -128,12 +128,16 @@ impl Program {
     /// Who observes a run of it.
     pub(crate) fn observer(&self, machine: &Machine) -> Observer {
         let observer = Observer::new(machine, &self.watched);
-        match self.check.as_ref().and_then(|check| Some((check.part.as_ref()?, &check.passes))) {
-            Some((part, notes)) => {
-                observer.of_part(part, &notes.iter().map(|note| (note.pass, note.origin_mm)).collect())
-            }
-            None => observer,
-        }
+        let Some(check) = &self.check else { return observer };
+        let origins = check.passes.iter().map(|note| (note.pass, note.origin_mm)).collect();
+        let observer = match &check.part {
+            Some(part) => observer.of_part(part, &origins),
+            None => observer.lying_at(&origins),
+        };
+        observer.with_tools(|number, tool| {
+            tool.origin_mm = check.origins_mm.get(&number).copied();
+            tool.diameter_mm = check.diameters_mm.get(&number).copied();
+        })
     }
 
     /// Files that were read besides the program.

@@ -15,6 +15,8 @@ pub(crate) struct Program {
     pub(crate) queue: Queue,
     /// Line of the part program that is executed.
     pub(crate) line: u32,
+    /// Number of the tool that was selected last; 0 for none.
+    pub(crate) tool: u32,
     /// Bits of [`MachineStatus::coolant`].
     pub(crate) coolant: u16,
 }
@@ -65,7 +67,7 @@ impl Program {
                 }
                 Code::PathMode(mode) => route.set_mode(mode),
                 Code::Spindle { mode, speed } => spindle.program(mode, speed),
-                Code::Tool { .. } => {}
+                Code::Tool { number } => self.tool = number,
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
                 Code::Formula { slot, formula } => route.set_formula(slot, formula),
             }

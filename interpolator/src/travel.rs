@@ -6,7 +6,9 @@
 
 use machine::Machine;
 use motion::chain::{Ask, MOST_RATIO, Ratios, Step};
-use protocol::{Code, Cycle, Fault, Feed, Item, Panel, PerAxis, Position, Setpoint, Work, units::AXES};
+use protocol::{
+    Code, Cycle, Fault, Feed, Item, Motion, Panel, PerAxis, Position, Setpoint, Work, units::AXES,
+};
 use route::{Move, Route, Routed};
 
 use crate::{
@@ -36,6 +38,8 @@ pub(crate) struct Travel {
     since: PerAxis<Cycle>,
     /// Speed of the spindle that feeds per revolution follow, 1/s.
     turns: f64,
+    /// How the setpoints of the last tick of motion move the axes.
+    motion: Motion,
     /// How often it was short of machine code.
     starved: u32,
     /// Moves completed.
@@ -76,6 +80,7 @@ impl Travel {
             here: [Position(0); AXES],
             since: [Cycle(0); AXES],
             turns: 0.0,
+            motion: Motion::None,
             starved: 0,
             moves: 0,
         }
@@ -130,8 +135,14 @@ impl Travel {
         self.working.cutting()
     }
 
+    /// How the setpoints of the last tick of motion move the axes.
+    pub(crate) fn motion(&self) -> Motion {
+        self.motion
+    }
+
     /// A tick without motion of its own.
     pub(crate) fn idle(&mut self) {
+        self.motion = Motion::None;
         self.working.idle();
     }
 
@@ -185,6 +196,7 @@ impl Travel {
             self.arrive(panel, &mut moved);
             return (self.rest(due), moved, None);
         };
+        self.motion = if step.tag.feed == Feed::Rapid { Motion::Rapid } else { Motion::Feed };
         if hands.back.is_none() {
             self.count(&step, queue);
         }

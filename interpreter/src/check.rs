@@ -1,6 +1,7 @@
 //! A whole program at once: every diagnostic, every pass, and the time it takes. In: a program and a machine.
 //! Out: a [`Check`]; nothing moves.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use gcode::{Diagnostic, Program, Severity};
@@ -34,6 +35,10 @@ pub struct Check {
     pub jobs: Vec<JobNote>,
     /// The part, if anybody said what it is.
     pub part: Option<Part>,
+    /// X and Z of the machine at which zero of the program lies where a tool first cuts, by tool, mm.
+    pub origins_mm: BTreeMap<u32, [f64; 2]>,
+    /// Diameters of tools, by number, as far as the tool table knows them, mm.
+    pub diameters_mm: BTreeMap<u32, f64>,
     /// Files that were read besides the program.
     pub subroutine_files: Vec<PathBuf>,
     /// Estimated duration at 100 % override, s.
@@ -109,6 +114,10 @@ pub fn check_interpreter(
     check.passes = interpreter.passes().to_vec();
     check.jobs = interpreter.jobs().to_vec();
     check.part = interpreter.part().cloned();
+    check.origins_mm = interpreter.origins_mm().clone();
+    let tools = interpreter.program().tools().iter().filter(|tool| tool.diameter > 0.0);
+    check.diameters_mm =
+        tools.filter_map(|tool| Some((u32::try_from(tool.number).ok()?, tool.diameter))).collect();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.time_s = clock.seconds();

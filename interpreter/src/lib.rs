@@ -52,7 +52,7 @@ mod threading;
 mod time;
 mod translate;
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use gcode::problem::Blame;
 use gcode::{Place, Problem, Program, Step};
@@ -126,6 +126,11 @@ impl Interpreter {
     /// The part, if a comment or a file beside the program said what it is.
     pub fn part(&self) -> Option<&Part> {
         self.translator.part()
+    }
+
+    /// X and Z of the machine at which zero of the program lies where a tool first cuts, by tool, mm.
+    pub(crate) fn origins_mm(&self) -> &BTreeMap<u32, [f64; 2]> {
+        self.translator.origins_mm()
     }
 
     /// The program, for its parameters and tools at the end.

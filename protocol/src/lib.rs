@@ -40,7 +40,7 @@ pub use module::{Doom, Module};
 pub use operator::{OperatorRequest, Request};
 pub use pass::{AxisLaw, ThreadPass, WayOut};
 pub use refused::Refused;
-pub use status::{AxisState, AxisStatus, MachineState, MachineStatus, SpindleCommand};
+pub use status::{AxisState, AxisStatus, MachineState, MachineStatus, Motion, SpindleCommand};
 pub use truth::{AxisTruth, CutTruth, Truth};
 pub use units::{Axis, Cycle, PerAxis, Position};
 pub use work::{FORMULAS, Shape, Work};

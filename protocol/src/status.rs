@@ -183,6 +183,38 @@ impl MachineState {
     }
 }
 
+/// How the setpoint of a tick moves the axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Motion {
+    /// Not at all; and in a pass, of which the axes tell by their state.
+    #[default]
+    None = 0,
+    /// In rapid motion.
+    Rapid = 1,
+    /// At a feed.
+    Feed = 2,
+}
+
+impl Motion {
+    /// Every kind in the order of its code.
+    pub const ALL: [Motion; 3] = [Motion::None, Motion::Rapid, Motion::Feed];
+
+    /// The kind of a code.
+    ///
+    /// # Errors
+    /// [`Refused::UnknownCode`].
+    pub fn from_code(code: u32) -> Result<Motion, Refused> {
+        Motion::ALL.get(code as usize).copied().ok_or(Refused::UnknownCode { field: "motion", code })
+    }
+
+    /// The name used in traces.
+    pub fn name(self) -> &'static str {
+        const NAMES: [&str; 3] = ["none", "rapid", "feed"];
+        NAMES[self as usize]
+    }
+}
+
 /// The interpolator after one of its ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
@@ -223,16 +255,25 @@ pub struct MachineStatus {
     /// Which work of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and
     /// retracts. A feed hold on the way changes nothing.
     pub work: u32,
+    /// Number of the tool that is in the spindle or the holder; 0 if none was selected.
+    pub tool: u32,
+    /// Code of the [`Motion`] of the setpoint of this tick. A feed hold on the way changes nothing.
+    pub motion: u32,
 }
 
 impl Message for MachineStatus {
-    const NAME: &str = "pitchlock/machine-status/5";
+    const NAME: &str = "pitchlock/machine-status/6";
 }
 
 impl MachineStatus {
     /// The state; a code that nobody knows is a fault.
     pub fn state(&self) -> MachineState {
         MachineState::from_code(self.state).unwrap_or(MachineState::Fault)
+    }
+
+    /// The motion; a code that nobody knows is none.
+    pub fn motion(&self) -> Motion {
+        Motion::from_code(self.motion).unwrap_or_default()
     }
 }
 

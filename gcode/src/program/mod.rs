@@ -18,6 +18,7 @@ use std::sync::Arc;
 use crate::canon::{Place, Sink};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Done, Output};
+use crate::files::ToolTable;
 use crate::options::{Dialect, Options};
 use crate::problem::{Blame, Diagnostic, Problem};
 use crate::state::State;
@@ -175,6 +176,11 @@ impl Program {
     /// #999, that is vacant.
     pub fn parameter(&self, number: u32) -> Option<f64> {
         self.reader.shared(number).unwrap_or_else(|| Some(self.state.parameter(number)))
+    }
+
+    /// The tools as the program has left them, in machine units.
+    pub fn tools(&self) -> &ToolTable {
+        &self.state.tools.table
     }
 
     /// Whether the `%` that ends the program was met, if only on the search for a subroutine.

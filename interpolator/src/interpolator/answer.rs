@@ -71,6 +71,8 @@ impl Interpolator {
             depth_mm: self.pass.1,
             starved: self.travel.starved(),
             work: self.travel.cutting(),
+            tool: self.program.tool,
+            motion: self.travel.motion() as u32,
         };
         Out { frames, spindle, status }
     }

@@ -6,6 +6,8 @@
 mod jobs;
 mod part;
 
+use std::collections::BTreeMap;
+
 use gcode::canon::{self, ThreadCycle};
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
@@ -40,6 +42,8 @@ pub(crate) struct Translator {
     output: Output,
     part: Option<Part>,
     stock: Option<Stock>,
+    /// Where zero of the program lies on the machine where a tool first cuts: X, Z.
+    origins_mm: BTreeMap<u32, [f64; 2]>,
 }
 
 impl Sink for Translator {
@@ -75,6 +79,7 @@ impl Translator {
             jobs: Jobs::default(),
             part: None,
             stock: None,
+            origins_mm: BTreeMap::new(),
         }
     }
 

@@ -1,6 +1,8 @@
 //! The part while a program is translated: what a comment says of it, and what moves do to it. In: comments,
 //! moves and passes of machine positions. Out: what is left of the stock, and warnings.
 
+use std::collections::BTreeMap;
+
 use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use machine::{Kinematics, Part};
@@ -48,8 +50,22 @@ impl Translator {
         Point { x: at[gcode::canon::X], z: at[gcode::canon::Z] }
     }
 
+    /// Where zero of the program lies where a tool first cuts.
+    pub(crate) fn origins_mm(&self) -> &BTreeMap<u32, [f64; 2]> {
+        &self.origins_mm
+    }
+
+    /// The tool in the holder cuts, and zero of the program lies there.
+    fn cuts_at(&mut self, origin: Point) {
+        let tool = self.auxiliary.tool().unwrap_or(0);
+        self.origins_mm.entry(tool).or_insert([origin.x, origin.z]);
+    }
+
     /// A straight move from where the axes rest.
     pub(super) fn part_sees(&mut self, place: Place, to: &PerAxis<Position>, rapid: bool) {
+        if !rapid {
+            self.cuts_at(self.origin());
+        }
         if self.stock.is_some() {
             self.part_sees_way(place, &[self.points.axes_at_rest(), *to], rapid);
         }
@@ -57,6 +73,7 @@ impl Translator {
 
     /// An arc from where the axes rest.
     pub(super) fn part_sees_arc(&mut self, place: Place, arc: &Arc) {
+        self.cuts_at(self.origin());
         let rest = self.points.axes_at_rest();
         if self.stock.is_some()
             && let Ok(path) = arc.path(&rest)
@@ -88,6 +105,7 @@ impl Translator {
     /// A pass of a thread, programmed where the part lay at `origin`.
     pub(super) fn part_sees_pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
         self.threads.lies_at(pass.pass, origin);
+        self.cuts_at(origin);
         if let Some(problem) = self.stock.as_mut().and_then(|stock| stock.pass(pass, origin)) {
             self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
         }

@@ -150,6 +150,11 @@ impl Part {
         [end(self.rows.first()), end(self.rows.last())]
     }
 
+    /// Z and outer radius, Z rising; a step has two rows of one Z.
+    pub fn rows_mm(&self) -> &[[f64; 2]] {
+        &self.rows
+    }
+
     /// The largest radius.
     pub fn widest_mm(&self) -> f64 {
         self.rows.iter().map(|[_, radius]| *radius).fold(0.0, f64::max)

@@ -17,6 +17,7 @@ mod gauged;
 mod helix;
 mod inside;
 mod judged;
+mod led;
 mod limits;
 mod observation;
 mod pass;
@@ -32,6 +33,7 @@ mod told;
 mod tool;
 mod used;
 mod work;
+mod workshop;
 
 use std::collections::BTreeMap;
 
@@ -50,12 +52,14 @@ pub use cutting::{CuttingReport, power_kw};
 pub use gauged::{GaugeAsked, GaugeReport};
 pub use inside::TOOL_IN_THREAD;
 pub use judged::{PartReport, PartVerdict};
+pub use led::Led;
 pub use observation::Observation;
 pub use pause::{PauseEnd, PauseReport};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;
 pub use used::LimitsUsed;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
+pub use workshop::{StockReport, ToolNote};
 
 use bus::Bus;
 use circle::Circles;
@@ -63,6 +67,7 @@ use contour::Contour;
 use corrected::Corrected;
 use gauged::Gauged;
 use inside::Inside;
+use led::Setpoints;
 use limits::Limits;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
@@ -113,6 +118,7 @@ pub struct Observer {
     contour: Contour,
     circles: Circles,
     works: Works,
+    setpoints: Setpoints,
     pauses: Pauses,
     /// Events of the scenario that did not happen yet, as in [`Truth::pending`].
     pending: u64,
@@ -144,11 +150,13 @@ impl Observer {
             contour: Contour::default(),
             circles: Circles::of(items),
             works: Works::of(machine, items),
+            setpoints: Setpoints::of(machine),
             pauses: Pauses::default(),
             pending: 0,
             out: Observation {
                 cycle_s: machine.general.cycle_s,
                 limits: limits::reported(machine),
+                tools: workshop::tools(machine, items),
                 part_error_um: machine.threading.part_error_um,
                 ..Observation::default()
             },
@@ -159,7 +167,22 @@ impl Observer {
     /// mm.
     #[must_use]
     pub fn of_part(mut self, part: &Part, origins_mm: &BTreeMap<u32, [f64; 2]>) -> Observer {
-        planned::lie_in(&mut self.program, part, origins_mm);
+        planned::lie_at(&mut self.program, origins_mm, Some(part));
+        self.out.stock = Some(StockReport::of(part));
+        self
+    }
+
+    /// The same observer of a program whose part nobody knows, but where its zero lies in each pass.
+    #[must_use]
+    pub fn lying_at(mut self, origins_mm: &BTreeMap<u32, [f64; 2]>) -> Observer {
+        planned::lie_at(&mut self.program, origins_mm, None);
+        self
+    }
+
+    /// The same observer, told more of the tools that the program selects.
+    #[must_use]
+    pub fn with_tools(mut self, tell: impl Fn(u32, &mut ToolNote)) -> Observer {
+        self.out.tools.iter_mut().for_each(|(number, note)| tell(*number, note));
         self
     }
 
@@ -190,6 +213,7 @@ impl Observer {
         if !self.brief {
             self.take_hash(record, is_tick);
             self.take_moves(record, is_tick);
+            self.setpoints.cycle(record.truth.cycle, record.machine, is_tick);
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
@@ -213,6 +237,11 @@ impl Observer {
     /// What was measured of a contour, a surface or a seam in the cycle taken last.
     pub fn traced(&self) -> Traced {
         self.works.now()
+    }
+
+    /// The tool that the axes carry in the cycle taken last, and how they are moved.
+    pub fn led(&self) -> Led {
+        self.setpoints.now()
     }
 
     /// Ends the observation; a pass in hand is reported as far as it came.

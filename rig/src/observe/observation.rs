@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use protocol::Axis;
 
 use super::{
-    AxisLimits, FaultReport, GaugeReport, MovesReport, Outcome, PassReport, PauseReport, Summary,
-    ThreadReport, TraceReport, VERSION, judged::judged,
+    AxisLimits, FaultReport, GaugeReport, MovesReport, Outcome, PassReport, PauseReport, StockReport,
+    Summary, ThreadReport, ToolNote, TraceReport, VERSION, judged::judged,
 };
 
 /// What was observed of a run.
@@ -44,6 +44,10 @@ pub struct Observation {
     pub pauses: Vec<PauseReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
+    /// The stock, if it is known.
+    pub stock: Option<StockReport>,
+    /// The tools that the program selects, by number.
+    pub tools: BTreeMap<u32, ToolNote>,
     /// What a thread may be off at the tool, µm.
     pub part_error_um: f64,
 }
@@ -72,6 +76,8 @@ impl Observation {
             traces_left_out: self.traces_left_out,
             pauses: self.pauses,
             limits: self.limits,
+            stock: self.stock,
+            tools: self.tools,
             ..Summary::default()
         };
         Summary { part: judged(&summary, self.part_error_um), ..summary }

@@ -143,6 +143,8 @@ pub(super) fn state_in(pass: u32, status: &AxisStatus) -> AxisState {
 pub(super) struct PassObserver {
     pass: ThreadPass,
     line: u32,
+    tool_number: u32,
+    origin_mm: Option<[f64; 2]>,
     axes: Vec<AxisTrack>,
     /// The axis along the thread.
     along: Axis,
@@ -186,6 +188,8 @@ impl PassObserver {
         PassObserver {
             pass: *pass,
             line: planned.line,
+            tool_number: planned.tool,
+            origin_mm: planned.origin_mm,
             axes: machine.axes().map(track).collect(),
             along,
             helix: Helix::of(pass, pass.axis(along)),
@@ -282,6 +286,8 @@ impl PassObserver {
         Some(PassReport {
             pass,
             line: self.line,
+            tool_number: self.tool_number,
+            origin_mm: self.origin_mm,
             start,
             lead_mm: self.pass.lead_mm,
             programmed_rpm: s_rpm,

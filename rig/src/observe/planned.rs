@@ -45,6 +45,8 @@ pub(super) struct Planned {
     pub(super) tool: u32,
     /// Where the material is.
     pub(super) stock: Stock,
+    /// Where zero of the program lies on the machine, if somebody said so: X, Z.
+    pub(super) origin_mm: Option<[f64; 2]>,
 }
 
 /// Every pass of a program by its number. A pass that no regulator would accept is not expected.
@@ -55,7 +57,8 @@ pub(super) fn planned(machine: &Machine, items: &[Item]) -> BTreeMap<u32, Planne
         match code {
             Code::Tool { number } => tool = *number,
             Code::Pass(pass) if pass.check().is_ok() => {
-                let planned = Planned { line: *line, pass: *pass, tool, stock: Stock::Ends(ends) };
+                let planned =
+                    Planned { line: *line, pass: *pass, tool, stock: Stock::Ends(ends), origin_mm: None };
                 passes.insert(pass.pass, planned);
             }
             _ => {}
@@ -64,12 +67,19 @@ pub(super) fn planned(machine: &Machine, items: &[Item]) -> BTreeMap<u32, Planne
     passes
 }
 
-/// Says what the part is, and where its zero lies on the machine in each pass: X, Z.
-pub(super) fn lie_in(passes: &mut BTreeMap<u32, Planned>, part: &Part, origins_mm: &BTreeMap<u32, [f64; 2]>) {
-    let part = Arc::new(part.clone());
+/// Says where zero of the program lies on the machine in each pass, X and Z, and what the part is if that is
+/// known.
+pub(super) fn lie_at(
+    passes: &mut BTreeMap<u32, Planned>,
+    origins_mm: &BTreeMap<u32, [f64; 2]>,
+    part: Option<&Part>,
+) {
+    let part = part.cloned().map(Arc::new);
     for (number, origin) in origins_mm {
-        if let Some(planned) = passes.get_mut(number) {
-            planned.stock = Stock::Part(Arc::clone(&part), *origin);
+        let Some(planned) = passes.get_mut(number) else { continue };
+        planned.origin_mm = Some(*origin);
+        if let Some(part) = &part {
+            planned.stock = Stock::Part(Arc::clone(part), *origin);
         }
     }
 }

@@ -9,6 +9,7 @@ use std::{collections::BTreeMap, path::Path};
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
+use super::workshop::{StockReport, ToolNote};
 use super::{
     cutting::CuttingReport, gauged::GaugeReport, judged::PartReport, pause::PauseReport,
     threads::ThreadReport, tool::ToolReport, used::LimitsUsed, work::TraceReport,
@@ -104,6 +105,12 @@ pub struct PassReport {
     pub line: u32,
     /// Which start of a multi-start thread, from 0.
     pub start: u32,
+    /// Number of the tool; 0 if none was selected.
+    #[serde(default)]
+    pub tool_number: u32,
+    /// X and Z of the machine at which X 0 and Z 0 of the program lie in it, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin_mm: Option<[f64; 2]>,
     /// Signed advance per revolution.
     pub lead_mm: f64,
     /// S.
@@ -336,6 +343,12 @@ pub struct Summary {
     pub pauses: Vec<PauseReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
+    /// The stock, if the program or a file beside it says what it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stock: Option<StockReport>,
+    /// The tools that the program selects, by number.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tools: BTreeMap<u32, ToolNote>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks

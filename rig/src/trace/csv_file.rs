@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::Path;
 
 use csv::StringRecord;
-use protocol::{Axis, AxisState};
+use protocol::{Axis, AxisState, Motion};
 
 use super::Told;
 use super::row::{Cell, Cells, Row, axes_of, columns};
@@ -28,6 +28,7 @@ impl Writer {
                 Cell::Count(count) => count.to_string(),
                 Cell::Real(value) => format!("{value:?}"),
                 Cell::State(state) => state.name().to_string(),
+                Cell::Motion(motion) => motion.name().to_string(),
             };
             if written.is_ok() {
                 written = self.out.write_field(text);
@@ -87,5 +88,9 @@ impl Cells for Text<'_> {
 
     fn state(&mut self) -> Result<AxisState, String> {
         self.cell(|text| AxisState::ALL.into_iter().find(|state| state.name() == text))
+    }
+
+    fn motion(&mut self) -> Result<Motion, String> {
+        self.cell(|text| Motion::ALL.into_iter().find(|motion| motion.name() == text))
     }
 }

@@ -9,7 +9,7 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use mcap::records::MessageHeader;
-use protocol::{Axis, AxisState};
+use protocol::{Axis, AxisState, Motion};
 
 use super::Told;
 use super::row::{Cell, Cells, Row, axes_of, described};
@@ -48,6 +48,7 @@ impl Writer {
                 Cell::Count(count) => count.to_le_bytes(),
                 Cell::Real(value) => value.to_le_bytes(),
                 Cell::State(state) => i64::from(state as u32).to_le_bytes(),
+                Cell::Motion(motion) => i64::from(motion as u32).to_le_bytes(),
             });
         });
         let time = (row.t_s * 1e9).round() as u64;
@@ -67,12 +68,15 @@ impl Writer {
     }
 }
 
-/// The fields with their units, and the codes of the states.
+/// The fields with their units, and the codes of states and motion.
 fn schema(axes: &[Axis]) -> String {
     let mut text = String::from("# One control cycle of pitchlock.\n");
     for state in AxisState::ALL {
         let name = state.name().to_ascii_uppercase().replace('-', "_");
         let _ = writeln!(text, "int64 STATE_{name}={}", state as u32);
+    }
+    for motion in Motion::ALL {
+        let _ = writeln!(text, "int64 MOTION_{}={}", motion.name().to_ascii_uppercase(), motion as u32);
     }
     for (name, unit, real) in described(axes) {
         let kind = if real { "float64" } else { "int64" };
@@ -133,5 +137,10 @@ impl Cells for Bytes<'_> {
     fn state(&mut self) -> Result<AxisState, &'static str> {
         let code = u32::try_from(self.count()?).map_err(|_| "a message holds an unknown state")?;
         AxisState::from_code(code).map_err(|_| "a message holds an unknown state")
+    }
+
+    fn motion(&mut self) -> Result<Motion, &'static str> {
+        let code = u32::try_from(self.count()?).map_err(|_| "a message holds an unknown motion")?;
+        Motion::from_code(code).map_err(|_| "a message holds an unknown motion")
     }
 }

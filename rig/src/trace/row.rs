@@ -2,9 +2,9 @@
 //! for every file. Positions in mm, angles in degrees, speeds of the spindle in 1/min, of axes in mm/sⁿ,
 //! torques in N·m; degrees for mm where an axis is rotary.
 
-use protocol::{Axis, AxisState};
+use protocol::{Axis, AxisState, Motion};
 
-use crate::observe::{Observer, Record, Traced, TracedPoint, contour_error_mm};
+use crate::observe::{Led, Observer, Record, Traced, TracedPoint, contour_error_mm};
 
 /// One axis in one control cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +73,8 @@ pub struct Row {
     pub cut: CutRow,
     /// What was measured of a contour, a surface or a seam.
     pub traced: Traced,
+    /// The tool, and how its commanded position moves.
+    pub led: Led,
 }
 
 impl Row {
@@ -115,6 +117,7 @@ impl Row {
                 motor_torque: truth.spindle_torque_nm,
             },
             traced: observer.traced(),
+            led: observer.led(),
         }
     }
 
@@ -159,6 +162,8 @@ impl Row {
         for TracedPoint { deviation_mm, angle_deg, feed_mm_min } in [commanded, slide] {
             [deviation_mm, angle_deg, feed_mm_min].into_iter().for_each(|value| put(Cell::Real(value)));
         }
+        put(Cell::Count(i64::from(self.led.tool)));
+        put(Cell::Motion(self.led.motion));
     }
 
     /// The row of cells in the order of [`columns`].
@@ -175,6 +180,7 @@ impl Row {
             line: 0,
             cut: CutRow::default(),
             traced: Traced::default(),
+            led: Led::default(),
         };
         for axis in axes {
             let axis_row = AxisRow {
@@ -209,6 +215,7 @@ impl Row {
             (point.deviation_mm, point.angle_deg) = (cells.real()?, cells.real()?);
             point.feed_mm_min = cells.real()?;
         }
+        row.led = Led { tool: cells.count()? as u32, motion: cells.motion()? };
         Ok(row)
     }
 }
@@ -219,6 +226,7 @@ pub(super) enum Cell {
     Count(i64),
     Real(f64),
     State(AxisState),
+    Motion(Motion),
 }
 
 /// Where cells come from, in order.
@@ -227,6 +235,7 @@ pub(super) trait Cells {
     fn count(&mut self) -> Result<i64, Self::Error>;
     fn real(&mut self) -> Result<f64, Self::Error>;
     fn state(&mut self) -> Result<AxisState, Self::Error>;
+    fn motion(&mut self) -> Result<Motion, Self::Error>;
 }
 
 /// A name and a unit of what is recorded of an axis; `state` is not a real number.
@@ -287,6 +296,8 @@ pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
     all.extend(CUT_COLUMNS.map(|(name, unit)| column(name, unit, true)));
     all.push(column("trace", "contour, surface or seam that is cut, 0 if none", false));
     all.extend(TRACED_COLUMNS.map(|(name, unit)| column(name, unit, true)));
+    all.push(column("tool", "number of the tool, 0 if none", false));
+    all.push(column("motion", "code of how the commanded position moves", false));
     all
 }
 

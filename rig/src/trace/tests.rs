@@ -60,7 +60,7 @@ fn columns_come_in_the_documented_order() {
         names.ends_with(
             "z_state, pass, line, x_slide, z_slide, x_force, z_force, chip_area, cutting_force, cutting_torque, \
              spindle_torque, trace, commanded_deviation, commanded_angle, commanded_feed, true_deviation, true_angle, \
-             true_feed"
+             true_feed, tool, motion"
         ),
         "{names}"
     );
@@ -74,7 +74,8 @@ fn a_damaged_trace_is_refused_by_place() {
     for (from, to, told) in [
         ("armed", "asleep", "column x_state: cannot read \"asleep\""),
         ("x_torque", "x_twist", "column 15 is x_twist, expected x_torque"),
-        (",true_feed", "", "column true_feed is missing"),
+        (",motion", "", "column motion is missing"),
+        (",none\n", ",idle\n", "column motion: cannot read \"idle\""),
     ] {
         std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
         let refused = read(&path, |_| {}).expect_err(to).to_string();

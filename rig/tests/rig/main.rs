@@ -8,6 +8,7 @@ mod corrections;
 mod gauge;
 mod held;
 mod leaving;
+mod led;
 mod left;
 mod machine_code;
 mod moments;
