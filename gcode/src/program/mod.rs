@@ -25,7 +25,7 @@ use crate::state::State;
 use crate::text::{Files, Source, job};
 use findings::{Findings, diagnostic};
 use reader::Reader;
-use watch::Watch;
+use watch::{Stay, Watch};
 
 /// Whether there is more to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,9 +41,9 @@ pub struct Program {
     reader: Reader,
     state: State,
     stage: Stage,
-    /// Lines since the last move, and how many there may be.
-    idle: u64,
-    longest_idle: u64,
+    /// How long it has led nowhere, and how many lines may do so.
+    stay: Stay,
+    longest_stay: u64,
     /// Moves of a compensated contour that wait for the next one.
     waiting: Waiting,
     /// Warnings of the line that is being executed.
@@ -105,8 +105,8 @@ impl Program {
             reader,
             state: State::new(options),
             stage: Stage::Fresh,
-            idle: 0,
-            longest_idle: options.limits.blocks_without_motion,
+            stay: Stay::default(),
+            longest_stay: options.limits.blocks_without_motion,
             waiting: Waiting::default(),
             problems: Vec::new(),
             findings: Findings::default(),
@@ -119,15 +119,17 @@ impl Program {
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
     pub fn step(&mut self, sink: &mut dyn Sink) -> Result<Step, Box<Diagnostic>> {
-        let mut watch = Watch::new(sink);
+        let mut watch = Watch::new(sink, std::mem::take(&mut self.stay));
         let done = self.line(&mut watch);
-        self.idle = if watch.moved { 0 } else { self.idle + 1 };
+        let Watch { mut stay, refused, .. } = watch;
+        stay.line(self.reader.block().place());
+        self.stay = stay;
         if !self.problems.is_empty() {
             self.findings.keep_warnings(&mut self.problems, &mut self.reader);
         }
         if let Err(problem) = done {
             self.reader.only_look(&mut self.state);
-            if let Some(diagnostic) = self.findings.error(*problem, watch.refused, &mut self.reader) {
+            if let Some(diagnostic) = self.findings.error(*problem, refused, &mut self.reader) {
                 return Err(Box::new(diagnostic));
             }
         }
@@ -138,15 +140,15 @@ impl Program {
         if self.stage == Stage::Ended {
             return Ok(());
         }
+        if sink.stay.lines >= self.longest_stay {
+            self.stage = Stage::Ended;
+            return Err(endless(&sink.stay));
+        }
         let place = self.reader.block().place();
         let mut out = Output::new(sink, place, &mut self.problems, &mut self.waiting);
         if self.stage == Stage::Fresh {
             self.stage = Stage::Running;
             execute::start(&self.state, &mut out)?;
-        }
-        if self.idle >= self.longest_idle {
-            self.stage = Stage::Ended;
-            return Err(endless(self.longest_idle));
         }
         let done = self.reader.next(&mut self.state, &mut out);
         if self.state.progress.ended {
@@ -215,9 +217,11 @@ fn of_job(options: &Options) -> Options {
     options
 }
 
-fn endless(longest: u64) -> Box<Problem> {
-    let message =
-        format!("{longest} lines without a move: the limit blocks_without_motion, which ends endless loops");
-    let help = "check the condition of the loop that this line is in";
+/// The program has led nowhere for too long.
+fn endless(stay: &Stay) -> Box<Problem> {
+    let (lines, (first, last)) = (stay.lines, stay.between());
+    let which = if first < last { format!(" (lines {first} to {last})") } else { String::new() };
+    let message = format!("{lines} lines that lead nowhere{which}: the limit blocks_without_motion");
+    let help = "check the condition of the loop that this line is in, and that its moves add up to a way";
     Problem::error("endless-loop", Blame::Block, message, help)
 }

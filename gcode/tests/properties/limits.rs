@@ -69,7 +69,7 @@ fn ended(dialect: Dialect, text: &str) -> Ended {
 }
 
 #[test]
-fn loops_without_a_move_end() {
+fn loops_that_lead_nowhere_end() {
     let programs = [
         (Dialect::Linuxcnc, "o1 while [1]\no1 endwhile\nM2\n"),
         (Dialect::Linuxcnc, "o1 do\n#1=[#1+1]\no1 while [#1 GT 0]\nM2\n"),
@@ -84,11 +84,14 @@ fn loops_without_a_move_end() {
         (Dialect::Fanuc, "O1\nN10 #1=1\nGOTO 10\nM30\n"),
         (Dialect::Fanuc, "O1\nM98 P5 L9999\nM30\nO5\nS1\nM99\n"),
         (Dialect::Fanuc, "O1\nM98 P5\nM30\nO5\nN1\nM99 P1\n"),
+        // Moves without length, and to and fro.
+        (Dialect::Fanuc, "O1\nN10 G00 X10.\nGOTO 10\nM30\n"),
+        (Dialect::Linuxcnc, "o1 while [1]\nG91 G0 X0.001\nG0 X-0.001\no1 endwhile\nM2\n"),
+        (Dialect::Linuxcnc, "F1 o1 while [1]\nG90 G1 X1 Z1\no1 endwhile\nM2\n"),
     ];
     for (dialect, text) in programs {
         let ended = ended(dialect, text);
-        let endless =
-            ended.names("endless-loop", "500 lines without a move: the limit blocks_without_motion");
+        let endless = ended.names("endless-loop", "the limit blocks_without_motion");
         // M99 P1 in the last one goes to a block that its caller has not.
         assert!(endless || text.contains("M99 P1"), "{text}: {:?}", ended.errors);
         assert!(ended.lines < 520, "{text}: {} lines", ended.lines);
