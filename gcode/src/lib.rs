@@ -80,6 +80,6 @@ mod state;
 mod text;
 
 pub use canon::{Call, Job, Place, Pose, Sink};
-pub use options::{Dialect, Limits, Options, UnknownDialect};
+pub use options::{DecimalPoint, Dialect, Limits, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Program, Step};

@@ -51,10 +51,22 @@ impl FromStr for Dialect {
 #[error("`{0}` is not a dialect: the dialects are linuxcnc and fanuc")]
 pub struct UnknownDialect(String);
 
+/// What a coordinate without a decimal point is on a FANUC lathe, `X40`; with a point there is no question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecimalPoint {
+    /// So many least input increments, 0.001 mm or 0.0001 inch: what controls do unless a parameter says
+    /// otherwise.
+    Conventional,
+    /// So many mm or inch.
+    PocketCalculator,
+    /// Nothing: it is refused.
+    Refuse,
+}
+
 /// Where a program ends that would not end by itself. Messages name the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Lines in a row without a move: a loop that does nothing else is taken for endless.
+    /// Lines in a row that move nothing, or by less than 0.1 to and fro: a loop of them is taken for endless.
     pub blocks_without_motion: u64,
     /// Moves of one block: holes of a canned cycle with their pecks, passes along a contour.
     pub moves_of_block: u64,
@@ -71,7 +83,7 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Limits {
         Limits {
-            blocks_without_motion: 100_000_000,
+            blocks_without_motion: 5_000_000,
             moves_of_block: 1_000_000,
             call_depth: 100,
             expression_depth: 64,
@@ -96,6 +108,9 @@ pub struct Options {
     pub diameter: bool,
     /// Programmed point at the start, in the units in force.
     pub position: Pose,
+    /// What a coordinate of a FANUC program without a decimal point is. `None`: as conventional with a
+    /// warning, and refused in a program that has others with a point.
+    pub decimal_point: Option<DecimalPoint>,
     /// Lines that begin with `/` are left out.
     pub block_delete: bool,
     /// Tools.
@@ -130,6 +145,7 @@ impl Default for Options {
             plane: Plane::Xy,
             diameter: false,
             position: [0.0; 6],
+            decimal_point: None,
             block_delete: false,
             tools: ToolTable::default(),
             parameters: Vec::new(),

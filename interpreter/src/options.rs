@@ -5,8 +5,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gcode::files::ToolTable;
-use gcode::{Dialect, Options, Program};
-use machine::{self, Machine, Part, PartError};
+use gcode::{DecimalPoint, Dialect, Options, Program};
+use machine::{self, BareNumbers, Machine, Part, PartError};
 use protocol::code_file::{CodeFile, MAGIC};
 use serde::{Deserialize, Serialize};
 
@@ -165,6 +165,11 @@ pub(crate) fn options(machine: &Machine) -> Options {
     let position = home(machine);
     let mut options = Options { plane: plane_of(machine), position, ..Options::default() };
     options.dialect = of_machine(machine.general.dialect);
+    options.decimal_point = machine.general.decimal_point.map(|bare| match bare {
+        BareNumbers::Conventional => DecimalPoint::Conventional,
+        BareNumbers::PocketCalculator => DecimalPoint::PocketCalculator,
+        BareNumbers::Refuse => DecimalPoint::Refuse,
+    });
     options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
 }

@@ -97,6 +97,10 @@ pub struct General {
     /// Dialect of part programs.
     #[serde(default)]
     pub dialect: ProgramDialect,
+    /// What a coordinate of a FANUC program without a decimal point is; without this key the program has to
+    /// say it by having none with one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decimal_point: Option<BareNumbers>,
     /// Kinematics.
     #[serde(default)]
     pub kinematics: Kinematics,
@@ -112,6 +116,18 @@ pub enum ProgramDialect {
     Linuxcnc,
     /// FANUC lathe programs, G-code system A.
     Fanuc,
+}
+
+/// What a coordinate without a decimal point is, as the machine file names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BareNumbers {
+    /// So many least input increments, 0.001 mm or 0.0001 inch.
+    Conventional,
+    /// So many mm or inch.
+    PocketCalculator,
+    /// Refused.
+    Refuse,
 }
 
 /// Kinematics of the machine.

@@ -5,6 +5,7 @@ use super::variables::Locals;
 use crate::block::{Block, letter_bit};
 use crate::canon::Units;
 use crate::execute::Done;
+use crate::options::DecimalPoint;
 use crate::problem::{Blame, Problem, Span, short};
 
 /// What a line asks for.
@@ -37,6 +38,8 @@ pub(super) struct Line {
     bare: u32,
     /// Letters whose value was computed.
     computed: u32,
+    /// Lengths without a decimal point are mm or inch, not increments.
+    pocket_calculator: bool,
     /// Arguments of G65.
     pub(super) arguments: Option<Box<Locals>>,
     /// Units of the block: those in force, or those of its own G20 or G21.
@@ -44,9 +47,25 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// An empty line of a program in which coordinates without a decimal point are read so.
+    pub(super) fn new(decimal_point: Option<DecimalPoint>) -> Line {
+        let pocket_calculator = decimal_point == Some(DecimalPoint::PocketCalculator);
+        Line { pocket_calculator, ..Line::default() }
+    }
+
     /// Least input increment (IS-B), program units.
     fn increment(&self) -> f64 {
-        if self.units == Some(Units::Inch) { 1e-4 } else { 1e-3 }
+        1.0 / self.increments_per_unit()
+    }
+
+    /// How many of them a mm or an inch has.
+    pub(super) fn increments_per_unit(&self) -> f64 {
+        if self.units == Some(Units::Inch) { 1e4 } else { 1e3 }
+    }
+
+    /// The unit of its lengths.
+    pub(super) fn unit(&self) -> &'static str {
+        if self.units == Some(Units::Inch) { "inch" } else { "mm" }
     }
 
     /// Whether the block has the word of a letter.
@@ -58,9 +77,11 @@ impl Line {
     /// them.
     pub(super) fn length(&self, letter: char) -> Option<f64> {
         let value = self.block.get(letter)?;
-        let per_unit = (1.0 / self.increment()).round();
+        let per_unit = self.increments_per_unit();
         Some(match () {
-            () if self.bare & letter_bit(letter) != 0 => value / per_unit,
+            // D of G76 takes no decimal point on any control.
+            () if self.is_bare(letter) && self.pocket_calculator && letter != 'D' => value,
+            () if self.is_bare(letter) => value / per_unit,
             () if self.computed & letter_bit(letter) != 0 => (value * per_unit).round() / per_unit,
             () => value,
         })
@@ -72,7 +93,7 @@ impl Line {
     /// It has a decimal point.
     pub(super) fn increments(&self, letter: char) -> Result<Option<f64>, Box<Problem>> {
         let whole = self.whole(letter)?;
-        Ok(whole.map(|whole| whole as f64 / (1.0 / self.increment()).round()))
+        Ok(whole.map(|whole| whole as f64 / self.increments_per_unit()))
     }
 
     /// A whole number.
@@ -99,6 +120,21 @@ impl Line {
     /// Whether a number was written without a decimal point.
     pub(super) fn is_bare(&self, letter: char) -> bool {
         self.bare & letter_bit(letter) != 0
+    }
+
+    /// Letters whose numbers were written without a decimal point, as bits.
+    pub(super) fn bare(&self) -> u32 {
+        self.bare
+    }
+
+    /// Letters whose numbers were written with one, as bits.
+    pub(super) fn pointed(&self) -> u32 {
+        self.block.present() & !self.bare & !self.computed
+    }
+
+    /// What a number of an argument of G65 without a decimal point is divided by.
+    pub(super) fn argument_steps(&self) -> f64 {
+        if self.pocket_calculator { 1.0 } else { self.increments_per_unit() }
     }
 
     /// Whether it has any of these letters.

@@ -13,7 +13,8 @@
 //! ```
 //!
 //! X and U are diameters, I R P of cycles radii. Numbers without a decimal point count least input
-//! increments, 0.001 mm or 0.0001 inch (IS-B). F without a point is taken as mm or inch, with a warning under
+//! increments, 0.001 mm or 0.0001 inch (IS-B), unless the machine says otherwise (`points.rs`). F without a
+//! point is taken as mm or inch, with a warning under
 //! G99: controls differ there.
 
 mod block;
@@ -27,6 +28,7 @@ mod line;
 mod modal;
 mod once;
 mod pecks;
+mod points;
 mod rates;
 mod reading;
 mod single;
@@ -39,7 +41,7 @@ use crate::block::Block;
 use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M, m_group};
 use crate::execute::{Done, Output};
-use crate::options::Options;
+use crate::options::{DecimalPoint, Options};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
 use crate::text::{Cursor, Depth, Files};
@@ -49,6 +51,7 @@ use expression::Values;
 use flow::{Flow, Left};
 use line::{Line, Statement};
 use modal::Modal;
+use points::Points;
 use reading::Reading;
 use variables::Variables;
 
@@ -64,6 +67,8 @@ pub(crate) struct Control {
     equivalent: Block,
     block_delete: bool,
     deepest: u32,
+    decimal_point: Option<DecimalPoint>,
+    points: Points,
     started: bool,
     /// Nothing of the program was executed so far: its O may come.
     fresh: bool,
@@ -74,7 +79,7 @@ pub(crate) struct Control {
 /// # Errors
 /// What is wrong with it.
 pub(crate) fn line_alone(text: &[u8], state: &State, options: &Options) -> Result<Block, Box<Problem>> {
-    let (mut line, mut variables) = (Line::default(), Variables::new(&options.parameters));
+    let (mut line, mut variables) = (Line::new(options.decimal_point), Variables::new(&options.parameters));
     let (block_delete, deepest) = (options.block_delete, options.limits.expression_depth);
     let mut reading = Reading { text, variables: &mut variables, state, block_delete, deepest };
     reading.statement(0, 1, &mut line)?;
@@ -99,7 +104,7 @@ impl Control {
     /// At the beginning of a program.
     pub(crate) fn new(files: Files, options: &Options) -> Control {
         Control {
-            line: Line::default(),
+            line: Line::new(options.decimal_point),
             text: Vec::new(),
             variables: Variables::new(&options.parameters),
             flow: Flow::new(files, options.limits.call_depth),
@@ -107,6 +112,8 @@ impl Control {
             equivalent: Block::default(),
             block_delete: options.block_delete,
             deepest: options.limits.expression_depth,
+            decimal_point: options.decimal_point,
+            points: Points::default(),
             started: false,
             fresh: true,
         }
@@ -155,7 +162,10 @@ impl Control {
             Statement::Nothing => self.comment(out),
             Statement::Program(_) if fresh => self.comment(out),
             Statement::Program(_) => self.end_of_text(state),
-            Statement::Block => self.execute(state, out),
+            Statement::Block => {
+                self.points.see(self.decimal_point, &self.line, out)?;
+                self.execute(state, out)
+            }
             Statement::Goto(label) => self.flow.goto(label),
             Statement::While(number, holds) => self.flow.begin(number, at, holds),
             Statement::End(number) => self.flow.end(number),

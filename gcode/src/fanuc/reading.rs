@@ -312,13 +312,14 @@ impl Reading<'_> {
             }
             _ => (codes::argument(letter), last),
         };
+        let steps = match letter {
+            b'd' | b'e' | b'f' | b'h' | b'm' | b's' | b't' => 1.0,
+            _ => line.argument_steps(),
+        };
         let Some(slot) = line.arguments.as_mut().and_then(|locals| locals.get_mut(index)) else {
             let help = "I, J and K may stand ten times each in G65";
             return Err(cursor.error_from(start, "repeated-word", "too many arguments", help));
         };
-        let steps =
-            if matches!(letter, b'd' | b'e' | b'f' | b'h' | b'm' | b's' | b't') { 1.0 } else { 1000.0 };
-        let steps = if line.units == Some(Units::Inch) && steps > 1.0 { 10_000.0 } else { steps };
         *slot = written.map(|(value, kind)| if kind == Kind::Bare { value / steps } else { value });
         Ok(last)
     }

@@ -7,6 +7,7 @@ mod examples;
 mod flow;
 mod macros;
 mod order;
+mod points;
 mod recorded;
 mod threads;
 mod tools;

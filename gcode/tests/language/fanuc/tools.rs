@@ -43,7 +43,7 @@ fn the_nose_is_compensated_as_in_the_other_dialect() {
 fn inches_keep_their_place() {
     assert_eq!(moves("G00 X50.8 Z25.4\nG20\nU1.\nG04 U1."), ["G0 25.4 25.4", "G0 1.5 1", "dwell 1"]);
     let options = Options { machine_units: Units::Inch, units: Units::Inch, ..fanuc() };
-    let outcome = run(Program::from_text("O1", "G00 X20000 W-1.\nM30\n", &options));
+    let outcome = run(Program::from_text("O1", "G00 X20000 W-10000\nM30\n", &options));
     assert_eq!(outcome.sink.moves, ["G0 1 -1"]);
 }
 

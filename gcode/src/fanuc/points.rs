@@ -1,0 +1,86 @@
+//! Coordinates without a decimal point: `X40` is 0.04 mm to most controls and 40 mm to others.
+//!
+//! In: the blocks of a program, and what the machine says of it ([`DecimalPoint`]). Out: a warning where the
+//! first such coordinate stands; an error where a program has them with and without a point, because then one
+//! of the two is a slip.
+
+use super::line::Line;
+use crate::block::{letter_bits, letters_of};
+use crate::canon::Place;
+use crate::codes::{G, group};
+use crate::execute::{Done, Output};
+use crate::options::DecimalPoint;
+use crate::problem::{Blame, Problem, Span, short};
+
+/// Words of axes.
+const AXES: u32 = letter_bits("XZUWC");
+/// Words of arcs and corners. In a cycle they are depths and allowances, which many write in increments.
+const BESIDE: u32 = letter_bits("IKR") | letter_bits("cr");
+
+/// What a program was seen to do.
+#[derive(Debug, Default)]
+pub(super) struct Points {
+    /// A coordinate had a point.
+    pointed: bool,
+    /// The first that had none and is not 0.
+    bare: Option<(Place, Span, char, f64)>,
+}
+
+impl Points {
+    /// Takes a block.
+    ///
+    /// # Errors
+    /// A coordinate has no point, and the machine, or others of the program, say that it should.
+    pub(super) fn see(&mut self, rule: Option<DecimalPoint>, line: &Line, out: &mut Output) -> Done {
+        if matches!(rule, Some(DecimalPoint::Conventional | DecimalPoint::PocketCalculator)) {
+            return Ok(());
+        }
+        let coordinates = match line.block.g(group::ONCE) {
+            Some(G(40)) => 0,
+            Some(G(700..=760)) => AXES,
+            _ => AXES | BESIDE,
+        };
+        self.pointed |= line.pointed() & coordinates != 0;
+        if let Some((place, span, letter, value)) = self.bare.take_if(|_| self.pointed) {
+            return Err(mixed(Blame::Part(place, span), letter, value, line));
+        }
+        let said = |letter: &char| line.plain(*letter).is_some_and(|value| value != 0.0);
+        let Some(letter) = letters_of(line.bare() & coordinates).find(said) else { return Ok(()) };
+        let value = line.plain(letter).unwrap_or_default();
+        let blame = Blame::Word(letter);
+        if self.pointed || rule == Some(DecimalPoint::Refuse) {
+            return Err(mixed(blame, letter, value, line));
+        }
+        if self.bare.is_none() {
+            let span = line.block.span(blame).unwrap_or_default();
+            self.bare = Some((line.block.place(), span, letter, value));
+            let message = format!("{}, as all others of the program", readings(letter, value, line));
+            out.warn(Problem::warning("no-decimal-point", blame, message, SETTLED));
+        }
+        Ok(())
+    }
+}
+
+const SETTLED: &str = "machine.decimal_point of the machine file settles it: \"conventional\" counts increments, \
+                       \"pocket-calculator\" mm or inch";
+
+/// The letter as it is written: `c` and `r` are `,C` and `,R`.
+fn written(letter: char) -> String {
+    if letter.is_ascii_lowercase() { format!(",{}", letter.to_ascii_uppercase()) } else { letter.into() }
+}
+
+fn readings(letter: char, value: f64, line: &Line) -> String {
+    let (unit, small) = (line.unit(), value / line.increments_per_unit());
+    let (letter, value, small) = (written(letter), short(value), short(small));
+    format!(
+        "{letter}{value} has no decimal point: {small} {unit} is what most controls take it for, {value} {unit} others"
+    )
+}
+
+fn mixed(blame: Blame, letter: char, value: f64, line: &Line) -> Box<Problem> {
+    let told = readings(letter, value, line);
+    let (small, letter) = (short(value / line.increments_per_unit()), written(letter));
+    let help = format!("write {letter}{}. or {letter}{small}; {SETTLED}", short(value));
+    let message = format!("{told}; here nothing says which");
+    Problem::error("no-decimal-point", blame, message, help)
+}
