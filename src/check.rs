@@ -56,10 +56,12 @@ fn findings(program: &Program) -> String {
     }
     for pass in passes {
         let [from, to] = pass.full_depth_z_mm;
+        // Where the program does not say where the crest is, the X of the pass is all that is known.
+        let depth = pass.depth_mm.map_or_else(|| format!("X{:.3}", pass.x_mm), |depth| format!("{depth:.4}"));
         let _ = writeln!(
             text,
-            "{:>4}  {:>4}  {:>8.4}  {:>9.4}  {:>17.4}  {:>7.3}  {:>14.0} %",
-            pass.pass, pass.line, pass.depth_mm, pass.start_z_mm, from, to, pass.max_override_pct
+            "{:>4}  {:>4}  {:>8}  {:>9.4}  {:>17.4}  {:>7.3}  {:>14.0} %",
+            pass.pass, pass.line, depth, pass.start_z_mm, from, to, pass.max_override_pct
         );
     }
     if !passes.is_empty() {

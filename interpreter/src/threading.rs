@@ -41,8 +41,10 @@ pub struct PassNote {
     pub pass: u32,
     /// Line of the program.
     pub line: u32,
-    /// Depth below the crest, mm; 0 for G33, which does not know it.
-    pub depth_mm: f64,
+    /// Depth below the crest, mm, where the program says it: G33 does not, nor G92 of FANUC.
+    pub depth_mm: Option<f64>,
+    /// X of the machine at full depth, where the run-in ends, mm.
+    pub x_mm: f64,
     /// Z at which the pass starts, mm.
     pub start_z_mm: f64,
     /// Z at which full depth begins and ends, mm.
@@ -74,6 +76,8 @@ pub(crate) struct Threads {
     passes: u32,
     starts: Starts,
     notes: Vec<PassNote>,
+    /// What is wrong with passes that can be cut.
+    doubts: Vec<Problem>,
 }
 
 /// A G33 that has been planned.
@@ -94,6 +98,11 @@ impl Threads {
     /// A comment may say what makes the tool leave the threads that follow.
     pub(crate) fn comment(&mut self, text: &str) -> Done {
         self.policy.comment(text)
+    }
+
+    /// What is wrong with passes that can be cut, since it was asked last.
+    pub(crate) fn take_doubts(&mut self) -> Vec<Problem> {
+        std::mem::take(&mut self.doubts)
     }
 
     /// Whether a G33 waits for its retract.
@@ -129,7 +138,7 @@ impl Threads {
                     // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
                     planned.pass.out.leaves &= !WayOut::ON_HOLD;
                 }
-                Ok(self.number(place.line, planned, start, rest, machine))
+                Ok(self.number(place.line, planned, &cut, start, rest, machine))
             }
             Err(why) => {
                 let problem = why.problem(&[cut], machine);
@@ -166,7 +175,7 @@ impl Threads {
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut));
         let passes = cuts.iter().zip(plans);
         Ok(passes
-            .map(|(cut, planned)| (cut.from, self.number(line, planned, start, rest, machine)))
+            .map(|(cut, planned)| (cut.from, self.number(line, planned, cut, start, rest, machine)))
             .collect())
     }
 
@@ -175,6 +184,7 @@ impl Threads {
         &mut self,
         line: u32,
         planned: Plan,
+        cut: &Cut,
         start: u32,
         rest: &PerAxis<Position>,
         machine: &Machine,
@@ -185,10 +195,17 @@ impl Threads {
             let at = rest[axis.index()];
             pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
         }
+        if let Some(doubt) = mostly_shallow(line, cut, planned.full_depth_z_mm) {
+            // Of the passes of a cycle the deepest, which comes last, takes the longest way out.
+            self.doubts.retain(|other| other.blame != doubt.blame);
+            self.doubts.push(doubt);
+        }
+        let x = pass.axis(Axis::X);
         self.notes.push(PassNote {
             pass: pass.pass,
             line,
-            depth_mm: pass.depth_mm,
+            depth_mm: cut.depth_is_told.then_some(pass.depth_mm),
+            x_mm: x.start.mm() + x.stroke_mm,
             start_z_mm: pass.axis(Axis::Z).start.mm(),
             full_depth_z_mm: planned.full_depth_z_mm,
             delta_z_mm: planned.delta_z_mm,
@@ -198,6 +215,21 @@ impl Threads {
         });
         pass
     }
+}
+
+/// A thread that is at full depth over less than half of its length: run-in and run-out take the rest.
+fn mostly_shallow(line: u32, cut: &Cut, [from, to]: [f64; 2]) -> Option<Problem> {
+    const LEAST_SHARE: f64 = 0.5;
+    let taper_mm = cut.exit.map_or(0.0, |taper| taper.length_mm);
+    let [full, whole] = [to, cut.to_z].map(|end| (end - from).abs());
+    let message = format!(
+        "the thread is at full depth over {} mm of {}: then X has to leave, as fast as it is",
+        short(full),
+        short(whole)
+    );
+    let help = "a slower spindle leaves over less of it; or cut the thread farther, into a groove";
+    (full < LEAST_SHARE * (whole - taper_mm))
+        .then(|| *Problem::warning("mostly-shallow", Blame::Line(line), message, help))
 }
 
 /// The tool stays in the groove at the end of a G33.

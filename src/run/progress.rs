@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use process::ipc::time::Moment;
-use protocol::MachineState;
+use protocol::{Axis, AxisStatus, MachineState};
 use rig::observe::Record;
 
 use super::Setup;
@@ -42,11 +42,11 @@ impl Progress {
         let machine = record.machine;
         let paused = machine.state() == MachineState::Paused;
         let text = format!(
-            "line {}  pass {}/{}  depth {:.3} mm  {:.0} 1/min ({:.0} %)  {:.1} s{}",
+            "line {}  pass {}/{}  {}  {:.0} 1/min ({:.0} %)  {:.1} s{}",
             machine.line,
             machine.pass,
             self.passes,
-            machine.depth_mm,
+            place(record),
             record.truth.spindle_rpm,
             machine.spindle_override_pct,
             cycle as f64 * self.cycle_s,
@@ -69,4 +69,13 @@ impl Progress {
             words::hide_bar();
         }
     }
+}
+
+/// Where the tool is: X as a radius.
+fn place(record: &Record) -> String {
+    let of = |(axis, _): &(Axis, AxisStatus)| {
+        let at = record.truth.axes[axis.index()].slide_mm;
+        format!("{}{at:.3}", axis.name().to_ascii_uppercase())
+    };
+    record.axes.iter().map(of).collect::<Vec<_>>().join(" ")
 }

@@ -46,6 +46,8 @@ pub struct ThreadCycle {
     pub crest: f64,
     /// K: full depth, ≥ first depth.
     pub depth: f64,
+    /// The program says where the crest is; else (G92 of FANUC) it is taken to lie half of the way in.
+    pub depth_is_told: bool,
     /// Depths of the passes.
     pub degression: Degression,
     /// Q: angle of the infeed, degrees.

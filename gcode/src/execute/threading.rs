@@ -167,6 +167,7 @@ fn programmed(
         lead,
         crest,
         depth,
+        depth_is_told: true,
         degression: Degression {
             first,
             exponent: degression(depth / first, block)?,

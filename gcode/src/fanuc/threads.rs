@@ -268,6 +268,7 @@ fn send(shape: &Shape, depths: Depths, run: &mut Execution) -> Done {
         lead: shape.lead,
         crest: crest.copysign(infeed),
         depth: height,
+        depth_is_told: shape.code != G(920),
         degression,
         infeed_deg,
         springs,

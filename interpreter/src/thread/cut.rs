@@ -44,8 +44,10 @@ pub struct Cut {
     pub lift_mm: f64,
     /// Direction of X out of the material, ±1, for a cut of which nobody says that.
     pub outwards: f64,
-    /// Depth below the crest, mm, for people; 0 if not known.
+    /// Depth below the crest, mm; 0 if not known.
     pub depth_mm: f64,
+    /// The program says where the crest is; else that depth is a guess.
+    pub depth_is_told: bool,
     /// Taper at the beginning.
     pub entry: Option<Taper>,
     /// Taper at the end.

@@ -56,6 +56,7 @@ impl Cycle {
             outwards: -words.crest.signum(),
             clear_mm: depth,
             depth_mm: depth,
+            depth_is_told: words.depth_is_told,
             entry: words.chamfer_in.then_some(taper),
             exit: words.chamfer_out.then_some(taper),
         }

@@ -60,6 +60,7 @@ impl Single {
             outwards: self.outwards,
             clear_mm: retract_mm.abs().min(CLEAR_LEADS * lead.z.abs()),
             depth_mm: 0.0,
+            depth_is_told: false,
             entry: None,
             exit: None,
         }

@@ -3,6 +3,7 @@
 //!
 //! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
+mod doubts;
 mod jobs;
 mod part;
 
@@ -26,6 +27,7 @@ use crate::spindle::Spindle;
 use crate::stock::Stock;
 use crate::thread::{Next, Point};
 use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
+use doubts::Doubts;
 
 /// Longest dwell, s.
 const LONGEST_DWELL: f64 = 86_400.0;
@@ -40,6 +42,7 @@ pub(crate) struct Translator {
     threads: Threads,
     jobs: Jobs,
     output: Output,
+    doubts: Doubts,
     part: Option<Part>,
     stock: Option<Stock>,
     /// Where zero of the program lies on the machine where a tool first cuts: X, Z.
@@ -77,6 +80,7 @@ impl Translator {
             auxiliary: Auxiliary::default(),
             threads: Threads::default(),
             jobs: Jobs::default(),
+            doubts: Doubts::default(),
             part: None,
             stock: None,
             origins_mm: BTreeMap::new(),
@@ -254,8 +258,10 @@ impl Translator {
         } else {
             self.points.at_programmed_point()?;
             self.settle_spindle();
-            let way = [self.points.axes_at_rest(), self.points.axes(&target)];
-            self.modal.feed_of_line(way, &self.spindle)?
+            let to = self.points.axes(&target);
+            let feed = self.modal.feed_of_line([self.points.axes_at_rest(), to], &self.spindle)?;
+            self.doubt(place, &to, feed);
+            feed
         };
         self.part_sees(place, &self.points.axes(&target), rapid);
         self.points.program_goes_to(target);
@@ -287,6 +293,7 @@ impl Translator {
             made => made?,
         };
         arc::check_travel(&corners, &self.machine)?;
+        self.doubt(place, &arc.target, feed);
         self.part_sees_arc(place, &arc);
         self.points.program_goes_to(target);
         self.points.axes_go_to(target);
@@ -343,6 +350,9 @@ impl Translator {
     }
 
     fn pass(&mut self, place: Place, pass: ThreadPass, origin: Point) {
+        for problem in self.threads.take_doubts() {
+            self.output.report(place, problem);
+        }
         self.part_sees_pass(place, &pass, origin);
         let end = Point { x: pass.axis(Axis::X).end.mm(), z: pass.axis(Axis::Z).end.mm() };
         self.points.axes_go_to(in_plane_of(self.points.rest(), end));

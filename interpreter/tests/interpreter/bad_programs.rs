@@ -229,10 +229,10 @@ fn a_mistake_gives_one_message() {
     let codes = |text: &str| -> Vec<&'static str> {
         check("part.ngc", text, &Machine::plain()).diagnostics.iter().map(|one| one.code).collect()
     };
-    assert_eq!(codes("G1 X10 Z0 F1000000000000\nX20\nZ-5\nM2\n"), ["bad-value"]);
+    assert_eq!(codes("S500 M3\nG1 X10 Z0 F1000000000000\nX20\nZ-5\nM2\n"), ["bad-value"]);
     // The second arc would begin where the line beyond the travel did not end.
     assert_eq!(
-        codes("F100\nG1 X10 Z0\nX500\nG2 X490 Z-10 I-10\nG1 X20 Z-20\nM2\n"),
+        codes("F100 S500 M3\nG1 X10 Z0\nX500\nG2 X490 Z-10 I-10\nG1 X20 Z-20\nM2\n"),
         ["travel-limit", "travel-limit"]
     );
 }

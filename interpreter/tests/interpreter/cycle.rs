@@ -121,7 +121,7 @@ fn between_passes_the_tool_goes_back_along_the_drive_line() {
     assert_eq!(listing(&check.items), expected);
     assert_eq!(check.passes.len(), 2);
     assert_eq!(check.passes[1].line, 4);
-    assert_eq!(check.passes[1].depth_mm, 1.0);
+    assert_eq!(check.passes[1].depth_mm, Some(1.0));
 }
 
 #[test]

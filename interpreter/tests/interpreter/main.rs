@@ -4,6 +4,7 @@ mod bad_programs;
 mod blocks;
 mod cycle;
 mod dialects;
+mod doubts;
 mod feasible;
 mod formula;
 mod job_keys;

@@ -100,7 +100,7 @@ fn arcs_and_helices_lie_in_their_plane() {
 #[test]
 fn the_whole_arc_lies_within_the_travel() {
     // X 200 is the end of the travel; the quadrant of the arc lies beyond it, its ends do not.
-    let text = |plane: &str, arc: &str| format!("F300\n{plane}\n{arc}\nM2\n");
+    let text = |plane: &str, arc: &str| format!("F300 S500 M3\n{plane}\n{arc}\nM2\n");
     let xy = text("G17 G0 X195 Y0", "G3 X195 Y10 I0 J5");
     assert_eq!(errors(&mill(), &xy), []);
     let xy = text("G17 G0 X195 Y0", "G3 X195 Y12 I0 J6");

@@ -41,6 +41,7 @@ prop_compose! {
             clear_mm: depth,
             start_deg: 0.0,
             depth_mm: depth,
+            depth_is_told: true,
             entry: None,
             exit: None,
         }
@@ -66,6 +67,7 @@ prop_compose! {
             clear_mm: retract.min(1.3 * lead_z),
             start_deg: 0.0,
             depth_mm: 0.0,
+            depth_is_told: true,
             entry: None,
             exit: None,
         }
@@ -225,6 +227,7 @@ fn the_highest_ratio_is_tight() {
             clear_mm: depth,
             start_deg: 0.0,
             depth_mm: depth,
+            depth_is_told: true,
             entry: None,
             exit: None,
         };
@@ -258,6 +261,7 @@ fn the_run_out_is_delayed_no_more_than_needed() {
         clear_mm: 1.8,
         start_deg: 0.0,
         depth_mm: 1.8,
+        depth_is_told: true,
         entry: None,
         exit: None,
     };

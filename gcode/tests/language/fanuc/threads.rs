@@ -72,6 +72,7 @@ fn depths_follow_the_square_root_with_a_least_cut() {
         lead: 2.0,
         crest: -1.0,
         depth: 1.0,
+        depth_is_told: true,
         degression: Degression { first: 0.4, exponent: 2.0, least: 0.12, finish: 0.1 },
         infeed_deg: 30.0,
         springs: 1,

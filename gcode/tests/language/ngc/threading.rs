@@ -20,6 +20,7 @@ fn cycle() -> ThreadCycle {
         lead: 1.0,
         crest: -1.0,
         depth: 0.6,
+        depth_is_told: true,
         degression: Degression { first: 0.2, exponent: 1.0, least: 0.0, finish: 0.0 },
         infeed_deg: 0.0,
         springs: 0,

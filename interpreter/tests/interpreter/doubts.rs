@@ -1,0 +1,87 @@
+//! Warnings of what can be meant, but hardly is.
+
+use gcode::Dialect;
+use interpreter::{Language, check};
+use machine::Machine;
+
+/// Line and code of what is said of a program.
+fn said(text: &str) -> Vec<(u32, &'static str)> {
+    let found = check("part.ngc", text, &Machine::plain());
+    found.diagnostics.iter().map(|one| (one.line, one.code)).collect()
+}
+
+fn message(text: &str) -> String {
+    let found = check("part.ngc", text, &Machine::plain());
+    found.diagnostics.first().map(|one| one.message.clone()).unwrap_or_default()
+}
+
+#[test]
+fn a_feed_with_the_spindle_standing_is_told_once_until_it_turns() {
+    assert_eq!(said("G0 X40 Z2\nG1 Z-30 F100\nX45\nM2\n"), [(2, "spindle-not-turning")]);
+    assert_eq!(said("S500 M3\nG0 X40 Z2\nG1 Z-30 F100\nM5\nX45\nX50\nM2\n"), [(5, "spindle-not-turning")]);
+    assert_eq!(said("M3\nG0 X40 Z2\nG2 Z-30 X45 R100 F100\nM2\n")[1..], [(3, "spindle-not-turning")]);
+    assert_eq!(said("S500 M3\nG0 X40 Z2\nG1 Z-30 F100\nM2\n"), []);
+    // Where the part is known, moves beside it are not asked.
+    assert_eq!(said("(part, bar D40 L60)\nG0 X50 Z2\nG1 Z-30 F100\nM2\n"), []);
+}
+
+#[test]
+fn feeds_of_the_other_mode_are_told_with_what_they_make() {
+    let turned = "S500 M3\nG0 X40 Z2\n";
+    for (text, words) in [
+        ("G95 G1 Z-10 F200\nM2\n", "F is 200 mm in each turn of the spindle, 100000 mm/min"),
+        ("G94 G1 Z-13 F0.2\nM2\n", "at F0.2 mm/min this takes 4500 s"),
+        ("G95 G20 (inch)\nG1 Z-0.4 F0.3\nM2\n", "F is 7.62 mm in each turn"),
+    ] {
+        let codes: Vec<_> = said(&format!("{turned}{text}")).into_iter().map(|(_, code)| code).collect();
+        assert_eq!(codes, ["unlikely-feed"], "{text}");
+        assert!(
+            message(&format!("{turned}{text}")).contains(words),
+            "{}",
+            message(&format!("{turned}{text}"))
+        );
+    }
+    for usual in ["G95 G1 Z-10 F0.2", "G95 G1 Z-10 F4.5", "G94 G1 Z-10 F200", "G94 G1 Z1.99 F0.5"] {
+        assert_eq!(said(&format!("{turned}{usual}\nM2\n")), [], "{usual}");
+    }
+    // Once for each F, not once for each move.
+    assert_eq!(said(&format!("{turned}G95 G1 Z-10 F200\nZ-11\nZ-12\nM2\n")), [(3, "unlikely-feed")]);
+}
+
+#[test]
+fn a_feed_that_an_axis_clips_is_told_with_what_is_left() {
+    let machine = Machine::plain();
+    let z = machine.axis[&protocol::Axis::Z].velocity_mm_s * 60.0;
+    let program = |feed: f64| format!("S500 M3\nG0 X40 Z2\nG1 Z-40 F{feed}\nM2\n");
+    assert_eq!(said(&program(z)), []);
+    assert_eq!(said(&program(z + 1.0)), [(3, "feed-clipped")]);
+    assert!(
+        message(&program(2.0 * z)).ends_with(&format!("held to {z} mm/min")),
+        "{}",
+        message(&program(2.0 * z))
+    );
+}
+
+/// S2500 P3 to Z-20: 7 of 16 mm are as deep as they should be.
+#[test]
+fn a_thread_that_is_mostly_run_out_is_told() {
+    let thread = |s: u32, p: f64| format!("S{s} M3\nG0 X22 Z5\nG76 P{p} Z-20 I-1 J0.3 K1.8\nM2\n");
+    assert_eq!(said(&thread(2500, 3.0)), [(3, "mostly-shallow")]);
+    assert_eq!(said(&thread(500, 2.0)), []);
+    let chamfered = "S500 M3\nG0 X22 Z5\nG76 P2 Z-20 I-1 J0.3 K1.2 L2 E18\nM2\n";
+    assert_eq!(said(chamfered), [], "a taper that the program asks for is no slip");
+}
+
+/// G92 names where the tool goes, not where the crest is.
+#[test]
+fn the_depth_of_g92_is_not_invented() {
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("g92.nc");
+    let text = "G97 S500 M03\nG00 X28. Z5.\nG92 X23.4 Z-18. F1.5\nX22.9\nG00 X40.\nM30\n";
+    std::fs::write(&path, text).expect("a file");
+    let machine = Machine::plain();
+    let language = Language { dialect: Some(Dialect::Fanuc), ..Language::default() };
+    let program = interpreter::open(&path, &language, &machine).expect("a program");
+    let found = interpreter::check_program(program, &machine, |_| ());
+    let known: Vec<_> = found.passes.iter().map(|pass| (pass.depth_mm, pass.x_mm)).collect();
+    assert_eq!(known, [(None, 11.7), (None, 11.45)]);
+}
