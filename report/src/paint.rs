@@ -45,15 +45,21 @@ pub(crate) fn column(numbers: impl ExactSizeIterator<Item = Option<f64>>) -> Val
 
 /// A line through points.
 pub fn line(points: &[(f64, f64)], name: &str, color: &str, axes: (&str, &str)) -> Value {
-    let x = column(points.iter().map(|point| Some(point.0)));
-    let y = column(points.iter().map(|point| Some(point.1)));
+    let points: Vec<_> = points.iter().copied().map(Some).collect();
+    strokes(&points, name, color, axes)
+}
+
+/// A line through points that is interrupted where there is none.
+pub(crate) fn strokes(points: &[Option<(f64, f64)>], name: &str, color: &str, axes: (&str, &str)) -> Value {
+    let x = column(points.iter().map(|point| point.map(|point| point.0)));
+    let y = column(points.iter().map(|point| point.map(|point| point.1)));
     json!({ "type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "xaxis": axes.0, "yaxis": axes.1,
             "line": { "color": color, "width": 1.5 } })
 }
 
-/// A line through the points of an envelope.
+/// A line through the points of an envelope, interrupted where samples are missing.
 pub(crate) fn curve(envelope: &Envelope, name: &str, color: &str, axes: (&str, &str)) -> Value {
-    line(&envelope.points(), name, color, axes)
+    strokes(&envelope.strokes(), name, color, axes)
 }
 
 /// An axis of a plot with its title.

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
-use protocol::{Axis, AxisState};
+use protocol::{Axis, AxisState, Motion};
 use rig::observe::{
-    AxisLimits, CircleReport, CuttingReport, DeviationReport, FeedReport, MovesReport, Outcome, PassReport,
-    Summary, TraceReport, Traced, TracedPoint, WorkKind,
+    AxisLimits, CircleReport, CuttingReport, DeviationReport, FeedReport, Led, MovesReport, Outcome,
+    PassReport, Summary, TraceReport, Traced, TracedPoint, WorkKind,
 };
 use rig::trace::{AxisRow, CutRow, Format, Row, TraceWriter};
 
@@ -75,6 +75,7 @@ fn row(cycle: u64) -> Row {
         line: 3,
         cut: CutRow { area: 0.2, force: 612.5, torque: 6.125, motor_torque: 7.5 },
         traced: Traced::default(),
+        led: Led { tool: 3, motion: Motion::None },
     }
 }
 
