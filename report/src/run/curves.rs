@@ -7,6 +7,8 @@ use rig::trace::Row;
 
 use super::curves_moves::MovesCurves;
 use super::cutting::CutCurves;
+use super::path::Path;
+use super::tools::ToolUses;
 use super::traces::TraceCurves;
 use crate::envelope::Envelope;
 
@@ -15,11 +17,6 @@ use crate::envelope::Envelope;
 const ALL_SLOTS: usize = 12_000;
 const LEAST_SLOTS: usize = 60;
 const MOST_SLOTS: usize = 700;
-/// The tool path keeps a point when the tool has moved this far since the last one kept, mm; the distance is
-/// doubled whenever there are too many points.
-const PATH_STEP_MM: f64 = 0.02;
-const PATH_POINTS: usize = 24_000;
-
 /// Curves of one pass over its spindle angle.
 pub(super) struct PassCurves {
     /// Number of the pass.
@@ -48,12 +45,10 @@ pub(super) struct ShownCurves {
 
 /// Everything that is drawn.
 pub(super) struct Curves {
-    /// The plane of the tool path, to the right and upwards: Z and X of a lathe, X and Y of a mill.
-    pub(super) plane: [Axis; 2],
-    /// True tool path in that plane, mm; `None` lifts the pen. Timed motion, and passes.
-    pub(super) path: [Vec<Option<(f64, f64)>>; 2],
-    path_at: (usize, f64, f64),
-    path_step_mm: f64,
+    /// The tool path.
+    pub(super) path: Path,
+    /// What each tool took.
+    pub(super) tools: ToolUses,
     pub(super) passes: Vec<PassCurves>,
     /// Where the pass shown in full stands in `passes`, and its curves once it has begun.
     pub(super) shown_index: usize,
@@ -73,8 +68,6 @@ pub(super) struct Curves {
 
 /// The axes of a pass.
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
-const LATHE_PLANE: [Axis; 2] = [Axis::Z, Axis::X];
-pub(super) const MILL_PLANE: [Axis; 2] = [Axis::X, Axis::Y];
 
 /// The pass that is shown in full: the deepest of those that were cut to their end, else the first.
 fn shown_index(passes: &[PassReport]) -> usize {
@@ -109,12 +102,9 @@ impl Curves {
             }
         };
         let over_time = Envelope::new(0.0, summary.simulated_s, 2 * MOST_SLOTS);
-        let mill = summary.limits.contains_key(&Axis::Y);
         Curves {
-            plane: if mill { MILL_PLANE } else { LATHE_PLANE },
-            path: Default::default(),
-            path_at: (usize::MAX, 0.0, 0.0),
-            path_step_mm: PATH_STEP_MM,
+            path: Path::new(summary),
+            tools: ToolUses::default(),
             passes: summary.passes.iter().map(of_pass).collect(),
             shown_index: shown_index(&summary.passes),
             shown: None,
@@ -132,7 +122,8 @@ impl Curves {
         self.rpm.add(row.t_s, row.spindle_rpm);
         self.spindle_turns |= row.spindle_rpm.abs() > 0.5;
         self.override_pct.add(row.t_s, row.override_pct);
-        self.add_path(row);
+        self.path.add(row);
+        self.tools.add(summary, row);
         self.moves.add(summary, row);
         self.traces.iter_mut().for_each(|trace| trace.add(summary, row));
         let index = summary.passes.partition_point(|pass| pass.end_cycle < row.cycle);
@@ -145,29 +136,6 @@ impl Curves {
         if index == self.shown_index {
             let shown = self.shown.get_or_insert_with(|| ShownCurves::new(pass, c));
             shown.add(summary, c, row);
-        }
-    }
-
-    fn add_path(&mut self, row: &Row) {
-        let [Some(right), Some(up)] = self.plane.map(|axis| row.axis(axis)) else { return };
-        let in_pass = |state| (AxisState::RunIn..=AxisState::RunOut).contains(&state);
-        let cutting = in_pass(right.state) || in_pass(up.state);
-        let (kind, place) = (usize::from(cutting), (right.true_mm, up.true_mm));
-        let (before, right_before, up_before) = self.path_at;
-        let moved = libm::hypot(place.0 - right_before, place.1 - up_before);
-        if before != kind {
-            // Joins what follows to where the other kind of motion ended.
-            if before != usize::MAX {
-                self.path[before].extend([Some(place), None]);
-            }
-        } else if moved < self.path_step_mm {
-            return;
-        }
-        self.path[kind].push(Some(place));
-        self.path_at = (kind, place.0, place.1);
-        if self.path.iter().map(Vec::len).sum::<usize>() > PATH_POINTS {
-            self.path_step_mm *= 2.0;
-            self.path.iter_mut().for_each(thin);
         }
     }
 }
@@ -215,31 +183,5 @@ impl ShownCurves {
             a.add(c, 100.0 * at.acceleration / limits.acceleration_mm_s2);
             j.add(c, 100.0 * at.jerk / limits.jerk_mm_s3);
         }
-    }
-}
-
-/// Leaves out every other point of a path, but not the ends of its strokes.
-fn thin(points: &mut Vec<Option<(f64, f64)>>) {
-    let before = std::mem::take(points);
-    let inner = |index: usize| {
-        let neighbour =
-            |other: Option<usize>| other.and_then(|other| before.get(other)).is_some_and(Option::is_some);
-        before[index].is_some() && neighbour(index.checked_sub(1)) && neighbour(Some(index + 1))
-    };
-    let kept = (0..before.len()).filter(|index| index % 2 == 0 || !inner(*index));
-    *points = kept.map(|index| before[index]).collect();
-}
-
-#[cfg(test)]
-mod tests {
-    use super::thin;
-
-    #[test]
-    fn thinning_keeps_the_ends_of_every_stroke() {
-        let stroke = |from: i32, to: i32| (from..to).map(|z| Some((f64::from(z), 0.0))).chain([None]);
-        let mut points: Vec<_> = stroke(0, 10).chain(stroke(20, 29)).collect();
-        thin(&mut points);
-        let kept: Vec<_> = points.iter().map(|point| point.map_or(-1, |point| point.0 as i32)).collect();
-        assert_eq!(kept, [0, 2, 4, 6, 8, 9, -1, 20, 21, 23, 25, 27, 28, -1]);
     }
 }

@@ -4,12 +4,12 @@ use rig::observe::{PassReport, Summary, WorkKind};
 use serde_json::{Value, json};
 
 use super::by_pass::by_pass;
-use super::curves::{Curves, MILL_PLANE, moving_deg, thread_deg};
-use crate::paint::{BLUE, Figure, GREY, ORANGE, axis, band, column, curve, stacked};
+use super::curves::{Curves, moving_deg, thread_deg};
+use crate::paint::{BLUE, Figure, ORANGE, axis, band, curve, stacked};
 
 /// All figures that the curves allow.
 pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
-    let mut figures = vec![path(curves)];
+    let mut figures = vec![curves.path.figure()];
     let shown = summary.passes.get(curves.shown_index).zip(curves.shown.as_ref());
     if let Some((pass, shown)) = shown {
         figures.push(super::figures_pass::motion(pass, shown));
@@ -48,60 +48,6 @@ pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
         figures.push(spindle(summary, curves));
     }
     figures
-}
-
-fn path(curves: &Curves) -> Figure {
-    let drawn = |points: &[Option<(f64, f64)>], name: &str, color: &str, width: f64| {
-        let z = column(points.iter().map(|point| point.map(|point| point.0)));
-        let x = column(points.iter().map(|point| point.map(|point| point.1)));
-        json!({ "type": "scatter", "mode": "lines", "name": name, "x": z, "y": x, "connectgaps": false,
-                "line": { "color": color, "width": width, "simplify": false } })
-    };
-    let [timed, passes] = &curves.path;
-    let mill = curves.plane == MILL_PLANE;
-    let (mut z, mut x) =
-        if mill { (axis("X (mm)"), axis("Y (mm)")) } else { (axis("Z (mm)"), axis("X, radius (mm)")) };
-    x["scaleanchor"] = json!("x");
-    if let Some([z_range, x_range]) = around(passes) {
-        (z["range"], x["range"]) = (json!(z_range), json!(x_range));
-    }
-    let good = if passes.is_empty() {
-        "Good: nothing crosses the part in rapid motion."
-    } else {
-        "Good: every pass enters on a smooth curve, runs straight, and leaves on a smooth curve; nothing crosses the \
-         part in timed motion. The picture opens on the thread; double-click it for the whole way."
-    };
-    Figure {
-        title: "Tool path".into(),
-        caption: if mill {
-            "Where the tool really went, seen along the spindle, both axes at the same scale.".into()
-        } else {
-            format!(
-                "Where the tool really went, both axes at the same scale; the spindle's axis lies along X = 0. {good}"
-            )
-        },
-        alt: if mill {
-            "Tool path in the plane of X and Y.".into()
-        } else {
-            "Tool path in the plane of Z and X: timed motion in grey, passes of the thread in blue.".into()
-        },
-        plot: json!({
-            "data": [drawn(timed, "timed motion", GREY, 1.0), drawn(passes, "thread passes", BLUE, 2.0)],
-            "layout": { "xaxis": z, "yaxis": x },
-        }),
-        aspect: 0.5,
-    }
-}
-
-/// The ranges of Z and X that show the passes with some room around; `None` if there are none.
-fn around(passes: &[Option<(f64, f64)>]) -> Option<[[f64; 2]; 2]> {
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let values = passes.iter().flatten().map(of);
-        let (low, high) = (values.clone().reduce(f64::min)?, values.reduce(f64::max)?);
-        let room = 0.15 * (high - low) + 1.0;
-        Some([low - room, high + room])
-    };
-    Some([range(|point| point.0)?, range(|point| point.1)?])
 }
 
 fn servo(summary: &Summary, curves: &Curves) -> Figure {

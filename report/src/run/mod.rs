@@ -13,8 +13,10 @@ mod figures_pass;
 mod figures_traces;
 mod page;
 mod passes;
+mod path;
 #[cfg(test)]
 mod tests;
+mod tools;
 mod traces;
 mod verdict;
 
@@ -24,6 +26,7 @@ use rig::observe::{Summary, SummaryError};
 use rig::trace;
 
 use crate::paint::Figure;
+use crate::table::Table;
 use curves::Curves;
 
 /// Why a report could not be drawn.
@@ -46,6 +49,8 @@ pub enum ReportError {
 struct Run {
     summary: Summary,
     figures: Vec<Figure>,
+    /// What each tool took.
+    tools: Option<Table>,
     /// What is to be said of the trace, if it is missing or damaged.
     trace_note: Option<String>,
     program: Option<String>,
@@ -58,10 +63,10 @@ struct Run {
 /// [`ReportError`] names the file.
 pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     let summary = Summary::read(&run_dir.join("summary.json"))?;
-    let (figures, trace_note) = draw(run_dir, &summary);
+    let (figures, tools, trace_note) = draw(run_dir, &summary);
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
     let program = program.and_then(|path| std::fs::read_to_string(path).ok());
-    let page = page::html(&Run { summary, figures, trace_note, program });
+    let page = page::html(&Run { summary, figures, tools, trace_note, program });
     let path = run_dir.join("report.html");
     match std::fs::write(&path, page) {
         Ok(()) => Ok(path),
@@ -69,12 +74,16 @@ pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     }
 }
 
-fn draw(run_dir: &Path, summary: &Summary) -> (Vec<Figure>, Option<String>) {
+fn draw(run_dir: &Path, summary: &Summary) -> (Vec<Figure>, Option<Table>, Option<String>) {
     let Some(path) = trace::find(run_dir) else {
-        return (Vec::new(), Some("The run was made without a trace, so there is nothing to draw.".into()));
+        return (
+            Vec::new(),
+            None,
+            Some("The run was made without a trace, so there is nothing to draw.".into()),
+        );
     };
     let mut curves = Curves::new(summary);
     let read = trace::read(&path, |row| curves.add(summary, &row));
     let note = read.err().map(|error| format!("The trace ends early, and so do the pictures: {error}."));
-    (figures::all(summary, &curves), note)
+    (figures::all(summary, &curves), curves.tools.table(), note)
 }

@@ -9,6 +9,7 @@ use super::passes;
 use super::traces;
 use super::verdict::{self, um};
 use crate::page::{document, pictures};
+use crate::table::Table;
 
 /// Lines of the program that are shown.
 const PROGRAM_LINES: usize = 400;
@@ -22,6 +23,7 @@ pub(super) fn html(run: &Run) -> String {
         @if !summary.passes.is_empty() { (passes::tables(summary)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
+        @if let Some(tools) = &run.tools { (section(tools)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&run.figures))
         (details(summary))
@@ -62,6 +64,10 @@ fn head(summary: &Summary) -> Markup {
             }
         }
     }
+}
+
+fn section(table: &Table) -> Markup {
+    html! { section { h2 { (table.title) } (table.markup()) p.caption { (table.caption) } } }
 }
 
 fn circles(summary: &Summary) -> Markup {

@@ -310,3 +310,45 @@ fn a_surface_has_a_table_a_map_and_its_feed() {
         assert!(page.contains(needed), "{needed} is missing");
     }
 }
+
+#[test]
+fn the_path_is_told_apart_by_tool_and_motion() {
+    let summary = Summary { passes: Vec::new(), ..summary() };
+    let mut curves = super::curves::Curves::new(&summary);
+    // Two tools, each in rapid motion and at a feed; rows are missing in the middle of the last stroke.
+    for cycle in (0..40).filter(|cycle| !(33..36).contains(cycle)) {
+        let (tool, motion) =
+            (1 + (cycle / 20) as u32, [Motion::Rapid, Motion::Feed][(cycle / 10 % 2) as usize]);
+        let mut at = Row { led: Led { tool, motion }, ..row(cycle) };
+        at.axes.iter_mut().for_each(|(_, axis)| {
+            axis.state = AxisState::Streaming;
+            (axis.true_mm, axis.slide) = (cycle as f64, cycle as f64);
+        });
+        curves.add(&summary, &at);
+    }
+    let figure = curves.path.figure();
+    let drawn = figure.plot["data"].as_array().expect("strokes");
+    let seen: Vec<_> = drawn.iter().map(|one| (one["name"].as_str(), one["line"]["dash"].as_str())).collect();
+    let of = |name, dash| (Some(name), Some(dash));
+    let dashed = "4px,3px";
+    let expected =
+        [of("T1 rapid", dashed), of("T1 feed", "solid"), of("T2 rapid", dashed), of("T2 feed", "solid")];
+    assert_eq!(seen, expected);
+    assert_ne!(drawn[0]["line"]["color"], drawn[2]["line"]["color"]);
+    let z: Vec<_> = drawn[3]["x"].as_array().expect("places").iter().map(|z| z.as_f64()).collect();
+    let gap = z.iter().position(Option::is_none).expect("the pen is lifted");
+    assert_eq!((z[gap - 1], z[gap + 1]), (Some(32.0), Some(36.0)));
+    // Ten rows of half a millisecond each; a step of a millimetre in X and in Z from row to row.
+    let table = curves.tools.table().expect("tools");
+    let cells: Vec<_> =
+        table.rows.iter().map(|row| (row[0].as_str(), row[2].as_str(), row[6].as_str())).collect();
+    assert_eq!(cells, [("1", "0.01", "26.9"), ("2", "0.01", "22.6")]);
+}
+
+#[test]
+fn a_run_without_a_tool_has_no_table_of_tools() {
+    let summary = summary();
+    let mut curves = super::curves::Curves::new(&summary);
+    curves.add(&summary, &Row { led: Led::default(), ..row(0) });
+    assert!(curves.tools.table().is_none());
+}
