@@ -5,7 +5,13 @@ use std::{fmt::Write as _, process::ExitCode};
 use clap::Args;
 use interpreter::Severity;
 
-use crate::{args::ProgramArgs, diagnostics::Document, error::CliError, program::Program, screen};
+use crate::{
+    args::ProgramArgs,
+    diagnostics::Document,
+    error::CliError,
+    program::{Program, Read},
+    screen,
+};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CheckArgs {
@@ -19,12 +25,14 @@ pub(crate) struct CheckArgs {
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.input.machine.read()?;
-    let program = Program::judge(&args.input.program, &args.input.language.language(), &machine)?;
+    let language = args.input.language.language();
+    let program = Program::judge(&args.input.program, &language, &machine)?;
     if args.json {
         let name = args.input.program.display().to_string();
+        let dialect = Read::of(&args.input.program, &language, &machine).name();
         let good = program.found(Severity::Error) == 0;
         let time_s = good.then_some(program.time_s);
-        let document = Document::new(&name, program.diagnostics(), program.moves, time_s);
+        let document = Document::new(&name, dialect, program.diagnostics(), program.moves, time_s);
         let text = serde_json::to_string_pretty(&document);
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
         screen::print(&format!("{text}\n"));

@@ -1,7 +1,7 @@
 //! Diagnostics as one JSON document, for editors: `pitchlock check --json`.
 //!
 //! ```json
-//! { "version": 1, "program": "part.ngc", "errors": 1, "warnings": 0, "moves": 12, "time_s": null,
+//! { "version": 1, "program": "part.ngc", "dialect": "linuxcnc", "errors": 1, "warnings": 0, "moves": 12, "time_s": null,
 //!   "diagnostics": [
 //!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error",
 //!     "code": "unused-word", "message": "no code of this block uses Q", "help": "leave it out" } ] }
@@ -17,6 +17,7 @@ use serde::Serialize;
 pub(crate) struct Document<'a> {
     version: u32,
     program: &'a str,
+    dialect: &'a str,
     errors: usize,
     warnings: usize,
     moves: u64,
@@ -40,6 +41,7 @@ impl<'a> Document<'a> {
     /// The document of everything that was found in a program.
     pub(crate) fn new(
         program: &'a str,
+        dialect: &'a str,
         diagnostics: &'a [Diagnostic],
         moves: u64,
         time_s: Option<f64>,
@@ -48,6 +50,7 @@ impl<'a> Document<'a> {
         Document {
             version: 1,
             program,
+            dialect,
             errors: count(Severity::Error),
             warnings: count(Severity::Warning),
             moves,

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use interpreter::{Check, Diagnostic, Interpreter, Language, Severity};
-use machine::Machine;
+use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
+use machine::{Kinematics, Machine, ProgramDialect};
 use protocol::{Arc, Code, Item, code_file::CodeFile};
 use rig::observe::{Observer, Watch};
 use route::{Course, Route};
@@ -81,14 +81,22 @@ impl Program {
             interpreter::part_beside(path, machine).map_err(|error| CliError::Input(error.to_string()))?;
         let (part_file, part) = beside.unzip();
         let interpreter = Interpreter::new(program, machine).with_part(part);
-        let check = interpreter::check_interpreter(interpreter, machine, |item| {
+        let mut check = interpreter::check_interpreter(interpreter, machine, |item| {
             if watch.wants(&item) {
                 watched.push(item);
             }
         });
+        if language.strict {
+            check.diagnostics.iter_mut().for_each(|diagnostic| diagnostic.severity = Severity::Error);
+        }
         let colour = screen::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
-        let messages = check.diagnostics.iter().map(render).collect();
+        let mut messages: String = check.diagnostics.iter().map(render).collect();
+        let dialect = Read::of(path, language, machine);
+        messages.insert_str(0, &dialect.told(path));
+        if !check.is_good() {
+            messages += &dialect.hint();
+        }
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
         Ok(Program {
             code: None,
@@ -154,6 +162,47 @@ impl Program {
     pub(crate) fn found(&self, severity: Severity) -> usize {
         let of = |check: &Check| check.diagnostics.iter().filter(|one| one.severity == severity).count();
         self.check.as_ref().map_or(0, of)
+    }
+}
+
+/// The dialect that a program is read in.
+pub(crate) struct Read {
+    dialect: Dialect,
+    /// What it looks like by itself.
+    guess: Option<Guess>,
+    /// Whether that decided.
+    by_itself: bool,
+}
+
+impl Read {
+    pub(crate) fn of(path: &Path, language: &Language, machine: &Machine) -> Read {
+        let (dialect, guess) = interpreter::dialect(path, language, machine);
+        let asked = language.dialect.unwrap_or(machine.general.dialect);
+        // The other dialect is that of lathes.
+        let guess = guess.filter(|_| machine.general.kinematics == Kinematics::Lathe);
+        Read { dialect, guess, by_itself: asked == ProgramDialect::Auto }
+    }
+
+    /// Its name.
+    pub(crate) fn name(&self) -> &'static str {
+        self.dialect.name()
+    }
+
+    /// Said before anything else where it is not what it would be without a reason.
+    fn told(&self, path: &Path) -> String {
+        let unusual = self.guess.filter(|_| self.by_itself && self.dialect != Dialect::default());
+        unusual.map_or_else(String::new, |Guess { line, why, .. }| {
+            format!("{}: read as {} (line {line}: {why})\n", path.display(), self.name())
+        })
+    }
+
+    /// Said behind errors of a program that looks like one of the other dialect.
+    fn hint(&self) -> String {
+        let other = self.guess.filter(|guess| guess.dialect != self.dialect);
+        other.map_or_else(String::new, |Guess { dialect, line, why }| {
+            let name = dialect.name();
+            format!("help: line {line} ({why}) looks like the dialect {name}: try --dialect {name}\n")
+        })
     }
 }
 

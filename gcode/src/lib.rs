@@ -72,6 +72,7 @@ mod execute;
 mod fanuc;
 pub mod files;
 mod geometry;
+mod guess;
 mod ngc;
 mod options;
 pub mod problem;
@@ -80,6 +81,7 @@ mod state;
 mod text;
 
 pub use canon::{Call, Job, Place, Pose, Sink};
+pub use guess::{Guess, guess};
 pub use options::{DecimalPoint, Dialect, Limits, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Program, Step};

@@ -5,8 +5,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gcode::files::ToolTable;
-use gcode::{DecimalPoint, Dialect, Options, Program};
-use machine::{self, BareNumbers, Machine, Part, PartError};
+use gcode::{DecimalPoint, Dialect, Guess, Options, Program};
+use machine::{self, BareNumbers, Machine, Part, PartError, ProgramDialect};
 use protocol::code_file::{CodeFile, MAGIC};
 use serde::{Deserialize, Serialize};
 
@@ -19,11 +19,14 @@ const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Language {
     /// Dialect of the part program; without it that of the machine file.
-    #[serde(default, with = "by_name")]
-    pub dialect: Option<Dialect>,
+    #[serde(default)]
+    pub dialect: Option<ProgramDialect>,
     /// Leave out lines that begin with `/`.
     #[serde(default)]
     pub block_delete: bool,
+    /// A warning is as bad as an error.
+    #[serde(default)]
+    pub strict: bool,
     /// Tool table (LinuxCNC's format).
     pub tools: Option<PathBuf>,
     /// Folder with subroutine files, besides that of the program; may be given several times.
@@ -79,7 +82,7 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     check_folders(&language.subroutines)?;
     no_other(path)?;
     let mut options = options(machine);
-    options.dialect = language.dialect.unwrap_or(options.dialect);
+    options.dialect = dialect(path, language, machine).0;
     if options.dialect == Dialect::Fanuc && machine.general.kinematics != machine::Kinematics::Lathe {
         return Err(OpenError::Dialect);
     }
@@ -90,6 +93,38 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     }
     let opened = if is_job(path) { Program::open_job(path, &options) } else { Program::open(path, &options) };
     opened.map_err(|error| OpenError::Program { path: path.to_owned(), error })
+}
+
+/// The dialect that a program is read in, and what it looks like by itself ([`gcode::guess`]).
+pub fn dialect(path: &Path, language: &Language, machine: &Machine) -> (Dialect, Option<Guess>) {
+    let guess = gcode::guess(&beginning(path)).filter(|_| !is_job(path));
+    // There is one dialect for mills.
+    let by_itself = guess.filter(|_| machine.general.kinematics == machine::Kinematics::Lathe);
+    let asked = named(language.dialect.unwrap_or(machine.general.dialect));
+    (asked.unwrap_or_else(|| by_itself.map_or_else(Dialect::default, |guess| guess.dialect)), guess)
+}
+
+/// `None`: that of the program.
+fn named(dialect: ProgramDialect) -> Option<Dialect> {
+    match dialect {
+        ProgramDialect::Auto => None,
+        ProgramDialect::Linuxcnc => Some(Dialect::Linuxcnc),
+        ProgramDialect::Fanuc => Some(Dialect::Fanuc),
+    }
+}
+
+/// The first bytes of a file; none of what comes through a pipe, which can be read only once.
+fn beginning(path: &Path) -> Vec<u8> {
+    /// How far a file is looked at, bytes.
+    const BEGINNING: u64 = 64 << 10;
+    let mut beginning = Vec::new();
+    if path.is_file()
+        && let Ok(file) = File::open(path)
+    {
+        // What is there, even if reading ends early.
+        let _ = file.take(BEGINNING).read_to_end(&mut beginning);
+    }
+    beginning
 }
 
 /// The part that a program on a lathe cuts, if a file beside it describes it: `part.toml` beside `part.ngc`;
@@ -118,16 +153,10 @@ pub fn is_job(path: &Path) -> bool {
 /// # Errors
 /// Says what it is and what to do. A file that cannot be read is left to whoever opens it.
 pub fn no_other(path: &Path) -> Result<(), OpenError> {
-    // How far a file is looked at, bytes: a job says its kind at its beginning.
-    const BEGINNING: u64 = 4096;
-    let mut beginning = Vec::new();
-    // What comes through a pipe can be read only once.
-    if path.is_file()
-        && let Ok(file) = File::open(path)
-    {
-        // What is there, even if reading ends early.
-        let _ = file.take(BEGINNING).read_to_end(&mut beginning);
-    }
+    /// A job says its kind at its beginning.
+    const LOOKED_AT: usize = 4096;
+    let mut beginning = beginning(path);
+    beginning.truncate(LOOKED_AT);
     let other = |reason: String| Err(OpenError::Other { path: path.to_owned(), reason });
     if beginning.starts_with(&MAGIC) {
         let name = path.with_extension("mc");
@@ -164,7 +193,7 @@ pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
 pub(crate) fn options(machine: &Machine) -> Options {
     let position = home(machine);
     let mut options = Options { plane: plane_of(machine), position, ..Options::default() };
-    options.dialect = of_machine(machine.general.dialect);
+    options.dialect = named(machine.general.dialect).unwrap_or_default();
     options.decimal_point = machine.general.decimal_point.map(|bare| match bare {
         BareNumbers::Conventional => DecimalPoint::Conventional,
         BareNumbers::PocketCalculator => DecimalPoint::PocketCalculator,
@@ -172,26 +201,4 @@ pub(crate) fn options(machine: &Machine) -> Options {
     });
     options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
-}
-
-fn of_machine(dialect: machine::ProgramDialect) -> Dialect {
-    match dialect {
-        machine::ProgramDialect::Linuxcnc => Dialect::Linuxcnc,
-        machine::ProgramDialect::Fanuc => Dialect::Fanuc,
-    }
-}
-
-/// The dialect by its name, in what is kept of a run.
-mod by_name {
-    use gcode::Dialect;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    pub(super) fn serialize<S: Serializer>(dialect: &Option<Dialect>, to: S) -> Result<S::Ok, S::Error> {
-        dialect.map(Dialect::name).serialize(to)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Dialect>, D::Error> {
-        let name = Option::<String>::deserialize(from)?;
-        name.map(|name| name.parse().map_err(D::Error::custom)).transpose()
-    }
 }

@@ -111,11 +111,24 @@ pub struct General {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProgramDialect {
-    /// RS274/NGC as LinuxCNC speaks it.
+    /// That of the program, by what only one of them has.
     #[default]
+    Auto,
+    /// RS274/NGC as LinuxCNC speaks it.
     Linuxcnc,
     /// FANUC lathe programs, G-code system A.
     Fanuc,
+}
+
+impl ProgramDialect {
+    /// As the machine file names it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ProgramDialect::Auto => "auto",
+            ProgramDialect::Linuxcnc => "linuxcnc",
+            ProgramDialect::Fanuc => "fanuc",
+        }
+    }
 }
 
 /// What a coordinate without a decimal point is, as the machine file names it.

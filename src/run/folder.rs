@@ -152,8 +152,9 @@ fn same_file(a: &Path, b: &Path) -> bool {
 impl RunFolder {
     /// Arguments that tell the interpreter how to read the program.
     pub(crate) fn language_args(&self) -> Vec<OsString> {
-        let Language { dialect, block_delete, tools, subroutines: _ } = &self.language;
-        let dialect = dialect.map(interpreter::Dialect::name);
+        // Strictness was asked for when the program was judged.
+        let Language { dialect, block_delete, strict: _, tools, subroutines: _ } = &self.language;
+        let dialect = dialect.map(|dialect| dialect.name());
         let mut args: Vec<OsString> = Vec::new();
         if let Some(dialect) = dialect {
             args.extend(["--dialect".into(), dialect.into()]);
@@ -205,6 +206,7 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         let kept: Language = toml::from_str(&text).map_err(|error| CliError::file(&kept, error))?;
         repeated.language.dialect = args.language.dialect.or(kept.dialect);
         repeated.language.block_delete |= kept.block_delete;
+        repeated.language.strict |= kept.strict;
     }
     repeated.scenario = args.scenario.clone().or_else(|| there(SCENARIO));
     repeated.seed = args.seed.or(Some(summary.seed));

@@ -8,6 +8,7 @@ mod canon;
 mod command_line;
 mod deaths;
 mod determinism;
+mod dialects;
 mod endings;
 mod experiments;
 mod first_hour;

@@ -48,13 +48,17 @@ impl Points {
         let Some(letter) = letters_of(line.bare() & coordinates).find(said) else { return Ok(()) };
         let value = line.plain(letter).unwrap_or_default();
         let blame = Blame::Word(letter);
-        if self.pointed || rule == Some(DecimalPoint::Refuse) {
+        if self.pointed {
             return Err(mixed(blame, letter, value, line));
+        }
+        if rule == Some(DecimalPoint::Refuse) {
+            let help = format!("write {}{}.", written(letter), short(value));
+            return Err(Problem::error("no-decimal-point", blame, readings(letter, value, line), help));
         }
         if self.bare.is_none() {
             let span = line.block.span(blame).unwrap_or_default();
             self.bare = Some((line.block.place(), span, letter, value));
-            let message = format!("{}, as all others of the program", readings(letter, value, line));
+            let message = readings(letter, value, line);
             out.warn(Problem::warning("no-decimal-point", blame, message, SETTLED));
         }
         Ok(())
@@ -81,6 +85,6 @@ fn mixed(blame: Blame, letter: char, value: f64, line: &Line) -> Box<Problem> {
     let told = readings(letter, value, line);
     let (small, letter) = (short(value / line.increments_per_unit()), written(letter));
     let help = format!("write {letter}{}. or {letter}{small}; {SETTLED}", short(value));
-    let message = format!("{told}; here nothing says which");
+    let message = format!("{told}; others of the program have one");
     Problem::error("no-decimal-point", blame, message, help)
 }

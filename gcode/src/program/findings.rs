@@ -27,6 +27,11 @@ impl Findings {
         reader: &mut Reader,
     ) -> Option<Diagnostic> {
         let (file, diagnostic) = diagnostic(problem, refused, reader);
+        // What it was warned of before, and is refused now, is said once.
+        let same = |warned: &Diagnostic| {
+            (&warned.file, warned.line, warned.code) == (&diagnostic.file, diagnostic.line, diagnostic.code)
+        };
+        self.warnings.retain(|warned| !same(warned));
         self.reported.insert((file, diagnostic.line)).then_some(diagnostic)
     }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use interpreter::{Dialect, Language};
+use machine::ProgramDialect;
 
 use super::Clock;
 
@@ -27,12 +28,15 @@ pub struct ProcessArgs {
 /// How a program is to be read.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct LanguageArgs {
-    /// Dialect of the part program; without it that of the machine file.
+    /// Dialect of the part program; without it that of the machine file, which is auto unless it says so.
     #[arg(long, value_name = "DIALECT", value_parser = dialect())]
-    pub dialect: Option<Dialect>,
+    pub dialect: Option<ProgramDialect>,
     /// Leave out lines that begin with `/`.
     #[arg(long)]
     pub block_delete: bool,
+    /// Take warnings for errors: a program that has any is not run.
+    #[arg(long)]
+    pub strict: bool,
     /// Tool table (LinuxCNC's format).
     #[arg(long, value_name = "FILE")]
     pub tools: Option<PathBuf>,
@@ -44,8 +48,8 @@ pub struct LanguageArgs {
 impl LanguageArgs {
     /// What the interpreter takes.
     pub fn language(&self) -> Language {
-        let LanguageArgs { dialect, block_delete, tools, subroutines } = self.clone();
-        Language { dialect, block_delete, tools, subroutines }
+        let LanguageArgs { dialect, block_delete, strict, tools, subroutines } = self.clone();
+        Language { dialect, block_delete, strict, tools, subroutines }
     }
 }
 
@@ -53,9 +57,10 @@ impl LanguageArgs {
 pub type Named<T> = (T, &'static str, &'static str);
 
 /// The dialects by their names.
-const DIALECTS: [Named<Dialect>; 2] = [
-    (Dialect::Linuxcnc, Dialect::Linuxcnc.name(), Dialect::Linuxcnc.about()),
-    (Dialect::Fanuc, Dialect::Fanuc.name(), Dialect::Fanuc.about()),
+const DIALECTS: [Named<ProgramDialect>; 3] = [
+    (ProgramDialect::Auto, "auto", "by what only one of them has, else linuxcnc"),
+    (ProgramDialect::Linuxcnc, Dialect::Linuxcnc.name(), Dialect::Linuxcnc.about()),
+    (ProgramDialect::Fanuc, Dialect::Fanuc.name(), Dialect::Fanuc.about()),
 ];
 
 /// Reads one of some values by its name.
@@ -69,6 +74,6 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
     })
 }
 
-fn dialect() -> impl TypedValueParser<Value = Dialect> {
+fn dialect() -> impl TypedValueParser<Value = ProgramDialect> {
     one_of(&DIALECTS)
 }

@@ -40,14 +40,15 @@ fn a_coordinate_that_lost_its_point_is_refused() {
         let refused = refused.unwrap_or_else(|| panic!("{text}: {:?}", found.errors));
         assert_eq!(refused.line, line, "{text}");
         assert!(refused.help.contains("machine.decimal_point"), "{}", refused.help);
+        assert!(found.warnings.iter().all(|one| one.code != "no-decimal-point"), "{text}: said twice");
     }
 }
 
 #[test]
 fn what_means_the_same_in_both_readings_is_not_asked() {
-    let text = "G00 X40. Z0\nU0 W-1.\nG04 P500\nG04 X1\nG76 P021060 Q50 R30\nG76 X37.546 Z-20. P1227 Q350 F2.\n\
+    let text = "G00 X42. Z0\nU0 W-1.\nG04 P500\nG04 X1\nG76 P021060 Q50 R30\nG76 X37.546 Z-20. P1227 Q350 F2.\n\
                 #1=5\nZ#1\nM30\n";
-    let found = outcome(&text.replace("G00 X40.", "G97 S500 M03\nG00 X40."));
+    let found = outcome(&text.replace("G00 X42.", "G97 S500 M03\nG00 X42."));
     assert!(found.errors.is_empty() && found.warnings.is_empty(), "{:?} {:?}", found.errors, found.warnings);
 }
 

@@ -1,0 +1,175 @@
+//! Which language a program is written in, by what only one of the two has.
+//!
+//! In: the beginning of its text. Out: the dialect that more of its lines can only be, where the first of
+//! them stands, and why. A program without such a line means the same in both, or is neither.
+
+use crate::options::Dialect;
+
+/// What a line gave away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Guess {
+    /// The dialect.
+    pub dialect: Dialect,
+    /// The line, from 1.
+    pub line: u32,
+    /// What stands there.
+    pub why: &'static str,
+}
+
+/// What a line has if no comment is looked at.
+struct Words<'a> {
+    /// In lower case, without blanks and comments.
+    text: &'a [u8],
+}
+
+type Sign = (Dialect, &'static str, fn(&Words) -> bool);
+
+const SIGNS: [Sign; 14] = [
+    (Dialect::Linuxcnc, "a named parameter, #<...>", |words| words.has(b"#<")),
+    (Dialect::Linuxcnc, "an O word with what it does", |words| {
+        words.text.starts_with(b"o<")
+            || words.behind_number(b'o').is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_alphabetic))
+    }),
+    (Dialect::Linuxcnc, "G7 or G8", |words| words.has_code(b'g', &[7, 8])),
+    (Dialect::Linuxcnc, "G33", |words| words.has_code(b'g', &[33])),
+    (Dialect::Linuxcnc, "M6", |words| words.has_code(b'm', &[6])),
+    (Dialect::Linuxcnc, "G64 P", |words| words.has_code(b'g', &[64]) && words.has_word(b'p')),
+    (Dialect::Fanuc, "O with the number of a program", |words| {
+        words.behind_number(b'o').is_some_and(<[u8]>::is_empty) || words.behind_number(b':').is_some()
+    }),
+    (Dialect::Fanuc, "GOTO", |words| words.has(b"goto")),
+    (Dialect::Fanuc, "DO and a number", |words| words.has(b"]do") || words.starts_with_number(b"do")),
+    (Dialect::Fanuc, "G50 S", |words| words.has_code(b'g', &[50]) && words.has_word(b's')),
+    (Dialect::Fanuc, "G32", |words| words.has_code(b'g', &[32])),
+    (Dialect::Fanuc, "a T word of four digits", |words| {
+        words.values(b't').any(|digits| digits.len() == 4 && digits.iter().all(u8::is_ascii_digit))
+    }),
+    (Dialect::Fanuc, "U or W", |words| words.has_word(b'u') || words.has_word(b'w')),
+    (Dialect::Fanuc, "G71 or G72 without Q", |words| {
+        words.has_code(b'g', &[71, 72]) && !words.has_word(b'q') && !words.has(b"q[") && !words.has(b"q#")
+    }),
+];
+
+/// What a program is written in; `None` if nothing says so.
+pub fn guess(text: &[u8]) -> Option<Guess> {
+    let (mut bare, mut found) = (Vec::new(), Vec::<(Guess, u32)>::new());
+    for (line, number) in text.split(|byte| *byte == b'\n').zip(1..) {
+        without_comments(line, &mut bare);
+        let words = Words { text: &bare };
+        let Some((dialect, why, _)) = SIGNS.iter().find(|(.., is_there)| is_there(&words)) else { continue };
+        match found.iter_mut().find(|(guess, _)| guess.dialect == *dialect) {
+            Some((_, lines)) => *lines += 1,
+            None => found.push((Guess { dialect: *dialect, line: number, why }, 1)),
+        }
+    }
+    // Of as many lines the dialect that came first: the last of equals is the greatest.
+    found.into_iter().rev().max_by_key(|(_, lines)| *lines).map(|(guess, _)| guess)
+}
+
+/// A line in lower case, without blanks, comments, N, and the slash of an optional block.
+fn without_comments(line: &[u8], bare: &mut Vec<u8>) {
+    bare.clear();
+    let mut depth = 0;
+    for byte in line {
+        match byte {
+            b'(' => depth += 1,
+            b')' => depth = (depth - 1).max(0),
+            b';' if depth == 0 => break,
+            _ if depth > 0 || byte.is_ascii_whitespace() => {}
+            _ => bare.push(byte.to_ascii_lowercase()),
+        }
+    }
+    let slash = usize::from(bare.starts_with(b"/"));
+    let mut from = slash;
+    if bare.get(from) == Some(&b'n') {
+        from += 1;
+        from += bare[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    }
+    bare.drain(..from);
+}
+
+impl<'a> Words<'a> {
+    fn has(&self, part: &[u8]) -> bool {
+        self.text.windows(part.len()).any(|window| window == part)
+    }
+
+    /// What follows a letter that stands first and has whole digits behind it.
+    fn behind_number(&self, letter: u8) -> Option<&'a [u8]> {
+        let rest = self.text.strip_prefix(&[letter])?;
+        let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        (digits > 0).then(|| &rest[digits..])
+    }
+
+    fn starts_with_number(&self, word: &[u8]) -> bool {
+        self.text.strip_prefix(word).is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_digit))
+    }
+
+    /// The numbers, as written, of the words of a letter. Letters inside of names and expressions do not
+    /// begin words.
+    fn values(&self, letter: u8) -> impl Iterator<Item = &'a [u8]> {
+        let text = self.text;
+        let begins = move |at: usize| {
+            let before = at.checked_sub(1).map_or(b'0', |before| text[before]);
+            text[at] == letter && (before.is_ascii_digit() || matches!(before, b'.' | b']'))
+        };
+        (0..text.len()).filter(move |at| begins(*at)).map(move |at| {
+            let rest = &text[at + 1..];
+            let end = rest.iter().take_while(|byte| byte.is_ascii_digit() || b".+-".contains(byte)).count();
+            &rest[..end]
+        })
+    }
+
+    fn has_word(&self, letter: u8) -> bool {
+        self.values(letter).any(|number| !number.is_empty())
+    }
+
+    fn has_code(&self, letter: u8, codes: &[u16]) -> bool {
+        let number = |digits: &[u8]| std::str::from_utf8(digits).ok()?.parse::<u16>().ok();
+        self.values(letter).any(|digits| number(digits).is_some_and(|number| codes.contains(&number)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_tell_the_dialects_apart() {
+        let fanuc = [
+            "%\nO1000\nG21",
+            ":1000 (SHAFT)\nG21",
+            "(ANY)\nG50 S2000\n",
+            "N10 G00 T0101",
+            "G00 X10. Z2.\nU4.",
+            "N5 IF [#1 EQ 2] GOTO 10",
+            "WHILE [#1 LT 3] DO 1",
+            "G71 U2. R0.5",
+        ];
+        let linuxcnc = [
+            "o100 sub\n",
+            "o<turn> call [3]",
+            "#<depth> = 2",
+            "G7\n",
+            "T1 M6",
+            "G64 P0.01",
+            "G33 Z-10 K1",
+            "O10 while [1]",
+        ];
+        let neither = ["G0 X10 Z5\nG1 Z-5 F100\nM2\n", "(O1000 GOTO U2)\n;T0101\n", "", "\u{0}\u{ff}"];
+        for (texts, dialect) in
+            [(&fanuc[..], Some(Dialect::Fanuc)), (&linuxcnc, Some(Dialect::Linuxcnc)), (&neither, None)]
+        {
+            for text in texts {
+                assert_eq!(guess(text.as_bytes()).map(|guess| guess.dialect), dialect, "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_lines_count_and_the_first_of_them_is_told() {
+        let found = guess(b"(A PART)\nG21\nN10 T0202\no100 sub").expect("a sign");
+        assert_eq!((found.dialect, found.line), (Dialect::Fanuc, 3));
+        let found = guess(b"O1000\nG7\nG33 Z-10 K1").expect("a sign");
+        assert_eq!((found.dialect, found.line, found.why), (Dialect::Linuxcnc, 2, "G7 or G8"));
+    }
+}
