@@ -9,6 +9,7 @@ use crate::{
     args::ProgramArgs,
     diagnostics::Document,
     error::CliError,
+    gauged::{self, GaugeArgs},
     program::{Program, Read},
     screen,
 };
@@ -17,6 +18,8 @@ use crate::{
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub(crate) input: ProgramArgs,
+    #[command(flatten)]
+    pub(crate) gauge: GaugeArgs,
     /// Print every diagnostic as one JSON document, for editors, and nothing else.
     #[arg(long)]
     pub(crate) json: bool,
@@ -25,14 +28,15 @@ pub(crate) struct CheckArgs {
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.input.machine.read()?;
-    let language = args.input.language.language();
-    let program = Program::judge(&args.input.program, &language, &machine)?;
+    let (language, asked) = (args.input.language.language(), args.gauge.read()?);
+    let program = Program::judge(&args.input.program, &language, &machine, asked)?;
     if args.json {
         let name = args.input.program.display().to_string();
         let dialect = Read::of(&args.input.program, &language, &machine).name();
         let good = program.found(Severity::Error) == 0;
         let time_s = good.then_some(program.time_s);
-        let document = Document::new(&name, dialect, program.diagnostics(), program.moves, time_s);
+        let gauge = program.gauge.as_ref().map(|nominal| nominal.name.as_str());
+        let document = Document::new(&name, dialect, program.diagnostics(), program.moves, time_s, gauge);
         let text = serde_json::to_string_pretty(&document);
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
         screen::print(&format!("{text}\n"));
@@ -74,6 +78,9 @@ fn findings(program: &Program) -> String {
     }
     if !passes.is_empty() {
         let _ = writeln!(text, "Z is that of the machine: coordinate system and tool offset are added");
+    }
+    if let Some(nominal) = &program.gauge {
+        let _ = writeln!(text, "gauge {}", gauged::told(nominal));
     }
     if errors == 0 {
         let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", program.time_s);

@@ -1,12 +1,14 @@
 //! Diagnostics as one JSON document, for editors: `pitchlock check --json`.
 //!
 //! ```json
-//! { "version": 1, "program": "part.ngc", "dialect": "linuxcnc", "errors": 1, "warnings": 0, "moves": 12, "time_s": null,
+//! { "version": 1, "program": "part.ngc", "dialect": "linuxcnc", "errors": 1, "warnings": 0, "moves": 12,
+//!   "time_s": null, "gauge": null,
 //!   "diagnostics": [
 //!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error",
 //!     "code": "unused-word", "message": "no code of this block uses Q", "help": "leave it out" } ] }
 //! ```
-//! `time_s` is the time the program takes at 100 % override; null where an error keeps it from running. Lines
+//! `gauge` is the name of the thread that a gauge will judge, null without one. `time_s` is the time the
+//! program takes at 100 % override; null where an error keeps it from running. Lines
 //! and columns count from 1, columns in characters; `end_column` is that of the character behind the last.
 
 use gcode::{Diagnostic, Severity};
@@ -22,6 +24,7 @@ pub(crate) struct Document<'a> {
     warnings: usize,
     moves: u64,
     time_s: Option<f64>,
+    gauge: Option<&'a str>,
     diagnostics: Vec<Entry<'a>>,
 }
 
@@ -45,6 +48,7 @@ impl<'a> Document<'a> {
         diagnostics: &'a [Diagnostic],
         moves: u64,
         time_s: Option<f64>,
+        gauge: Option<&'a str>,
     ) -> Document<'a> {
         let count = |severity| diagnostics.iter().filter(|one| one.severity == severity).count();
         Document {
@@ -55,6 +59,7 @@ impl<'a> Document<'a> {
             warnings: count(Severity::Warning),
             moves,
             time_s,
+            gauge,
             diagnostics: diagnostics.iter().map(Entry::from).collect(),
         }
     }

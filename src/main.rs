@@ -9,6 +9,7 @@ mod diagnostics;
 mod doctor;
 mod error;
 mod experiment;
+mod gauged;
 mod program;
 mod report;
 mod resolution;

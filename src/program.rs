@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use gauge::Nominal;
 use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
 use machine::{Kinematics, Machine, ProgramDialect};
 use protocol::{Arc, Code, Item, code_file::CodeFile};
-use rig::observe::{Observer, Watch};
+use rig::observe::{GaugeAsked, Observer, Watch};
 use route::{Course, Route};
 
 use crate::{error::CliError, screen};
@@ -29,15 +30,22 @@ pub(crate) struct Program {
     pub(crate) time_s: f64,
     /// The file beside it that describes the part.
     pub(crate) part_file: Option<PathBuf>,
+    /// What judges its thread.
+    pub(crate) gauge: Option<Nominal>,
 }
 
 impl Program {
-    /// Reads a program for a machine.
+    /// Reads a program for a machine, and for a gauge that goes before what the program says of its thread.
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or has errors: all of them are in the text.
-    pub(crate) fn read(path: &Path, language: &Language, machine: &Machine) -> Result<Program, CliError> {
-        let program = Program::judge(path, language, machine)?;
+    pub(crate) fn read(
+        path: &Path,
+        language: &Language,
+        machine: &Machine,
+        gauge: Option<Nominal>,
+    ) -> Result<Program, CliError> {
+        let program = Program::judge(path, language, machine, gauge)?;
         match &program.check {
             Some(check) if !check.is_good() => Err(CliError::Input(program.messages)),
             _ => Ok(program),
@@ -48,7 +56,12 @@ impl Program {
     ///
     /// # Errors
     /// The file cannot be read, or is damaged.
-    pub(crate) fn judge(path: &Path, language: &Language, machine: &Machine) -> Result<Program, CliError> {
+    pub(crate) fn judge(
+        path: &Path,
+        language: &Language,
+        machine: &Machine,
+        gauge: Option<Nominal>,
+    ) -> Result<Program, CliError> {
         if CodeFile::is_named(path) {
             let file =
                 CodeFile::open(path, &machine.identity()).map_err(|error| CliError::file(path, error))?;
@@ -73,6 +86,7 @@ impl Program {
                 messages,
                 time_s,
                 part_file: None,
+                gauge,
             });
         }
         let (mut watch, mut watched) = (Watch::default(), Vec::new());
@@ -80,7 +94,7 @@ impl Program {
         let beside =
             interpreter::part_beside(path, machine).map_err(|error| CliError::Input(error.to_string()))?;
         let (part_file, part) = beside.unzip();
-        let interpreter = Interpreter::new(program, machine).with_part(part);
+        let interpreter = Interpreter::new(program, machine).with_part(part).with_gauge(gauge);
         let mut check = interpreter::check_interpreter(interpreter, machine, |item| {
             if watch.wants(&item) {
                 watched.push(item);
@@ -97,6 +111,7 @@ impl Program {
         if !check.is_good() {
             messages += &dialect.hint();
         }
+        let gauge = check.gauge.clone();
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
         Ok(Program {
             code: None,
@@ -108,6 +123,7 @@ impl Program {
             messages,
             time_s,
             part_file,
+            gauge,
         })
     }
 
@@ -136,16 +152,25 @@ impl Program {
     /// Who observes a run of it.
     pub(crate) fn observer(&self, machine: &Machine) -> Observer {
         let observer = Observer::new(machine, &self.watched);
-        let Some(check) = &self.check else { return observer };
+        let Some(check) = &self.check else { return self.gauged(observer) };
         let origins = check.passes.iter().map(|note| (note.pass, note.origin_mm)).collect();
         let observer = match &check.part {
             Some(part) => observer.of_part(part, &origins),
             None => observer.lying_at(&origins),
         };
-        observer.with_tools(|number, tool| {
+        let observer = observer.with_tools(|number, tool| {
             tool.origin_mm = check.origins_mm.get(&number).copied();
             tool.diameter_mm = check.diameters_mm.get(&number).copied();
-        })
+        });
+        self.gauged(observer)
+    }
+
+    /// The same with the gauge for its thread, if there is one.
+    fn gauged(&self, observer: Observer) -> Observer {
+        let Some(nominal) = self.gauge.clone() else { return observer };
+        let passes = self.check.iter().flat_map(|check| &check.passes);
+        let origins_mm = passes.map(|note| (note.pass, note.origin_mm)).collect();
+        observer.with_gauge(GaugeAsked { nominal, origins_mm })
     }
 
     /// Files that were read besides the program.

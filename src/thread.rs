@@ -106,7 +106,7 @@ pub(crate) fn thread(args: &ThreadArgs) -> Result<ExitCode, CliError> {
 }
 
 /// Where the name is wrong, and what is understood.
-fn refused(name: &str, misread: &Misread) -> CliError {
+pub(crate) fn refused(name: &str, misread: &Misread) -> CliError {
     let Misread { span, message, help } = misread;
     let letters = |range: &str| range.chars().count();
     let before = letters(&name[..span.start]);

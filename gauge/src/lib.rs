@@ -9,7 +9,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `nominal/` | what is asked: pitch, flanks, limits; from the name of a thread |
+//! | `nominal/` | what is asked: pitch, flanks, limits; from a name, from numbers |
 //! | `edge.rs` | the edge of the tool |
 //! | `section.rs` | from places of the tool at one angle to grooves |
 //! | `groove.rs` | from a groove to its measures |
@@ -31,7 +31,7 @@ mod window;
 
 pub use edge::Edge;
 pub use judge::{Report, Verdict, judge};
-pub use metrology::Side;
+pub use metrology::{Misread, Side};
 pub use nominal::{Nominal, NominalError};
 pub use reason::{Cause, Check, Reason};
 pub use section::{Place, Sections};

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use gauge::Nominal;
 use gcode::{Diagnostic, Program, Severity};
 use machine::{Machine, Part};
 use protocol::Item;
@@ -39,6 +40,8 @@ pub struct Check {
     pub origins_mm: BTreeMap<u32, [f64; 2]>,
     /// Diameters of tools, by number, as far as the tool table knows them, mm.
     pub diameters_mm: BTreeMap<u32, f64>,
+    /// What a gauge asks of the thread, if somebody said which thread it is.
+    pub gauge: Option<Nominal>,
     /// Files that were read besides the program.
     pub subroutine_files: Vec<PathBuf>,
     /// Estimated duration at 100 % override, s.
@@ -118,6 +121,7 @@ pub fn check_interpreter(
     let tools = interpreter.program().tools().iter().filter(|tool| tool.diameter > 0.0);
     check.diameters_mm =
         tools.filter_map(|tool| Some((u32::try_from(tool.number).ok()?, tool.diameter))).collect();
+    check.gauge = interpreter.gauge().cloned();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.time_s = clock.seconds();

@@ -54,6 +54,7 @@ mod translate;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
+use gauge::Nominal;
 use gcode::problem::Blame;
 use gcode::{Place, Problem, Program, Step};
 use machine::{Machine, Part};
@@ -103,6 +104,13 @@ impl Interpreter {
         self
     }
 
+    /// The same of a program that a gauge shall judge, whatever the program says of its thread.
+    #[must_use]
+    pub fn with_gauge(mut self, asked: Option<Nominal>) -> Interpreter {
+        asked.into_iter().for_each(|nominal| self.translator.has_gauge(nominal));
+        self
+    }
+
     /// An interpreter of a text, in the dialect and with the tools of the machine file.
     pub fn of_text(name: &str, text: impl Into<Vec<u8>>, machine: &Machine) -> Interpreter {
         Interpreter::new(Program::from_text(name, text, &options::options(machine)), machine)
@@ -131,6 +139,11 @@ impl Interpreter {
     /// X and Z of the machine at which zero of the program lies where a tool first cuts, by tool, mm.
     pub(crate) fn origins_mm(&self) -> &BTreeMap<u32, [f64; 2]> {
         self.translator.origins_mm()
+    }
+
+    /// What a gauge asks of the thread, if somebody said which thread it is.
+    pub fn gauge(&self) -> Option<&Nominal> {
+        self.translator.gauged().nominal()
     }
 
     /// The program, for its parameters and tools at the end.

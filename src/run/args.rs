@@ -9,11 +9,12 @@ use process::{
 };
 use protocol::Doom;
 
-use crate::args::MachineArgs;
+use crate::{args::MachineArgs, gauged::GaugeArgs};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock run examples/m20x2.ngc
   pitchlock run part.ngc --machine my-lathe.toml --scenario examples/scenarios/override-in-pass.toml
+  pitchlock run part.ngc --gauge M20x2-6g
   pitchlock run runs/m20x2-1          the same run again, from its folder
 
 The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
@@ -38,6 +39,8 @@ pub(crate) struct RunArgs {
     pub(crate) language: LanguageArgs,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
+    #[command(flatten)]
+    pub(crate) gauge: GaugeArgs,
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) clock: Clock,

@@ -209,6 +209,8 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         repeated.language.strict |= kept.strict;
     }
     repeated.scenario = args.scenario.clone().or_else(|| there(SCENARIO));
+    let named = summary.gauge.as_ref().map(|gauge| gauge.name.clone());
+    repeated.gauge.gauge = args.gauge.gauge.clone().or(named);
     repeated.seed = args.seed.or(Some(summary.seed));
     Ok(repeated)
 }

@@ -53,7 +53,7 @@ pub(crate) struct Setup {
 pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let args = &folder::repeated(args)?;
     let (machine, machine_text) = args.machine.read()?;
-    let program = Program::read(&args.program, &args.language.language(), &machine)?;
+    let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     if !quiet {
         eprint!("{}", program.messages);
     }
@@ -175,6 +175,7 @@ fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
         summary.wall_s
     );
     threads(&mut text, summary);
+    gauged(&mut text, summary);
     traces(&mut text, summary);
     moves(&mut text, summary);
     pauses(&mut text, summary);
@@ -241,6 +242,15 @@ fn threads(text: &mut String, summary: &Summary) {
         worst(|pass| pass.x.end_um.abs()),
         worst(|pass| pass.x.thread_max_abs_um),
     );
+}
+
+/// What the gauge says.
+fn gauged(text: &mut String, summary: &Summary) {
+    let Some(gauge) = &summary.gauge else { return };
+    let _ = writeln!(text, "gauge     {}", gauge.sentence());
+    for note in &gauge.notes {
+        let _ = writeln!(text, "          {note}");
+    }
 }
 
 fn traces(text: &mut String, summary: &Summary) {

@@ -12,6 +12,7 @@ mod dialects;
 mod endings;
 mod experiments;
 mod first_hour;
+mod gauge;
 mod jobs;
 mod memory;
 mod part;

@@ -29,7 +29,7 @@ const CRATES: [(&str, &[&str]); 20] = [
     ("protocol", &["motion", "shape"]),
     ("machine", &["protocol", "motion"]),
     ("route", &["machine", "protocol", "motion", "shape"]),
-    ("interpreter", &["gcode", "route", "machine", "protocol", "motion", "shape"]),
+    ("interpreter", &["gauge", "gcode", "route", "machine", "protocol", "motion", "shape"]),
     ("interpolator", &["route", "machine", "protocol", "motion", "shape"]),
     ("regulator", &["machine", "protocol", "motion"]),
     ("sim-plant", &["machine", "protocol", "motion"]),

@@ -1,5 +1,5 @@
-//! What a gauge asks of a thread. In: sizes of a drawing, or the name of a thread (`named.rs`), mm and
-//! degrees. Out: heights over the line on which a GO gauge is measured.
+//! What a gauge asks of a thread. In: sizes of a drawing, the name of a thread (`named.rs`) or what a
+//! person writes (`text.rs`), mm and degrees. Out: heights over the line on which a GO gauge is measured.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -17,6 +17,7 @@
 //! groove; along the cone that is half of the pitch.
 
 mod named;
+mod text;
 
 use std::fmt;
 
@@ -65,8 +66,6 @@ pub enum NominalError {
     Side,
     /// Its standard sets no limits that are known.
     NoLimits,
-    /// Tapers are gauged by how far they go, at a plane that a name does not say.
-    Taper,
 }
 
 impl fmt::Display for NominalError {
@@ -74,16 +73,28 @@ impl fmt::Display for NominalError {
         f.write_str(match self {
             NominalError::Sizes => "a gauge needs a pitch, a length and a range of pitch diameters above 0",
             NominalError::Flanks => "a gauge needs flanks of 0 to 80°, 4° or more between them",
-            NominalError::Side => {
-                "a gauge needs a screw or a nut: add the class of one of them, as in M20x2-6g"
-            }
-            NominalError::NoLimits => "no limits are known for this thread: a gauge needs a class",
-            NominalError::Taper => "a tapered thread is not gauged by its name",
+            NominalError::Side => "a gauge is for a screw or for a nut, and the name says neither",
+            NominalError::NoLimits => "no gauge: no limits of the pitch diameter are known for this thread",
         })
     }
 }
 
 impl std::error::Error for NominalError {}
+
+impl NominalError {
+    /// What to write.
+    #[must_use]
+    pub fn help(self) -> &'static str {
+        match self {
+            NominalError::Side => {
+                "add the class of one of them, as in M20x2-6g or M20x2-6H, or external or internal"
+            }
+            NominalError::NoLimits | NominalError::Sizes | NominalError::Flanks => {
+                "give the limits by numbers, as in P2 D2 18.503..18.663 A60 external"
+            }
+        }
+    }
+}
 
 /// Least angle between the flanks, degrees.
 const LEAST_DEG: f64 = 4.0;

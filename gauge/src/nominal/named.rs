@@ -4,13 +4,13 @@
 //! |---|---|
 //! | pitch diameter, crest | the limits of the class |
 //! | root for GO | d1_max where a flat of the root may reach it, else the minor diameter of the basic profile; of a nut the major diameter |
-//! | length of the GO gauge | the major diameter: what is usually engaged |
+//! | length of the GO gauge | the major diameter: what is usually engaged; L1 of a taper |
 //!
 //! Roots of the form of Whitworth are round to the basic profile, so no straight flank of a gauge reaches
 //! them: GO is held against a quarter of the triangle of the flanks on that side. Limits of the root itself
 //! (d3) are those of a drawing, not of a gauge.
 
-use metrology::{Limits, Side, Size, Thread};
+use metrology::{Limits, Member, Side, Size, Thread};
 
 use super::{Nominal, NominalError};
 
@@ -22,19 +22,19 @@ impl Nominal {
     /// cut with M3 towards the chuck, or with M4 away from it.
     ///
     /// # Errors
-    /// The name says neither screw nor nut, or its standard has no limits for cylinders.
+    /// The name says neither screw nor nut, or its standard has no limits of the pitch diameter.
     pub fn of(thread: &Thread) -> Result<Nominal, NominalError> {
         let Limits { external, internal, .. } = thread.limits();
         let profile = thread.profile();
-        if profile.taper != 0.0 {
-            return Err(NominalError::Taper);
-        }
         let (side, member) = match (external, internal) {
             (Some(screw), None) => (Side::External, screw),
             (None, Some(nut)) => (Side::Internal, nut),
             (None, None) => return Err(NominalError::NoLimits),
             _ => return Err(NominalError::Side),
         };
+        if profile.taper != 0.0 {
+            return tapered(thread, side, &member);
+        }
         let limits = member.get(Size::PitchMin).zip(member.get(Size::PitchMax));
         let (least, most) = limits.ok_or(NominalError::NoLimits)?;
         let (root, crest) = match side {
@@ -62,4 +62,33 @@ impl Nominal {
         };
         nominal.check().map(|()| nominal)
     }
+}
+
+/// A taper: its pitch diameter may be off by a turn at the plane of the hand-tight engagement. That is L1
+/// from the small end of a screw, and the face of a nut; the face of the part is at Z 0.
+fn tapered(thread: &Thread, side: Side, member: &Member) -> Result<Nominal, NominalError> {
+    let profile = thread.profile();
+    let limits = member.get(Size::HandTightMin).zip(member.get(Size::HandTightMax));
+    let (least, most) = limits.ok_or(NominalError::NoLimits)?;
+    let length_mm = member.get(Size::HandTightLength).ok_or(NominalError::NoLimits)?;
+    let (taper, plane_mm) = match side {
+        Side::External => (-profile.taper, -length_mm),
+        Side::Internal => (profile.taper, 0.0),
+    };
+    let nominal = Nominal {
+        name: thread.to_string(),
+        side,
+        flank_deg: profile.flank_deg,
+        pitch_mm: profile.pitch_mm,
+        starts: profile.starts,
+        grows: profile.left_hand,
+        pitch_diameter_mm: [least, most],
+        crest_mm: [None; 2],
+        root_go_mm: None,
+        root_mm: [None; 2],
+        taper,
+        plane_mm,
+        gauge_mm: length_mm,
+    };
+    nominal.check().map(|()| nominal)
 }

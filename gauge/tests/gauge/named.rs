@@ -32,13 +32,72 @@ fn the_limits_are_those_that_tables_print() {
 fn what_has_no_gauge_says_why() {
     for (name, why) in [
         ("M20x2", NominalError::Side),
-        ("1/2-14 NPT", NominalError::Taper),
+        ("1/2-14 NPT", NominalError::Side),
+        ("R1/2", NominalError::NoLimits),
         ("BSW 1/2-12", NominalError::Side),
         ("Rd80 x 1/10 external", NominalError::NoLimits),
     ] {
         let refused = named(name).expect_err("there is none");
         assert_eq!(refused, why, "{name}");
         assert!(refused.to_string().contains("gauge"), "{refused}");
+    }
+}
+
+/// A screw of NPT grows away from its face at Z 0, a nut shrinks; E1 is that of ASME B1.20.1, a turn to
+/// either side.
+#[test]
+fn a_taper_is_held_against_its_plane_from_the_face() {
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 3e-4, "{a} {b}");
+    for (name, taper, plane) in
+        [("1/2-14 NPT external", -1.0 / 16.0, -0.320 * 25.4), ("1/2-14 NPT internal", 1.0 / 16.0, 0.0)]
+    {
+        let nominal = named(name).expect("it has limits");
+        let [least, most] = nominal.pitch_diameter_mm;
+        close(0.5 * (least + most), 0.77843 * 25.4);
+        close(most - least, 2.0 * 25.4 / 14.0 / 16.0);
+        assert_eq!(nominal.taper, taper, "{name}");
+        close(nominal.plane_mm, plane);
+    }
+}
+
+#[test]
+fn numbers_say_what_a_name_says() {
+    let written = "P2 D2 18.503..18.663 A60 external crest 19.682..19.962 root ..17.797 length 20";
+    let numbers: Nominal = written.parse().expect("numbers");
+    let named: Nominal = "M20x2-6g".parse().expect("a name");
+    let printed = Nominal { root_mm: [None, Some(17.797)], root_go_mm: Some(17.797), ..named.clone() };
+    assert_eq!(numbers, Nominal { name: written.into(), ..printed });
+    assert!((named.root_go_mm.expect("a root") - 17.797).abs() < 1e-9);
+    let other = "p 7 a 30 lh d2 36,02..36,375 internal STARTS 2 taper 1:16 at -3";
+    let other: Nominal = other.parse().expect("numbers");
+    assert_eq!((other.flank_deg, other.starts, other.grows), ([15.0; 2], 2, true));
+    assert_eq!((other.taper, other.plane_mm, other.gauge_mm), (1.0 / 16.0, -3.0, 36.375));
+    assert_eq!((other.side, other.pitch_diameter_mm), (Side::Internal, [36.02, 36.375]));
+}
+
+#[test]
+fn numbers_that_are_wrong_are_told_by_their_word() {
+    for (text, word, message) in [
+        ("P2 D2 18.5", "18.5", "\"18.5\" behind D2 is not a range"),
+        ("P2 D2", "", "behind D2 a range, as in 18.503..18.663 is missing"),
+        ("P2 D2 ..18.6", "P2 D2 ..18.6", "D2 with both limits of the pitch diameter is missing"),
+        ("P2 A60", "P2 A60", "D2 with both limits"),
+        ("P2 D2 18.5..18.6 A6o", "A6o", "\"A6o\" is not understood"),
+        ("P2 D2 18.5..18.6 extern", "extern", "\"extern\" is not understood"),
+        ("P2 D2 18.5..18.6 P3", "P3", "\"P3\" is said twice"),
+        ("P2 D2 18.5..18.6 internal external", "external", "said twice"),
+        ("P2 D2 18.5..18.6 starts 1.5", "P2 D2 18.5..18.6 starts 1.5", "no 1.5 starts"),
+        ("P2 D2 18.5..18.6 taper 1:0", "1:0", "is not a taper"),
+        ("P2 D2 18.7..18.6", "P2 D2 18.7..18.6", "range of pitch diameters"),
+        ("P2 D2 18.5..18.6 A2", "P2 D2 18.5..18.6 A2", "flanks"),
+        ("P-2 D2 18.5..18.6", "P-2 D2 18.5..18.6", "a pitch"),
+        ("M20x2-6z", "6z", ""),
+        ("M20x2", "M20x2", "neither"),
+    ] {
+        let wrong = text.parse::<Nominal>().expect_err(text);
+        assert!(wrong.message.contains(message), "{text}: {wrong}");
+        assert!(text[wrong.span.clone()].contains(word) || word == "6z", "{text}: {wrong:?}");
+        assert!(!wrong.help.is_empty(), "{text}");
     }
 }
 

@@ -4,6 +4,7 @@
 //! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
 mod doubts;
+mod gauged;
 mod jobs;
 mod part;
 
@@ -28,6 +29,7 @@ use crate::stock::Stock;
 use crate::thread::{Next, Point};
 use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
 use doubts::Doubts;
+use gauged::Gauged;
 
 /// Longest dwell, s.
 const LONGEST_DWELL: f64 = 86_400.0;
@@ -47,6 +49,7 @@ pub(crate) struct Translator {
     stock: Option<Stock>,
     /// Where zero of the program lies on the machine where a tool first cuts: X, Z.
     origins_mm: BTreeMap<u32, [f64; 2]>,
+    gauged: Gauged,
 }
 
 impl Sink for Translator {
@@ -84,6 +87,7 @@ impl Translator {
             part: None,
             stock: None,
             origins_mm: BTreeMap::new(),
+            gauged: Gauged::default(),
         }
     }
 
@@ -115,6 +119,7 @@ impl Translator {
     /// The program is over, however it ended.
     pub(crate) fn finish(&mut self) {
         self.release(Next::Stays);
+        self.gauge_tells();
         let line = self.place().line;
         self.spindle.stop();
         self.end_of_block();
@@ -160,7 +165,11 @@ impl Translator {
 
     fn take(&mut self, place: Place, call: Call<'_>) -> Done {
         match call {
-            Call::Comment(text) => self.threads.comment(text).and_then(|()| self.take_part(text)),
+            Call::Comment(text) => {
+                self.threads.comment(text)?;
+                self.take_part(text)?;
+                self.take_thread(text)
+            }
             Call::Note(_)
             | Call::OnReset
             | Call::SetFeedReference

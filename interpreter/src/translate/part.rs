@@ -106,6 +106,7 @@ impl Translator {
     pub(super) fn part_sees_pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
         self.threads.lies_at(pass.pass, origin);
         self.cuts_at(origin);
+        self.gauge_sees_pass(place, pass, origin);
         if let Some(problem) = self.stock.as_mut().and_then(|stock| stock.pass(pass, origin)) {
             self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
         }

@@ -11,6 +11,7 @@ mod figures_cutting;
 mod figures_moves;
 mod figures_pass;
 mod figures_traces;
+mod gauge;
 mod page;
 mod passes;
 mod path;

@@ -5,6 +5,7 @@ use rig::observe::{FaultReport, Outcome, PassReport, Summary};
 
 use super::Run;
 use super::cutting;
+use super::gauge;
 use super::passes;
 use super::traces;
 use super::verdict::{self, um};
@@ -21,6 +22,7 @@ pub(super) fn html(run: &Run) -> String {
         (head(summary))
         @if let Some(note) = &run.trace_note { p.note { (note) } }
         @if !summary.passes.is_empty() { (passes::tables(summary)) }
+        @if let Some(gauge) = &summary.gauge { (gauge::table(gauge)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
         @if let Some(tools) = &run.tools { (section(tools)) }

@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use protocol::Axis;
 use rig::observe::{Outcome, PassReport, Summary, TOOL_IN_THREAD, TraceReport, WorkKind};
 
+use super::gauge;
+
 /// A thread that is off at the tool by more than this share of what it may be deserves a look.
 const LOOK_SHARE: f64 = 0.5;
 
@@ -50,7 +52,7 @@ pub(super) struct Verdict {
 }
 
 impl Verdict {
-    fn say(&mut self, grade: Grade, sentence: impl Into<String>) {
+    pub(super) fn say(&mut self, grade: Grade, sentence: impl Into<String>) {
         self.grade = self.grade.max(grade);
         self.sentences.push(sentence.into());
     }
@@ -73,6 +75,7 @@ pub(super) fn of(summary: &Summary) -> Verdict {
         verdict.say(Grade::Bad, format!("Careful: {}.", warning.text));
     }
     threads(summary, &mut verdict);
+    gauge::says(summary, &mut verdict);
     traces(summary, &mut verdict);
     for reason in &summary.part.reasons {
         verdict.say(Grade::Bad, format!("The part is not good: {reason}."));

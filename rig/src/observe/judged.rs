@@ -4,25 +4,13 @@
 //! A thread is judged at the tool, over all contact, by `threading.part_error_um` of the machine file: the
 //! swing of each pass about its mean, passes and starts against each other, the depth, and how it differs
 //! from end to end. Where along the part the whole thread lies is not judged: nobody measures that in µm.
-//! Work from formulas is judged by what its job asks for.
+//! Work from formulas is judged by what its job asks for. Where a gauge is asked for, what it refuses speaks
+//! against the part.
 
 use machine::Threading;
 use serde::{Deserialize, Serialize};
 
-use super::{PassReport, Summary};
-
-/// How good the part is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PartVerdict {
-    /// Nothing speaks against it.
-    Good,
-    /// Something does.
-    Bad,
-    /// Nothing was cut that is judged.
-    #[default]
-    None,
-}
+use super::{PassReport, Summary, verdict::PartVerdict};
 
 /// The part, as far as it is judged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

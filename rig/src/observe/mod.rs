@@ -32,6 +32,7 @@ mod threads;
 mod told;
 mod tool;
 mod used;
+mod verdict;
 mod work;
 mod workshop;
 
@@ -49,15 +50,16 @@ pub use summary::{
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
-pub use gauged::{GaugeAsked, GaugeReport};
+pub use gauged::{GaugeAsked, GaugeLimits, GaugeReport};
 pub use inside::TOOL_IN_THREAD;
-pub use judged::{PartReport, PartVerdict};
+pub use judged::PartReport;
 pub use led::Led;
 pub use observation::Observation;
 pub use pause::{PauseEnd, PauseReport};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;
 pub use used::LimitsUsed;
+pub use verdict::PartVerdict;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
 pub use workshop::{StockReport, ToolNote};
 

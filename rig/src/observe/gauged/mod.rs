@@ -18,17 +18,20 @@
 //! Nothing is kept unless somebody asks for a gauge. Then n is 72, or as many as [`PLACES`] has room for, at
 //! least [`LEAST`]; beyond that there is no verdict.
 
+mod report;
+
 use std::collections::BTreeMap;
 
 use gauge::{Edge, Nominal, Place, Sections};
 use machine::Machine;
 use protocol::{Axis, ThreadPass, Truth};
-use serde::{Deserialize, Serialize};
+
+pub use report::{GaugeLimits, GaugeReport};
 
 use super::{
     helix::Helix,
-    judged::PartVerdict,
     planned::{Planned, Stock},
+    verdict::PartVerdict,
 };
 
 /// Places of the tip that are kept at most; a place takes 24 bytes.
@@ -38,6 +41,10 @@ const STATIONS: usize = 72;
 const LEAST: usize = 16;
 /// Passes that are cut again after a hold, or that begin late, take more turns than planned: so much room.
 const SPARE: f64 = 1.25;
+/// What the gauge does not know.
+const CREST: &str = "the crest is not judged: the diameter before the thread is not known";
+/// A thread is judged that is longer than this share of a turn: its last groove ends within the turn.
+const SHORT: f64 = 0.9;
 
 /// A gauge that somebody asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,36 +53,6 @@ pub struct GaugeAsked {
     pub nominal: Nominal,
     /// Where the zero of the program lies on the machine in each pass: X, Z, mm; 0 if nothing is said.
     pub origins_mm: BTreeMap<u32, [f64; 2]>,
-}
-
-/// What a gauge says of the thread of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct GaugeReport {
-    /// Name of the thread.
-    pub name: String,
-    /// What GO and NO-GO say.
-    pub verdict: PartVerdict,
-    /// Why they refuse.
-    pub reasons: Vec<String>,
-    /// Smallest pitch diameter, mm.
-    pub pitch_diameter_min_mm: f64,
-    /// Largest pitch diameter, mm.
-    pub pitch_diameter_max_mm: f64,
-    /// Virtual pitch diameter: what GO meets, mm.
-    pub virtual_pitch_diameter_mm: f64,
-    /// Error of the lead over the length of the GO gauge, or of the thread if that is shorter, µm.
-    pub lead_error_um: f64,
-    /// Largest unevenness of the helix within a turn, µm.
-    pub drunkenness_um: f64,
-    /// Change of the pitch diameter over that length, µm.
-    pub taper_um: f64,
-    /// How far the pitch line moves while the thread is turned, µm.
-    pub runout_um: f64,
-    /// Flanks towards lower and higher Z, degrees.
-    pub flank_deg: Vec<f64>,
-    /// Length of full thread that was measured, mm.
-    pub length_mm: f64,
 }
 
 /// Where a tip was, and at which angle.
@@ -98,6 +75,8 @@ pub(super) struct Gauged {
     before: Option<Seen>,
     kept: usize,
     is_full: bool,
+    /// Highest number of a pass that was begun.
+    begun: u32,
 }
 
 impl Gauged {
@@ -117,6 +96,7 @@ impl Gauged {
             before: None,
             kept: 0,
             is_full: false,
+            begun: 0,
             asked,
         };
         for (number, planned) in program {
@@ -144,6 +124,7 @@ impl Gauged {
         let [x, z] = self.origin_mm(pass.pass);
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
         let tip = [slide(Axis::X) - x, slide(Axis::Z) - z];
+        self.begun = self.begun.max(pass.pass);
         let now = Seen { pass: pass.pass, deg: truth.spindle_deg, tip };
         let before = self.before.replace(now).filter(|before| before.pass == pass.pass);
         let (Some(before), Some(edge)) = (before, self.edges.get(&pass.pass).copied()) else { return };
@@ -178,31 +159,40 @@ impl Gauged {
     /// What the gauge says.
     pub(super) fn report(&self) -> GaugeReport {
         let nominal = &self.asked.nominal;
-        let name = nominal.name.clone();
-        if self.is_full {
-            let reasons = vec![format!("the thread is too long for the gauge: more than {PLACES} places")];
-            return GaugeReport { name, reasons, ..GaugeReport::default() };
+        let (planned, [low, high]) = (self.edges.len(), self.full_mm);
+        let why = if self.is_full {
+            format!("the thread is too long for the gauge: more than {PLACES} places")
+        } else if planned == 0 {
+            "the program cuts no thread".into()
+        } else if low >= high {
+            "the passes have no length of full thread in common".into()
+        } else {
+            return self.judged();
+        };
+        GaugeReport::none(nominal, why)
+    }
+
+    /// What it says of what was cut.
+    fn judged(&self) -> GaugeReport {
+        let nominal = &self.asked.nominal;
+        let mut report = GaugeReport::of(nominal, gauge::judge(nominal, &self.sections, self.full_mm, None));
+        if nominal.crest_mm.iter().any(Option::is_some) {
+            report.notes.push(CREST.into());
         }
-        let found = gauge::judge(nominal, &self.sections, self.full_mm, None);
-        let [low, high] = found.pitch_diameter_mm;
-        GaugeReport {
-            name,
-            verdict: match found.verdict {
-                gauge::Verdict::Good => PartVerdict::Good,
-                gauge::Verdict::Bad => PartVerdict::Bad,
-                gauge::Verdict::None => PartVerdict::None,
-            },
-            reasons: found.reasons.into_iter().map(|reason| reason.text).collect(),
-            pitch_diameter_min_mm: low,
-            pitch_diameter_max_mm: high,
-            virtual_pitch_diameter_mm: found.virtual_mm,
-            lead_error_um: found.lead_error_um,
-            drunkenness_um: found.drunkenness_um,
-            taper_um: found.taper_um,
-            runout_um: found.runout_um,
-            flank_deg: found.flank_deg.to_vec(),
-            length_mm: found.length_mm,
+        let lead_mm = nominal.pitch_mm * f64::from(nominal.starts);
+        match report.verdict {
+            PartVerdict::None => report.reasons.push(format!(
+                "nothing was cut where the thread is at full depth: {} of {} passes were begun",
+                self.begun.min(self.edges.len() as u32),
+                self.edges.len()
+            )),
+            PartVerdict::Good if report.length_mm < SHORT * lead_mm => {
+                report.verdict = PartVerdict::None;
+                report.reasons.push(format!("{:.2} mm of full thread is less than a turn", report.length_mm));
+            }
+            _ => {}
         }
+        report
     }
 }
 

@@ -1,0 +1,176 @@
+//! The thread that a program says it cuts, which a gauge will judge. In: comments such as
+//! `(thread, M20x2-6g)`, the passes as they are planned. Out: what the gauge asks, and
+//! warnings where the passes cannot be that thread.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | lead | mm | advance of a pass in a turn: pitch · starts of the thread |
+//! | hand | – | Z falls with the angle of the spindle along a right-hand thread |
+//! | side | – | a screw is cut towards the axis, a nut away from it |
+
+use std::collections::BTreeSet;
+
+use gauge::{Nominal, Side};
+use gcode::problem::{Blame, short};
+use gcode::{Place, Problem};
+use machine::Kinematics;
+use protocol::{Axis, ThreadPass};
+
+use super::Translator;
+use crate::reach::Done;
+use crate::thread::Point;
+
+/// Leads closer than this are one, mm.
+const SAME_MM: f64 = 1e-4;
+
+/// What to do where program and thread are not the same.
+const HELP: &str =
+    "change the passes, or the name in (thread, ...) or behind --gauge; the gauge goes by the name";
+
+/// Passes of one kind.
+#[derive(Clone, Debug)]
+struct Kind {
+    place: Place,
+    lead_mm: f64,
+    /// Whether Z grows with the angle of the spindle.
+    grows: bool,
+    /// Unknown of a pass that moves X neither in nor out.
+    side: Option<Side>,
+    starts: BTreeSet<u32>,
+}
+
+/// What is known of the thread.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gauged {
+    /// Asked for with the run: the program is not asked then.
+    asked: Option<Nominal>,
+    said: Option<Nominal>,
+    kinds: Vec<Kind>,
+}
+
+impl Gauged {
+    /// A gauge that is asked for with the run.
+    pub(crate) fn ask(&mut self, nominal: Nominal) {
+        self.asked = Some(nominal);
+    }
+
+    /// What will judge.
+    pub(crate) fn nominal(&self) -> Option<&Nominal> {
+        self.asked.as_ref().or(self.said.as_ref())
+    }
+
+    /// A comment may name the thread.
+    fn comment(&mut self, text: &str) -> Done {
+        let text = text.trim();
+        let ends = |c: char| !(c.is_alphanumeric() || c == '_');
+        let (word, rest) = text.split_at(text.find(ends).unwrap_or(text.len()));
+        if !word.eq_ignore_ascii_case("thread") {
+            return Ok(());
+        }
+        let wrong = |message: String, help: &str| Problem::error("bad-thread", Blame::Block, message, help);
+        let Some(name) = rest.trim_start().strip_prefix(',') else {
+            let meant = rest.trim().parse::<Nominal>().is_ok();
+            let refused =
+                || Err(wrong("a comma is missing behind thread".into(), "write (thread, M20x2-6g)"));
+            return if meant { refused() } else { Ok(()) };
+        };
+        let named = name.trim().parse::<Nominal>();
+        let nominal = named.map_err(|misread| wrong(misread.message, &misread.help))?;
+        match &self.said {
+            Some(before) if *before != nominal => {
+                let message = format!("the thread is {} here, and {} before", nominal.name, before.name);
+                let help = "name one thread: a gauge judges all passes of a program as one thread";
+                Err(wrong(message, help))
+            }
+            _ => {
+                self.said = Some(nominal);
+                Ok(())
+            }
+        }
+    }
+
+    /// A pass whose zero lies at `origin`.
+    fn pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
+        let law = pass.axis(Axis::X);
+        let infeed = if law.stroke_mm == 0.0 { -law.retract_mm } else { law.stroke_mm };
+        let outwards = infeed * (law.start.mm() + law.stroke_mm - origin.x).signum();
+        let side = match outwards {
+            0.0 => None,
+            ..0.0 => Some(Side::External),
+            _ => Some(Side::Internal),
+        };
+        let (lead_mm, grows) = (pass.lead_mm.abs(), pass.lead_mm * pass.direction > 0.0);
+        let same = |kind: &&mut Kind| kind.lead_mm == lead_mm && kind.grows == grows && kind.side == side;
+        match self.kinds.iter_mut().find(same) {
+            Some(kind) => _ = kind.starts.insert(pass.start),
+            None => self.kinds.push(Kind { place, lead_mm, grows, side, starts: [pass.start].into() }),
+        }
+    }
+
+    /// What the passes have that the thread does not have.
+    fn contradictions(&self) -> Vec<(Place, Box<Problem>)> {
+        let Some(nominal) = self.nominal() else { return Vec::new() };
+        self.kinds.iter().flat_map(|kind| against(nominal, kind)).collect()
+    }
+}
+
+/// What passes of a kind have that the thread does not have.
+fn against(nominal: &Nominal, kind: &Kind) -> Vec<(Place, Box<Problem>)> {
+    let Nominal { name, pitch_mm, starts, .. } = nominal;
+    let (lead_mm, mut found) = (pitch_mm * f64::from(*starts), Vec::new());
+    if (kind.lead_mm - lead_mm).abs() > SAME_MM {
+        let of =
+            if *starts == 1 { String::new() } else { format!(": {starts} starts of {}", short(*pitch_mm)) };
+        let (cut, asked) = (short(kind.lead_mm), short(lead_mm));
+        found.push(format!("the thread advances by {cut} mm in a turn, and {name} by {asked} mm{of}"));
+    } else if kind.starts.len() != *starts as usize {
+        found.push(format!("{} of the {starts} starts of {name} are cut", kind.starts.len()));
+    }
+    if kind.side.is_some_and(|side| side != nominal.side) {
+        let what = match nominal.side {
+            Side::External => "a nut is cut here, away from the axis, and {name} is a screw",
+            Side::Internal => "a screw is cut here, towards the axis, and {name} is a nut",
+        };
+        found.push(what.replace("{name}", name));
+    }
+    if kind.grows != nominal.grows {
+        let [cut, asked] = [kind.grows, nominal.grows].map(|left| if left { "left" } else { "right" });
+        found.push(format!("the thread is {cut}-hand here, and {name} is {asked}-hand"));
+    }
+    let blame = Blame::Line(kind.place.line);
+    let told = |message| (kind.place, Problem::warning("gauge-differs", blame, message, HELP));
+    // A line is blamed once for each code: all in one.
+    (!found.is_empty()).then(|| told(found.join("; "))).into_iter().collect()
+}
+
+impl Translator {
+    /// The gauge that judges, if there is one.
+    pub(crate) fn gauged(&self) -> &Gauged {
+        &self.gauged
+    }
+
+    /// A gauge that is asked for with the run.
+    pub(crate) fn has_gauge(&mut self, nominal: Nominal) {
+        self.gauged.ask(nominal);
+    }
+
+    /// A comment may name the thread of a lathe.
+    pub(super) fn take_thread(&mut self, text: &str) -> Done {
+        if self.machine.general.kinematics != Kinematics::Lathe {
+            return Ok(());
+        }
+        self.gauged.comment(text)
+    }
+
+    /// A pass was programmed where the part lay at `origin`.
+    pub(super) fn gauge_sees_pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
+        self.gauged.pass(place, pass, origin);
+    }
+
+    /// The program is over.
+    pub(super) fn gauge_tells(&mut self) {
+        for (place, problem) in self.gauged.contradictions() {
+            self.output.report(place, *problem);
+        }
+    }
+}

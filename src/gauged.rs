@@ -1,0 +1,47 @@
+//! The gauge that a command is asked for: `--gauge NAME`. In: the name of a thread, or its numbers. Out: what
+//! the gauge asks, and that in words.
+
+use clap::Args;
+use gauge::{Nominal, Side};
+
+use crate::{error::CliError, thread};
+
+/// Which gauge judges the thread.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct GaugeArgs {
+    /// Hold the thread against GO and NO-GO of this thread, whatever `(thread, NAME)` in the program says: a
+    /// name with a class as in M20x2-6g, or numbers as in 'P2 D2 18.503..18.663 A60'.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) gauge: Option<String>,
+}
+
+impl GaugeArgs {
+    /// What is asked.
+    ///
+    /// # Errors
+    /// The name is not understood, or there is no gauge for it.
+    pub(crate) fn read(&self) -> Result<Option<Nominal>, CliError> {
+        let read = |name: &String| name.parse().map_err(|misread| thread::refused(name, &misread));
+        self.gauge.as_ref().map(read).transpose()
+    }
+}
+
+/// What a gauge asks, for people.
+pub(crate) fn told(nominal: &Nominal) -> String {
+    let [least, most] = nominal.pitch_diameter_mm;
+    let (what, go, no_go) = match nominal.side {
+        Side::External => ("screw", most, least),
+        Side::Internal => ("nut", least, most),
+    };
+    let crest = match nominal.crest_mm {
+        [None, None] => String::new(),
+        [Some(least), Some(most)] => format!(", crest {least:.3} to {most:.3}"),
+        [Some(least), None] => format!(", crest at least {least:.3}"),
+        [None, Some(most)] => format!(", crest at most {most:.3}"),
+    };
+    let plane = match nominal.taper {
+        0.0 => String::new(),
+        _ => format!(", at Z {:.3} of the program", nominal.plane_mm),
+    };
+    format!("{}, a {what}: GO {go:.3} mm, NO-GO {no_go:.3}{crest}{plane}", nominal.name)
+}

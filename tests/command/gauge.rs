@@ -1,0 +1,218 @@
+//! The gauge of a thread: asked for by name, by numbers or in the program; what it says on the terminal, in
+//! the documents and by the exit status; threads that are wrong on purpose.
+
+use serde_json::Value;
+
+use crate::shop::{Answer, Place, project};
+
+/// M20x2-6g by a sharp point of 60°: its root lies P/2 cot 30° = 1.732 mm below the pitch line, in diameter.
+const GOOD: &str = "G18 G21 G90 G7 G94 G97\nT3\nS600 M3\nG0 X22 Z8\n\
+                    G76 P2 Z-22 I-2.18 J0.7 K2.969 R2 Q29.5 H2\nG0 X40\nG0 Z60\nM5\nM2\n";
+
+/// A machine whose tool has another angle than the thread asks for.
+const OTHER_ANGLE: &str = "\n[tools.3]\nname = \"55 degrees\"\nangle_deg = 55\n";
+
+fn run(place: &Place, program: &str, more: &[&str]) -> Answer {
+    let mut args = vec!["run", program, "--in-process", "--trace", "none", "--out", "out"];
+    args.extend(more);
+    place.ask(&args)
+}
+
+fn summary(place: &Place) -> Value {
+    let text = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
+    serde_json::from_str(&text).expect("a document")
+}
+
+/// One pass by G33 as deep as the good thread, from another place, along another taper.
+fn single(z: f64, from_x: f64, to_x: f64) -> String {
+    format!("G0 X22 Z{z}\nG0 X{from_x}\nG33 X{to_x} Z-22 K2\nG0 X22\n")
+}
+
+/// `docs/gauge.md` shows a program, and what is said of it.
+#[test]
+fn the_page_shows_what_is_said() {
+    let place = Place::new();
+    let page = std::fs::read_to_string(project().join("docs/gauge.md")).expect("there is a page");
+    let program = page.split("```ngc machine\n").nth(1).and_then(|rest| rest.split("```").next());
+    let program = program.expect("there is a program");
+    place.write("good.ngc", program);
+    place.write("lead.ngc", program.replace("G76 P2 ", "G76 P2.02 "));
+    let check = place.ask(&["check", "good.ngc"]).stdout;
+    let runs = ["good.ngc", "lead.ngc"].map(|name| run(&place, name, &[]).stdout);
+    let said = runs.iter().chain([&check]).flat_map(|text| text.lines());
+    let lines: Vec<&str> = said.filter(|line| line.starts_with("gauge ")).collect();
+    assert_eq!(lines.len(), 3, "{runs:?}");
+    for line in lines {
+        assert!(page.contains(&format!("\n{line}\n")), "{line}");
+    }
+}
+
+#[test]
+fn a_good_thread_is_said_to_be_good_wherever_it_was_asked_for() {
+    let place = Place::new();
+    place.write("plain.ngc", GOOD);
+    place.write("named.ngc", format!("(thread, M20x2-6g)\n{GOOD}"));
+    let numbers = "P2 D2 18.503..18.663 A60 external root ..17.797 length 20";
+    for (program, more) in [
+        ("plain.ngc", &["--gauge", "M20x2-6g"][..]),
+        ("plain.ngc", &["--gauge", numbers]),
+        ("named.ngc", &[]),
+    ] {
+        let answer = run(&place, program, more);
+        assert_eq!((answer.status, answer.stderr.as_str()), (Some(0), ""), "{}", answer.stdout);
+        assert!(answer.stdout.contains(" good: pitch diameter 18.5"), "{}", answer.stdout);
+        let gauge = &summary(&place)["gauge"];
+        assert_eq!((&gauge["verdict"], &gauge["limits"]["pitch_mm"]), (&"good".into(), &2.0.into()));
+        let diameters = ["pitch_diameter_min_mm", "pitch_diameter_max_mm", "virtual_pitch_diameter_mm"];
+        for mm in diameters.map(|key| gauge[key].as_f64().expect("a diameter")) {
+            assert!((mm - 18.583).abs() < 0.02, "{gauge}");
+        }
+    }
+    // The run folder asks for the same gauge again.
+    run(&place, "plain.ngc", &["--gauge", "M20x2-6g"]);
+    let again = place.ask(&["run", "out", "--in-process", "--trace", "none", "--out", "again"]);
+    assert!(again.stdout.contains("M20x2-6g good"), "{}", again.stdout);
+    let report = std::fs::read_to_string(place.at("out/report.html")).expect("a report");
+    assert!(report.contains("M20x2-6g good: pitch diameter"));
+}
+
+#[test]
+fn what_is_wrong_on_purpose_is_refused_with_its_reason_everywhere() {
+    let place = Place::new();
+    place.write("other.toml", place.ask(&["machine"]).stdout + OTHER_ANGLE);
+    let head = "G18 G21 G90 G7 G94 G97\nT3\nS600 M3\n";
+    let tail = "G0 Z60\nM5\nM2\n";
+    let shifted =
+        |by: f64| format!("{head}{}{}{tail}", single(8.0, 16.851, 16.851), single(8.0 + by, 16.851, 16.851));
+    let tapered = format!("{head}{}{tail}", single(8.0, 16.75, 16.95));
+    let cases = [
+        ("wrong pitch", GOOD.replace("P2 ", "P2.02 "), "lead", "GO does not go on"),
+        ("shallow", GOOD.replace("K2.969", "K2.85"), "too shallow", "GO does not go on"),
+        ("deep", GOOD.replace("K2.969", "K3.1"), "too deep", "NO-GO goes on"),
+        ("pass 100 µm aside", shifted(0.1), " µm apart)", "NO-GO goes on"),
+        ("tapered", tapered, "tapered by", "go"),
+        ("flank", GOOD.into(), "flanks of 27.50° and ", "go"),
+    ];
+    for (what, program, cause, says) in cases {
+        place.write("bad.ngc", program);
+        let mut more = vec!["--gauge", "M20x2-6g"];
+        if what == "flank" {
+            more.extend(["--machine", "other.toml"]);
+        }
+        let answer = run(&place, "bad.ngc", &more);
+        assert_eq!(answer.status, Some(3), "{what}: {}{}", answer.stdout, answer.stderr);
+        let gauge = summary(&place)["gauge"].clone();
+        let reasons = gauge["reasons"].as_array().expect("reasons");
+        let reason = reasons.iter().filter_map(Value::as_str).find(|reason| reason.contains(cause));
+        let reason = reason.unwrap_or_else(|| panic!("{what}: {reasons:?}"));
+        assert!(reason.contains(says), "{what}: {reason}");
+        assert!(
+            answer.stderr.contains(&format!("not good: M20x2-6g: {reason}")),
+            "{what}: {}",
+            answer.stderr
+        );
+        assert!(answer.stdout.contains("gauge     M20x2-6g not good: "), "{what}: {}", answer.stdout);
+        let report = std::fs::read_to_string(place.at("out/report.html")).expect("a report");
+        assert!(report.contains(reason), "{what}");
+        more.push("--json");
+        let json: Value = serde_json::from_str(&run(&place, "bad.ngc", &more).stdout).expect("a document");
+        assert_eq!((&json["gauge"], &json["part"]["verdict"]), (&gauge, &"bad".into()), "{what}");
+    }
+    // 5 and 20 µm aside the groove is wider by as much, and still within its class.
+    for by in [0.005, 0.02] {
+        place.write("aside.ngc", shifted(by));
+        run(&place, "aside.ngc", &["--gauge", "M20x2-6g"]);
+        let gauge = summary(&place)["gauge"].clone();
+        let low = gauge["pitch_diameter_min_mm"].as_f64().expect("a diameter");
+        assert!((low - (18.583 - by * 3_f64.sqrt())).abs() < 0.012, "{by}: {gauge}");
+        assert_eq!(gauge["verdict"], "good", "{by}: {gauge}");
+    }
+}
+
+#[test]
+fn a_second_start_in_the_wrong_place_is_refused() {
+    let place = Place::new();
+    // Two starts of 2 mm: the second one a pitch further, and 0.12 mm beside that.
+    let pass = |z: f64| format!("G0 X22 Z{z}\nG0 X16.851\nG33 Z-22 K4\nG0 X22\n");
+    for (second, verdict) in [(12.0, "good"), (12.12, "bad")] {
+        let program =
+            format!("G18 G21 G90 G7 G94 G97\nS400 M3\n{}{}G0 Z60\nM5\nM2\n", pass(10.0), pass(second));
+        place.write("two.ngc", program);
+        let answer = run(&place, "two.ngc", &["--gauge", "P2 D2 18.503..18.663 starts 2"]);
+        let gauge = summary(&place)["gauge"].clone();
+        assert_eq!(gauge["verdict"], verdict, "{gauge}");
+        assert_eq!(answer.status, Some(if verdict == "good" { 0 } else { 3 }), "{}", answer.stderr);
+        assert_eq!(answer.stderr.contains("starts 120."), verdict == "bad", "{}", answer.stderr);
+    }
+}
+
+#[test]
+fn without_a_thread_to_judge_the_verdict_says_why() {
+    let place = Place::new();
+    place.write("none.ngc", "G18 G21 G90 G94\nG0 X22 Z8\nM2\n");
+    let answer = run(&place, "none.ngc", &["--gauge", "M20x2-6g"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    assert!(answer.stdout.contains("M20x2-6g no verdict: the program cuts no thread"), "{}", answer.stdout);
+    place.write("short.ngc", GOOD.replace("Z-22", "Z-2.5"));
+    let answer = run(&place, "short.ngc", &["--gauge", "M20x2-6g"]);
+    assert!(answer.stdout.contains("M20x2-6g no verdict: "), "{}", answer.stdout);
+    assert_eq!(summary(&place)["gauge"]["verdict"], "none");
+}
+
+#[test]
+fn names_that_no_gauge_has_are_refused_with_a_remedy() {
+    let place = Place::new();
+    place.write("plain.ngc", GOOD);
+    for (name, words) in [("M20x2-6z", "M20x2"), ("M20x2", "6g or M20x2-6H"), ("R1/2", "P2 D2"), ("P2", "D2")]
+    {
+        for command in ["check", "run"] {
+            let answer = place.ask(&[command, "plain.ngc", "--gauge", name]);
+            assert_eq!(answer.status, Some(2), "{name}: {}", answer.stdout);
+            assert!(answer.stderr.contains("help: ") && answer.stderr.contains(words), "{}", answer.stderr);
+        }
+    }
+    for (comment, words) in [
+        ("(thread, M20x2)", "6g or M20x2-6H"),
+        ("(thread, M20x2-6z)", "help: "),
+        ("(thread M20x2-6g)", "a comma is missing"),
+        ("(thread, P2 D2 18.5)", "\"18.5\" behind D2"),
+        ("(thread, M20x2-6g)\n(thread, M24-6g)", "M24x3-6g here, and M20x2-6g before"),
+    ] {
+        let lines = 1 + comment.matches('\n').count();
+        place.write("named.ngc", format!("{comment}\n{GOOD}"));
+        let answer = place.ask(&["check", "named.ngc"]);
+        assert_eq!(answer.status, Some(2), "{comment}");
+        let at = format!("named.ngc:{lines}:1: error[bad-thread]");
+        assert!(answer.stderr.contains(&at) && answer.stderr.contains(words), "{}", answer.stderr);
+    }
+}
+
+#[test]
+fn check_says_which_gauge_judges_and_what_the_program_cuts_otherwise() {
+    let place = Place::new();
+    place.write("named.ngc", format!("(thread, M20x2-6g)\n(thread milling is something else)\n{GOOD}"));
+    let check = |gauge: &str| {
+        let mut args = vec!["check", "named.ngc"];
+        if !gauge.is_empty() {
+            args.extend(["--gauge", gauge]);
+        }
+        place.ask(&args)
+    };
+    let good = check("");
+    assert_eq!((good.status, good.stderr.as_str()), (Some(0), ""));
+    assert!(good.stdout.contains("gauge M20x2-6g, a screw: GO 18.663 mm, NO-GO 18.503"), "{}", good.stdout);
+    for (gauge, words) in [
+        ("M20x1.5-6g", "advances by 2 mm in a turn, and M20x1.5-6g by 1.5 mm"),
+        ("M20x2-6H", "a screw is cut here, towards the axis, and M20x2-6H is a nut"),
+        ("M20x2-6g LH", "is right-hand here, and M20x2-6g LH is left-hand"),
+        ("P1 D2 18.5..18.6 starts 2", "1 of the 2 starts"),
+    ] {
+        let answer = check(gauge);
+        assert_eq!(answer.status, Some(0), "{gauge}: {}", answer.stderr);
+        assert!(answer.stderr.contains("named.ngc:7:1: warning[gauge-differs]"), "{}", answer.stderr);
+        assert!(answer.stderr.contains(words), "{gauge}: {}", answer.stderr);
+    }
+    let json = place.ask(&["check", "named.ngc", "--json"]);
+    let json: Value = serde_json::from_str(&json.stdout).expect("a document");
+    assert_eq!(json["gauge"], "M20x2-6g");
+}
