@@ -7,7 +7,7 @@ use gcode::canon::{Place, Sink};
 use gcode::files::ToolTable;
 use gcode::{Call, Dialect, Options, Problem, Program, Step};
 use interpreter::{Interpreter, Language, open};
-use machine::{self, Kinematics, Machine};
+use machine::{self, Kinematics, Machine, ProgramDialect};
 
 use super::pages::{Example, PAGES, examples, project};
 
@@ -64,7 +64,7 @@ pub(crate) fn calls(mut program: Program) -> Said {
 
 /// As `pitchlock check --tools tool.tbl` runs it.
 fn checked(path: &Path, fanuc: bool, kinematics: Kinematics) -> Said {
-    let dialect = if fanuc { Dialect::Fanuc } else { Dialect::Linuxcnc };
+    let dialect = if fanuc { ProgramDialect::Fanuc } else { ProgramDialect::Linuxcnc };
     let language = Language { dialect: Some(dialect), tools: Some(tools()), ..Language::default() };
     let machine = Machine::from_toml(kinematics.example()).expect("a built-in machine");
     let program = open(path, &language, &machine).expect("the example was written");

@@ -1,8 +1,7 @@
 //! Warnings of what can be meant, but hardly is.
 
-use gcode::Dialect;
 use interpreter::{Language, check};
-use machine::Machine;
+use machine::{Machine, ProgramDialect};
 
 /// Line and code of what is said of a program.
 fn said(text: &str) -> Vec<(u32, &'static str)> {
@@ -79,7 +78,7 @@ fn the_depth_of_g92_is_not_invented() {
     let text = "G97 S500 M03\nG00 X28. Z5.\nG92 X23.4 Z-18. F1.5\nX22.9\nG00 X40.\nM30\n";
     std::fs::write(&path, text).expect("a file");
     let machine = Machine::plain();
-    let language = Language { dialect: Some(Dialect::Fanuc), ..Language::default() };
+    let language = Language { dialect: Some(ProgramDialect::Fanuc), ..Language::default() };
     let program = interpreter::open(&path, &language, &machine).expect("a program");
     let found = interpreter::check_program(program, &machine, |_| ());
     let known: Vec<_> = found.passes.iter().map(|pass| (pass.depth_mm, pass.x_mm)).collect();

@@ -2,9 +2,8 @@
 
 use gcode::Program;
 use gcode::files::ToolTable;
-use interpreter::Dialect;
 use interpreter::{Check, Language, check, check_program, open};
-use machine::{Kinematics, Machine};
+use machine::{Kinematics, Machine, ProgramDialect};
 use protocol::{Arc, Axis, Code, Feed, PathMode, Plane, Position};
 
 use crate::project;
@@ -184,7 +183,7 @@ fn threads_need_a_lathe() {
 #[test]
 fn a_mill_reads_no_programs_of_lathes() {
     let path = project().join("tests/conformance/programs/job_mill_plate.ngc");
-    let language = Language { dialect: Some(Dialect::Fanuc), ..Language::default() };
+    let language = Language { dialect: Some(ProgramDialect::Fanuc), ..Language::default() };
     let error = open(&path, &language, &mill()).err().expect("refused");
     assert!(error.to_string().contains("--dialect linuxcnc"), "{error}");
 }
