@@ -133,6 +133,29 @@ fn what_is_wrong_on_purpose_is_refused_with_its_reason_everywhere() {
     }
 }
 
+/// The crest is what was turned in the same program; without that it is said that nobody judges it.
+#[test]
+fn the_crest_is_what_was_turned_before() {
+    let place = Place::new();
+    let turned = |diameter: f64| {
+        let turning = format!("G0 X{diameter} Z2\nG1 Z-26 F600\nG0 X24\nG0 Z8\nG0 X22 Z8\nG76");
+        GOOD.replace("G0 X22 Z8\nG76", &turning)
+    };
+    for (diameter, status, says) in [(19.82, 0, ""), (20.0, 3, "crest"), (19.6, 3, "crest")] {
+        place.write("turned.ngc", turned(diameter));
+        let answer = run(&place, "turned.ngc", &["--gauge", "M20x2-6g"]);
+        assert_eq!(answer.status, Some(status), "{diameter}: {}{}", answer.stdout, answer.stderr);
+        assert!(answer.stderr.contains(says), "{diameter}: {}", answer.stderr);
+        let gauge = summary(&place)["gauge"].clone();
+        for mm in gauge["crest_mm"].as_array().expect("two diameters").iter().filter_map(Value::as_f64) {
+            assert!((mm - diameter).abs() < 0.02, "{gauge}");
+        }
+        assert!(!answer.stdout.contains("crest is not judged"), "{}", answer.stdout);
+    }
+    place.write("plain.ngc", GOOD);
+    assert!(run(&place, "plain.ngc", &["--gauge", "M20x2-6g"]).stdout.contains("crest is not judged"));
+}
+
 #[test]
 fn a_second_start_in_the_wrong_place_is_refused() {
     let place = Place::new();

@@ -39,7 +39,7 @@ mod workshop;
 use std::collections::BTreeMap;
 
 use machine::{Machine, Part};
-use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, PerAxis, Truth};
+use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, Motion, PerAxis, Truth};
 use zerocopy::IntoBytes;
 
 pub use summary::{
@@ -216,11 +216,20 @@ impl Observer {
             self.take_hash(record, is_tick);
             self.take_moves(record, is_tick);
             self.setpoints.cycle(record.truth.cycle, record.machine, is_tick);
+            self.take_turned(record.truth);
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
         self.pending = record.truth.pending;
         self.take_faults(record);
+    }
+
+    /// What a tool turns before the thread is gauged.
+    fn take_turned(&mut self, truth: &Truth) {
+        let Some(gauged) = &mut self.gauged else { return };
+        let Led { tool, motion } = self.setpoints.now();
+        let origin_mm = self.out.tools.get(&tool).and_then(|tool| tool.origin_mm);
+        gauged.turns(motion == Motion::Feed, origin_mm, truth);
     }
 
     /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle

@@ -19,6 +19,7 @@
 //! least [`LEAST`]; beyond that there is no verdict.
 
 mod report;
+mod turned;
 
 use std::collections::BTreeMap;
 
@@ -27,6 +28,7 @@ use machine::Machine;
 use protocol::{Axis, ThreadPass, Truth};
 
 pub use report::{GaugeLimits, GaugeReport};
+use turned::Turned;
 
 use super::{
     helix::Helix,
@@ -42,7 +44,7 @@ const LEAST: usize = 16;
 /// Passes that are cut again after a hold, or that begin late, take more turns than planned: so much room.
 const SPARE: f64 = 1.25;
 /// What the gauge does not know.
-const CREST: &str = "the crest is not judged: the diameter before the thread is not known";
+const CREST: &str = "the crest is not judged: the diameter before the thread was not turned by the program";
 /// A thread is judged that is longer than this share of a turn: its last groove ends within the turn.
 const SHORT: f64 = 0.9;
 
@@ -77,6 +79,8 @@ pub(super) struct Gauged {
     is_full: bool,
     /// Highest number of a pass that was begun.
     begun: u32,
+    /// What was turned where every pass is at full depth.
+    turned: Turned,
 }
 
 impl Gauged {
@@ -97,6 +101,7 @@ impl Gauged {
             kept: 0,
             is_full: false,
             begun: 0,
+            turned: Turned::new(asked.nominal.side, [0.0; 2]),
             asked,
         };
         for (number, planned) in program {
@@ -112,7 +117,16 @@ impl Gauged {
             let [from, to] = &mut gauged.full_mm;
             (*from, *to) = (from.max(low), to.min(high));
         }
+        gauged.turned = Turned::new(gauged.asked.nominal.side, gauged.full_mm);
         gauged
+    }
+
+    /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for the
+    /// tool, if that is known.
+    pub(super) fn turns(&mut self, at_a_feed: bool, origin_mm: Option<[f64; 2]>, truth: &Truth) {
+        let [x, z] = origin_mm.or_else(|| self.asked.origins_mm.values().next().copied()).unwrap_or_default();
+        let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
+        self.turned.cycle(at_a_feed.then(|| [slide(Axis::X) - x, slide(Axis::Z) - z]));
     }
 
     fn origin_mm(&self, pass: u32) -> [f64; 2] {
@@ -175,8 +189,15 @@ impl Gauged {
     /// What it says of what was cut.
     fn judged(&self) -> GaugeReport {
         let nominal = &self.asked.nominal;
-        let mut report = GaugeReport::of(nominal, gauge::judge(nominal, &self.sections, self.full_mm, None));
-        if nominal.crest_mm.iter().any(Option::is_some) {
+        let crest_mm = self.turned.diameters_mm().filter(|_| nominal.taper == 0.0);
+        let worst_mm = crest_mm.map(|[least, largest]| {
+            let too_small = nominal.crest_mm[0].is_some_and(|limit| least < limit);
+            if too_small { least } else { largest }
+        });
+        let mut report =
+            GaugeReport::of(nominal, gauge::judge(nominal, &self.sections, self.full_mm, worst_mm));
+        report.crest_mm = crest_mm.map(Vec::from).unwrap_or_default();
+        if crest_mm.is_none() && nominal.crest_mm.iter().any(Option::is_some) {
             report.notes.push(CREST.into());
         }
         let lead_mm = nominal.pitch_mm * f64::from(nominal.starts);
