@@ -51,7 +51,7 @@ const CRATES: [(&str, &[&str]); 20] = [
         ],
     ),
     ("soak", &["machine", "protocol", "motion", "interpreter", "sim-plant", "rig", "testing"]),
-    ("report", &["protocol", "rig"]),
+    ("report", &["gauge", "protocol", "rig"]),
     (
         "experiment",
         &[

@@ -7,6 +7,7 @@ use rig::trace::Row;
 
 use super::curves_moves::MovesCurves;
 use super::cutting::CutCurves;
+use super::part::Part;
 use super::path::Path;
 use super::tools::ToolUses;
 use super::traces::TraceCurves;
@@ -60,6 +61,8 @@ pub(super) struct Curves {
     pub(super) override_pct: Envelope,
     /// What cutting took.
     pub(super) cutting: CutCurves,
+    /// What is left of the part.
+    pub(super) part: Part,
     /// Timed motion.
     pub(super) moves: MovesCurves,
     /// Contours, surfaces and seams.
@@ -112,6 +115,7 @@ impl Curves {
             spindle_turns: false,
             override_pct: over_time,
             cutting: CutCurves::new(summary, slots),
+            part: Part::new(summary),
             moves: MovesCurves::new(summary),
             traces: TraceCurves::all(summary),
         }
@@ -133,6 +137,7 @@ impl Curves {
         let c = pass.direction * (row.spindle_true_deg - pass.index_deg);
         self.passes[index].add(pass, c, row);
         self.cutting.add(summary, index, row);
+        self.part.add(summary, index, row);
         if index == self.shown_index {
             let shown = self.shown.get_or_insert_with(|| ShownCurves::new(pass, c));
             shown.add(summary, c, row);

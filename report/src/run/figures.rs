@@ -10,6 +10,7 @@ use crate::paint::{BLUE, Figure, ORANGE, axis, band, curve, stacked};
 /// All figures that the curves allow.
 pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
     let mut figures = vec![curves.path.figure()];
+    figures.extend(super::part::figures(summary, curves));
     let shown = summary.passes.get(curves.shown_index).zip(curves.shown.as_ref());
     if let Some((pass, shown)) = shown {
         figures.push(super::figures_pass::motion(pass, shown));

@@ -13,6 +13,7 @@ mod figures_pass;
 mod figures_traces;
 mod gauge;
 mod page;
+mod part;
 mod passes;
 mod path;
 #[cfg(test)]
@@ -50,8 +51,8 @@ pub enum ReportError {
 struct Run {
     summary: Summary,
     figures: Vec<Figure>,
-    /// What each tool took.
-    tools: Option<Table>,
+    /// What each pass took out of a groove, and what each tool took.
+    tables: Vec<Table>,
     /// What is to be said of the trace, if it is missing or damaged.
     trace_note: Option<String>,
     program: Option<String>,
@@ -64,10 +65,10 @@ struct Run {
 /// [`ReportError`] names the file.
 pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     let summary = Summary::read(&run_dir.join("summary.json"))?;
-    let (figures, tools, trace_note) = draw(run_dir, &summary);
+    let (figures, tables, trace_note) = draw(run_dir, &summary);
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
     let program = program.and_then(|path| std::fs::read_to_string(path).ok());
-    let page = page::html(&Run { summary, figures, tools, trace_note, program });
+    let page = page::html(&Run { summary, figures, tables, trace_note, program });
     let path = run_dir.join("report.html");
     match std::fs::write(&path, page) {
         Ok(()) => Ok(path),
@@ -75,16 +76,17 @@ pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     }
 }
 
-fn draw(run_dir: &Path, summary: &Summary) -> (Vec<Figure>, Option<Table>, Option<String>) {
+fn draw(run_dir: &Path, summary: &Summary) -> (Vec<Figure>, Vec<Table>, Option<String>) {
     let Some(path) = trace::find(run_dir) else {
         return (
             Vec::new(),
-            None,
+            Vec::new(),
             Some("The run was made without a trace, so there is nothing to draw.".into()),
         );
     };
     let mut curves = Curves::new(summary);
     let read = trace::read(&path, |row| curves.add(summary, &row));
     let note = read.err().map(|error| format!("The trace ends early, and so do the pictures: {error}."));
-    (figures::all(summary, &curves), curves.tools.table(), note)
+    let tables = [part::table(summary, &curves), curves.tools.table()].into_iter().flatten().collect();
+    (figures::all(summary, &curves), tables, note)
 }

@@ -25,7 +25,7 @@ pub(super) fn html(run: &Run) -> String {
         @if let Some(gauge) = &summary.gauge { (gauge::table(gauge)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
-        @if let Some(tools) = &run.tools { (section(tools)) }
+        @for table in &run.tables { (section(table)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&run.figures))
         (details(summary))

@@ -14,7 +14,7 @@ use super::render;
 
 const CYCLES: u64 = 4000;
 
-fn summary() -> Summary {
+pub(super) fn summary() -> Summary {
     let pass = PassReport {
         pass: 1,
         line: 3,
@@ -47,7 +47,7 @@ fn summary() -> Summary {
     }
 }
 
-fn row(cycle: u64) -> Row {
+pub(super) fn row(cycle: u64) -> Row {
     let angle = cycle as f64 - 100.0;
     let axis = AxisRow {
         programmed: 10.0 - angle * 2.0 / 360.0,

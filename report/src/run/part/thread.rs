@@ -1,0 +1,142 @@
+//! One thread of a run: its passes, pitch and crest. In: reports of passes, places of the tip, the tools.
+//! Out: a [`Thread`]; mm.
+
+use gauge::Edge;
+use rig::observe::{PassReport, Summary};
+
+use super::Part;
+use super::outline::{Outline, Tip};
+
+/// How far a turn may advance from the lead, a share of it, to be along Z.
+const ALONG: f64 = 0.2;
+
+/// What is known of a thread.
+#[derive(Clone, Debug)]
+pub(super) struct Thread {
+    /// 1 of a screw, −1 of a nut.
+    pub(super) sign: f64,
+    /// Distance of grooves along Z, and of turns of one groove.
+    pub(super) pitch_mm: f64,
+    pub(super) lead_mm: f64,
+    /// Where the part is drawn, lower and higher Z.
+    pub(super) ends_mm: [f64; 2],
+    /// The middle of a groove in the middle of the thread.
+    pub(super) middle_mm: f64,
+    /// y of the deepest place in that groove.
+    pub(super) root_mm: f64,
+    /// Edges at their places, of each pass of the run.
+    pub(super) passes: Vec<Vec<Tip>>,
+    /// A place on the crest, and how y changes along Z.
+    crest: ([f64; 2], f64),
+}
+
+impl Thread {
+    /// The thread that the pass with this index belongs to.
+    pub(super) fn of(summary: &Summary, part: &Part, index: usize) -> Option<Thread> {
+        let pass = summary.passes.get(index)?;
+        let sign = sign_of(summary, pass, part.passes[index].full?[0][1]);
+        let passes: Vec<Vec<Tip>> = summary
+            .passes
+            .iter()
+            .zip(&part.passes)
+            .map(|(pass, cuts)| {
+                let edge = edge_of(summary, pass);
+                let tip = |[z, x]: &[f64; 2]| Some(Tip { edge: edge?, at: [*z, sign * x.abs()] });
+                cuts.tips.iter().filter_map(tip).collect()
+            })
+            .collect();
+        let [first, last] = part.passes[index].full?;
+        let [low, high] = [first[0].min(last[0]), first[0].max(last[0])];
+        let full: Vec<[f64; 2]> =
+            passes[index].iter().map(|tip| tip.at).filter(|[z, _]| (low..=high).contains(z)).collect();
+        let lead_mm = pass.lead_mm.abs();
+        let is_along = |two: &[[f64; 2]]| ((two[1][0] - two[0][0]).abs() - lead_mm).abs() < ALONG * lead_mm;
+        if full.is_empty() || !full.windows(2).all(is_along) || high - low < ALONG * lead_mm {
+            return None;
+        }
+        let starts = summary.passes.iter().map(|pass| pass.start + 1).max().unwrap_or(1);
+        let pitch_mm =
+            summary.gauge.as_ref().map_or(lead_mm / f64::from(starts), |gauge| gauge.limits.pitch_mm);
+        let deepest = full[full.len() / 2];
+        let (middle_mm, root_mm) = groove(&passes, deepest, pitch_mm, pass.depth_mm);
+        Some(Thread {
+            sign,
+            pitch_mm,
+            lead_mm,
+            ends_mm: ends(summary, [low - pitch_mm, high + pitch_mm]),
+            middle_mm,
+            root_mm,
+            passes,
+            crest: crest(summary, pass, [first, last], sign)?,
+        })
+    }
+
+    /// y of the crest.
+    pub(super) fn crest_at(&self, z: f64) -> f64 {
+        let ([z0, y0], slope) = self.crest;
+        y0 + slope * (z - z0)
+    }
+
+    /// What one pass leaves, or all of them.
+    pub(super) fn outline(&self, passes: &[Vec<Tip>]) -> Outline {
+        let [low, high] = self.ends_mm.map(|z| self.crest_at(z));
+        Outline::new(passes.iter().flatten().copied(), low.max(high))
+    }
+}
+
+/// Whether the tool goes towards the axis (1) or away from it.
+fn sign_of(summary: &Summary, pass: &PassReport, x: f64) -> f64 {
+    match &summary.gauge {
+        Some(gauge) if gauge.limits.side == "internal" => -1.0,
+        Some(_) => 1.0,
+        None if pass.delta_x_mm * x > 0.0 => -1.0,
+        None => 1.0,
+    }
+}
+
+/// The edge of the tool of a pass; the flanks as a gauge has them where nobody says what they are.
+fn edge_of(summary: &Summary, pass: &PassReport) -> Option<Edge> {
+    let tool = summary.tools.get(&pass.tool_number);
+    let asked = summary.gauge.as_ref().map(|gauge| gauge.limits.flank_deg);
+    let flank_deg = tool.and_then(|tool| tool.angle_deg).map(|deg| [0.5 * deg; 2]).or(asked)?;
+    let nose_mm = tool.and_then(|tool| tool.nose_mm).unwrap_or(0.0);
+    Some(match tool.and_then(|tool| tool.width_mm) {
+        Some(width_mm) => Edge::of_width(flank_deg, width_mm, nose_mm),
+        None => Edge { flank_deg, flat_mm: 0.0, nose_mm },
+    })
+}
+
+/// The crest, from how deep the pass is below it along the way that the program means, or from the gauge.
+fn crest(
+    summary: &Summary,
+    pass: &PassReport,
+    [first, last]: [[f64; 2]; 2],
+    sign: f64,
+) -> Option<([f64; 2], f64)> {
+    let [from, to] = [first, last].map(|[z, x]| [z, sign * x.abs()]);
+    let slope = if (to[0] - from[0]).abs() > 0.0 { (to[1] - from[1]) / (to[0] - from[0]) } else { 0.0 };
+    if pass.depth_mm > 0.0 {
+        return Some(([from[0], from[1] + pass.depth_mm], slope));
+    }
+    let limits = &summary.gauge.as_ref()?.limits;
+    let most = limits.crest_mm[if sign > 0.0 { 1 } else { 0 }]?;
+    Some(([limits.plane_mm, 0.5 * sign * most], slope))
+}
+
+/// Where the part is drawn, as far as the stock goes.
+fn ends(summary: &Summary, [low, high]: [f64; 2]) -> [f64; 2] {
+    let rows = summary.stock.as_ref().map(|stock| stock.rows_mm.as_slice()).unwrap_or_default();
+    match rows {
+        [first, .., last] => [low.max(first[0]), high.min(last[0])],
+        _ => [low, high],
+    }
+}
+
+/// The middle of a groove, between the outermost of its deep places, and its deepest y.
+fn groove(passes: &[Vec<Tip>], near: [f64; 2], pitch_mm: f64, depth_mm: f64) -> (f64, f64) {
+    let within = || passes.iter().flatten().filter(|tip| (tip.at[0] - near[0]).abs() < 0.5 * pitch_mm);
+    let root = within().map(|tip| tip.at[1]).fold(near[1], f64::min);
+    let deep = within().filter(|tip| tip.at[1] - root < 0.1 * depth_mm).map(|tip| tip.at[0]);
+    let (low, high) = deep.fold((near[0], near[0]), |(low, high), z| (low.min(z), high.max(z)));
+    (0.5 * (low + high), root)
+}
