@@ -1,10 +1,11 @@
 //! Ideal passes: what they leave is the profile of the tool, and what they take adds up to the groove.
 
 use protocol::{Axis, AxisState};
-use rig::observe::{PassReport, Summary, ToolNote};
+use rig::observe::{GaugeLimits, GaugeReport, PassReport, Summary, ToolNote};
 use rig::trace::Row;
 
 use super::chips::chips;
+use super::limits::{both, corners};
 use super::section::surface;
 use super::thread::Thread;
 use crate::run::curves::Curves;
@@ -146,6 +147,49 @@ fn a_groove_of_two_starts_has_the_chips_of_its_own_passes() {
     );
     let sum: f64 = chips.iter().map(|chip| chip.area_mm2).sum();
     assert!((sum / area(0.45) - 1.0).abs() < 1e-3, "{sum} of {}", area(0.45));
+}
+
+fn limits(pitch_mm: f64, taper: f64) -> GaugeLimits {
+    GaugeLimits {
+        side: "external".into(),
+        pitch_mm,
+        starts: 1,
+        flank_deg: [30.0, 30.0],
+        pitch_diameter_mm: [18.5, 18.7],
+        taper,
+        ..GaugeLimits::default()
+    }
+}
+
+/// Who asks for another thread sees this one as it is.
+#[test]
+fn a_gauge_of_another_lead_does_not_change_what_was_cut() {
+    let (summary, curves) = cut(&[(DEPTH, 0.0, 0)], false);
+    for (asked, found) in [(LEAD, LEAD), (1.02 * LEAD, LEAD), (0.5 * LEAD, LEAD)] {
+        let gauge = GaugeReport { limits: limits(asked, 0.0), ..GaugeReport::default() };
+        let summary = Summary { gauge: Some(gauge), ..summary.clone() };
+        let thread = Thread::of(&summary, &curves.part, curves.shown_index).expect("a thread");
+        assert_eq!(thread.pitch_mm, found, "{asked}");
+    }
+}
+
+/// Half a pitch wide at the pitch line, flanks of 30°, crest and root on the cone.
+#[test]
+fn the_zone_has_the_flanks_and_the_cone_of_its_gauge() {
+    for taper in [0.0, 1.0 / 16.0] {
+        let limits = limits(LEAD, taper);
+        for limit in both(&limits, 1.0, CREST) {
+            let [a, b, c, d] = corners(&limits, limit, 1.0, -7.0);
+            let pitch = limit.pitch - 7.0 * 0.5 * taper;
+            for ((z0, y0), (z1, y1), z_p) in [(a, b, -7.0 - 0.25 * LEAD), (d, c, -7.0 + 0.25 * LEAD)] {
+                let slope = (z1 - z0) / (y1 - y0);
+                assert!((slope.abs() - libm::tan(core::f64::consts::FRAC_PI_6)).abs() < 1e-9, "{slope}");
+                assert!((z0 + slope * (pitch - y0) - z_p).abs() < 1e-9);
+                assert!((y0 - limit.crest - 0.5 * taper * z0).abs() < 1e-9);
+                assert!((y1 - limit.root - 0.5 * taper * z1).abs() < 1e-9);
+            }
+        }
+    }
 }
 
 #[test]

@@ -54,9 +54,7 @@ impl Thread {
         if full.is_empty() || !full.windows(2).all(is_along) || high - low < ALONG * lead_mm {
             return None;
         }
-        let starts = summary.passes.iter().map(|pass| pass.start + 1).max().unwrap_or(1);
-        let pitch_mm =
-            summary.gauge.as_ref().map_or(lead_mm / f64::from(starts), |gauge| gauge.limits.pitch_mm);
+        let pitch_mm = pitch_mm(summary, lead_mm);
         let deepest = full[full.len() / 2];
         let (middle_mm, root_mm) = groove(&passes, deepest, pitch_mm, pass.depth_mm);
         Some(Thread {
@@ -82,6 +80,14 @@ impl Thread {
         let [low, high] = self.ends_mm.map(|z| self.crest_at(z));
         Outline::new(passes.iter().flatten().copied(), low.max(high))
     }
+}
+
+/// The distance of grooves: the starts as a gauge of that lead has them, or as the passes have.
+fn pitch_mm(summary: &Summary, lead_mm: f64) -> f64 {
+    let asked = summary.gauge.as_ref().map(|gauge| (f64::from(gauge.limits.starts), gauge.limits.pitch_mm));
+    let fits = |(starts, pitch): &(f64, f64)| (starts * pitch - lead_mm).abs() < ALONG * lead_mm;
+    let starts = summary.passes.iter().map(|pass| pass.start + 1).max().unwrap_or(1);
+    lead_mm / asked.filter(fits).map_or(f64::from(starts), |(starts, _)| starts)
 }
 
 /// Whether the tool goes towards the axis (1) or away from it.
