@@ -175,7 +175,7 @@ fn a_missing_key_is_named() {
 fn a_value_of_the_wrong_type_is_shown() {
     let message = refusal(&with("velocity_mm_s = 150.0", "velocity_mm_s = \"9 m/min\""));
     assert!(message.contains("velocity_mm_s = \"9 m/min\""), "{message}");
-    let message = refusal(&with("dialect = \"linuxcnc\"", "dialect = \"heidenhain\""));
+    let message = refusal(&with("dialect = \"auto\"", "dialect = \"heidenhain\""));
     assert!(message.contains("heidenhain") && message.contains("linuxcnc"), "{message}");
 }
 
