@@ -121,8 +121,8 @@ impl Gauged {
         gauged
     }
 
-    /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for the
-    /// tool, if that is known.
+    /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for
+    /// the tool, if that is known.
     pub(super) fn turns(&mut self, at_a_feed: bool, origin_mm: Option<[f64; 2]>, truth: &Truth) {
         let [x, z] = origin_mm.or_else(|| self.asked.origins_mm.values().next().copied()).unwrap_or_default();
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
