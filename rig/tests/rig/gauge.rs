@@ -55,6 +55,11 @@ fn example() -> String {
     std::fs::read_to_string(path).expect("the example is there")
 }
 
+/// The example as a thread of the class: turned to the middle of what its crest may be, and deeper.
+fn in_class() -> String {
+    example().replace("G0 X20 ", "G0 X19.82 ").replace("K2.454", "K2.572")
+}
+
 /// H/6, as the class allows at most: with it a depth of 0.6134 P from the nominal diameter is the basic
 /// profile.
 const NOSE_MM: f64 = 0.288_675;
@@ -66,7 +71,7 @@ fn an_example_is_judged_by_what_its_tool_leaves() {
     let (basic, _) = gauged(&example(), NOSE_MM, "");
     let words = "GO does not go on: virtual pitch diameter 18.7";
     assert!(basic.reasons[0].starts_with(words) && basic.reasons[0].ends_with("too shallow)"), "{basic:?}");
-    let (deeper, passes) = gauged(&example().replace("K2.454", "K2.572"), NOSE_MM, "");
+    let (deeper, passes) = gauged(&in_class(), NOSE_MM, "");
     assert_eq!((deeper.verdict, &deeper.reasons[..]), (PartVerdict::Good, &[][..]));
     // The tip is meant to lie 1.286 mm below 20 mm; it is half a pitch wide H/2 − NOSE_MM above itself. How
     // far it stood off at full depth is measured elsewhere: the last three passes go all as deep.
@@ -84,7 +89,7 @@ fn an_example_is_judged_by_what_its_tool_leaves() {
 /// A lead that is long by 10 µm a turn, 100 µm over the gauge.
 #[test]
 fn a_wrong_pitch_is_refused_because_of_its_lead() {
-    let program = example().replace("K2.454", "K2.572").replace("G76 P2 ", "G76 P2.01 ");
+    let program = in_class().replace("G76 P2 ", "G76 P2.01 ");
     let (report, _) = gauged(&program, NOSE_MM, "");
     assert!((report.lead_error_um - 100.0).abs() < 2.0, "{report:?}");
     assert_eq!(report.verdict, PartVerdict::Bad);
@@ -95,7 +100,7 @@ fn a_wrong_pitch_is_refused_because_of_its_lead() {
 /// thread.
 #[test]
 fn a_thread_that_was_held_or_turned_slower_passes_the_same_gauge() {
-    let program = example().replace("K2.454", "K2.572");
+    let program = in_class();
     let (quiet, passes) = gauged(&program, NOSE_MM, "");
     let finish = passes.len() - 2;
     let held = format!(
