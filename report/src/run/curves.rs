@@ -7,6 +7,7 @@ use rig::trace::Row;
 
 use super::curves_moves::MovesCurves;
 use super::cutting::CutCurves;
+use super::error_map::ErrorMap;
 use super::part::Part;
 use super::path::Path;
 use super::tools::ToolUses;
@@ -48,6 +49,8 @@ pub(super) struct ShownCurves {
 pub(super) struct Curves {
     /// The tool path.
     pub(super) path: Path,
+    /// How far the finished groove is off.
+    pub(super) error_map: ErrorMap,
     /// What each tool took.
     pub(super) tools: ToolUses,
     pub(super) passes: Vec<PassCurves>,
@@ -73,7 +76,7 @@ pub(super) struct Curves {
 const AXES: [Axis; 2] = [Axis::X, Axis::Z];
 
 /// The pass that is shown in full: the deepest of those that were cut to their end, else the first.
-fn shown_index(passes: &[PassReport]) -> usize {
+pub(super) fn shown_index(passes: &[PassReport]) -> usize {
     let complete = passes.iter().enumerate().filter(|(_, pass)| pass.complete);
     complete.max_by(|(_, a), (_, b)| a.depth_mm.total_cmp(&b.depth_mm)).map_or(0, |(index, _)| index)
 }
@@ -107,6 +110,7 @@ impl Curves {
         let over_time = Envelope::new(0.0, summary.simulated_s, 2 * MOST_SLOTS);
         Curves {
             path: Path::new(summary),
+            error_map: ErrorMap::new(summary),
             tools: ToolUses::default(),
             passes: summary.passes.iter().map(of_pass).collect(),
             shown_index: shown_index(&summary.passes),
@@ -136,6 +140,7 @@ impl Curves {
         };
         let c = pass.direction * (row.spindle_true_deg - pass.index_deg);
         self.passes[index].add(pass, c, row);
+        self.error_map.add(summary, index, c, row);
         self.cutting.add(summary, index, row);
         self.part.add(summary, index, row);
         if index == self.shown_index {

@@ -24,6 +24,7 @@ pub(super) fn all(summary: &Summary, curves: &Curves) -> Vec<Figure> {
     if !summary.passes.is_empty() {
         figures.push(helix(summary, curves));
     }
+    figures.extend(curves.error_map.figure());
     if let Some((pass, shown)) = shown {
         figures.push(super::figures_pass::limits(pass, shown));
     }

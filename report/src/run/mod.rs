@@ -6,6 +6,7 @@ mod curves;
 mod curves_moves;
 mod cutting;
 mod dial;
+mod error_map;
 mod figures;
 mod figures_cutting;
 mod figures_moves;

@@ -85,7 +85,8 @@ fn page_of(folder: &Path) -> String {
     let mut parts = page.split("{\"bdata\":\"");
     let mut read = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        let (packed, rest) = part.split_once("\",\"dtype\":\"f4\"}").expect("numbers of this kind");
+        let (packed, rest) = part.split_once("\",\"dtype\":\"f4\"").expect("numbers of this kind");
+        let (_shape, rest) = rest.split_once('}').expect("an end");
         let bytes = BASE64_STANDARD.decode(packed).expect("packed numbers");
         let number = |four: &[u8]| f32::from_le_bytes(four.try_into().expect("four bytes")).to_string();
         let numbers: Vec<String> = bytes.chunks(4).map(number).collect();
