@@ -1,5 +1,5 @@
-//! How far the finished groove is off its helix and off its depth, over the angle of the spindle and the turns
-//! of the thread. In: rows of the passes that reach full depth, mm and degrees. Out: two maps, µm.
+//! How far the finished groove is off its helix and off its depth, over the spindle angle and the turns of
+//! the thread. In: rows of the passes that reach full depth, mm and degrees. Out: two maps, µm.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -13,7 +13,7 @@
 //!
 //! ```text
 //! (M163) e = a − h(C),  t = s (b − x(C)),  each at Cₖ by a straight line between two cycles (as M158)
-//! (M164) n = ⌊(Cₖ + 360° round((h₀ − h₀′)/F))/360°⌋: one place on the part, whichever index a pass began with
+//! (M164) n = ⌊(Cₖ + 360° round((h₀ − h₀′)/F))/360°⌋: one place, at whichever index a pass began
 //! ```
 //! Where several passes were at one place, the last of those that were programmed deepest there counts.
 
@@ -205,7 +205,7 @@ fn outwards(pass: &PassReport) -> f64 {
     if pass.delta_x_mm > 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Where a pass is in a cycle, as long as it is on its helix, at its depth, and in the stock if that is known.
+/// Where a pass is in a cycle, on its helix, at its depth, and in the stock if that is known.
 fn seen(summary: &Summary, pass: &PassReport, c_deg: f64, row: &Row) -> Option<Seen> {
     let (x, z) = (row.axis(Axis::X)?, row.axis(Axis::Z)?);
     let helix_mm = pass.helix_at_index_mm + pass.lead_mm * c_deg / 360.0;
