@@ -46,7 +46,7 @@
   let waiting;
   window.addEventListener('resize', () => { clearTimeout(waiting); waiting = setTimeout(onScreen, 150); });
   window.addEventListener('theme', onScreen);
-  window.addEventListener('beforeprint', () => { theme.onPaper(true); draw(PAPER_PX); });
-  window.addEventListener('afterprint', () => { theme.onPaper(false); onScreen(); });
+  window.addEventListener('beforeprint', () => draw(PAPER_PX));
+  window.addEventListener('afterprint', onScreen);
   onScreen();
 })();

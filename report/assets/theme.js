@@ -49,7 +49,8 @@ const theme = (() => {
     return written;
   };
 
-  // Paper is light, whatever the screen is.
-  const onPaper = (yes) => { if (yes) dark.media = 'not all'; else apply(); };
-  return { paint, value, list, mix, onPaper };
+  // Paper is light, whatever the screen is; what draws hears of it after this.
+  window.addEventListener('beforeprint', () => { dark.media = 'not all'; });
+  window.addEventListener('afterprint', apply);
+  return { paint, value, list, mix };
 })();

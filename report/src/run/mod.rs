@@ -13,6 +13,7 @@ mod figures_moves;
 mod figures_pass;
 mod figures_traces;
 mod gauge;
+mod mill;
 mod page;
 mod part;
 mod passes;
@@ -25,6 +26,7 @@ mod verdict;
 
 use std::path::{Path, PathBuf};
 
+use maud::Markup;
 use rig::observe::{Summary, SummaryError};
 use rig::trace;
 
@@ -51,12 +53,20 @@ pub enum ReportError {
 /// Everything that a page shows.
 struct Run {
     summary: Summary,
+    drawn: Drawn,
+    program: Option<String>,
+}
+
+/// What comes of the trace.
+#[derive(Default)]
+struct Drawn {
     figures: Vec<Figure>,
     /// What each pass took out of a groove, and what each tool took.
     tables: Vec<Table>,
+    /// The part that a mill leaves.
+    solid: Option<Markup>,
     /// What is to be said of the trace, if it is missing or damaged.
-    trace_note: Option<String>,
-    program: Option<String>,
+    note: Option<String>,
 }
 
 /// Draws `report.html` into a run folder and gives its path. A run without a trace, or with a damaged one, is
@@ -66,10 +76,10 @@ struct Run {
 /// [`ReportError`] names the file.
 pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     let summary = Summary::read(&run_dir.join("summary.json"))?;
-    let (figures, tables, trace_note) = draw(run_dir, &summary);
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
     let program = program.and_then(|path| std::fs::read_to_string(path).ok());
-    let page = page::html(&Run { summary, figures, tables, trace_note, program });
+    let drawn = draw(run_dir, &summary, program.as_deref());
+    let page = page::html(&Run { summary, drawn, program });
     let path = run_dir.join("report.html");
     match std::fs::write(&path, page) {
         Ok(()) => Ok(path),
@@ -77,17 +87,23 @@ pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     }
 }
 
-fn draw(run_dir: &Path, summary: &Summary) -> (Vec<Figure>, Vec<Table>, Option<String>) {
+fn draw(run_dir: &Path, summary: &Summary, program: Option<&str>) -> Drawn {
     let Some(path) = trace::find(run_dir) else {
-        return (
-            Vec::new(),
-            Vec::new(),
-            Some("The run was made without a trace, so there is nothing to draw.".into()),
-        );
+        let note = "The run was made without a trace, so there is nothing to draw.";
+        return Drawn { note: Some(note.into()), ..Drawn::default() };
     };
     let mut curves = Curves::new(summary);
-    let read = trace::read(&path, |row| curves.add(summary, &row));
-    let note = read.err().map(|error| format!("The trace ends early, and so do the pictures: {error}."));
-    let tables = [part::table(summary, &curves), curves.tools.table()].into_iter().flatten().collect();
-    (figures::all(summary, &curves), tables, note)
+    let mut way = mill::Way::new(summary);
+    let read = trace::read(&path, |row| {
+        curves.add(summary, &row);
+        if let Some(way) = &mut way {
+            way.add(&row);
+        }
+    });
+    Drawn {
+        figures: figures::all(summary, &curves),
+        tables: [part::table(summary, &curves), curves.tools.table()].into_iter().flatten().collect(),
+        solid: way.and_then(|way| mill::part(summary, &way, program)),
+        note: read.err().map(|error| format!("The trace ends early, and so do the pictures: {error}.")),
+    }
 }

@@ -17,21 +17,22 @@ const PROGRAM_LINES: usize = 400;
 
 /// The whole page.
 pub(super) fn html(run: &Run) -> String {
-    let summary = &run.summary;
+    let (summary, drawn) = (&run.summary, &run.drawn);
     let content = html! {
         (head(summary))
-        @if let Some(note) = &run.trace_note { p.note { (note) } }
+        @if let Some(note) = &drawn.note { p.note { (note) } }
         @if !summary.passes.is_empty() { (passes::tables(summary)) }
         @if let Some(gauge) = &summary.gauge { (gauge::table(gauge)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
-        @for table in &run.tables { (section(table)) }
+        @for table in &drawn.tables { (section(table)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
-        (pictures(&run.figures))
+        @if let Some(solid) = &drawn.solid { (solid) }
+        (pictures(&drawn.figures))
         (details(summary))
         @if let Some(program) = &run.program { (listing(program)) }
     };
-    document(&summary.program, &content, !run.figures.is_empty())
+    document(&summary.program, &content, !drawn.figures.is_empty())
 }
 
 fn head(summary: &Summary) -> Markup {
