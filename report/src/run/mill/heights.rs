@@ -14,8 +14,8 @@
 //! (M165) h = 0 for ρ ≤ R − c; c − √(c² − (ρ − R + c)²) for R − c < ρ ≤ R
 //! (M166) H = min(H₀, min over the way of z + h(ρ) where ρ ≤ R)
 //! (M167) s = max(q/2, π R² L / q² / N): N cells are lowered at most, however long the way and wide the tool
-//! (M168) nobody says what the stock is: X and Y of all feeds ± R, of surfaces without R; from the lowest feed
-//! up to the highest at which the tool is fed sideways
+//! (M168) nobody says what the stock is: X and Y of all feeds ± R, of surfaces without R; from the lowest
+//! feed up to the highest at which the tool is fed sideways
 
 use std::collections::BTreeMap;
 
