@@ -87,7 +87,7 @@ fn loops_that_lead_nowhere_end() {
         // Moves without length, and to and fro.
         (Dialect::Fanuc, "O1\nN10 G00 X10.\nGOTO 10\nM30\n"),
         (Dialect::Linuxcnc, "o1 while [1]\nG91 G0 X0.001\nG0 X-0.001\no1 endwhile\nM2\n"),
-        (Dialect::Linuxcnc, "F1 o1 while [1]\nG90 G1 X1 Z1\no1 endwhile\nM2\n"),
+        (Dialect::Linuxcnc, "o1 while [1]\nG90 G1 X1 Z1 F1\no1 endwhile\nM2\n"),
     ];
     for (dialect, text) in programs {
         let ended = ended(dialect, text);
@@ -299,7 +299,7 @@ fn a_hundred_thousand_faulty_lines_take_a_moment() {
         let text = "G1 X1 X2\n".repeat(100_000) + "M2\n";
         let ended = ended(dialect, &text);
         assert_eq!(ended.errors.iter().filter(|error| error.code == "repeated-word").count(), 500);
-        let moving = "G0 X1 Z0\nG1 X1 X2\n".repeat(50_000) + "M2\n";
+        let moving = "G0 X1.\nG1 X1 X2\nG0 X2.\nG1 X1 X2\n".repeat(25_000) + "M2\n";
         let ended = run(Program::from_text("faulty", moving, &small(dialect)), 1_000_000);
         let faulty: Vec<_> = ended.errors.iter().filter(|error| error.code == "repeated-word").collect();
         assert_eq!(faulty.len(), 50_000);
