@@ -9,7 +9,7 @@ use protocol::{Arc, Code, Item, code_file::CodeFile};
 use rig::observe::{GaugeAsked, Observer, Watch};
 use route::{Course, Route};
 
-use crate::{error::CliError, screen};
+use crate::{error::CliError, screen, words::Phase};
 
 /// A program that was read.
 pub(crate) struct Program {
@@ -62,32 +62,9 @@ impl Program {
         machine: &Machine,
         gauge: Option<Nominal>,
     ) -> Result<Program, CliError> {
+        let _shown = Phase::begin("reading the program");
         if CodeFile::is_named(path) {
-            let file =
-                CodeFile::open(path, &machine.identity()).map_err(|error| CliError::file(path, error))?;
-            if let Some(text) = not_for(machine, &file.items) {
-                return Err(CliError::file(path, text));
-            }
-            let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
-            let mut watch = Watch::default();
-            let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
-            let time_s = interpreter::time_s(&file.items, machine);
-            let time_s =
-                time_s.map_err(|(line, reason)| CliError::file(path, changed(&reason.to_string(), line)))?;
-            let steps = file.items.iter().map(Item::steps).sum();
-            let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
-            return Ok(Program {
-                code,
-                count,
-                steps,
-                moves,
-                watched,
-                check: None,
-                messages,
-                time_s,
-                part_file: None,
-                gauge,
-            });
+            return Program::from_code_file(path, machine, gauge);
         }
         let (mut watch, mut watched) = (Watch::default(), Vec::new());
         let program = open(path, language, machine)?;
@@ -96,6 +73,7 @@ impl Program {
         let (part_file, part) = beside.unzip();
         let interpreter = Interpreter::new(program, machine).with_part(part).with_gauge(gauge);
         let mut check = interpreter::check_interpreter(interpreter, machine, |item| {
+            Phase::at(item.line);
             if watch.wants(&item) {
                 watched.push(item);
             }
@@ -123,6 +101,34 @@ impl Program {
             messages,
             time_s,
             part_file,
+            gauge,
+        })
+    }
+
+    /// Machine code of a file, for the machine that it was made for.
+    fn from_code_file(path: &Path, machine: &Machine, gauge: Option<Nominal>) -> Result<Program, CliError> {
+        let file = CodeFile::open(path, &machine.identity()).map_err(|error| CliError::file(path, error))?;
+        if let Some(text) = not_for(machine, &file.items) {
+            return Err(CliError::file(path, text));
+        }
+        let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
+        let mut watch = Watch::default();
+        let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
+        let time_s = interpreter::time_s(&file.items, machine);
+        let time_s =
+            time_s.map_err(|(line, reason)| CliError::file(path, changed(&reason.to_string(), line)))?;
+        let steps = file.items.iter().map(Item::steps).sum();
+        let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
+        Ok(Program {
+            code,
+            count,
+            steps,
+            moves,
+            watched,
+            check: None,
+            messages,
+            time_s,
+            part_file: None,
             gauge,
         })
     }

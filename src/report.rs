@@ -4,7 +4,10 @@ use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
-use crate::{error::CliError, screen};
+use crate::{error::CliError, screen, words::Phase};
+
+/// What a page costs time for, as it is shown.
+pub(crate) const DRAWING: &str = "drawing the report";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ReportArgs {
@@ -14,7 +17,9 @@ pub(crate) struct ReportArgs {
 
 /// Draws `report.html` of a run folder, and prints its path.
 pub(crate) fn report(args: &ReportArgs) -> Result<ExitCode, CliError> {
+    let drawing = Phase::begin(DRAWING);
     let path = report::render(&args.run_dir)?;
+    drop(drawing);
     screen::print(&format!("{}\n", path.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -6,6 +6,7 @@ use std::{
     io::{IsTerminal as _, Write},
     sync::{
         OnceLock,
+        atomic::{AtomicU32, Ordering},
         mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
     },
     time::Duration,
@@ -13,6 +14,7 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 use process::ipc::time::{Moment, sleep_until};
+use tracing::level_filters::LevelFilter;
 
 /// Words that wait to be written.
 const DEPTH: usize = 256;
@@ -20,6 +22,15 @@ const DEPTH: usize = 256;
 const STACK: usize = 256 * 1024;
 /// So long whoever runs a machine waits in the end for words to be read.
 const LAST_WORDS: Duration = Duration::from_secs(1);
+
+/// Work that takes longer is shown, and so often.
+const PATIENCE: Duration = Duration::from_secs(1);
+const PHASE_STEP: Duration = Duration::from_millis(200);
+/// Nothing is due.
+const FOREVER: Duration = Duration::from_secs(3600);
+
+/// The line that such work has come to, from 1; 0 without one.
+static LINE: AtomicU32 = AtomicU32::new(0);
 
 /// Something for the writer.
 enum Word {
@@ -31,6 +42,10 @@ enum Word {
     Step(u64, String),
     /// No bar from here on.
     NoBar,
+    /// Work without a known end, from this moment on.
+    Phase(Moment, &'static str),
+    /// That work has ended.
+    NoPhase,
     /// Everything before this has been written when it is answered.
     Written(SyncSender<()>),
 }
@@ -53,7 +68,17 @@ fn send(word: Word) {
 /// The thread.
 fn write(words: &Receiver<Word>) {
     let mut bar: Option<ProgressBar> = None;
-    for word in words {
+    let mut phase: Option<(Moment, &'static str)> = None;
+    loop {
+        let word = match (phase, words.recv_timeout(if phase.is_some() { PHASE_STEP } else { FOREVER })) {
+            (_, Ok(word)) => word,
+            (_, Err(RecvTimeoutError::Disconnected)) => return,
+            (Some((since, what)), Err(RecvTimeoutError::Timeout)) => {
+                go_on(&mut bar, since, what);
+                continue;
+            }
+            (None, Err(RecvTimeoutError::Timeout)) => continue,
+        };
         match word {
             Word::Lines(bytes) => {
                 // A reader that has gone away is no error.
@@ -61,6 +86,11 @@ fn write(words: &Receiver<Word>) {
                     let _ = std::io::stderr().write_all(&bytes);
                 };
                 bar.as_ref().map_or_else(say, |bar| bar.suspend(say));
+            }
+            Word::Phase(since, what) => phase = Some((since, what)),
+            Word::NoPhase => {
+                phase = None;
+                bar.take().iter().for_each(ProgressBar::finish_and_clear);
             }
             Word::Bar(steps) => bar = Some(new_bar(steps)),
             Word::Step(position, message) => {
@@ -75,6 +105,24 @@ fn write(words: &Receiver<Word>) {
             }
         }
     }
+}
+
+/// Work without a known end goes on: after a second it is shown, with what is counted of it.
+fn go_on(bar: &mut Option<ProgressBar>, since: Moment, what: &str) {
+    let elapsed = since.elapsed();
+    if elapsed < PATIENCE {
+        return;
+    }
+    let bar = bar.get_or_insert_with(|| {
+        let style = ProgressStyle::with_template("{spinner} {msg}");
+        ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+    });
+    let at = match LINE.load(Ordering::Relaxed) {
+        0 => String::new(),
+        line => format!(", line {line}"),
+    };
+    bar.set_message(format!("{what}{at}, {} s", elapsed.as_secs()));
+    bar.tick();
 }
 
 fn new_bar(steps: u64) -> ProgressBar {
@@ -106,6 +154,38 @@ pub(crate) fn step(position: u64, message: String) {
 /// Takes the bar away.
 pub(crate) fn hide_bar() {
     send(Word::NoBar);
+}
+
+/// Work without a known end, shown on a terminal if it takes longer than a second, until this is dropped.
+pub(crate) struct Phase {
+    shows: bool,
+}
+
+impl Phase {
+    /// Work that begins. With `--quiet` nothing is shown.
+    pub(crate) fn begin(what: &'static str) -> Phase {
+        let is_quiet = LevelFilter::current() <= LevelFilter::ERROR;
+        let shows = !is_quiet && std::io::stderr().is_terminal();
+        if shows {
+            LINE.store(0, Ordering::Relaxed);
+            send(Word::Phase(Moment::now(), what));
+        }
+        Phase { shows }
+    }
+
+    /// The line of the program that it has come to.
+    pub(crate) fn at(line: u32) {
+        LINE.store(line, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Phase {
+    fn drop(&mut self) {
+        if self.shows {
+            send(Word::NoPhase);
+            flush(true);
+        }
+    }
 }
 
 /// Waits until everything is written; `bounded`: for a second at most, because a machine may depend on it.

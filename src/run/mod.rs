@@ -18,7 +18,13 @@ use machine::Machine;
 use process::shell::Clock;
 use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, Summary, WorkKind};
 
-use crate::{error::CliError, program::Program, screen, words};
+use crate::{
+    error::CliError,
+    program::Program,
+    report::DRAWING,
+    screen,
+    words::{self, Phase},
+};
 use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
 use folder::RunFolder;
@@ -74,7 +80,9 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     // Whatever cannot be written: what became of the run is said.
     let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
     drop(interrupts);
+    let drawing = Phase::begin(DRAWING);
     let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
+    drop(drawing);
     if quiet && let Some(fault) = summary.faults.first() {
         words::say(&format!("error: {}\n", told(fault)));
     }

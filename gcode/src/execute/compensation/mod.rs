@@ -56,9 +56,25 @@ pub(crate) fn switch(code: G, block: &Block, state: &mut State, out: &mut Output
         Side::Left => "cutter radius compensation on left",
         Side::Right => "cutter radius compensation on right",
     }))?;
+    if radius == 0.0 {
+        out.warn(nothing(code, block, state, dynamic));
+    }
     let cutter = Cutter { side, radius: radius.abs(), orientation };
     (state.compensation.tool, state.compensation.normal) = (Some(cutter), None);
     Ok(())
+}
+
+/// Nothing is compensated: the contour is cut as if the tool were a point.
+fn nothing(code: G, block: &Block, state: &State, dynamic: bool) -> Box<Problem> {
+    let table = &state.tools.table;
+    let message = format!("{code} compensates a radius of 0: the tool cuts as if it were a point");
+    let help = match (dynamic, table.is_empty()) {
+        (true, _) => "D is the diameter of the tool",
+        (false, true) => "there is no tool table: name one with --tools, with the radius of the tool",
+        (false, false) => "enter the radius of the tool into the tool table, or leave the code out",
+    };
+    let blame = if block.get('D').is_some() { Blame::Word('D') } else { Blame::G(code) };
+    Problem::warning("no-radius", blame, message, help)
 }
 
 fn switch_off(state: &mut State, out: &mut Output) -> Done {

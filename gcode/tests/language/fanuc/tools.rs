@@ -39,6 +39,27 @@ fn the_nose_is_compensated_as_in_the_other_dialect() {
     assert_eq!(moves(here, Dialect::Fanuc), moves(there, Dialect::Linuxcnc));
 }
 
+/// A contour for a tool whose radius nobody has said is cut beside where it should be, without a word.
+#[test]
+fn compensation_of_nothing_is_warned_of() {
+    let warned = |text: &str, options: &Options| {
+        let outcome = run(Program::from_text("O1", text, options));
+        assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
+        let of = |found: &gcode::Diagnostic| (found.line, found.column, found.help.contains("--tools"));
+        outcome.warnings.iter().filter(|found| found.code == "no-radius").map(of).collect::<Vec<_>>()
+    };
+    let here = "T0101\nS500 M03\nG42 G01 X40. Z2. F0.2\nG40 G00 X50.\nM30\n";
+    assert_eq!(warned(here, &fanuc()), [(3, 1, true)]);
+    assert_eq!(warned(here, &with_tools(fanuc())), []);
+    let there = "G18\nS500 M3 F100\nT1 M6\nG42\nG1 X40 Z2\nG40\nG0 X50\nM2\n";
+    let table =
+        Options { tools: ToolTable::parse("tools", "T1 Z3\n").expect("a table"), ..Options::default() };
+    assert_eq!(warned(there, &table), [(4, 1, false)]);
+    assert_eq!(warned(there, &with_tools(Options::default())), []);
+    let point = "G18\nS500 M3 F100\nG42.1 D0\nG1 X40 Z2\nG40\nG0 X50\nM2\n";
+    assert_eq!(warned(point, &Options::default()), [(3, 7, false)]);
+}
+
 #[test]
 fn inches_keep_their_place() {
     assert_eq!(moves("G00 X50.8 Z25.4\nG20\nU1.\nG04 U1."), ["G0 25.4 25.4", "G0 1.5 1", "dwell 1"]);
