@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use interpreter::Language;
 use machine::Machine;
 use process::shell::LanguageArgs;
 
@@ -59,6 +60,13 @@ impl MachineArgs {
             .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
         Ok((machine, text))
     }
+
+    /// The tool table that the machine file names, where it is seen from here.
+    pub(crate) fn tool_table(&self, machine: &Machine) -> Option<PathBuf> {
+        let table = machine.general.tool_table.as_ref()?;
+        let folder = self.machine.as_ref().and_then(|path| path.parent());
+        Some(folder.map_or_else(|| table.clone(), |folder| folder.join(table)))
+    }
 }
 
 /// A program and the machine it is for.
@@ -71,4 +79,12 @@ pub(crate) struct ProgramArgs {
     pub(crate) language: LanguageArgs,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
+}
+
+impl ProgramArgs {
+    /// How the program is read: as is asked for, else as the machine file says.
+    pub(crate) fn language(&self, machine: &Machine) -> Language {
+        let language = self.language.language();
+        Language { tools: language.tools.or_else(|| self.machine.tool_table(machine)), ..language }
+    }
 }

@@ -28,7 +28,7 @@ pub(crate) struct CheckArgs {
 /// Reports every diagnostic, every pass, and the time the program takes.
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.input.machine.read()?;
-    let (language, asked) = (args.input.language.language(), args.gauge.read()?);
+    let (language, asked) = (args.input.language(&machine), args.gauge.read()?);
     let program = Program::judge(&args.input.program, &language, &machine, asked)?;
     if args.json {
         let name = args.input.program.display().to_string();

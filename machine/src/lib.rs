@@ -101,6 +101,9 @@ pub struct General {
     /// say it by having none with one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub decimal_point: Option<BareNumbers>,
+    /// Tool table of part programs (LinuxCNC's format), beside the machine file if its path is relative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool_table: Option<std::path::PathBuf>,
     /// Kinematics.
     #[serde(default)]
     pub kinematics: Kinematics,

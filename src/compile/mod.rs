@@ -36,12 +36,12 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
     }
     let (machine, _) = args.input.machine.read()?;
-    let program = Program::read(&args.input.program, &args.input.language.language(), &machine, None)?;
+    let language = args.input.language(&machine);
+    let program = Program::read(&args.input.program, &language, &machine, None)?;
     eprint!("{}", program.messages);
     // Without its folder, so that a program has the same machine code everywhere.
     let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
-    let items: Vec<Item> =
-        program.items(&args.input.program, &args.input.language.language(), &machine)?.collect();
+    let items: Vec<Item> = program.items(&args.input.program, &language, &machine)?.collect();
     let file = CodeFile::new(&name, &machine.identity(), items);
     let mut bytes = Vec::new();
     file.write(&mut bytes)

@@ -57,8 +57,10 @@ pub(crate) struct Setup {
 
 /// Runs a program. Anything wrong with the input ends this before the machine starts.
 pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let args = &folder::repeated(args)?;
+    let mut args = folder::repeated(args)?;
     let (machine, machine_text) = args.machine.read()?;
+    args.language.tools = args.language.tools.or_else(|| args.machine.tool_table(&machine));
+    let args = &args;
     let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     if !quiet {
         eprint!("{}", program.messages);

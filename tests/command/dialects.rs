@@ -58,3 +58,32 @@ fn strict_takes_warnings_for_errors() {
     assert_eq!(run.status, Some(2), "{}", run.stderr);
     assert!(!place.at("out").exists(), "nothing moved");
 }
+
+/// Whose machine has a tool table writes it into the machine file once.
+#[test]
+fn the_machine_file_names_the_tool_table() {
+    let place = Place::new();
+    let table = "[machine]\ntool_table = \"mine.tbl\"";
+    std::fs::create_dir(place.at("shop")).expect("the place is new");
+    place.write("shop/lathe.toml", machine::SMALL_LATHE.replacen("[machine]", table, 1));
+    place.write("shop/mine.tbl", "T1 Z25 D0.8 Q2\n");
+    place.write("offset.ngc", "T1 M6 G43\nG0 X40 Z2\nM2\n");
+    let bare = place.ask(&["check", "offset.ngc"]);
+    assert_eq!(bare.status, Some(2));
+    assert!(
+        bare.stderr.contains("there is no tool table") && bare.stderr.contains("tool_table under [machine]")
+    );
+    let machine = ["--machine", "shop/lathe.toml"];
+    let check = place.ask(&["check", "offset.ngc", machine[0], machine[1]]);
+    assert_eq!(check.status, Some(0), "{}", check.stderr);
+    let run = ["run", "offset.ngc", machine[0], machine[1], "--trace", "none", "--out", "out"];
+    let run = place.ask(&run);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    // The folder is enough to run it again.
+    std::fs::remove_dir_all(place.at("shop")).expect("it was there");
+    let again = place.ask(&["run", "out", "--in-process", "--trace", "none", "--out", "again"]);
+    assert_eq!(again.status, Some(0), "{}", again.stderr);
+    place.write("lost.toml", machine::SMALL_LATHE.replacen("[machine]", table, 1));
+    let lost = place.ask(&["check", "offset.ngc", "--machine", "lost.toml"]);
+    assert!(lost.status == Some(2) && lost.stderr.contains("mine.tbl"), "{}", lost.stderr);
+}

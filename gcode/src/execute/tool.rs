@@ -91,17 +91,21 @@ fn entry(number: i32, letter: char, state: &State) -> Result<&Tool, Box<Problem>
     if number == 0 {
         return Ok(&state.tools.table.in_spindle);
     }
-    state.tools.table.find(number).ok_or_else(|| unknown(number, letter))
+    state.tools.table.find(number).ok_or_else(|| unknown(number, letter, state.tools.table.is_empty()))
 }
 
-fn unknown(number: i32, letter: char) -> Box<Problem> {
-    let message = format!("tool {number} is not in the tool table");
-    Problem::error(
-        "unknown-tool",
-        Blame::Word(letter),
-        message,
-        "enter it in the tool table (--tools FILE), or name another tool",
-    )
+fn unknown(number: i32, letter: char, no_table: bool) -> Box<Problem> {
+    let (message, help) = match no_table {
+        true => (
+            format!("nothing is known of tool {number}: there is no tool table"),
+            "name one with --tools FILE, or as tool_table under [machine] of the machine file",
+        ),
+        false => (
+            format!("tool {number} is not in the tool table"),
+            "enter it in the tool table (--tools FILE), or name another tool",
+        ),
+    };
+    Problem::error("unknown-tool", Blame::Word(letter), message, help)
 }
 
 /// G43 H, G43.1 (axis words), G43.2 H or axis words, G49.
@@ -141,7 +145,7 @@ pub(super) fn set_entry(block: &Block, state: &mut State, out: &mut Output) -> D
     let words = state.modes.axes(block);
     let direct = block.integer('L') == Some(1);
     let to_fixture = block.integer('L') == Some(11);
-    let mut tool = state.tools.table.find(number).cloned().ok_or_else(|| unknown(number, 'P'))?;
+    let mut tool = state.tools.table.find(number).cloned().ok_or_else(|| unknown(number, 'P', false))?;
     let mut offset = state.units.to_program(&tool.offset);
     if direct {
         for (value, word) in offset.iter_mut().zip(words) {
