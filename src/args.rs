@@ -61,6 +61,12 @@ impl MachineArgs {
         Ok((machine, text))
     }
 
+    /// How programs are read: as is asked for, else as the machine file says.
+    pub(crate) fn language(&self, asked: &LanguageArgs, machine: &Machine) -> Language {
+        let asked = asked.language();
+        Language { tools: asked.tools.or_else(|| self.tool_table(machine)), ..asked }
+    }
+
     /// The tool table that the machine file names, where it is seen from here.
     pub(crate) fn tool_table(&self, machine: &Machine) -> Option<PathBuf> {
         let table = machine.general.tool_table.as_ref()?;
@@ -79,12 +85,4 @@ pub(crate) struct ProgramArgs {
     pub(crate) language: LanguageArgs,
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
-}
-
-impl ProgramArgs {
-    /// How the program is read: as is asked for, else as the machine file says.
-    pub(crate) fn language(&self, machine: &Machine) -> Language {
-        let language = self.language.language();
-        Language { tools: language.tools.or_else(|| self.machine.tool_table(machine)), ..language }
-    }
 }

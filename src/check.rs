@@ -1,51 +1,122 @@
-//! `pitchlock check`: a program is read to its end, nothing moves.
+//! `pitchlock check`: programs are read to their end, nothing moves.
 
-use std::{fmt::Write as _, process::ExitCode};
+use std::{
+    fmt::Write as _,
+    io::Read as _,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::Args;
-use interpreter::Severity;
+use gauge::Nominal;
+use interpreter::{Language, Severity};
+use machine::Machine;
+use process::shell::LanguageArgs;
 
 use crate::{
-    args::ProgramArgs,
+    args::MachineArgs,
     diagnostics::Document,
     error::CliError,
     gauged::{self, GaugeArgs},
-    program::{Program, Read},
-    screen,
+    program::Program,
+    screen, words,
 };
+
+/// What stands for standard input.
+const PIPE: &str = "-";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CheckArgs {
+    /// Part programs (G-code), jobs (`.toml`) or machine code (`.mc`); `-`: G-code from standard input.
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) programs: Vec<PathBuf>,
     #[command(flatten)]
-    pub(crate) input: ProgramArgs,
+    pub(crate) language: LanguageArgs,
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
     #[command(flatten)]
     pub(crate) gauge: GaugeArgs,
-    /// Print every diagnostic as one JSON document, for editors, and nothing else.
+    /// Print one JSON document, for editors, and nothing else; of several programs an array of them.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Reports every diagnostic, every pass, and the time the program takes.
-pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
-    let (machine, _) = args.input.machine.read()?;
-    let (language, asked) = (args.input.language(&machine), args.gauge.read()?);
-    let program = Program::judge(&args.input.program, &language, &machine, asked)?;
+/// Reports every diagnostic, every pass, and the time each program takes.
+pub(crate) fn check(args: &CheckArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    let judged = match judges(args) {
+        Ok((machine, language, gauge)) => {
+            let judge = |path: &PathBuf| judge(path, &language, &machine, gauge.clone());
+            args.programs.iter().map(judge).collect()
+        }
+        // JSON tells that of the programs, and it is the same of all.
+        Err(error) if args.json => vec![Err(error)],
+        Err(error) => return Err(error),
+    };
     if args.json {
-        let name = args.input.program.display().to_string();
-        let dialect = Read::of(&args.input.program, &language, &machine).name();
-        let good = program.found(Severity::Error) == 0;
-        let time_s = good.then_some(program.time_s);
-        let gauge = program.gauge.as_ref().map(|nominal| nominal.name.as_str());
-        let document = Document::new(&name, dialect, program.diagnostics(), program.moves, time_s, gauge);
-        let text = serde_json::to_string_pretty(&document);
+        let judged: Vec<_> = args.programs.iter().zip(&judged).collect();
+        let documents: Vec<_> = judged.iter().map(|(path, one)| Document::of(path, one)).collect();
+        let text = match &documents[..] {
+            [one] => serde_json::to_string_pretty(one),
+            all => serde_json::to_string_pretty(all),
+        };
         let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
         screen::print(&format!("{text}\n"));
     } else {
-        eprint!("{}", program.messages);
-        screen::print(&findings(&program));
+        tell(args, &judged, quiet);
     }
-    let good = program.found(Severity::Error) == 0;
-    Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
+    let worst = judged.iter().map(|one| match one {
+        Ok(program) if program.found(Severity::Error) == 0 => 0,
+        Ok(_) | Err(CliError::Input(_)) => 2,
+        Err(CliError::Machine(_)) => 1,
+    });
+    Ok(ExitCode::from(worst.max().unwrap_or(0)))
+}
+
+/// What all programs are judged with.
+fn judges(args: &CheckArgs) -> Result<(Machine, Language, Option<Nominal>), CliError> {
+    let (machine, _) = args.machine.read()?;
+    let language = args.machine.language(&args.language, &machine);
+    Ok((machine, language, args.gauge.read()?))
+}
+
+fn judge(
+    path: &Path,
+    language: &Language,
+    machine: &Machine,
+    gauge: Option<Nominal>,
+) -> Result<Program, CliError> {
+    let mut text = None;
+    if path == Path::new(PIPE) {
+        let read = std::io::stdin().lock().read_to_end(text.insert(Vec::new()));
+        read.map_err(|error| CliError::file(path, error))?;
+    }
+    Program::judge(path, text, language, machine, gauge)
+}
+
+/// What people see: each program under its name if there are several, and how many are good.
+fn tell(args: &CheckArgs, judged: &[Result<Program, CliError>], quiet: bool) {
+    let several = args.programs.len() > 1;
+    for (path, one) in args.programs.iter().zip(judged) {
+        match one {
+            Ok(program) => {
+                words::say(&program.messages);
+                let head = if several { format!("{}: ", path.display()) } else { String::new() };
+                if !quiet {
+                    words::flush(false);
+                    screen::print(&(head + &findings(program)));
+                }
+            }
+            Err(error) => {
+                error.report();
+            }
+        }
+    }
+    if several && !quiet {
+        let good = |one: &&_| matches!(one, Ok(program) if Program::found(program, Severity::Error) == 0);
+        let good = judged.iter().filter(good).count();
+        words::flush(false);
+        screen::print(&format!("{} of {} are good\n", good, counted(judged.len() as u64, "program")));
+    }
 }
 
 fn findings(program: &Program) -> String {

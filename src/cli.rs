@@ -26,7 +26,7 @@ pub(crate) enum Command {
     Run(crate::run::RunArgs),
     /// Read a program: every diagnostic, every pass, the time it takes. Moves nothing.
     #[command(
-        after_help = "Examples:\n  pitchlock check examples/m20x2.ngc\n  pitchlock check part.ngc --json      for editors"
+        after_help = "Examples:\n  pitchlock check examples/m20x2.ngc\n  pitchlock check part.ngc --json      for editors\n  pitchlock check *.nc                 each of them, and how many are good\n  sed s/F0.2/F0.3/ part.ngc | pitchlock check -"
     )]
     Check(crate::check::CheckArgs),
     /// Turn a program into a machine-code file that `run` takes.

@@ -1,31 +1,43 @@
-//! Diagnostics as one JSON document, for editors: `pitchlock check --json`.
+//! What was found in a program as one JSON document, for editors: `pitchlock check --json`.
 //!
 //! ```json
 //! { "version": 1, "program": "part.ngc", "dialect": "linuxcnc", "errors": 1, "warnings": 0, "moves": 12,
-//!   "time_s": null, "gauge": null,
+//!   "time_s": null, "gauge": null, "error": null,
 //!   "diagnostics": [
 //!   { "file": "part.ngc", "line": 2, "column": 8, "end_column": 10, "severity": "error",
-//!     "code": "unused-word", "message": "no code of this block uses Q", "help": "leave it out" } ] }
+//!     "code": "unused-word", "message": "no code of this block uses Q", "help": "leave it out" } ],
+//!   "passes": [
+//!   { "pass": 1, "line": 9, "depth_mm": 0.2, "x_mm": 9.8, "start_z_mm": 8.0,
+//!     "full_depth_z_mm": [ 5.0, -20.0 ], "max_override_pct": 120.0 } ] }
 //! ```
-//! `gauge` is the name of the thread that a gauge will judge, null without one. `time_s` is the time the
-//! program takes at 100 % override; null where an error keeps it from running. Lines
-//! and columns count from 1, columns in characters; `end_column` is that of the character behind the last.
+//! `error` is why nothing could be judged, or null. `gauge` is the name of the thread that a gauge will
+//! judge, null without one. `time_s` is the time the program takes at 100 % override, s, to the microsecond;
+//! null where an error keeps it from running. Lines and columns count from 1, columns in characters;
+//! `end_column` is that of the character behind the last. X is a radius; `depth_mm` is null where the program
+//! does not say where the crest is.
+
+use std::path::Path;
 
 use gcode::{Diagnostic, Severity};
+use interpreter::PassNote;
 use serde::Serialize;
+
+use crate::{error::CliError, program::Program};
 
 /// The document.
 #[derive(Debug, Serialize)]
 pub(crate) struct Document<'a> {
     version: u32,
-    program: &'a str,
-    dialect: &'a str,
+    program: String,
+    dialect: Option<&'a str>,
     errors: usize,
     warnings: usize,
     moves: u64,
     time_s: Option<f64>,
     gauge: Option<&'a str>,
+    error: Option<String>,
     diagnostics: Vec<Entry<'a>>,
+    passes: Vec<Pass>,
 }
 
 #[derive(Debug, Serialize)]
@@ -40,27 +52,63 @@ struct Entry<'a> {
     help: &'a str,
 }
 
+#[derive(Debug, Serialize)]
+struct Pass {
+    pass: u32,
+    line: u32,
+    depth_mm: Option<f64>,
+    x_mm: f64,
+    start_z_mm: f64,
+    full_depth_z_mm: [f64; 2],
+    max_override_pct: f64,
+}
+
 impl<'a> Document<'a> {
-    /// The document of everything that was found in a program.
-    pub(crate) fn new(
-        program: &'a str,
-        dialect: &'a str,
-        diagnostics: &'a [Diagnostic],
-        moves: u64,
-        time_s: Option<f64>,
-        gauge: Option<&'a str>,
-    ) -> Document<'a> {
-        let count = |severity| diagnostics.iter().filter(|one| one.severity == severity).count();
-        Document {
+    /// The document of everything that was found in a program, or of why nothing was.
+    pub(crate) fn of(path: &Path, judged: &'a Result<Program, CliError>) -> Document<'a> {
+        let program = path.display().to_string();
+        let empty = Document {
             version: 1,
             program,
-            dialect,
-            errors: count(Severity::Error),
-            warnings: count(Severity::Warning),
-            moves,
-            time_s,
-            gauge,
-            diagnostics: diagnostics.iter().map(Entry::from).collect(),
+            dialect: None,
+            errors: 1,
+            warnings: 0,
+            moves: 0,
+            time_s: None,
+            gauge: None,
+            error: None,
+            diagnostics: Vec::new(),
+            passes: Vec::new(),
+        };
+        let judged = match judged {
+            Ok(judged) => judged,
+            Err(error) => return Document { error: Some(error.to_string()), ..empty },
+        };
+        let (errors, warnings) = (judged.found(Severity::Error), judged.found(Severity::Warning));
+        Document {
+            dialect: Some(judged.dialect),
+            errors,
+            warnings,
+            moves: judged.moves,
+            time_s: (errors == 0).then(|| (judged.time_s * 1e6).round() / 1e6),
+            gauge: judged.gauge.as_ref().map(|nominal| nominal.name.as_str()),
+            diagnostics: judged.diagnostics().iter().map(Entry::from).collect(),
+            passes: judged.check.iter().flat_map(|check| &check.passes).map(Pass::from).collect(),
+            ..empty
+        }
+    }
+}
+
+impl From<&PassNote> for Pass {
+    fn from(note: &PassNote) -> Pass {
+        Pass {
+            pass: note.pass,
+            line: note.line,
+            depth_mm: note.depth_mm,
+            x_mm: note.x_mm,
+            start_z_mm: note.start_z_mm,
+            full_depth_z_mm: note.full_depth_z_mm,
+            max_override_pct: note.max_override_pct,
         }
     }
 }

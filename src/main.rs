@@ -38,7 +38,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
     let quiet = cli.log.quiet;
     match &cli.command {
         Command::Run(args) => run::run(args, quiet),
-        Command::Check(args) => check::check(args),
+        Command::Check(args) => check::check(args, quiet),
         Command::Compile(args) => compile::compile(args),
         Command::Canon(args) => canon::canon(args, quiet),
         Command::Machine { kinematics } => {

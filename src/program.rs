@@ -15,6 +15,8 @@ use crate::{error::CliError, screen, words::Phase};
 pub(crate) struct Program {
     /// Machine code that was read from a file; that of other programs is made anew whenever it is wanted.
     pub(crate) code: Option<Vec<Item>>,
+    /// The dialect that it was read in.
+    pub(crate) dialect: &'static str,
     /// How many items of machine code there are, what they count in the progress of a run, and how many of
     /// them are moves.
     pub(crate) count: u64,
@@ -45,19 +47,20 @@ impl Program {
         machine: &Machine,
         gauge: Option<Nominal>,
     ) -> Result<Program, CliError> {
-        let program = Program::judge(path, language, machine, gauge)?;
+        let program = Program::judge(path, None, language, machine, gauge)?;
         match &program.check {
             Some(check) if !check.is_good() => Err(CliError::Input(program.messages)),
             _ => Ok(program),
         }
     }
 
-    /// The same, but a program with errors is a result as well.
+    /// The same, but a program with errors is a result as well; and its text may be at hand.
     ///
     /// # Errors
     /// The file cannot be read, or is damaged.
     pub(crate) fn judge(
         path: &Path,
+        text: Option<Vec<u8>>,
         language: &Language,
         machine: &Machine,
         gauge: Option<Nominal>,
@@ -67,7 +70,12 @@ impl Program {
             return Program::from_code_file(path, machine, gauge);
         }
         let (mut watch, mut watched) = (Watch::default(), Vec::new());
-        let program = open(path, language, machine)?;
+        let read = Read::of(path, text.as_deref(), language, machine);
+        let program = match text {
+            Some(text) => interpreter::open_text(&path.display().to_string(), text, language, machine)
+                .map_err(|error| CliError::Input(error.to_string()))?,
+            None => open(path, language, machine)?,
+        };
         let beside =
             interpreter::part_beside(path, machine).map_err(|error| CliError::Input(error.to_string()))?;
         let (part_file, part) = beside.unzip();
@@ -84,15 +92,15 @@ impl Program {
         let colour = screen::colour(&std::io::stderr());
         let render = |diagnostic: &Diagnostic| diagnostic.render(colour) + "\n";
         let mut messages: String = check.diagnostics.iter().map(render).collect();
-        let dialect = Read::of(path, language, machine);
-        messages.insert_str(0, &dialect.told(path));
+        messages.insert_str(0, &read.told(path));
         if !check.is_good() {
-            messages += &dialect.hint();
+            messages += &read.hint();
         }
         let gauge = check.gauge.clone();
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
         Ok(Program {
             code: None,
+            dialect: read.name(),
             count,
             steps,
             moves,
@@ -121,6 +129,7 @@ impl Program {
         let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
         Ok(Program {
             code,
+            dialect: Dialect::default().name(),
             count,
             steps,
             moves,
@@ -197,7 +206,7 @@ impl Program {
 }
 
 /// The dialect that a program is read in.
-pub(crate) struct Read {
+struct Read {
     dialect: Dialect,
     /// What it looks like by itself.
     guess: Option<Guess>,
@@ -206,8 +215,11 @@ pub(crate) struct Read {
 }
 
 impl Read {
-    pub(crate) fn of(path: &Path, language: &Language, machine: &Machine) -> Read {
-        let (dialect, guess) = interpreter::dialect(path, language, machine);
+    fn of(path: &Path, text: Option<&[u8]>, language: &Language, machine: &Machine) -> Read {
+        let (dialect, guess) = match text {
+            Some(text) => interpreter::dialect_of_text(text, language, machine),
+            None => interpreter::dialect(path, language, machine),
+        };
         let asked = language.dialect.unwrap_or(machine.general.dialect);
         // The other dialect is that of lathes.
         let guess = guess.filter(|_| machine.general.kinematics == Kinematics::Lathe);
@@ -215,7 +227,7 @@ impl Read {
     }
 
     /// Its name.
-    pub(crate) fn name(&self) -> &'static str {
+    fn name(&self) -> &'static str {
         self.dialect.name()
     }
 

@@ -1,7 +1,7 @@
 //! A whole program at once: every diagnostic, every pass, and the time it takes. In: a program and a machine.
 //! Out: a [`Check`]; nothing moves.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use gauge::Nominal;
@@ -112,7 +112,11 @@ pub fn check_interpreter(
     if clock.seconds() > LONGEST_S {
         check.diagnostics.push(interpreter.endless());
     }
-    check.diagnostics.extend_from_slice(interpreter.warnings());
+    // What is an error is not warned of as well.
+    let place = |found: &Diagnostic| (found.file.clone(), found.line, found.column);
+    let wrong: BTreeSet<_> = check.diagnostics.iter().map(place).collect();
+    let warnings = interpreter.warnings().iter().filter(|warning| !wrong.contains(&place(warning)));
+    check.diagnostics.extend(warnings.cloned());
     check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
     check.passes = interpreter.passes().to_vec();
     check.jobs = interpreter.jobs().to_vec();

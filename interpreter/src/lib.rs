@@ -64,7 +64,10 @@ use route::Unworkable;
 pub use check::{Check, check, check_interpreter, check_job, check_program, time_s};
 pub use gcode::{Diagnostic, Dialect, Guess, Severity};
 pub use job::JobNote;
-pub use options::{Language, OpenError, check_folders, dialect, is_job, no_other, open, part_beside};
+pub use options::{
+    Language, OpenError, check_folders, dialect, dialect_of_text, is_job, no_other, open, open_text,
+    part_beside,
+};
 pub use threading::PassNote;
 use translate::Translator;
 

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::reach::{home, plane_of};
 
+/// How far a program is looked at for its dialect, bytes.
+const LOOKED_AT: usize = 64 << 10;
 /// Parameters of G28 and G30: the first coordinate of each point.
 const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
 
@@ -81,8 +83,30 @@ pub enum OpenError {
 pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Program, OpenError> {
     check_folders(&language.subroutines)?;
     no_other(path)?;
+    let options = asked(dialect(path, language, machine).0, language, machine)?;
+    let opened = if is_job(path) { Program::open_job(path, &options) } else { Program::open(path, &options) };
+    opened.map_err(|error| OpenError::Program { path: path.to_owned(), error })
+}
+
+/// Opens a text that is at hand, such as that of standard input. `name` is shown in diagnostics.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_text(
+    name: &str,
+    text: Vec<u8>,
+    language: &Language,
+    machine: &Machine,
+) -> Result<Program, OpenError> {
+    check_folders(&language.subroutines)?;
+    let options = asked(dialect_of_text(&text, language, machine).0, language, machine)?;
+    Ok(Program::from_text(name, text, &options))
+}
+
+/// What a machine reads programs with, in a dialect.
+fn asked(dialect: Dialect, language: &Language, machine: &Machine) -> Result<Options, OpenError> {
     let mut options = options(machine);
-    options.dialect = dialect(path, language, machine).0;
+    options.dialect = dialect;
     if options.dialect == Dialect::Fanuc && machine.general.kinematics != machine::Kinematics::Lathe {
         return Err(OpenError::Dialect);
     }
@@ -91,13 +115,18 @@ pub fn open(path: &Path, language: &Language, machine: &Machine) -> Result<Progr
     if let Some(table) = &language.tools {
         options.tools = ToolTable::read(table).map_err(|error| OpenError::Tools(error.to_string()))?;
     }
-    let opened = if is_job(path) { Program::open_job(path, &options) } else { Program::open(path, &options) };
-    opened.map_err(|error| OpenError::Program { path: path.to_owned(), error })
+    Ok(options)
 }
 
 /// The dialect that a program is read in, and what it looks like by itself ([`gcode::guess`]).
 pub fn dialect(path: &Path, language: &Language, machine: &Machine) -> (Dialect, Option<Guess>) {
-    let guess = gcode::guess(&beginning(path)).filter(|_| !is_job(path));
+    let beginning = beginning(path);
+    dialect_of_text(if is_job(path) { &[] } else { &beginning }, language, machine)
+}
+
+/// The same of a text that is at hand.
+pub fn dialect_of_text(text: &[u8], language: &Language, machine: &Machine) -> (Dialect, Option<Guess>) {
+    let guess = gcode::guess(&text[..text.len().min(LOOKED_AT)]);
     // There is one dialect for mills.
     let by_itself = guess.filter(|_| machine.general.kinematics == machine::Kinematics::Lathe);
     let asked = named(language.dialect.unwrap_or(machine.general.dialect));
@@ -115,14 +144,12 @@ fn named(dialect: ProgramDialect) -> Option<Dialect> {
 
 /// The first bytes of a file; none of what comes through a pipe, which can be read only once.
 fn beginning(path: &Path) -> Vec<u8> {
-    /// How far a file is looked at, bytes.
-    const BEGINNING: u64 = 64 << 10;
     let mut beginning = Vec::new();
     if path.is_file()
         && let Ok(file) = File::open(path)
     {
         // What is there, even if reading ends early.
-        let _ = file.take(BEGINNING).read_to_end(&mut beginning);
+        let _ = file.take(LOOKED_AT as u64).read_to_end(&mut beginning);
     }
     beginning
 }
@@ -154,9 +181,9 @@ pub fn is_job(path: &Path) -> bool {
 /// Says what it is and what to do. A file that cannot be read is left to whoever opens it.
 pub fn no_other(path: &Path) -> Result<(), OpenError> {
     /// A job says its kind at its beginning.
-    const LOOKED_AT: usize = 4096;
+    const HEAD: usize = 4096;
     let mut beginning = beginning(path);
-    beginning.truncate(LOOKED_AT);
+    beginning.truncate(HEAD);
     let other = |reason: String| Err(OpenError::Other { path: path.to_owned(), reason });
     if beginning.starts_with(&MAGIC) {
         let name = path.with_extension("mc");

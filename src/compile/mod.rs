@@ -36,7 +36,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
     }
     let (machine, _) = args.input.machine.read()?;
-    let language = args.input.language(&machine);
+    let language = args.input.machine.language(&args.input.language, &machine);
     let program = Program::read(&args.input.program, &language, &machine, None)?;
     eprint!("{}", program.messages);
     // Without its folder, so that a program has the same machine code everywhere.

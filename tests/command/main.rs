@@ -5,6 +5,7 @@
 mod shop;
 
 mod canon;
+mod check;
 mod command_line;
 mod deaths;
 mod determinism;

@@ -113,6 +113,13 @@ impl Place {
         self.pitchlock().args(arguments).output().unwrap().into()
     }
 
+    /// The same, with a text on its standard input.
+    pub fn tell(&self, arguments: &[&str], text: &str) -> Answer {
+        let path = self.write("standard-input", text);
+        let input = fs::File::open(path).unwrap();
+        self.pitchlock().args(arguments).stdin(input).output().unwrap().into()
+    }
+
     /// Runs a program to its good end, with a run folder of that name, and gives what it says of it.
     pub fn run(&self, program: &Path, out: &str, arguments: &[&str]) -> Summary {
         let mut command = self.pitchlock();

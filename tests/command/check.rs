@@ -1,0 +1,76 @@
+//! `pitchlock check`: many programs, standard input, and JSON whatever happens.
+
+use serde_json::Value;
+
+use crate::shop::Place;
+
+const GOOD: &str = "G18 G8\nS500 M3\nG0 X12 Z5\nG76 P2 Z-20 I-1 J0.2 K1.2\nM2\n";
+const BAD: &str = "G1 X10\nM2\n";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn many_programs_are_told_one_by_one_and_counted() {
+    let place = Place::new();
+    place.write("good.ngc", GOOD);
+    place.write("bad.ngc", BAD);
+    let answer = place.ask(&["check", "good.ngc", "bad.ngc", "missing.ngc"]);
+    assert_eq!(answer.status, Some(2));
+    for line in ["good.ngc: 0 errors, ", "bad.ngc: 1 error, 0 warnings, ", "1 of 3 programs are good"] {
+        assert!(answer.stdout.contains(line), "{line}: {}", answer.stdout);
+    }
+    assert!(answer.stderr.contains("bad.ngc:1:1: error[") && answer.stderr.contains("missing.ngc: "));
+    let good = place.ask(&["check", "good.ngc", "good.ngc"]);
+    assert!(good.status == Some(0) && good.stdout.ends_with("2 of 2 programs are good\n"), "{}", good.stdout);
+    let quiet = place.ask(&["check", "good.ngc", "bad.ngc", "--quiet"]);
+    assert!(quiet.stdout.is_empty() && quiet.stderr.contains("bad.ngc:1:1: error["), "{}", quiet.stdout);
+}
+
+#[test]
+fn standard_input_is_a_program() {
+    let place = Place::new();
+    let answer = place.tell(&["check", "-"], BAD);
+    assert_eq!(answer.status, Some(2));
+    assert!(answer.stderr.starts_with("-:1:1: error["), "{}", answer.stderr);
+    let fanuc = place.tell(&["check", "-", "--json"], "O1000\nG97 S500 M03\nG00 X40. Z2.\nM30\n");
+    assert_eq!((fanuc.status, json(&fanuc.stdout)["dialect"].as_str()), (Some(0), Some("fanuc")));
+}
+
+#[test]
+fn json_is_json_whatever_happens() {
+    let place = Place::new();
+    place.write("good.ngc", GOOD);
+    place.write("bad.toml", "[machine]\n");
+    for (arguments, said) in [
+        (&["check", "missing.ngc", "--json"][..], "missing.ngc"),
+        (&["check", "good.ngc", "--json", "--machine", "bad.toml"], "bad.toml"),
+        (&["check", "good.ngc", "--json", "--gauge", "M20x"], "M20x"),
+        (&["check", "good.ngc", "--json", "--tools", "no.tbl"], "no.tbl"),
+    ] {
+        let answer = place.ask(arguments);
+        let document = json(&answer.stdout);
+        assert_eq!((answer.status, &document["errors"]), (Some(2), &Value::from(1)), "{arguments:?}");
+        assert!(document["error"].as_str().is_some_and(|text| text.contains(said)), "{document}");
+    }
+    let several = json(&place.ask(&["check", "good.ngc", "missing.ngc", "--json"]).stdout);
+    assert_eq!(several.as_array().map(Vec::len), Some(2));
+    let good = &several[0];
+    assert!(good["error"].is_null() && good["errors"] == 0 && several[1]["errors"] == 1, "{several}");
+    let passes = good["passes"].as_array().expect("a list");
+    assert!(passes.len() > 3 && passes[0]["pass"] == 1 && passes[0]["line"] == 4, "{good}");
+    let depths: Vec<f64> = passes.iter().filter_map(|pass| pass["depth_mm"].as_f64()).collect();
+    assert!(depths.is_sorted() && depths.last().is_some_and(|depth| (depth - 1.2).abs() < 1e-9));
+    let time_s = good["time_s"].to_string();
+    assert!(time_s.split('.').nth(1).is_some_and(|digits| digits.len() <= 6), "{time_s}");
+}
+
+/// What is refused is not warned of as well.
+#[test]
+fn what_is_an_error_is_told_once() {
+    let place = Place::new();
+    place.write("surface.ngc", "G18 G8\nG96 S100 D2000 M3\nG0 X12 Z5\nG76 P2 Z-20 I-1 J0.2 K1.2\nM2\n");
+    let answer = place.ask(&["check", "surface.ngc"]);
+    assert!(answer.stdout.starts_with("1 error, 0 warnings"), "{}{}", answer.stdout, answer.stderr);
+}
