@@ -77,8 +77,8 @@ pub(super) fn of(summary: &Summary) -> Verdict {
     threads(summary, &mut verdict);
     gauge::says(summary, &mut verdict);
     traces(summary, &mut verdict);
-    for reason in &summary.part.reasons {
-        verdict.say(Grade::Bad, format!("The part is not good: {reason}."));
+    if !summary.part.reasons.is_empty() {
+        verdict.say(Grade::Bad, format!("The part is not good: {}.", summary.part.reasons.join("; ")));
     }
     limits(summary, &mut verdict);
     moves(summary, &mut verdict);
