@@ -21,7 +21,7 @@ pub(super) fn html<R>(name: &str, again: &str, found: &Findings<R>) -> String {
         (section("What was done", &found.done))
         @for table in &found.tables { (shown(table)) }
         @if !found.notes.is_empty() { section { h3 { "Notes" } ul { @for note in &found.notes { li { (note) } } } } }
-        (pictures(&found.figures))
+        (pictures(&found.figures, 1))
         @for (heading, paragraphs) in &found.text { (section(heading, paragraphs)) }
         (repeat(again))
     };

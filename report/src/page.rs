@@ -40,11 +40,11 @@ pub fn document(title: &str, content: &Markup, draws: bool) -> String {
     page.into_string()
 }
 
-/// Every figure with its number and its words.
-pub fn pictures(figures: &[Figure]) -> Markup {
+/// Every figure with its number, from the first one on, and its words.
+pub fn pictures(figures: &[Figure], first: usize) -> Markup {
     html! {
-        @if !figures.is_empty() { noscript { p.note { "The pictures need JavaScript." } } }
-        @for (number, figure) in figures.iter().enumerate() { (picture(number + 1, figure)) }
+        @if first == 1 && !figures.is_empty() { noscript { p.note { "The pictures need JavaScript." } } }
+        @for (number, figure) in (first..).zip(figures) { (picture(number, figure)) }
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) fn html(again: &str, asked: &Asked, verdicts: &[Verdict]) -> String {
         (table(tables::answers(verdicts)))
         (table(tables::needed(asked)))
         (table(tables::differences(asked)))
-        (pictures(&figures::all(asked)))
+        (pictures(&figures::all(asked), 1))
         section.prose {
             h2 { "How to repeat it" }
             p { code { (again) } " prints the tables." }

@@ -43,7 +43,7 @@ pub(super) fn html(again: &str, found: &Found) -> String {
             }
             Err(reason) => section.prose { p { "No trial pass: " (reason) } },
         }
-        (pictures(&figures::all(found)))
+        (pictures(&figures::all(found), 1))
         section.prose {
             h2 { "How to repeat it" }
             p { code { (again) } " prints the tables; the same seed gives the same numbers." }

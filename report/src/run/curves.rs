@@ -135,14 +135,13 @@ impl Curves {
         self.moves.add(summary, row);
         self.traces.iter_mut().for_each(|trace| trace.add(summary, row));
         let index = summary.passes.partition_point(|pass| pass.end_cycle < row.cycle);
-        let Some(pass) = summary.passes.get(index).filter(|pass| pass.armed_cycle <= row.cycle) else {
-            return;
-        };
+        let pass = summary.passes.get(index).filter(|pass| pass.armed_cycle <= row.cycle);
+        self.part.add(summary, pass.map(|_| index), row);
+        let Some(pass) = pass else { return };
         let c = pass.direction * (row.spindle_true_deg - pass.index_deg);
         self.passes[index].add(pass, c, row);
         self.error_map.add(summary, index, c, row);
         self.cutting.add(summary, index, row);
-        self.part.add(summary, index, row);
         if index == self.shown_index {
             let shown = self.shown.get_or_insert_with(|| ShownCurves::new(pass, c));
             shown.add(summary, c, row);

@@ -61,10 +61,11 @@ struct Run {
 #[derive(Default)]
 struct Drawn {
     figures: Vec<Figure>,
+    /// The part that a lathe leaves, or a mill.
+    part: Option<Figure>,
+    solid: Option<Markup>,
     /// What each pass took out of a groove, and what each tool took.
     tables: Vec<Table>,
-    /// The part that a mill leaves.
-    solid: Option<Markup>,
     /// What is to be said of the trace, if it is missing or damaged.
     note: Option<String>,
 }
@@ -102,6 +103,7 @@ fn draw(run_dir: &Path, summary: &Summary, program: Option<&str>) -> Drawn {
     });
     Drawn {
         figures: figures::all(summary, &curves),
+        part: part::whole(summary, &curves),
         tables: [part::table(summary, &curves), curves.tools.table()].into_iter().flatten().collect(),
         solid: way.and_then(|way| mill::part(summary, &way, program)),
         note: read.err().map(|error| format!("The trace ends early, and so do the pictures: {error}.")),

@@ -21,18 +21,19 @@ pub(super) fn html(run: &Run) -> String {
     let content = html! {
         (head(summary))
         @if let Some(note) = &drawn.note { p.note { (note) } }
+        @if let Some(part) = &drawn.part { (pictures(std::slice::from_ref(part), 1)) }
+        @if let Some(solid) = &drawn.solid { (solid) }
         @if !summary.passes.is_empty() { (passes::tables(summary)) }
         @if let Some(gauge) = &summary.gauge { (gauge::table(gauge)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
         @for table in &drawn.tables { (section(table)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
-        @if let Some(solid) = &drawn.solid { (solid) }
-        (pictures(&drawn.figures))
+        (pictures(&drawn.figures, 1 + usize::from(drawn.part.is_some())))
         (details(summary))
         @if let Some(program) = &run.program { (listing(program)) }
     };
-    document(&summary.program, &content, !drawn.figures.is_empty())
+    document(&summary.program, &content, drawn.part.is_some() || !drawn.figures.is_empty())
 }
 
 fn head(summary: &Summary) -> Markup {

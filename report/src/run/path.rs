@@ -14,7 +14,7 @@ use crate::paint::{Figure, axis, strokes};
 /// A point is kept when the tool has moved this far since the last one kept, mm; the distance is doubled
 /// whenever there are too many points.
 const STEP_MM: f64 = 0.02;
-const MOST_POINTS: usize = 24_000;
+const MOST_POINTS: usize = 12_000;
 
 const LATHE_PLANE: [Axis; 2] = [Axis::Z, Axis::X];
 const MILL_PLANE: [Axis; 2] = [Axis::X, Axis::Y];

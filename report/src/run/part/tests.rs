@@ -1,5 +1,6 @@
 //! Ideal passes: what they leave is the profile of the tool, and what they take adds up to the groove.
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use protocol::{Axis, AxisState};
 use rig::observe::{GaugeLimits, GaugeReport, PassReport, Summary, ToolNote};
 use rig::trace::Row;
@@ -8,6 +9,7 @@ use super::chips::chips;
 use super::limits::{both, corners};
 use super::section::surface;
 use super::thread::Thread;
+use super::whole;
 use crate::run::curves::Curves;
 use crate::run::tests::{row, summary};
 
@@ -63,7 +65,7 @@ fn cut(passes: &[Cut], inside: bool) -> (Summary, Curves) {
 
 fn thread(passes: &[Cut], inside: bool) -> Thread {
     let (summary, curves) = cut(passes, inside);
-    Thread::of(&summary, &curves.part, curves.shown_index).expect("a thread")
+    Thread::of(&summary, &curves.part, curves.shown_index, 0).expect("a thread")
 }
 
 /// Half the width of the groove of the tool at a height over its tip.
@@ -168,7 +170,7 @@ fn a_gauge_of_another_lead_does_not_change_what_was_cut() {
     for (asked, found) in [(LEAD, LEAD), (1.02 * LEAD, LEAD), (0.5 * LEAD, LEAD)] {
         let gauge = GaugeReport { limits: limits(asked, 0.0), ..GaugeReport::default() };
         let summary = Summary { gauge: Some(gauge), ..summary.clone() };
-        let thread = Thread::of(&summary, &curves.part, curves.shown_index).expect("a thread");
+        let thread = Thread::of(&summary, &curves.part, curves.shown_index, 0).expect("a thread");
         assert_eq!(thread.pitch_mm, found, "{asked}");
     }
 }
@@ -205,4 +207,44 @@ fn a_thread_has_its_pictures_and_a_run_without_one_has_not() {
     let curves = Curves::new(&nothing);
     assert!(super::table(&nothing, &curves).is_none());
     assert!(titles((nothing, curves)).is_empty());
+}
+
+/// The outline above the axis has the depth of the thread, in diameters; a right-handed flank goes on by a
+/// quarter of its lead from the edge of the picture to the axis.
+#[test]
+fn the_whole_part_is_drawn_with_its_thread() {
+    let (summary, curves) = cut(&[(DEPTH, 0.0, 0)], false);
+    let figure = whole(&summary, &curves).expect("a picture");
+    let trace = |name: &str| {
+        let data = figure.plot["data"].as_array().expect("traces");
+        let trace = data.iter().find(|trace| trace["name"] == name).expect("the trace");
+        let numbers = |axis: &str| -> Vec<Option<f64>> {
+            match trace[axis].as_array() {
+                Some(numbers) => numbers.iter().map(serde_json::Value::as_f64).collect(),
+                None => packed(trace[axis]["bdata"].as_str().expect("numbers")),
+            }
+        };
+        numbers("x").into_iter().zip(numbers("y")).map(|(x, y)| Some((x?, y?))).collect::<Vec<_>>()
+    };
+    let outline: Vec<(f64, f64)> = trace("outline").into_iter().flatten().collect();
+    let most = outline.iter().map(|(_, x)| *x).fold(0.0, f64::max);
+    assert!((most - 2.0 * CREST).abs() < 1e-3, "{most}");
+    for (half, sign) in [(0.0, 1.0), (0.5, -1.0)] {
+        let grooves = outline.iter().filter(|(z, x)| sign * x > 1.0 && *z < -0.1 && *z > -23.0);
+        let root = grooves.min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).expect("a root");
+        assert!((root.1.abs() - 2.0 * (CREST - DEPTH)).abs() < 0.02, "{root:?}");
+        let turns = root.0 / LEAD - half;
+        assert!((turns - turns.round()).abs() < 0.02, "{root:?}: half a turn on, half a lead on");
+    }
+    let flank: Vec<(f64, f64)> = trace("edges and flanks").into_iter().map_while(|at| at).collect();
+    let [first, .., last] = &flank[..] else { panic!("{flank:?}") };
+    assert!((last.0 - first.0 - 0.25 * LEAD).abs() < 1e-3 && last.1.abs() < 1e-3, "{flank:?}");
+    assert_eq!(figure.plot["layout"]["yaxis"]["scaleratio"].as_f64(), Some(0.5), "diameters");
+}
+
+/// Numbers as they are packed for the page; none where the pen is lifted.
+fn packed(text: &str) -> Vec<Option<f64>> {
+    let bytes = BASE64_STANDARD.decode(text).expect("packed numbers");
+    let number = |four: &[u8]| f32::from_le_bytes(four.try_into().expect("four bytes"));
+    bytes.chunks(4).map(|four| Some(f64::from(number(four))).filter(|number| number.is_finite())).collect()
 }

@@ -31,8 +31,8 @@ pub(super) struct Thread {
 }
 
 impl Thread {
-    /// The thread that the pass with this index belongs to.
-    pub(super) fn of(summary: &Summary, part: &Part, index: usize) -> Option<Thread> {
+    /// The thread that the pass with this index belongs to, at spindle angle 0 or so many half turns on.
+    pub(super) fn of(summary: &Summary, part: &Part, index: usize, half: usize) -> Option<Thread> {
         let pass = summary.passes.get(index)?;
         let sign = sign_of(summary, pass, part.passes[index].full?[0][1]);
         let passes: Vec<Vec<Tip>> = summary
@@ -42,7 +42,7 @@ impl Thread {
             .map(|(pass, cuts)| {
                 let edge = edge_of(summary, pass);
                 let tip = |[z, x]: &[f64; 2]| Some(Tip { edge: edge?, at: [*z, sign * x.abs()] });
-                cuts.tips.iter().filter_map(tip).collect()
+                cuts.tips[half].iter().filter_map(tip).collect()
             })
             .collect();
         let [first, last] = part.passes[index].full?;
@@ -91,7 +91,7 @@ fn pitch_mm(summary: &Summary, lead_mm: f64) -> f64 {
 }
 
 /// Whether the tool goes towards the axis (1) or away from it.
-fn sign_of(summary: &Summary, pass: &PassReport, x: f64) -> f64 {
+pub(super) fn sign_of(summary: &Summary, pass: &PassReport, x: f64) -> f64 {
     match &summary.gauge {
         Some(gauge) if gauge.limits.side == "internal" => -1.0,
         Some(_) => 1.0,
