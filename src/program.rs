@@ -6,7 +6,7 @@ use gauge::Nominal;
 use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
 use machine::{Kinematics, Machine, ProgramDialect};
 use protocol::{Arc, Code, Item, code_file::CodeFile};
-use rig::observe::{GaugeAsked, Observer, Watch};
+use rig::observe::{GaugeAsked, Message, Observer, Watch};
 use route::{Course, Route};
 
 use crate::{error::CliError, screen, words::Phase};
@@ -173,6 +173,11 @@ impl Program {
             Some(part) => observer.of_part(part, &origins),
             None => observer.lying_at(&origins),
         };
+        let observer = observer.with_messages(check.messages.iter().map(|note| Message {
+            line: note.line,
+            after: note.after,
+            text: note.text.clone(),
+        }));
         let observer = observer.with_tools(|number, tool| {
             tool.origin_mm = check.origins_mm.get(&number).copied();
             tool.diameter_mm = check.diameters_mm.get(&number).copied();

@@ -12,7 +12,7 @@ use route::Unworkable;
 
 use crate::threading::PassNote;
 use crate::time::{Clock, LONGEST_S};
-use crate::{Interpreter, JobNote, options};
+use crate::{Interpreter, JobNote, MessageNote, options};
 
 /// After so many errors a program is not read further.
 const MOST_ERRORS: usize = 100;
@@ -42,6 +42,8 @@ pub struct Check {
     pub diameters_mm: BTreeMap<u32, f64>,
     /// What a gauge asks of the thread, if somebody said which thread it is.
     pub gauge: Option<Nominal>,
+    /// What it tells its operator.
+    pub messages: Vec<MessageNote>,
     /// Files that were read besides the program.
     pub subroutine_files: Vec<PathBuf>,
     /// Estimated duration at 100 % override, s.
@@ -119,6 +121,7 @@ pub fn check_interpreter(
     check.diagnostics.extend(warnings.cloned());
     check.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
     check.passes = interpreter.passes().to_vec();
+    check.messages = interpreter.messages().to_vec();
     check.jobs = interpreter.jobs().to_vec();
     check.part = interpreter.part().cloned();
     check.origins_mm = interpreter.origins_mm().clone();

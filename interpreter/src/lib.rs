@@ -68,6 +68,7 @@ pub use options::{
     Language, OpenError, check_folders, dialect, dialect_of_text, is_job, no_other, open, open_text,
     part_beside,
 };
+pub use output::MessageNote;
 pub use threading::PassNote;
 use translate::Translator;
 
@@ -142,6 +143,11 @@ impl Interpreter {
     /// X and Z of the machine at which zero of the program lies where a tool first cuts, by tool, mm.
     pub(crate) fn origins_mm(&self) -> &BTreeMap<u32, [f64; 2]> {
         self.translator.origins_mm()
+    }
+
+    /// What the program tells its operator.
+    pub fn messages(&self) -> &[MessageNote] {
+        self.translator.messages()
     }
 
     /// What a gauge asks of the thread, if somebody said which thread it is.

@@ -25,6 +25,11 @@ pub(crate) struct Merger {
 }
 
 impl Merger {
+    /// Whether a line waits for more.
+    pub(crate) fn holds(&self) -> bool {
+        self.waiting.is_some()
+    }
+
     /// Takes the next item; `rest` is where the axes are before it. What cannot change any more goes to
     /// `items`.
     pub(crate) fn add(

@@ -6,6 +6,7 @@
 
 use std::collections::VecDeque;
 
+use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use protocol::{Code, Item, PathMode, PerAxis, Position};
 
@@ -21,7 +22,24 @@ pub(crate) struct Output {
     merger: Merger,
     items: VecDeque<Item>,
     problems: Vec<(Place, Problem)>,
+    /// Steps of progress that have left.
+    steps: u64,
+    messages: Vec<MessageNote>,
 }
+
+/// What a program tells its operator.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MessageNote {
+    /// Line of the program.
+    pub line: u32,
+    /// Steps of progress ([`Item::steps`]) before it.
+    pub after: u64,
+    /// What it says.
+    pub text: String,
+}
+
+/// So many messages of a program are told: a loop may hold more of them than anybody reads.
+const MOST_MESSAGES: usize = 1000;
 
 impl Output {
     /// Nothing has been said yet; the machine begins in a path mode.
@@ -32,6 +50,8 @@ impl Output {
             merger: Merger::default(),
             items: VecDeque::new(),
             problems: Vec::new(),
+            steps: 0,
+            messages: Vec::new(),
         }
     }
 
@@ -58,7 +78,31 @@ impl Output {
 
     /// The next item, once it cannot change any more.
     pub(crate) fn next_item(&mut self) -> Option<Item> {
-        self.items.pop_front()
+        let item = self.items.pop_front();
+        self.steps += item.as_ref().map_or(0, Item::steps);
+        item
+    }
+
+    /// Tells the operator something, behind all that was said so far.
+    pub(crate) fn tell(&mut self, place: Place, text: &str) {
+        if self.messages.len() == MOST_MESSAGES {
+            let message =
+                format!("more than {MOST_MESSAGES} messages: this one and those after it are not shown");
+            let help = "let a loop tell only what is new";
+            self.report(
+                place,
+                *Problem::warning("message-not-shown", Blame::Line(place.line), message, help),
+            );
+            return;
+        }
+        let held = self.items.iter().map(Item::steps).sum::<u64>() + u64::from(self.merger.holds());
+        let message = MessageNote { line: place.line, after: self.steps + held, text: text.trim().into() };
+        self.messages.push(message);
+    }
+
+    /// What the operator is told.
+    pub(crate) fn messages(&self) -> &[MessageNote] {
+        &self.messages
     }
 
     /// Reports a problem of an earlier call, or a warning.

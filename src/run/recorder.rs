@@ -41,7 +41,11 @@ impl Recorder {
 
     /// Takes one control cycle. A trace that cannot be written (a full disk) is given up, not the run.
     pub(crate) fn cycle(&mut self, record: &Record) {
+        let told = self.observer.told().len();
         self.observer.cycle(record);
+        for message in &self.observer.told()[told..] {
+            self.progress.say(&format!("line {}: {}", message.line, message.text));
+        }
         if let Some(trace) = &mut self.trace
             && let Err(error) = trace.row(&Row::of(record, &self.observer, self.cycle_s))
         {

@@ -3,6 +3,8 @@
 
 use std::fs;
 
+use rig::observe::Summary;
+
 use crate::shop::{Answer, Place, example, project};
 
 /// A refusal of bad input: status 2, nothing on standard output, every one of these words on standard error.
@@ -230,4 +232,24 @@ fn nothing_is_coloured_when_nobody_looks() {
         let answer = Answer::from(command.output().expect("the program is there"));
         assert!(!answer.stderr.contains('\u{1b}') && !answer.stdout.contains('\u{1b}'), "{}", answer.stderr);
     }
+}
+
+/// What a program tells comes when the machine is there, not when the line is read.
+#[test]
+fn messages_are_shown_at_their_place_and_kept() {
+    let place = Place::new();
+    place.write("tell.ngc", "G0 X14 Z2\n#1=12\n(MSG, chuck the bar)\nM0\nG0 Z-10\n(DEBUG, X #1)\nM2\n");
+    let answer = place.ask(&["run", "tell.ngc", "--in-process", "--trace", "none", "--out", "out"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let told = "pitchlock: line 3: chuck the bar\npitchlock: line 6: X 12.000000\n";
+    assert!(answer.stderr.contains(told), "{}", answer.stderr);
+    let summary = Summary::read(&place.at("out/summary.json")).expect("a summary");
+    let [first, second] = &summary.messages[..] else { panic!("{:?}", summary.messages) };
+    let [pause] = &summary.pauses[..] else { panic!("{:?}", summary.pauses) };
+    let before = pause.cycle.abs_diff(first.cycle) < 20;
+    let waited = (pause.waited_s / summary.cycle_s) as u64;
+    assert!(before && second.cycle > first.cycle + waited, "{:?} {pause:?}", summary.messages);
+    let quiet =
+        place.ask(&["run", "tell.ngc", "--in-process", "--quiet", "--trace", "none", "--out", "quiet"]);
+    assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
 }

@@ -17,6 +17,7 @@ use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::{Machine, Part};
 use protocol::{Axis, Code, Feed, Item, ThreadPass};
 
+use crate::MessageNote;
 use crate::arc;
 use crate::auxiliary::{Auxiliary, find_tool};
 use crate::job::{JobNote, Jobs};
@@ -111,6 +112,11 @@ impl Translator {
         self.threads.notes()
     }
 
+    /// What the operator is told so far.
+    pub(crate) fn messages(&self) -> &[MessageNote] {
+        self.output.messages()
+    }
+
     /// The jobs so far.
     pub(crate) fn jobs(&self) -> &[JobNote] {
         self.jobs.notes()
@@ -194,7 +200,7 @@ impl Translator {
             | Call::StartSpeedFeedSynch { .. }
             | Call::StopSpeedFeedSynch => self.modal.change(&call, &self.machine),
             Call::Message(text) | Call::Print(text) | Call::Log(_, text) => {
-                self.output.report(place, *unheard(place, text));
+                self.output.tell(place, text);
                 Ok(())
             }
             _ => {
@@ -373,11 +379,4 @@ impl Translator {
             self.output.report(place, *warning);
         }
     }
-}
-
-/// A message that only a person can act on.
-fn unheard(place: Place, text: &str) -> Box<Problem> {
-    let message = format!("messages are not shown while the program runs: \"{text}\"");
-    let help = "the program runs without it; leave it out to silence this warning";
-    Problem::warning("message-not-shown", Blame::Line(place.line), message, help)
 }

@@ -113,10 +113,20 @@ fn parameters_take_effect_after_their_line() {
 }
 
 #[test]
-fn messages_are_comments_with_a_warning() {
-    let check = good("(MSG, load the bar)\n( plain, text )\nM2\n");
-    assert_eq!(check.diagnostics.len(), 1);
-    assert_eq!((check.diagnostics[0].code, check.diagnostics[0].line), ("message-not-shown", 1));
+fn messages_have_their_place_in_the_program() {
+    let check = good(
+        "(MSG, load the bar)\n( plain, text )\nG0 X12\n#1=2\n(DEBUG, X #1)\nG0 Z5\nM0\n(PRINT, on)\nM2\n",
+    );
+    assert!(check.diagnostics.is_empty(), "{:?}", check.diagnostics);
+    let told: Vec<_> = check.messages.iter().map(|note| (note.line, note.after, &*note.text)).collect();
+    assert_eq!(told, [(1, 0, "load the bar"), (5, 1, "X 2.000000"), (8, 3, "on")]);
+}
+
+#[test]
+fn messages_without_end_are_told_to_an_end() {
+    let check = good("o1 repeat [2000]\n(MSG, again)\no1 endrepeat\nM2\n");
+    assert_eq!(check.messages.len(), 1000);
+    assert_eq!((check.diagnostics[0].code, check.diagnostics[0].line), ("message-not-shown", 2));
 }
 
 #[test]

@@ -19,6 +19,7 @@ mod inside;
 mod judged;
 mod led;
 mod limits;
+mod messages;
 mod observation;
 mod pass;
 mod pause;
@@ -54,6 +55,7 @@ pub use gauged::{GaugeAsked, GaugeLimits, GaugeReport};
 pub use inside::TOOL_IN_THREAD;
 pub use judged::PartReport;
 pub use led::Led;
+pub use messages::{Message, MessageReport};
 pub use observation::Observation;
 pub use pause::{PauseEnd, PauseReport};
 pub use threads::ThreadReport;
@@ -71,6 +73,7 @@ use gauged::Gauged;
 use inside::Inside;
 use led::Setpoints;
 use limits::Limits;
+use messages::Messages;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
 use planned::Planned;
@@ -122,6 +125,7 @@ pub struct Observer {
     works: Works,
     setpoints: Setpoints,
     pauses: Pauses,
+    messages: Messages,
     /// Events of the scenario that did not happen yet, as in [`Truth::pending`].
     pending: u64,
     out: Observation,
@@ -154,6 +158,7 @@ impl Observer {
             works: Works::of(machine, items),
             setpoints: Setpoints::of(machine),
             pauses: Pauses::default(),
+            messages: Messages::default(),
             pending: 0,
             out: Observation {
                 cycle_s: machine.general.cycle_s,
@@ -205,6 +210,17 @@ impl Observer {
         Observer { brief: true, ..self }
     }
 
+    /// The same observer of a program that tells its operator something.
+    #[must_use]
+    pub fn with_messages(self, messages: impl IntoIterator<Item = Message>) -> Observer {
+        Observer { messages: Messages::of(messages), ..self }
+    }
+
+    /// What the program has told so far.
+    pub fn told(&self) -> &[MessageReport] {
+        &self.messages.told
+    }
+
     /// Takes one control cycle.
     pub fn cycle(&mut self, record: &Record) {
         self.out.cycles += 1;
@@ -220,6 +236,7 @@ impl Observer {
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
+        self.messages.cycle(record.truth.cycle.0, record.machine);
         self.pending = record.truth.pending;
         self.take_faults(record);
     }
@@ -266,6 +283,7 @@ impl Observer {
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
         self.out.pauses = self.pauses.finish();
+        self.out.messages = self.messages.told;
         self.out.thread = self.threads.report(&self.out.passes);
         self.out.gauge = self.gauged.as_ref().map(Gauged::report);
         self.out

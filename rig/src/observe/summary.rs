@@ -9,10 +9,9 @@ use std::{collections::BTreeMap, path::Path};
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
-use super::workshop::{StockReport, ToolNote};
 use super::{
-    cutting::CuttingReport, gauged::GaugeReport, judged::PartReport, pause::PauseReport,
-    threads::ThreadReport, tool::ToolReport, used::LimitsUsed, work::TraceReport,
+    GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, StockReport, ThreadReport, ToolNote,
+    ToolReport, TraceReport, cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -341,6 +340,9 @@ pub struct Summary {
     /// Pauses of the program.
     #[serde(default)]
     pub pauses: Vec<PauseReport>,
+    /// What the program told its operator.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub messages: Vec<MessageReport>,
     /// Limits of the axes.
     pub limits: BTreeMap<Axis, AxisLimits>,
     /// The stock, if the program or a file beside it says what it is.
