@@ -1,5 +1,6 @@
-//! What the program tells its operator. In: its messages, each with how much of the program is done before it,
-//! in steps of progress; the record of every control cycle. Out: a [`MessageReport`] of each that was told.
+//! What the program tells its operator. In: its messages, each with how much of the program goes before
+//! it, in steps of progress; the record of every control cycle. Out: a [`MessageReport`] of each that was
+//! told. A message is due when what follows it begins.
 
 use std::collections::VecDeque;
 
@@ -22,7 +23,7 @@ pub struct Message {
 pub struct MessageReport {
     /// Line of the part program.
     pub line: u32,
-    /// Control cycle in which what stands before it was done.
+    /// Control cycle in which what follows it began.
     pub cycle: u64,
     /// What it says.
     pub text: String,
@@ -41,7 +42,7 @@ impl Messages {
     }
 
     pub(super) fn cycle(&mut self, cycle: u64, machine: &MachineStatus) {
-        while let Some(message) = self.waiting.pop_front_if(|message| message.after <= machine.taken) {
+        while let Some(message) = self.waiting.pop_front_if(|message| message.after < machine.taken) {
             self.told.push(MessageReport { line: message.line, cycle, text: message.text });
         }
     }
