@@ -12,5 +12,5 @@ trap 'rm -r "$run"' EXIT
 # The part is not good by its gauge, or is: either way there is a page.
 cargo run --release -- run examples/m20x2.ngc --scenario examples/scenarios/override-in-pass.toml \
     --in-process --out "$run/m20x2" || [ $? -eq 3 ]
-"$chromium" --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1090,1785 \
+"$chromium" --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1090,2000 \
     --virtual-time-budget=6000 --screenshot=docs/report.png "file://$run/m20x2/report.html"
