@@ -134,6 +134,25 @@ fn what_is_wrong_on_purpose_is_refused_with_its_reason_everywhere() {
 }
 
 /// The crest is what was turned in the same program; without that it is said that nobody judges it.
+/// A pass that is shorter than the others hides nothing of what they cut beyond its end.
+#[test]
+fn a_short_pass_hides_no_fault() {
+    let place = Place::new();
+    let pass = |x: f64, to: f64, lead: f64| format!("G0 X22 Z8\nG0 X{x}\nG33 Z{to} K{lead}\nG0 X22\n");
+    let program = |passes: String| format!("G18 G21 G90 G7 G94 G97\nT3\nS600 M3\n{passes}G0 Z60\nM5\nM2\n");
+    let long_lead = pass(16.851, -22.0, 2.02) + &pass(19.5, -4.0, 2.02);
+    let half = pass(17.2, -22.0, 2.0) + &pass(16.851, -10.0, 2.0);
+    let good = pass(16.851, -22.0, 2.0) + &pass(19.5, -4.0, 2.0);
+    for (passes, cause) in [(long_lead, Some("lead")), (half, Some("tapered by")), (good, None)] {
+        place.write("short.ngc", program(passes));
+        let answer = run(&place, "short.ngc", &["--gauge", "M20x2-6g"]);
+        let gauge = summary(&place)["gauge"].clone();
+        assert_eq!(answer.status, Some(if cause.is_some() { 3 } else { 0 }), "{}{gauge}", answer.stderr);
+        assert!(cause.is_none_or(|cause| answer.stderr.contains(cause)), "{cause:?}: {}", answer.stderr);
+        assert!(gauge["length_mm"].as_f64().is_some_and(|mm| mm > 15.0), "{gauge}");
+    }
+}
+
 #[test]
 fn the_crest_is_what_was_turned_before() {
     let place = Place::new();

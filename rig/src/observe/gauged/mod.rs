@@ -47,6 +47,9 @@ const SPARE: f64 = 1.25;
 const CREST: &str = "the crest is not judged: the diameter before the thread was not turned by the program";
 /// A thread is judged that is longer than this share of a turn: its last groove ends within the turn.
 const SHORT: f64 = 0.9;
+/// A pass is as long as the longest one from this share of its length on: passes that follow a flank begin
+/// and end apart by their infeed.
+const AS_LONG: f64 = 0.9;
 
 /// A gauge that somebody asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,14 +75,14 @@ pub(super) struct Gauged {
     sections: Sections,
     /// Number of the edge of each pass.
     edges: BTreeMap<u32, usize>,
-    /// Where every pass is at full depth, along Z.
+    /// Where the thread is judged, along Z.
     full_mm: [f64; 2],
     before: Option<Seen>,
     kept: usize,
     is_full: bool,
     /// Highest number of a pass that was begun.
     begun: u32,
-    /// What was turned where every pass is at full depth.
+    /// What was turned there.
     turned: Turned,
 }
 
@@ -96,7 +99,7 @@ impl Gauged {
                 stations: vec![Vec::with_capacity(per_station.min(PLACES / stations)); stations],
             },
             edges: BTreeMap::new(),
-            full_mm: [f64::NEG_INFINITY, f64::INFINITY],
+            full_mm: [0.0; 2],
             before: None,
             kept: 0,
             is_full: false,
@@ -104,6 +107,7 @@ impl Gauged {
             turned: Turned::new(asked.nominal.side, [0.0; 2]),
             asked,
         };
+        let mut lengths_mm = Vec::with_capacity(program.len());
         for (number, planned) in program {
             let edge = edge_of(machine, planned.tool, &gauged.asked.nominal);
             let edges = &mut gauged.sections.edges;
@@ -113,10 +117,9 @@ impl Gauged {
                 edges.len() - 1
             });
             gauged.edges.insert(*number, at);
-            let [low, high] = full_mm(planned, gauged.origin_mm(*number)[1]);
-            let [from, to] = &mut gauged.full_mm;
-            (*from, *to) = (from.max(low), to.min(high));
+            lengths_mm.push(full_mm(planned, gauged.origin_mm(*number)[1]));
         }
+        gauged.full_mm = judged_mm(&lengths_mm);
         gauged.turned = Turned::new(gauged.asked.nominal.side, gauged.full_mm);
         gauged
     }
@@ -226,6 +229,21 @@ fn edge_of(machine: &Machine, number: u32, nominal: &Nominal) -> Edge {
         Some(width_mm) => Edge::of_width(flank_deg, width_mm, nose_mm),
         None => Edge { flank_deg, flat_mm: 0.0, nose_mm },
     }
+}
+
+/// Where a thread is judged: what all passes that are about as long as the longest have in common. A shorter
+/// one is part of the same thread if it lies within, but what is cut beyond its end is judged as well.
+fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
+    let longest = lengths_mm.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+    let is_long = |[low, high]: &&[f64; 2]| high - low >= AS_LONG * longest;
+    let none = [f64::NEG_INFINITY, f64::INFINITY];
+    let both = |[from, to]: [f64; 2], [low, high]: &[f64; 2]| [from.max(*low), to.min(*high)];
+    let common = lengths_mm.iter().filter(is_long).fold(none, both);
+    let meets = |length: &[f64; 2]| {
+        let [low, high] = both(common, length);
+        low < high
+    };
+    if lengths_mm.iter().all(meets) { common } else { [0.0; 2] }
 }
 
 /// Where a pass is at full depth in the stock, along Z of the program.
