@@ -1,6 +1,6 @@
-//! Which cause weighs most where a gauge refuses. In: a thread and its helix, the cuts that the gauge was
-//! held against, the heights between which a GO gauge has flanks, mm. Out: the cause, and the measure that
-//! it is told with.
+//! Which causes weigh most where a gauge refuses. In: a thread and its helix, the cuts that the gauge was
+//! held against, the heights between which a GO gauge has flanks, mm. Out: the causes, the heaviest first,
+//! each with the measure that it is told with.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -15,9 +15,13 @@
 //!
 //! ```text
 //! (M156) in diameter, lead 2 |e| G/T, uneven 2 (max q − min q)/T, starts alike, taper |κ| G, runout ρ,
-//!        flanks 2 (g + ℓ)/T, root 2 k/T, shallow 2 (h̄ − g/T);
-//!        of NO-GO, flanks −2 g/T, passes 2 u/T, deep 2 (h_no-go − h̄ + g/T − u/T)
+//!        flanks 2 (g⁺ + ℓ)/T, root 2 k/T, shallow 2 (h̄ − g⁺/T);
+//!        of NO-GO, flanks 2 g⁻/T, passes 2 u/T, deep 2 (h_no-go − h̄ − g⁻/T − u/T)
 //! ```
+//! g⁺ = max (g, 0) and g⁻ = max (−g, 0): flanks are blamed for what they spoil, not set off against it. Too
+//! shallow or too deep is told only of a thread that another depth alone would make good. Every cause that
+//! weighs half as much as the heaviest is told.
+//!
 //! Each is the share that the virtual or the simple pitch diameter would change by without it. For flanks of
 //! 30° 2/T is 1.732, as books say of the lead.
 
@@ -28,14 +32,24 @@ use crate::{
     reason::{Cause, Check, Told},
 };
 
-/// The cause that weighs most against a gauge over these cuts.
-pub(crate) fn heaviest(
-    nominal: &Nominal,
-    check: Check,
-    helix: &Helix,
-    (cuts, rest): (&[Cut], &[f64]),
-    heights: [f64; 2],
-) -> (Cause, Told) {
+/// Causes lighter than this share of the heaviest are not told.
+const TOLD: f64 = 0.5;
+
+/// What a gauge is held against.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held<'a> {
+    pub(crate) cuts: &'a [Cut],
+    /// q of each of them (M154).
+    pub(crate) rest: &'a [f64],
+    /// Heights between which a GO gauge has flanks.
+    pub(crate) heights: [f64; 2],
+    /// Whether another depth alone would make the thread good.
+    pub(crate) depth_helps: bool,
+}
+
+/// The causes against a gauge, the heaviest first; at least one.
+pub(crate) fn causes(nominal: &Nominal, check: Check, helix: &Helix, held: &Held) -> Vec<(Cause, Told)> {
+    let Held { cuts, rest, heights, depth_helps } = *held;
     let t = nominal.tangent();
     let mean = |of: &dyn Fn(&Cut) -> f64| cuts.iter().map(of).sum::<f64>() / cuts.len().max(1) as f64;
     let ends = cuts.first().zip(cuts.last());
@@ -43,11 +57,10 @@ pub(crate) fn heaviest(
     let tangents = mean_tangents(nominal, cuts);
     let missing: [f64; 2] = core::array::from_fn(|side| nominal.tangents()[side] - tangents[side]);
     let simple = mean(&|cut| cut.simple);
-    let narrower = missing.iter().sum::<f64>() * (simple - mean(&|cut| cut.root)) / t;
+    let g = missing.iter().sum::<f64>() * (simple - mean(&|cut| cut.root)) / t;
+    let (narrower, wider) = (g.max(0.0), (-g).max(0.0));
     let told = |amount: f64| Told { amount, length, flank_deg: angles_deg(tangents) };
-    let taper = (helix.taper.abs() * length, Cause::Taper, told(2.0 * helix.taper * length));
-    let runout = (helix.runout, Cause::Runout, told(helix.runout));
-    let causes = if check == Check::Go {
+    let mut all = if check == Check::Go {
         let uneven = range(rest);
         let size = simple - narrower;
         let [root, crest] = heights.map(|h| h - simple);
@@ -60,22 +73,23 @@ pub(crate) fn heaviest(
             (2.0 * helix.starts / t, Cause::Starts, told(helix.starts)),
             (2.0 * (narrower + leans), Cause::Flanks, told(0.0)),
             (2.0 * round, Cause::Root, told(round * t)),
-            taper,
-            runout,
         ]
     } else {
         let apart = mean(&|cut| cut.apart);
-        let size = simple - narrower + apart / t - nominal.height_mm(nominal.no_go_mm());
+        let size = simple + wider + apart / t - nominal.height_mm(nominal.no_go_mm());
         vec![
             (-2.0 * size, Cause::Size, told(size)),
-            (-2.0 * narrower, Cause::Flanks, told(0.0)),
+            (2.0 * wider, Cause::Flanks, told(0.0)),
             (2.0 * apart / t, Cause::Apart, told(apart)),
-            taper,
-            runout,
         ]
     };
-    let heaviest = causes.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    heaviest.map_or((Cause::Size, told(0.0)), |(_, cause, told)| (cause, told))
+    all.push((helix.taper.abs() * length, Cause::Taper, told(2.0 * helix.taper * length)));
+    all.push((helix.runout, Cause::Runout, told(helix.runout)));
+    all.retain(|(_, cause, _)| depth_helps || *cause != Cause::Size);
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let heaviest = all[0].0;
+    let heavy = all.into_iter().filter(|(weight, ..)| *weight >= TOLD * heaviest);
+    heavy.map(|(_, cause, told)| (cause, told)).collect()
 }
 
 /// Tangents of the flanks, averaged over the cuts.

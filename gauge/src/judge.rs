@@ -17,7 +17,7 @@
 //! gauges are held on the axis of the spindle.
 
 use crate::{
-    causes::{angles_deg, heaviest, mean_tangents},
+    causes::{Held, angles_deg, causes, mean_tangents},
     groove::{Cut, Measure},
     helix::{self, Helix, Thread},
     nominal::Nominal,
@@ -79,28 +79,44 @@ pub fn judge(nominal: &Nominal, sections: &Sections, full_mm: [f64; 2], crest_mm
     assert!(nominal.check().is_ok(), "{nominal:?}");
     let measure = Measure::new(nominal, crest_mm);
     let edges: Vec<_> = sections.edges.iter().map(crate::Edge::flanks).collect();
-    let mut deepest = f64::INFINITY;
+    let (mut deepest, mut ridge) = (f64::INFINITY, true);
     let cuts = sections.stations.iter().map(|places| {
         let (grooves, deep) = section::grooves(nominal, &edges, places);
         deepest = deepest.min(deep);
+        ridge &= grooves.iter().all(|groove| groove.within(full_mm) < nominal.pitch_mm);
         grooves.iter().map(|groove| measure.cut(groove)).collect()
     });
-    let Thread { mut cuts, goes_on } = helix::link(nominal, cuts.collect());
+    let cuts: Vec<Vec<Cut>> = cuts.collect();
+    if !ridge {
+        return no_ridge(nominal, deepest);
+    }
+    let Thread { mut cuts, goes_on } = helix::link(nominal, cuts);
     cuts.retain(|cut| (full_mm[0]..=full_mm[1]).contains(&cut.middle));
     if cuts.is_empty() {
         return nothing(nominal, deepest);
     }
     cuts.sort_by(|a, b| a.nominal.total_cmp(&b.nominal));
-    let wrong = goes_on.and_then(|grooves| other_grooves(nominal, grooves));
-    let (helix, length) = (Helix::of(nominal, &cuts), length(&cuts));
+    if let Some(wrong) = goes_on.and_then(|grooves| other_grooves(nominal, grooves)) {
+        return refused(wrong);
+    }
+    let helix = Helix::of(nominal, &cuts);
     let mut report = measures(nominal, &helix, &cuts, crest_mm);
-    report.length_mm = length;
-    if let Some(wrong) = wrong {
-        report.reasons.push(wrong);
-    } else {
+    report.length_mm = length(&cuts);
+    {
         let heights = nominal.flank_heights_mm(crest_mm);
-        report.reasons.extend(go(nominal, &helix, &cuts, heights, &mut report.virtual_mm));
-        report.reasons.extend(no_go(nominal, &helix, &cuts, heights));
+        let tight = tightest(nominal, &cuts);
+        let simple = cuts.iter().map(|cut| cut.simple).fold(f64::INFINITY, f64::min);
+        let no_go = nominal.height_mm(nominal.no_go_mm());
+        report.virtual_mm = nominal.diameter_mm(tight.height);
+        let depth_helps = simple - tight.height >= no_go;
+        let held = Held { cuts: &cuts, rest: &helix.rest, heights, depth_helps };
+        if tight.height > 0.0 {
+            let on = Held { cuts: &cuts[tight.on.clone()], rest: &helix.rest[tight.on], ..held };
+            report.reasons.push(refusal(nominal, Check::Go, report.virtual_mm, &helix, &on));
+        }
+        if simple < no_go {
+            report.reasons.push(refusal(nominal, Check::NoGo, nominal.diameter_mm(simple), &helix, &held));
+        }
     }
     report.reasons.extend(root(nominal, report.root_mm));
     report.reasons.extend(crest(nominal, &cuts, crest_mm));
@@ -123,8 +139,7 @@ fn nothing(nominal: &Nominal, deepest: f64) -> Report {
         "the groove does not reach the pitch line: {}",
         reason::beyond("root", nominal.diameter_mm(deepest), nominal.go_mm())
     );
-    let reason = Reason { check: Check::Root, cause: Cause::Size, text };
-    Report { verdict: Verdict::Bad, reasons: vec![reason], ..Report::default() }
+    refused(Reason { check: Check::Root, cause: Cause::Size, text })
 }
 
 /// A turn goes on by another number of grooves than there should be starts.
@@ -166,38 +181,49 @@ fn measures(nominal: &Nominal, helix: &Helix, cuts: &[Cut], crest_mm: Option<f64
     }
 }
 
-/// GO (M155).
-fn go(
-    nominal: &Nominal,
-    helix: &Helix,
-    cuts: &[Cut],
-    heights: [f64; 2],
-    virtual_mm: &mut f64,
-) -> Option<Reason> {
+/// Where GO is tightest.
+struct Tight {
+    /// δ (M155).
+    height: f64,
+    /// Which cuts it is held against there.
+    on: std::ops::Range<usize>,
+}
+
+/// δ over every length of the gauge (M155); there are cuts.
+fn tightest(nominal: &Nominal, cuts: &[Cut]) -> Tight {
     let places: Vec<f64> = cuts.iter().map(|cut| cut.nominal).collect();
     let begins = window::begins(&places, nominal.gauge_mm);
     let low = window::largest(&begins, |i| cuts[i].clears[0] - cuts[i].nominal);
     let high = window::largest(&begins, |i| cuts[i].nominal - cuts[i].clears[1]);
-    let tight = low.iter().zip(high).map(|(a, b)| (a + b + nominal.width_mm()) / nominal.tangent());
-    let (last, most) = tight.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    *virtual_mm = nominal.diameter_mm(most);
-    (most > 0.0).then(|| {
-        let on = begins[last]..last + 1;
-        let (cause, told) =
-            heaviest(nominal, Check::Go, helix, (&cuts[on.clone()], &helix.rest[on]), heights);
-        let why = reason::cause(nominal, cause, told);
-        reason::pitch(nominal, Check::Go, *virtual_mm, cause, &why)
+    let heights = low.iter().zip(high).map(|(a, b)| (a + b + nominal.width_mm()) / nominal.tangent());
+    let most = heights.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    most.map_or(Tight { height: 0.0, on: 0..cuts.len() }, |(last, height)| Tight {
+        height,
+        on: begins[last]..last + 1,
     })
 }
 
-/// NO-GO (M155).
-fn no_go(nominal: &Nominal, helix: &Helix, cuts: &[Cut], heights: [f64; 2]) -> Option<Reason> {
-    let least = cuts.iter().map(|cut| cut.simple).fold(f64::INFINITY, f64::min);
-    (least < nominal.height_mm(nominal.no_go_mm())).then(|| {
-        let (cause, told) = heaviest(nominal, Check::NoGo, helix, (cuts, &helix.rest), heights);
-        let why = reason::cause(nominal, cause, told);
-        reason::pitch(nominal, Check::NoGo, nominal.diameter_mm(least), cause, &why)
-    })
+/// GO or NO-GO refuses at a diameter: why.
+fn refusal(nominal: &Nominal, check: Check, diameter_mm: f64, helix: &Helix, held: &Held) -> Reason {
+    let causes = causes(nominal, check, helix, held);
+    let told: Vec<_> = causes.iter().map(|(cause, told)| reason::cause(nominal, *cause, *told)).collect();
+    reason::pitch(nominal, check, diameter_mm, causes[0].0, &told.join(", "))
+}
+
+/// The grooves meet: no ridge stands between them that a gauge could find.
+fn no_ridge(nominal: &Nominal, deepest: f64) -> Report {
+    let text = format!(
+        "no ridge is left between the grooves at {:.3} mm, the pitch line of GO: {}, cut down to {:.3} mm",
+        nominal.go_mm(),
+        "another thread, or far too deep",
+        nominal.diameter_mm(deepest)
+    );
+    refused(Reason { check: Check::Grooves, cause: Cause::Ridge, text })
+}
+
+/// No thread that could be measured.
+fn refused(reason: Reason) -> Report {
+    Report { verdict: Verdict::Bad, reasons: vec![reason], ..Report::default() }
 }
 
 /// The diameter of the root against its limits.

@@ -40,6 +40,8 @@ pub enum Cause {
     Root,
     /// Passes did not lie in one groove.
     Apart,
+    /// The grooves leave no ridge between them.
+    Ridge,
     /// The thread winds the other way.
     Hand,
     /// The stock was not of the right size.
@@ -89,6 +91,7 @@ pub(crate) fn cause(nominal: &Nominal, cause: Cause, told: Told) -> String {
         Cause::Flanks => format!("flanks of {f1:.2}° and {f2:.2}° instead of {n1}° and {n2}°"),
         Cause::Root => format!("the root {um:.1} µm too narrow"),
         Cause::Apart => format!("passes {um:.1} µm apart"),
+        Cause::Ridge => "no ridge between the grooves".into(),
         Cause::Hand => "wound the other way".into(),
         Cause::Stock => "stock of another size".into(),
     }

@@ -76,6 +76,11 @@ impl Groove {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
+    /// How much of a length it takes at the pitch line of the GO gauge.
+    pub(crate) fn within(&self, [low, high]: [f64; 2]) -> f64 {
+        self.ends[1].min(high) - self.ends[0].max(low)
+    }
+
     /// z₁(y) and z₂(y) (M152); `None` below the groove.
     pub(crate) fn at(&self, y: f64) -> Option<[f64; 2]> {
         let all = self.tips.iter().filter_map(|tip| tip.at(y));

@@ -74,7 +74,7 @@ pub(crate) struct Threads {
     held: Option<Held>,
     policy: Policy,
     passes: u32,
-    starts: Starts,
+    pub(crate) starts: Starts,
     notes: Vec<PassNote>,
     /// What is wrong with passes that can be cut.
     doubts: Vec<Problem>,
@@ -132,7 +132,7 @@ impl Threads {
         let cut = Single { next, ..single }.cut();
         let pass = match plan(&cut, machine) {
             Ok(mut planned) => {
-                let start = self.starts.number(&cut);
+                let start = self.starts.number(&cut, place);
                 planned.pass.out.leaves = policy.leaves(planned.pass.out.leaves);
                 if next == Next::Stays {
                     // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
@@ -151,7 +151,7 @@ impl Threads {
     /// Every pass of a threading cycle, each from the start point of its cut.
     pub(crate) fn cycle(
         &mut self,
-        line: u32,
+        place: Place,
         cycle: &Cycle,
         rest: &PerAxis<Position>,
         machine: &Machine,
@@ -172,10 +172,10 @@ impl Threads {
             planned.pass.out.leaves = self.policy.leaves(planned.pass.out.leaves);
             plans.push(planned);
         }
-        let start = cuts.first().map_or(0, |cut| self.starts.number(cut));
+        let start = cuts.first().map_or(0, |cut| self.starts.number(cut, place));
         let passes = cuts.iter().zip(plans);
         Ok(passes
-            .map(|(cut, planned)| (cut.from, self.number(line, planned, cut, start, rest, machine)))
+            .map(|(cut, planned)| (cut.from, self.number(place.line, planned, cut, start, rest, machine)))
             .collect())
     }
 

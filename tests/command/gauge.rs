@@ -209,7 +209,8 @@ fn without_a_thread_to_judge_the_verdict_says_why() {
 fn names_that_no_gauge_has_are_refused_with_a_remedy() {
     let place = Place::new();
     place.write("plain.ngc", GOOD);
-    for (name, words) in [("M20x2-6z", "M20x2"), ("M20x2", "6g or M20x2-6H"), ("R1/2", "P2 D2"), ("P2", "D2")]
+    for (name, words) in
+        [("M20x2-6z", "M20x2"), ("M20x2", "6g or M20x2-6H"), ("R1/2", "P1.8143 D2"), ("P2", "D2")]
     {
         for command in ["check", "run"] {
             let answer = place.ask(&[command, "plain.ngc", "--gauge", name]);

@@ -53,6 +53,8 @@ pub struct Nominal {
     pub plane_mm: f64,
     /// Length of the GO gauge, mm.
     pub gauge_mm: f64,
+    /// What its standard asks besides, and no gauge looks at; for people.
+    pub left_out: &'static [&'static str],
 }
 
 /// Why no gauge can be made.
@@ -90,7 +92,7 @@ impl NominalError {
                 "add the class of one of them, as in M20x2-6g or M20x2-6H, or external or internal"
             }
             NominalError::NoLimits | NominalError::Sizes | NominalError::Flanks => {
-                "give the limits by numbers, as in P2 D2 18.503..18.663 A60 external"
+                "give your limits by numbers, as in P2 D2 18.503..18.663 A60 external"
             }
         }
     }
@@ -188,8 +190,13 @@ impl Nominal {
     /// triangle of the flanks over the pitch line.
     #[must_use]
     pub fn is_near(&self, place: &crate::Place) -> bool {
-        let over = self.sign() * place.radius_mm - self.line_mm(place.z_mm);
-        over < self.pitch_mm / self.tangent()
+        self.over_mm(place) < self.pitch_mm / self.tangent()
+    }
+
+    /// How far a tip stands over the pitch line of the GO gauge, mm: h of (M150).
+    #[must_use]
+    pub fn over_mm(&self, place: &crate::Place) -> f64 {
+        self.sign() * place.radius_mm - self.line_mm(place.z_mm)
     }
 
     /// The heights between which flanks touch a GO gauge: as deep as it reaches, as high as there is

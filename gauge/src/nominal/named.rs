@@ -59,8 +59,18 @@ impl Nominal {
             taper: 0.0,
             plane_mm: 0.0,
             gauge_mm: profile.major_mm,
+            left_out: left_out(thread, side),
         };
         nominal.check().map(|()| nominal)
+    }
+}
+
+/// What the standard asks besides.
+fn left_out(thread: &Thread, side: Side) -> &'static [&'static str] {
+    match (thread.standard(), side) {
+        ("ISO 5855 MJ", Side::External) => &["the radius of the root, 0.15011 to 0.18042 P, is not judged"],
+        (standard, _) if standard.ends_with("NPT") => &["truncation of crest and root is not judged"],
+        _ => &[],
     }
 }
 
@@ -89,6 +99,7 @@ fn tapered(thread: &Thread, side: Side, member: &Member) -> Result<Nominal, Nomi
         taper,
         plane_mm,
         gauge_mm: length_mm,
+        left_out: left_out(thread, side),
     };
     nominal.check().map(|()| nominal)
 }

@@ -46,8 +46,25 @@ impl FromStr for Nominal {
             return nominal.check().map(|()| nominal).map_err(refused);
         }
         let thread: Thread = text.parse()?;
-        Nominal::of(&thread).map_err(refused)
+        Nominal::of(&thread).map_err(|why| match why {
+            NominalError::NoLimits => Misread { help: by_numbers(&thread), ..refused(why) },
+            _ => refused(why),
+        })
     }
+}
+
+/// How a thread without limits is written by numbers.
+fn by_numbers(thread: &Thread) -> String {
+    let profile = thread.profile();
+    let middle = 0.5 * (profile.major_mm + profile.minor_mm);
+    let angle: f64 = profile.flank_deg.iter().sum();
+    let taper =
+        if profile.taper == 0.0 { String::new() } else { format!(" taper 1:{:.0}", 1.0 / profile.taper) };
+    format!(
+        "give your limits by numbers, P{:.4} D2 least..most A{angle}{taper} external or internal: its basic pitch \
+         diameter is {middle:.3} mm",
+        profile.pitch_mm
+    )
 }
 
 /// What is said so far.
@@ -154,6 +171,7 @@ fn numbers(text: &str) -> Result<Nominal, Misread> {
         taper: if side == Side::External { -taper } else { taper },
         plane_mm: said.at.unwrap_or(0.0),
         gauge_mm: said.length.unwrap_or(most),
+        left_out: &[],
     })
 }
 

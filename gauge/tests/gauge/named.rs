@@ -142,3 +142,33 @@ fn a_thread_in_the_middle_of_its_class_is_good() {
         }
     }
 }
+
+#[test]
+fn capitals_alone_are_a_screw_where_it_says_external() {
+    assert_eq!(named("M20X2-6G EXTERNAL"), named("M20x2-6g external"));
+    assert_eq!(named("M20X2-6G").map(|nut| nut.side), Ok(Side::Internal));
+    assert!("M20x2-6G external".parse::<Nominal>().is_err(), "small letters are there");
+    assert!("M20X2-6H EXTERNAL".parse::<Nominal>().is_ok());
+}
+
+#[test]
+fn what_no_gauge_looks_at_is_told() {
+    assert_eq!(named("M20x2-6g").map(|screw| screw.left_out.len()), Ok(0));
+    assert_eq!(named("MJ6x1-4h6h").map(|screw| screw.left_out.len()), Ok(1));
+    assert_eq!(named("1/2-14 NPT external").map(|screw| screw.left_out.len()), Ok(1));
+}
+
+#[test]
+fn a_thread_without_limits_is_told_by_numbers() {
+    for (name, numbers) in [
+        (
+            "BSW 1/2-12 external",
+            "P2.1167 D2 least..most A55 external or internal: its basic pitch diameter is 11.34",
+        ),
+        ("R1/2 external", "P1.8143 D2 least..most A55 taper 1:16"),
+        ("Rd105 x 1/4 external", "P6.3500 D2 least..most A30"),
+    ] {
+        let wrong = name.parse::<Nominal>().expect_err(name);
+        assert!(wrong.help.contains(numbers), "{name}: {}", wrong.help);
+    }
+}

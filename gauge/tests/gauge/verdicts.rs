@@ -159,3 +159,42 @@ fn the_reason_is_told_in_words_with_numbers() {
         "NO-GO goes on: pitch diameter 18.4950 mm, at least 18.5030 (cut 4.0 µm too deep)"
     );
 }
+
+#[test]
+fn another_size_is_refused_without_figures() {
+    let thread = &threads()[0];
+    let sections = thread.sections();
+    for (diameters, check, cause, says) in [
+        ([22.503, 22.663], Check::Grooves, Cause::Ridge, "no ridge is left between the grooves at 22.663 mm"),
+        ([14.503, 14.663], Check::Root, Cause::Size, "the groove does not reach the pitch line"),
+    ] {
+        let nominal = gauge::Nominal { pitch_diameter_mm: diameters, ..thread.nominal.clone() };
+        let report = gauge::judge(&nominal, &sections, thread.full_mm(), None);
+        assert_eq!(report.verdict, Verdict::Bad, "{report:?}");
+        let [reason] = &report.reasons[..] else { panic!("{report:?}") };
+        assert_eq!((reason.check, reason.cause), (check, cause));
+        assert!(reason.text.starts_with(says), "{}", reason.text);
+        let none =
+            gauge::Report { verdict: Verdict::Bad, reasons: report.reasons.clone(), ..Default::default() };
+        assert_eq!(report, none);
+    }
+}
+
+/// Depth is blamed only where another depth would help, and nothing that weighs as much is left out.
+#[test]
+fn causes_are_those_that_would_help() {
+    for thread in threads() {
+        let tolerance = tolerance(&thread);
+        let all = 0.5 * tolerance * thread.tangent();
+        let long = Errors { lead: 1.5 * all / thread.nominal.gauge_mm, ..Errors::default() };
+        let shallow = thread.clone().above_go(0.4 * tolerance).with(long);
+        let [reason] = &shallow.judged().reasons[..] else { panic!("{shallow:?}") };
+        assert!(reason.cause == Cause::Lead && !reason.text.contains("shallow"), "{}", reason.text);
+        let both = Errors { drunken: 0.5 * all, lead: all / thread.nominal.gauge_mm, ..Errors::default() };
+        let text = thread.clone().with(both).judged().reasons[0].text.clone();
+        assert!(text.contains("lead") && text.contains("helix uneven"), "{text}");
+        let little = Errors { runout: 0.05 * tolerance, ..Errors::default() };
+        let text = thread.clone().above_go(0.6 * tolerance).with(little).judged().reasons[0].text.clone();
+        assert!(!text.contains("runs out"), "{text}");
+    }
+}

@@ -14,7 +14,7 @@ use gauge::{Nominal, Side};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use machine::Kinematics;
-use protocol::{Axis, ThreadPass};
+use protocol::ThreadPass;
 
 use super::Translator;
 use crate::reach::Done;
@@ -24,8 +24,7 @@ use crate::thread::Point;
 const SAME_MM: f64 = 1e-4;
 
 /// What to do where program and thread are not the same.
-const HELP: &str =
-    "change the passes, or the name in (thread, ...) or behind --gauge; the gauge goes by the name";
+const HELP: &str = "change the passes, or the name in (thread, ...) or behind --gauge: 6g is a screw, 6G a nut, 6G EXTERNAL a screw";
 
 /// Passes of one kind.
 #[derive(Clone, Debug)]
@@ -64,12 +63,19 @@ impl Gauged {
         let text = text.trim();
         let ends = |c: char| !(c.is_alphanumeric() || c == '_');
         let (word, rest) = text.split_at(text.find(ends).unwrap_or(text.len()));
+        let wrong = |message: String, help: &str| Problem::error("bad-thread", Blame::Block, message, help);
         if !word.eq_ignore_ascii_case("thread") {
+            let alike = ["threads", "gauge"].iter().any(|other| word.eq_ignore_ascii_case(other));
+            let name = rest.trim_start().trim_start_matches([',', ':']).trim();
+            if alike && name.parse::<Nominal>().is_ok() {
+                let help = format!("write (thread, {name})");
+                return Err(wrong(format!("a comment ({word} ...) asks for no gauge"), &help));
+            }
             return Ok(());
         }
-        let wrong = |message: String, help: &str| Problem::error("bad-thread", Blame::Block, message, help);
         let Some(name) = rest.trim_start().strip_prefix(',') else {
-            let meant = rest.trim().parse::<Nominal>().is_ok();
+            let behind = rest.trim_start().trim_start_matches(':');
+            let meant = behind.trim().parse::<Nominal>().is_ok();
             let refused =
                 || Err(wrong("a comma is missing behind thread".into(), "write (thread, M20x2-6g)"));
             return if meant { refused() } else { Ok(()) };
@@ -91,14 +97,8 @@ impl Gauged {
 
     /// A pass whose zero lies at `origin`.
     fn pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
-        let law = pass.axis(Axis::X);
-        let infeed = if law.stroke_mm == 0.0 { -law.retract_mm } else { law.stroke_mm };
-        let outwards = infeed * (law.start.mm() + law.stroke_mm - origin.x).signum();
-        let side = match outwards {
-            0.0 => None,
-            ..0.0 => Some(Side::External),
-            _ => Some(Side::Internal),
-        };
+        let side =
+            pass.cuts_outwards(origin.x).map(|away| if away { Side::Internal } else { Side::External });
         let (lead_mm, grows) = (pass.lead_mm.abs(), pass.lead_mm * pass.direction > 0.0);
         let same = |kind: &&mut Kind| kind.lead_mm == lead_mm && kind.grows == grows && kind.side == side;
         match self.kinds.iter_mut().find(same) {
@@ -123,8 +123,14 @@ fn against(nominal: &Nominal, kind: &Kind) -> Vec<(Place, Box<Problem>)> {
             if *starts == 1 { String::new() } else { format!(": {starts} starts of {}", short(*pitch_mm)) };
         let (cut, asked) = (short(kind.lead_mm), short(lead_mm));
         found.push(format!("the thread advances by {cut} mm in a turn, and {name} by {asked} mm{of}"));
-    } else if kind.starts.len() != *starts as usize {
+    } else if kind.starts.len() < *starts as usize {
         found.push(format!("{} of the {starts} starts of {name} are cut", kind.starts.len()));
+    } else if kind.starts.len() > *starts as usize {
+        let s = if *starts == 1 { "" } else { "s" };
+        found.push(format!(
+            "the passes lie in {} grooves, and {name} has {starts} start{s}",
+            kind.starts.len()
+        ));
     }
     if kind.side.is_some_and(|side| side != nominal.side) {
         let what = match nominal.side {
@@ -170,6 +176,9 @@ impl Translator {
     /// The program is over.
     pub(super) fn gauge_tells(&mut self) {
         for (place, problem) in self.gauged.contradictions() {
+            self.output.report(place, *problem);
+        }
+        for (place, problem) in self.threads.starts.beside() {
             self.output.report(place, *problem);
         }
     }

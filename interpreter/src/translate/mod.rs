@@ -352,7 +352,7 @@ impl Translator {
         let cycle = threading::cycle_on_machine(cycle, &self.modal.frame, &self.spindle, &self.machine)?;
         self.warn_of_encoder(place, cycle.lead_mm);
         let rest = self.points.axes_at_rest();
-        for (from, pass) in self.threads.cycle(place.line, &cycle, &rest, &self.machine)? {
+        for (from, pass) in self.threads.cycle(place, &cycle, &rest, &self.machine)? {
             self.line_to(place.line, in_plane_of(self.points.rest(), from), Feed::Rapid);
             self.pass(place, pass, self.origin());
         }

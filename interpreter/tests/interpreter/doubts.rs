@@ -84,3 +84,69 @@ fn the_depth_of_g92_is_not_invented() {
     let known: Vec<_> = found.passes.iter().map(|pass| (pass.depth_mm, pass.x_mm)).collect();
     assert_eq!(known, [(None, 11.7), (None, 11.45)]);
 }
+
+/// Passes by G33, each from a Z and to an X of its own; the line of a pass and what is said of it.
+fn beside(lead: f64, passes: &[(f64, f64)]) -> Vec<String> {
+    let cut = |(z, x): &(f64, f64)| format!("G0 X14 Z{z}\nG0 X{x}\nG33 Z-22 K{lead}\nG0 X14\n");
+    let program = format!("G7 S400 M3\n{}M2\n", passes.iter().map(cut).collect::<String>());
+    let found = check("part.ngc", &program, &Machine::plain());
+    let told = found.diagnostics.iter().filter(|one| one.code == "beside-groove");
+    told.map(|one| format!("{}: {}", one.line, one.message)).collect()
+}
+
+#[test]
+fn a_pass_beside_the_groove_is_told_with_how_far() {
+    for um in [5.0, 20.0, 100.0, 200.0] {
+        let z = 8.0 + 1e-3 * um;
+        let said = [format!("8: this pass runs {} mm beside the groove of line 4", 1e-3 * um)];
+        assert_eq!(beside(2.0, &[(8.0, 9.0), (z, 9.0)]), said);
+        // Deeper by more than an infeed along a flank would be.
+        let deeper = 9.0 - 2.0 * 6e-3 * um;
+        assert_eq!(beside(2.0, &[(8.0, 9.0), (z, deeper)]), said);
+        // Of two starts.
+        let three = [(8.0, 9.0), (9.0, 9.0), (z, 9.0)];
+        assert_eq!(beside(2.0, &three), [said[0].replace("8:", "12:")]);
+    }
+    let many: Vec<_> = (0..40).map(|k| (8.0 + 0.005 * f64::from(k), 9.0)).collect();
+    assert_eq!(beside(2.0, &many).len(), 39);
+}
+
+#[test]
+fn starts_and_infeed_along_a_flank_are_not_beside_a_groove() {
+    let even = |starts: u32| -> Vec<_> {
+        let start = |k: u32| (8.0 + 4.0 * f64::from(k) / f64::from(starts), 9.0);
+        (0..starts).map(start).collect()
+    };
+    for starts in 1..=8 {
+        assert_eq!(beside(4.0, &even(starts)), [""; 0], "{starts}");
+    }
+    for tangent in [0.577, 0.53, 0.268, 0.25] {
+        let depths = [0.3, 0.55, 0.75, 0.92, 1.07, 1.2, 1.25];
+        let along: Vec<_> = depths.iter().map(|h| (8.0 - tangent * h, 10.0 - 2.0 * h)).collect();
+        assert_eq!(beside(2.0, &along), [""; 0], "{tangent}");
+        let side = |i: usize| if i.is_multiple_of(2) { tangent } else { -tangent };
+        let zigzag = depths.iter().enumerate().map(|(i, h)| (8.0 - side(i) * h, 10.0 - 2.0 * h));
+        let said = beside(2.0, &zigzag.collect::<Vec<_>>());
+        assert!(said.len() <= 1, "{said:?}");
+    }
+}
+
+#[test]
+fn a_comment_that_means_a_gauge_is_not_passed_over() {
+    for (comment, says) in [
+        ("(thread M20x2-6g)", "a comma is missing behind thread"),
+        ("(thread: M20x2-6g)", "a comma is missing behind thread"),
+        ("(threads, M20x2-6g)", "asks for no gauge"),
+        ("(gauge M20x2-6g)", "asks for no gauge"),
+        ("(gauge, M20x2-6g)", "asks for no gauge"),
+    ] {
+        let text = format!("{comment}\nM2\n");
+        assert_eq!(said(&text), [(1, "bad-thread")], "{comment}");
+        assert!(message(&text).contains(says), "{comment}: {}", message(&text));
+    }
+    for comment in
+        ["(thread the hose)", "(threads, two of them)", "(gauge it by hand)", "(thread: see drawing)"]
+    {
+        assert_eq!(said(&format!("{comment}\nM2\n")), [], "{comment}");
+    }
+}

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! Letters are read in capitals or not, but for tolerance classes of metric threads, where they tell the
-//! screw from the nut. Spaces may stand between parts, and a comma for a point.
+//! screw from the nut; in a name without small letters that ends in EXTERNAL they are those of a screw.
+//! Spaces may stand between parts, and a comma for a point.
 
 mod cursor;
 mod inch;
@@ -82,6 +83,12 @@ pub(crate) fn read(text: &str) -> Result<Thread, Misread> {
     let named = Thread { form, left_hand, only };
     let empty = named.limits().members().next().is_none();
     if empty {
+        // A control that has capitals only writes the class of a screw as that of a nut.
+        let capitals = only == Some(Side::External) && !text.contains(|c: char| c.is_ascii_lowercase());
+        let small = text.split_once('-').filter(|_| capitals);
+        if let Some((sizes, class)) = small {
+            return read(&format!("{sizes}-{}", class.to_ascii_lowercase()));
+        }
         let help = "leave external or internal out, or name a class of that member";
         return Err(cursor.wrong(0, "the class is that of the other member", help));
     }

@@ -265,6 +265,15 @@ impl ThreadPass {
         self.axes.iter().map(AxisLaw::done_deg).fold(0.0, f64::max)
     }
 
+    /// Whether the tool cuts away from an axis of the part at `axis_x_mm`, as in a bore; `None` of a pass
+    /// that moves X neither in nor out.
+    pub fn cuts_outwards(&self, axis_x_mm: f64) -> Option<bool> {
+        let law = self.axis(Axis::X);
+        let infeed = if law.stroke_mm == 0.0 { -law.retract_mm } else { law.stroke_mm };
+        let outwards = infeed * (law.start.mm() + law.stroke_mm - axis_x_mm).signum();
+        (outwards != 0.0).then_some(outwards > 0.0)
+    }
+
     /// Refuses a pass that cannot be cut.
     ///
     /// # Errors

@@ -128,8 +128,8 @@ pub(super) fn figure(summary: &Summary, thread: &Thread) -> Figure {
         title: "Section of the thread".into(),
         caption: format!(
             "The part as all passes leave it, cut along its axis at spindle angle 0: what the edge of the tool leaves \
-             at its true places each time the spindle goes through that angle, below the crest that the depth of the \
-             passes is counted from.{allowed}{} The picture opens on three turns; double-click it for the whole \
+             at its true places each time the spindle goes through that angle, below the crest that was turned, or \
+             else that the depth of the passes is counted from.{allowed}{} The picture opens on three turns; double-click it for the whole \
              thread.",
             if gauge.is_none() { " Good: all grooves are alike, with straight flanks." } else { "" }
         ),

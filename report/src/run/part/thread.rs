@@ -112,7 +112,8 @@ fn edge_of(summary: &Summary, pass: &PassReport) -> Option<Edge> {
     })
 }
 
-/// The crest, from how deep the pass is below it along the way that the program means, or from the gauge.
+/// The crest: as it was turned, else from how deep the pass is below it along the way that the program
+/// means, or from the gauge.
 fn crest(
     summary: &Summary,
     pass: &PassReport,
@@ -121,6 +122,10 @@ fn crest(
 ) -> Option<([f64; 2], f64)> {
     let [from, to] = [first, last].map(|[z, x]| [z, sign * x.abs()]);
     let slope = if (to[0] - from[0]).abs() > 0.0 { (to[1] - from[1]) / (to[0] - from[0]) } else { 0.0 };
+    let turned = summary.gauge.as_ref().and_then(|gauge| gauge.crest_mm.iter().copied().reduce(f64::max));
+    if let Some(diameter) = turned {
+        return Some(([from[0], 0.5 * sign * diameter], slope));
+    }
     if pass.depth_mm > 0.0 {
         return Some(([from[0], from[1] + pass.depth_mm], slope));
     }

@@ -21,9 +21,9 @@
 mod report;
 mod turned;
 
-use std::collections::BTreeMap;
+use std::{borrow::Cow, collections::BTreeMap};
 
-use gauge::{Edge, Nominal, Place, Sections};
+use gauge::{Edge, Nominal, Place, Sections, Side};
 use machine::Machine;
 use protocol::{Axis, ThreadPass, Truth};
 
@@ -84,6 +84,10 @@ pub(super) struct Gauged {
     begun: u32,
     /// What was turned there.
     turned: Turned,
+    /// Of the places that are too far from the thread to have cut any of it, the nearest.
+    far: Option<Place>,
+    /// Whether a pass cuts the other side: a bore for a screw, a shaft for a nut.
+    other_side: bool,
 }
 
 impl Gauged {
@@ -105,6 +109,8 @@ impl Gauged {
             is_full: false,
             begun: 0,
             turned: Turned::new(asked.nominal.side, [0.0; 2]),
+            far: None,
+            other_side: false,
             asked,
         };
         let mut lengths_mm = Vec::with_capacity(program.len());
@@ -117,7 +123,10 @@ impl Gauged {
                 edges.len() - 1
             });
             gauged.edges.insert(*number, at);
-            lengths_mm.push(full_mm(planned, gauged.origin_mm(*number)[1]));
+            let [x, z] = gauged.origin_mm(*number);
+            let is_nut = gauged.asked.nominal.side == Side::Internal;
+            gauged.other_side |= planned.pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
+            lengths_mm.push(full_mm(planned, z));
         }
         gauged.full_mm = judged_mm(&lengths_mm);
         gauged.turned = Turned::new(gauged.asked.nominal.side, gauged.full_mm);
@@ -163,7 +172,12 @@ impl Gauged {
 
     /// Keeps a place that can have cut something of the thread.
     fn keep(&mut self, station: usize, place: Place) {
-        if !self.asked.nominal.is_near(&place) {
+        let nominal = &self.asked.nominal;
+        if !nominal.is_near(&place) {
+            let nearer = |other: &Place| nominal.over_mm(&place) < nominal.over_mm(other);
+            if self.far.as_ref().is_none_or(nearer) {
+                self.far = Some(place);
+            }
             return;
         }
         self.is_full |= self.kept == PLACES;
@@ -183,6 +197,8 @@ impl Gauged {
             "the program cuts no thread".into()
         } else if low >= high {
             "the passes have no length of full thread in common".into()
+        } else if self.other_side && self.begun > 0 {
+            return GaugeReport::refused(nominal, other_side(nominal));
         } else {
             return self.judged();
         };
@@ -197,12 +213,16 @@ impl Gauged {
             let too_small = nominal.crest_mm[0].is_some_and(|limit| least < limit);
             if too_small { least } else { largest }
         });
-        let mut report =
-            GaugeReport::of(nominal, gauge::judge(nominal, &self.sections, self.full_mm, worst_mm));
+        let mut sections = Cow::Borrowed(&self.sections);
+        if let Some(far) = self.far.filter(|_| self.kept == 0) {
+            sections.to_mut().stations[0].push(far);
+        }
+        let mut report = GaugeReport::of(nominal, gauge::judge(nominal, &sections, self.full_mm, worst_mm));
         report.crest_mm = crest_mm.map(Vec::from).unwrap_or_default();
         if crest_mm.is_none() && nominal.crest_mm.iter().any(Option::is_some) {
             report.notes.push(CREST.into());
         }
+        report.notes.extend(nominal.left_out.iter().map(|note| String::from(*note)));
         let lead_mm = nominal.pitch_mm * f64::from(nominal.starts);
         match report.verdict {
             PartVerdict::None => report.reasons.push(format!(
@@ -217,6 +237,17 @@ impl Gauged {
             _ => {}
         }
         report
+    }
+}
+
+/// A nut is no screw.
+fn other_side(nominal: &Nominal) -> String {
+    let name = &nominal.name;
+    match nominal.side {
+        Side::External => {
+            format!("the thread is cut away from the axis, as in a bore, and {name} is a screw")
+        }
+        Side::Internal => format!("the thread is cut towards the axis, as on a shaft, and {name} is a nut"),
     }
 }
 

@@ -102,9 +102,15 @@ impl GaugeReport {
         GaugeReport { name: nominal.name.clone(), reasons: vec![why], limits, ..GaugeReport::default() }
     }
 
-    /// With what was found.
+    /// Refused without a measure.
+    pub(super) fn refused(nominal: &Nominal, why: String) -> GaugeReport {
+        GaugeReport { verdict: PartVerdict::Bad, ..GaugeReport::none(nominal, why) }
+    }
+
+    /// With what was found; measures of nothing are left empty.
     pub(super) fn of(nominal: &Nominal, found: gauge::Report) -> GaugeReport {
         let [low, high] = found.pitch_diameter_mm;
+        let measured = low > 0.0;
         GaugeReport {
             name: nominal.name.clone(),
             verdict: match found.verdict {
@@ -122,8 +128,8 @@ impl GaugeReport {
             starts_um: found.starts_um,
             taper_um: found.taper_um,
             runout_um: found.runout_um,
-            flank_deg: found.flank_deg.to_vec(),
-            root_mm: found.root_mm.to_vec(),
+            flank_deg: if measured { found.flank_deg.to_vec() } else { Vec::new() },
+            root_mm: if measured { found.root_mm.to_vec() } else { Vec::new() },
             crest_mm: Vec::new(),
             length_mm: found.length_mm,
             limits: GaugeLimits::from(nominal),

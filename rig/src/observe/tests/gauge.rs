@@ -28,6 +28,7 @@ fn nominal() -> Nominal {
         taper: 0.0,
         plane_mm: 0.0,
         gauge_mm: 10.0,
+        left_out: &[],
     }
 }
 
@@ -106,4 +107,24 @@ fn a_thread_that_is_shallow_or_was_cut_beside_itself_makes_the_part_bad() {
 fn what_was_not_cut_has_no_verdict() {
     let broken = Injected { broken_off_deg: Some(300.0), ..Injected::default() };
     assert_eq!(gauged(nominal(), &[(pass(1), broken)]).verdict, PartVerdict::None);
+}
+
+#[test]
+fn another_thread_is_refused_without_figures() {
+    let passes = [(pass(1), Injected::default())];
+    let of = |off_mm: f64, side: Side| Nominal {
+        pitch_diameter_mm: nominal().pitch_diameter_mm.map(|mm| mm + off_mm),
+        side,
+        ..nominal()
+    };
+    for (asked, says) in [
+        (of(0.0, Side::Internal), "the thread is cut towards the axis, as on a shaft, and thread is a nut"),
+        (of(-9.0, Side::External), "the groove does not reach the pitch line"),
+        (of(4.0, Side::External), "no ridge is left between the grooves"),
+    ] {
+        let report = gauged(asked, &passes);
+        assert_eq!(report.verdict, PartVerdict::Bad, "{report:?}");
+        assert!(report.reasons.len() == 1 && report.reasons[0].starts_with(says), "{:?}", report.reasons);
+        assert_eq!((report.length_mm, report.pitch_diameter_max_mm, report.flank_deg.len()), (0.0, 0.0, 0));
+    }
 }
