@@ -10,6 +10,8 @@
 
   const painted = (text) => JSON.parse(text, (_, value) => (typeof value === 'string' && value.length < 40 ? theme.paint(value) : value));
 
+  const repainted = (trace) => (trace.line?.color ? { ...trace, line: { ...trace.line, color: theme.paint(trace.line.color) } } : trace);
+
   function layout(figure, made, width) {
     const narrow = width < 640;
     const tall = narrow ? Math.max(figure.aspect * 1.7, 0.8) : width === PAPER_PX ? Math.max(figure.aspect * 0.8, 0.42) : figure.aspect;
@@ -39,7 +41,7 @@
   const draw = (width) => figures.forEach((figure) => {
     const options = { displaylogo: false, displayModeBar: width < 640 ? false : 'hover', scrollZoom: false, modeBarButtonsToRemove: ['select2d', 'lasso2d'] };
     const plot = painted(figure.text);
-    Plotly.react(figure.div, plot.data, layout(figure, plot.layout, width), options);
+    Plotly.react(figure.div, link.shown(plot.data).map(repainted), layout(figure, plot.layout, width), options);
   });
   const onScreen = () => draw(document.querySelector('.plot').clientWidth);
 
@@ -48,5 +50,10 @@
   window.addEventListener('theme', onScreen);
   window.addEventListener('beforeprint', () => draw(PAPER_PX));
   window.addEventListener('afterprint', onScreen);
+  window.addEventListener('chosen', onScreen);
   onScreen();
+  link.begin(figures.map((figure) => JSON.parse(figure.text).data));
+  for (const { div } of figures) {
+    div.on('plotly_click', ({ points: [point] }) => { const what = link.at(point.data, point.pointNumber); if (what) link.choose(what); });
+  }
 })();

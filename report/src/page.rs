@@ -13,6 +13,8 @@ const STYLE: &str = include_str!("../assets/report.css");
 const DARK: &str = include_str!("../assets/dark.css");
 const DARK_SCREEN: &str = "screen and (prefers-color-scheme: dark)";
 const THEME: &str = include_str!("../assets/theme.js");
+/// Leads from a line of the program to its curves and back.
+const LINK: &str = include_str!("../assets/link.js");
 const SCRIPT: &str = include_str!("../assets/report.js");
 
 /// A page with its style, and with the script that draws if there is something to draw.
@@ -32,6 +34,7 @@ pub fn document(title: &str, content: &Markup, draws: bool) -> String {
                 main { (content) }
                 @if draws {
                     script { (PreEscaped(PLOTTING_SCRIPT)) }
+                    script { (PreEscaped(LINK)) }
                     script { (PreEscaped(SCRIPT)) }
                 }
             }

@@ -176,7 +176,9 @@ fn listing(program: &str) -> Markup {
     html! {
         section {
             h2 { "The program" }
-            ol.program { @for line in program.lines().take(PROGRAM_LINES) { li { code { (line) } } } }
+            ol.program { @for (line, text) in (1..).zip(program.lines().take(PROGRAM_LINES)) {
+                li data-line=(line) { code { (text) } }
+            } }
             @if lines > PROGRAM_LINES { p.caption { "… and " (lines - PROGRAM_LINES) " more lines." } }
         }
     }

@@ -27,8 +27,15 @@ enum Way {
     Thread,
 }
 
+/// A place of the tool, and the line of the program it was led by.
+#[derive(Clone, Copy)]
+struct Point {
+    at: (f64, f64),
+    line: u32,
+}
+
 /// Points of the path; `None` lifts the pen.
-type Stroke = Vec<Option<(f64, f64)>>;
+type Stroke = Vec<Option<Point>>;
 
 /// The true path of each tool.
 pub(super) struct Path {
@@ -36,7 +43,7 @@ pub(super) struct Path {
     plane: [Axis; 2],
     strokes: BTreeMap<(u32, Way), Stroke>,
     /// Whose stroke is drawn, and its last point.
-    pen: Option<((u32, Way), (f64, f64))>,
+    pen: Option<((u32, Way), Point)>,
     step_mm: f64,
     /// The cycle of the row before.
     cycle: Option<u64>,
@@ -74,12 +81,13 @@ impl Path {
                 None => return,
             },
         };
-        let (key, place) = ((row.led.tool, way), (right.true_mm, up.true_mm));
+        let key = (row.led.tool, way);
+        let place = Point { at: (right.true_mm, up.true_mm), line: row.line };
         if let Some((before, last)) = self.pen {
             if before != key {
                 // Joins what follows to where the other motion ended.
                 self.lift(Some(place));
-            } else if libm::hypot(place.0 - last.0, place.1 - last.1) < self.step_mm {
+            } else if libm::hypot(place.at.0 - last.at.0, place.at.1 - last.at.1) < self.step_mm {
                 return;
             }
         }
@@ -92,7 +100,7 @@ impl Path {
     }
 
     /// Ends a stroke, at a last place if there is one.
-    fn lift(&mut self, last: Option<(f64, f64)>) {
+    fn lift(&mut self, last: Option<Point>) {
         let Some((key, _)) = self.pen.take() else { return };
         let stroke = self.strokes.entry(key).or_default();
         stroke.extend(last.map(Some));
@@ -106,7 +114,8 @@ impl Path {
             if mill { (axis("X (mm)"), axis("Y (mm)")) } else { (axis("Z (mm)"), axis("X, radius (mm)")) };
         up["scaleanchor"] = json!("x");
         let threads = self.strokes.iter().filter(|((_, way), _)| *way == Way::Thread);
-        let threads: Vec<_> = threads.flat_map(|(_, stroke)| stroke.iter().flatten()).collect();
+        let threads: Vec<_> =
+            threads.flat_map(|(_, stroke)| stroke.iter().flatten()).map(|point| point.at).collect();
         if let Some([right_range, up_range]) = around(&threads) {
             (right["range"], up["range"]) = (json!(right_range), json!(up_range));
         }
@@ -139,7 +148,9 @@ impl Path {
         tools.dedup();
         let draw = |(key, stroke): (&(u32, Way), &Stroke)| {
             let of_tool = tools.iter().position(|tool| *tool == key.0).unwrap_or(0);
-            let mut drawn = strokes(stroke, &name(*key), of_kind(of_tool), ("x", "y"));
+            let places: Vec<_> = stroke.iter().map(|point| point.map(|point| point.at)).collect();
+            let mut drawn = strokes(&places, &name(*key), of_kind(of_tool), ("x", "y"));
+            drawn["meta"] = json!({ "lines": lines(stroke) });
             let (dash, width) = match key.1 {
                 Way::Rapid => ("4px,3px", 1.0),
                 Way::Feed => ("solid", 1.2),
@@ -154,6 +165,19 @@ impl Path {
     }
 }
 
+/// The line of each point, as runs: the number of the first point of a run, its line, and so on.
+fn lines(stroke: &Stroke) -> Vec<u32> {
+    let mut runs: Vec<u32> = Vec::new();
+    for (number, point) in (0..).zip(stroke) {
+        if let Some(point) = point
+            && runs.last() != Some(&point.line)
+        {
+            runs.extend([number, point.line]);
+        }
+    }
+    runs
+}
+
 fn name((tool, way): (u32, Way)) -> String {
     let way = match way {
         Way::Rapid => "rapid",
@@ -164,9 +188,9 @@ fn name((tool, way): (u32, Way)) -> String {
 }
 
 /// The ranges to the right and upwards that show points with some room around; `None` if there are none.
-fn around(points: &[&(f64, f64)]) -> Option<[[f64; 2]; 2]> {
+fn around(points: &[(f64, f64)]) -> Option<[[f64; 2]; 2]> {
     let range = |of: fn(&(f64, f64)) -> f64| {
-        let values = points.iter().map(|point| of(point));
+        let values = points.iter().map(of);
         let (low, high) = (values.clone().reduce(f64::min)?, values.reduce(f64::max)?);
         let room = 0.15 * (high - low) + 1.0;
         Some([low - room, high + room])
@@ -175,7 +199,7 @@ fn around(points: &[&(f64, f64)]) -> Option<[[f64; 2]; 2]> {
 }
 
 /// Leaves out every other point of a path, but not the ends of its strokes.
-fn thin(points: &mut Stroke) {
+fn thin<T: Copy>(points: &mut Vec<Option<T>>) {
     let before = std::mem::take(points);
     let inner = |index: usize| {
         let neighbour =
@@ -188,7 +212,15 @@ fn thin(points: &mut Stroke) {
 
 #[cfg(test)]
 mod tests {
-    use super::thin;
+    use super::{Point, lines, thin};
+
+    #[test]
+    fn points_know_their_lines_by_runs() {
+        let point = |line: u32| Some(Point { at: (0.0, 0.0), line });
+        let stroke = vec![point(3), point(3), None, point(3), point(7), None, point(3)];
+        assert_eq!(lines(&stroke), [0, 3, 4, 7, 6, 3]);
+        assert_eq!(lines(&Vec::new()), [0_u32; 0]);
+    }
 
     #[test]
     fn thinning_keeps_the_ends_of_every_stroke() {

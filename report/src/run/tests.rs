@@ -116,6 +116,11 @@ fn a_run_folder_becomes_one_page_that_needs_no_network() {
         "(a &lt; b &amp; c)",
         "aria-label",
         "Plotly.react",
+        // What `link.js` goes by: the line of each row, line of the program, curve and point of the path.
+        "data-pass=\"0\" data-line=\"3\"",
+        "<li data-line=\"1\">",
+        "\"meta\":{\"line\":3,\"pass\":0}",
+        "\"meta\":{\"lines\":[0,3]}",
     ] {
         assert!(page.contains(needed), "{needed} is missing");
     }
