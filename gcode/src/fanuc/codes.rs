@@ -123,8 +123,9 @@ fn words_of_g(code: G) -> u32 {
         500 => POINT,
         650 => bits("PL"),
         700 => bits("PQ"),
-        710..=730 => bits("PQUWR"),
-        740 | 750 => POINT | bits("PQR"),
+        710 | 720 => bits("PQUWRD"),
+        730 => bits("PQUWR"),
+        740 | 750 => POINT | bits("PQRIK"),
         760 => POINT | bits("PQRIKAD"),
         900 | 940 => POINT | bits("R"),
         920 => POINT | bits("RQ"),
@@ -195,8 +196,8 @@ fn unused(letter: char, deed: Deed) -> Box<Problem> {
             (format!("nothing in this block uses {word}"), "leave it out, or write the code it belongs to")
         }
         Deed::G(G(710..=730)) if matches!(letter, 'D' | 'I' | 'K') => (
-            format!("{word} is not a word of the two-line cycle"),
-            "write two blocks: G71 U(depth) R(retract), then G71 P(first) Q(last) U W F",
+            format!("{word} is not a word of this cycle"),
+            "G71 P(first) Q(last) U W D(depth) F is one block; two are G71 U(depth) R(retract), then G71 P Q U W F",
         ),
         Deed::G(code) => (format!("{code} does not use {word}"), elsewhere),
         Deed::M(code) => (format!("{code} does not use {word}"), elsewhere),

@@ -4,6 +4,7 @@
 //! G71 U(Δd) R(e)            G72 W(Δd) R(e)            G73 U(Δi) W(Δk) R(d)
 //! G71 P Q U(Δu) W(Δw) F     G72 P Q U(Δu) W(Δw) F     G73 P Q U(Δu) W(Δw) F         G70 P Q
 //! ```
+//! G71 P Q U W D F and G72 P Q U W D F in one block (D: depth of cut; the retract is 0.5 mm, 0.02 inch).
 //! P and Q are N of the first and last block of the contour; the first one leads to it. Δd, Δi and Δk are
 //! radii and lengths, Δu a diameter. The blocks are executed with a receiver that keeps their moves, corners
 //! made and tools left out: what remains is lines and arcs. The passes come from
@@ -25,6 +26,9 @@ use crate::geometry::passes::{Move, repeat, turn, walled};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::{Compensation, State};
 use crate::text::Mark;
+
+/// How far a pass goes back where the block that gives the depth has no word for it, mm and inch.
+const RETRACT: [f64; 2] = [0.5, 0.02];
 
 /// Where the contour of a cycle stands.
 struct Range {
@@ -146,8 +150,9 @@ impl Control {
         block::last(&mut run)
     }
 
-    /// The contour as it is, with the move that leads to it. Variables that it sets stay set.
-    fn shape(&mut self, range: &Range, state: &State) -> Result<Vec<Segment>, Box<Problem>> {
+    /// The contour as it is, with the move that leads to it, and which of its moves are rapids. Variables
+    /// that it sets stay set.
+    fn shape(&mut self, range: &Range, state: &State) -> Result<Vec<(Segment, bool)>, Box<Problem>> {
         let mut state = state.clone();
         state.compensation = Compensation::default();
         let mut shape = Shape { at: point(&state), segments: Vec::new() };
@@ -165,10 +170,13 @@ impl Control {
     fn rough(&mut self, code: G, cycle: &Line, range: &Range, state: &mut State, out: &mut Output) -> Done {
         let facing = code == G(720);
         let first = &self.modal.first;
-        let (depth, pattern) = (first.rough[usize::from(facing)], first.pattern);
+        let depth = in_one_block(cycle)?.or(first.rough[usize::from(facing)]);
+        let pattern = first.pattern;
         let missing = if code == G(730) { pattern.is_none() } else { depth.is_none() };
         can_rough(code, cycle, missing, state)?;
-        let contour = self.shape(range, state)?;
+        let mut contour = self.shape(range, state)?;
+        without_way_back(&mut contour, facing);
+        let contour: Vec<Segment> = contour.into_iter().map(|(segment, _)| segment).collect();
         self.line.clone_from(cycle);
         if contour.len() < 2 || contour.first().is_some_and(|lead| lead.bend.is_some()) {
             let message = format!("N{} to N{} is not a contour that {code} can cut", range.first, range.last);
@@ -245,6 +253,33 @@ fn framed(contour: &[Segment], allowance: Point, frame: &Frame) -> Result<Vec<Se
     Err(Problem::error("bad-contour", Blame::Block, message, help))
 }
 
+/// Depth of cut and retract of a cycle in one block, if it is.
+fn in_one_block(cycle: &Line) -> Result<Option<(f64, f64)>, Box<Problem>> {
+    let Some(depth) = cycle.length('D') else { return Ok(None) };
+    if depth <= 0.0 {
+        let message = format!("the depth of cut is {}", short(depth));
+        let help = "give a radius greater than 0, such as D2.";
+        return Err(Problem::error("bad-value", Blame::Word('D'), message, help));
+    }
+    Ok(Some((depth, RETRACT[usize::from(cycle.unit() == "inch")])))
+}
+
+/// Leaves out rapids at the end of a contour that lead back along it, to where the tool came from: nothing
+/// is to be cut there.
+fn without_way_back(contour: &mut Vec<(Segment, bool)>, facing: bool) {
+    let along = |segment: &Segment| {
+        let way = segment.end - segment.start;
+        if facing { way.x } else { way.z }
+    };
+    while let [_, cuts @ .., (last, true)] = contour.as_slice() {
+        let cut: f64 = cuts.iter().map(|(segment, _)| along(segment)).sum();
+        if cuts.is_empty() || along(last) * cut >= 0.0 {
+            return;
+        }
+        contour.pop();
+    }
+}
+
 /// `G71 U R`, `G72 W R`, `G73 U W R`.
 fn first_line(code: G, line: &Line, modal: &mut Modal) -> Done {
     let bad = |letter, message: String, help: &str| {
@@ -313,14 +348,15 @@ fn send(next: Move, frame: &Frame, place: Place, run: &mut Execution) -> Done {
     run.go(code, end, center, place)
 }
 
-/// Keeps the moves of a contour.
+/// Keeps the moves of a contour, and whether they are rapids.
 struct Shape {
     at: Point,
-    segments: Vec<Segment>,
+    segments: Vec<(Segment, bool)>,
 }
 
 impl Sink for Shape {
     fn call(&mut self, _: Place, call: Call<'_>) -> Done {
+        let rapid = matches!(call, Call::StraightTraverse(_));
         let segment = match call {
             Call::StraightTraverse(end) | Call::StraightFeed(end) => {
                 Segment::line(self.at, Point::new(end[Z], end[X]))
@@ -333,7 +369,7 @@ impl Sink for Shape {
         };
         self.at = segment.end;
         if segment.chord() > 0.0 || segment.bend.is_some() || self.segments.is_empty() {
-            self.segments.push(segment);
+            self.segments.push((segment, rapid));
         }
         Ok(())
     }

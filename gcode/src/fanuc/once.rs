@@ -53,7 +53,8 @@ pub(super) fn once(code: G, run: &mut Execution) -> Done {
         }
         return Ok(());
     }
-    if !run.line.has_any("XZUW") {
+    // G28 and G30 alone send both axes home from where they are.
+    if !run.line.has_any("XZUW") && !matches!(code, G(280 | 300)) {
         let message = format!("{code} needs the axes that it is for");
         return Err(Problem::error(
             "missing-word",

@@ -2,8 +2,9 @@
 //! other axis.
 //!
 //! In: `G74 R(e)`, then `G74 X Z P(Δi) Q(Δk) R(Δd) F`. P (along X, a radius) and Q (along Z) are lengths in
-//! least increments. Out: for each column, pecks that go back by e, the way out, and the step to the next
-//! column. At the bottom the tool moves aside by Δd before it goes back.
+//! least increments. In one block they are I and K, `G75 X Z I(Δi) K(Δk) F`, and e is 0.1 mm, 0.004 inch. Out:
+//! for each column, pecks that go back by e, the way out, and the step to the next column. At the bottom the
+//! tool moves aside by Δd before it goes back.
 
 use super::execution::{Execution, target};
 use super::line::Line;
@@ -13,6 +14,9 @@ use crate::codes::G;
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
+
+/// e of a cycle in one block, mm and inch.
+const BACK: [f64; 2] = [0.1, 0.004];
 
 /// One axis of the cycle.
 #[derive(Clone, Copy)]
@@ -43,8 +47,11 @@ impl Way {
 /// The way of the cut and the way across it.
 fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>> {
     let end = target(line, state.axes.position)?;
-    let [x, z] = [('P', X), ('Q', Z)].map(|(letter, axis)| {
-        let step = line.increments(letter)?.unwrap_or(0.0);
+    let [x, z] = [('P', 'I', X), ('Q', 'K', Z)].map(|(bare, letter, axis)| {
+        let (letter, step) = match line.length(letter) {
+            Some(step) => (letter, step),
+            None => (bare, line.increments(bare)?.unwrap_or(0.0)),
+        };
         if step < 0.0 {
             let message = format!("{letter} is {}", short(step));
             return Err(Problem::error("bad-value", Blame::Word(letter), message, "give 0 or more"));
@@ -53,7 +60,8 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
     });
     let along_z = code == G(740);
     let (cut, beside) = if along_z { (z?, x?) } else { (x?, z?) };
-    let peck = if along_z { 'Q' } else { 'P' };
+    let letters = if along_z { ['K', 'Q'] } else { ['I', 'P'] };
+    let peck = if line.has(letters[0]) { letters[0] } else { letters[1] };
     if cut.to == cut.from {
         let message = format!("{code} cuts nothing: it ends where it begins");
         let help = format!("add {}", if along_z { "Z or W" } else { "X or U" });
@@ -61,7 +69,12 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
     }
     if cut.count() * columns(&beside) > MOST_PECKS {
         let message = format!("this would take more than {MOST_PECKS} pecks");
-        return Err(Problem::error("bad-value", Blame::Word(peck), message, "give a greater P or Q"));
+        return Err(Problem::error(
+            "bad-value",
+            Blame::Word(peck),
+            message,
+            format!("give a greater {peck}"),
+        ));
     }
     Ok((cut, beside))
 }
@@ -72,7 +85,7 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
 /// A word is missing or makes no sense; what the moves refuse.
 pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     let retract = run.line.length('R');
-    if !run.line.has_any("XZUWPQ") {
+    if !run.line.has_any("XZUWPQIK") {
         let Some(retract) = retract.filter(|retract| *retract >= 0.0) else {
             let message = format!("the first line of {code} needs R, how far a peck goes back");
             return Err(Problem::error("missing-word", Blame::G(code), message, "add R, such as R0.5"));
@@ -80,16 +93,26 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
         run.modal.first.retract = Some(retract);
         return Ok(());
     }
-    let Some(back) = run.modal.first.retract else {
+    let in_one_block = run.line.has_any("IK");
+    if let Some((bare, letter)) =
+        [('P', 'I'), ('Q', 'K')].into_iter().find(|(bare, _)| in_one_block && run.line.has(*bare))
+    {
+        let message = format!("{bare} beside I or K: {code} has its steps by P and Q, or by I and K");
+        let help = format!("write {letter} in place of {bare}");
+        return Err(Problem::error("unused-word", Blame::Word(bare), message, help));
+    }
+    let one = in_one_block.then(|| BACK[usize::from(run.line.unit() == "inch")]);
+    let Some(back) = one.or(run.modal.first.retract) else {
         let message = format!("the first line of {code} is missing");
-        let help = format!("write {code} R0.5 before it: how far a peck goes back");
+        let help =
+            format!("write {code} R0.5 before it, how far a peck goes back; in one block write I and K");
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     };
     let along_z = code == G(740);
     let (cut, beside) = ways(code, run.line, run.state)?;
     let (axes, step, help) = match along_z {
-        true => ("XU", 'P', "leave P out, or add X or U"),
-        false => ("ZW", 'Q', "leave Q out, or add Z or W"),
+        true => ("XU", if in_one_block { 'I' } else { 'P' }, "leave it out, or add X or U"),
+        false => ("ZW", if in_one_block { 'K' } else { 'Q' }, "leave it out, or add Z or W"),
     };
     if run.line.has(step) && !run.line.has_any(axes) && beside.step > 0.0 {
         let message = format!("{step} does nothing here: the block has one cut, and goes nowhere beside it");

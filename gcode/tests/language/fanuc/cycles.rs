@@ -183,8 +183,62 @@ fn cycles_that_make_no_sense_are_refused() {
     let contour = "N10 G00 X20.\nN20 G01 Z-9. F0.1\nN30 X42.";
     assert_eq!(errors(&format!("G71 U0.0001 R1.\nG71 P10 Q30 F0.3\n{contour}")), [(4, "bad-value")]);
     assert_eq!(errors(&format!("G71 U2. R1.\nG71 P10 Q30 R1. F0.3\n{contour}")), [(4, "unused-word")]);
-    assert_eq!(errors("G71 U2. D1000"), [(3, "unused-word")]);
+    assert_eq!(errors("G71 U2. I1."), [(3, "unused-word")]);
+    assert_eq!(errors(&format!("G71 P10 Q30 U1. D0 F0.3\n{contour}")), [(3, "bad-value")]);
+    assert_eq!(errors(&format!("G73 P10 Q30 U1. D2. F0.3\n{contour}")), [(3, "unused-word")]);
+    assert_eq!(errors("G75 X20. I1. Q1000 F0.1"), [(3, "unused-word")]);
+    assert_eq!(errors("G75 X20. I-1. F0.1"), [(3, "bad-value")]);
     assert_eq!(errors("G75 X20. P1000 F0.1"), [(3, "missing-word")]);
     assert_eq!(errors("G74 R1.\nG74 Z-10. Q1.5 F0.1"), [(4, "bad-value")]);
     assert_eq!(errors("G90 X30. F0.2"), [(3, "missing-word")]);
+}
+
+/// Cycles in one block are those in two, with the retract that the first one would have told.
+#[test]
+fn cycles_in_one_block() {
+    let two = format!("S500 M03\nG00 X42. Z2.\nG71 U2. R0.5\nG71 P10 Q50 U1. W0.2 F0.3\n{SHAFT}G00 X60.");
+    let one = format!("S500 M03\nG00 X42. Z2.\nG71 P10 Q50 U1. W0.2 D2. F0.3\n{SHAFT}G00 X60.");
+    assert_eq!(moves(&one), moves(&two));
+    assert_eq!(moves(&one.replace("D2.", "D2000")), moves(&two), "as X without a point");
+    let inch = |text: &str| text.replace("S500", "G20 S500");
+    assert_eq!(moves(&inch(&one)), moves(&inch(&two).replace("R0.5", "R0.02")));
+    // It says nothing of the blocks that follow.
+    let later = two.replace("G00 X60.", "G71 P10 Q50 U1. W0.2 F0.3\n");
+    assert_eq!(moves(&later), moves(&later.replacen("W0.2 F", "W0.2 D2. F", 1)));
+    let face = "N10 G00 Z-20.\nN20 G01 X30. F0.1\nN30 Z-5.\nN40 X0.\n";
+    let two = format!("S500 M03\nG00 X42. Z2.\nG72 W2. R0.5\nG72 P10 Q40 U1. W0.2 F0.3\n{face}");
+    let one = two.replace("G72 W2. R0.5\nG72 P10 Q40 ", "G72 P10 Q40 D2. ");
+    assert_eq!(moves(&one), moves(&two));
+    for (two, one) in [
+        ("G75 R0.1\nG75 X30. Z-14. P3000 Q3000 F0.08", "G75 X30. Z-14. I3. K3. F0.08"),
+        ("G75 R0.1\nG75 X30. P3000 F0.08", "G75 X30. I3. F0.08"),
+        ("G74 R0.1\nG74 Z-30. Q3000 F0.08", "G74 Z-30. K3. F0.08"),
+        ("G74 R0.1\nG74 X30. Z-30. P2000 Q3000 R0.5 F0.08", "G74 X30. Z-30. I2. K3. R0.5 F0.08"),
+    ] {
+        let [two, one] = [two, one].map(|cycle| moves(&format!("S500 M03\nG00 X42. Z-10.\n{cycle}")));
+        assert_eq!(one, two);
+    }
+}
+
+/// A rapid that leads back behind a contour is no part of what is roughed.
+#[test]
+fn the_way_back_behind_a_contour_is_not_roughed() {
+    let start = "S500 M03\nG00 X42. Z2.\nG71 U4. R1.\nG71 P10 Q60 U1. W0.2 F0.3\n";
+    let contour = SHAFT.replace("N50", "G01");
+    let plain = format!("{start}{}", contour.replace("G01 X42.", "N60 X42."));
+    let back = format!("{start}{contour}N60 G00 Z0.1\n");
+    assert_eq!(moves(&back), moves(&plain));
+    let cut = format!("{start}{contour}N60 G01 Z0.1\n");
+    assert_eq!(errors(&cut).last().map(|(_, code)| *code), Some("bad-contour"));
+    let on = format!("{start}{contour}N60 G00 X44.\n");
+    let reach =
+        |text: &str| moves(text).iter().any(|one| one.starts_with("G1 22.5 ") || one.starts_with("G1 22 "));
+    assert!(!reach(&plain) && reach(&on), "a rapid that goes on is a part of it: {:?}", moves(&on));
+}
+
+#[test]
+fn g28_alone_sends_both_axes_home() {
+    let start = "S500 M03\nG00 X42. Z2.\n";
+    assert_eq!(moves(&format!("{start}G28")), moves(&format!("{start}G28 U0. W0.")));
+    assert_eq!(moves(&format!("{start}G30")), moves(&format!("{start}G30 U0. W0.")));
 }
