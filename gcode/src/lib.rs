@@ -82,6 +82,6 @@ mod text;
 
 pub use canon::{Call, Job, Place, Pose, Sink};
 pub use guess::{Guess, guess};
-pub use options::{DecimalPoint, Dialect, Limits, Options, UnknownDialect};
+pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Program, Step};

@@ -1,7 +1,9 @@
 //! What a program is run with: language, start of the machine, tools, parameters, limits.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use crate::canon::{Plane, Pose, Units};
 use crate::files::ToolTable;
@@ -63,6 +65,15 @@ pub enum DecimalPoint {
     Refuse,
 }
 
+/// What is done with an M code that is the machine's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachineCode {
+    /// Nothing.
+    Ignore,
+    /// The program waits for cycle start, as at M0.
+    Wait,
+}
+
 /// Where a program ends that would not end by itself. Messages name the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
@@ -111,6 +122,8 @@ pub struct Options {
     /// What a coordinate of a FANUC program without a decimal point is. `None`: as conventional with a
     /// warning, and refused in a program that has others with a point.
     pub decimal_point: Option<DecimalPoint>,
+    /// M codes of the machine: those that the dialect itself has go before them.
+    pub machine_codes: Arc<BTreeMap<u16, MachineCode>>,
     /// Lines that begin with `/` are left out.
     pub block_delete: bool,
     /// Tools.
@@ -146,6 +159,7 @@ impl Default for Options {
             diameter: false,
             position: [0.0; 6],
             decimal_point: None,
+            machine_codes: Arc::default(),
             block_delete: false,
             tools: ToolTable::default(),
             parameters: Vec::new(),

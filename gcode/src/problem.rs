@@ -162,3 +162,17 @@ pub fn short(value: f64) -> String {
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.into() }
 }
+
+/// An M code that no dialect has, and that the machine file does not declare. `number`: it, if it is one.
+#[cold]
+pub(crate) fn undeclared(number: Option<u16>, value: f64, span: Span) -> Box<Problem> {
+    let message = format!("there is no code M{}", short(value));
+    let help = match number {
+        Some(number) => format!(
+            "correct the number, or say in the machine file what this machine does with it: [m_codes] and below it \
+             {number} = \"ignore\", or \"wait\""
+        ),
+        None => "M codes are whole numbers up to 999".into(),
+    };
+    Problem::error("unknown-m-code", Blame::Span(span), message, help)
+}

@@ -3,9 +3,10 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use gcode::files::ToolTable;
-use gcode::{DecimalPoint, Dialect, Guess, Options, Program};
+use gcode::{DecimalPoint, Dialect, Guess, MachineCode, Options, Program};
 use machine::{self, BareNumbers, Machine, Part, PartError, ProgramDialect};
 use protocol::code_file::{CodeFile, MAGIC};
 use serde::{Deserialize, Serialize};
@@ -226,6 +227,12 @@ pub(crate) fn options(machine: &Machine) -> Options {
         BareNumbers::PocketCalculator => DecimalPoint::PocketCalculator,
         BareNumbers::Refuse => DecimalPoint::Refuse,
     });
+    let code = |code: machine::MachineCode| match code {
+        machine::MachineCode::Ignore => MachineCode::Ignore,
+        machine::MachineCode::Wait => MachineCode::Wait,
+    };
+    let codes = machine.machine_codes().map(|(number, of_machine)| (number, code(of_machine)));
+    options.machine_codes = Arc::new(codes.collect());
     options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
     options
 }

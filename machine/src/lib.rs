@@ -8,6 +8,7 @@ mod axis;
 mod bus;
 mod feasibility;
 pub mod kinematics;
+mod m_codes;
 mod part;
 mod path;
 mod positioner;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_A_TURN, MOST_COGGING, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
+pub use m_codes::MachineCode;
 pub use part::{Part, PartError};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
@@ -79,6 +81,9 @@ pub struct Machine {
     /// `[tools]`: number → description.
     #[serde(default)]
     pub tools: std::collections::BTreeMap<String, Tool>,
+    /// `[m_codes]`: number → what the control does with a code of this machine.
+    #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
+    pub m_codes: std::collections::BTreeMap<String, MachineCode>,
     /// `[plant.*]`: the truth about the simulated plant; the controller never reads it.
     #[serde(default)]
     pub plant: toml::Table,
@@ -298,6 +303,11 @@ impl Machine {
         self.tools.iter().find(|(name, _)| name.parse() == Ok(number)).map(|(_, tool)| tool)
     }
 
+    /// What it does with M codes of its own, by number.
+    pub fn machine_codes(&self) -> impl Iterator<Item = (u16, MachineCode)> {
+        self.m_codes.iter().filter_map(|(key, code)| Some((m_codes::number(key)?, *code)))
+    }
+
     /// Encoder counts in one turn of the spindle.
     pub fn spindle_counts(&self) -> f64 {
         4.0 * f64::from(self.spindle.encoder_lines)
@@ -334,6 +344,7 @@ impl Machine {
         self.check_spindle()?;
         self.path.check()?;
         self.threading.check()?;
+        m_codes::check(&self.m_codes)?;
         for (number, tool) in &self.tools {
             if number.parse::<u32>().is_err() {
                 return Err(refuse("tools", number, "a tool is named by its number, as in [tools.3]"));

@@ -54,7 +54,7 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
                 let message = format!("{code} is not available");
                 return Err(Problem::error("not-available", Blame::Span(span), message, *help));
             }
-            (None, None) => return Err(unknown('G', f64::from(tenths) / 10.0, span)),
+            (None, None) => return Err(unknown(f64::from(tenths) / 10.0, span)),
         },
     })
 }
@@ -64,35 +64,23 @@ fn in_table<T>(table: &'static [(&[u16], T)], tenths: u16) -> Option<&'static T>
     table.iter().find(|(codes, _)| codes.contains(&tenths)).map(|(_, entry)| entry)
 }
 
-/// The group of an M code.
-///
-/// # Errors
-/// There is no such code.
-pub(super) fn m_group(code: M, span: Span) -> Result<usize, Box<Problem>> {
-    Ok(match code.0 {
+/// The group of an M code; `None` if there is no such code.
+pub(super) fn m_group(code: M) -> Option<usize> {
+    Some(match code.0 {
         0 | 1 | 2 | 30 => groups::STOP,
         3..=5 => groups::SPINDLE,
         7 => groups::MIST,
         8 | 9 => groups::FLOOD,
         98 | 99 => groups::CALL,
-        other => return Err(unknown('M', f64::from(other), span)),
+        _ => return None,
     })
 }
 
-/// A code that does not exist.
-pub(super) fn unknown(letter: char, value: f64, span: Span) -> Box<Problem> {
-    let (code, help) = match letter {
-        'G' => (
-            "unknown-g-code",
-            "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed",
-        ),
-        _ => (
-            "unknown-m-code",
-            "M codes are M00 M01 M02 M03 M04 M05 M07 M08 M09 M30 M98 M99; leave out those of another machine",
-        ),
-    };
-    let message = format!("there is no code {letter}{}", short(value));
-    Problem::error(code, Blame::Span(span), message, help)
+/// A G code that does not exist.
+pub(super) fn unknown(value: f64, span: Span) -> Box<Problem> {
+    let help = "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed";
+    let message = format!("there is no code G{}", short(value));
+    Problem::error("unknown-g-code", Blame::Span(span), message, help)
 }
 
 /// The local variable of a letter of G65 (argument assignment I), 1 to 26; I, J and K begin at 4.

@@ -2,9 +2,9 @@
 //! other axis.
 //!
 //! In: `G74 R(e)`, then `G74 X Z P(Δi) Q(Δk) R(Δd) F`. P (along X, a radius) and Q (along Z) are lengths in
-//! least increments. In one block they are I and K, `G75 X Z I(Δi) K(Δk) F`, and e is 0.1 mm, 0.004 inch. Out:
-//! for each column, pecks that go back by e, the way out, and the step to the next column. At the bottom the
-//! tool moves aside by Δd before it goes back.
+//! least increments. In one block they are I and K, `G75 X Z I(Δi) K(Δk) F`, and e is 0.1 mm, 0.004 inch.
+//! Out: for each column, pecks that go back by e, the way out, and the step to the next column. At the bottom
+//! the tool moves aside by Δd before it goes back.
 
 use super::execution::{Execution, target};
 use super::line::Line;

@@ -15,8 +15,9 @@ use super::variables::Variables;
 use crate::block::{Comment, CommentKind};
 use crate::bounds::LAST_NUMBER;
 use crate::canon::Units;
-use crate::codes::{G, M};
+use crate::codes::{G, M, m_group};
 use crate::execute::Done;
+use crate::options::MachineCode;
 use crate::problem::{Blame, Problem, Span};
 use crate::state::State;
 use crate::text::{Cursor, Depth, number, parentheses, whole};
@@ -257,7 +258,7 @@ impl Reading<'_> {
         let code = (10.0 * value).round();
         let known =
             ((10.0 * value - code).abs() < 1e-3 && (0.0..65_536.0).contains(&code)).then_some(G(code as u16));
-        let Some(code) = known else { return Err(codes::unknown('G', value, span)) };
+        let Some(code) = known else { return Err(codes::unknown(value, span)) };
         let group = codes::g_group(code, span)?;
         line.block.add_g(group, code, span)?;
         match code {
@@ -272,9 +273,13 @@ impl Reading<'_> {
     fn m_code(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
         let (value, span) = self.code(cursor)?;
         let known = (value.fract() == 0.0 && (0.0..65_536.0).contains(&value)).then_some(M(value as u16));
-        let Some(code) = known else { return Err(codes::unknown('M', value, span)) };
-        let group = codes::m_group(code, span)?;
-        line.block.add_m(group, code, span)
+        match known.and_then(|code| Some((codes::m_group(code)?, code))) {
+            Some((group, code)) => line.block.add_m(group, code, span),
+            None => match self.state.machine_code(value, span)? {
+                MachineCode::Ignore => Ok(()),
+                MachineCode::Wait => line.block.add_m(m_group::STOP, M(0), span),
+            },
+        }
     }
 
     /// The number of a G or M code.

@@ -32,9 +32,13 @@ pub(crate) use saved::{Context, Contexts, Saved};
 pub(crate) use scale::Scale;
 pub(crate) use sticky::Sticky;
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use crate::canon::Pose;
 use crate::files::ToolTable;
-use crate::options::Options;
+use crate::options::{MachineCode, Options};
+use crate::problem::{Problem, Span};
 
 /// #5161 to #5166: home of G28, machine units; #5181: home of G30.
 pub(crate) const HOME: [u32; 2] = [5161, 5181];
@@ -96,6 +100,8 @@ pub(crate) struct Progress {
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) settings: Settings,
+    /// [`Options::machine_codes`].
+    pub(crate) machine_codes: Arc<BTreeMap<u16, MachineCode>>,
     pub(crate) units: Scale,
     pub(crate) modes: Modes,
     pub(crate) spindle: Spindle,
@@ -117,6 +123,17 @@ pub(crate) struct State {
 }
 
 impl State {
+    /// What the machine does with an M code that no dialect has.
+    ///
+    /// # Errors
+    /// It is not declared.
+    pub(crate) fn machine_code(&self, value: f64, span: Span) -> Result<MachineCode, Box<Problem>> {
+        let number =
+            if value.fract() == 0.0 && (0.0..1000.0).contains(&value) { Some(value as u16) } else { None };
+        let declared = number.and_then(|number| self.machine_codes.get(&number));
+        declared.copied().ok_or_else(|| crate::problem::undeclared(number, value, span))
+    }
+
     /// The state in which a program begins: G17 G90 G91.1 G94 G8 G40 G49 G64 G97 G99 and no motion code, with
     /// the offsets that the parameters hold.
     pub(crate) fn new(options: &Options) -> State {
@@ -130,6 +147,7 @@ impl State {
                 orient_offset: options.orient_offset,
                 moves_of_block: options.limits.moves_of_block,
             },
+            machine_codes: Arc::clone(&options.machine_codes),
             units: Scale::new(options.machine_units, options.units, options.stand_alone),
             modes: Modes::new(options.plane, options.diameter),
             spindle: Spindle::default(),

@@ -4,6 +4,7 @@ mod compensation;
 mod driven;
 mod fanuc;
 mod files;
+mod machine_codes;
 mod ngc;
 mod printing;
 mod roughing;

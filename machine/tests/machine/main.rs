@@ -3,3 +3,4 @@
 mod arcs;
 mod file;
 mod kinematics;
+mod m_codes;

@@ -8,6 +8,7 @@ use super::told;
 use crate::block::Block;
 use crate::bounds::LAST_NUMBER;
 use crate::codes::{G, M, g_group, m_group};
+use crate::options::MachineCode;
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
 use crate::state::memory::Name;
@@ -75,7 +76,7 @@ impl LineReader {
                 }
                 b'm' => {
                     let (value, span) = self.word(cursor, state)?;
-                    add_m(value, span, state.progress.call_level > 0, block)?;
+                    add_m(value, span, state, block)?;
                     self.notes.note(Operation::M(span));
                 }
                 b'n' | b'o' => return Err(misplaced(first, cursor)),
@@ -230,25 +231,33 @@ pub(super) fn add_g(value: f64, span: Span, block: &mut Block) -> Done {
     let code = whole(10.0 * value).and_then(|code| u16::try_from(code).ok()).map(G);
     match code.and_then(|code| Some((g_group(code)?, code))) {
         Some((group, code)) => block.add_g(group, code, span),
-        None => Err(unknown_code("unknown-g-code", 'G', value, span)),
+        None => Err(unknown_g_code(value, span)),
     }
 }
 
-/// `called`: M99 returns to the caller; elsewhere it is M2 (as in LinuxCNC without its endless programs).
-pub(super) fn add_m(value: f64, span: Span, called: bool, block: &mut Block) -> Done {
+/// M99 returns to the caller; in no call it is M2 (as in LinuxCNC without its endless programs).
+pub(super) fn add_m(value: f64, span: Span, state: &State, block: &mut Block) -> Done {
+    let called = state.progress.call_level > 0;
     let code = whole(value).and_then(|code| u16::try_from(code).ok()).map(M);
     let code = code.map(|code| if code == M(99) && !called { M(2) } else { code });
     match code.and_then(|code| Some((m_group(code)?, code))) {
         Some((group, code)) => block.add_m(group, code, span),
-        None => Err(unknown_code("unknown-m-code", 'M', value, span)),
+        None => match state.machine_code(value, span)? {
+            MachineCode::Ignore => Ok(()),
+            MachineCode::Wait => block.add_m(m_group::STOP, M(0), span),
+        },
     }
 }
 
 #[cold]
-fn unknown_code(code: &'static str, letter: char, value: f64, span: Span) -> Box<Problem> {
-    let message = format!("there is no code {letter}{}", short(value));
-    let help = format!("check the number; the {letter} codes are listed in the manual");
-    Problem::error(code, Blame::Span(span), message, help)
+fn unknown_g_code(value: f64, span: Span) -> Box<Problem> {
+    let message = format!("there is no code G{}", short(value));
+    Problem::error(
+        "unknown-g-code",
+        Blame::Span(span),
+        message,
+        "check the number; the G codes are listed in the manual",
+    )
 }
 
 /// Refuses names that tell the state, or what a subroutine returned.

@@ -137,7 +137,7 @@ pub(super) fn replay(
             }
             Operation::Word(letter, span) => block.add(char::from(letter), stack.pop()?, span).ok()?,
             Operation::G(span) => add_g(stack.pop()?, span, block).ok()?,
-            Operation::M(span) => add_m(stack.pop()?, span, state.progress.call_level > 0, block).ok()?,
+            Operation::M(span) => add_m(stack.pop()?, span, state, block).ok()?,
             Operation::SetNumbered => {
                 let (value, index) = (stack.pop()?, parameter_number(stack.pop()?)?);
                 if told::is_read_only(index, state) {

@@ -8,6 +8,6 @@ mod flow;
 mod macros;
 mod order;
 mod points;
-mod recorded;
+pub(crate) mod recorded;
 mod threads;
 mod tools;
