@@ -32,7 +32,7 @@ const SIGNS: [Sign; 14] = [
     }),
     (Dialect::Linuxcnc, "G7 or G8", |words| words.has_code(b'g', &[7, 8])),
     (Dialect::Linuxcnc, "G33", |words| words.has_code(b'g', &[33])),
-    (Dialect::Linuxcnc, "M6", |words| words.has_code(b'm', &[6])),
+    (Dialect::Linuxcnc, "M6", |words| words.has_code(b'm', &[6]) && !words.has_tool_and_offset()),
     (Dialect::Linuxcnc, "G64 P", |words| words.has_code(b'g', &[64]) && words.has_word(b'p')),
     (Dialect::Fanuc, "O with the number of a program", |words| {
         words.behind_number(b'o').is_some_and(<[u8]>::is_empty) || words.behind_number(b':').is_some()
@@ -41,9 +41,7 @@ const SIGNS: [Sign; 14] = [
     (Dialect::Fanuc, "DO and a number", |words| words.has(b"]do") || words.starts_with_number(b"do")),
     (Dialect::Fanuc, "G50 S", |words| words.has_code(b'g', &[50]) && words.has_word(b's')),
     (Dialect::Fanuc, "G32", |words| words.has_code(b'g', &[32])),
-    (Dialect::Fanuc, "a T word of four digits", |words| {
-        words.values(b't').any(|digits| digits.len() == 4 && digits.iter().all(u8::is_ascii_digit))
-    }),
+    (Dialect::Fanuc, "a T word of four digits", |words| words.has_tool_and_offset()),
     (Dialect::Fanuc, "U or W", |words| words.has_word(b'u') || words.has_word(b'w')),
     (Dialect::Fanuc, "G71 or G72 without Q", |words| {
         words.has_code(b'g', &[71, 72]) && !words.has_word(b'q') && !words.has(b"q[") && !words.has(b"q#")
@@ -119,6 +117,10 @@ impl<'a> Words<'a> {
         })
     }
 
+    fn has_tool_and_offset(&self) -> bool {
+        self.values(b't').any(|digits| digits.len() == 4 && digits.iter().all(u8::is_ascii_digit))
+    }
+
     fn has_word(&self, letter: u8) -> bool {
         self.values(letter).any(|number| !number.is_empty())
     }
@@ -144,6 +146,7 @@ mod tests {
             "N5 IF [#1 EQ 2] GOTO 10",
             "WHILE [#1 LT 3] DO 1",
             "G71 U2. R0.5",
+            "T0101 M06",
         ];
         let linuxcnc = [
             "o100 sub\n",

@@ -11,7 +11,7 @@
 //! | G04 X U P | G4 P | | G10 L2, G28, G30, G52, G53 | the same |
 //! | G61, G64 | G61.1, G64 | | G09 | G61.1 for one block |
 
-use super::codes::Deed;
+use super::codes::{self, Deed};
 use super::corner;
 use super::execution::{Execution, target};
 use super::modal::{Pending, SingleWords};
@@ -19,7 +19,7 @@ use super::{once, pecks, rates, single, stops, threads, tool};
 use crate::canon::Pose;
 use crate::codes::{G, M, group, m_group};
 use crate::execute::Done;
-use crate::problem::{Blame, Problem, short};
+use crate::problem::{Blame, Problem, Span, short};
 
 /// Executes all but what concerns flow, contours, and the codes that come last ([`last`]).
 ///
@@ -36,6 +36,7 @@ pub(super) fn run(deed: Deed, run: &mut Execution) -> Done {
 /// `corner`: where the move before ended as it was programmed, if its end was cut off.
 fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
     units(run)?;
+    side(run)?;
     if !run.modal.shape_only {
         tool::call(run.line, run.state, run.out)?;
     }
@@ -45,7 +46,7 @@ fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
     rates::feed(deed, run)?;
     modes(run)?;
     stops::modal(run.line, run.state, run.out)?;
-    if let Some(code) = run.line.block.g(group::MOTION) {
+    if let Some(code) = run.line.block.g(group::MOTION).filter(|code| acts(*code, run)) {
         if code != run.modal.motion {
             run.modal.single = SingleWords::default();
         }
@@ -99,6 +100,34 @@ fn units(run: &mut Execution) -> Done {
         run.modal.convert(before.mm() / run.state.units.mm());
     }
     Ok(())
+}
+
+/// Whether a code of group 01 does anything in its block, or later.
+fn acts(code: G, run: &mut Execution) -> bool {
+    let idle = codes::is_idle(code, run.line);
+    if idle && !(code == G(920) && run.line.has('S')) {
+        let message = format!("{code} without X and Z does nothing: in G-code system A it is a cycle");
+        let help = "coordinates are always absolute, U and W incremental: leave it out";
+        run.out.warn(Problem::warning("no-effect", Blame::G(code), message, help));
+    }
+    !idle
+}
+
+/// Ends compensation before its time: G40 beside T lets the tool go first, and from G41 to G42 the way is by
+/// G40.
+fn side(run: &mut Execution) -> Done {
+    let on = run.state.compensation.code();
+    let ends = match run.line.block.g(group::COMPENSATION) {
+        Some(G(400)) => run.line.has('T'),
+        Some(code) => code != on,
+        None => false,
+    };
+    if on == G(400) || !ends || run.modal.shape_only {
+        return Ok(());
+    }
+    run.begin();
+    run.equivalent.add_g(group::COMPENSATION, G(400), Span::default())?;
+    run.execute()
 }
 
 /// Codes that are the same in both languages.

@@ -71,6 +71,7 @@ pub(super) fn m_group(code: M) -> Option<usize> {
         3..=5 => groups::SPINDLE,
         7 => groups::MIST,
         8 | 9 => groups::FLOOD,
+        6 => groups::TOOL,
         98 | 99 => groups::CALL,
         _ => return None,
     })
@@ -101,16 +102,17 @@ const ALWAYS: u32 = bits("FST");
 /// The words that a G code uses.
 fn words_of_g(code: G) -> u32 {
     match code.0 {
-        0 | 280 | 520 | 530 => POINT,
+        0 | 520 | 530 => POINT,
+        280 => POINT | bits("V"),
         10 => POINT | bits("CRIKcr"),
         20 | 30 => POINT | bits("RIK"),
         40 => bits("XUP"),
         100 => bits("LPXZ"),
-        300 => POINT | bits("P"),
+        300 => POINT | bits("PV"),
         320 => POINT | bits("Q"),
         500 => POINT,
         650 => bits("PL"),
-        700 => bits("PQ"),
+        700 => bits("PQUWD"),
         710 | 720 => bits("PQUWRD"),
         730 => bits("PQUWR"),
         740 | 750 => POINT | bits("PQRIK"),
@@ -138,7 +140,8 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     let block = &line.block;
     let once = block.g(MACRO).or(block.g(group::ONCE).filter(|code| *code != G(500) || line.has_any("XZUW")));
     let point = line.has_any("XZUWIK");
-    let moving = block.g(group::MOTION).or(point.then_some(motion)).filter(|_| once.is_none());
+    let written = block.g(group::MOTION).filter(|code| !is_idle(*code, line));
+    let moving = written.or(point.then_some(motion)).filter(|_| once.is_none());
     if block.g(group::ONCE) == Some(G(500)) && !line.has_any("XZUWS") {
         let help = "add S, the highest speed of the spindle, or X and Z, the coordinates of this point";
         return Err(Problem::error("missing-word", Blame::G(G(500)), "G50 alone sets nothing", help));
@@ -160,6 +163,11 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
         Some(letter) => Err(unused(letter, deed)),
         None => Ok(deed),
     }
+}
+
+/// G90, G92 and G94 without a point: they cut nothing. G92 with S is G50 S, as other code systems have it.
+pub(super) fn is_idle(code: G, line: &Line) -> bool {
+    matches!(code, G(900 | 920 | 940)) && !line.has_any("XZUWR")
 }
 
 fn both(code: G, call: M) -> Box<Problem> {

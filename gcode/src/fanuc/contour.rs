@@ -14,7 +14,7 @@ use super::codes::{self, Deed};
 use super::execution::Execution;
 use super::line::{Line, Statement};
 use super::modal::Modal;
-use super::{Control, block, corner};
+use super::{Control, block, corner, one_block};
 use crate::bounds::{MOST_BLOCKS, MOST_PASSES};
 use crate::canon::{Arc, Call, Place, Sink, X, Z};
 use crate::codes::{G, group, m_group};
@@ -26,9 +26,6 @@ use crate::geometry::passes::{Move, repeat, turn, walled};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::{Compensation, State};
 use crate::text::Mark;
-
-/// How far a pass goes back where the block that gives the depth has no word for it, mm and inch.
-const RETRACT: [f64; 2] = [0.5, 0.02];
 
 /// Where the contour of a cycle stands.
 struct Range {
@@ -51,7 +48,7 @@ impl Control {
         let behind = self.flow.files.mark();
         let done = match code {
             G(700) => self.finish(&range, state, out),
-            _ => self.rough(code, &cycle, &range, state, out),
+            _ => self.uncompensated(code, &cycle, &range, state, out),
         };
         // Roughing goes on after the contour, or where the cycle stands if that is farther on; G70 after
         // itself.
@@ -82,6 +79,7 @@ impl Control {
     fn finish(&mut self, range: &Range, state: &mut State, out: &mut Output) -> Done {
         let start = state.axes.position;
         let place = self.line.block.place();
+        one_block::unused(&self.line, out);
         self.replay(range, state, out)?;
         out.place = place;
         let mut run = self.execution(state, out);
@@ -166,14 +164,43 @@ impl Control {
         Ok(shape.segments)
     }
 
-    /// G71, G72, G73.
+    /// G71, G72, G73, under G41 or G42 too: passes are not compensated, and what comes after them is again.
+    fn uncompensated(
+        &mut self,
+        code: G,
+        cycle: &Line,
+        range: &Range,
+        state: &mut State,
+        out: &mut Output,
+    ) -> Done {
+        let on = state.compensation.code();
+        if on == G(400) {
+            return self.rough(code, cycle, range, state, out);
+        }
+        let message = format!("{on} has no effect on the passes of {code}: they leave the allowance alone");
+        let help = "end it with G40 before the cycle; G41 or G42 in the contour is for G70";
+        out.warn(Problem::warning("no-effect", Blame::G(code), message, help));
+        self.compensate(G(400), state, out)?;
+        self.rough(code, cycle, range, state, out)?;
+        self.compensate(on, state, out)
+    }
+
+    /// G40, G41 or G42 by itself.
+    fn compensate(&mut self, code: G, state: &mut State, out: &mut Output) -> Done {
+        let mut run = self.execution(state, out);
+        run.begin();
+        run.equivalent.add_g(group::COMPENSATION, code, Span::default())?;
+        run.execute()
+    }
+
+    /// G71, G72, G73 by themselves.
     fn rough(&mut self, code: G, cycle: &Line, range: &Range, state: &mut State, out: &mut Output) -> Done {
         let facing = code == G(720);
         let first = &self.modal.first;
-        let depth = in_one_block(cycle)?.or(first.rough[usize::from(facing)]);
+        let depth = one_block::depth(cycle)?.or(first.rough[usize::from(facing)]);
         let pattern = first.pattern;
         let missing = if code == G(730) { pattern.is_none() } else { depth.is_none() };
-        can_rough(code, cycle, missing, state)?;
+        can_rough(code, cycle, missing)?;
         let mut contour = self.shape(range, state)?;
         without_way_back(&mut contour, facing);
         let contour: Vec<Segment> = contour.into_iter().map(|(segment, _)| segment).collect();
@@ -219,12 +246,7 @@ impl Control {
 }
 
 /// Whether G71, G72 or G73 may cut now; `missing`: its first line was not written.
-fn can_rough(code: G, cycle: &Line, missing: bool, state: &State) -> Done {
-    if state.compensation.is_on() {
-        let message = format!("{code} while {} is on", state.compensation.code());
-        let help = "end it with G40 first; G41 or G42 in the contour is for G70";
-        return Err(Problem::error("compensation-on", Blame::G(code), message, help));
-    }
+fn can_rough(code: G, cycle: &Line, missing: bool) -> Done {
     if missing {
         let message = format!("the first line of {code} is missing");
         let help = match code.0 {
@@ -251,17 +273,6 @@ fn framed(contour: &[Segment], allowance: Point, frame: &Frame) -> Result<Vec<Se
     let message = format!("{axis} turns back along the contour, at X{} Z{}", short(2.0 * at.x), short(at.z));
     let help = format!("let {axis} go in one direction, or use G73");
     Err(Problem::error("bad-contour", Blame::Block, message, help))
-}
-
-/// Depth of cut and retract of a cycle in one block, if it is.
-fn in_one_block(cycle: &Line) -> Result<Option<(f64, f64)>, Box<Problem>> {
-    let Some(depth) = cycle.length('D') else { return Ok(None) };
-    if depth <= 0.0 {
-        let message = format!("the depth of cut is {}", short(depth));
-        let help = "give a radius greater than 0, such as D2.";
-        return Err(Problem::error("bad-value", Blame::Word('D'), message, help));
-    }
-    Ok(Some((depth, RETRACT[usize::from(cycle.unit() == "inch")])))
 }
 
 /// Leaves out rapids at the end of a contour that lead back along it, to where the tool came from: nothing

@@ -27,6 +27,7 @@ mod flow;
 mod line;
 mod modal;
 mod once;
+mod one_block;
 mod pecks;
 mod points;
 mod rates;

@@ -4,6 +4,7 @@
 
 use super::execution::{Execution, target};
 use super::line::Line;
+use crate::block::letter_bit;
 use crate::codes::{G, group};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
@@ -53,6 +54,10 @@ pub(super) fn once(code: G, run: &mut Execution) -> Done {
         }
         return Ok(());
     }
+    if run.line.plain('V').is_some_and(|way| way != 0.0) {
+        let help = "leave it out, or write V0, as in G28 U0. V0. W0.";
+        return Err(Problem::error("not-available", Blame::Word('V'), "V moves nothing on this lathe", help));
+    }
     // G28 and G30 alone send both axes home from where they are.
     if !run.line.has_any("XZUW") && !matches!(code, G(280 | 300)) {
         let message = format!("{code} needs the axes that it is for");
@@ -75,10 +80,12 @@ fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
             "missing-word",
             Blame::G(G(40)),
             message,
-            "write X or U in s, or P in ms",
+            "write X or U in s, or P in ms (P1.5, with a point, in s)",
         ));
     };
     let seconds = match letter {
+        // With a point P is s, as X and U are: so Haas has it, and no other control has such a P.
+        'P' if line.pointed() & letter_bit('P') != 0 => line.plain('P').unwrap_or(0.0),
         'P' => line.whole('P')?.map_or(0.0, |milliseconds| milliseconds as f64 / 1000.0),
         // Without a decimal point these are milliseconds in any units.
         _ if line.is_bare(*letter) => line.plain(*letter).unwrap_or(0.0) / 1000.0,

@@ -2,10 +2,12 @@
 //!
 //! In: a run.line. Out: the words of the equivalent block: G96 with D, G94 and G95.
 
-use super::codes::Deed;
+use std::f64::consts::PI;
+
+use super::codes::{self, Deed};
 use super::execution::Execution;
 use crate::bounds::NO_HIGHEST_SPEED;
-use crate::canon::FeedMode;
+use crate::canon::{FeedMode, Units, X};
 use crate::codes::{G, M, group, m_group};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem};
@@ -13,7 +15,8 @@ use crate::problem::{Blame, Problem};
 /// S, G96 G97, G50 S, M03 M04.
 pub(super) fn spindle(run: &mut Execution) -> Done {
     let span = run.span_of(Blame::Word('S'));
-    let limit = run.line.block.g(group::ONCE) == Some(G(500)) && run.line.has('S');
+    let of_g92 = run.line.block.g(group::MOTION) == Some(G(920)) && codes::is_idle(G(920), run.line);
+    let limit = (run.line.block.g(group::ONCE) == Some(G(500)) || of_g92) && run.line.has('S');
     let mode = run.line.block.g(group::SPINDLE_MODE);
     let mut speed = run.line.plain('S');
     if limit {
@@ -24,13 +27,7 @@ pub(super) fn spindle(run: &mut Execution) -> Done {
         None => run.state.spindle.constant_surface.is_some(),
     };
     if let (Some(G(970)), None, true) = (mode, speed, run.state.spindle.constant_surface.is_some()) {
-        let message = "G97 after G96 needs S: the speed in force is a surface speed";
-        return Err(Problem::error(
-            "missing-word",
-            Blame::G(G(970)),
-            message,
-            "add S in 1/min, such as G97 S1200",
-        ));
+        speed = Some(held(run)?);
     }
     if surface {
         run.modal.surface = speed.or(run.modal.surface);
@@ -71,6 +68,22 @@ pub(super) fn spindle(run: &mut Execution) -> Done {
         Some(code) => run.add_m(m_group::SPINDLE, code),
         None => Ok(()),
     }
+}
+
+/// G97 without S: the spindle keeps the speed that G96 gives it where the tool is, 1/min.
+fn held(run: &Execution) -> Result<f64, Box<Problem>> {
+    let (steps, diameter) = match run.line.units {
+        Some(Units::Inch) => (12.0, 2.0 * run.state.axes.position[X].abs()),
+        _ => (1000.0, 2.0 * run.state.axes.position[X].abs()),
+    };
+    let speed = run.state.spindle.speed * steps / (PI * diameter);
+    let speed = run.modal.highest.map_or(speed, |highest| speed.min(highest));
+    if speed <= NO_HIGHEST_SPEED {
+        return Ok(speed.round());
+    }
+    let message = "G97 without S keeps the speed of the spindle, and at X0 nothing bounds it";
+    let help = "add S in 1/min, such as G97 S1200, or G50 S before G96";
+    Err(Problem::error("missing-word", Blame::G(G(970)), message, help))
 }
 
 /// F, G98 G99. F of a thread under G98 is a lead only.

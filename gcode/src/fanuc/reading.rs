@@ -362,8 +362,8 @@ fn program_number(cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
     let start = cursor.mark();
     cursor.skip();
     let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(1.0..=f64::from(LAST_NUMBER)).contains(&value) {
-        let help = format!("a program number is 1 to {LAST_NUMBER}, as in O1000");
+    if value.fract() != 0.0 || !(0.0..=f64::from(LAST_NUMBER)).contains(&value) {
+        let help = format!("a program number is 0 to {LAST_NUMBER}, as in O1000");
         return Err(cursor.error_from(start, "bad-label", "O without a usable number", help));
     }
     Ok(value as u32)

@@ -5,6 +5,7 @@ mod cycles;
 mod errors;
 mod examples;
 mod flow;
+mod habits;
 mod macros;
 mod order;
 mod points;
