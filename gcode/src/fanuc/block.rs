@@ -15,7 +15,7 @@ use super::codes::{self, Deed};
 use super::corner;
 use super::execution::{Execution, target};
 use super::modal::{Pending, SingleWords};
-use super::{once, pecks, rates, single, stops, threads, tool};
+use super::{drilling, once, pecks, rates, single, stops, threads, tool};
 use crate::canon::Pose;
 use crate::codes::{G, M, group, m_group};
 use crate::execute::Done;
@@ -71,6 +71,7 @@ fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
         760 => threads::cycle(run),
         900 | 920 | 940 => single::cycle(code, run),
         740 | 750 => pecks::cycle(code, run),
+        810..=850 => drilling::cycle(code, run),
         _ => Ok(()),
     }
 }

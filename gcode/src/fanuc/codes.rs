@@ -10,9 +10,11 @@ use crate::problem::{Blame, Problem, Span, short};
 pub(super) const MACRO: usize = 4;
 /// G09: stop at the end of the block.
 pub(super) const EXACT_STOP: usize = 11;
-/// Groups of codes that end what never begins here: drilling cycles G80, modal macros G67, mirrored turrets
+/// G80 to G85: cycles for holes.
+pub(super) const DRILLING: usize = 10;
+/// Groups of codes that end what never begins here: modal macros G67, mirrored turrets
 /// G69, the driven C axis G13.1 (G113).
-const ENDS: &[(&[u16], usize)] = &[(&[800], 10), (&[670], 3), (&[690], 9), (&[131, 1130], 8)];
+const ENDS: &[(&[u16], usize)] = &[(&[670], 3), (&[690], 9), (&[131, 1130], 8)];
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
 
@@ -27,7 +29,8 @@ const REFUSED: &[(&[u16], &str)] = &[
     (&[660, 661], "call the macro with G65 in every block that needs it"),
     (&[680], "there is one turret: write the blocks for it alone"),
     (&[170, 190], "a lathe works in the plane of X and Z, G18"),
-    (&[830, 840, 850, 870, 880, 890], "drill with G74 or G01"),
+    (&[840, 880], "cut the thread with G92 or G76: the spindle does not reverse in step with Z"),
+    (&[870, 890], "there are no driven tools: holes are along Z, G83 and G85"),
     (&[502, 512], "write the corners of the polygon as moves"),
 ];
 
@@ -41,6 +44,7 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         0 | 10 | 20 | 30 | 320 | 900 | 920 | 940 => group::MOTION,
         180 => group::PLANE,
         650 => MACRO,
+        800 | 810 | 820 | 830 | 850 => DRILLING,
         90 => EXACT_STOP,
         610 | 640 => group::PATH,
         960 | 970 => group::SPINDLE_MODE,
@@ -117,6 +121,7 @@ fn words_of_g(code: G) -> u32 {
         730 => bits("PQUWR"),
         740 | 750 => POINT | bits("PQRIK"),
         760 => POINT | bits("PQRIKAD"),
+        810..=850 => POINT | bits("RQP"),
         900 | 940 => POINT | bits("R"),
         920 => POINT | bits("RQ"),
         _ => 0,
@@ -141,7 +146,13 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     let once = block.g(MACRO).or(block.g(group::ONCE).filter(|code| *code != G(500) || line.has_any("XZUW")));
     let point = line.has_any("XZUWIK");
     let written = block.g(group::MOTION).filter(|code| !is_idle(*code, line));
-    let moving = written.or(point.then_some(motion)).filter(|_| once.is_none());
+    let hole = block.g(DRILLING).filter(|code| *code != G(800));
+    if let (Some(hole), Some(other)) = (hole, once.or(written)) {
+        let message = format!("{hole} and {other} both act in this block");
+        let help = "put them in different blocks";
+        return Err(Problem::error("modal-group", Blame::G(hole), message, help));
+    }
+    let moving = written.or(hole).or(point.then_some(motion)).filter(|_| once.is_none());
     if block.g(group::ONCE) == Some(G(500)) && !line.has_any("XZUWS") {
         let help = "add S, the highest speed of the spindle, or X and Z, the coordinates of this point";
         return Err(Problem::error("missing-word", Blame::G(G(500)), "G50 alone sets nothing", help));

@@ -124,7 +124,7 @@ impl Control {
     }
 
     fn contour_block(&mut self, state: &mut State, out: &mut Output) -> Done {
-        let deed = codes::deed(&self.line, self.modal.motion)?;
+        let deed = codes::deed(&self.line, self.modal.acting(&self.line))?;
         if let Some(code) = self.line.block.m(m_group::STOP) {
             let message = format!("{code} stands in a contour");
             return Err(Problem::error(

@@ -9,7 +9,7 @@
 //! line ─► reading.rs ─ words ─► codes.rs ─ what the block does ─► block.rs ─ modes, tool, moves ─► execute
 //!            │ IF GOTO WHILE M98 G65 M99                         │ cycles
 //!            ▼                                                   ▼
-//!         flow.rs                                     threads.rs single.rs pecks.rs contour.rs
+//!         flow.rs                                     threads.rs single.rs pecks.rs contour.rs drilling.rs
 //! ```
 //!
 //! X and U are diameters, I R P of cycles radii. Numbers without a decimal point count least input
@@ -21,6 +21,7 @@ mod block;
 mod codes;
 mod contour;
 mod corner;
+mod drilling;
 mod execution;
 mod expression;
 mod flow;
@@ -231,7 +232,7 @@ impl Control {
 
     /// The block, and what it does to the flow.
     fn execute(&mut self, state: &mut State, out: &mut Output) -> Done {
-        let deed = codes::deed(&self.line, self.modal.motion)?;
+        let deed = codes::deed(&self.line, self.modal.acting(&self.line))?;
         block::run(deed, &mut self.execution(state, out))?;
         if let Deed::G(code @ G(700 | 710 | 720 | 730)) = deed {
             self.contour_cycle(code, state, out)?;

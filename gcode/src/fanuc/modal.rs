@@ -1,7 +1,10 @@
 //! What stays in force from block to block, beyond the state that both dialects share.
 
+use super::codes::DRILLING;
+use super::drilling::Drill;
+use super::line::Line;
 use crate::canon::{Place, Pose};
-use crate::codes::G;
+use crate::codes::{G, group};
 
 /// What stays in force from block to block.
 #[derive(Clone, Debug)]
@@ -16,6 +19,8 @@ pub(super) struct Modal {
     pub(super) lead: Option<f64>,
     /// G50 has set coordinates: G52 would lose them.
     pub(super) preset: bool,
+    /// G81 to G85, until G80 or a code of group 01.
+    pub(super) drill: Option<Drill>,
     /// Words of G90, G92 and G94.
     pub(super) single: SingleWords,
     /// First lines of the cycles.
@@ -47,6 +52,7 @@ impl Default for Modal {
             surface: None,
             lead: None,
             preset: false,
+            drill: None,
             single: SingleWords::default(),
             first: FirstLines::default(),
             shape_only: false,
@@ -56,11 +62,21 @@ impl Default for Modal {
 }
 
 impl Modal {
+    /// What moves the words of a block that has no code for them: the cycle for holes in force, unless the
+    /// block ends it, or the code of group 01.
+    pub(super) fn acting(&mut self, line: &Line) -> G {
+        let home = matches!(line.block.g(group::ONCE), Some(G(280 | 300 | 530)));
+        if home || line.block.g(DRILLING) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
+            self.drill = None;
+        }
+        self.drill.map_or(self.motion, |drill| drill.code)
+    }
+
     /// The units change: lengths times a factor. The surface speed is forgotten, it has other units than
-    /// lengths.
+    /// lengths, and so is a cycle for holes.
     pub(super) fn convert(&mut self, factor: f64) {
         self.lead = self.lead.map(|lead| lead * factor);
-        self.surface = None;
+        (self.surface, self.drill) = (None, None);
         self.single.convert(factor);
         let first = &mut self.first;
         for rough in &mut first.rough {

@@ -84,9 +84,7 @@ fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
         ));
     };
     let seconds = match letter {
-        // With a point P is s, as X and U are: so Haas has it, and no other control has such a P.
-        'P' if line.pointed() & letter_bit('P') != 0 => line.plain('P').unwrap_or(0.0),
-        'P' => line.whole('P')?.map_or(0.0, |milliseconds| milliseconds as f64 / 1000.0),
+        'P' => milliseconds(line)?.unwrap_or(0.0),
         // Without a decimal point these are milliseconds in any units.
         _ if line.is_bare(*letter) => line.plain(*letter).unwrap_or(0.0) / 1000.0,
         _ => line.plain(*letter).unwrap_or(0.0),
@@ -96,6 +94,17 @@ fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
         return Err(Problem::error("bad-value", Blame::Word(*letter), message, "give a time of 0 or more"));
     }
     Ok(seconds)
+}
+
+/// P, a time in s: it counts milliseconds. With a point it is s, as Haas has it; no other control has such a P.
+///
+/// # Errors
+/// It is too large.
+pub(super) fn milliseconds(line: &Line) -> Result<Option<f64>, Box<Problem>> {
+    if line.pointed() & letter_bit('P') != 0 {
+        return Ok(line.plain('P'));
+    }
+    Ok(line.whole('P')?.map(|milliseconds| milliseconds as f64 / 1000.0))
 }
 
 /// G10 L2 P X Z.

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod cycles;
+mod drilling;
 mod errors;
 mod examples;
 mod flow;
