@@ -28,22 +28,40 @@
   const KINDS = ['--grey', '--blue', '--orange', '--green', '--purple', '--yellow'];
   const hex = (color) => [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
 
-  // The colour of every corner, three bytes each.
+  // A palette, and where in it every corner is. Heights lie between two colours, others are one or the next.
   function colours() {
     const grey = hex(theme.value('--stock'));
     const list = theme.list(by === 'deviation' ? '--either-way' : '--amount');
-    const kinds = KINDS.map((name) => hex(theme.value(name)));
     const table = Array.from({ length: 256 }, (_, i) => theme.mix(list, i / 255));
-    const all = new Uint8Array(3 * points);
-    for (let p = 0; p < points; p++) {
-      let color = grey;
-      if (by === 'tool' && tool[p]) color = kinds[1 + (tool[p] - 1) % 5];
-      if (by === 'height') color = table[Math.round(255 * z[p] / part.span)];
-      if (by === 'deviation' && deviation[p]) color = table[deviation[p] >> 8];
-      all.set(color, 3 * p);
-    }
-    return { all, grey };
+    const palette = by === 'tool' ? KINDS.map((name) => hex(theme.value(name))) : table;
+    const at = {
+      height: (p) => 255 * z[p] / part.span,
+      tool: (p) => tool[p] ? 1 + (tool[p] - 1) % 5 : palette.length,
+      deviation: (p) => deviation[p] ? deviation[p] >> 8 : palette.length,
+    }[by];
+    return { palette: [...palette, grey], shades: Float32Array.from(z, (_, p) => at(p)), grey: palette.length };
   }
+
+  // Steep cells are walls that the grid has cut into steps: which way the wall looks is taken from around them.
+  const STEEP = 1.7, NEAR = 2;
+  const wall = (() => {
+    const clamp = (value, last) => Math.min(last, Math.max(0, value));
+    const mean = (of) => {
+      const sums = new Float32Array(points);
+      for (let p = 0; p < points; p++) {
+        for (let k = -NEAR; k <= NEAR; k++) sums[p] += of(p % columns, Math.floor(p / columns), k);
+      }
+      return sums;
+    };
+    const along = mean((i, j, k) => z[j * columns + clamp(i + k, columns - 1)]);
+    const soft = mean((i, j, k) => along[clamp(j + k, rows - 1) * columns + i]);
+    return (i, j) => {
+      const of = (x, y) => soft[clamp(y, rows - 1) * columns + clamp(x, columns - 1)];
+      const [a, b] = [of(i - 1, j) - of(i + 1, j), of(i, j - 1) - of(i, j + 1)];
+      const norm = Math.hypot(a, b);
+      return norm > 0 ? [a / norm, b / norm] : null;
+    };
+  })();
 
   function draw(fine) {
     const wide = Math.max(200, canvas.clientWidth);
@@ -70,20 +88,29 @@
       const [right, back] = [a * cy - b * sy, a * sy + b * cy];
       return [w / 2 + zoom * right, h / 2 - zoom * (back * sp + c * cp), c * sp - back * cp];
     };
+    const seen = (a, b) => [a * cy - b * sy, (a * sy + b * cy) * sp, -(a * sy + b * cy) * cp];
     for (let p = 0; p < points; p++) [X[p], Y[p], D[p]] = project(p % columns, Math.floor(p / columns), z[p]);
-    const { all, grey } = colours();
+    const { palette, shades, grey } = colours();
+    const step = by === 'height' ? 1 : 0;
     // Light from above, left and in front of the reader, so that it goes with the view.
     const light = [-0.4, 0.75, 0.53];
-    const triangle = (ax, ay, ad, bx, by_, bd, cx, cy_, cd, red, green, blue) => {
+    const triangle = (ax, ay, ad, bx, by_, bd, cx, cy_, cd, [as, bs, cs], looks) => {
       const area = (bx - ax) * (cy_ - ay) - (cx - ax) * (by_ - ay);
       if (Math.abs(area) < 1e-6) return;
       const dx = ((bd - ad) * (cy_ - ay) - (cd - ad) * (by_ - ay)) / area;
       const dy = ((cd - ad) * (bx - ax) - (bd - ad) * (cx - ax)) / area;
-      const [nx, ny] = [-dx * zoom, dy * zoom];
-      const norm = Math.hypot(nx, ny, 1);
-      const lit = 0.45 + 0.6 * Math.max(0, (light[0] * nx + light[1] * ny + light[2]) / norm);
-      const shade = (c) => Math.min(255, c * lit) | 0;
-      const color = (255 << 24 | shade(blue) << 16 | shade(green) << 8 | shade(red)) >>> 0;
+      const [nx, ny, nz] = looks ?? [-dx * zoom, dy * zoom, 1];
+      const norm = Math.hypot(nx, ny, nz);
+      const lit = 0.45 + 0.6 * Math.max(0, (light[0] * nx + light[1] * ny + light[2] * nz) / norm);
+      const sx = step * ((bs - as) * (cy_ - ay) - (cs - as) * (by_ - ay)) / area;
+      const sy_ = step * ((cs - as) * (bx - ax) - (bs - as) * (cx - ax)) / area;
+      const packed = (shade) => {
+        const [red, green, blue] = palette[shade].map((c) => Math.min(255, c * lit) | 0);
+        return (255 << 24 | blue << 16 | green << 8 | red) >>> 0;
+      };
+      const [low, high] = [Math.min(as, bs, cs), Math.max(as, bs, cs)];
+      const plain = packed(Math.round(as));
+      const even = step === 0 || high - low < 1;
       const y0 = Math.max(0, Math.ceil(Math.min(ay, by_, cy_) - 0.5)), y1 = Math.min(h - 1, Math.floor(Math.max(ay, by_, cy_) + 0.5));
       const x0 = Math.max(0, Math.ceil(Math.min(ax, bx, cx) - 0.5)), x1 = Math.min(w - 1, Math.floor(Math.max(ax, bx, cx) + 0.5));
       const slack = -0.02 * Math.abs(area) - 0.5;
@@ -93,20 +120,24 @@
         if (s * ((cx - bx) * (y - by_) - (cy_ - by_) * (x - bx)) < slack) continue;
         if (s * ((ax - cx) * (y - cy_) - (ay - cy_) * (x - cx)) < slack) continue;
         const depth = ad + dx * (x - ax) + dy * (y - ay), at = y * w + x;
-        if (depth > near[at]) { near[at] = depth; out[at] = color; }
+        if (depth <= near[at]) continue;
+        near[at] = depth;
+        out[at] = even ? plain : packed(Math.round(Math.min(high, Math.max(low, as + sx * (x - ax) + sy_ * (y - ay)))));
       }
     };
     for (let j = 0; j < rows - 1; j++) for (let i = 0; i < columns - 1; i++) {
       const a = j * columns + i, b = a + 1, c = a + columns, d = c + 1;
-      const [red, green, blue] = [all[3 * a], all[3 * a + 1], all[3 * a + 2]];
-      triangle(X[a], Y[a], D[a], X[b], Y[b], D[b], X[c], Y[c], D[c], red, green, blue);
-      triangle(X[d], Y[d], D[d], X[c], Y[c], D[c], X[b], Y[b], D[b], red, green, blue);
+      const [low, high] = [Math.min(z[a], z[b], z[c], z[d]), Math.max(z[a], z[b], z[c], z[d])];
+      const side = high - low > STEEP * part.cell ? wall(i, j) : null;
+      const looks = side && seen(...side);
+      triangle(X[a], Y[a], D[a], X[b], Y[b], D[b], X[c], Y[c], D[c], [shades[a], shades[b], shades[c]], looks);
+      triangle(X[d], Y[d], D[d], X[c], Y[c], D[c], X[b], Y[b], D[b], [shades[d], shades[c], shades[b]], looks);
     }
     around.forEach((p, k) => {
       const q = around[(k + 1) % around.length];
       const [pf, qf] = [p, q].map((at) => project(at % columns, Math.floor(at / columns), 0));
-      triangle(X[p], Y[p], D[p], X[q], Y[q], D[q], ...pf, ...grey);
-      triangle(...qf, ...pf, X[q], Y[q], D[q], ...grey);
+      triangle(X[p], Y[p], D[p], X[q], Y[q], D[q], ...pf, [grey, grey, grey]);
+      triangle(...qf, ...pf, X[q], Y[q], D[q], [grey, grey, grey]);
     });
     context.putImageData(image, 0, 0);
     axes(context, [cy, sy, cp, sp], sharp, h);

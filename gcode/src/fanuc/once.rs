@@ -96,7 +96,7 @@ fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
     Ok(seconds)
 }
 
-/// P, a time in s: it counts milliseconds. With a point it is s, as Haas has it; no other control has such a P.
+/// P, a time in s: it counts milliseconds. With a point it is s, as Haas has it; no other control has one.
 ///
 /// # Errors
 /// It is too large.
