@@ -4,6 +4,7 @@
 //! them stands, and why. A program without such a line means the same in both, or is neither.
 
 use crate::options::Dialect;
+use crate::text::readable;
 
 /// What a line gave away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,8 +52,8 @@ const SIGNS: [Sign; 14] = [
 /// What a program is written in; `None` if nothing says so.
 pub fn guess(text: &[u8]) -> Option<Guess> {
     let (mut bare, mut found) = (Vec::new(), Vec::<(Guess, u32)>::new());
-    for (line, number) in text.split(|byte| *byte == b'\n').zip(1..) {
-        without_comments(line, &mut bare);
+    for (line, number) in readable(text).lines().zip(1..) {
+        without_comments(line.as_bytes(), &mut bare);
         let words = Words { text: &bare };
         let Some((dialect, why, _)) = SIGNS.iter().find(|(.., is_there)| is_there(&words)) else { continue };
         match found.iter_mut().find(|(guess, _)| guess.dialect == *dialect) {

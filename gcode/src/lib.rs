@@ -85,3 +85,4 @@ pub use guess::{Guess, guess};
 pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Program, Step};
+pub use text::readable;

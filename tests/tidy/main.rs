@@ -51,7 +51,7 @@ const CRATES: [(&str, &[&str]); 20] = [
         ],
     ),
     ("soak", &["machine", "protocol", "motion", "interpreter", "sim-plant", "rig", "testing"]),
-    ("report", &["gauge", "protocol", "rig"]),
+    ("report", &["gauge", "gcode", "protocol", "rig"]),
     (
         "experiment",
         &[

@@ -14,6 +14,7 @@ pub use parameters::ParameterFile;
 pub use tools::{Tool, ToolTable};
 
 use crate::problem::Diagnostic;
+use crate::text::readable;
 
 /// What is wrong with a file.
 #[derive(Debug, thiserror::Error)]
@@ -45,10 +46,10 @@ impl From<Box<Diagnostic>> for FileError {
     }
 }
 
-/// The text of a file. Bytes that are not UTF-8 can only stand in comments, which nothing here reads.
+/// The text of a file.
 fn read(path: &Path) -> Result<String, FileError> {
     let bytes = fs::read(path).map_err(|error| FileError::Read { path: path.into(), error })?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    Ok(readable(&bytes))
 }
 
 /// Writes a file beside `path` (`NAME.new`) and puts it in its place, so that there is a whole file at any

@@ -4,6 +4,7 @@ mod comment;
 mod cursor;
 pub(crate) mod degrees;
 mod depth;
+mod encoding;
 mod files;
 pub(crate) mod job;
 mod number;
@@ -17,3 +18,9 @@ pub(crate) use files::Files;
 pub(crate) use number::{number, whole};
 pub(crate) use operator::Operator;
 pub(crate) use source::{Line, Mark, Source};
+
+/// The text of a program for people, line by line as it is read: from UTF-8, UTF-16 or CP1252.
+#[must_use]
+pub fn readable(program: &[u8]) -> String {
+    Source::whole(program)
+}

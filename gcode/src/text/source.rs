@@ -3,15 +3,17 @@
 //! In: a file, standard input or a text. Out: its lines as bytes, without their ends, each with its number;
 //! and a way back to any of them. A file is never in memory as a whole: one buffer moves over it, and a jump
 //! within the buffer costs no system call. What cannot seek is spooled to an unnamed temporary file first.
-//!
 //! If the first line that is not blank holds a `%` alone, the program stands between it and the next such
-//! line.
+//! line. Bytes become UTF-8 here ([`super::encoding`]), UTF-16 at once and in memory: what comes after knows no
+//! other text. Padding of tapes (NUL, DEL) and of DOS (Ctrl-Z) at the ends of a line is left out, with all
+//! returns.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
 
+use super::encoding::{self, ByteOrder};
 use crate::problem::{Blame, Problem, Span};
 
 /// Bytes that are read at once.
@@ -39,6 +41,10 @@ pub(crate) struct Line {
     pub(crate) mark: Mark,
     start: usize,
     end: usize,
+    /// It was not UTF-8: the text is [`Source::foreign`].
+    foreign: bool,
+    /// It is longer than a line may be, padding included.
+    long: bool,
 }
 
 impl Line {
@@ -60,6 +66,11 @@ pub(crate) struct Source {
     next: usize,
     lines: u32,
     longest: usize,
+    /// Bytes before the text, and the byte that ends a line.
+    first: u64,
+    ends: u8,
+    /// The line that was taken last, if it was not UTF-8.
+    foreign: String,
     /// The program stands between two % lines.
     tape: bool,
     /// Its second % was met.
@@ -107,16 +118,43 @@ impl Source {
             next: 0,
             lines: 0,
             longest,
+            first: 0,
+            ends: b'\n',
+            foreign: String::new(),
             tape: false,
             closed: false,
             beginning: Mark::default(),
             recent: [Mark::default(); 2],
         };
-        if source.find_tape().is_err() {
+        if source.begin().and_then(|()| source.find_tape()).is_err() {
             // What cannot be read is reported when the first line is taken.
             (source.next, source.lines) = (0, 0);
         }
         source
+    }
+
+    /// Reads the first bytes: how the text is written, and what ends its lines.
+    fn begin(&mut self) -> io::Result<()> {
+        self.refill()?;
+        match ByteOrder::of(self.buffer.get(..self.filled).unwrap_or(&[])) {
+            ByteOrder::Unmarked => {}
+            ByteOrder::Utf8 => self.first = 3,
+            ByteOrder::Utf16(word) => {
+                let mut file = self.buffer.get(..self.filled).unwrap_or(&[]).to_vec();
+                self.input.read_to_end(&mut file)?;
+                self.input = Box::new(Cursor::new(encoding::from_utf16(&file, word)));
+                self.buffer = vec![0; BUFFER.max(2 * self.longest + 2)];
+                (self.base, self.next, self.filled) = (0, 0, 0);
+                self.refill()?;
+            }
+        }
+        let text = self.buffer.get(..self.filled).unwrap_or(&[]);
+        if text.contains(&b'\r') && !text.contains(&b'\n') {
+            self.ends = b'\r';
+        }
+        self.beginning.offset = self.first;
+        self.recent = [self.beginning; 2];
+        self.go(self.beginning)
     }
 
     /// Looks for the `%` that may come first, and stands after it or at the beginning.
@@ -166,11 +204,12 @@ impl Source {
     /// The input cannot seek.
     pub(crate) fn go(&mut self, mark: Mark) -> io::Result<()> {
         self.lines = mark.lines;
-        match mark.offset.checked_sub(self.base).map(usize::try_from) {
+        let offset = mark.offset.max(self.first);
+        match offset.checked_sub(self.base).map(usize::try_from) {
             Some(Ok(next)) if next <= self.filled => self.next = next,
             _ => {
-                self.input.seek(SeekFrom::Start(mark.offset))?;
-                (self.base, self.next, self.filled) = (mark.offset, 0, 0);
+                self.input.seek(SeekFrom::Start(offset))?;
+                (self.base, self.next, self.filled) = (offset, 0, 0);
             }
         }
         Ok(())
@@ -183,12 +222,12 @@ impl Source {
     pub(crate) fn take(&mut self) -> Result<Option<Line>, Box<Problem>> {
         let number = self.lines + 1;
         let line = self.raw_line().map_err(|error| unreadable(number, &error))?;
-        let Some(line) = line else { return Ok(None) };
+        let Some(mut line) = line else { return Ok(None) };
         let last = self.recent[1];
         if last.lines.abs_diff(line.mark.lines) >= FAR {
             self.recent = [last, line.mark];
         }
-        if line.end - line.start > self.longest {
+        if line.long {
             return Err(too_long(number, self.longest));
         }
         let text = self.bytes(&line);
@@ -196,15 +235,21 @@ impl Source {
             self.closed = true;
             return self.go(line.mark).map(|()| None).map_err(|error| unreadable(number, &error));
         }
+        if let Some(text) = encoding::foreign(text) {
+            (self.foreign, line.foreign) = (text, true);
+        }
         Ok(Some(line))
     }
 
     /// The bytes of the line taken last.
     pub(crate) fn bytes(&self, line: &Line) -> &[u8] {
+        if line.foreign {
+            return self.foreign.as_bytes();
+        }
         self.buffer.get(line.start..line.end).unwrap_or(&[])
     }
 
-    /// The text of a line of any number, read again; bytes that are not text become `?`.
+    /// The text of a line of any number, read again; what cannot be printed becomes `?`.
     pub(crate) fn text(&mut self, number: u32) -> String {
         let back = self.mark();
         let text = self.text_at(number).unwrap_or_default();
@@ -214,12 +259,22 @@ impl Source {
         }
     }
 
+    /// All lines of a text as they are read, each with a line feed at its end.
+    pub(crate) fn whole(text: &[u8]) -> String {
+        let mut source = Source::from_text("", text.to_vec(), text.len());
+        let (mut whole, begun) = (String::new(), source.go(Mark::default()));
+        while let (Ok(()), Ok(Some(line))) = (&begun, source.raw_line()) {
+            whole = whole + &encoding::printable(source.bytes(&line)) + "\n";
+        }
+        whole
+    }
+
     fn text_at(&mut self, number: u32) -> io::Result<String> {
         let before = self.recent.into_iter().filter(|mark| mark.lines < number);
         self.go(before.max_by_key(|mark| mark.lines).unwrap_or_default())?;
         while let Some(line) = self.raw_line()? {
             if line.number() == number {
-                return Ok(printable(self.bytes(&line)));
+                return Ok(encoding::printable(self.bytes(&line)));
             }
         }
         Ok(String::new())
@@ -230,7 +285,7 @@ impl Source {
         let mut searched = 0;
         loop {
             let unread = self.buffer.get(self.next..self.filled).unwrap_or(&[]);
-            if let Some(length) = line_end(unread.get(searched..).unwrap_or(&[])) {
+            if let Some(length) = line_end(unread.get(searched..).unwrap_or(&[]), self.ends) {
                 let length = searched + length;
                 return Ok(Some(self.cut(length, length + 1)));
             }
@@ -238,7 +293,7 @@ impl Source {
             if searched > self.longest + 1 {
                 let line = self.cut(self.longest + 1, 0);
                 self.skip_rest()?;
-                return Ok(Some(line));
+                return Ok(Some(Line { long: true, ..line }));
             }
             if self.refill()? == 0 {
                 let last = self.filled - self.next;
@@ -250,10 +305,15 @@ impl Source {
     /// Makes the next `length` bytes a line and goes on after `whole` bytes.
     fn cut(&mut self, length: usize, whole: usize) -> Line {
         let (mark, start) = (self.mark(), self.next);
-        let ends_in_return = length > 0 && self.buffer.get(start + length - 1) == Some(&b'\r');
+        let text = self.buffer.get(start..start + length).unwrap_or(&[]);
+        let before = text.iter().take_while(|byte| matches!(byte, b'\r' | 0 | 0x7f)).count();
+        let rest = text.get(before..).unwrap_or(&[]);
+        let after = rest.iter().rev().take_while(|byte| matches!(byte, b'\r' | 0 | 0x7f | 0x1a)).count();
+        let (start, end) = (start + before, start + length - after);
         self.next += whole;
         self.lines += 1;
-        Line { mark, start, end: start + length - usize::from(ends_in_return) }
+        let long = length - usize::from(rest.ends_with(b"\r")) > self.longest;
+        Line { mark, start, end, foreign: false, long }
     }
 
     /// Goes after the end of the line, keeping the bytes before it in the buffer.
@@ -264,7 +324,7 @@ impl Source {
         self.input.seek(SeekFrom::Start(offset))?;
         loop {
             let read = self.input.read(&mut chunk)?;
-            let end = line_end(chunk.get(..read).unwrap_or(&[]));
+            let end = line_end(chunk.get(..read).unwrap_or(&[]), self.ends);
             offset += end.map_or(read, |end| end + 1) as u64;
             if end.is_some() || read == 0 {
                 break;
@@ -294,29 +354,19 @@ impl Source {
     }
 }
 
-/// Pose of the first line feed: eight bytes at a time, a byte of `word` is zero where there is one.
-fn line_end(text: &[u8]) -> Option<usize> {
+/// Place of the first byte `ends`: eight bytes at a time, a byte of `word` is zero where there is one.
+fn line_end(text: &[u8], ends: u8) -> Option<usize> {
     const ONES: u64 = 0x0101_0101_0101_0101;
     let (chunks, rest) = text.as_chunks::<8>();
     for (index, chunk) in chunks.iter().enumerate() {
-        let word = u64::from_le_bytes(*chunk) ^ (ONES * b'\n' as u64);
+        let word = u64::from_le_bytes(*chunk) ^ (ONES * u64::from(ends));
         let zero = word.wrapping_sub(ONES) & !word & (ONES << 7);
         if zero != 0 {
             return Some(8 * index + zero.trailing_zeros() as usize / 8);
         }
     }
     let searched = text.len() - rest.len();
-    rest.iter().position(|byte| *byte == b'\n').map(|at| searched + at)
-}
-
-/// A line as text for a diagnostic, byte for byte: what is not printable becomes `?`.
-fn printable(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(bytes.len());
-    for chunk in bytes.utf8_chunks() {
-        text.extend(chunk.valid().chars().map(|c| if c.is_ascii_control() && c != '\t' { '?' } else { c }));
-        text.extend(chunk.invalid().iter().map(|_| '?'));
-    }
-    text
+    rest.iter().position(|byte| *byte == ends).map(|at| searched + at)
 }
 
 /// A file that is gone when it is closed.

@@ -2,6 +2,7 @@
 
 mod compensation;
 mod driven;
+mod encodings;
 mod fanuc;
 mod files;
 mod machine_codes;

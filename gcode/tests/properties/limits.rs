@@ -257,6 +257,8 @@ fn long_lines_end() {
             format!("({})\nM2\n", "x".repeat(10_000_000)),
             "x".repeat(10_000_000),
             format!("{}\nM2\n", "\0".repeat(301)),
+            format!("{}G0 X1\nM2\n", "\0".repeat(10_000)),
+            format!("{}\rG0 X1\nM2\n", "\0".repeat(300)),
         ] {
             let ended = ended(dialect, &text);
             assert!(

@@ -78,7 +78,7 @@ struct Drawn {
 pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     let summary = Summary::read(&run_dir.join("summary.json"))?;
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
-    let program = program.and_then(|path| std::fs::read_to_string(path).ok());
+    let program = program.and_then(|path| std::fs::read(path).ok()).map(|bytes| gcode::readable(&bytes));
     let drawn = draw(run_dir, &summary, program.as_deref());
     let page = page::html(&Run { summary, drawn, program });
     let path = run_dir.join("report.html");
