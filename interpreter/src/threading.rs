@@ -15,7 +15,7 @@ use crate::modal::Synchronised;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Spindle;
-use crate::thread::{Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan};
+use crate::thread::{Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 const SAME: f64 = 1e-9;
@@ -141,7 +141,7 @@ impl Threads {
                 Ok(self.number(place.line, planned, &cut, start, rest, machine))
             }
             Err(why) => {
-                let problem = why.problem(&[cut], machine);
+                let problem = why.problem(&[cut], 1.0, machine);
                 Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem }))
             }
         };
@@ -162,16 +162,15 @@ impl Threads {
             let help = "raise the depth of the first pass, or lower the degression";
             return Err(Problem::error("bad-value", Blame::Block, message, help));
         }
-        let cuts: Vec<Cut> = depths.into_iter().map(|depth| cycle.cut(depth)).collect();
-        let mut plans = Vec::with_capacity(cuts.len());
+        let mut cuts: Vec<Cut> = depths.into_iter().map(|depth| cycle.cut(depth)).collect();
         for cut in &cuts {
             within_travel(machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.from.z, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.to_z, Blame::Block)?;
-            let mut planned = plan(cut, machine).map_err(|why| why.problem(&cuts, machine))?;
-            planned.pass.out.leaves = self.policy.leaves(planned.pass.out.leaves);
-            plans.push(planned);
         }
+        let (mut plans, doubt) = plans(cycle, &mut cuts, place.line, machine)?;
+        self.doubts.extend(doubt);
+        plans.iter_mut().for_each(|plan| plan.pass.out.leaves = self.policy.leaves(plan.pass.out.leaves));
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut, place));
         let passes = cuts.iter().zip(plans);
         Ok(passes
@@ -197,7 +196,7 @@ impl Threads {
         }
         if let Some(doubt) = mostly_shallow(line, cut, planned.full_depth_z_mm) {
             // Of the passes of a cycle the deepest, which comes last, takes the longest way out.
-            self.doubts.retain(|other| other.blame != doubt.blame);
+            self.doubts.retain(|other| (other.code, other.blame) != (doubt.code, doubt.blame));
             self.doubts.push(doubt);
         }
         let x = pass.axis(Axis::X);

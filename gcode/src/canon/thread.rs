@@ -60,6 +60,8 @@ pub struct ThreadCycle {
     pub chamfer_in: bool,
     /// Taper at the end (L2, L3).
     pub chamfer_out: bool,
+    /// A chamfer that X cannot make in its length is as steep as X can make it; else it is an error.
+    pub chamfer_yields: bool,
     /// Angle of the spindle at which the thread starts, degrees (FANUC Q); 0 is the index.
     pub start_deg: f64,
 }

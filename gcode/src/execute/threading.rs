@@ -179,6 +179,7 @@ fn programmed(
         chamfer,
         chamfer_in,
         chamfer_out,
+        chamfer_yields: false,
         start_deg: 0.0,
     })
 }

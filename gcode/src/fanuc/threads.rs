@@ -12,7 +12,8 @@
 //!       X Z I(i) K(k) D(Δd) A(a) F P Q       one line: P1 area, one edge; P3 depth, one edge
 //! i     X at the start less X at the end, radii; k height, radius; Q of the one line start angle, 0.001°
 //! ```
-//! G92 pulls out over as long a chamfer as G76 was last told, one lead if it never was.
+//! G92 pulls out over as long a chamfer as G76 was last told, one lead if it never was. Where X cannot
+//! follow a chamfer it leaves as steeply as it can.
 
 use super::execution::{Execution, target};
 use super::line::Line;
@@ -275,6 +276,7 @@ fn send(shape: &Shape, depths: Depths, run: &mut Execution) -> Done {
         chamfer: shape.chamfer,
         chamfer_in: false,
         chamfer_out: shape.chamfer > 0.0,
+        chamfer_yields: shape.chamfer > 0.0,
         start_deg: shape.start_deg,
     }))?;
     run.out.call(Call::StraightTraverse(from))

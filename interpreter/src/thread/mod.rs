@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `cut.rs` | what one pass shall cut, in mm: the geometry, free of speeds and limits |
 //! | `cycle.rs` | the cuts of a G76 cycle |
+//! | `chamfer.rs` | the plans of a cycle, and what becomes of a chamfer that X cannot follow |
 //! | `single.rs` | the cut of a G33 block |
 //! | `plan.rs` | the law of a cut: windows, phase, run-out, highest speed |
 //! | `flank.rs` | when Z may begin to brake behind a retracting tool |
@@ -11,6 +12,7 @@
 //! | `refusal.rs` | why a cut has no law, and which speed would give it one |
 //! | `starts.rs` | which start of a multi-start thread a pass belongs to |
 
+mod chamfer;
 mod cut;
 mod cycle;
 mod flank;
@@ -20,6 +22,7 @@ mod refusal;
 mod single;
 mod starts;
 
+pub(crate) use chamfer::plans;
 pub use cut::{Cut, Point, Taper};
 pub(crate) use cycle::{Cycle, MOST_PASSES};
 pub use plan::{Plan, plan};

@@ -60,7 +60,7 @@ const SLOWEST: f64 = 1e-3;
 const STEPS: u32 = 24;
 
 /// The highest spindle speed up to the programmed one at which all cuts can be made, 1/min, rounded down.
-fn highest_speed(cuts: &[Cut], machine: &Machine) -> Option<f64> {
+pub(super) fn highest_speed(cuts: &[Cut], machine: &Machine) -> Option<f64> {
     let programmed = cuts.first()?.s_rpm;
     let speed = cuts.iter().try_fold(programmed, |top, cut| highest_of_one(cut, top, machine))?;
     Some(shown(speed)).filter(|speed| *speed > 0.0)
@@ -96,8 +96,9 @@ fn highest_of_one(cut: &Cut, top: f64, machine: &Machine) -> Option<f64> {
 }
 
 impl Refusal {
-    /// What the user is told: `self` is the refusal of one of the cuts of a block.
-    pub(crate) fn problem(self, cuts: &[Cut], machine: &Machine) -> Box<Problem> {
+    /// What the user is told: `self` is the refusal of one of the cuts of a block. `unit`: mm in one unit of
+    /// the program.
+    pub(crate) fn problem(self, cuts: &[Cut], unit: f64, machine: &Machine) -> Box<Problem> {
         let s = short(cuts.first().map_or(0.0, |cut| cut.s_rpm));
         let speed = highest_speed(cuts, machine);
         let lower = speed.map(|rpm| format!("the highest spindle speed that would do is S{}", short(rpm)));
@@ -131,7 +132,7 @@ impl Refusal {
                 (
                     "pass-not-feasible",
                     format!("at S{s} X cannot make the {which} taper in its length E"),
-                    format!("make E at least {}, or lower S: {slower}", short(least_mm + 5e-5)),
+                    format!("make E at least {}, or lower S: {slower}", short(least_mm / unit + 5e-5)),
                 )
             }
             Refusal::Travel { axis, at_mm } => {

@@ -67,3 +67,33 @@ fn a_start_angle_moves_the_pass_along_the_spindle() {
         assert!(one.lead_mm == 0.0 || (moved.rem_euclid(360.0) - 120.0).abs() < 1e-9, "{moved}");
     }
 }
+
+/// A chamfer of half a lead at 800 1/min is steeper than X of the small lathe: then it is that of `00`, as
+/// steep as X can, and the warning says over what way; slow enough it is kept.
+#[test]
+fn a_chamfer_that_x_cannot_follow_is_as_steep_as_it_can() {
+    let mut machine = Machine::plain();
+    machine.general.dialect = ProgramDialect::Fanuc;
+    for cycle in
+        ["G76 P01{r}60 Q20 R0.02\nG76 X17.546 Z-20. P1227 Q200 F2.", "G76 P01{r}60 Q0 R0\nG92 X23. Z-20. F2."]
+    {
+        let source = |s: f64, r: &str| {
+            format!("O1\nG21 G97 S{s} M03\nG00 X24. Z8.\n{}\nG00 X40.\nM30\n", cycle.replace("{r}", r))
+        };
+        let told = |s: f64, r: &str| check("t", &source(s, r), &machine).diagnostics;
+        let steep = told(800.0, "05");
+        assert_eq!(
+            steep.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>(),
+            [(5, "steep-chamfer")],
+            "{cycle}"
+        );
+        let [least, steepest] = ["05", "00"].map(|r| codes(ProgramDialect::Fanuc, &source(800.0, r)));
+        assert_eq!(least, steepest, "{cycle}");
+        assert!(steep[0].message.contains("the chamfer of 1 mm"), "{}", steep[0].message);
+        let speed = steep[0].help.split("lower S: S").nth(1).and_then(|rest| rest.split(' ').next());
+        let slow: f64 = speed.and_then(|number| number.parse().ok()).expect("the help names a speed");
+        assert!(told(slow, "05").is_empty() && told(slow + 1.0, "05").len() == 1, "{}", steep[0].help);
+        let kept = ["05", "00"].map(|r| codes(ProgramDialect::Fanuc, &source(slow, r)));
+        assert_ne!(kept[0], kept[1], "{cycle}");
+    }
+}

@@ -47,6 +47,18 @@ fn the_reason_is_named() {
     assert!(length.help.contains("a start further from the part"), "{}", length.help);
 }
 
+/// A program in inches is told its E in inches.
+#[test]
+fn the_least_taper_is_in_units_of_the_program() {
+    let words = |e: f64| format!("G76 P.0787 Z-1 I-.12 J.0472 K.0473 E{e} L2");
+    let program = |e: f64| format!("G20 S800 M3\nG0 X.5 Z.2\n{}\nG0 X1\nM2\n", words(e));
+    let diagnostic = refusal(&program(0.01));
+    let rest = diagnostic.help.strip_prefix("make E at least ").expect("E would help");
+    let least: f64 = rest.split(',').next().and_then(|number| number.parse().ok()).expect("a number");
+    let check = |e: f64| check("t", &program(e), &Machine::plain());
+    assert!(check(least).is_good() && !check(least - 2e-4).is_good(), "{}", diagnostic.help);
+}
+
 #[test]
 fn the_least_taper_that_is_named_does() {
     for l in [1, 2] {

@@ -27,6 +27,7 @@ fn cycle() -> ThreadCycle {
         chamfer: 0.0,
         chamfer_in: false,
         chamfer_out: false,
+        chamfer_yields: false,
         start_deg: 0.0,
     }
 }
