@@ -2,12 +2,17 @@
 //! control cycle of motion at a feed, mm. Out: the least and the largest diameter along the thread, if all of
 //! it was turned.
 //!
-//! The length of the thread is looked at in [`BINS`] places; in each the tip that reached deepest counts. A
-//! tip that goes across the axis rather than along it (facing, a shoulder) leaves no diameter.
+//! The length of the thread is looked at in [`BINS`] places; in each the tip that reached deepest counts.
+//! Where that one went across the axis rather than along it (a face, a chamfer, a groove) there is no crest.
+//! Which way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by less than a
+//! micrometre.
 
 use gauge::Side;
 
 const BINS: usize = 128;
+const WAY_MM: f64 = 0.01;
+/// Steeper than this, dX by dZ, a cut is no cylinder: chamfers of threads have 0.27 (15°) and more.
+const STEEPEST: f64 = 0.25;
 
 /// Collects what tools leave.
 #[derive(Clone, Debug)]
@@ -15,40 +20,52 @@ pub(super) struct Turned {
     side: Side,
     /// Where the thread is at full depth, along Z.
     along_mm: [f64; 2],
-    /// Radius in each place; none where nothing was turned.
-    radii_mm: Vec<Option<f64>>,
-    before: Option<[f64; 2]>,
+    /// Radius in each place, and whether it was cut along the axis; none where nothing was turned.
+    cuts: Vec<Option<(f64, bool)>>,
+    /// Where the way that is looked at began.
+    from: Option<[f64; 2]>,
+    goes_along: bool,
 }
 
 impl Turned {
     pub(super) fn new(side: Side, along_mm: [f64; 2]) -> Turned {
-        Turned { side, along_mm, radii_mm: vec![None; BINS], before: None }
+        Turned { side, along_mm, cuts: vec![None; BINS], from: None, goes_along: false }
     }
 
     /// Takes a control cycle: X from the axis and Z, if the tool is moved at a feed.
     pub(super) fn cycle(&mut self, tip: Option<[f64; 2]>) {
-        let before = std::mem::replace(&mut self.before, tip);
-        let (Some([x0, z0]), Some([x, z])) = (before, tip) else { return };
+        let (Some([x0, z0]), Some([x, z])) = (self.from, tip) else {
+            (self.from, self.goes_along) = (tip, false);
+            return;
+        };
+        if libm::hypot(x - x0, z - z0) >= WAY_MM {
+            (self.from, self.goes_along) = (tip, (x - x0).abs() <= STEEPEST * (z - z0).abs());
+        }
         let [low, high] = self.along_mm;
-        if (z - z0).abs() <= (x - x0).abs() || !(low..=high).contains(&z) || low >= high {
+        if !(low..=high).contains(&z) || low >= high {
             return;
         }
         let bin = ((z - low) / (high - low) * BINS as f64) as usize;
-        let Some(radius) = self.radii_mm.get_mut(bin) else { return };
-        let deepest = match self.side {
-            Side::External => f64::min,
-            Side::Internal => f64::max,
+        let Some(cut) = self.cuts.get_mut(bin) else { return };
+        let (x, side) = (x.abs(), self.side);
+        let deeper = |(radius, _): (f64, bool)| match side {
+            Side::External => x < radius,
+            Side::Internal => x > radius,
         };
-        *radius = Some(radius.map_or(x.abs(), |other| deepest(other, x.abs())));
+        if cut.is_none_or(deeper) {
+            *cut = Some((x, self.goes_along));
+        }
     }
 
-    /// Least and largest diameter, mm; `None` if some of the length was not turned.
+    /// Least and largest diameter, mm; `None` if some of the length was not turned, or half of it is no
+    /// crest.
     pub(super) fn diameters_mm(&self) -> Option<[f64; 2]> {
-        let radii: Option<Vec<f64>> = self.radii_mm.iter().copied().collect();
-        let radii = radii?;
-        let least = radii.iter().copied().reduce(f64::min)?;
-        let largest = radii.iter().copied().reduce(f64::max)?;
-        Some([2.0 * least, 2.0 * largest])
+        let cuts: Vec<(f64, bool)> = self.cuts.iter().copied().collect::<Option<_>>()?;
+        let crest = || cuts.iter().filter(|(_, along)| *along).map(|(radius, _)| *radius);
+        if 2 * crest().count() < BINS {
+            return None;
+        }
+        Some([2.0 * crest().reduce(f64::min)?, 2.0 * crest().reduce(f64::max)?])
     }
 }
 
@@ -77,5 +94,20 @@ mod tests {
         assert_eq!(turned(Side::External, &[half]).diameters_mm(), None, "not all of it");
         let both = turned(Side::External, &[rough, half]).diameters_mm();
         assert_eq!(both, Some([19.82, 21.0]), "a step");
+    }
+
+    /// A tool that faces comes to rest within a fraction of a micrometre of its place, in any direction.
+    #[test]
+    fn a_face_a_chamfer_and_a_tool_at_rest_are_no_crest() {
+        let fine = [[9.91, 1.0], [9.91, -25.0]];
+        let facing = [[10.5, -1.001], [-0.4, -1.001]];
+        let rest = [[-0.4, -1.001], [-0.4, -1.0015]];
+        assert_eq!(turned(Side::External, &[facing, rest, fine]).diameters_mm(), Some([19.82, 19.82]));
+        for chamfer in [[[8.0, -0.5], [10.4, -2.9]], [[9.0, -0.5], [9.99, -4.2]]] {
+            let one = turned(Side::External, &[fine, chamfer]).diameters_mm();
+            assert_eq!(one, Some([19.82, 19.82]), "{chamfer:?}");
+        }
+        let mostly = [[0.0, 0.0], [9.91, -15.0]];
+        assert_eq!(turned(Side::External, &[fine, mostly]).diameters_mm(), None);
     }
 }
