@@ -23,12 +23,35 @@ pub(crate) fn raised(contour: &[Segment], distance: f64) -> Option<Vec<Segment>>
         return Some(contour.to_vec());
     }
     let pieces = pieces(contour, distance);
-    let (first, last) = (pieces.first()?, pieces.last()?);
-    let (from, to) = (first.start.z, last.end.z);
+    let to = pieces.last()?.end.z;
+    joined(&pieces, to, distance)
+}
+
+/// The contour that roughing leaves at a distance, 0 or greater: as [`raised`], but it reaches the Z in which
+/// the contour ends, unless that is a wall. What is beyond the end is not of the contour: it gets no
+/// allowance.
+pub(crate) fn left_on(contour: &[Segment], distance: f64) -> Option<Vec<Segment>> {
+    let Some(last) = contour.iter().rfind(|segment| segment.chord() > NEAR).filter(|last| !last.is_wall())
+    else {
+        return raised(contour, distance);
+    };
+    if distance == 0.0 {
+        return raised(contour, distance);
+    }
+    let mut pieces = pieces(contour, distance);
+    let over = last.end + last.direction(last.end).right() * distance;
+    pieces.push(Segment::arc(over, last.end - Point::new(distance, 0.0), last.end, true));
+    joined(&pieces, last.end.z, distance)
+}
+
+/// The envelope (5) of moved segments up to a Z, with walls where it jumps.
+fn joined(pieces: &[Segment], to: f64, distance: f64) -> Option<Vec<Segment>> {
+    let first = pieces.first()?;
+    let from = first.start.z;
     if to > from + NEAR {
         return None;
     }
-    let runs = envelope(&pieces, from, to, distance.signum());
+    let runs = envelope(pieces, from, to, distance.signum());
     let sunk = |run: &&Segment| {
         // a wall at the beginning that leads to the material, and is all below the rest
         let (wall, over) = (first.end.x - first.start.x, run.start.x - first.start.x);

@@ -61,7 +61,7 @@ pub(crate) struct Roughing {
 }
 
 /// The contour with a wall at its end up to the height of `start`, if it ends lower: what is after it stays.
-/// For roughing, before the allowance.
+/// For roughing, with the allowance on it.
 pub(crate) fn walled(start: Point, contour: &[Segment]) -> Vec<Segment> {
     let mut walled = contour.to_vec();
     if let Some(end) = contour.last().map(|last| last.end).filter(|end| end.x < start.x) {

@@ -88,6 +88,58 @@ fn finishing_a_face_keeps_to_the_side_of_the_tool() {
     assert!(passes.ends_with("R 10 -3.5, F 6.5 -3.5, F 6.5 0, A 6 0.5 c 6 0-1, F 2 0.5"), "{passes}");
 }
 
+/// A face that sinks in steps towards the middle, from there outwards: material beyond −Z and +X.
+const DISH: &str =
+    "o1 sub\nG0 X0 Z-10\no2 repeat [3]\nG1 X[#<_x>+5] Z[#<_z>+3]\nX[#<_x>+5]\no2 endrepeat\no1 endsub\n";
+
+#[test]
+fn finishing_from_the_middle_of_a_face_keeps_out_of_it() {
+    // LinuxCNC's sample lathe_g7x_face_boring; 0.25 from the flats is Z-6.75, Z-3.75, Z-0.75
+    let passes = good(&format!("{DISH}G70 Q1 X1 Z1 D0.5 P2"));
+    let expected = "R 1 1, R 0 1, R -0.129 -9.786, F 4.871 -6.786, A 5 -6.75 c 5 -7+1, F 9.931 -6.75, F 14.871 -3.786, \
+                    A 15 -3.75 c 15 -4+1, F 19.931 -3.75, F 24.871 -0.786, A 25 -0.75 c 25 -1+1, F 30 -0.75, R 0 1, \
+                    R 0 -10, F 5 -7, F 10 -7, F 15 -4, F 20 -4, F 25 -1, F 30 -1";
+    assert_eq!(passes, expected);
+}
+
+#[test]
+fn finishing_keeps_its_distance_on_the_side_of_the_tool_however_the_part_is_turned() {
+    let stairs = [(4.0, 2.0), (4.0, -8.0), (10.0, -8.0), (12.0, -12.0), (20.0, -12.0)];
+    for (x, z, swap) in [1.0, -1.0]
+        .into_iter()
+        .flat_map(|x| [(x, 1.0), (x, -1.0)])
+        .flat_map(|(x, z)| [(x, z, false), (x, z, true)])
+    {
+        let point = |(r, l): (f64, f64)| if swap { (z * l, x * r) } else { (x * r, z * l) };
+        let contour: Vec<String> =
+            stairs.into_iter().map(point).map(|(x, z)| format!("G1 X{x} Z{z}\n")).collect();
+        for (start, side) in [((22.0, 4.0), 1.0), ((2.0, 4.0), -1.0)] {
+            let (sx, sz) = point(start);
+            let passes = good(&format!("o1 sub\n{}o1 endsub\nG70 Q1 X{sx} Z{sz} E0.5", contour.concat()));
+            let begin = passes.split(", ").nth(2).unwrap_or_default().to_string();
+            let (bx, bz) = point((4.0 + side * 0.5, 2.0));
+            assert_eq!(begin, text('R', bx, bz), "{passes}");
+            let end = passes.rsplit(", ").next().unwrap_or_default().to_string();
+            let (ex, ez) = point((20.0, -12.0 + side * 0.5));
+            assert_eq!(end, text('F', ex, ez), "{passes}");
+        }
+    }
+}
+
+#[test]
+fn what_is_beyond_the_end_of_a_contour_gets_no_ring_of_the_allowance() {
+    // the flat ends at Z-20, the allowance is on X alone there
+    let open = good("o1 sub\nG0 X4\nG1 Z-20\no1 endsub\nG71 Q1 X10 Z2 D0.3 I4 R0");
+    let expected = "R 10 2, R 10 2, R 10 2, F 10 -20, R 10 -20, R 10 2, R 10 2, R 6 2, F 6 -20, R 6 -20, R 6 2, R 6 2, \
+                    R 4.3 2, F 4.3 -20, F 10 -20";
+    assert_eq!(open, expected);
+    // a taper: around its end up to Z-20
+    let taper = good("o1 sub\nG0 X4 Z0\nG1 X8 Z-20\no1 endsub\nG71 Q1 X10 Z2 D0.5 I5 R0");
+    assert!(taper.ends_with("F 8.49 -19.902, A 8.5 -20 c 8 -20+1, F 10 -20"), "{taper}");
+    let face = good(&format!("{DISH}G72 Q1 X1 Z1 D0.5 I10 R0"));
+    assert!(face.ends_with("F 30 -0.5, F 30 1"), "{face}");
+}
+
 #[test]
 fn pockets_are_cut_bridged_or_cut_alone() {
     let pocket = "o1 sub\nG0 X8\nG1 Z-2\nX6\nZ-6\nX8\nZ-8\nX10\no1 endsub\n";

@@ -18,12 +18,13 @@
 //! All but `record.rs` and this file is geometry that knows no state and no calls. Who has a contour from
 //! elsewhere (FANUC's P and Q) goes
 //! ```text
-//! Frame::of, enter_segment ─► walled ─► raised (D) or shifted (U W) ─► rough, turn, repeat, finish ─► leave
+//! Frame::of, enter_segment ─► left_on (D), walled, or shifted (U W) ─► rough, turn, repeat, finish ─► leave
 //! ```
 //!
 //! Where LinuxCNC's stand-alone interpreter does otherwise: its G70 can put the distance on the far side of a
-//! face, its roughing skips levels after an arc that falls and rises, and does not cut a contour that ends
-//! lower than it began.
+//! face, its roughing leaves D on what is beyond an open end of the contour (only what is compared with it
+//! does so here), skips levels after an arc that falls and rises, and does not cut a contour that ends lower
+//! than it began.
 //!
 //! What the words mean, and the default values: manual of LinuxCNC, G70 and G71 G72.
 
@@ -35,8 +36,8 @@ use crate::block::Block;
 use crate::canon::{Arc, Call, FeedMode, Place, Plane, X, Y, Z};
 use crate::codes::G;
 use crate::geometry::contour::{NEAR, Point, Segment};
-use crate::geometry::frame::Frame;
-use crate::geometry::offset::raised;
+use crate::geometry::frame::{Frame, sight};
+use crate::geometry::offset::{left_on, raised};
 use crate::geometry::passes::{Move, Pockets, Roughing, finish, rough, walled};
 use crate::problem::{Blame, Problem, short};
 use crate::state::{Cycle, State};
@@ -139,25 +140,29 @@ impl Passes<'_> {
             let help = "the first move of a contour leads to its beginning: add the contour after it";
             return Err(Problem::error("bad-contour", Blame::Block, message, help));
         }
-        let (frame, contour) = self.framed(&contour)?;
-        let mut start = frame.enter(self.cycle.start);
-        if let Some(first) = contour.first() {
-            start.z = start.z.max(first.start.z);
-        }
+        let (frame, contour, start) = self.framed(&contour)?;
+        let as_reference = state.settings.stand_alone;
         let (most, mut count) = (state.settings.moves_of_block, 0);
-        self.passes(start, &contour, &mut |_| {
+        self.passes(start, &contour, as_reference, &mut |_| {
             count += 1;
             if count > most { Err(self.endless(most)) } else { Ok(()) }
         })?;
-        self.passes(start, &contour, &mut |next| self.send(next, &frame, state, out))
+        self.passes(start, &contour, as_reference, &mut |next| self.send(next, &frame, state, out))
     }
 
     /// All the moves, along a contour in the frame of its cuts.
-    fn passes(&self, start: Point, contour: &[Segment], send: &mut dyn FnMut(Move) -> Done) -> Done {
+    fn passes(
+        &self,
+        start: Point,
+        contour: &[Segment],
+        as_reference: bool,
+        send: &mut dyn FnMut(Move) -> Done,
+    ) -> Done {
         if self.cycle.code == G(700) {
             let step = (self.cycle.distance - self.cycle.ending_distance) / f64::from(self.cycle.passes);
             for pass in (0..self.cycle.passes).rev() {
-                let contour = self.raised(contour, self.cycle.ending_distance + f64::from(pass) * step)?;
+                let distance = self.cycle.ending_distance + f64::from(pass) * step;
+                let contour = self.at(distance, raised(contour, distance))?;
                 finish(start, &contour, send)?;
             }
             return Ok(());
@@ -168,24 +173,38 @@ impl Passes<'_> {
             _ => Pockets::Only,
         };
         let how = Roughing { infeed: self.cycle.infeed, escape: self.cycle.escape, pockets };
-        rough(start, &self.raised(&walled(start, contour), self.cycle.distance)?, &how, send)
+        let distance = self.cycle.distance;
+        let left = match as_reference {
+            true => self.at(distance, raised(&walled(start, contour), distance))?,
+            false => walled(start, &self.at(distance, left_on(contour, distance))?),
+        };
+        rough(start, &left, &how, send)
     }
 
-    /// The contour in the frame of its cuts. G70 takes the one that the contour is monotone in.
-    fn framed(&self, contour: &[Segment]) -> Result<(Frame, Vec<Segment>), Box<Problem>> {
-        let directions: &[bool] = match self.cycle.code.0 {
-            700 => &[false, true],
-            710..=712 => &[false],
-            _ => &[true],
+    /// The contour in the frame of its cuts, and where the tool goes down to it from. G70 takes the frame that
+    /// the contour is monotone in, and in which that point is on the side of the tool.
+    fn framed(&self, contour: &[Segment]) -> Result<(Frame, Vec<Segment>, Point), Box<Problem>> {
+        let (directions, finishes): (&[bool], bool) = match self.cycle.code.0 {
+            700 => (&[false, true], true),
+            710..=712 => (&[false], false),
+            _ => (&[true], false),
         };
-        let mut turns_back = None;
+        let (mut turns_back, mut crossing) = (None, None);
         for facing in directions {
-            let frame = Frame::of(contour, self.cycle.start, *facing);
+            let of = if finishes { Frame::beside } else { Frame::of };
+            let frame = of(contour, self.cycle.start, *facing);
             let framed: Vec<Segment> = contour.iter().map(|segment| frame.enter_segment(segment)).collect();
+            let start = frame.above(&framed, self.cycle.start);
             match framed.iter().find(|segment| !segment.is_monotone()) {
-                None => return Ok((frame, framed)),
+                None if finishes && sight(&framed, start).is_some_and(|turned_left| turned_left > 0.0) => {
+                    crossing = crossing.or(Some((frame, framed, frame.enter(self.cycle.start))));
+                }
+                None => return Ok((frame, framed, start)),
                 Some(segment) => turns_back = turns_back.or(Some(frame.leave(segment.start))),
             }
+        }
+        if let Some(crossing) = crossing {
+            return Ok(crossing);
         }
         let axis = match directions {
             [false, true] => "neither Z nor X goes",
@@ -196,8 +215,9 @@ impl Passes<'_> {
         Err(self.refuse(&what, turns_back.unwrap_or(self.cycle.start)))
     }
 
-    fn raised(&self, contour: &[Segment], distance: f64) -> Result<Vec<Segment>, Box<Problem>> {
-        raised(contour, distance).ok_or_else(|| {
+    /// What is left of the contour at a distance.
+    fn at(&self, distance: f64, left: Option<Vec<Segment>>) -> Result<Vec<Segment>, Box<Problem>> {
+        left.ok_or_else(|| {
             let what = format!("nothing is left of the contour at a distance of {}", short(distance));
             self.refuse(&what, self.cycle.start)
         })

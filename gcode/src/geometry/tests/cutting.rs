@@ -6,7 +6,7 @@ use std::convert::Infallible;
 
 use super::random::contours;
 use crate::geometry::contour::{Point, Segment};
-use crate::geometry::offset::raised;
+use crate::geometry::offset::left_on;
 use crate::geometry::passes::{Move, Pockets, Roughing, finish, repeat, rough, turn, walled};
 
 /// Width of a slice of the stock.
@@ -92,7 +92,7 @@ fn prepared(contour: &[Segment], allowance: f64) -> Option<(Point, Vec<Segment>)
     let top = contour.iter().map(|segment| segment.start.x.max(segment.end.x)).fold(0.0, f64::max);
     let top = contour.iter().filter_map(|s| s.halves().1).map(|half| half.start.x).fold(top, f64::max);
     let start = Point::new(3.0, top + 1.0 + allowance);
-    Some((start, raised(&walled(start, contour), allowance)?))
+    Some((start, walled(start, &left_on(contour, allowance)?)))
 }
 
 proptest! {
