@@ -71,7 +71,7 @@ fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
         760 => threads::cycle(run),
         900 | 920 | 940 => single::cycle(code, run),
         740 | 750 => pecks::cycle(code, run),
-        810..=850 => drilling::cycle(code, run),
+        810..=890 => drilling::cycle(code, run),
         _ => Ok(()),
     }
 }

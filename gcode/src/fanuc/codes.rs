@@ -10,7 +10,7 @@ use crate::problem::{Blame, Problem, Span, short};
 pub(super) const MACRO: usize = 4;
 /// G09: stop at the end of the block.
 pub(super) const EXACT_STOP: usize = 11;
-/// G80 to G85: cycles for holes.
+/// G80 to G89: cycles for holes.
 pub(super) const DRILLING: usize = 10;
 /// Groups of codes that end what never begins here: modal macros G67, mirrored turrets
 /// G69, the driven C axis G13.1 (G113).
@@ -18,21 +18,33 @@ const ENDS: &[(&[u16], usize)] = &[(&[670], 3), (&[690], 9), (&[131, 1130], 8)];
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
 
-/// Codes that are known but not executed, and what to write in their place.
-const REFUSED: &[(&[u16], &str)] = &[
-    (&[340, 350], "write the thread as G32, G92 or G76 with a constant lead on a straight line"),
-    (&[50, 51, 61, 80, 81], "leave it out"),
-    (&[71, 1070, 121, 1120], "there is no driven C axis: turn the contour with G01, G02 and G03"),
-    (&[220, 230, 250, 260], "leave it out: limits of travel and speed belong to the machine file"),
-    (&[270, 290, 301], "use G28 or G30"),
-    (&[310, 360, 370], "measure the tool or the part first, and write the value into the program"),
-    (&[660, 661], "call the macro with G65 in every block that needs it"),
-    (&[680], "there is one turret: write the blocks for it alone"),
-    (&[170, 190], "a lathe works in the plane of X and Z, G18"),
-    (&[840, 880], "cut the thread with G92 or G76: the spindle does not reverse in step with Z"),
-    (&[870, 890], "there are no driven tools: holes are along Z, G83 and G85"),
-    (&[502, 512], "write the corners of the polygon as moves"),
+/// Codes that are known but not executed, why not, and what to write in their place.
+const REFUSED: &[(&[u16], (&str, &str))] = &[
+    (&[340, 350], ("a thread has one lead, on a straight line", "write the thread as G32, G92 or G76")),
+    (&[71, 1070, 121, 1120], ("there is no driven C axis", "turn the contour with G01, G02 and G03")),
+    (&[220, 230, 250, 260], ("limits of travel and speed belong to the machine file", "leave it out")),
+    (&[270, 290, 301], ("G28 and G30 are the ways home", "use G28 or G30")),
+    (&[310, 360, 370], ("nothing is measured", "measure the tool or the part first, and write the value")),
+    (&[660, 661], ("a macro is called block by block", "call it with G65 in every block that needs it")),
+    (&[680], ("there is one turret", "write the blocks for it alone")),
+    (&[170, 190], ("a lathe works in the plane of X and Z", "use G18")),
+    (
+        &[840, 880],
+        (
+            "the spindle of this machine does not reverse in step with Z to tap",
+            "cut the thread with G92 or G76",
+        ),
+    ),
+    (&[870], ("there are no driven tools to drill along X", "holes are along Z: use G83")),
+    (&[502, 512], ("tools do not turn in step with the part", "write the corners of the polygon as moves")),
 ];
+
+/// Codes that switch look-ahead and smoothing.
+pub(super) const SMOOTHING: [u16; 6] = [50, 51, 61, 80, 81, 1870];
+/// Words of those.
+pub(super) const OF_SMOOTHING: u32 = bits("PQRE");
+/// M codes that choose a gear of the spindle.
+pub(super) const GEARS: std::ops::RangeInclusive<u16> = 40..=44;
 
 /// The group of a G code.
 ///
@@ -44,7 +56,7 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         0 | 10 | 20 | 30 | 320 | 900 | 920 | 940 => group::MOTION,
         180 => group::PLANE,
         650 => MACRO,
-        800 | 810 | 820 | 830 | 850 => DRILLING,
+        800 | 810 | 820 | 830 | 850 | 860 | 890 => DRILLING,
         90 => EXACT_STOP,
         610 | 640 => group::PATH,
         960 | 970 => group::SPINDLE_MODE,
@@ -54,8 +66,8 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         540 | 550 | 560 | 570 | 580 | 590 => group::COORDINATES,
         tenths => match (in_table(ENDS, tenths), in_table(REFUSED, tenths)) {
             (Some(group), _) => *group,
-            (None, Some(help)) => {
-                let message = format!("{code} is not available");
+            (None, Some((why, help))) => {
+                let message = format!("{code} is not available: {why}");
                 return Err(Problem::error("not-available", Blame::Span(span), message, *help));
             }
             (None, None) => return Err(unknown(f64::from(tenths) / 10.0, span)),
@@ -108,7 +120,7 @@ fn words_of_g(code: G) -> u32 {
     match code.0 {
         0 | 520 | 530 => POINT,
         280 => POINT | bits("V"),
-        10 => POINT | bits("CRIKcr"),
+        10 => POINT | bits("CRIKcrA"),
         20 | 30 => POINT | bits("RIK"),
         40 => bits("XUP"),
         100 => bits("LPXZ"),
@@ -121,7 +133,7 @@ fn words_of_g(code: G) -> u32 {
         730 => bits("PQUWR"),
         740 | 750 => POINT | bits("PQRIK"),
         760 => POINT | bits("PQRIKAD"),
-        810..=850 => POINT | bits("RQP"),
+        810..=890 => POINT | bits("RQP"),
         900 | 940 => POINT | bits("R"),
         920 => POINT | bits("RQ"),
         _ => 0,
@@ -170,7 +182,8 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
         Deed::M(M(98)) => bits("PL"),
         Deed::M(_) => bits("P"),
     };
-    match letters_of(block.present() & !(ALWAYS | used)).next() {
+    let idle = line.idle.as_ref().map_or(0, |idle| idle.words);
+    match letters_of(block.present() & !(ALWAYS | used | idle)).next() {
         Some(letter) => Err(unused(letter, deed)),
         None => Ok(deed),
     }

@@ -14,9 +14,10 @@ use super::codes::{self, Deed};
 use super::execution::Execution;
 use super::line::{Line, Statement};
 use super::modal::Modal;
+use super::shape::Shape;
 use super::{Control, block, corner, one_block};
 use crate::bounds::{MOST_BLOCKS, MOST_PASSES};
-use crate::canon::{Arc, Call, Place, Sink, X, Z};
+use crate::canon::{Place, X, Z};
 use crate::codes::{G, group, m_group};
 use crate::execute::compensation::Waiting;
 use crate::execute::{Done, Output};
@@ -56,9 +57,26 @@ impl Control {
         if finished || self.flow.files.mark().lines < behind.lines || range.begin.lines < behind.lines {
             self.flow.files.go(self.flow.files.current(), behind)?;
         }
+        if done.is_err() && !finished {
+            self.flow.files.go(self.flow.files.current(), behind)?;
+            self.pass_contour(range.first, range.last);
+        }
         done?;
         self.line = cycle;
         Ok(())
+    }
+
+    /// Goes on behind a contour that stands behind this place, for nothing of it is cut.
+    pub(super) fn pass_contour(&mut self, first: u32, last: u32) {
+        let here = self.flow.files.mark();
+        let behind = |mark: &Mark| mark.lines >= here.lines;
+        let found = self.flow.label(first).ok().filter(behind).and(self.flow.label(last).ok().filter(behind));
+        if let Some(end) = found
+            && self.flow.files.go(self.flow.files.current(), end).is_ok()
+        {
+            // The line that was found is there: what is wrong with it was said, or will be by G70.
+            let _ = self.flow.files.take();
+        }
     }
 
     fn range(&mut self, code: G) -> Result<Range, Box<Problem>> {
@@ -357,31 +375,4 @@ fn send(next: Move, frame: &Frame, place: Place, run: &mut Execution) -> Done {
         }
     };
     run.go(code, end, center, place)
-}
-
-/// Keeps the moves of a contour, and whether they are rapids.
-struct Shape {
-    at: Point,
-    segments: Vec<(Segment, bool)>,
-}
-
-impl Sink for Shape {
-    fn call(&mut self, _: Place, call: Call<'_>) -> Done {
-        let rapid = matches!(call, Call::StraightTraverse(_));
-        let segment = match call {
-            Call::StraightTraverse(end) | Call::StraightFeed(end) => {
-                Segment::line(self.at, Point::new(end[Z], end[X]))
-            }
-            Call::ArcFeed(Arc { end, center, turns, .. }) => {
-                let [end, center] = [end, center].map(|[z, x]| Point::new(z, x));
-                Segment::arc(self.at, end, center, turns > 0)
-            }
-            _ => return Ok(()),
-        };
-        self.at = segment.end;
-        if segment.chord() > 0.0 || segment.bend.is_some() || self.segments.is_empty() {
-            self.segments.push((segment, rapid));
-        }
-        Ok(())
-    }
 }

@@ -1,5 +1,5 @@
-//! Holes along Z: G81 and G83 drill, in one go or in pecks of Q; G82 and P wait at the bottom; G85 comes back
-//! at the feed. They are in force until G80 or a code such as G00; X or Z alone makes another hole.
+//! Holes along Z: G81 and G83 drill, in one go or in pecks of Q; G82 and P wait at the bottom; G85 and G89 come
+//! back at the feed, G86 with the spindle at rest. They are in force until G80 or a code such as G00; X or Z alone makes another hole.
 //!
 //! In: `G83 X Z R Q P F`. R is where the feed begins: a distance from where the tool stands (FANUC) or a Z
 //! (Haas). Of the two readings those count that lie between the tool and the bottom, of these the one farther
@@ -35,7 +35,7 @@ pub(super) struct Drill {
     dwell_s: f64,
 }
 
-/// G81, G82, G83, G85.
+/// G81, G82, G83, G85, G86, G89.
 ///
 /// # Errors
 /// There is no depth, or words make no sense; what the moves refuse.
@@ -72,14 +72,23 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     if drill.dwell_s > 0.0 {
         run.out.call(Call::Dwell(drill.dwell_s))?;
     }
-    run.go(if code == G(850) { feed } else { rapid }, [drill.r, x], None, place)?;
-    run.go(rapid, [drill.level, x], None, place)
+    let turning = run.state.spindle.turning.filter(|_| code == G(860));
+    if turning.is_some() {
+        run.out.call(Call::StopSpindle)?;
+    }
+    run.go(if matches!(code, G(850 | 890)) { feed } else { rapid }, [drill.r, x], None, place)?;
+    run.go(rapid, [drill.level, x], None, place)?;
+    turning.map_or(Ok(()), |turn| run.out.call(Call::StartSpindle(turn)))
 }
 
 /// The words of the block, or those in force.
 fn drill(code: G, line: &Line, here: f64, before: Option<Drill>) -> Result<Drill, Box<Problem>> {
     let level = before.map_or(here, |drill| drill.level);
     let Some(bottom) = line.length('Z').or(before.map(|drill| drill.bottom)) else {
+        if code == G(890) {
+            let message = "G89 with X alone bores along X, and there are no driven tools";
+            return Err(Problem::error("not-available", Blame::G(code), message, "holes are along Z: add Z"));
+        }
         let message = format!("{code} needs Z, the bottom of the hole");
         return Err(Problem::error("missing-word", Blame::G(code), message, "add Z"));
     };

@@ -7,8 +7,10 @@ use crate::canon::{Place, Pose, X, Z};
 use crate::codes::{G, M, group};
 use crate::execute::Done;
 use crate::execute::{self, Output};
-use crate::problem::{Blame, Problem, Span};
+use crate::options::DecimalPoint;
+use crate::problem::{Blame, Problem, Span, short};
 use crate::state::State;
+use crate::text::degrees;
 
 /// A block with all that it acts on.
 pub(super) struct Execution<'a, 'b> {
@@ -64,10 +66,13 @@ impl Execution<'_, '_> {
 
     /// Adds X and Z of a point to the equivalent block, those axes alone that the line names.
     pub(super) fn add_point(&mut self, end: &Pose) -> Done {
+        let inclined = self.line.has('A') && self.line.block.g(group::ONCE).is_none();
         for (letters, letter, value) in [(['X', 'U'], 'X', 2.0 * end[X]), (['Z', 'W'], 'Z', end[Z])] {
             if let Some(named) = letters.into_iter().find(|letter| self.line.has(*letter)) {
                 let span = self.span_of(Blame::Word(named));
                 self.equivalent.add(letter, value, span)?;
+            } else if inclined {
+                self.equivalent.add(letter, value, self.span_of(Blame::Word('A')))?;
             }
         }
         Ok(())
@@ -107,5 +112,37 @@ pub(super) fn target(line: &Line, from: Pose) -> Result<Pose, Box<Problem>> {
             (None, None) => {}
         }
     }
+    match line.plain('A').filter(|_| line.block.g(group::ONCE).is_none()) {
+        Some(angle) => inclined(angle, line, from, end),
+        None => Ok(end),
+    }
+}
+
+/// The end of a line at an angle (A, from Z+ towards X+) of which one coordinate is given.
+fn inclined(angle: f64, line: &Line, from: Pose, mut end: Pose) -> Result<Pose, Box<Problem>> {
+    let bad = |code, message: String, help: &str| Err(Problem::error(code, Blame::Word('A'), message, help));
+    let angle = match (line.is_bare('A') && angle != 0.0, line.decimal_point) {
+        (true, Some(DecimalPoint::Conventional)) => angle / 1000.0,
+        (true, None | Some(DecimalPoint::Refuse)) => {
+            let message =
+                format!("A{angle} has no decimal point: it is {angle} degrees or {} of them", angle / 1000.0);
+            return bad("no-decimal-point", message, &format!("write A{angle}. for {angle} degrees"));
+        }
+        _ => angle,
+    };
+    let (x, z) = (line.has_any("XU"), line.has_any("ZW"));
+    if x == z {
+        let message = "A needs one coordinate of the end beside it, X or Z, and computes the other";
+        let help = "leave A out, or one of X and Z; where two lines at angles meet must be computed by hand";
+        return bad("missing-word", message.into(), help);
+    }
+    let slope = degrees::tangent(angle);
+    let way = if z { (end[Z] - from[Z]) * slope } else { (end[X] - from[X]) / slope };
+    if !way.is_finite() || way.abs() > 1e6 {
+        let message = format!("a line at {} degrees never reaches this coordinate", short(angle));
+        return bad("bad-value", message, "A counts from Z+ towards X+: 0 and 180 along Z, 90 along X");
+    }
+    let axis = if z { X } else { Z };
+    end[axis] += way;
     Ok(end)
 }

@@ -6,9 +6,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::labels::{Heading, Wanted};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem};
-use crate::text::{Cursor, Files, Mark, number};
+use crate::text::{Files, Mark};
 
 /// Endings of the files of subprograms.
 const ENDINGS: [&str; 4] = [".nc", ".ngc", ".NC", ""];
@@ -35,17 +36,6 @@ struct Loop {
     number: u8,
     at: Mark,
     end: Mark,
-}
-
-/// What a line is looked for by.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Wanted {
-    /// N.
-    Label(u32),
-    /// END.
-    End(u8),
-    /// O.
-    Program(u32),
 }
 
 /// Where a program is.
@@ -348,40 +338,4 @@ impl Flow {
 
 fn beginning_of(files: &Files, file: usize) -> Mark {
     files.get(file).map_or(Mark::default(), |source| source.beginning())
-}
-
-/// What a line can be found by.
-#[derive(Default)]
-struct Heading {
-    label: Option<u32>,
-    program: Option<u32>,
-    end: Option<u8>,
-}
-
-impl Heading {
-    fn of(text: &[u8]) -> Heading {
-        let mut cursor = Cursor::new(text);
-        let mut heading = Heading::default();
-        if cursor.take_if(b'/') && matches!(cursor.peek(), Some(b'1'..=b'9')) {
-            cursor.skip();
-        }
-        if cursor.take_if(b'n') {
-            heading.label = number(&mut cursor).ok().map(|label| label as u32);
-        }
-        if matches!(cursor.peek(), Some(b'o' | b':')) {
-            cursor.skip();
-            heading.program = number(&mut cursor).ok().map(|program| program as u32);
-        } else if cursor.take_name(&[("end", ())]).is_some() {
-            heading.end = cursor.peek().filter(u8::is_ascii_digit).map(|digit| digit - b'0');
-        }
-        heading
-    }
-
-    fn is(&self, wanted: Wanted) -> bool {
-        match wanted {
-            Wanted::Label(label) => self.label == Some(label),
-            Wanted::Program(program) => self.program == Some(program),
-            Wanted::End(number) => self.end == Some(number),
-        }
-    }
 }

@@ -29,6 +29,15 @@ pub(super) enum Statement {
     Message,
 }
 
+/// A code that this machine has no use for.
+#[derive(Clone, Debug)]
+pub(super) struct Idle {
+    pub(super) span: Span,
+    pub(super) message: String,
+    /// Letters that it takes with it, as bits.
+    pub(super) words: u32,
+}
+
 /// The words of a line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Line {
@@ -38,19 +47,25 @@ pub(super) struct Line {
     bare: u32,
     /// Letters whose value was computed.
     computed: u32,
-    /// Lengths without a decimal point are mm or inch, not increments.
-    pocket_calculator: bool,
+    /// What lengths without a decimal point are.
+    pub(super) decimal_point: Option<DecimalPoint>,
     /// Arguments of G65.
     pub(super) arguments: Option<Box<Locals>>,
     /// Units of the block: those in force, or those of its own G20 or G21.
     pub(super) units: Option<Units>,
+    /// The last code without effect.
+    pub(super) idle: Option<Idle>,
 }
 
 impl Line {
     /// An empty line of a program in which coordinates without a decimal point are read so.
     pub(super) fn new(decimal_point: Option<DecimalPoint>) -> Line {
-        let pocket_calculator = decimal_point == Some(DecimalPoint::PocketCalculator);
-        Line { pocket_calculator, ..Line::default() }
+        Line { decimal_point, ..Line::default() }
+    }
+
+    /// Lengths without a decimal point are mm or inch, not increments.
+    fn pocket_calculator(&self) -> bool {
+        self.decimal_point == Some(DecimalPoint::PocketCalculator)
     }
 
     /// Least input increment (IS-B), program units.
@@ -80,7 +95,7 @@ impl Line {
         let per_unit = self.increments_per_unit();
         Some(match () {
             // D of G76 takes no decimal point on any control.
-            () if self.is_bare(letter) && self.pocket_calculator && letter != 'D' => value,
+            () if self.is_bare(letter) && self.pocket_calculator() && letter != 'D' => value,
             () if self.is_bare(letter) => value / per_unit,
             () if self.computed & letter_bit(letter) != 0 => (value * per_unit).round() / per_unit,
             () => value,
@@ -134,7 +149,7 @@ impl Line {
 
     /// What a number of an argument of G65 without a decimal point is divided by.
     pub(super) fn argument_steps(&self) -> f64 {
-        if self.pocket_calculator { 1.0 } else { self.increments_per_unit() }
+        if self.pocket_calculator() { 1.0 } else { self.increments_per_unit() }
     }
 
     /// Whether it has any of these letters.
@@ -145,6 +160,7 @@ impl Line {
     pub(super) fn clear(&mut self, file: u16, line: u32, units: Units) {
         self.block.clear(file, line);
         (self.bare, self.computed, self.arguments, self.units) = (0, 0, None, Some(units));
+        self.idle = None;
     }
 
     /// Adds the word of a letter.

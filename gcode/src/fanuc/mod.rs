@@ -25,6 +25,7 @@ mod drilling;
 mod execution;
 mod expression;
 mod flow;
+mod labels;
 mod line;
 mod modal;
 mod once;
@@ -33,6 +34,7 @@ mod pecks;
 mod points;
 mod rates;
 mod reading;
+mod shape;
 mod single;
 mod stops;
 mod threads;
@@ -41,7 +43,7 @@ mod variables;
 
 use crate::block::Block;
 use crate::canon::{Call, FeedMode, Plane};
-use crate::codes::{G, M, m_group};
+use crate::codes::{G, M, group, m_group};
 use crate::execute::{Done, Output};
 use crate::options::{DecimalPoint, Options};
 use crate::problem::{Blame, Problem, Span, short};
@@ -152,6 +154,14 @@ impl Control {
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
     pub(crate) fn next(&mut self, state: &mut State, out: &mut Output) -> Done {
+        let done = self.statement(state, out);
+        if done.is_err() {
+            self.failed(state);
+        }
+        done
+    }
+
+    fn statement(&mut self, state: &mut State, out: &mut Output) -> Done {
         if !self.started {
             self.started = true;
             self.start(state, out)?;
@@ -166,6 +176,10 @@ impl Control {
             Statement::Program(_) => self.end_of_text(state),
             Statement::Block => {
                 self.points.see(self.decimal_point, &self.line, out)?;
+                if let Some(idle) = &self.line.idle {
+                    let (blame, message) = (Blame::Span(idle.span), idle.message.as_str());
+                    out.warn(Problem::warning("no-effect", blame, message, "leave it out"));
+                }
                 self.execute(state, out)
             }
             Statement::Goto(label) => self.flow.goto(label),
@@ -179,6 +193,26 @@ impl Control {
                 let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
                 out.call(Call::Message(&text))?;
                 out.call(Call::ProgramStop)
+            }
+        }
+    }
+
+    /// A block failed. What it would have left in force counts, and a contour that it would have roughed is
+    /// not cut by itself: the blocks behind it are not to blame.
+    fn failed(&mut self, state: &mut State) {
+        let line = &self.line;
+        if let Some(feed) = line.plain('F').filter(|feed| *feed > 0.0) {
+            state.modes.feed = feed;
+            self.modal.lead = Some(feed);
+        }
+        if let Some(code) = line.block.g(group::MOTION).filter(|code| !codes::is_idle(*code, line)) {
+            self.modal.motion = code;
+        }
+        if matches!(line.block.g(group::ONCE), Some(G(710 | 720 | 730))) {
+            let label =
+                |letter| line.plain(letter).filter(|number| *number > 0.0).map(|number| number as u32);
+            if let (Some(first), Some(last)) = (label('P'), label('Q')) {
+                self.pass_contour(first, last);
             }
         }
     }

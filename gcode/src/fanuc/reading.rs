@@ -10,7 +10,8 @@
 
 use super::codes;
 use super::expression::Values;
-use super::line::{Kind, Line, Statement};
+use super::labels::{loop_number, program_number, sequence_number};
+use super::line::{Idle, Kind, Line, Statement};
 use super::variables::Variables;
 use crate::block::{Comment, CommentKind};
 use crate::bounds::LAST_NUMBER;
@@ -174,22 +175,43 @@ impl Reading<'_> {
     }
 
     fn block(&mut self, cursor: &mut Cursor, line: &mut Line) -> Result<Statement, Box<Problem>> {
+        let mut refused = None;
+        let done = self.words(cursor, line, &mut refused);
+        match refused {
+            Some(problem) => Err(problem),
+            None => done.map(|()| of_block(line)),
+        }
+    }
+
+    /// The words of a block. The first code that is `refused` does not keep the others from being read: F of
+    /// the block may be that of blocks after it.
+    fn words(
+        &mut self,
+        cursor: &mut Cursor,
+        line: &mut Line,
+        refused: &mut Option<Box<Problem>>,
+    ) -> Result<(), Box<Problem>> {
         let mut last = None;
         while let Some(first) = cursor.peek() {
             match first {
-                b'g' => self.g_code(cursor, line)?,
                 b'n' | b'o' => return Err(misplaced(cursor)),
-                b'a'..=b'z' if line.arguments.is_some() && !matches!(first, b'p' | b'l') => {
+                b'a'..=b'z' if line.arguments.is_some() && !matches!(first, b'g' | b'p' | b'l') => {
                     last = self.argument(first, last, cursor, line)?;
                 }
-                b'm' => self.m_code(cursor, line)?,
+                b'g' | b'm' => {
+                    let code =
+                        if first == b'g' { self.g_code(cursor, line) } else { self.m_code(cursor, line) };
+                    if let Err(problem) = code {
+                        refused.get_or_insert(problem);
+                    }
+                }
                 b'a'..=b'z' | b',' => self.word(first, cursor, line)?,
                 b'(' => comment(cursor, line)?,
-                b';' => return self.end(cursor, line).map(|()| of_block(line)),
+                b';' => return self.end(cursor, line),
                 _ => return Err(bad_character(cursor)),
             }
         }
-        Ok(of_block(line))
+        Ok(())
     }
 
     /// The end of a line: comments, `;`.
@@ -218,14 +240,11 @@ impl Reading<'_> {
         let letter = match first {
             b',' => match cursor.take() {
                 Some(letter @ (b'c' | b'r')) => char::from(letter),
+                Some(b'a') => 'A',
                 _ => {
-                    let help = ",C cuts the corner after a move, ,R rounds it";
-                    return Err(cursor.error_from(
-                        start,
-                        "not-available",
-                        "only C and R may follow a comma",
-                        help,
-                    ));
+                    let help = ",C cuts the corner after a move, ,R rounds it, ,A is the angle of a line";
+                    let message = "only A, C and R may follow a comma";
+                    return Err(cursor.error_from(start, "not-available", message, help));
                 }
             },
             letter => char::from(letter.to_ascii_uppercase()),
@@ -259,6 +278,11 @@ impl Reading<'_> {
         let known =
             ((10.0 * value - code).abs() < 1e-3 && (0.0..65_536.0).contains(&code)).then_some(G(code as u16));
         let Some(code) = known else { return Err(codes::unknown(value, span)) };
+        if codes::SMOOTHING.contains(&code.0) {
+            let message = format!("{code} does nothing here: look-ahead and smoothing are always on");
+            line.idle = Some(Idle { span, message, words: codes::OF_SMOOTHING });
+            return Ok(());
+        }
         let group = codes::g_group(code, span)?;
         line.block.add_g(group, code, span)?;
         match code {
@@ -275,9 +299,20 @@ impl Reading<'_> {
         let known = (value.fract() == 0.0 && (0.0..65_536.0).contains(&value)).then_some(M(value as u16));
         match known.and_then(|code| Some((codes::m_group(code)?, code))) {
             Some((group, code)) => line.block.add_m(group, code, span),
-            None => match self.state.machine_code(value, span)? {
-                MachineCode::Ignore => Ok(()),
-                MachineCode::Wait => line.block.add_m(m_group::STOP, M(0), span),
+            None => match (self.state.machine_code(value, span), known) {
+                (Ok(MachineCode::Ignore), _) => Ok(()),
+                (Ok(MachineCode::Wait), _) => line.block.add_m(m_group::STOP, M(0), span),
+                (Err(_), Some(gear)) if codes::GEARS.contains(&gear.0) => {
+                    let message = format!("{gear} chooses a gear, and the spindle of this machine has one");
+                    line.idle = Some(Idle { span, message, words: 0 });
+                    Ok(())
+                }
+                (Err(_), Some(M(29))) => {
+                    let message = "M29 announces rigid tapping, and the spindle of this machine does not tap";
+                    let help = "cut the thread with G92 or G76, or say in [m_codes] of the machine file what M29 does";
+                    Err(Problem::error("not-available", Blame::Span(span), message, help))
+                }
+                (Err(problem), _) => Err(problem),
             },
         }
     }
@@ -337,49 +372,8 @@ fn comment(cursor: &mut Cursor, line: &mut Line) -> Done {
 }
 
 fn of_block(line: &Line) -> Statement {
-    let empty = line.block.is_empty() && line.arguments.is_none();
+    let empty = line.block.is_empty() && line.arguments.is_none() && line.idle.is_none();
     if empty { Statement::Nothing } else { Statement::Block }
-}
-
-/// N and its digits.
-fn sequence_number(cursor: &mut Cursor) -> Result<(Option<u32>, u8), Box<Problem>> {
-    let mut ahead = cursor.clone();
-    if !ahead.take_if(b'n') {
-        return Ok((None, 0));
-    }
-    let start = cursor.mark();
-    cursor.skip();
-    let digits = cursor.digits_here();
-    let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(0.0..=f64::from(LAST_NUMBER)).contains(&value) {
-        let help = "a sequence number has up to eight digits, or is left out";
-        return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
-    }
-    Ok((Some(value as u32), digits))
-}
-
-fn program_number(cursor: &mut Cursor) -> Result<u32, Box<Problem>> {
-    let start = cursor.mark();
-    cursor.skip();
-    let value = if matches!(cursor.peek(), Some(b'0'..=b'9')) { number(cursor)? } else { -1.0 };
-    if value.fract() != 0.0 || !(0.0..=f64::from(LAST_NUMBER)).contains(&value) {
-        let help = format!("a program number is 0 to {LAST_NUMBER}, as in O1000");
-        return Err(cursor.error_from(start, "bad-label", "O without a usable number", help));
-    }
-    Ok(value as u32)
-}
-
-fn loop_number(cursor: &mut Cursor) -> Result<u8, Box<Problem>> {
-    match cursor.peek() {
-        Some(digit @ b'1'..=b'3') => {
-            cursor.skip();
-            Ok(digit - b'0')
-        }
-        _ => {
-            let help = "loops are numbered 1, 2 and 3, as in DO 1 ... END 1";
-            Err(cursor.error_here("bad-loop", "the number of the loop is missing here", help))
-        }
-    }
 }
 
 fn misplaced(cursor: &mut Cursor) -> Box<Problem> {

@@ -129,6 +129,7 @@ impl Program {
         }
         if let Err(problem) = done {
             self.reader.only_look(&mut self.state);
+            self.state.assume(problem.code);
             if let Some(diagnostic) = self.findings.error(*problem, refused, &mut self.reader) {
                 return Err(Box::new(diagnostic));
             }

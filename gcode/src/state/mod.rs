@@ -168,6 +168,15 @@ impl State {
         state
     }
 
+    /// A feed or a speed was missed, which is said once: from here on there is one.
+    pub(crate) fn assume(&mut self, problem: &str) {
+        match problem {
+            "no-feed" if self.modes.feed == 0.0 => self.modes.feed = 1.0,
+            "no-spindle-speed" if self.spindle.speed == 0.0 => self.spindle.speed = 1.0,
+            _ => {}
+        }
+    }
+
     /// The value of `#index` as it is stored.
     pub(crate) fn parameter(&self, index: u32) -> f64 {
         self.memory.numbered(index)

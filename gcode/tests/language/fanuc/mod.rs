@@ -11,5 +11,6 @@ mod macros;
 mod order;
 mod points;
 pub(crate) mod recorded;
+mod refusals;
 mod threads;
 mod tools;
