@@ -53,19 +53,65 @@ fn read(path: &Path) -> Result<String, FileError> {
 }
 
 /// Writes a file beside `path` (`NAME.new`) and puts it in its place, so that there is a whole file at any
-/// time.
-fn replace(path: &Path, text: &str) -> Result<(), FileError> {
+/// time. It keeps its permissions, and its place if `path` is a link.
+fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let old = path.canonicalize().ok();
+    let path = old.as_deref().unwrap_or(path);
     let fresh = with_suffix(path, ".new");
     let written = File::create(&fresh)
         .and_then(|mut file| {
-            file.write_all(text.as_bytes())?;
-            file.sync_data()
+            file.write_all(bytes)?;
+            if let Some(old) = &old {
+                file.set_permissions(fs::metadata(old)?.permissions())?;
+            }
+            file.sync_all()
         })
         .and_then(|()| fs::rename(&fresh, path));
+    if written.is_ok()
+        && let Some(folder) = path.parent().and_then(|folder| File::open(folder).ok())
+    {
+        let _ = folder.sync_all(); // not every file system can; the file itself is whole
+    }
     written.map_err(|error| {
         let _ = fs::remove_file(&fresh); // what is reported is why it could not be written
         FileError::Write { path: path.into(), error }
     })
+}
+
+/// Changes a file and nothing of it but what `change` changes: line ends, encoding and a byte order mark stay.
+/// One that does not exist begins with `empty`.
+fn rewrite(
+    path: &Path,
+    empty: &str,
+    change: impl FnOnce(&str) -> Result<String, FileError>,
+) -> Result<(), FileError> {
+    let wrong = |error| FileError::Read { path: path.into(), error };
+    let old = if path.exists() { Some(fs::read(path).map_err(wrong)?) } else { None };
+    let bytes = old.as_deref().unwrap_or(empty.as_bytes());
+    if bytes.contains(&0) {
+        let error = io::Error::new(io::ErrorKind::InvalidData, "it is not a text in UTF-8 or Latin-1");
+        return Err(wrong(error));
+    }
+    let utf8 = std::str::from_utf8(bytes);
+    // One character for each byte, and back.
+    let text = utf8.map_or_else(|_| bytes.iter().copied().map(char::from).collect(), str::to_owned);
+    let (mark, text) = text.strip_prefix(MARK).map_or(("", text.as_str()), |rest| (MARK, rest));
+    let changed = format!("{mark}{}", change(text)?);
+    let changed = match utf8 {
+        Ok(_) => changed.into_bytes(),
+        Err(_) => changed.chars().map(|c| c as u8).collect(),
+    };
+    if old.as_ref() == Some(&changed) { Ok(()) } else { replace(path, &changed) }
+}
+
+/// The byte order mark of UTF-8.
+const MARK: &str = "\u{feff}";
+
+/// A number as people write it: at most six decimals, none that say nothing.
+fn decimal(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {

@@ -6,12 +6,13 @@
 //! Other lines are passed over. A run keeps the parameters that the file names, and those that every file
 //! must have: home positions, offsets of G92 and of the coordinate systems.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{FileError, replace, with_suffix};
+use super::{FileError, replace, rewrite, with_suffix};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 
 /// One more than the highest number.
@@ -78,6 +79,25 @@ impl ParameterFile {
         ParameterFile { values: numbers.into_iter().map(|number| (number, value_of(number))).collect() }
     }
 
+    /// Writes some parameters into a file and leaves all else of it as it is: order, comments, blanks. One
+    /// that the file does not have is inserted at its place. A file that does not exist is made, with the
+    /// parameters that every file has.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, or has a number out of range or out of order; it is as it was.
+    pub fn change(path: &Path, values: &[(u32, f64)]) -> Result<(), FileError> {
+        rewrite(path, &ParameterFile::empty(), |text| {
+            ParameterFile::parse(&path.display().to_string(), text)?;
+            Ok(changed(text, values))
+        })
+    }
+
+    /// The text of a file in which everything is 0 but the coordinate system, which is the first.
+    fn empty() -> String {
+        let first_system = |number| f64::from(u8::from(number == 5220));
+        ParameterFile::default().updated(first_system).to_text()
+    }
+
     /// The parameters as the text of a file.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
@@ -96,8 +116,46 @@ impl ParameterFile {
             let backup = with_suffix(path, ".bak");
             fs::copy(path, &backup).map_err(|error| FileError::Write { path: backup, error })?;
         }
-        replace(path, &self.to_text())
+        replace(path, self.to_text().as_bytes())
     }
+}
+
+/// The text of a file with some values changed.
+fn changed(text: &str, values: &[(u32, f64)]) -> String {
+    let mut left: BTreeMap<i64, f64> =
+        values.iter().map(|(number, value)| (i64::from(*number), *value)).collect();
+    let fresh = |(number, value): (i64, f64)| format!("{number}\t{value:.6}\n");
+    let mut out = String::new();
+    for line in text.split_inclusive('\n') {
+        let Some((number, old)) = entry(line) else {
+            out += line;
+            continue;
+        };
+        let above = left.split_off(&number);
+        out.extend(
+            std::mem::replace(&mut left, above).into_iter().filter(|(_, value)| *value != 0.0).map(fresh),
+        );
+        match left.remove(&number) {
+            // Within what six decimals tell it is the same.
+            Some(value) if (value - old).abs() > 0.5e-6 => out += &with_value(line, value),
+            _ => out += line,
+        }
+    }
+    left.retain(|_, value| *value != 0.0);
+    if !left.is_empty() && !out.is_empty() && !out.ends_with('\n') {
+        out.push('\n');
+    }
+    out.extend(left.into_iter().map(fresh));
+    out
+}
+
+/// A line with another value.
+fn with_value(line: &str, value: f64) -> String {
+    let number = line.len() - line.trim_start().len();
+    let after_number = number + line[number..].find(char::is_whitespace).unwrap_or(0);
+    let start = line.len() - line[after_number..].trim_start().len();
+    let end = line[start..].find(char::is_whitespace).map_or(line.len(), |length| start + length);
+    format!("{}{value:.6}{}", &line[..start], &line[end..])
 }
 
 /// Number and value of a line, if it has both.

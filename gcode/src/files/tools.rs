@@ -7,10 +7,11 @@
 //! T and P are whole numbers, Q is 0 to 9, all others decimal numbers in units of the machine or degrees.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{FileError, replace, words::Words};
+use super::{FileError, decimal, replace, rewrite, words::Words};
 use crate::canon::Pose;
 use crate::problem::Diagnostic;
 
@@ -37,6 +38,21 @@ pub struct Tool {
     pub orientation: u8,
     /// What stands after the semicolon.
     pub comment: String,
+}
+
+impl Tool {
+    /// What a table says of it besides T and P, by letter; 0 for what it leaves out.
+    pub fn words(&self) -> [(char, f64); 13] {
+        let ([x, y, z, a, b, c], [u, v, w]) = (self.offset, self.uvw);
+        let offsets =
+            [('X', x), ('Y', y), ('Z', z), ('A', a), ('B', b), ('C', c), ('U', u), ('V', v), ('W', w)];
+        let edges = [('D', self.diameter), ('I', self.front_angle), ('J', self.back_angle)];
+        let mut words = [('Q', f64::from(self.orientation)); 13];
+        for (word, known) in words.iter_mut().zip(offsets.into_iter().chain(edges)) {
+            *word = known;
+        }
+        words
+    }
 }
 
 /// Tools by number.
@@ -105,6 +121,35 @@ impl ToolTable {
         Ok(table)
     }
 
+    /// Writes some words of tools into a table and leaves all else of it as it is: order, comments, blanks. A
+    /// tool that the table does not have comes at its end. A table that does not exist is made.
+    ///
+    /// # Errors
+    /// The table cannot be read or written, or a line of it is not a tool; it is as it was.
+    pub fn change(path: &Path, words: &[(i32, char, f64)]) -> Result<(), FileError> {
+        rewrite(path, "", |old| {
+            let name = path.display().to_string();
+            ToolTable::parse(&name, old)?;
+            let change = |text: String, (number, letter, value): &_| changed(&text, *number, *letter, *value);
+            let text = words.iter().fold(old.to_owned(), change);
+            ToolTable::parse(&name, &text)?;
+            Ok(text)
+        })
+    }
+
+    /// What is other in this table than in `old`, as words of [`ToolTable::change`].
+    pub fn changes_since(&self, old: &ToolTable) -> Vec<(i32, char, f64)> {
+        let nothing = Tool::default();
+        let words = |tool: &Tool| {
+            let before = old.find(tool.number).unwrap_or(&nothing).words();
+            let changed =
+                tool.words().into_iter().zip(before).filter(|((_, now), (_, before))| now != before);
+            let number = tool.number;
+            changed.map(|((letter, value), _)| (number, letter, value)).collect::<Vec<_>>()
+        };
+        self.tools.iter().flat_map(words).collect()
+    }
+
     /// The table as the text of a file.
     pub fn to_text(&self) -> String {
         self.tools.iter().map(line_of).collect()
@@ -116,7 +161,7 @@ impl ToolTable {
     /// # Errors
     /// The file cannot be written; the old one is as it was.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
-        replace(path, &self.to_text())
+        replace(path, self.to_text().as_bytes())
     }
 }
 
@@ -158,18 +203,53 @@ fn tool(words: &mut Words<'_>) -> Result<Option<Tool>, Box<Diagnostic>> {
 
 fn line_of(tool: &Tool) -> String {
     let mut line = format!("T{} P{}", tool.number, tool.pocket);
-    let [x, y, z, a, b, c] = tool.offset;
-    let [u, v, w] = tool.uvw;
-    let values = [('X', x), ('Y', y), ('Z', z), ('A', a), ('B', b), ('C', c), ('U', u), ('V', v), ('W', w)];
-    let edges = [('D', tool.diameter), ('I', tool.front_angle), ('J', tool.back_angle)];
-    for (letter, value) in values.into_iter().chain(edges).filter(|(_, value)| *value != 0.0) {
+    for (letter, value) in tool.words().into_iter().filter(|(_, value)| *value != 0.0) {
         let _ = write!(line, " {letter}{value}"); // a string takes everything
-    }
-    if tool.orientation != 0 {
-        let _ = write!(line, " Q{}", tool.orientation);
     }
     if !tool.comment.is_empty() {
         let _ = write!(line, " ;{}", tool.comment);
     }
     line + "\n"
+}
+
+/// The text of a table with one word of a tool changed.
+fn changed(text: &str, number: i32, letter: char, value: f64) -> String {
+    let is_of = |line: &str| place(line, 'T').is_some_and(|place| line[place].trim().parse() == Ok(number));
+    let mut found = false;
+    let mut out: String = text
+        .split_inclusive('\n')
+        .map(|line| {
+            found |= is_of(line);
+            if is_of(line) { with_word(line, letter, value) } else { line.to_owned() }
+        })
+        .collect();
+    if !found {
+        if !out.is_empty() && !out.ends_with('\n') {
+            out.push('\n');
+        }
+        out += &with_word(&format!("T{number} P{number}\n"), letter, value);
+    }
+    out
+}
+
+/// A line of a tool with a word changed, or added behind its other words.
+fn with_word(line: &str, letter: char, value: f64) -> String {
+    let value = decimal(value);
+    match place(line, letter) {
+        Some(place) => format!("{}{value}{}", &line[..place.start], &line[place.end..]),
+        None if value == "0" => line.to_owned(),
+        None => {
+            let words = line.split_once(';').map_or(line, |(words, _)| words).trim_end();
+            format!("{words} {letter}{value}{}", &line[words.len()..])
+        }
+    }
+}
+
+/// Where the number of a word stands in a line.
+fn place(line: &str, letter: char) -> Option<Range<usize>> {
+    let words = line.split_once(';').map_or(line, |(words, _)| words);
+    let start = words.find(|c: char| c.eq_ignore_ascii_case(&letter))? + 1;
+    let start = words.len() - words[start..].trim_start().len();
+    let length = words[start..].find(|c: char| c.is_whitespace() || c.is_ascii_alphabetic());
+    Some(start..length.map_or(words.len(), |length| start + length))
 }

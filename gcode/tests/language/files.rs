@@ -148,3 +148,56 @@ fn a_wrong_value_of_a_machine_description_is_named() {
         assert_eq!((error.line, error.column), (2, column), "{}", error.headline());
     }
 }
+
+/// A value of a parameter file is changed, and nothing else: a remark, blanks and lines that say nothing stay.
+#[test]
+fn a_changed_parameter_changes_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lathe.var");
+    let old = "# zero of the chuck\r\n5161\t0.000000\r\n 5221   1.5  (face)\n\n5223\t-3.25";
+    std::fs::write(&path, old).unwrap();
+    ParameterFile::change(&path, &[(5221, 1.500_000_1), (5161, 0.0), (5241, 0.0)]).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), old, "nothing is other than it was");
+    ParameterFile::change(&path, &[(5241, 7.0), (5222, -2.0), (5221, 112.4)]).unwrap();
+    let expected = "# zero of the chuck\r\n5161\t0.000000\r\n 5221   112.400000  (face)\n\n5222\t-2.000000\n5223\t-3.25\n5241\t7.000000\n";
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
+    let wrong = "5221 1\n5161 2\n";
+    std::fs::write(&path, wrong).unwrap();
+    ParameterFile::change(&path, &[(5221, 3.0)]).unwrap_err();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), wrong);
+    let fresh = folder.path().join("new.var");
+    ParameterFile::change(&fresh, &[(5223, -5.5)]).unwrap();
+    let fresh = ParameterFile::read(&fresh).unwrap();
+    let filled: Vec<_> = fresh.values.iter().filter(|(_, value)| *value != 0.0).collect();
+    assert_eq!((fresh.values.len(), filled), (119, vec![&(5220, 1.0), &(5223, -5.5)]));
+}
+
+#[test]
+fn a_changed_word_of_a_tool_changes_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tool.tbl");
+    let old = "; turning\nT1  P2   Z 25.5 D.8 ;rough, X and Z are set\nt12 p3 X1Z2";
+    // An umlaut of Latin-1 stays one, too.
+    std::fs::write(&path, b"T1 Z1 ;\xfc\n").unwrap();
+    ToolTable::change(&path, &[(1, 'Z', 2.5)]).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"T1 Z2.5 ;\xfc\n");
+    std::fs::write(&path, old).unwrap();
+    ToolTable::change(&path, &[(1, 'D', 0.8), (12, 'Q', 0.0)]).unwrap();
+    assert_eq!(ToolTable::read(&path).unwrap().find(1).unwrap().diameter, 0.8);
+    ToolTable::change(
+        &path,
+        &[(1, 'X', -0.02), (1, 'Z', 25.25), (12, 'X', 3.0), (7, 'Q', 2.0), (7, 'Z', 1.5)],
+    )
+    .unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let expected =
+        "; turning\nT1  P2   Z 25.25 D0.8 X-0.02 ;rough, X and Z are set\nt12 p3 X3Z2\nT7 P7 Q2 Z1.5\n";
+    assert_eq!(text, expected);
+    let before = ToolTable::parse("", old).unwrap();
+    let changes = ToolTable::parse("", &text).unwrap().changes_since(&before);
+    let expected = [(1, 'X', -0.02), (1, 'Z', 25.25), (12, 'X', 3.0), (7, 'Z', 1.5), (7, 'Q', 2.0)];
+    assert_eq!(changes, expected);
+    ToolTable::change(&path, &[(1, 'Q', 12.0)]).unwrap_err();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "a word that no table has changes nothing");
+}
