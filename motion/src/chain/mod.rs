@@ -43,8 +43,6 @@ pub(crate) use zone::Bend;
 pub const BLOCKS: usize = 1024;
 /// A block takes at least this share of a cycle: so one cycle passes a bounded number of blocks.
 const LEAST_CYCLES: f64 = 0.0625;
-/// Lengths that differ by less, relative, are equal.
-const EQUAL: f64 = 1e-9;
 /// Ways that differ by less are one, mm.
 const SAME: f64 = 1e-9;
 
@@ -246,7 +244,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             self.sections.push(section, &self.ratios, joins);
         };
         let (start, end, others) = (&piece.start, &piece.end, [&piece.before, after]);
-        let fills = |half: f64| (half - length).abs() <= EQUAL * length;
+        let fills = |half: f64| (half - length).abs() <= junction::ALIKE * length;
         let corners = start.corner_only() && end.corner_only();
         if corners && fills(r0) && fills(r1) {
             zone(length, Bend::filled(path, start, end, others), stops);

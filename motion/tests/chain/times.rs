@@ -209,3 +209,15 @@ fn a_long_line_does_not_run_at_the_feed_of_a_corner() {
         }
     }
 }
+
+/// An even division is that of a program: its points are rounded, its lines equal within a millionth.
+#[test]
+fn an_even_division_stays_one_when_it_is_rounded() {
+    let points: Vec<[f64; N]> = (0..2000)
+        .map(|k| 0.01 * f64::from(k))
+        .map(|turn| [20.0 * libm::cos(turn), 20.0 * libm::sin(turn), 0.0])
+        .collect();
+    let rounded: Vec<[f64; N]> = points.iter().map(|point| point.map(|x| (x * 1e6).round() / 1e6)).collect();
+    let [exact, rounded] = [points, rounded].map(|points| times(&points, 100.0, Corner::Blend(0.01)).0);
+    assert!(rounded <= 1.02 * exact, "{rounded} s for rounded points, {exact} s for exact ones");
+}
