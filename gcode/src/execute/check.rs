@@ -228,9 +228,10 @@ fn contradictions(block: &Block, motion: Option<G>, state: &State) -> Done {
         let message = format!("{code} and a spindle code exclude each other in one block");
         return Err(Problem::error("modal-group", Blame::M(code), message, "put them in different blocks"));
     }
-    if let (Some(code), Some(M(9))) = (block.m(m_group::MIST), block.m(m_group::FLOOD)) {
-        let message = format!("{code} and M9 exclude each other in one block");
-        return Err(Problem::error("modal-group", Blame::M(code), message, "leave one of the two out"));
+    if let (Some(code), Some(other)) = (block.m(m_group::MIST), block.m(m_group::FLOOD)) {
+        let message = format!("{code} and {other} exclude each other in one block");
+        let help = "put them in different blocks; mist and flood may be on together";
+        return Err(Problem::error("modal-group", Blame::M(code), message, help));
     }
     if matches!(motion, Some(G(330 | 331))) && block.has('F') {
         let message = "F has no meaning in a move that follows the spindle: K is its feed per revolution";

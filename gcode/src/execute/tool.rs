@@ -15,9 +15,7 @@ pub(super) fn select(block: &Block, state: &mut State, out: &mut Output) -> Done
     }
     let number = tool_number(block, 'T')?;
     if number != 0 && !state.tools.table.is_empty() && state.tools.table.find(number).is_none() {
-        let message = format!("T{number} is not in the tool table");
-        let help = "it is taken to have no offset and no radius; enter it in the table";
-        out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
+        return Err(unknown(number, 'T', false));
     }
     state.tools.selected = Some(number);
     out.call(Call::SelectTool(number))

@@ -71,7 +71,7 @@ const G_WORDS: &[(&[u16], u32, u32)] = &[
     (&[640], bits("PQ"), 0),
     (&[700], bits("XZQDEP"), bits("Q")),
     (&[710, 711, 712, 720, 721, 722], bits("XZQDIR"), bits("Q")),
-    (&[730, 830], bits("XYZ@^RLQ"), 0),
+    (&[730, 830], bits("XYZ@^RLQD"), 0),
     (&[740, 840], bits("XYZ@^RLP$"), 0),
     (&[760], bits("XYZPIJKRQHEL$"), bits("PIJK")),
     (&[810, 850], bits("XYZ@^RL"), 0),

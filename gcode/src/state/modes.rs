@@ -71,7 +71,7 @@ pub(crate) struct Overrides {
 
 impl Default for Overrides {
     fn default() -> Overrides {
-        Overrides { feed: true, speed: true, adaptive: false, hold: false }
+        Overrides { feed: true, speed: true, adaptive: false, hold: true }
     }
 }
 

@@ -110,12 +110,15 @@ impl<'a> Lines<'a> {
 
     /// Coolant.
     pub(super) fn coolant(&mut self, mist: bool, flood: bool) {
-        self.put(match (mist, flood) {
-            (false, false) => "M9",
-            (true, false) => "M7",
-            (false, true) => "M8",
-            (true, true) => "M7 M8",
-        });
+        match (mist, flood) {
+            (false, false) => self.put("M9"),
+            (true, false) => self.put("M7"),
+            (false, true) => self.put("M8"),
+            (true, true) => {
+                self.put("M7");
+                self.put("M8");
+            }
+        }
     }
 
     /// The first move of a program, if it is rapid, begins with this axis alone.

@@ -98,6 +98,23 @@ fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky
     Ok(words)
 }
 
+/// How far a peck goes back (G73), or how far above its bottom the next one begins to feed (G83): D, which
+/// holds for its block, or that of the machine. Program units.
+fn clearance(code: G, block: &Block, state: &State) -> Result<f64, Box<Problem>> {
+    match block.get('D') {
+        Some(value) if value < 0.0 => {
+            let message = format!("the clearance D{} is negative", short(value));
+            let help = "give how far a peck goes back, 0 or greater";
+            Err(Problem::error("bad-value", Blame::Word('D'), message, help))
+        }
+        Some(value) => Ok(value),
+        None => {
+            let of_machine = state.settings.peck_clearances[usize::from(code == G(830))];
+            Ok(of_machine * state.units.per_machine_unit())
+        }
+    }
+}
+
 /// L.
 fn repeats(block: &Block) -> Result<i64, Box<Problem>> {
     let Some(value) = block.get('L') else { return Ok(1) };
@@ -151,8 +168,7 @@ impl Pattern {
                 clear: if state.modes.retract_to_start { level.max(r) } else { r },
                 dwell: words.dwell,
                 peck: words.peck,
-                back: state.settings.peck_clearances[usize::from(code == G(830))]
-                    * state.units.per_machine_unit(),
+                back: clearance(code, block, state)?,
                 bar: Bar::new(words.offset, bottom, state),
                 turning: state.spindle.turning,
                 overrides: state.overrides,

@@ -78,6 +78,7 @@ fn codes_that_contradict_are_refused() {
         "G43.1 Z1 G0",
         "M3 M70",
         "M7 M9",
+        "M7 M8",
         "G4 P1 M64 P1",
         "G4 P1 G2 X1 I1 P1",
         "G53 X1",

@@ -256,3 +256,14 @@ fn cycles_refuse_what_they_cannot_do() {
     refused("F1\nG81 X1 A1 Z-5 R3", "unused-word", &["A"]);
     refused("F1\nG81 Z-5 R3\nG81 R2", "missing-word", &["G81"]);
 }
+
+#[test]
+fn d_is_the_clearance_of_the_pecks_of_its_block() {
+    let text = "G98 G83 X1 Y1 Z-10 R2 Q6 D1";
+    let first = ["G0 1 1 10", "G0 1 1 2", "G1 1 1 -4", "G0 1 1 2", "G0 1 1 -3", "G1 1 1 -10", "G0 1 1 10"];
+    assert_eq!(holes(text), first);
+    let back = |text: &str| holes(&format!("G98 G73 X1 Y1 Z-10 R2 Q6{text}"))[3..].join(", ");
+    assert_eq!(back(" D0.5"), "G0 1 1 -3.5, G1 1 1 -10, G0 1 1 10");
+    assert!(back(" D0.5\nX2").contains("G0 2 1 -3.746"), "it does not stay");
+    refused("F1\nG83 X1 Z-10 R2 Q6 D-1", "bad-value", &["D-1"]);
+}

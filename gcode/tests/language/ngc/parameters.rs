@@ -45,3 +45,16 @@ fn parameters_end_where_the_control_says() {
     assert!(errors("#5601=1\nM2").is_empty());
     assert_eq!(blamed("#5602=1"), (1, "bad-parameter", "#5602".to_owned()));
 }
+
+#[test]
+fn names_of_the_state_tell_what_is_in_force() {
+    let text = "(debug,#<_feed_hold> #<_feed_override> #<_speed_override> #<_adaptive_feed>)";
+    assert_eq!(
+        messages(&format!("{text}\nM53 P0\n{text}\nM53\nM49\nM52\n{text}")),
+        [
+            "1.000000 1.000000 1.000000 0.000000",
+            "0.000000 1.000000 1.000000 0.000000",
+            "1.000000 0.000000 0.000000 1.000000"
+        ]
+    );
+}

@@ -27,10 +27,10 @@ fn error(text: &str) -> (&'static str, String) {
 }
 
 #[test]
-fn a_tool_that_the_table_does_not_have_is_warned_of() {
-    let codes = |text: &str| with_table(text).warnings.iter().map(|warning| warning.code).collect::<Vec<_>>();
-    assert_eq!(codes("T5"), ["unknown-tool"]);
-    assert_eq!(codes("T12"), [""; 0]);
+fn a_tool_that_the_table_does_not_have_is_refused() {
+    assert_eq!(error("T5"), ("unknown-tool", "T5".into()));
+    assert_eq!(error("T99 M6"), ("unknown-tool", "T99".into()));
+    assert!(with_table("T12 M6\nT0 M6\n").errors.is_empty());
 }
 
 #[test]
