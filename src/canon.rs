@@ -191,6 +191,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
     {
         *clearance = given.unwrap_or(*clearance);
     }
+    options.forgets_g92 = machine.forgets_g92;
     if let Some(path) = args.tools.as_ref().or(machine.tool_table.as_ref()) {
         options.tools = ToolTable::read(path).map_err(file_error)?;
     }

@@ -135,6 +135,8 @@ pub struct Options {
     pub named: Vec<(String, f64)>,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub peck_clearances: [f64; 2],
+    /// The shift of G52 and G92 does not outlive the end of the program.
+    pub forgets_g92: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
     /// As LinuxCNC's stand-alone interpreter, where it differs from the controller: G20 and G21 leave F and
@@ -165,6 +167,7 @@ impl Default for Options {
             parameters: Vec::new(),
             named: Vec::new(),
             peck_clearances: [0.254; 2],
+            forgets_g92: false,
             orient_offset: 0.0,
             stand_alone: false,
             subroutine_folders: Vec::new(),

@@ -43,6 +43,11 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
             let help = "leave M49 to M53 out; the operator's overrides always count (also in G74 and G84)";
             Err(missing("switching overrides and hold on and off", help))
         }
+        Call::SetPlannerMode(_) => {
+            let help =
+                "leave R out: every move here keeps the jerk of its axes; P and Q are those of LinuxCNC";
+            Err(missing("another planner (G64 R)", help))
+        }
         Call::MoveByHand => Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89")),
         Call::StraightProbe(..) => Err(missing("probing (G38)", "measure by other means")),
         Call::RigidTap(..) => Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76")),

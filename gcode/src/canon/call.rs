@@ -144,6 +144,9 @@ pub enum Call<'a> {
         /// Q was given.
         programmed: bool,
     },
+    /// G64 R: how hard the planner of the control is asked to work, before the path mode. `Some` is smooth,
+    /// with limited jerk, from the gentlest 0.1 to 1; `None` without a limit of jerk.
+    SetPlannerMode(Option<f64>),
     /// M62, M63: output, with the next motion.
     SetMotionOutputBit(u32, bool),
     /// M64, M65: output, at once.

@@ -144,6 +144,14 @@ impl<W: Write> LinuxcncPrinter<W> {
                 self.one_number("SET_SPINDLE_MODE(0 ", limit.min(NO_HIGHEST_SPEED))
             }
             Call::SetSpindleSpeed(speed) => self.one_number("SET_SPINDLE_SPEED(0, ", speed),
+            Call::SetPlannerMode(smooth) => {
+                let (kind, scale) = smooth.map_or((0, -1.0), |scale| (1, scale));
+                self.lines.text("SET_PLANNER_MODE(type=");
+                self.lines.integer(kind);
+                self.lines.text(", peak_scale=");
+                self.lines.six(scale);
+                self.lines.text(")");
+            }
             Call::OrientSpindle(angle, direction) => {
                 self.lines.text("ORIENT_SPINDLE(0, ");
                 self.lines.four(angle);

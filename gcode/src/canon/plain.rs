@@ -202,6 +202,12 @@ impl<W: Write> PlainPrinter<W> {
                 self.indexed("SET_SPINDLE_SPEED", 0, if feet { speed * METRE_PER_FOOT } else { speed });
             }
             Call::UseToolLengthOffset(offset) => self.position("USE_TOOL_LENGTH_OFFSET(", &offset),
+            Call::SetPlannerMode(Some(scale)) => {
+                self.lines.text("SET_PLANNER_MODE(SMOOTH, ");
+                self.lines.four(scale);
+                self.lines.text(")");
+            }
+            Call::SetPlannerMode(None) => self.lines.text("SET_PLANNER_MODE(TRAPEZOIDAL)"),
             Call::SetMotionControlMode(mode) => self.path_mode(mode),
             Call::SetNaivecamTolerance { tolerance, .. } => {
                 self.numbers("SET_NAIVECAM_TOLERANCE", &[tolerance * self.mm]);

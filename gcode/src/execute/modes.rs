@@ -111,7 +111,7 @@ fn units(code: G, state: &mut State, out: &mut Output) -> Done {
     Ok(())
 }
 
-/// G61, G61.1, G64 P Q.
+/// G61, G61.1, G64 P Q R.
 fn path(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::G(code), "change the path mode", state)?;
     let given = |letter| block.get(letter).filter(|value| *value >= 0.0);
@@ -120,6 +120,9 @@ fn path(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
         611 => PathMode::ExactStop,
         _ => PathMode::Continuous(given('P').unwrap_or(0.0)),
     };
+    if let Some(hardness) = block.get('R').filter(|_| code == G(640)) {
+        out.call(Call::SetPlannerMode((hardness > 0.0).then(|| hardness.clamp(0.1, 1.0))))?;
+    }
     state.modes.path.mode = mode;
     out.call(Call::SetMotionControlMode(mode))?;
     if let PathMode::Continuous(tolerance) = mode {

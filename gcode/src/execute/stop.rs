@@ -19,7 +19,8 @@ pub(super) fn stop(code: M, state: &mut State, out: &mut Output) -> Done {
     }
 }
 
-/// M2 and M30: G54 G17 G90 G94 G40 G97 M5 M9 M48 G1, and F is forgotten. S stays.
+/// M2 and M30: G54 G17 G90 G94 G40 G97 M5 M9 M48 G1, and F is forgotten. S stays, and the shift of G92 unless
+/// the machine forgets it.
 fn end(code: M, state: &mut State, out: &mut Output) -> Done {
     state.set_parameter(SYSTEM, 1.0);
     coordinates::enter(1, state);
@@ -49,6 +50,9 @@ fn end(code: M, state: &mut State, out: &mut Output) -> Done {
     }
     if std::mem::take(&mut state.coolant.flood) {
         out.call(Call::FloodOff)?;
+    }
+    if state.settings.forgets_g92 {
+        coordinates::suspend(G(921), state, out)?;
     }
     if code == M(30) {
         out.call(Call::PalletShuttle)?;

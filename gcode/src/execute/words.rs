@@ -68,7 +68,7 @@ const G_WORDS: &[(&[u16], u32, u32)] = &[
     (&[430], bits("H"), 0),
     (&[431], AXES, 0),
     (&[432], AXES | bits("H"), 0),
-    (&[640], bits("PQ"), 0),
+    (&[640], bits("PQR"), 0),
     (&[700], bits("XZQDEP"), bits("Q")),
     (&[710, 711, 712, 720, 721, 722], bits("XZQDIR"), bits("Q")),
     (&[730, 830], bits("XYZ@^RLQD"), 0),

@@ -19,11 +19,10 @@ use crate::problem::{Blame, Diagnostic, Problem, Severity, Span};
 
 /// Entries that change what programs mean and that nothing here takes into account, with the value that is
 /// the same as no entry.
-const UNSUPPORTED: [(&str, &str, &str); 11] = [
+const UNSUPPORTED: [(&str, &str, &str); 10] = [
     ("RS274NGC", "REMAP", ""),
     ("RS274NGC", "USER_M_PATH", ""),
     ("RS274NGC", "RETAIN_G43", "0"),
-    ("RS274NGC", "OWORD_NARGS", "0"),
     ("RS274NGC", "NO_DOWNCASE_OWORD", "0"),
     ("RS274NGC", "OWORD_WARNONLY", "0"),
     ("RS274NGC", "DISABLE_FANUC_STYLE_SUB", "0"),

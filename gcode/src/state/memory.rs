@@ -31,6 +31,27 @@ impl Name {
 /// Values of named parameters, by the number of their name.
 type Values = Vec<Option<f64>>;
 
+/// What a call hands over.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arguments {
+    /// `#1` to `#30`, 0 where nothing was given.
+    pub(crate) values: [f64; ARGUMENTS],
+    /// How many were given: `#<n_args>`.
+    pub(crate) given: usize,
+}
+
+impl Arguments {
+    /// None.
+    pub(crate) const NONE: Arguments = Arguments { values: [0.0; ARGUMENTS], given: 0 };
+
+    /// The next one; `false` if there is no room for it.
+    pub(crate) fn push(&mut self, value: f64) -> bool {
+        let slot = self.values.get_mut(self.given);
+        self.given += usize::from(slot.is_some());
+        slot.map(|slot| *slot = value).is_some()
+    }
+}
+
 /// The parameters of a program.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
@@ -41,6 +62,8 @@ pub(crate) struct Memory {
     /// One for each call level; those above `level` wait to be used again.
     locals: Vec<Values>,
     level: usize,
+    /// `n_args`, which every subroutine has.
+    arguments_given: Name,
     /// `#1` to `#30` of the levels below, for those calls that have arguments.
     saved: Vec<[f64; ARGUMENTS]>,
 }
@@ -54,8 +77,10 @@ impl Memory {
             globals: Vec::new(),
             locals: vec![Vec::new()],
             level: 0,
+            arguments_given: Name { index: 0, global: false },
             saved: Vec::new(),
         };
+        memory.arguments_given = memory.note("n_args");
         memory.set_numbered(DEBUG_SHOWN, 1.0);
         for (index, value) in numbered {
             memory.set_numbered(*index, *value);
@@ -124,15 +149,16 @@ impl Memory {
         }
     }
 
-    /// Enters a subroutine: its names are its own, and so are `#1` to `#30` if it is given arguments.
-    pub(crate) fn enter(&mut self, arguments: Option<&[f64; ARGUMENTS]>) {
+    /// Enters a subroutine: its names are its own, and so are `#1` to `#30` if it takes arguments.
+    pub(crate) fn enter(&mut self, arguments: Option<&Arguments>) {
         self.level += 1;
         match self.locals.get_mut(self.level) {
             Some(values) => values.clear(),
             None => self.locals.push(Vec::new()),
         }
+        self.set_at(self.arguments_given, arguments.map_or(0.0, |arguments| arguments.given as f64));
         if let (Some(arguments), Some(slots)) = (arguments, self.numbered.get_mut(1..=ARGUMENTS)) {
-            let mut saved = *arguments;
+            let mut saved = arguments.values;
             saved.swap_with_slice(slots);
             self.saved.push(saved);
         }

@@ -79,6 +79,8 @@ pub(crate) struct Settings {
     pub(crate) stand_alone: bool,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub(crate) peck_clearances: [f64; 2],
+    /// [`Options::forgets_g92`].
+    pub(crate) forgets_g92: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub(crate) orient_offset: f64,
     /// Moves that a block may make, see [`crate::Limits::moves_of_block`].
@@ -144,6 +146,7 @@ impl State {
             settings: Settings {
                 stand_alone: options.stand_alone,
                 peck_clearances: options.peck_clearances,
+                forgets_g92: options.forgets_g92,
                 orient_offset: options.orient_offset,
                 moves_of_block: options.limits.moves_of_block,
             },

@@ -141,6 +141,13 @@ fn what_is_beyond_the_end_of_a_contour_gets_no_ring_of_the_allowance() {
 }
 
 #[test]
+fn what_a_chamfer_leaves_of_a_line_is_not_a_move_if_it_is_rounding() {
+    // 0.00005 of the face is left before the chamfer
+    let passes = good("o1 sub\nG0 X4.49995 Z0\nG1 X5 C0.5\nZ-5\nX8\no1 endsub\nG70 Q1 X10 Z2");
+    assert_eq!(passes, "R 10 2, R 10 2, R 4.5 0, F 5 -0.5, F 5 -5, F 8 -5");
+}
+
+#[test]
 fn pockets_are_cut_bridged_or_cut_alone() {
     let pocket = "o1 sub\nG0 X8\nG1 Z-2\nX6\nZ-6\nX8\nZ-8\nX10\no1 endsub\n";
     let [whole, bridged, alone] =

@@ -15,6 +15,9 @@ use crate::geometry::corner::{Corner, blend};
 use crate::problem::{Blame, Problem, short};
 use crate::state::{Piece, State};
 
+/// What a corner leaves of a segment counts as nothing if it is not longer. LinuxCNC leaves ten times that out.
+const LEFTOVER: f64 = 1e-4;
+
 /// Takes a block of the contour.
 pub(crate) fn record(block: &Block, state: &mut State, out: &mut Output) -> Done {
     let piece = piece(block, state, out);
@@ -196,6 +199,7 @@ pub(super) fn contour(pieces: &[Piece]) -> Result<Vec<Segment>, (String, Point)>
         }
         _ => {
             contour.drain(..contour.len().min(1));
+            contour.retain(|segment| segment.chord() > LEFTOVER);
             Ok(contour)
         }
     }

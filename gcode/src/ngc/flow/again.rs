@@ -7,7 +7,7 @@ use crate::block::Block;
 use crate::ngc::words::{Head, LineReader, Operation};
 use crate::problem::Problem;
 use crate::state::State;
-use crate::state::memory::ARGUMENTS;
+use crate::state::memory::Arguments;
 use crate::text::{Line, Mark};
 
 /// Lines that are remembered at once. Each has the slot of its number, so that a loop of so many lines fits.
@@ -91,9 +91,9 @@ impl Flow {
         };
         let next = known.next;
         if known.control.is_some_and(|control| control.keyword == Keyword::Call) {
-            self.arguments = [0.0; ARGUMENTS];
-            for (argument, value) in self.arguments.iter_mut().zip(&words.stack) {
-                *argument = *value;
+            self.arguments = Arguments::NONE;
+            for value in &words.stack {
+                self.arguments.push(*value);
             }
         }
         Some(self.files.go(file, next).map(|()| order))

@@ -13,7 +13,7 @@ use crate::codes::M;
 use crate::execute::context;
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-use crate::state::memory::ARGUMENTS;
+use crate::state::memory::Arguments;
 use crate::text::{Mark, whole};
 
 /// A subroutine that is being executed.
@@ -66,7 +66,7 @@ impl Flow {
         format!("line {} of {file}", definition.line)
     }
 
-    pub(super) fn call(&mut self, label: Label, arguments: &[f64; ARGUMENTS], run: &mut Run) -> Done {
+    pub(super) fn call(&mut self, label: Label, arguments: &Arguments, run: &mut Run) -> Done {
         let definition = self.resolve(label, Style::Sub, run)?;
         self.enter(Entry { label, definition, turns: 1 }, Some(arguments), run.state)
     }
@@ -77,7 +77,7 @@ impl Flow {
     /// There is no such subroutine; calls are too deep.
     pub(crate) fn call_number(&mut self, number: u32, run: &mut Run) -> Done {
         let label = self.labels.number(number);
-        self.call(label, &[0.0; ARGUMENTS], run)
+        self.call(label, &Arguments::NONE, run)
     }
 
     /// M98: `P` is the label, `L` how often.
@@ -157,7 +157,7 @@ impl Flow {
         })
     }
 
-    fn enter(&mut self, entry: Entry, arguments: Option<&[f64; ARGUMENTS]>, state: &mut State) -> Done {
+    fn enter(&mut self, entry: Entry, arguments: Option<&Arguments>, state: &mut State) -> Done {
         let Entry { label, definition, turns } = entry;
         let is_inside = self.frames.iter().any(|frame| frame.label == label);
         if !self.repeats && (is_inside || !self.labels.look(label)) {

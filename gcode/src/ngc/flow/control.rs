@@ -4,7 +4,7 @@ use super::labels::{Label, Labels};
 use crate::ngc::words::{LineReader, speaks};
 use crate::problem::Problem;
 use crate::state::State;
-use crate::state::memory::ARGUMENTS;
+use crate::state::memory::{ARGUMENTS, Arguments};
 use crate::text::{Cursor, parentheses, semicolon, whole};
 
 /// What an O word does.
@@ -129,19 +129,18 @@ pub(super) fn arguments(
     cursor: &mut Cursor,
     reader: &mut LineReader,
     state: &State,
-) -> Result<[f64; ARGUMENTS], Box<Problem>> {
-    let mut arguments = [0.0; ARGUMENTS];
-    let mut slots = arguments.iter_mut();
+) -> Result<Arguments, Box<Problem>> {
+    let mut arguments = Arguments::NONE;
     loop {
         match cursor.peek() {
-            Some(b'[') => match slots.next() {
-                Some(slot) => *slot = reader.values(state).bracket(cursor)?,
-                None => {
-                    let message = format!("a call has at most {ARGUMENTS} arguments");
-                    let help = "pass what goes beyond in global parameters such as #<_depth>";
-                    return Err(cursor.error_here("bad-value", message, help));
-                }
-            },
+            Some(b'[') if arguments.given == ARGUMENTS => {
+                let message = format!("a call has at most {ARGUMENTS} arguments");
+                let help = "pass what goes beyond in global parameters such as #<_depth>";
+                return Err(cursor.error_here("bad-value", message, help));
+            }
+            Some(b'[') => {
+                arguments.push(reader.values(state).bracket(cursor)?);
+            }
             Some(b'(') => comments(cursor, reader, true)?,
             _ => return Ok(arguments),
         }

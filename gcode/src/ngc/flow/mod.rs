@@ -24,7 +24,7 @@ use crate::execute::Output;
 use crate::ngc::words::{LineReader, head};
 use crate::problem::Problem;
 use crate::state::State;
-use crate::state::memory::ARGUMENTS;
+use crate::state::memory::Arguments;
 use crate::text::{Cursor, Files, Line, Mark};
 use again::Again;
 use branches::Open;
@@ -48,7 +48,7 @@ pub(crate) struct Flow {
     block_delete: bool,
     deepest: u32,
     /// Of the call that is being made.
-    arguments: [f64; ARGUMENTS],
+    arguments: Arguments,
     /// Loops go back: nothing was wrong so far.
     pub(crate) repeats: bool,
 }
@@ -89,7 +89,7 @@ impl Flow {
             searched: Vec::new(),
             block_delete,
             deepest,
-            arguments: [0.0; ARGUMENTS],
+            arguments: Arguments::NONE,
             repeats: true,
         }
     }

@@ -19,7 +19,7 @@ fn every_code_uses_only_its_own_words() {
         ("G4 P1", "P"),
         ("G33 Z1 K1", "K$"),
         ("G43 H0", "H"),
-        ("G64 P0.1 Q0.1", "PQ"),
+        ("G64 P0.1 Q0.1", "PQR"),
         ("G96 D1 S1", "D$"),
         ("M19 R1 P1 Q1", "RPQ$"),
         ("M61 Q0", "Q"),

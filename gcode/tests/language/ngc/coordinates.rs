@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::recorded::{calls, errors, messages};
+use super::recorded::{calls, errors, messages, run};
+use gcode::{Options, Program};
 
 const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
 
@@ -92,4 +93,15 @@ proptest! {
             prop_assert!((number - expected).abs() < 2e-6, "{text}");
         }
     }
+}
+
+#[test]
+fn the_shift_of_g92_ends_with_the_program_where_the_machine_says_so() {
+    let shift = |forgets_g92| {
+        let options = Options { forgets_g92, ..Options::default() };
+        let outcome = run(Program::from_text("test.ngc", "G0 X10\nG92 X4\nM2\n", &options));
+        (outcome.program.parameter(5210), outcome.program.parameter(5211))
+    };
+    assert_eq!(shift(false), (Some(1.0), Some(6.0)));
+    assert_eq!(shift(true), (Some(0.0), Some(0.0)));
 }

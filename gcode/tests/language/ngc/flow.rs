@@ -281,3 +281,19 @@ fn an_end_that_was_forgotten_is_missed_though_the_program_ends_before() {
     }
     assert!(errors("o1 if [1]\nM2\no1 endif\nG0 X1\nM2\n").is_empty(), "M2 may stand in a branch");
 }
+
+#[test]
+fn a_subroutine_knows_how_many_arguments_it_was_given() {
+    let text = "o1 sub\n(debug,#<n_args> #1 #2)\no1 endsub\n";
+    let turns = "o2 repeat [2]\no1 call [7]\no2 endrepeat\no1 call\no1 call [1] [2] [0]\n";
+    assert_eq!(
+        messages(&format!("{text}{turns}")),
+        [
+            "1.000000 7.000000 0.000000",
+            "1.000000 7.000000 0.000000",
+            "0.000000 0.000000 0.000000",
+            "3.000000 1.000000 2.000000"
+        ]
+    );
+    assert_eq!(errors("#1=#<n_args>\nM2"), [(1, "unknown-name")]);
+}

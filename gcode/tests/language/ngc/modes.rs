@@ -1,5 +1,6 @@
 //! Order of execution, units, G7 G8, feed, path and plane modes, spindle, outputs, stops; M70 to M73.
 
+use super::printed::printed;
 use super::recorded::{calls, errors, messages, outcome};
 
 /// The names of the calls of a block.
@@ -185,4 +186,22 @@ fn m73_is_restored_by_the_return() {
 fn m72_without_m70_is_an_error() {
     assert_eq!(errors("M72\nM2\n"), [(1, "nothing-saved")]);
     assert_eq!(errors("M70\nM71\nM72\nM2\n"), [(3, "nothing-saved")]);
+}
+
+#[test]
+fn r_of_g64_asks_for_a_planner_before_the_path_mode() {
+    let modes = |text: &str| -> Vec<String> {
+        printed(text)
+            .into_iter()
+            .filter(|call| call.contains("PLANNER") || call.contains("CONTROL"))
+            .collect()
+    };
+    let smooth = |scale: &str| format!("SET_PLANNER_MODE type=1 peak_scale={scale}");
+    for (word, asked) in [("R0.5", smooth("0.5")), ("R2.5", smooth("1")), ("R0.05", smooth("0.1"))] {
+        let said = modes(&format!("G64 P1 {word}"));
+        assert_eq!((said.len(), &said[0]), (2, &asked), "{said:?}");
+    }
+    assert!(modes("G64 P1 R0")[0].contains("type=0"));
+    assert_eq!(modes("G64 P1").len(), 1);
+    assert_eq!(errors("G64 R1 M19\nM2"), [(1, "ambiguous-word")]);
 }
