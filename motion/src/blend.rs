@@ -10,23 +10,28 @@
 //! | r | mm | half the width of the bump: it is 0 for \|u\| ≥ r |
 //! | h, g | 1/mm | kernels, even, of integral 1: h ≥ 0; g has no second moment |
 //! | H(u), u₊ | –, mm | unit step; u where it is positive, else 0 |
-//! | z | rad | phase π (1 − \|u\|/r): 0 at the ends of the bump, π at the junction |
+//! | x, w | – | \|u\|/r, and what is left of it to the end of the bump, 1 − x |
+//! | z | rad | phase π w: 0 at the ends of the bump, π at the junction |
 //! | Iₙ(z) | – | n-th integral of 1 − cos z from 0; I₋₁ = sin z, I₋₂ = cos z |
 //!
 //! ```text
 //! p̃(s) = p(s) + Δ1 B1(u) + Δ2 B2(u) + Δ3 B3(u)                                                 (M59)
-//! h = (1 + cos(π u/r))/(2r),  g = (1 + α cos(π u/r) + β cos(2π u/r))/(2r)
+//! h = (1 − 2x²)/r up to x = ½, 2w²/r beyond,  g = (1 + α cos(π u/r) + β cos(2π u/r))/(2r)
 //! B1″ = h (beside the corner itself),  B2″ = B3‴ = ∫g − H(u)                                    (M60)
 //! α = 1 + β,  β = 2π²/9 − 4/3:  ∫g = 1,  ∫u² g = 0,  g(±r) = 0
-//! B1^(n) = (−sgn u)ⁿ (r/π)^(2−n)/(2r) I₂₋ₙ(z)
+//! B1 = r (7/48 − x/2 + x²/2 − x⁴/6) up to x = ½, r w⁴/6 beyond
 //! B3^(n) = (−sgn u)ⁿ (r/π)^(4−n)/(2r) (α I₄₋ₙ(z) − β I₄₋ₙ(2z)/2^(4−n)),  B2 = B3′               (M61)
 //! |p̃ − p| ≤ |Δ1| max B1 + |Δ2| max |B2| + |Δ3| max |B3|                                         (M62)
 //! ```
 //!
 //! Each bump is a truncated power smoothed by its kernel, less that power: u₊ by h, u₊²/2 and u₊³/6 by g.
 //! Smoothing a cubic adds its second derivative times half the second moment of the kernel; the bumps 2 and 3
-//! end only because g has none. g dips below 0 for that, so ∫g leaves 0 … 1 by 5 %. Corners of one size, r
-//! apart, overlap to a constant curvature Δ1/r: h is a partition of unity.
+//! end only because g has none. g dips below 0 for that, so ∫g leaves 0 … 1 by 5 %.
+//!
+//! h is the moving average over r of one over r/2 of one over r/2, a quadratic spline: of all kernels of this
+//! width it has the least |h″|, 4/r³. With the average over r in it, it is a partition of unity: corners of
+//! one size, r or an n-th part of r apart, overlap to a constant curvature. The path between lines is a
+//! polynomial of degree 4 between the places where an h or its half begins, so its bounds can be had exactly.
 //!
 //! Source: smoothing by convolution with a compact kernel; the kernels and the closed forms are derived here.
 
@@ -38,7 +43,7 @@ const BETA: f64 = 2.0 * PI * PI / 9.0 - 4.0 / 3.0;
 const ALPHA: f64 = 1.0 + BETA;
 
 /// Largest |B1^(n)| r^(n−1), n from 0.
-const MOST_B1: [f64; 5] = [0.25 - 1.0 / (PI * PI), 0.5, 1.0, PI / 2.0, PI * PI / 2.0];
+const MOST_B1: [f64; 5] = [7.0 / 48.0, 0.5, 1.0, 2.0, 4.0];
 /// Largest |B3^(n)| r^(n−3), n from 0; those of B2^(n) r^(n−2) are one further. Rounded up.
 const MOST_B3: [f64; 6] = [0.001_739_508_832, 0.004_747_708_858, 0.061_551_505_66, 0.5, ALPHA, 4.932_940_760];
 
@@ -62,18 +67,23 @@ const LEAST_HALF: f64 = 1e-12;
 pub struct Blend<const N: usize> {
     jumps: [[f64; N]; 3],
     half: f64,
+    /// Only p₁ jumps.
+    corner: bool,
 }
 
 impl<const N: usize> Blend<N> {
     /// No bump: nothing is added anywhere.
-    pub const NONE: Blend<N> = Blend { jumps: [[0.0; N]; 3], half: 0.0 };
+    pub const NONE: Blend<N> = Blend { jumps: [[0.0; N]; 3], half: 0.0, corner: true };
 
     /// The bump for `jumps` of p₁, p₂, p₃ (mm⁰ … 1/mm², behind the junction less before it), over `half` mm
     /// on either side. A `half` that is not finite or below 1e-12 mm makes no bump; [`Blend::half`] is 0
     /// then.
     #[must_use]
     pub fn new(jumps: [[f64; N]; 3], half: f64) -> Blend<N> {
-        if half.is_finite() && half >= LEAST_HALF { Blend { jumps, half } } else { Blend::NONE }
+        if !half.is_finite() || half < LEAST_HALF {
+            return Blend::NONE;
+        }
+        Blend { jumps, half, corner: jumps[1..].iter().flatten().all(|jump| *jump == 0.0) }
     }
 
     /// Half the width of the bump, mm: it reaches from −`half()` to `half()` about the junction. 0: none.
@@ -89,19 +99,23 @@ impl<const N: usize> Blend<N> {
 
     /// Whether only p₁ jumps.
     pub(crate) fn corner_only(&self) -> bool {
-        self.jumps[1..].iter().flatten().all(|jump| *jump == 0.0)
+        self.corner
     }
 
     /// Adds the bump at `u` mm from the junction to `p`, position and derivatives 1 … 4 by s as `Path::at`
     /// gives them (M59): of the element before the junction for u < 0, of the one behind it for u ≥ 0.
     /// Nothing for |u| ≥ half.
     ///
-    /// One sine and cosine.
+    /// Beside arcs and curves one sine and cosine.
     pub fn add(&self, u: f64, p: &mut [[f64; N]; 5]) {
-        if u.abs() < self.half {
-            let [d1, d2, d3] = &self.jumps;
-            let bumps = bumps(u, self.half);
-            for (derivative, [b1, b2, b3]) in p.iter_mut().zip(bumps) {
+        let within = u.abs() < self.half;
+        let [d1, d2, d3] = &self.jumps;
+        if within && self.corner {
+            for (derivative, b1) in p.iter_mut().zip(bump(u, self.half)) {
+                derivative.iter_mut().zip(d1).for_each(|(axis, d1)| *axis += d1 * b1);
+            }
+        } else if within {
+            for (derivative, [b1, b2, b3]) in p.iter_mut().zip(bumps(u, self.half)) {
                 for (i, axis) in derivative.iter_mut().enumerate() {
                     *axis += d1[i] * b1 + d2[i] * b2 + d3[i] * b3;
                 }
@@ -156,6 +170,37 @@ fn deviation([d1, d2, d3]: [f64; 3], r: f64) -> f64 {
     r * (d1 * MOST_B1[0] + r * (d2 * MOST_B3[1] + r * d3 * MOST_B3[0]))
 }
 
+/// What a corner of size 1 leads away from the path at a way `u` from it, mm: B1 (M61). It grows with `r`, at
+/// least in proportion to it.
+pub(crate) fn aside(u: f64, r: f64) -> f64 {
+    let x = u.abs() / r;
+    if x >= 1.0 {
+        return 0.0;
+    }
+    let square = if x < 0.5 { x * x } else { (1.0 - x) * (1.0 - x) };
+    if x < 0.5 {
+        r * (7.0 / 48.0 - 0.5 * x + square * (0.5 - square / 6.0))
+    } else {
+        r * square * square / 6.0
+    }
+}
+
+/// B1 at `u` within ±`r`, and its derivatives 1 … 4 (M61).
+pub(crate) fn bump(u: f64, r: f64) -> [f64; 5] {
+    let along = if u < 0.0 { 1.0 } else { -1.0 };
+    let (x, rate) = (u.abs() / r, 1.0 / r);
+    if x < 0.5 {
+        let square = x * x;
+        let turned = 0.5 - x * (1.0 - square * (2.0 / 3.0));
+        let [bent, slope] = [(1.0 - 2.0 * square) * rate, 4.0 * x * rate * rate];
+        return [aside(u, r), along * turned, bent, along * slope, -4.0 * rate * rate * rate];
+    }
+    let w = 1.0 - x;
+    let square = w * w;
+    let [bent, slope] = [2.0 * square * rate, 4.0 * w * rate * rate];
+    [aside(u, r), along * square * w * (2.0 / 3.0), bent, along * slope, 4.0 * rate * rate * rate]
+}
+
 /// B1, B2, B3 at `u` within ±`r`, and their derivatives 1 … 4 (M61): one row of three for each derivative.
 fn bumps(u: f64, r: f64) -> [[f64; 3]; 5] {
     let z = PI * (1.0 - u.abs() / r);
@@ -167,23 +212,24 @@ fn bumps(u: f64, r: f64) -> [[f64; 3]; 5] {
     let along = if u < 0.0 { 1.0 } else { -1.0 };
     let mut scale = q * q * q * q / (2.0 * r);
     let mut halving = 1.0 / 16.0;
-    let tables: [[f64; 2]; 7] = core::array::from_fn(|k| {
-        let row = [once[k], ALPHA * once[k] - BETA * twice[k] * halving].map(|table| table * scale);
+    let tables: [f64; 6] = core::array::from_fn(|k| {
+        let entry = (ALPHA * once[k] - BETA * twice[k] * halving) * scale;
         scale *= along / q;
         halving *= 2.0;
-        row
+        entry
     });
-    core::array::from_fn(|n| [tables[n + 2][0], tables[n + 1][1], tables[n][1]])
+    let corner = bump(u, r);
+    core::array::from_fn(|n| [corner[n], tables[n + 1], tables[n]])
 }
 
-/// I₄ … I₋₂ at a phase z of which sine and cosine are known.
-fn integrals(z: f64, sin: f64, cos: f64) -> [f64; 7] {
+/// I₄ … I₋₁ at a phase z of which sine and cosine are known.
+fn integrals(z: f64, sin: f64, cos: f64) -> [f64; 6] {
     let pulse = 1.0 - cos;
     let first = z - sin;
     let second = z * z / 2.0 - pulse;
     let third = z * z * z / 6.0 - first;
     let fourth = z * z * z * z / 24.0 - second;
-    [fourth, third, second, first, pulse, sin, cos]
+    [fourth, third, second, first, pulse, sin]
 }
 
 #[cfg(test)]

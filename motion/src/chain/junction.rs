@@ -1,22 +1,21 @@
 //! Where two blocks meet: stop, or go on along a path that is smooth there.
-//! In: two blocks. Out: the blend of the junction, or none if the machine has to stop.
+//! In: two blocks. Out: what becomes of the junction.
 //!
-//! A blend reaches equally far along both blocks. Between two lines it may reach to their other ends: the
-//! deviations of two neighbouring corners are convex along the line between them, so their sum is nowhere
-//! larger than at its ends, where only one is left. Beside an arc it reaches to the middle at most and has
-//! half the tolerance, because blends of a curvature that jumps lie on both sides of the path. The same holds
-//! beside a piece of a curve; pieces of one curve have no jumps at all, so nothing is rounded between them.
+//! | blocks | the junction | its blend |
+//! |---|---|---|
+//! | two lines | a corner | as wide as `width.rs` finds it may be, over other corners too |
+//! | one is an arc or a piece of a curve | fixed | to the middle of the shorter block at most, with half the tolerance |
+//!
+//! Blends of a curvature that jumps lie on both sides of the path, so those beside an arc share the tolerance.
+//! Pieces of one curve have no jumps at all, so nothing is rounded between them.
 
 use super::Block;
-use crate::blend::Blend;
+use crate::blend::{Blend, aside};
 
 /// Corners that turn by more are stopped at: rounding would leave the tip uncut. Cosine of 120°.
 const SHARPEST: f64 = -0.5;
 /// A jump of direction below this is none: rounding of end points, 1e-9 mm over a micrometre.
 const TANGENT: f64 = 1e-3;
-/// Lines whose lengths differ by less, relative, are equally long: their blends fill them, and a curve that
-/// was finely divided keeps its own curvature.
-pub(super) const ALIKE: f64 = 1e-3;
 /// Jumps of pₙ by less than this share of |p₁| by Lⁿ⁻¹ are rounding, L being the shorter block: pieces of a
 /// curve have them. A block takes a sixteenth of a cycle T at least, so s′ ≤ 16 L/T there, and the n-th
 /// derivative by time jumps by 1e-10 s′ (16/T)ⁿ⁻¹ at most: at 100 mm/s and 2 ms by less than 1 mm/s³ in jerk.
@@ -36,40 +35,71 @@ pub enum Corner {
     Blend(f64),
 }
 
-/// The blend of the junction of two blocks; `None` for a stop.
-pub(super) fn blend<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>) -> Option<Blend<N>> {
+/// What becomes of the junction of two blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Junction<const N: usize> {
+    /// The machine stops.
+    Stop,
+    /// A blend that reaches over no other junction; [`Blend::NONE`] where nothing jumps.
+    Fixed(Blend<N>),
+    /// Two lines.
+    Corner(Turn<N>),
+}
+
+/// A corner of two lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn<const N: usize> {
+    /// Jump of p₁, and its size; 0 for one that is rounding.
+    pub(super) jump: [f64; N],
+    pub(super) size: f64,
+    /// How far the path may be led away, mm.
+    pub(super) tolerance: f64,
+    /// The widest half width that this alone allows, mm.
+    pub(super) widest: f64,
+    /// There is less travel beside the lines than the path may be led away: no other blend reaches here, so
+    /// that the path stays between the lines.
+    pub(super) alone: bool,
+}
+
+/// What becomes of the junction of two blocks.
+pub(super) fn junction<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>) -> Junction<N> {
     let jumps = last.path.jumps(&next.path);
     let size = |jump: &[f64; N]| jump.iter().map(|d| d * d).sum::<f64>().sqrt();
     let turn = size(&jumps[0]);
     let tolerance = match last.corner {
-        Corner::Stop => return None,
+        Corner::Stop => return Junction::Stop,
         Corner::Exact(tolerance) if turn <= TANGENT => tolerance,
-        Corner::Exact(_) => return None,
+        Corner::Exact(_) => return Junction::Stop,
         Corner::Blend(tolerance) => tolerance,
     };
     // |Δ1|² = 2 − 2 cos of the turn.
     if 1.0 - 0.5 * turn * turn < SHARPEST || !last.feed.same_kind(next.feed) {
-        return None;
+        return Junction::Stop;
     }
-    let (lengths, lines) =
-        ([last.path.length(), next.path.length()], last.path.is_line() && next.path.is_line());
-    let (shorter, longer) = (lengths[0].min(lengths[1]), lengths[0].max(lengths[1]));
-    let (tolerance, cap) = if lines {
-        // What of the longer reach is cut off at the end of the shorter line is π ALIKE of the blend's p₃ at
-        // most: as a step of jerk, less in a cycle than the rate of a smooth change.
-        (tolerance, if longer - shorter <= ALIKE * shorter { longer } else { shorter })
-    } else {
-        ((0.5 * tolerance).min(last.room).min(next.room), 0.5 * shorter)
-    };
+    let shorter = last.path.length().min(next.path.length());
+    let lines = last.path.is_line() && next.path.is_line();
     let mut rounding = ROUNDED * size(&next.path.at(0.0)[1]);
     let smooth = jumps.iter().all(|jump| {
         let joins = size(jump) <= rounding;
         rounding /= shorter;
         joins
     });
-    if smooth {
-        return Some(Blend::NONE);
+    if lines {
+        let (jump, size) = if smooth { ([0.0; N], 0.0) } else { (jumps[0], turn) };
+        let widest = tolerance / (aside(0.0, 1.0) * size);
+        if widest < LEAST_HALF.min(shorter) {
+            return Junction::Stop;
+        }
+        let alone = last.room.min(next.room) < tolerance;
+        return Junction::Corner(Turn { jump, size, tolerance, widest, alone });
     }
-    let half = Blend::half_within(&jumps, tolerance, cap);
-    (half >= LEAST_HALF.min(cap)).then(|| Blend::new(jumps, half))
+    if smooth {
+        return Junction::Fixed(Blend::NONE);
+    }
+    let tolerance = (0.5 * tolerance).min(last.room).min(next.room);
+    let half = Blend::half_within(&jumps, tolerance, 0.5 * shorter);
+    if half < LEAST_HALF.min(0.5 * shorter) {
+        return Junction::Stop;
+    }
+    Junction::Fixed(Blend::new(jumps, half))
 }

@@ -5,7 +5,10 @@
 //! | part | holds |
 //! |---|---|
 //! | `chain/asked.rs` | feeds and overrides |
+//! | `chain/pieces.rs` | the blocks, and the blends that reach each of them |
 //! | `chain/junction.rs` | what becomes of the place where two blocks meet |
+//! | `chain/width.rs` | how wide the blends of corners are (M172) |
+//! | `chain/sweep.rs` | bounds of a line with its blends (M173) |
 //! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
 //! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
 //! | `chain/steer.rs` | the decision which law s(t) follows next (M23, M64) |
@@ -22,13 +25,13 @@
 mod asked;
 mod junction;
 mod law;
+mod pieces;
 mod section;
 mod steer;
+mod sweep;
+mod width;
 mod zone;
 
-use std::collections::VecDeque;
-
-use crate::blend::Blend;
 use crate::limits::Limits;
 use crate::path::Path;
 use crate::sample::Sample;
@@ -36,6 +39,7 @@ use crate::sample::Sample;
 pub use asked::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 pub use junction::Corner;
 use law::Law;
+use pieces::Pieces;
 use section::{SECTIONS, Section, Sections};
 pub(crate) use zone::Bend;
 
@@ -43,6 +47,8 @@ pub(crate) use zone::Bend;
 pub const BLOCKS: usize = 1024;
 /// A block takes at least this share of a cycle: so one cycle passes a bounded number of blocks.
 const LEAST_CYCLES: f64 = 0.0625;
+/// Most stretches of a block with limits of their own.
+const ZONES: usize = 3;
 /// Ways that differ by less are one, mm.
 const SAME: f64 = 1e-9;
 
@@ -70,16 +76,6 @@ pub struct Block<const N: usize, T> {
     pub chord_mm: f64,
     /// The caller's own.
     pub tag: T,
-}
-
-/// A block with its blends.
-#[derive(Clone, Copy, Debug)]
-struct Piece<const N: usize, T> {
-    block: Block<N, T>,
-    start: Blend<N>,
-    end: Blend<N>,
-    /// Shares of the axes beyond the start.
-    before: [f64; N],
 }
 
 /// What is asked for in a cycle.
@@ -118,10 +114,7 @@ pub struct Step<const N: usize, T> {
 pub struct Chain<const N: usize, T> {
     settings: Settings<N>,
     ratios: Ratios,
-    /// Blocks whose ends are settled; the machine is on the first.
-    pieces: VecDeque<Piece<N, T>>,
-    /// The last block: what follows it is not known.
-    tail: Option<Piece<N, T>>,
+    pieces: Pieces<N, T>,
     sections: Sections,
     /// Way on the first piece at the start of the law, mm.
     along: f64,
@@ -150,10 +143,7 @@ impl<const N: usize, T: Copy + Default> Chain<N, T> {
         if let Some(path) = Path::line([1.0; N], &[true; N]) {
             let (feed, corner, tag) = (Feed::Rapid, Corner::Stop, T::default());
             let block = Block { path, feed, corner, room: 0.0, chord_mm: 0.0, tag };
-            let piece = Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] };
-            chain.pieces = VecDeque::with_capacity(BLOCKS);
-            chain.pieces.resize(BLOCKS, piece);
-            chain.pieces.clear();
+            chain.pieces.take_memory(block);
         }
         chain.sections.take_memory();
         chain
@@ -165,8 +155,7 @@ impl<const N: usize, T: Copy + Default> Chain<N, T> {
         Chain {
             settings,
             ratios: Ratios::full(0.0),
-            pieces: VecDeque::new(),
-            tail: None,
+            pieces: Pieces::new(),
             sections: Sections::new(),
             along: 0.0,
             law: Law::Rest,
@@ -186,83 +175,62 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// Whether there is nothing to do.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.pieces.is_empty() && self.tail.is_none()
+        self.pieces.len() == 0
     }
 
     /// Blocks that are not completed.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.pieces.len() + usize::from(self.tail.is_some())
+        self.pieces.len()
     }
 
     /// Whether a block can be appended now: there is room, and the chain has not been closed.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        !self.closed && self.pieces.len() + 1 < BLOCKS && self.sections.len() + 4 < SECTIONS
+        let sections = self.sections.len() + ZONES * (self.pieces.pending() + 1);
+        !self.closed && self.pieces.len() + 1 < BLOCKS && sections < SECTIONS
     }
 
     /// Appends a block where the one before ends. The caller has looked for room.
     pub fn push(&mut self, block: Block<N, T>) {
-        let mut piece = Piece { block, start: Blend::NONE, end: Blend::NONE, before: [0.0; N] };
-        if let Some(mut tail) = self.tail.take() {
-            let blend = junction::blend(&tail.block, &piece.block);
-            if let Some(blend) = blend {
-                (tail.end, piece.start) = (blend, blend);
-            }
-            piece.before = tail.block.path.shares();
-            self.settle(tail, &piece.block.path.shares(), blend.is_none());
-        }
-        self.tail = Some(piece);
+        self.pieces.push(block);
+        self.settle();
         self.quiet = 0;
     }
 
     /// No block follows: the machine stops at the end of the last one.
     pub fn close(&mut self) {
-        if let Some(tail) = self.tail.take() {
-            self.settle(tail, &[0.0; N], true);
-        }
+        self.pieces.close();
+        self.settle();
         self.sections.stop_at_end();
         self.closed = true;
     }
 
-    /// Turns a block whose end is known into sections of the look-ahead.
-    fn settle(&mut self, piece: Piece<N, T>, after: &[f64; N], stops: bool) {
-        let path = &piece.block.path;
-        let (length, r0, r1) = (path.length(), piece.start.half(), piece.end.half());
-        let own = Bend::of(path);
-        let mut zone = |length: f64, bend: Bend<N>, stops: bool| {
-            if length <= 0.0 && !stops {
-                return;
-            }
-            let chord_v2 = 8.0 * piece.block.chord_mm / (self.settings.cycle_s * self.settings.cycle_s);
-            let slowest = path.length() / (LEAST_CYCLES * self.settings.cycle_s);
-            let asked = piece.block.feed.highest().min(slowest.max(LEAST_FEED));
-            let limits = bend.limits(&self.settings.axes, asked, chord_v2);
-            let section = Section::new(length, piece.block.feed, limits, stops);
+    /// Turns blocks whose blends are known into sections of the look-ahead.
+    fn settle(&mut self) {
+        while let Some(k) = self.pieces.settle() {
+            let borders = self.pieces.borders(k);
+            let bends = self.pieces.bends(k, borders);
+            let piece = &self.pieces.ring[k];
+            let (block, stops) = (&piece.block, piece.stops());
+            let length = piece.length();
+            let chord_v2 = 8.0 * block.chord_mm / (self.settings.cycle_s * self.settings.cycle_s);
+            let slowest = length / (LEAST_CYCLES * self.settings.cycle_s);
+            let asked = block.feed.highest().min(slowest.max(LEAST_FEED));
             // A change of speed in hand relies on the limits of the sections that it crosses.
             let joins = !matches!(self.law, Law::Change(_) | Law::Fold(_));
-            self.sections.push(section, &self.ratios, joins);
-        };
-        let (start, end, others) = (&piece.start, &piece.end, [&piece.before, after]);
-        let fills = |half: f64| (half - length).abs() <= junction::ALIKE * length;
-        let corners = start.corner_only() && end.corner_only();
-        if corners && fills(r0) && fills(r1) {
-            zone(length, Bend::filled(path, start, end, others), stops);
-        } else if corners && r0 + r1 > length && r0.min(r1) > 0.5 * length {
-            zone(length, Bend::shared(path, start, end, others), stops);
-        } else {
-            // Up to where the blend of the end begins, where that of the start ends, or where both are.
-            let (first, second) = (r0.min((length - r1).max(0.0)), r0.max(length - r1).min(length));
-            let between =
-                if r0 + r1 > length { own.with(start, others[0]).with(end, others[1]) } else { own };
-            zone(first, own.with(start, others[0]), false);
-            zone(second - first, between, stops && second >= length);
-            if second < length {
-                zone(length - second, own.with(end, others[1]), stops);
+            let ends = [borders[0], borders[1], length];
+            let mut begin = 0.0;
+            for (end, bend) in ends.into_iter().zip(&bends) {
+                if end > begin {
+                    let limits = bend.limits(&self.settings.axes, asked, chord_v2);
+                    let section = Section::new(end - begin, block.feed, limits, stops && end >= length);
+                    self.sections.push(section, &self.ratios, joins);
+                    begin = end;
+                }
             }
+            self.stale = true;
         }
-        self.pieces.push_back(piece);
-        self.stale = true;
     }
 
     /// Goes on by one cycle. `None` if there is nothing to do.
@@ -276,10 +244,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.steer(ask);
         let sample = self.law.at(self.t);
         let s = self.place(sample.s);
-        let front = self.pieces.front().or(self.tail.as_ref())?;
+        let front = self.pieces.front()?;
         let along = Sample { s, ..sample };
         let step = Step {
-            axes: front.follow(&along),
+            axes: self.pieces.follow(&along),
             along,
             tag: front.block.tag,
             completed: self.completed,
@@ -306,7 +274,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// The block in which the machine is.
     #[must_use]
     pub fn here(&self) -> Option<&T> {
-        self.pieces.front().or(self.tail.as_ref()).map(|piece| &piece.block.tag)
+        self.pieces.front().map(|piece| &piece.block.tag)
     }
 
     /// Where on the front block the machine is when it has gone `way` mm in the law; leaves the blocks behind
@@ -321,14 +289,13 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             (false, false) => 0.0,
         };
         let mut s = self.along + way;
-        while let Some(front) = self.pieces.front() {
-            let length = front.block.path.length();
-            if s < length - slack || self.pieces.len() == 1 && self.tail.is_none() {
+        while let Some(length) = self.pieces.settled_length() {
+            if s < length - slack || self.pieces.len() == 1 {
                 return s.min(length);
             }
             (s, self.along) = (s - length, self.along - length);
             self.completed += 1;
-            self.pieces.pop_front();
+            self.pieces.leave();
         }
         s
     }
@@ -356,18 +323,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     pub fn clear(&mut self) {
         self.pieces.clear();
         self.sections.clear();
-        (self.tail, self.law, self.t, self.along, self.closed) = (None, Law::Rest, 0.0, 0.0, false);
+        (self.law, self.t, self.along, self.closed) = (Law::Rest, 0.0, 0.0, false);
         self.quiet = 0;
-    }
-}
-
-impl<const N: usize, T> Piece<N, T> {
-    /// The motion of the axes on the blended path (M55).
-    fn follow(&self, along: &Sample) -> [Sample; N] {
-        let path = &self.block.path;
-        let mut p = path.at(along.s);
-        self.start.add(along.s, &mut p);
-        self.end.add(along.s - path.length(), &mut p);
-        along.along(&p)
     }
 }

@@ -14,7 +14,7 @@
 
 use super::law::{Fold, Law, Promise};
 use super::section::Section;
-use super::{Ask, Chain, Piece, SAME};
+use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
 use crate::feed::{FeedBlock, junction_distance};
 use crate::limits::Limits;
@@ -119,7 +119,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                 let stopping = junction_distance(0.0, law.goal(self.t).max(now.v), &front.limits);
                 let last = self.sections.len() == 1;
                 !ask.more && known <= WAYS_KNOWN * stopping
-                    || last && self.tail.is_some() && law.level(self.t) >= law.duration() - left
+                    || last && self.pieces.pending() > 0 && law.level(self.t) >= law.duration() - left
             }
         };
         if dry {
@@ -253,16 +253,16 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// Whether the machine is where a block ends: at the end of the front one, or at its start, when the one
     /// before has been left behind.
     fn at_block_end(&self) -> bool {
-        let ends = |piece: &Piece<N, T>| (piece.block.path.length() - self.along).abs() <= SAME;
-        self.along.abs() <= SAME || self.pieces.front().is_some_and(ends)
+        let ends = |length: f64| (length - self.along).abs() <= SAME;
+        self.along.abs() <= SAME || self.pieces.front().is_some_and(|front| ends(front.length()))
     }
 
     /// Way to the first end of a block that is at least `least` mm ahead, `gone` mm behind the start of the
     /// law in hand, mm.
     fn block_end(&self, gone: f64, least: f64) -> f64 {
         let mut way = -self.along - gone;
-        for piece in &self.pieces {
-            way += piece.block.path.length();
+        for piece in self.pieces.ahead() {
+            way += piece.length();
             if way > SAME && way >= least {
                 break;
             }

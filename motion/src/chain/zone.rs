@@ -17,18 +17,13 @@
 //! Every term of M55 then fits beside the others, whatever their signs. A slow feed leaves nearly all of the
 //! limits to changes of feed; only where the path itself asks for a share is it taken.
 
-use core::f64::consts::PI;
-
 use crate::blend::Blend;
 use crate::limits::Limits;
 use crate::path::Path;
 
-/// Samples along a stretch that two blends share.
-const SAMPLES: u32 = 32;
-
 /// Bounds of |p₁| … |p₄| of every axis over a stretch.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bend<const N: usize>([[f64; N]; 4]);
+pub(crate) struct Bend<const N: usize>(pub(super) [[f64; N]; 4]);
 
 impl<const N: usize> Bend<N> {
     /// Of a path by itself.
@@ -53,84 +48,6 @@ impl<const N: usize> Bend<N> {
             own.iter_mut().zip(peaks).for_each(|(own, peak)| *own += peak);
         }
         self
-    }
-
-    /// Over a line that two blends of corners share, each nearly as wide as the line is long. With x from its
-    /// start, `p₂ = (Δ₀ + Δ₁)/2L + (Δ₀ − Δ₁)/2L cos(πx/L)`: where corners turn alike nothing is left of p₃ and
-    /// p₄, and a finely divided curve can be as fast as the curve.
-    ///
-    /// A blend whose half width is L (1 + δ) differs from that: `|∂h⁽ⁿ⁾/∂ ln r|` is at most (n + 1 + π) times
-    /// the most of h⁽ⁿ⁾, π^n/2L^(n+1) and for n = 0 twice that.
-    pub(super) fn filled(
-        path: &Path<N>,
-        start: &Blend<N>,
-        end: &Blend<N>,
-        others: [&[f64; N]; 2],
-    ) -> Bend<N> {
-        let (length, shares) = (path.length(), path.shares());
-        let rate = PI / length;
-        let off = |blend: &Blend<N>| (blend.half() / length - 1.0).abs();
-        let (before, behind) = (off(start), off(end));
-        let mut bounds = [[0.0; N]; 4];
-        for i in 0..N {
-            let (first, second) = (start.corner()[i], end.corner()[i]);
-            let swing = (first - second).abs() / (2.0 * length);
-            bounds[0][i] = shares[i].max(others[0][i]).max(others[1][i]);
-            bounds[1][i] = first.abs().max(second.abs()) / length;
-            (bounds[2][i], bounds[3][i]) = (swing * rate, swing * rate * rate);
-            let mut rounded = (before * first.abs() + behind * second.abs()) / (2.0 * length);
-            for (n, bound) in bounds.iter_mut().skip(1).enumerate() {
-                let most = if n == 0 { 2.0 } else { 1.0 };
-                // A thousandth more for what δ² and δ³ make of it.
-                bound[i] += 1.001 * rounded * most * (n as f64 + 1.0 + PI);
-                rounded *= rate;
-            }
-        }
-        Bend(bounds)
-    }
-
-    /// Over a whole line that two blends of corners share in part. Their sum is sampled: it is smaller than
-    /// the sum of their bounds.
-    ///
-    /// Between samples h apart |f| is at most the larger of both plus h²/8 max|f″|.
-    pub(super) fn shared(
-        path: &Path<N>,
-        start: &Blend<N>,
-        end: &Blend<N>,
-        others: [&[f64; N]; 2],
-    ) -> Bend<N> {
-        let length = path.length();
-        let mut bounds = [[0.0; N]; 4];
-        bounds[0] = path.shares();
-        for i in 0..N {
-            bounds[0][i] = bounds[0][i].max(others[0][i]).max(others[1][i]);
-        }
-        for k in 0..=SAMPLES {
-            // Just inside the ends: the fourth derivative of a blend jumps where it begins.
-            let u = (f64::from(k) / f64::from(SAMPLES)).clamp(1e-9, 1.0 - 1e-9) * length;
-            let mut p = [[0.0; N]; 5];
-            start.add(u, &mut p);
-            end.add(u - length, &mut p);
-            for n in 1..4 {
-                for i in 0..N {
-                    bounds[n][i] = bounds[n][i].max(p[n + 1][i].abs());
-                }
-            }
-        }
-        for blend in [start, end].into_iter().filter(|blend| blend.half() > 0.0) {
-            let rate = PI / blend.half();
-            let step = length / f64::from(SAMPLES);
-            let ends_within = blend.half() < length * (1.0 - 1e-9);
-            let mut share = (step * rate) * (step * rate) / (16.0 * blend.half());
-            for (n, bound) in bounds.iter_mut().enumerate().skip(1) {
-                let jump = if n == 3 && ends_within { rate * rate / (2.0 * blend.half()) } else { 0.0 };
-                for (bound, corner) in bound.iter_mut().zip(blend.corner()) {
-                    *bound += corner.abs() * (share + jump);
-                }
-                share *= rate;
-            }
-        }
-        Bend(bounds)
     }
 
     /// Limits of s (M66); `asked` is the highest feed that can be asked for, `chord_v2` = 8 ε/T².

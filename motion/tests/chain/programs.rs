@@ -29,6 +29,8 @@ struct Kind {
     tolerance: f64,
     /// A curve in steps that are alike but for this share.
     alike: Option<f64>,
+    /// A curve in steps so much longer than the shortest, at most: blends reach over many corners.
+    fine: Option<f64>,
 }
 
 /// A random program.
@@ -42,6 +44,7 @@ pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
         curves: if random.chance(0.5) { 0.0 } else { random.between(0.0, 0.3) },
         tolerance: random.scale(1e-3, 0.5),
         alike: random.chance(0.2).then(|| random.scale(1e-10, 1e-2)),
+        fine: random.chance(0.2).then(|| random.scale(1.0, 10.0)),
     };
     let (mut corner, mut feed) = (corner(random, &kind), feed(random, None));
     let mut at = [0.0; N];
@@ -53,15 +56,20 @@ pub(crate) fn program(random: &mut Seed) -> Vec<Line> {
         } else if random.chance(0.2) {
             feed = self::feed(random, Some(feed));
         }
-        heading += random.between(-kind.bent, kind.bent);
+        // A fine curve has a corner now and then, and bends to one side for the most part.
+        heading += match kind.fine {
+            Some(_) if random.chance(0.95) => 0.1 * random.between(-kind.bent, 2.0 * kind.bent).min(1.0),
+            _ => random.between(-kind.bent, kind.bent),
+        };
         let paths = if random.chance(kind.curves) {
             curve(random, &mut heading)
         } else if random.chance(kind.arcs) {
             arc(random, &mut heading).into_iter().collect()
         } else {
-            let length = match kind.alike {
-                Some(share) => kind.shortest * (1.0 + random.between(-share, share)),
-                None => random.scale(kind.shortest, kind.longest),
+            let length = match (kind.alike, kind.fine) {
+                (Some(share), _) => kind.shortest * (1.0 + random.between(-share, share)),
+                (None, Some(most)) => kind.shortest * random.between(1.0, most),
+                (None, None) => random.scale(kind.shortest, kind.longest),
             };
             let (sin, cos) = libm::sincos(heading);
             let way = [length * cos, length * sin, random.between(-0.1, 0.1) * length];

@@ -1,9 +1,9 @@
 //! Where a chain must lead, by the rules of path modes alone: no plan, no time. In: a program. Out: the
 //! position of the axes after any way on any block, mm; how far a point is from the programmed path, mm.
 //!
-//! A junction is rounded over an equal way on both sides. Between lines that is at most the shorter one, or
-//! their common length; beside an arc at most half of either element, with half the tolerance and not beyond
-//! the room that is left.
+//! Beside an arc a junction is rounded over at most half of either element, with half the tolerance and not
+//! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow (M172):
+//! no place where several reach may be led away by more than its tolerance.
 
 use crate::programs::{Line, N};
 use crate::stand::Seen;
@@ -14,23 +14,37 @@ use motion::{Blend, Path};
 pub(crate) struct Rounded<'a> {
     blocks: &'a [Line],
     blends: Vec<Blend<N>>,
+    /// Way to the end of every block, mm.
+    ends: Vec<f64>,
 }
 
 impl<'a> Rounded<'a> {
     pub(crate) fn new(blocks: &'a [Line]) -> Rounded<'a> {
-        let junction = |pair: &[Line]| blend(&pair[0], &pair[1]).unwrap_or(Blend::NONE);
-        Rounded { blocks, blends: blocks.windows(2).map(junction).collect() }
+        let mut way = 0.0;
+        let ends = blocks.iter().map(|block| {
+            way += block.path.length();
+            way
+        });
+        let mut path = Rounded { blocks, blends: Vec::new(), ends: ends.collect() };
+        let kinds: Vec<Kind> = blocks.windows(2).map(|pair| kind(&pair[0], &pair[1])).collect();
+        let rooms: Vec<f64> = (0..kinds.len()).map(|k| path.room(&kinds, k)).collect();
+        path.blends = (0..kinds.len()).map(|k| path.blend(&kinds, &rooms, k)).collect();
+        path
     }
 
     /// The position after `s` mm on a block, in the coordinates of the program.
     pub(crate) fn at(&self, number: usize, s: f64) -> [f64; N] {
         let Line { path, tag, .. } = &self.blocks[number];
         let mut p = path.at(s);
-        if number > 0 {
-            self.blends[number - 1].add(s, &mut p);
+        let mut at = 0.0;
+        for k in (0..number).rev().take(CORNERS) {
+            self.blends[k].add(s - at, &mut p);
+            at -= self.blocks[k].path.length();
         }
-        if let Some(end) = self.blends.get(number) {
-            end.add(s - path.length(), &mut p);
+        let mut at = 0.0;
+        for k in (number..self.blends.len()).take(CORNERS) {
+            at += self.blocks[k].path.length();
+            self.blends[k].add(s - at, &mut p);
         }
         std::array::from_fn(|i| tag.start[i] + p[0][i])
     }
@@ -47,32 +61,112 @@ fn same_kind(a: Feed, b: Feed) -> bool {
     std::mem::discriminant(&a) == std::mem::discriminant(&b)
 }
 
-fn blend(last: &Line, next: &Line) -> Option<Blend<N>> {
+/// Corners that a blend may reach over on either side, and how far, mm.
+const CORNERS: usize = 16;
+const REACH: f64 = 4.0;
+
+enum Kind {
+    Stop,
+    Fixed(Blend<N>),
+    /// Jump, tolerance, no other blend reaches here.
+    Corner([f64; N], f64, bool),
+}
+
+fn kind(last: &Line, next: &Line) -> Kind {
     let jumps = last.path.jumps(&next.path);
     let turn = distance(&jumps[0], &[0.0; N]);
     let tolerance = match last.corner {
         Corner::Exact(tolerance) if turn <= 1e-3 => tolerance,
         Corner::Blend(tolerance) => tolerance,
-        Corner::Exact(_) | Corner::Stop => return None,
+        Corner::Exact(_) | Corner::Stop => return Kind::Stop,
     };
     // The chord of 120°.
     if turn > 3_f64.sqrt() || !same_kind(last.feed, next.feed) {
-        return None;
+        return Kind::Stop;
     }
     let (a, b) = (last.path.length(), next.path.length());
-    let (tolerance, cap) = match last.path.is_line() && next.path.is_line() {
-        true if (a - b).abs() <= 1e-3 * a.min(b) => (tolerance, a.max(b)),
-        true => (tolerance, a.min(b)),
-        false => ((0.5 * tolerance).min(last.room).min(next.room), 0.5 * a.min(b)),
-    };
     // Pieces of one curve join but for rounding.
     let [_, direction, ..] = next.path.at(0.0);
     let none = |n: usize| 1e-10 * distance(&direction, &[0.0; N]) * a.min(b).powi(-(n as i32));
-    if (0..3).all(|n| distance(&jumps[n], &[0.0; N]) <= none(n)) {
-        return Some(Blend::NONE);
+    let smooth = (0..3).all(|n| distance(&jumps[n], &[0.0; N]) <= none(n));
+    let room = last.room.min(next.room);
+    if last.path.is_line() && next.path.is_line() {
+        let jump = if smooth { [0.0; N] } else { jumps[0] };
+        let widest = tolerance / (7.0 / 48.0 * distance(&jump, &[0.0; N]));
+        let stops = widest < 1e-6_f64.min(a.min(b));
+        return if stops { Kind::Stop } else { Kind::Corner(jump, tolerance, room < tolerance) };
     }
+    if smooth {
+        return Kind::Fixed(Blend::NONE);
+    }
+    let (tolerance, cap) = ((0.5 * tolerance).min(room), 0.5 * a.min(b));
     let half = Blend::half_within(&jumps, tolerance, cap);
-    (half >= cap.min(1e-6)).then(|| Blend::new(jumps, half))
+    if half >= cap.min(1e-6) { Kind::Fixed(Blend::new(jumps, half)) } else { Kind::Stop }
+}
+
+impl Rounded<'_> {
+    /// The widest that the lines and corners around a corner let its blend be.
+    fn widest(&self, k: usize) -> f64 {
+        let shorter = self.blocks[k].path.length().min(self.blocks[k + 1].path.length());
+        let back = if k < CORNERS { f64::INFINITY } else { self.ends[k] - self.ends[k - CORNERS] };
+        let on = self.ends.get(k + CORNERS).map_or(f64::INFINITY, |end| end - self.ends[k]);
+        shorter.max(REACH).min(back).min(on)
+    }
+
+    /// The corners that a blend at `k` may share a place with, from the nearest.
+    fn neighbours<'k>(&self, kinds: &'k [Kind], k: usize) -> Vec<(f64, &'k [f64; N])> {
+        let crossed = |j: usize| match &kinds[j] {
+            Kind::Corner(jump, _, false) => Some(((self.ends[j] - self.ends[k]).abs(), jump)),
+            _ => None,
+        };
+        let (back, on) = ((0..k).rev().map_while(crossed), (k..kinds.len()).map_while(crossed));
+        on.take(CORNERS + 1).chain(back.take(CORNERS)).collect()
+    }
+
+    fn room(&self, kinds: &[Kind], k: usize) -> f64 {
+        let Kind::Corner(jump, tolerance, false) = &kinds[k] else { return 0.0 };
+        let corners = self.neighbours(kinds, k);
+        let away = |r: f64| -> f64 {
+            let corner = |(way, jump): &(f64, &[f64; N])| {
+                let mut p = [[0.0]; 5];
+                Blend::new([[1.0], [0.0], [0.0]], r).add(*way, &mut p);
+                distance(jump, &[0.0; N]) * p[0][0]
+            };
+            corners.iter().map(corner).sum()
+        };
+        let alone = tolerance / (7.0 / 48.0 * distance(jump, &[0.0; N]));
+        let most = self.widest(k).min(alone);
+        if away(most) <= *tolerance {
+            return most;
+        }
+        let (mut low, mut high) = (most * tolerance / away(most), most);
+        for _ in 0..8 {
+            let middle = (low * high).sqrt();
+            if away(middle) <= *tolerance { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    fn blend(&self, kinds: &[Kind], rooms: &[f64], k: usize) -> Blend<N> {
+        let (jump, tolerance, alone) = match &kinds[k] {
+            Kind::Stop => return Blend::NONE,
+            Kind::Fixed(blend) => return *blend,
+            Kind::Corner(jump, tolerance, alone) => (*jump, tolerance, *alone),
+        };
+        let size = distance(&jump, &[0.0; N]);
+        let (a, b) = (self.blocks[k].path.length(), self.blocks[k + 1].path.length());
+        let mut half = self.widest(k).min(tolerance / (7.0 / 48.0 * size));
+        half = if alone { half.min(a).min(b) } else { half.min(rooms[k]) };
+        for j in (0..kinds.len()).filter(|j| *j != k) {
+            half = half.min(rooms[j].max((self.ends[j] - self.ends[k]).abs()));
+        }
+        half = half.min(self.ends[k]).min(self.ends[self.ends.len() - 1] - self.ends[k]);
+        if (a - b).abs() <= 1e-3 * a.min(b) {
+            let corners = self.ends[k + 1..].iter().map(|end| end - self.ends[k]);
+            half = corners.take_while(|way| *way <= half * 1.001).last().unwrap_or(half).min(half);
+        }
+        if size == 0.0 { Blend::NONE } else { Blend::new([jump, [0.0; N], [0.0; N]], half) }
+    }
 }
 
 pub(crate) fn distance(a: &[f64; N], b: &[f64; N]) -> f64 {

@@ -34,12 +34,22 @@ fn off(blocks: &[Line], seen: &Seen) -> f64 {
     least
 }
 
-/// Within the boxes of the block and its neighbours, widened by the least room where one is an arc.
+/// How far blends of corners may lead beyond the lines beside the junction behind a block: nowhere, unless
+/// there is that much room beside both.
+fn beyond(blocks: &[Line], k: usize) -> f64 {
+    let Some([last, next]) = blocks.get(k..k + 2) else { return 0.0 };
+    let tolerance = allowed(last);
+    if last.room.min(next.room) < tolerance { 0.0 } else { tolerance }
+}
+
+/// Within the boxes of the block and its neighbours, widened by the least room where one is an arc, and by the
+/// tolerance where there is so much room.
 fn in_its_room(blocks: &[Line], seen: &Seen) -> bool {
     let number = seen.step.tag.number;
     let near = &blocks[number.saturating_sub(1)..=(number + 1).min(blocks.len() - 1)];
+    let corners = number.checked_sub(1).map_or(0.0, |k| beyond(blocks, k)).max(beyond(blocks, number));
     (0..N).all(|i| {
-        let (mut low, mut high, mut room) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        let (mut low, mut high, mut room) = (f64::INFINITY, f64::NEG_INFINITY, corners);
         for block in near {
             let [least, most] = block.path.bounds();
             low = low.min(block.tag.start[i] + least[i]);

@@ -122,7 +122,8 @@ proptest! {
         corner in signed(1e-3, 1.0), half in magnitude(1e-3, 1e2),
     ) {
         let blend = Blend::new([[corner], [0.0], [0.0]], half);
-        for u in times(half, 100).skip(1).take(99) {
+        // Not in the middle: both fourth derivatives jump there.
+        for u in times(half, 99).skip(1).take(98) {
             let mut p = [[0.0]; 5];
             blend.add(u, &mut p);
             blend.add(u - half, &mut p);
