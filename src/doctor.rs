@@ -1,10 +1,10 @@
 //! `pitchlock doctor`: can this computer run the machine, and what to change if not.
 
-use std::{fmt::Write as _, process::ExitCode};
+use std::{fmt::Write as _, path::Path, process::ExitCode};
 
 use process::ipc::{
-    NameSpace,
-    time::{Moment, lock_memory, processors, sleep_until},
+    NameSpace, computer,
+    time::{Moment, be_punctual, lock_memory, processors, sleep_until},
 };
 
 use clap::Args;
@@ -19,8 +19,11 @@ pub(crate) struct DoctorArgs {
 
 /// Wake-ups that are measured.
 const WAKE_UPS: usize = 2000;
+/// What a run of some minutes leaves in its folder, bytes.
+const RUN_BYTES: u64 = 256 << 20;
 
-/// Tries the name space, the processors, memory locking and wake-ups, and says what it found.
+/// Tries the name space, files, disks, processors, memory locking, priority and wake-ups, and says what it
+/// found.
 pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.machine.read()?;
     let mut text = String::new();
@@ -35,11 +38,16 @@ pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
         ),
         Err(error) => writeln!(
             text,
-            "FAIL  channels of a machine: {error}\n      give this user a writable /dev/shm and a folder for temporary files (TMPDIR); \
-             in a container: --shm-size=256m"
+            "FAIL  channels of a machine: {error}\n      this user needs a writable /dev/shm and a folder for temporary files (TMPDIR)"
         ),
     };
     drop(space);
+    // Whoever cannot have them has been told so above.
+    let needed = computer::files(&axes(&machine));
+    if computer::allow_files(needed).is_ok() {
+        let _ = writeln!(text, "ok    {needed} files may be open at once (ulimit -n)");
+    }
+    text += &disk();
     let processors = processors().len();
     let needed = 3 + machine.axis.len();
     let _ = if processors >= needed {
@@ -54,6 +62,10 @@ pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
     let _ = match lock_memory() {
         Ok(()) => writeln!(text, "ok    memory can be locked"),
         Err(error) => writeln!(text, "note  {error}: real time needs `ulimit -l unlimited`"),
+    };
+    let _ = match be_punctual() {
+        Ok(()) => writeln!(text, "ok    the priority can be raised"),
+        Err(error) => writeln!(text, "note  {error}: real time needs `ulimit -e 40`, or `chrt -f 80`"),
     };
     let late = wake_up_lateness_us(machine.general.cycle_s);
     let cycle_us = machine.general.cycle_s * 1e6;
@@ -81,6 +93,19 @@ pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
     );
     screen::print(&text);
     Ok(if can_run { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Room where run folders are made.
+fn disk() -> String {
+    match computer::free_bytes(Path::new(".")) {
+        None => "note  nobody knows how much room there is for run folders here\n".into(),
+        Some(free) if free < RUN_BYTES => format!(
+            "note  {} MB are free for run folders here: a long trace takes more; name another folder with --out, or take \
+             `--trace none`\n",
+            free >> 20
+        ),
+        Some(free) => format!("ok    {} MB are free for run folders here\n", free >> 20),
+    }
 }
 
 /// Median, 99th percentile and worst lateness of absolute waits, µs.

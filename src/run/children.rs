@@ -8,7 +8,7 @@ use std::{
 use process::{
     ipc::{
         Process,
-        child::{doom, signal_name},
+        child::{doom, signal_name, signal_words},
     },
     shell::Clock,
 };
@@ -117,8 +117,7 @@ impl Started {
     pub(crate) fn ending(&self) -> String {
         let signal = self.exit.and_then(|exit| exit.signal());
         match (self.exit.and_then(|exit| exit.code()), signal) {
-            (_, Some(7)) => "was killed by SIGBUS: /dev/shm is full, it seems; run `pitchlock doctor`".into(),
-            (_, Some(number)) => format!("was killed by {}", signal_name(number)),
+            (_, Some(number)) => format!("was ended by {}", signal_words(number)),
             (Some(code), _) => format!("ended with exit status {code}; why is on standard error"),
             (None, None) => "ended".into(),
         }

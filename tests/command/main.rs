@@ -7,6 +7,7 @@ mod shop;
 mod canon;
 mod check;
 mod command_line;
+mod computer;
 mod deaths;
 mod determinism;
 mod dialects;

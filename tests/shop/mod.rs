@@ -217,3 +217,21 @@ pub fn shared_memory(place: &Place, ids: &std::collections::BTreeSet<String>) ->
     let left = fs::read_dir("/dev/shm").unwrap().flatten().filter(ours);
     left.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
 }
+
+/// Whether this user may have file systems of his own; if not, which test is left out is said.
+pub fn can_be_private(test: &str) -> bool {
+    let tried = Command::new("unshare").args(["-m", "true"]).stderr(Stdio::null()).status();
+    let can = tried.is_ok_and(|status| status.success());
+    if !can {
+        eprintln!("left out: {test} needs an administrator, and unshare");
+    }
+    can
+}
+
+/// A script in a mount namespace of its own, in this place; `$0` is the program.
+pub fn private(place: &Place, script: &str) -> Command {
+    let mut command = Command::new("unshare");
+    command.args(["-m", "sh", "-c", script, env!("CARGO_BIN_EXE_pitchlock")]);
+    command.current_dir(place.path()).env("TMPDIR", place.path()).stdin(Stdio::null());
+    command
+}

@@ -33,24 +33,32 @@ pub fn is_stopped(pid: u32) -> bool {
     matches!(state, Some("T" | "t"))
 }
 
+/// Signals that end a process: number, name, what they are in words.
+const SIGNALS: [(i32, &str, &str); 14] = [
+    (1, "SIGHUP", "its terminal was closed"),
+    (2, "SIGINT", "it was interrupted"),
+    (3, "SIGQUIT", "it was told to quit"),
+    (4, "SIGILL", "an instruction that this processor does not have"),
+    (6, "SIGABRT", "it gave up by itself"),
+    (7, "SIGBUS", "memory that is not there: a full /dev/shm, or a file that became shorter"),
+    (8, "SIGFPE", "a calculation that has no result"),
+    (9, "SIGKILL", "somebody killed it, or the system because memory ran out (`dmesg` says so)"),
+    (11, "SIGSEGV", "it touched memory that is not its own"),
+    (13, "SIGPIPE", "nobody reads what it writes"),
+    (15, "SIGTERM", "somebody ended it"),
+    (24, "SIGXCPU", "its time on the processor is used up (`ulimit -t`)"),
+    (25, "SIGXFSZ", "a file became longer than it may (`ulimit -f`)"),
+    (31, "SIGSYS", "a system call that is not allowed here"),
+];
+
 /// Name of a signal that ends a process.
 pub fn signal_name(number: i32) -> String {
-    let name = match number {
-        1 => "SIGHUP",
-        2 => "SIGINT",
-        3 => "SIGQUIT",
-        4 => "SIGILL",
-        6 => "SIGABRT",
-        7 => "SIGBUS",
-        8 => "SIGFPE",
-        9 => "SIGKILL",
-        11 => "SIGSEGV",
-        13 => "SIGPIPE",
-        15 => "SIGTERM",
-        24 => "SIGXCPU",
-        25 => "SIGXFSZ",
-        31 => "SIGSYS",
-        other => return format!("signal {other}"),
-    };
-    name.into()
+    let known = SIGNALS.iter().find(|(known, ..)| *known == number);
+    known.map_or_else(|| format!("signal {number}"), |(_, name, _)| (*name).into())
+}
+
+/// The same with what it is in words.
+pub fn signal_words(number: i32) -> String {
+    let known = SIGNALS.iter().find(|(known, ..)| *known == number);
+    known.map_or_else(|| format!("signal {number}"), |(_, name, words)| format!("{name} ({words})"))
 }

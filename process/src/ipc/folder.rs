@@ -20,17 +20,13 @@ use rustix::{
     process::{getpid, getuid},
 };
 
-use super::IpcError;
+use super::{
+    IpcError,
+    computer::{SHARED_MEMORY, take_shared_memory},
+};
 
-const SHARED_MEMORY: &str = "/dev/shm";
 /// Room that iceoryx2 needs behind the folder's path in the 108 bytes of a socket's address.
 const SOCKET_NAME_BYTES: usize = 60;
-
-/// Shared memory that is free, bytes; `None` if nobody knows.
-pub(crate) fn free_bytes() -> Option<u64> {
-    let found = rustix::fs::statvfs(SHARED_MEMORY).ok()?;
-    Some(found.f_bavail.saturating_mul(found.f_frsize))
-}
 
 /// A name space, and the proof that this process lives in it.
 #[derive(Debug)]
@@ -109,6 +105,11 @@ impl Folder {
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
         Ok(config)
+    }
+
+    /// Takes all the shared memory that its channels will ever use.
+    pub(crate) fn take_memory(&self) -> Result<(), IpcError> {
+        take_shared_memory(&prefix(&self.id))
     }
 
     /// Wipes this name space if nobody else lives in it. Whoever goes lets go of the shared lock before it

@@ -37,6 +37,7 @@
 
 pub mod channel;
 pub mod child;
+pub mod computer;
 mod count;
 mod folder;
 mod member;
@@ -76,11 +77,26 @@ pub enum IpcError {
         source: std::io::Error,
     },
     /// A process that writes where no memory is left would be killed by SIGBUS.
-    #[error("/dev/shm has {} kB free, and a machine needs {} kB", .free / 1024, .needed.div_ceil(1024))]
+    #[error(
+        "/dev/shm has {} kB free, and a machine needs {} kB: remove what is left there, or give it more \
+         (`mount -o remount,size=64m /dev/shm`; in a container --shm-size=64m)",
+        .free / 1024, .needed.div_ceil(1024)
+    )]
     NoRoom {
         /// What is free, bytes.
         free: u64,
         /// What a machine needs at most, bytes.
+        needed: u64,
+    },
+    /// Every channel and every event takes some of them.
+    #[error(
+        "a process may open {allowed} files at once, and one of this machine needs {needed}: raise the limit \
+         (`ulimit -n`; as administrator nofile in /etc/security/limits.conf)"
+    )]
+    TooFewFiles {
+        /// How many are allowed at most.
+        allowed: u64,
+        /// How many are needed.
         needed: u64,
     },
     /// Sockets of the name space would not fit into 108 bytes.

@@ -6,9 +6,9 @@ use std::any::Any;
 use protocol::Axis;
 
 use super::{
-    ChannelCount, IpcError, Member, Port, Process, Receiver, Waker, channel,
+    ChannelCount, IpcError, Member, Port, Process, Receiver, Waker, channel, computer,
     count::CountPacket,
-    folder::{self, Folder},
+    folder::Folder,
     member::create_node,
     wake::{
         AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, ROLL_CALL, START, WAITS, create_event, wake_name,
@@ -30,14 +30,6 @@ pub struct NameSpace {
     folder: OnDrop,
 }
 
-/// Whether so much shared memory is enough.
-fn enough(free: Option<u64>, needed: u64) -> Result<(), IpcError> {
-    match free {
-        Some(free) if free < needed => Err(IpcError::NoRoom { free, needed }),
-        _ => Ok(()),
-    }
-}
-
 /// Wipes when all ports are closed.
 struct OnDrop(Folder);
 
@@ -57,8 +49,8 @@ impl NameSpace {
     /// No room for temporary files or shared memory, or a refusal of iceoryx2.
     pub fn create(axes: &[Axis]) -> Result<NameSpace, IpcError> {
         let folder = OnDrop(Folder::create()?);
-        // Memory that is not there is missed when it is written to, and kills whoever writes.
-        enough(folder::free_bytes(), channel::shared_bytes(axes))?;
+        computer::check_shared_memory(axes)?;
+        computer::allow_files(computer::files(axes))?;
         let node = create_node(&folder.0, Process::Launcher)?;
         let mut services: Vec<Box<dyn Any>> = Vec::new();
         for channel in channel::all(axes) {
@@ -110,11 +102,12 @@ impl NameSpace {
         Ok(missing)
     }
 
-    /// Lets everybody begin. Nobody may be missing.
+    /// Lets everybody begin. Nobody may be missing. From here on nobody needs shared memory that is not there.
     ///
     /// # Errors
-    /// [`IpcError::Bus`] if the event is broken.
+    /// [`IpcError::NoRoom`] if others took it meanwhile; [`IpcError::Bus`] if the event is broken.
     pub fn start(&self) -> Result<(), IpcError> {
+        self.folder.0.take_memory()?;
         self.tell(START)
     }
 
@@ -197,19 +190,5 @@ impl NameSpace {
     fn tell_plant(&self, what: usize) -> Result<(), IpcError> {
         let mut plant = self.wakers.iter().filter(|(process, _)| *process == Process::Plant);
         plant.try_for_each(|(_, waker)| waker.tell(what))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn too_little_shared_memory_is_said_before_it_is_written_to() {
-        let needed = channel::shared_bytes(&[Axis::X, Axis::Z]);
-        assert!((1_000_000..16_000_000).contains(&needed), "{needed}");
-        assert!(enough(Some(needed), needed).is_ok() && enough(None, needed).is_ok());
-        let refused = enough(Some(700_000), needed).expect_err("a machine dies there");
-        assert!(refused.to_string().contains("683 kB free"), "{refused}");
     }
 }
