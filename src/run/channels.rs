@@ -1,7 +1,7 @@
 //! The launcher's ends of the channels: what the machine says of itself, joined by cycle; what the operator
 //! does.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, time::Duration};
 
 use machine::Machine;
 use process::ipc::{
@@ -19,6 +19,9 @@ use crate::error::CliError;
 
 /// In real time, whoever has said nothing for so long while the plant went on is dead or hangs, s.
 pub(crate) const SILENT_S: f64 = 1.0;
+
+/// So long a request waits for a place in the queue of a plant that takes none.
+const PANEL: Duration = Duration::from_millis(100);
 
 /// One source, and what of it waits for the others.
 struct Source<T: Message> {
@@ -98,8 +101,7 @@ impl Channels {
             truths: Source::new(member.receiver(channel::TRUTH)?),
             axes: statuses,
             ticks: Source::new(member.receiver(channel::MACHINE_STATUS)?),
-            operator: member
-                .sender(channel::OPERATOR, Patience::Bounded(std::time::Duration::from_millis(100)))?,
+            operator: member.sender(channel::OPERATOR, Patience::Bounded(PANEL))?,
             requests: 0,
             cycles_per_tick: machine.cycles_per_tick(),
             oldest: (clock == Clock::Real).then(|| (SILENT_S / machine.general.cycle_s).ceil() as u64),

@@ -4,6 +4,7 @@
 #[path = "../shop/mod.rs"]
 mod shop;
 
+mod bounds;
 mod canon;
 mod check;
 mod command_line;

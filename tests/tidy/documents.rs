@@ -179,3 +179,36 @@ fn the_codes_of_the_launcher_are_on_the_page_of_faults() {
     let missing = codes.iter().filter(|code| !faults.contains(&format!("`{code}`")));
     none(&missing.map(|code| format!("docs/faults.md: {code} is missing")).collect::<Vec<_>>());
 }
+
+/// Whoever adds a bound in wall time says why it is one.
+#[test]
+fn every_bound_of_wall_time_is_in_the_table() {
+    let table = read(Path::new("docs/ending.md"));
+    let table = table.split("## Bounds of time").nth(1).and_then(|rest| rest.split("\n## ").next());
+    let told = between_backticks(table.expect("a heading"));
+    let (mut count, mut findings) = (0, Vec::new());
+    for path in files(&[".rs"]) {
+        if !path.starts_with("src") && !path.starts_with("process/src") {
+            continue;
+        }
+        let text = read(&path);
+        for line in text.lines() {
+            let inline = line.contains("Duration::from_secs(") || line.contains("Duration::from_millis(");
+            let constant = line.trim_start().trim_start_matches("pub(crate) ").trim_start_matches("pub ");
+            let constant = constant.strip_prefix("const ").and_then(|rest| rest.split_once(": "));
+            match constant {
+                Some((name, kind)) if kind.starts_with("Duration") || name.ends_with("_S") => {
+                    count += 1;
+                    let known = told.iter().any(|told| told == name);
+                    findings.extend((!known).then(|| format!("{}: {name} is not in it", path.display())));
+                }
+                _ if inline && !path.ends_with("wait.rs") => {
+                    findings.push(format!("{}: a bound without a name: {line}", path.display()));
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(count > 12, "only {count} bounds were recognised");
+    none(&findings);
+}

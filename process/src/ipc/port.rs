@@ -20,6 +20,9 @@ use super::{
     time::Moment,
 };
 
+/// So long a channel may be in the making by somebody else before that is an error.
+const RETRY: Duration = Duration::from_secs(2);
+
 /// Travels with every message of a channel, counted by its sender from 0.
 #[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
 #[type_name("pitchlock/running-number/1")]
@@ -57,7 +60,7 @@ pub(crate) fn create_service<T: Payload>(
 /// channel.
 fn open_service<T: Payload>(node: &Node, name: &str) -> Result<Service, IpcError> {
     use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as Error;
-    let deadline = Moment::now().after(Duration::from_secs(2));
+    let deadline = Moment::now().after(RETRY);
     loop {
         let opened = node
             .service_builder(&typed_name::<T>(name)?)
