@@ -13,15 +13,20 @@ use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
 use gcode::{Call, Diagnostic, Dialect, Job, Options, Place, Pose, Problem, Program, Severity, Sink, Step};
 
-use crate::{error::CliError, screen};
+use crate::{
+    error::CliError,
+    screen,
+    written::{self, Made},
+};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock canon part.ngc
   pitchlock canon part.ngc --format linuxcnc -t tool.tbl -i lathe.ini > part.canon
   echo 'G21 G0 X10' | pitchlock canon
-  pitchlock canon part.ngc -v lathe.var          parameters are read before and written back after the run
+  pitchlock canon part.ngc -p lathe.var          parameters are read before and written back after the run
 
-The switches of LinuxCNC's `rs274` (-g -t -v -i -b -n) mean the same here.
+The switches of LinuxCNC's `rs274` (-g -t -i -b -n) mean the same here; so does its -v before a file named *.var, but
+-p is clearer: -v says more everywhere else.
 
 Exit status: 0 the program is good, 2 it has errors or a file is wrong; with --format linuxcnc -n 0 it is 0 whenever the
 end of the program was reached, as that of `rs274`. Messages: FILE:LINE:COLUMN: on standard error.";
@@ -45,7 +50,7 @@ pub(crate) struct CanonArgs {
     #[arg(short, long = "tools", value_name = "FILE")]
     tools: Option<PathBuf>,
     /// Parameter file: read if it exists, written when the program is over.
-    #[arg(short = 'v', long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     parameters: Option<PathBuf>,
     /// Machine description of LinuxCNC (.ini): units, peck clearance, folders, tool table, parameters.
     #[arg(short, long, value_name = "FILE")]
@@ -62,10 +67,6 @@ pub(crate) struct CanonArgs {
     /// Ask nothing before the start, as this command never does.
     #[arg(short = 'g', long, hide = true)]
     go: bool,
-    // Takes the place of the global switch of this name, whose -v means the parameter file here.
-    /// Say more; twice for everything.
-    #[arg(long, action = clap::ArgAction::Count)]
-    verbose: u8,
 }
 
 /// Form of the calls.
@@ -225,7 +226,15 @@ fn output(args: &CanonArgs) -> Result<Box<dyn Write>, CliError> {
             "{}: is a program, and canon reads one at a time; its second file is where it prints",
             path.display()
         ))),
-        Some(path) => Ok(Box::new(File::create(path).map_err(|error| CliError::file(path, error))?)),
+        Some(path) if path.extension().is_some_and(|extension| extension == "var") => {
+            Err(CliError::Input(format!(
+                "{}: is a parameter file by its name, and would be printed to; parameters are read with -p",
+                path.display()
+            )))
+        }
+        Some(path) => written::free(path, Made::Calls).and_then(|()| {
+            Ok(Box::new(File::create(path).map_err(|error| CliError::file(path, error))?) as Box<dyn Write>)
+        }),
         None => Ok(Box::new(io::stdout().lock())),
     }
 }

@@ -1,5 +1,7 @@
 //! The command tree: every command with its help.
 
+use std::{ffi::OsString, path::Path};
+
 use clap::{Parser, Subcommand};
 use machine::Kinematics;
 use process::shell::{Named, one_of};
@@ -82,6 +84,21 @@ pub(crate) enum Command {
     /// The plant process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
     SimPlant(process::shell::plant::PlantArgs),
+}
+
+/// The arguments, with the one switch of LinuxCNC's `rs274` spelled as ours that means something else here:
+/// `canon -v lathe.var` is `canon -p lathe.var`.
+pub(crate) fn arguments(given: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut all: Vec<OsString> = given.collect();
+    if all.get(1).is_some_and(|command| command == "canon") {
+        for at in 2..all.len().saturating_sub(1) {
+            let file = Path::new(&all[at + 1]);
+            if all[at] == "-v" && file.extension().is_some_and(|extension| extension == "var") {
+                all[at] = "-p".into();
+            }
+        }
+    }
+    all
 }
 
 impl Command {

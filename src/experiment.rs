@@ -10,7 +10,12 @@ use clap::Args;
 use experiment::{Name, Stand};
 use machine::{Kinematics, Machine};
 
-use crate::{args::MachineArgs, error::CliError, screen};
+use crate::{
+    args::MachineArgs,
+    error::CliError,
+    screen,
+    written::{self, Made},
+};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock experiment feed                  tables, and pictures in experiments/feed/report.html
@@ -42,13 +47,15 @@ pub(crate) struct ExperimentArgs {
 pub(crate) fn experiment(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let machine = machine(args)?;
     let stand = Stand { machine, seed: args.seed, progress: !quiet && !args.json };
-    let made = args.name.make(&stand, &again(args))?;
     let folder = args.out.clone().unwrap_or_else(|| Path::new("experiments").join(args.name.text()));
     let page = folder.join("report.html");
+    let rows = folder.join("rows.json");
+    written::free(&page, Made::Page)?;
+    written::free(&rows, Made::Rows)?;
+    let made = args.name.make(&stand, &again(args))?;
     std::fs::create_dir_all(&folder).map_err(|error| CliError::file(&folder, error))?;
-    for (path, content) in [(&page, &made.page), (&folder.join("rows.json"), &made.json)] {
-        std::fs::write(path, content).map_err(|error| CliError::file(path, error))?;
-    }
+    written::write(&page, Made::Page, &made.page)?;
+    written::write(&rows, Made::Rows, &made.json)?;
     if args.json {
         screen::print(&made.json);
     } else {

@@ -19,6 +19,7 @@ mod soak;
 mod thread;
 mod tune;
 mod words;
+mod written;
 
 use std::process::ExitCode;
 
@@ -27,7 +28,7 @@ use cli::{Cli, Command};
 use error::CliError;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::parse_from(cli::arguments(std::env::args_os()));
     screen::start_log(&cli.log);
     let code = dispatch(&cli).unwrap_or_else(|error| error.report());
     words::flush(cli.command.is_of_a_machine());

@@ -4,7 +4,12 @@ use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
-use crate::{error::CliError, screen, words::Phase};
+use crate::{
+    error::CliError,
+    screen,
+    words::Phase,
+    written::{self, Made},
+};
 
 /// What a page costs time for, as it is shown.
 pub(crate) const DRAWING: &str = "drawing the report";
@@ -17,6 +22,7 @@ pub(crate) struct ReportArgs {
 
 /// Draws `report.html` of a run folder, and prints its path.
 pub(crate) fn report(args: &ReportArgs) -> Result<ExitCode, CliError> {
+    written::free(&args.run_dir.join("report.html"), Made::Page)?;
     let drawing = Phase::begin(DRAWING);
     let path = report::render(&args.run_dir)?;
     drop(drawing);

@@ -31,9 +31,11 @@ pub(crate) fn start_log(log: &LogArgs) {
     }
 }
 
-/// Whether a stream shall be coloured: a terminal, and `NO_COLOR` not set.
+/// Whether a stream shall be coloured: a terminal that can, and `NO_COLOR` not set.
 pub(crate) fn colour(stream: &impl IsTerminal) -> bool {
-    stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+    let is_dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+    let no_colour = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    stream.is_terminal() && !is_dumb && !no_colour
 }
 
 /// Whether results were lost that should have been printed.

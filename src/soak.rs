@@ -25,7 +25,7 @@ use serde_json::json;
 use crate::{
     error::CliError,
     run::interrupts::{Interrupts, Wish},
-    screen,
+    screen, written,
 };
 
 pub(crate) const HELP: &str = "Examples:
@@ -82,6 +82,9 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let jobs = args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let begun = Moment::now();
     let all = args.seeds.end - args.seeds.start;
+    if let Some(out) = &args.out {
+        written::empty(out)?;
+    }
     let told = AtomicU64::new(0);
     let terminal = std::io::stderr().is_terminal();
     let interrupts = Mutex::new(Interrupts::catch()?);

@@ -18,6 +18,8 @@ struct Slot {
 pub(super) struct Envelope {
     from: f64,
     width: f64,
+    /// Samples so near each other belong together, in intervals.
+    near: f64,
     slots: Vec<Option<Slot>>,
 }
 
@@ -26,7 +28,12 @@ impl Envelope {
     pub(super) fn new(from: f64, to: f64, slots: usize) -> Envelope {
         assert!(slots > 0, "an envelope has an interval");
         let width = ((to - from) / slots as f64).max(f64::MIN_POSITIVE);
-        Envelope { from, width, slots: vec![None; slots] }
+        Envelope { from, width, near: 1.0, slots: vec![None; slots] }
+    }
+
+    /// The same of samples that may be so far apart although none is missing.
+    pub(super) fn with_steps(self, step: f64) -> Envelope {
+        Envelope { near: (step / self.width).max(1.0), ..self }
     }
 
     /// Takes a sample; one outside the interval is left out.
@@ -58,7 +65,7 @@ impl Envelope {
             self.slots.iter().enumerate().filter_map(|(at, slot)| Some((at, (*slot)?))).collect();
         let mut points = Vec::with_capacity(2 * filled.len());
         for (index, (_, Slot { low, high, .. })) in filled.iter().enumerate() {
-            if is_gap(&filled, index) {
+            if self.is_gap(&filled, index) {
                 points.push(None);
             }
             let (first, second) = if low.0 <= high.0 { (low, high) } else { (high, low) };
@@ -69,15 +76,15 @@ impl Envelope {
         }
         points
     }
-}
 
-/// Whether samples are missing before one of the intervals that have some.
-fn is_gap(filled: &[(usize, Slot)], index: usize) -> bool {
-    let way = |index: usize| Some(filled.get(index)?.0 - filled.get(index.checked_sub(1)?)?.0);
-    let Some(here) = way(index).filter(|here| *here > 1) else { return false };
-    let is_dense = filled[index - 1].1.count > 1 || filled[index].1.count > 1;
-    let beside = [way(index - 1), way(index + 1)].into_iter().flatten().max();
-    is_dense || beside.is_some_and(|beside| here > 2 * beside)
+    /// Whether samples are missing before one of the intervals that have some.
+    fn is_gap(&self, filled: &[(usize, Slot)], index: usize) -> bool {
+        let way = |index: usize| Some(filled.get(index)?.0 - filled.get(index.checked_sub(1)?)?.0);
+        let Some(here) = way(index).filter(|here| *here as f64 > self.near) else { return false };
+        let is_dense = filled[index - 1].1.count > 1 || filled[index].1.count > 1;
+        let beside = [way(index - 1), way(index + 1)].into_iter().flatten().max();
+        is_dense || beside.is_some_and(|beside| here > 2 * beside)
+    }
 }
 
 #[cfg(test)]

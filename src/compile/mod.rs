@@ -14,7 +14,13 @@ use clap::Args;
 use machine::Machine;
 use protocol::{Code, Item, Shape, code_file::CodeFile};
 
-use crate::{args::ProgramArgs, error::CliError, program::Program, screen};
+use crate::{
+    args::ProgramArgs,
+    error::CliError,
+    program::Program,
+    screen,
+    written::{self, Made},
+};
 use g1::{NoLines, Size};
 
 #[derive(Clone, Debug, Args)]
@@ -34,6 +40,10 @@ pub(crate) struct CompileArgs {
 pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     if !CodeFile::is_named(&args.out) {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
+    }
+    written::free(&args.out, Made::Code)?;
+    if let Some(lines) = &args.g1 {
+        written::free(lines, Made::Lines)?;
     }
     let (machine, _) = args.input.machine.read()?;
     let language = args.input.machine.language(&args.input.language, &machine);

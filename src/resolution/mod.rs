@@ -24,7 +24,12 @@ use adviser::{resolution::Steps, tolerance::Grade};
 use clap::Args;
 use machine::Machine;
 
-use crate::{args::MachineArgs, error::CliError, screen};
+use crate::{
+    args::MachineArgs,
+    error::CliError,
+    screen,
+    written::{self, Made},
+};
 use needs::AxisNeeds;
 
 pub(crate) const HELP: &str = "Examples:
@@ -156,7 +161,7 @@ pub(crate) fn resolution(args: &ResolutionArgs, quiet: bool) -> Result<ExitCode,
     let verdicts = verdict::of(&asked);
     if let Some(path) = &args.page {
         let html = page::html(&read::again(args), &asked, &verdicts);
-        std::fs::write(path, html).map_err(|error| CliError::file(path, error))?;
+        written::write(path, Made::Page, html)?;
     }
     if args.json {
         screen::print(&document::json(&asked, &verdicts)?);

@@ -61,7 +61,8 @@ pub(crate) struct RunArgs {
     /// Run folder [default: `runs/PROGRAM-N`].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Form of the trace.
+    /// Form of the trace. Of a run of more than two minutes it has every cycle of passes, and of the rest one
+    /// in ten.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) trace: Trace,
     /// If nothing has happened for so long, the process that all others wait for is taken for dead; 0 waits
@@ -84,6 +85,10 @@ pub(crate) enum Trace {
     Mcap,
     /// Comma-separated values.
     Csv,
+    /// MCAP of every control cycle, however long the run.
+    Full,
+    /// Comma-separated values of every control cycle.
+    FullCsv,
     /// No trace; the report shows the figures only.
     None,
 }

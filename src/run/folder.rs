@@ -8,7 +8,7 @@ use interpreter::Language;
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
-use crate::{error::CliError, program::Program};
+use crate::{error::CliError, program::Program, written};
 
 /// A run folder and the copies in it.
 pub(crate) struct RunFolder {
@@ -26,6 +26,8 @@ pub(crate) struct RunFolder {
     pub(crate) scenario: Option<PathBuf>,
     /// Form of the trace.
     pub(crate) trace: Option<trace::Format>,
+    /// Whether it has every cycle of a long run.
+    pub(crate) every_cycle: bool,
     /// Held as long as the run writes into the folder.
     _lock: File,
 }
@@ -34,42 +36,33 @@ const LANGUAGE: &str = "language.toml";
 const TOOLS: &str = "tool.tbl";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
-/// What a run leaves.
-const RESULTS: [&str; 4] = ["summary.json", "report.html", "trace.mcap", "trace.csv"];
 
 impl RunFolder {
-    /// Makes the folder and copies the input into it.
+    /// Makes the folder and copies the input into it. A folder that is there already has to be empty: what is
+    /// in it is another run, or something that no run may touch.
     pub(crate) fn create(
         args: &RunArgs,
         judged: &Program,
         machine: &str,
         scenario: Option<&str>,
     ) -> Result<RunFolder, CliError> {
-        let path = match &args.out {
-            Some(path) => {
-                std::fs::create_dir_all(path).map_err(|error| CliError::file(path, error))?;
-                path.clone()
-            }
-            None => numbered(&args.program)?,
-        };
-        let lock = lock(&path)?;
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
-        let program = path.join(name);
-        let part = program.with_extension("toml");
+        let part_name = Path::new(name).with_extension("toml");
         for (from, to, what) in
-            [(Some(&args.program), &program, "job"), (judged.part_file.as_ref(), &part, "part")]
+            [(Some(&args.program), Path::new(name), "job"), (judged.part_file.as_ref(), &part_name, "part")]
         {
-            let Some(from) = from else { continue };
-            let kept = [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| to.file_name() == Some(kept.as_ref()));
-            if kept && !same_file(from, to) {
+            if let Some(from) = from
+                && [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| to == Path::new(kept))
+            {
                 let text = format!("the run folder keeps another file under this name: rename the {what}");
                 return Err(CliError::file(from, text));
             }
         }
-        clear(&path, &part, args, judged)?;
+        let (path, lock) = folder(args)?;
+        let program = path.join(name);
         copy(&args.program, &program)?;
         if let Some(file) = &judged.part_file {
-            copy(file, &part)?;
+            copy(file, &path.join(part_name))?;
         }
         for file in judged.subroutine_files() {
             copy(file, &path.join(file.file_name().unwrap_or_default()))?;
@@ -91,32 +84,29 @@ impl RunFolder {
         let machine = write(MACHINE, machine)?;
         let scenario = scenario.map(|text| write(SCENARIO, text)).transpose()?;
         let trace = match args.trace {
-            Trace::Mcap => Some(trace::Format::Mcap),
-            Trace::Csv => Some(trace::Format::Csv),
+            Trace::Mcap | Trace::Full => Some(trace::Format::Mcap),
+            Trace::Csv | Trace::FullCsv => Some(trace::Format::Csv),
             Trace::None => None,
         };
+        let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
-        Ok(RunFolder { path, named, program, language, machine, scenario, trace, _lock: lock })
+        Ok(RunFolder { path, named, program, language, machine, scenario, trace, every_cycle, _lock: lock })
     }
 }
 
-/// A run folder that is used again keeps nothing of the run before: neither what this one does not write
-/// itself, nor results, which it may not live to write.
-fn clear(path: &Path, part: &Path, args: &RunArgs, judged: &Program) -> Result<(), CliError> {
-    let old = RESULTS.map(|name| path.join(name));
-    let used = old.iter().any(|old| old.exists());
-    for old in old.iter().filter(|old| old.exists()) {
-        std::fs::remove_file(old).map_err(|error| CliError::file(old, error))?;
-    }
-    let kept = [TOOLS, LANGUAGE, SCENARIO].map(|name| path.join(name));
-    let part = is_part(part).then(|| part.to_owned());
-    for old in kept.into_iter().chain(part).filter(|_| used) {
-        let input = [&args.language.tools, &args.scenario, &args.machine.machine, &judged.part_file];
-        if old.exists() && !input.into_iter().flatten().any(|input| same_file(input, &old)) {
-            std::fs::remove_file(&old).map_err(|error| CliError::file(&old, error))?;
-        }
-    }
-    Ok(())
+/// The folder of a run, empty and locked.
+fn folder(args: &RunArgs) -> Result<(PathBuf, File), CliError> {
+    let Some(path) = &args.out else {
+        let path = numbered(&args.program)?;
+        let lock = lock(&path)?;
+        return Ok((path, lock));
+    };
+    // Another run is named as such, and not as files.
+    let there = path.is_dir().then(|| lock(path)).transpose()?;
+    written::empty(path)?;
+    std::fs::create_dir_all(path).map_err(|error| CliError::file(path, error))?;
+    let lock = there.map_or_else(|| lock(path), Ok)?;
+    Ok((path.clone(), lock))
 }
 
 /// Two runs do not write into one folder.
@@ -131,22 +121,9 @@ fn lock(path: &Path) -> Result<File, CliError> {
     }
 }
 
-/// Copies a file, unless it is there already.
+/// Copies a file.
 fn copy(from: &Path, to: &Path) -> Result<(), CliError> {
-    if !same_file(from, to) {
-        std::fs::copy(from, to).map_err(|error| CliError::file(to, error))?;
-    }
-    Ok(())
-}
-
-/// Whether a file describes a part, and is not something of another kind that has the name of a program.
-fn is_part(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    matches!(machine::Part::from_toml(&text), Ok(Some(_)))
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    std::fs::copy(from, to).map(drop).map_err(|error| CliError::file(to, error))
 }
 
 impl RunFolder {

@@ -28,7 +28,8 @@ impl Recorder {
     pub(crate) fn new(setup: &Setup) -> Result<Recorder, CliError> {
         let axes: Vec<Axis> = axes(&setup.machine);
         let create = |format: rig::trace::Format| {
-            TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)
+            let trace = TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)?;
+            Ok::<_, CliError>(if setup.folder.every_cycle { trace } else { trace.thinned() })
         };
         Ok(Recorder {
             observer: setup.program.observer(&setup.machine),

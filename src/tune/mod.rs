@@ -19,7 +19,12 @@ use machine::Machine;
 use protocol::Axis;
 use tune::{Goals, Tuned};
 
-use crate::{args::MachineArgs, error::CliError, screen};
+use crate::{
+    args::MachineArgs,
+    error::CliError,
+    screen,
+    written::{self, Made},
+};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock tune                                          the built-in lathe: what would be changed
@@ -37,7 +42,7 @@ pub(crate) struct TuneArgs {
     /// Axis to tune; may be given again for another one [default: every linear axis].
     #[arg(long, value_name = "AXIS")]
     axis: Vec<String>,
-    /// The machine file with the proposal; without it nothing is written.
+    /// The machine file with the proposal: a new file, or the one of --machine; without it nothing is written.
     #[arg(short, long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
     /// Page with tables and pictures.
@@ -98,7 +103,7 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let found = Found { machine, proposed, tuned, trial, goals, rpm: args.rpm, seed: args.seed };
     if let Some(path) = &args.page {
         let html = page::html(&again(args), &found);
-        std::fs::write(path, html).map_err(|error| CliError::file(path, error))?;
+        written::write(path, Made::Page, html)?;
     }
     if args.json {
         screen::print(&document::json(&found)?);
@@ -121,8 +126,11 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
     }
 }
 
-/// A page must not take the place of a machine file.
+/// A page must not take the place of a machine file, and nothing that of a file of somebody else.
 fn paths(args: &TuneArgs) -> Result<(), CliError> {
+    if let Some(out) = &args.out {
+        written::new_or(out, args.machine.machine.as_deref())?;
+    }
     let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
     let Some(page) = &args.page else { return Ok(()) };
     let taken = [("-o", &args.out), ("--machine", &args.machine.machine)];
@@ -132,7 +140,7 @@ fn paths(args: &TuneArgs) -> Result<(), CliError> {
             return Err(CliError::Input(format!("--page {page} and {name} are one file: name two")));
         }
     }
-    Ok(())
+    written::free(page, Made::Page)
 }
 
 /// The axes that are meant.

@@ -43,14 +43,14 @@ fn parameters_outlive_a_run_of_canon() {
     let place = Place::new();
     place.write("set.ngc", "G10 L2 P1 X7\n#100 = 5\n#31 = 2.5\nM2\n");
     place.write("lathe.var", "31\t0.0\n5161\t3.000000\n");
-    let answer = place.ask(&["canon", "set.ngc", "-v", "lathe.var"]);
+    let answer = place.ask(&["canon", "set.ngc", "-p", "lathe.var"]);
     assert_eq!(answer.status, Some(0), "{}", answer.stderr);
     let text = fs::read_to_string(place.at("lathe.var")).unwrap();
     assert!(text.starts_with("31\t2.500000\n5161\t3.000000\n"), "{text}");
     assert!(text.contains("5221\t7.000000\n") && !text.contains("100\t"), "{text}");
     assert_eq!(fs::read_to_string(place.at("lathe.var.bak")).unwrap(), "31\t0.0\n5161\t3.000000\n");
     place.write("use.ngc", "(PRINT,#31 #5221)\nM2\n");
-    let answer = place.ask(&["canon", "use.ngc", "-v", "lathe.var"]);
+    let answer = place.ask(&["canon", "use.ngc", "-p", "lathe.var"]);
     assert!(answer.stdout.contains("PRINT(\"2.500000 7.000000\")"), "{}", answer.stdout);
 }
 
@@ -59,7 +59,7 @@ fn shared_variables_of_fanuc_outlive_a_run_of_canon() {
     let place = Place::new();
     place.write("set.nc", "#500=#501+1.\n#501=#0\n#100=5.\nM30\n");
     place.write("lathe.var", "501\t7.000000\n");
-    let answer = place.ask(&["canon", "--dialect", "fanuc", "set.nc", "-v", "lathe.var"]);
+    let answer = place.ask(&["canon", "--dialect", "fanuc", "set.nc", "-p", "lathe.var"]);
     assert_eq!(answer.status, Some(0), "{}", answer.stderr);
     let text = fs::read_to_string(place.at("lathe.var")).unwrap();
     assert!(text.starts_with("500\t8.000000\n5161\t"), "{text}");
@@ -114,7 +114,7 @@ fn canon_names_the_file_that_is_wrong() {
     place.write("bad.ini", "[TRAJ]\nLINEAR_UNITS = ell\n");
     for (arguments, named) in [
         (&["-t", "tool.tbl"], "tool.tbl:2:7: error["),
-        (&["-v", "bad.var"], "bad.var:2:1: error["),
+        (&["-p", "bad.var"], "bad.var:2:1: error["),
         (&["-i", "bad.ini"], "bad.ini:2:16: error["),
         (&["-t", "none.tbl"], "none.tbl: cannot be read"),
         (&["-n", "1"], "use 0 to go on or 2 to stop"),

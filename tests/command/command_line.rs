@@ -18,13 +18,13 @@ fn refuses(place: &Place, arguments: &[&str], words: &[&str]) {
     assert!(!place.at("runs").exists(), "{arguments:?} left a run folder");
 }
 
-fn accepts(place: &Place, arguments: &[&str]) -> Answer {
+pub(crate) fn accepts(place: &Place, arguments: &[&str]) -> Answer {
     let answer = place.ask(arguments);
     assert_eq!(answer.status, Some(0), "{arguments:?}: {}", answer.stderr);
     answer
 }
 
-fn m20x2() -> String {
+pub(crate) fn m20x2() -> String {
     example("m20x2").display().to_string()
 }
 
@@ -206,7 +206,7 @@ fn results_are_for_people_and_for_pipes() {
         assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
     }
     assert!(!run.stderr.contains('\r'), "no progress bar but on a terminal");
-    let quiet = accepts(&place, &["run", &program, "--in-process", "--out", "run", "-q"]);
+    let quiet = accepts(&place, &["run", &program, "--in-process", "--out", "quiet", "-q"]);
     assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));
     let check = accepts(&place, &["check", &program]).stdout;
     assert!(check.starts_with("0 errors, 0 warnings, 25 moves\n"), "{check}");

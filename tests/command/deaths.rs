@@ -110,6 +110,7 @@ fn programs(place: &Place) -> Vec<Program> {
 
 /// Runs a program, in which a process is felled in a control cycle.
 fn felled(place: &Place, program: &Program, out: &str, what: &str) -> (Answer, BTreeSet<String>) {
+    place.clear(out);
     let mut command = place.pitchlock();
     command.arg("run").arg(&program.path).args(["--json", "--out", out, "--trace", "csv"]);
     command.args(["--watchdog-s", "2", "--fell", what]);

@@ -28,6 +28,7 @@ fn long_thread(place: &Place, machine: &str) -> Command {
 fn command(place: &Place, text: &str, machine: &str) -> Command {
     place.write("machine.toml", machine);
     let program = place.write("program.ngc", text);
+    place.clear("run");
     let mut command = place.pitchlock();
     command.arg("run").arg(&program).args(["--json", "--out", "run", "--machine", "machine.toml"]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -257,6 +258,7 @@ fn who_is_frozen_for_a_while_thaws_and_who_is_frozen_for_a_second_is_killed() {
         let program = place.write("frozen.ngc", FROZEN).display().to_string();
         let arguments =
             ["run", &program, "--json", "--trace", "none", "--out", "run", "--scenario", "scenario.toml"];
+        place.clear("run");
         place.ask(&[&arguments[..], more].concat())
     };
     let of = |answer: &Answer| serde_json::from_str::<Summary>(&answer.stdout).expect("a summary");

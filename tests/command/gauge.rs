@@ -13,6 +13,7 @@ const GOOD: &str = "G18 G21 G90 G7 G94 G97\nT3\nS600 M3\nG0 X22 Z8\n\
 const OTHER_ANGLE: &str = "\n[tools.3]\nname = \"55 degrees\"\nangle_deg = 55\n";
 
 fn run(place: &Place, program: &str, more: &[&str]) -> Answer {
+    place.clear("out");
     let mut args = vec!["run", program, "--in-process", "--trace", "none", "--out", "out"];
     args.extend(more);
     place.ask(&args)

@@ -23,4 +23,6 @@ mod processes;
 mod resolution;
 mod straight_lines;
 mod thread;
+mod traces;
 mod tune;
+mod written;

@@ -32,13 +32,6 @@ fn a_file_beside_the_program_is_kept_and_used_again() {
     run("with", "again");
     assert_eq!(contact_deg(&place, "again"), contact_deg(&place, "with"));
     assert!(place.at("again/thread.toml").is_file());
-    // A folder that is used again keeps nothing of the run before; what only has the name is left alone.
-    run("thread.ngc", "again");
-    assert!(!place.at("again/thread.toml").exists());
-    assert_eq!(contact_deg(&place, "again"), contact_deg(&place, "without"));
-    place.write("again/thread.toml", "kind = \"surface\"\n");
-    run("thread.ngc", "again");
-    assert!(place.at("again/thread.toml").exists());
 }
 
 #[test]

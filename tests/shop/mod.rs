@@ -101,6 +101,13 @@ impl Place {
         path
     }
 
+    /// Takes a run folder away, so that another run may have its name.
+    pub fn clear(&self, out: &str) {
+        if self.at(out).exists() {
+            fs::remove_dir_all(self.at(out)).unwrap();
+        }
+    }
+
     /// The program, working in this place.
     pub fn pitchlock(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pitchlock"));
@@ -120,8 +127,9 @@ impl Place {
         self.pitchlock().args(arguments).stdin(input).output().unwrap().into()
     }
 
-    /// Runs a program to its good end, with a run folder of that name, and gives what it says of it.
+    /// Runs a program to its good end, with a new run folder of that name, and gives what it says.
     pub fn run(&self, program: &Path, out: &str, arguments: &[&str]) -> Summary {
+        self.clear(out);
         let mut command = self.pitchlock();
         command.arg("run").arg(program).args(arguments).args(["--json", "--out", out]);
         let answer = Answer::from(command.output().unwrap());

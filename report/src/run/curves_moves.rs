@@ -2,7 +2,7 @@
 //! worst circle over the angle gone, in µm.
 
 use rig::observe::{CircleReport, Summary};
-use rig::trace::Row;
+use rig::trace::{Row, STRIDE};
 
 use crate::envelope::Envelope;
 
@@ -59,10 +59,11 @@ impl LapCurve {
     fn new(index: usize, circle: &CircleReport) -> LapCurve {
         let swept = circle.swept_deg.abs() + 1.0;
         let slots = (swept / 360.0 * SLOTS_A_TURN as f64).clamp(1.0, 20.0 * SLOTS_A_TURN as f64) as usize;
+        let cycles = circle.end_cycle.saturating_sub(circle.begin_cycle).max(1) as f64;
         LapCurve {
             index,
             from_deg: 0.0,
-            deviation: Envelope::new(0.0, swept, slots),
+            deviation: Envelope::new(0.0, swept, slots).with_steps(2.0 * STRIDE as f64 * swept / cycles),
             before_deg: None,
             swept_deg: 0.0,
         }

@@ -66,7 +66,7 @@ impl Path {
     pub(super) fn add(&mut self, row: &Row) {
         let [Some(right), Some(up)] = self.plane.map(|axis| row.axis(axis)) else { return };
         let before = self.cycle.replace(row.cycle);
-        if before.is_some_and(|before| before + 1 != row.cycle) {
+        if before.is_some() && row.after(before).is_none() {
             self.lift(None);
         }
         let in_pass =

@@ -42,6 +42,7 @@ impl ToolUses {
             let name = summary.tools.get(&number).map(|tool| tool.name.clone()).unwrap_or_default();
             ToolUse { number, name, ..ToolUse::default() }
         });
+        let apart = row.after(self.before.map(|(cycle, _)| cycle));
         let in_thread = |state| (AxisState::RunIn..=AxisState::RunOut).contains(&state);
         let time = match row.led.motion {
             _ if row
@@ -55,12 +56,13 @@ impl ToolUses {
             Motion::Feed => &mut tool.feed_s,
             Motion::None => &mut tool.waits_s,
         };
-        *time += summary.cycle_s;
+        // What is left out of a trace between two rows is like the second one: changes are kept.
+        *time += apart.unwrap_or(1) as f64 * summary.cycle_s;
         let mut at = [0.0; 3];
         let linear = row.axes.iter().filter(|(axis, _)| !axis.is_rotary());
         at.iter_mut().zip(linear).for_each(|(at, (_, axis))| *at = axis.slide);
         let before = self.before.replace((row.cycle, at));
-        if let Some((_, before)) = before.filter(|(cycle, _)| cycle + 1 == row.cycle) {
+        if let Some((_, before)) = before.filter(|_| apart.is_some()) {
             let way = at.iter().zip(before).map(|(to, from)| (to - from) * (to - from)).sum::<f64>();
             tool.way_mm += libm::sqrt(way);
         }

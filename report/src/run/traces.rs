@@ -5,7 +5,7 @@
 use maud::{Markup, html};
 use protocol::Axis;
 use rig::observe::{Summary, TraceReport, WorkKind};
-use rig::trace::Row;
+use rig::trace::{Row, STRIDE};
 
 use crate::envelope::Envelope;
 
@@ -21,6 +21,8 @@ pub(super) struct TraceCurves {
     /// Where its report stands in the summary.
     pub(super) index: usize,
     way_mm: f64,
+    /// The cycle of the row before.
+    cycle: Option<u64>,
     /// Deviation by commanded and by true positions over the way, µm.
     pub(super) deviation: [Envelope; 2],
     /// Angle between the direction of a seam and the beam, degrees.
@@ -71,10 +73,20 @@ impl TraceCurves {
         worst.sort_unstable();
         let curves = |index: usize| {
             let trace = summary.traces.get(index)?;
-            let curve = Envelope::new(0.0, trace.way_mm.max(1e-3), SLOTS);
+            let way_mm = trace.way_mm.max(1e-3);
+            let a_cycle = way_mm / trace.cut_cycles.max(1) as f64;
+            let curve = Envelope::new(0.0, way_mm, SLOTS).with_steps(2.0 * STRIDE as f64 * a_cycle);
             let both = [curve.clone(), curve];
             let (deviation, angle, feed) = (both.clone(), both.clone(), both);
-            Some(TraceCurves { index, way_mm: 0.0, deviation, angle, feed, map: Map::new(trace) })
+            Some(TraceCurves {
+                index,
+                way_mm: 0.0,
+                cycle: None,
+                deviation,
+                angle,
+                feed,
+                map: Map::new(trace),
+            })
         };
         worst.into_iter().filter_map(curves).collect()
     }
@@ -86,7 +98,8 @@ impl TraceCurves {
             return;
         };
         let points = [row.traced.commanded, row.traced.slide];
-        self.way_mm += points[0].feed_mm_min / 60.0 * summary.cycle_s;
+        let apart = row.after(self.cycle.replace(row.cycle)).unwrap_or(1);
+        self.way_mm += points[0].feed_mm_min / 60.0 * apart as f64 * summary.cycle_s;
         for (i, point) in points.iter().enumerate() {
             self.deviation[i].add(self.way_mm, 1e3 * point.deviation_mm);
             self.angle[i].add(self.way_mm, point.angle_deg);

@@ -1,5 +1,5 @@
-//! What happened in every control cycle: one [`Row`] a cycle, written as MCAP or CSV, and read back from
-//! either.
+//! What happened in control cycles: one [`Row`] a cycle, of all of them or of those that matter in a long run,
+//! written as MCAP or CSV, and read back from either.
 //!
 //! An MCAP trace opens in Foxglove and PlotJuggler: one channel `/cycle`, messages in CDR with a `ros2msg`
 //! schema (every field eight bytes, so a cycle costs a fraction of what JSON would), chunks compressed with
@@ -10,12 +10,16 @@ mod mcap_file;
 mod row;
 #[cfg(test)]
 mod tests;
+mod thin;
 
 use std::path::{Path, PathBuf};
 
 use protocol::Axis;
 
+use thin::Thin;
+
 pub use row::{AxisRow, CutRow, Row, columns};
+pub use thin::{FULL, STRIDE};
 
 /// How a trace is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,10 +62,20 @@ enum Writer {
     Csv(Box<csv_file::Writer>),
 }
 
+impl Writer {
+    fn row(&mut self, row: &Row) -> Told<()> {
+        match self {
+            Writer::Mcap(writer) => writer.row(row),
+            Writer::Csv(writer) => writer.row(row),
+        }
+    }
+}
+
 /// Writes a trace, row by row.
 pub struct TraceWriter {
     path: PathBuf,
     writer: Writer,
+    thin: Option<Thin>,
 }
 
 impl TraceWriter {
@@ -78,7 +92,12 @@ impl TraceWriter {
             Format::Csv => csv_file::Writer::create(path, axes).map(|writer| Writer::Csv(Box::new(writer))),
         };
         let writer = writer.map_err(|error| TraceError::new(path, error))?;
-        Ok(TraceWriter { path: path.into(), writer })
+        Ok(TraceWriter { path: path.into(), writer, thin: None })
+    }
+
+    /// The same, but of a long run only some cycles are kept: see [`FULL`] and [`STRIDE`].
+    pub fn thinned(self) -> TraceWriter {
+        TraceWriter { thin: Some(Thin::default()), ..self }
     }
 
     /// Writes a row, with the axes that the trace was created for.
@@ -86,9 +105,10 @@ impl TraceWriter {
     /// # Errors
     /// Names the file and why it cannot be written.
     pub fn row(&mut self, row: &Row) -> Result<(), TraceError> {
-        let written = match &mut self.writer {
-            Writer::Mcap(writer) => writer.row(row),
-            Writer::Csv(writer) => writer.row(row),
+        let writer = &mut self.writer;
+        let written = match &mut self.thin {
+            Some(thin) => thin.row(row, |row| writer.row(row)),
+            None => writer.row(row),
         };
         written.map_err(|error| TraceError::new(&self.path, error))
     }
@@ -98,11 +118,13 @@ impl TraceWriter {
     /// # Errors
     /// Names the file and why it cannot be written.
     pub fn finish(self) -> Result<(), TraceError> {
-        let written = match self.writer {
+        let TraceWriter { path, mut writer, thin } = self;
+        let written = thin.map_or(Ok(()), |mut thin| thin.finish(|row| writer.row(row)));
+        let written = written.and_then(|()| match writer {
             Writer::Mcap(writer) => writer.finish(),
             Writer::Csv(writer) => writer.finish(),
-        };
-        written.map_err(|error| TraceError::new(&self.path, error))
+        });
+        written.map_err(|error| TraceError::new(&path, error))
     }
 }
 

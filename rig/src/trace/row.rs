@@ -4,6 +4,7 @@
 
 use protocol::{Axis, AxisState, Motion};
 
+use super::thin::STRIDE;
 use crate::observe::{Led, Observer, Record, Traced, TracedPoint, contour_error_mm};
 
 /// One axis in one control cycle.
@@ -133,6 +134,19 @@ impl Row {
         let streaming = self.axes.iter().all(|(_, row)| row.state == AxisState::Streaming);
         let error = contour_error_mm(linear.map(|(_, row)| (row.true_mm - row.commanded, row.velocity)));
         error.filter(|_| streaming)
+    }
+
+    /// How far the tool is from where it was commanded to be, mm: normal to its path, or from the contour,
+    /// surface or seam that it cuts.
+    pub(super) fn off_mm(&self) -> f64 {
+        let path = self.contour_error_mm().unwrap_or(0.0);
+        path.max(self.traced.slide.deviation_mm.abs())
+    }
+
+    /// By how many cycles this row comes after the one of a cycle, as far as the two belong together.
+    pub fn after(&self, before: Option<u64>) -> Option<u64> {
+        let apart = self.cycle.checked_sub(before?)?;
+        (1..=STRIDE).contains(&apart).then_some(apart)
     }
 
     /// The cells in the order of [`columns`].
