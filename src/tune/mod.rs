@@ -42,7 +42,8 @@ pub(crate) struct TuneArgs {
     /// Axis to tune; may be given again for another one [default: every linear axis].
     #[arg(long, value_name = "AXIS")]
     axis: Vec<String>,
-    /// The machine file with the proposal: a new file, or the one of --machine; without it nothing is written.
+    /// The machine file with the proposal: a new file, or the one of --machine; without it nothing is
+    /// written.
     #[arg(short, long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
     /// Page with tables and pictures.

@@ -1,5 +1,5 @@
-//! What happened in control cycles: one [`Row`] a cycle, of all of them or of those that matter in a long run,
-//! written as MCAP or CSV, and read back from either.
+//! What happened in control cycles: one [`Row`] a cycle, of all of them or of those that matter in a long
+//! run, written as MCAP or CSV, and read back from either.
 //!
 //! An MCAP trace opens in Foxglove and PlotJuggler: one channel `/cycle`, messages in CDR with a `ros2msg`
 //! schema (every field eight bytes, so a cycle costs a fraction of what JSON would), chunks compressed with

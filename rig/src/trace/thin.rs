@@ -1,10 +1,10 @@
 //! Keeps the trace of a long run small. In: a row of every control cycle. Out: which of them are kept, in
 //! order.
 //!
-//! Everything is kept of the first [`FULL`] cycles and of passes, from where an axis is armed to where the last
-//! one rests. Of what comes after, of every [`STRIDE`] cycles: the first, and the one that is farthest from
-//! where it was commanded to be. Where the tool, how it moves, or what is cut changes, the rows on both sides
-//! are kept.
+//! Everything is kept of the first [`FULL`] cycles and of passes, from where an axis is armed to where the
+//! last one rests. Of what comes after, of every [`STRIDE`] cycles: the first, and the one that is farthest
+//! from where it was commanded to be. Where the tool, how it moves, or what is cut changes, the rows on both
+//! sides are kept.
 
 use super::Row;
 
