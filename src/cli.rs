@@ -40,6 +40,9 @@ pub(crate) enum Command {
     /// Print what a program means: canonical machining functions, one a line.
     #[command(after_help = crate::canon::HELP)]
     Canon(crate::canon::CanonArgs),
+    /// Tell an editor what is wrong with a program while it is typed, and what its words mean.
+    #[command(after_help = crate::lsp::HELP)]
+    Lsp(crate::lsp::LspArgs),
     /// Print a machine file: a start for your own.
     #[command(
         after_help = "Examples:\n  pitchlock machine > my-lathe.toml\n  pitchlock run part.ngc --machine my-lathe.toml\n  \

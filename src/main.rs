@@ -10,6 +10,7 @@ mod doctor;
 mod error;
 mod experiment;
 mod gauged;
+mod lsp;
 mod program;
 mod report;
 mod resolution;
@@ -41,6 +42,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Run(args) => run::run(args, quiet),
         Command::Check(args) => check::check(args, quiet),
         Command::Compile(args) => compile::compile(args),
+        Command::Lsp(args) => lsp::lsp(args),
         Command::Canon(args) => canon::canon(args, quiet),
         Command::Machine { kinematics } => {
             screen::print(kinematics.example());

@@ -82,10 +82,18 @@ pub fn check_program(program: Program, machine: &Machine, each: impl FnMut(Item)
 }
 
 /// The same of an interpreter at the beginning of its program.
-pub fn check_interpreter(
+pub fn check_interpreter(interpreter: Interpreter, machine: &Machine, mut each: impl FnMut(Item)) -> Check {
+    check_while(interpreter, machine, |item| {
+        each(item);
+        true
+    })
+}
+
+/// The same as long as `each` wants to go on: what is found when it does not is no more than a part.
+pub fn check_while(
     mut interpreter: Interpreter,
     machine: &Machine,
-    mut each: impl FnMut(Item),
+    mut each: impl FnMut(Item) -> bool,
 ) -> Check {
     let mut check = Check::default();
     let mut clock = Clock::new(machine);
@@ -96,7 +104,9 @@ pub fn check_interpreter(
                 check.count += 1;
                 check.steps += item.steps();
                 check.moves += u64::from(item.is_move());
-                each(item);
+                if !each(item) {
+                    break;
+                }
             }
             Err(error) => check.diagnostics.push(error),
         }

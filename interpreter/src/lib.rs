@@ -61,7 +61,7 @@ use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
-pub use check::{Check, check, check_interpreter, check_job, check_program, time_s};
+pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s};
 pub use gcode::{Diagnostic, Dialect, Guess, Severity};
 pub use job::JobNote;
 pub use options::{

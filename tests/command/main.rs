@@ -12,6 +12,7 @@ mod computer;
 mod deaths;
 mod determinism;
 mod dialects;
+mod editor;
 mod endings;
 mod experiments;
 mod first_hour;

@@ -19,7 +19,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 20] = [
+const CRATES: [(&str, &[&str]); 21] = [
     ("motion", &[]),
     ("adviser", &[]),
     ("metrology", &[]),
@@ -68,6 +68,7 @@ const CRATES: [(&str, &[&str]); 20] = [
             "tune",
         ],
     ),
+    ("lsp", &["gcode", "interpreter", "machine"]),
     ("process", &["machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
     ("testing", &[]),
 ];

@@ -1,0 +1,161 @@
+//! What a program means does not change when it is written as the house does; what a word means is what the
+//! pages say, of every word.
+
+use std::path::{Path, PathBuf};
+
+use gcode::canon::{PlainPrinter, Units};
+use gcode::codes::{G, M, g_group, m_group};
+use gcode::{Dialect, Options, Program, Step};
+use lsp::{formatted, meaning};
+use testing::Seed;
+
+fn project() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Every program of the project, with its dialect.
+fn programs() -> Vec<(PathBuf, Dialect)> {
+    let folders = ["tests/conformance/programs", "examples", "examples/fanuc", "examples/shape"];
+    let entries =
+        folders.iter().flat_map(|folder| std::fs::read_dir(project().join(folder)).expect("a folder"));
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    let mut programs: Vec<_> = paths
+        .filter_map(|path| match path.extension()?.to_str()? {
+            "ngc" => Some((path, Dialect::Linuxcnc)),
+            "nc" => Some((path, Dialect::Fanuc)),
+            _ => None,
+        })
+        .collect();
+    programs.sort_by(|(a, _), (b, _)| a.cmp(b));
+    assert!(programs.len() > 120, "{}", programs.len());
+    programs
+}
+
+/// The calls of a program, and the codes of what is wrong with it.
+fn calls(text: &str, dialect: Dialect) -> (String, Vec<&'static str>) {
+    let folder = project().join("tests/conformance/programs");
+    let options = Options { dialect, subroutine_folders: vec![folder], ..Options::default() };
+    let mut program = Program::from_text("program", text, &options);
+    let (mut printed, mut wrong) = (Vec::new(), Vec::new());
+    let mut printer = PlainPrinter::new(&mut printed, Units::Millimetre);
+    loop {
+        match program.step(&mut printer) {
+            Ok(Step::More) => {}
+            Ok(Step::Ended) => break,
+            Err(error) => wrong.push(error.code),
+        }
+    }
+    printer.flush().expect("it is written to memory");
+    drop(printer);
+    (String::from_utf8(printed).expect("text"), wrong)
+}
+
+fn written(text: &str, dialect: Dialect) -> String {
+    let lines: Vec<&str> = text.split('\n').collect();
+    let new = formatted(lines.iter().copied(), dialect);
+    let lines: Vec<String> =
+        lines.iter().zip(new).map(|(line, new)| new.unwrap_or_else(|| (*line).into())).collect();
+    lines.join("\n")
+}
+
+/// A program as somebody else may write it: other blanks, other letters.
+fn otherwise(text: &str, random: &mut Seed) -> String {
+    let mut out = String::new();
+    let mut inside = false;
+    for c in text.chars() {
+        inside = match c {
+            '(' | ';' | '<' => true,
+            ')' | '>' | '\n' => false,
+            _ => inside,
+        };
+        match c {
+            ' ' if !inside && random.chance(0.2) => out.push_str("  "),
+            c if !inside && c.is_ascii_alphabetic() && random.chance(0.3) => out.push(c.to_ascii_lowercase()),
+            c => out.push(c),
+        }
+        if c == '\n' && random.chance(0.3) {
+            out.push_str("   ");
+        }
+    }
+    out
+}
+
+#[test]
+fn a_program_means_the_same_as_the_house_writes_it() {
+    let mut random = Seed::new(11);
+    let mut changed = 0;
+    for (path, dialect) in programs() {
+        let text = gcode::readable(&std::fs::read(&path).expect("read"));
+        for text in [text.clone(), otherwise(&text, &mut random), otherwise(&text, &mut random)] {
+            let new = written(&text, dialect);
+            changed += u32::from(new != text);
+            assert_eq!(calls(&new, dialect), calls(&text, dialect), "{}:\n{new}", path.display());
+            assert_eq!(written(&new, dialect), new, "{}: once is enough", path.display());
+        }
+    }
+    assert!(changed > 200, "{changed} were changed");
+}
+
+/// What is said of the first word of a line.
+fn said(line: &str, byte: usize, dialect: Dialect) -> String {
+    meaning(line, byte, dialect, None).map_or(String::new(), |(_, told)| told)
+}
+
+#[test]
+fn every_code_is_explained() {
+    for number in 0..2000 {
+        let (g, m) = (G(number), M(number));
+        if g_group(g).is_some() {
+            assert!(said(&g.to_string(), 1, Dialect::Linuxcnc).starts_with(&format!("**{g}**")), "{g}");
+        }
+        if m_group(m).is_some() {
+            assert!(said(&m.to_string(), 1, Dialect::Linuxcnc).starts_with(&format!("**{m}**")), "{m}");
+        }
+    }
+    assert!(said("G01 X1.", 1, Dialect::Fanuc).contains("rapid; line"));
+    assert!(said("G31", 1, Dialect::Fanuc).contains("measure before"));
+    assert!(said("M03", 1, Dialect::Fanuc).contains("spindle clockwise"));
+}
+
+#[test]
+fn every_word_is_explained_by_the_code_of_its_block() {
+    use Dialect::{Fanuc, Linuxcnc};
+    for (line, at, dialect, words) in [
+        ("G76 P2 Z-22 I-2 J0.7 K2.454 R2 Q29.5 H2", 16, Linuxcnc, "depth of the first pass"),
+        ("G76 P2 Z-22 I-2 J0.7 K2.454 R2 Q29.5 H2", 4, Linuxcnc, "lead, along Z"),
+        ("G83 X0 Z-12 R2 Q4", 15, Linuxcnc, "Q"),
+        ("G1 Z-30 F120", 8, Linuxcnc, "G93, G94, G95"),
+        ("G1 Z-30 F120", 3, Linuxcnc, "mm (G21) or inch (G20)"),
+        ("S800 M3", 0, Linuxcnc, "spindle speed"),
+        ("T1 M6", 0, Linuxcnc, "tool for the next M6"),
+        ("G01 Z-30. F0.2", 10, Fanuc, "per revolution (G99)"),
+        ("G01 X40.", 4, Fanuc, "diameter"),
+        ("T0101", 2, Fanuc, "tool and offset"),
+        ("O1001 (SHAFT)", 2, Fanuc, "number of a program"),
+        ("G0 X#5220", 6, Linuxcnc, "system in force (1 is G54)"),
+        ("#5162=1", 2, Linuxcnc, "points of G28, G30"),
+        ("#31=1", 2, Linuxcnc, "the program"),
+        ("#5=1", 1, Linuxcnc, "its arguments"),
+        ("G0 X#<_feed>", 7, Linuxcnc, "F and S"),
+        ("#<depth>=1", 3, Linuxcnc, "the subroutine that sets it"),
+        ("#3006=1", 2, Fanuc, "message and stop"),
+        ("#500=1", 2, Fanuc, "common"),
+        ("o100 call [1]", 6, Linuxcnc, "up to 30 arguments"),
+        ("o<a> while [1]", 6, Linuxcnc, "while"),
+        ("G0 X[sqrt[#1]]", 6, Linuxcnc, "SQRT"),
+        ("IF [#1 EQ 2] GOTO 10", 15, Fanuc, "GOTO n"),
+        ("(MSG, change the insert)", 3, Linuxcnc, "the text"),
+        ("(thread, M20x2-6g)", 3, Linuxcnc, "A gauge judges it"),
+        ("( part, bar D40 L60)", 3, Linuxcnc, "bar D40 L60"),
+        ("(on_hold, leave)", 3, Linuxcnc, "interrupted"),
+    ] {
+        let told = said(line, at, dialect);
+        assert!(told.contains(words), "{line}: {words}: {told}");
+        assert!(!told.contains("]("), "no link leads out of an editor: {told}");
+    }
+    for (line, at) in [("(thread of the bolt)", 3), ("G0 X1 (note)", 8), ("G123", 1), ("", 0)] {
+        assert_eq!(said(line, at, Linuxcnc), "", "{line}");
+    }
+    let modal = meaning("X30", 0, Linuxcnc, Some("G83")).map(|(_, told)| told).unwrap_or_default();
+    assert!(modal.contains("of G83") || modal.contains("G83 takes"), "{modal}");
+}
