@@ -39,7 +39,7 @@ fn m20x2_in_steel_slows_the_spindle_and_stays_on_its_helix() {
     assert!(air.passes.iter().all(|pass| pass.cutting.is_none()), "the shipped machine cuts air");
 
     let first = cutting(&steel.passes[0]);
-    let area = 0.35f64.powi(2) * libm::tan(30f64.to_radians());
+    let area = 0.42f64.powi(2) * libm::tan(30f64.to_radians());
     assert!((first.chip_area_max_mm2 / area - 1.0).abs() < 0.03, "{first:?} of {area} mm²");
     assert!((first.force_max_n / (3000.0 * first.chip_area_max_mm2) - 1.0).abs() < 1e-9, "{first:?}");
 
@@ -82,7 +82,7 @@ fn equal_areas_take_equal_forces_and_spring_passes_next_to_nothing() {
     // 1 N is what a slide cuts that comes back 0.2 µm deeper: where a groove is that wide, slides repeat no
     // better.
     page_says(&format!("the second {again:.0} N there"));
-    assert!(last < &(0.5 * first) && spring < &(0.03 * first) && again < &(0.005 * first), "{forces:?}");
+    assert!(last < &(0.6 * first) && spring < &(0.03 * first) && again < &(0.005 * first), "{forces:?}");
 }
 
 #[test]
