@@ -1,13 +1,15 @@
 //! Arguments that several commands share: the machine, the program, the log.
 
-use std::path::PathBuf;
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use clap::{Args, ValueEnum};
-use interpreter::Language;
-use machine::Machine;
+use machine::{General, Machine};
 use process::shell::LanguageArgs;
 
-use crate::error::CliError;
+use crate::{error::CliError, ini};
 
 /// What is said on standard error.
 #[derive(Debug, Args)]
@@ -53,26 +55,53 @@ impl MachineArgs {
             None => machine::SMALL_LATHE.to_owned(),
             Some(path) => std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?,
         };
-        let machine = Machine::from_toml(&text)
-            .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
-        // The truth about the plant is in the same file: whatever is wrong with it is said here.
-        sim_plant::Plant::new(&machine, sim_plant::Scenario::none(), 1)
-            .map_err(|error| CliError::Input(format!("{}: {error}", self.name())))?;
-        Ok((machine, text))
+        Ok((machine_of(&self.name(), &text)?, text))
     }
 
-    /// How programs are read: as is asked for, else as the machine file says.
-    pub(crate) fn language(&self, asked: &LanguageArgs, machine: &Machine) -> Language {
-        let asked = asked.language();
-        Language { tools: asked.tools.or_else(|| self.tool_table(machine)), ..asked }
+    /// The machine, and how it reads programs: as is asked for, else as LinuxCNC's description of a machine
+    /// says, else as the machine file does.
+    pub(crate) fn with_language(&self, asked: &LanguageArgs) -> Result<Shop, CliError> {
+        let mut language = asked.clone();
+        let mut notes = String::new();
+        let (machine, text) = match &asked.ini {
+            None => self.read()?,
+            Some(path) => ini::read(path, self, &mut language, &mut notes)?,
+        };
+        let General { tool_table, parameters, .. } = &machine.general;
+        language.tools = language.tools.or_else(|| self.beside(tool_table.as_deref()));
+        language.parameters = language.parameters.or_else(|| self.beside(parameters.as_deref()));
+        if let Some(missing) = language.parameters.as_ref().filter(|path| !path.exists()) {
+            let _ = writeln!(notes, "{}: is not there yet, so all offsets are 0", missing.display());
+        }
+        Ok(Shop { machine, text, language, notes })
     }
 
-    /// The tool table that the machine file names, where it is seen from here.
-    pub(crate) fn tool_table(&self, machine: &Machine) -> Option<PathBuf> {
-        let table = machine.general.tool_table.as_ref()?;
+    /// A file that the machine file names, where it is seen from here.
+    pub(crate) fn beside(&self, file: Option<&Path>) -> Option<PathBuf> {
         let folder = self.machine.as_ref().and_then(|path| path.parent());
-        Some(folder.map_or_else(|| table.clone(), |folder| folder.join(table)))
+        Some(folder.map_or_else(|| file.map(Path::to_owned), |folder| Some(folder.join(file?)))?)
     }
+}
+
+/// The machine that a text describes; `name` is what messages call it.
+pub(crate) fn machine_of(name: &str, text: &str) -> Result<Machine, CliError> {
+    let wrong = |error: &dyn std::fmt::Display| CliError::Input(format!("{name}: {error}"));
+    let machine = Machine::from_toml(text).map_err(|error| wrong(&error))?;
+    // The truth about the plant is in the same file: whatever is wrong with it is said here.
+    sim_plant::Plant::new(&machine, sim_plant::Scenario::none(), 1).map_err(|error| wrong(&error))?;
+    Ok(machine)
+}
+
+/// A machine and how it reads programs, after everything that was asked for.
+pub(crate) struct Shop {
+    /// The machine.
+    pub(crate) machine: Machine,
+    /// The text of its file.
+    pub(crate) text: String,
+    /// How it reads programs.
+    pub(crate) language: LanguageArgs,
+    /// What people are told of where that comes from.
+    pub(crate) notes: String,
 }
 
 /// A program and the machine it is for.

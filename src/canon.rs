@@ -96,7 +96,7 @@ fn on_error(number: &str) -> Result<OnError, String> {
 
 /// Prints the calls of a program.
 pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let (options, parameters) = options(args, quiet)?;
+    let options = options(args, quiet)?;
     let mut program = open(args, &options)?;
     let mut printer = Printer::new(args.format, output(args)?, &options);
     let done = print(&mut program, &mut printer, args.on_error, quiet);
@@ -107,19 +107,9 @@ pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError>
         Err(error) => return Err(CliError::Input(format!("the output cannot be written: {error}"))),
     };
     if let Some(path) = &args.parameters {
-        outlasting(parameters, args.dialect, &program).write(path).map_err(file_error)?;
+        program.outlasting().parameters.write(path).map_err(file_error)?;
     }
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
-}
-
-/// The parameters that the file keeps, as the program leaves them. On a FANUC control #500 to #999 also
-/// outlast a run, unless they are vacant.
-fn outlasting(mut file: ParameterFile, dialect: Dialect, program: &Program) -> ParameterFile {
-    file.values.retain(|(number, _)| program.parameter(*number).is_some());
-    if dialect == Dialect::Fanuc {
-        file.values.extend((500..=999).filter_map(|number| Some((number, program.parameter(number)?))));
-    }
-    file.updated(|number| program.parameter(number).unwrap_or(0.0))
 }
 
 /// Runs the program to its end. Whether it had no errors.
@@ -162,8 +152,8 @@ fn print(
     Ok(good)
 }
 
-/// What the program is run with, and the parameter file that it began with.
-fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), CliError> {
+/// What the program is run with.
+fn options(args: &CanonArgs, quiet: bool) -> Result<Options, CliError> {
     interpreter::check_folders(&args.subroutines).map_err(|error| CliError::Input(error.to_string()))?;
     let machine = match &args.ini {
         Some(path) => MachineFile::read(path).map_err(file_error)?,
@@ -176,8 +166,13 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
         dialect: args.dialect,
         block_delete: args.block_delete,
         stand_alone: args.format == Format::Linuxcnc && args.dialect == Dialect::Linuxcnc,
-        subroutine_folders: args.subroutines.iter().cloned().chain(machine.subroutine_folders).collect(),
-        named: machine.named,
+        subroutine_folders: args
+            .subroutines
+            .iter()
+            .cloned()
+            .chain(machine.subroutine_folders.clone())
+            .collect(),
+        named: machine.named.clone(),
         orient_offset: machine.orient_offset,
         ..Options::default()
     };
@@ -196,13 +191,11 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<(Options, ParameterFile), Cl
     if let Some(path) = args.tools.as_ref().or(machine.tool_table.as_ref()) {
         options.tools = ToolTable::read(path).map_err(file_error)?;
     }
-    let mut parameters = ParameterFile::default();
     if let Some(path) = args.parameters.as_ref().or(machine.parameter_file.as_ref()) {
-        parameters = ParameterFile::read(path).map_err(file_error)?;
-        let counts = |(number, _): &&(u32, f64)| !(machine.forgets_g92 && (5210..=5219).contains(number));
-        options.parameters = parameters.values.iter().filter(counts).copied().collect();
+        let parameters = ParameterFile::read(path).map_err(file_error)?;
+        options.parameters = machine.counted(parameters).collect();
     }
-    Ok((options, parameters))
+    Ok(options)
 }
 
 fn open(args: &CanonArgs, options: &Options) -> Result<Program, CliError> {

@@ -43,7 +43,7 @@ pub(crate) struct CheckArgs {
 
 /// Reports every diagnostic, every pass, and the time each program takes.
 pub(crate) fn check(args: &CheckArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let judged = match judges(args) {
+    let judged = match judges(args, quiet) {
         Ok((machine, language, gauge)) => {
             let judge = |path: &PathBuf| judge(path, &language, &machine, gauge.clone());
             args.programs.iter().map(judge).collect()
@@ -73,10 +73,10 @@ pub(crate) fn check(args: &CheckArgs, quiet: bool) -> Result<ExitCode, CliError>
 }
 
 /// What all programs are judged with.
-fn judges(args: &CheckArgs) -> Result<(Machine, Language, Option<Nominal>), CliError> {
-    let (machine, _) = args.machine.read()?;
-    let language = args.machine.language(&args.language, &machine);
-    Ok((machine, language, args.gauge.read()?))
+fn judges(args: &CheckArgs, quiet: bool) -> Result<(Machine, Language, Option<Nominal>), CliError> {
+    let shop = args.machine.with_language(&args.language)?;
+    words::say(if args.json || quiet { "" } else { &shop.notes });
+    Ok((shop.machine, shop.language.language(), args.gauge.read()?))
 }
 
 fn judge(

@@ -53,6 +53,9 @@ pub(crate) enum Command {
         #[arg(long, value_parser = one_of(&KINEMATICS), default_value = Kinematics::default().name())]
         kinematics: Kinematics,
     },
+    /// See and set coordinate systems and tools: G54 to G59.3, offsets, wear.
+    #[command(after_help = crate::offsets::HELP)]
+    Offsets(crate::offsets::OffsetsArgs),
     /// Draw report.html of a run folder again.
     #[command(after_help = "Example:\n  pitchlock report runs/m20x2-1")]
     Report(crate::report::ReportArgs),

@@ -30,10 +30,11 @@ pub(crate) struct LspArgs {
 
 /// Serves an editor until it ends.
 pub(crate) fn lsp(args: &LspArgs) -> Result<ExitCode, CliError> {
-    let (machine, _) = args.machine.read()?;
-    let language = args.machine.language(&args.language, &machine);
+    let shop = args.machine.with_language(&args.language)?;
+    eprint!("{}", shop.notes);
     let (connection, threads) = lsp_server::Connection::stdio();
-    let served = ::lsp::serve(&connection, Settings { machine, language, docs: None });
+    let settings = Settings { machine: shop.machine, language: shop.language.language(), docs: None };
+    let served = ::lsp::serve(&connection, settings);
     // The writer ends when nobody can send any more.
     drop(connection);
     let written = threads.join().map_err(|error| CliError::Machine(error.to_string()));

@@ -10,7 +10,9 @@ mod doctor;
 mod error;
 mod experiment;
 mod gauged;
+mod ini;
 mod lsp;
+mod offsets;
 mod program;
 mod report;
 mod resolution;
@@ -48,6 +50,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             screen::print(kinematics.example());
             Ok(ExitCode::SUCCESS)
         }
+        Command::Offsets(args) => offsets::offsets(args, quiet),
         Command::Report(args) => report::report(args),
         Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Tune(args) => tune::tune(args, quiet),

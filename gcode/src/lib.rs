@@ -84,5 +84,5 @@ pub use canon::{Call, Job, Place, Pose, Sink};
 pub use guess::{Guess, guess};
 pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
-pub use program::{Program, Step};
+pub use program::{Outlasting, Program, Step};
 pub use text::readable;

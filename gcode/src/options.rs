@@ -139,6 +139,8 @@ pub struct Options {
     pub forgets_g92: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
+    /// A block that is executed before the first one: what is in force then. RS274/NGC only.
+    pub startup: Option<String>,
     /// As LinuxCNC's stand-alone interpreter, where it differs from the controller: G20 and G21 leave F and
     /// the offset of the tool as numbers, a tool change brings the programmed point back to the end of the
     /// last move, an inch machine has inches of 1/0.03937007874016 mm, the first tool of the table counts as
@@ -169,6 +171,7 @@ impl Default for Options {
             peck_clearances: [0.254; 2],
             forgets_g92: false,
             orient_offset: 0.0,
+            startup: None,
             stand_alone: false,
             subroutine_folders: Vec::new(),
             limits: Limits::default(),

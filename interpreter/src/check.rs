@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use gauge::Nominal;
-use gcode::{Diagnostic, Program, Severity};
+use gcode::{Diagnostic, Outlasting, Program, Severity};
 use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
@@ -46,6 +46,8 @@ pub struct Check {
     pub messages: Vec<MessageNote>,
     /// Files that were read besides the program.
     pub subroutine_files: Vec<PathBuf>,
+    /// What outlives it, if it runs to its end.
+    pub outlasting: Outlasting,
     /// Estimated duration at 100 % override, s.
     pub time_s: f64,
 }
@@ -141,6 +143,7 @@ pub fn check_while(
     check.gauge = interpreter.gauge().cloned();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
+    check.outlasting = interpreter.program().outlasting();
     check.time_s = clock.seconds();
     check
 }

@@ -62,11 +62,11 @@ use protocol::Item;
 use route::Unworkable;
 
 pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s};
-pub use gcode::{Diagnostic, Dialect, Guess, Severity};
+pub use gcode::{Diagnostic, Dialect, Guess, Outlasting, Severity};
 pub use job::JobNote;
 pub use options::{
     Language, OpenError, check_folders, dialect, dialect_of_text, is_job, no_other, open, open_text,
-    part_beside,
+    part_beside, reference_points,
 };
 pub use output::MessageNote;
 pub use threading::PassNote;

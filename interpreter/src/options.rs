@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gcode::files::ToolTable;
+use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
 use gcode::{DecimalPoint, Dialect, Guess, MachineCode, Options, Program};
 use machine::{self, BareNumbers, Machine, Part, PartError, ProgramDialect};
 use protocol::code_file::{CodeFile, MAGIC};
@@ -32,6 +32,11 @@ pub struct Language {
     pub strict: bool,
     /// Tool table (LinuxCNC's format).
     pub tools: Option<PathBuf>,
+    /// Parameter file (LinuxCNC's format): offsets, and what else is set at the start.
+    pub parameters: Option<PathBuf>,
+    /// Machine description of LinuxCNC (.ini): units, startup code, clearances, values. Files and folders
+    /// that it names are not looked for.
+    pub ini: Option<PathBuf>,
     /// Folder with subroutine files, besides that of the program; may be given several times.
     #[serde(default)]
     pub subroutines: Vec<PathBuf>,
@@ -72,9 +77,9 @@ pub enum OpenError {
         /// What is wrong with it.
         error: PartError,
     },
-    /// The tool table; the text names file and line.
+    /// The tool table, the parameter file or LinuxCNC's machine description; the text names file and line.
     #[error("{0}")]
-    Tools(String),
+    Beside(String),
 }
 
 /// Opens a program for a machine.
@@ -113,10 +118,26 @@ fn asked(dialect: Dialect, language: &Language, machine: &Machine) -> Result<Opt
     }
     options.block_delete = language.block_delete;
     options.subroutine_folders.clone_from(&language.subroutines);
+    let beside = |error: FileError| OpenError::Beside(error.to_string());
+    let ini = language.ini.as_deref().map_or_else(|| Ok(MachineFile::default()), MachineFile::read);
+    let ini = ini.map_err(beside)?;
     if let Some(table) = &language.tools {
-        options.tools = ToolTable::read(table).map_err(|error| OpenError::Tools(error.to_string()))?;
+        options.tools = ToolTable::read(table).map_err(beside)?;
     }
+    if let Some(file) = &language.parameters {
+        options.parameters.extend(ini.counted(ParameterFile::read(file).map_err(beside)?));
+    }
+    described(ini, &mut options);
     Ok(options)
+}
+
+/// What LinuxCNC's description of a machine says about programs.
+fn described(ini: MachineFile, options: &mut Options) {
+    options.machine_units = ini.units.unwrap_or(options.machine_units);
+    for (clearance, given) in options.peck_clearances.iter_mut().zip([ini.g73_clearance, ini.g83_clearance]) {
+        *clearance = given.unwrap_or(*clearance);
+    }
+    (options.startup, options.named, options.orient_offset) = (ini.startup, ini.named, ini.orient_offset);
 }
 
 /// The dialect that a program is read in, and what it looks like by itself ([`gcode::guess`]).
@@ -233,6 +254,12 @@ pub(crate) fn options(machine: &Machine) -> Options {
     };
     let codes = machine.machine_codes().map(|(number, of_machine)| (number, code(of_machine)));
     options.machine_codes = Arc::new(codes.collect());
-    options.parameters = REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(position)).collect();
+    options.parameters = reference_points(machine);
     options
+}
+
+/// Parameters of a machine that no file says anything about: the points of G28 and G30 are its home, mm.
+pub fn reference_points(machine: &Machine) -> Vec<(u32, f64)> {
+    let home = home(machine);
+    REFERENCE_POINTS.into_iter().flat_map(|first| (first..).zip(home)).collect()
 }

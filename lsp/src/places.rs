@@ -77,7 +77,7 @@ pub(crate) fn find(lines: &[Arc<str>], target: &Target, from: u32, dialect: Dial
 }
 
 /// The first piece of a line, if it is one of a kind.
-fn first<'a>(line: &'a str, dialect: Dialect, is: impl Fn(Kind) -> bool) -> Option<&'a str> {
+fn first(line: &str, dialect: Dialect, is: impl Fn(Kind) -> bool) -> Option<&str> {
     let tokens = scan(line, dialect);
     let first = tokens.into_iter().find(|token| token.kind != Kind::Sign)?;
     is(first.kind).then(|| &line[first.at])

@@ -210,7 +210,7 @@ impl Server {
             return Some(Location::new(at.text_document.uri.clone(), place(line)).into());
         }
         let places::Target::Label(label) = &target else { return None };
-        let path = places::path_of(&at.text_document.uri.to_string());
+        let path = places::path_of(at.text_document.uri.as_ref());
         let beside = path.as_deref().and_then(|path| path.parent()).map(PathBuf::from);
         let folders: Vec<PathBuf> =
             beside.into_iter().chain(self.settings.language.subroutines.clone()).collect();

@@ -109,6 +109,9 @@ pub struct General {
     /// Tool table of part programs (LinuxCNC's format), beside the machine file if its path is relative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tool_table: Option<std::path::PathBuf>,
+    /// Parameter file of part programs (LinuxCNC's format), beside the machine file if its path is relative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<std::path::PathBuf>,
     /// Kinematics.
     #[serde(default)]
     pub kinematics: Kinematics,

@@ -45,10 +45,10 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     if let Some(lines) = &args.g1 {
         written::free(lines, Made::Lines)?;
     }
-    let (machine, _) = args.input.machine.read()?;
-    let language = args.input.machine.language(&args.input.language, &machine);
+    let shop = args.input.machine.with_language(&args.input.language)?;
+    let (machine, language) = (shop.machine, shop.language.language());
     let program = Program::read(&args.input.program, &language, &machine, None)?;
-    eprint!("{}", program.messages);
+    eprint!("{}{}", shop.notes, program.messages);
     // Without its folder, so that a program has the same machine code everywhere.
     let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
     let items: Vec<Item> = program.items(&args.input.program, &language, &machine)?.collect();

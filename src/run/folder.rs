@@ -5,6 +5,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
+use process::shell::LanguageArgs;
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
@@ -34,6 +35,8 @@ pub(crate) struct RunFolder {
 
 const LANGUAGE: &str = "language.toml";
 const TOOLS: &str = "tool.tbl";
+const PARAMETERS: &str = "parameters.var";
+const INI: &str = "machine.ini";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
 
@@ -67,17 +70,20 @@ impl RunFolder {
         for file in judged.subroutine_files() {
             copy(file, &path.join(file.file_name().unwrap_or_default()))?;
         }
-        let tools = args.language.tools.as_ref().map(|_| path.join(TOOLS));
-        if let (Some(from), Some(to)) = (&args.language.tools, &tools) {
-            copy(from, to)?;
-        }
-        let language = Language { tools, subroutines: Vec::new(), ..args.language.language() };
+        let keep = |from: &Option<PathBuf>, name: &str| {
+            let from = from.as_ref().filter(|from| from.exists());
+            from.map(|from| copy(from, &path.join(name)).map(|()| path.join(name))).transpose()
+        };
+        let asked = args.language.language();
+        let [tools, parameters, ini] =
+            [keep(&asked.tools, TOOLS)?, keep(&asked.parameters, PARAMETERS)?, keep(&asked.ini, INI)?];
+        let language = Language { tools, parameters, ini, subroutines: Vec::new(), ..asked };
         let write = |name: &str, text: &str| {
             let path = path.join(name);
             std::fs::write(&path, text).map(|()| path.clone()).map_err(|error| CliError::file(&path, error))
         };
         if language != Language::default() {
-            let kept = Language { tools: None, ..language.clone() };
+            let kept = Language { tools: None, parameters: None, ini: None, ..language.clone() };
             let text = toml::to_string(&kept).map_err(|error| CliError::Machine(error.to_string()))?;
             write(LANGUAGE, &text)?;
         }
@@ -130,7 +136,8 @@ impl RunFolder {
     /// Arguments that tell the interpreter how to read the program.
     pub(crate) fn language_args(&self) -> Vec<OsString> {
         // Strictness was asked for when the program was judged.
-        let Language { dialect, block_delete, strict: _, tools, subroutines: _ } = &self.language;
+        let Language { dialect, block_delete, strict: _, tools, parameters, ini, subroutines: _ } =
+            &self.language;
         let dialect = dialect.map(|dialect| dialect.name());
         let mut args: Vec<OsString> = Vec::new();
         if let Some(dialect) = dialect {
@@ -139,8 +146,10 @@ impl RunFolder {
         if *block_delete {
             args.push("--block-delete".into());
         }
-        if let Some(tools) = tools {
-            args.extend(["--tools".into(), tools.into()]);
+        for (switch, file) in [("--tools", tools), ("--parameters", parameters), ("--ini", ini)] {
+            if let Some(file) = file {
+                args.extend([switch.into(), file.into()]);
+            }
         }
         args
     }
@@ -177,7 +186,10 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
     repeated.program = folder.join(name);
     let there = |name: &str| Some(folder.join(name)).filter(|path| path.exists());
     repeated.machine.machine = args.machine.machine.clone().or_else(|| there(MACHINE));
-    repeated.language.tools = args.language.tools.clone().or_else(|| there(TOOLS));
+    let LanguageArgs { tools, parameters, ini, .. } = &mut repeated.language;
+    for (file, name) in [(tools, TOOLS), (parameters, PARAMETERS), (ini, INI)] {
+        *file = file.take().or_else(|| there(name));
+    }
     if let Some(kept) = there(LANGUAGE) {
         let text = std::fs::read_to_string(&kept).map_err(|error| CliError::file(&kept, error))?;
         let kept: Language = toml::from_str(&text).map_err(|error| CliError::file(&kept, error))?;

@@ -7,6 +7,7 @@ mod endings;
 mod folder;
 mod in_process;
 pub(crate) mod interrupts;
+mod keeps;
 mod processes;
 mod progress;
 mod recorder;
@@ -19,6 +20,7 @@ use process::shell::Clock;
 use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, Summary, WorkKind};
 
 use crate::{
+    args::Shop,
     error::CliError,
     program::Program,
     report::DRAWING,
@@ -29,6 +31,7 @@ use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
 use folder::RunFolder;
 use interrupts::Interrupts;
+use keeps::Keeps;
 pub(crate) use recorder::axes;
 
 /// Everything a run depends on.
@@ -56,14 +59,17 @@ pub(crate) struct Setup {
 }
 
 /// Runs a program. Anything wrong with the input ends this before the machine starts.
-pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let mut args = folder::repeated(args)?;
-    let (machine, machine_text) = args.machine.read()?;
-    args.language.tools = args.language.tools.or_else(|| args.machine.tool_table(&machine));
-    let args = &args;
+pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    let mut repeated = folder::repeated(asked)?;
+    let Shop { machine, text: machine_text, language, notes } =
+        repeated.machine.with_language(&repeated.language)?;
+    let keeps = Keeps::of(asked, &machine, &language);
+    repeated.language = language;
+    let args = &repeated;
     let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     if !quiet {
-        eprint!("{}", program.messages);
+        // Whoever repeats a run has been told.
+        eprint!("{}{}", if asked.program.is_dir() { "" } else { &notes }, program.messages);
     }
     let (scenario, scenario_text) = read_scenario(args, &machine)?;
     let seed = args.seed.unwrap_or(1);
@@ -81,6 +87,7 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let (summary, unrecorded) = run(&setup, &mut interrupts)?;
     // Whatever cannot be written: what became of the run is said.
     let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
+    let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
     drop(interrupts);
     let drawing = Phase::begin(DRAWING);
     let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
@@ -95,7 +102,7 @@ pub(crate) fn run(args: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     } else if !quiet {
         screen::print(&summed_up(&summary, report.as_deref().ok()));
     }
-    if let Some(error) = unrecorded.or(report.err()) {
+    if let Some(error) = unrecorded.or(report.err()).or(kept.err()) {
         return Err(error);
     }
     Ok(status(&summary))

@@ -19,6 +19,7 @@ mod first_hour;
 mod gauge;
 mod jobs;
 mod memory;
+mod offsets;
 mod part;
 mod processes;
 mod resolution;

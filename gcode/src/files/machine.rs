@@ -3,29 +3,33 @@
 //! ```text
 //! [TRAJ]     LINEAR_UNITS = mm
 //! [RS274NGC] PARAMETER_FILE = lathe.var   SUBROUTINE_PATH = subs:../library   DISABLE_G92_PERSISTENCE = 0
+//!            RS274NGC_STARTUP_CODE = G21 G40 G90
 //!            G73_PECK_CLEARANCE = 0.254   G83_PECK_CLEARANCE = 0.254   ORIENT_OFFSET = 0   INI_VARS = 1
 //! [EMCIO]    TOOL_TABLE = tool.tbl
 //! [DISPLAY]  PROGRAM_PREFIX = programs
 //! ```
 //! Paths count from the folder of the file. Such a file describes much else (drives, screens, logic); that is
-//! passed over. Entries that would change the meaning of a program and are not supported become warnings.
+//! passed over, and can be asked for. Entries that would change the meaning of a program and are not
+//! supported become warnings; FEATURES is one of them, which LinuxCNC has not read since 2.8.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::FileError;
+use super::{FileError, ParameterFile};
 use crate::canon::Units;
 use crate::problem::{Blame, Diagnostic, Problem, Severity, Span};
 
 /// Entries that change what programs mean and that nothing here takes into account, with the value that is
 /// the same as no entry.
-const UNSUPPORTED: [(&str, &str, &str); 10] = [
+const UNSUPPORTED: [(&str, &str, &str); 12] = [
     ("RS274NGC", "REMAP", ""),
     ("RS274NGC", "USER_M_PATH", ""),
     ("RS274NGC", "RETAIN_G43", "0"),
     ("RS274NGC", "NO_DOWNCASE_OWORD", "0"),
     ("RS274NGC", "OWORD_WARNONLY", "0"),
     ("RS274NGC", "DISABLE_FANUC_STYLE_SUB", "0"),
+    ("RS274NGC", "G64_DEFAULT_TOLERANCE", "0"),
+    ("RS274NGC", "FEATURES", "0"),
     ("EMCIO", "TOOL_CHANGE_AT_G30", "0"),
     ("EMCIO", "TOOL_CHANGE_QUILL_UP", "0"),
     ("EMCIO", "TOOL_CHANGE_WITH_SPINDLE_ON", "0"),
@@ -56,8 +60,12 @@ pub struct MachineFile {
     pub named: Vec<(String, f64)>,
     /// Programs cannot read entries.
     pub hides_entries: bool,
+    /// Blocks that are executed before each program.
+    pub startup: Option<String>,
     /// Entries that change what programs mean and are not supported.
     pub warnings: Vec<Diagnostic>,
+    /// All entries: section, key, value.
+    entries: Vec<(String, String, String)>,
 }
 
 /// An entry, with its place.
@@ -71,6 +79,18 @@ struct Entry<'a> {
 }
 
 impl MachineFile {
+    /// The parameters of a file that count at the start of a program.
+    pub fn counted(&self, file: ParameterFile) -> impl Iterator<Item = (u32, f64)> + use<> {
+        let forgets_g92 = self.forgets_g92;
+        file.values.into_iter().filter(move |(number, _)| !(forgets_g92 && (5210..=5219).contains(number)))
+    }
+
+    /// The value of an entry as text; of one that stands twice, the first.
+    pub fn entry(&self, section: &str, key: &str) -> Option<&str> {
+        let is_it = |(a, b, _): &&(String, String, String)| (a.as_str(), b.as_str()) == (section, key);
+        self.entries.iter().find(is_it).map(|(_, _, value)| value.as_str())
+    }
+
     /// Reads a file.
     ///
     /// # Errors
@@ -95,6 +115,12 @@ impl MachineFile {
                 section = rest.split(']').next().unwrap_or("").trim();
                 continue;
             }
+            if line.starts_with("#INCLUDE") {
+                let entry = Entry { name: &name, line: n as u32 + 1, text, section, key: "", value: line };
+                let help = "put what it says into this file; entries that it has are missing here";
+                let message = format!("`{line}` is not followed");
+                machine.warnings.push(entry.diagnostic(Severity::Warning, message, help));
+            }
             if line.starts_with(['#', ';']) {
                 continue;
             }
@@ -102,6 +128,7 @@ impl MachineFile {
             let (key, value) = (key.trim(), value.trim());
             let entry = Entry { name: &name, line: n as u32 + 1, text, section, key, value };
             machine.name(&entry);
+            machine.entries.push((section.to_owned(), key.to_owned(), value.to_owned()));
             match (section, key) {
                 ("DISPLAY", "PROGRAM_PREFIX") => prefix = Some(folder.join(value)),
                 _ => machine.take(&entry, folder)?,
@@ -132,6 +159,7 @@ impl MachineFile {
             ("RS274NGC", "INI_VARS") => self.hides_entries = entry.value == "0",
             ("RS274NGC", "PARAMETER_FILE") => self.parameter_file = Some(folder.join(entry.value)),
             ("RS274NGC", "DISABLE_G92_PERSISTENCE") => self.forgets_g92 = entry.value != "0",
+            ("RS274NGC", "RS274NGC_STARTUP_CODE") => self.startup = Some(entry.value.to_owned()),
             ("EMCIO", "TOOL_TABLE") => self.tool_table = Some(folder.join(entry.value)),
             ("RS274NGC", "SUBROUTINE_PATH") => {
                 let folders = entry.value.split(':').filter(|path| !path.is_empty());

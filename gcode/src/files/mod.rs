@@ -78,8 +78,8 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     })
 }
 
-/// Changes a file and nothing of it but what `change` changes: line ends, encoding and a byte order mark stay.
-/// One that does not exist begins with `empty`.
+/// Changes a file and nothing of it but what `change` changes: line ends, encoding and a byte order mark
+/// stay. One that does not exist begins with `empty`.
 fn rewrite(
     path: &Path,
     empty: &str,

@@ -80,22 +80,24 @@ impl ParameterFile {
     }
 
     /// Writes some parameters into a file and leaves all else of it as it is: order, comments, blanks. One
-    /// that the file does not have is inserted at its place. A file that does not exist is made, with the
-    /// parameters that every file has.
+    /// that the file does not have is inserted at its place, unless it is 0. A file that does not exist
+    /// begins as `fresh`.
     ///
     /// # Errors
     /// The file cannot be read or written, or has a number out of range or out of order; it is as it was.
-    pub fn change(path: &Path, values: &[(u32, f64)]) -> Result<(), FileError> {
-        rewrite(path, &ParameterFile::empty(), |text| {
+    pub fn change(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
+        rewrite(path, &fresh.to_text(), |text| {
             ParameterFile::parse(&path.display().to_string(), text)?;
             Ok(changed(text, values))
         })
     }
 
-    /// The text of a file in which everything is 0 but the coordinate system, which is the first.
-    fn empty() -> String {
-        let first_system = |number| f64::from(u8::from(number == 5220));
-        ParameterFile::default().updated(first_system).to_text()
+    /// A file of a machine of which only these parameters are known: all others are 0, and its coordinate
+    /// system is the first.
+    pub fn fresh(known: &[(u32, f64)]) -> ParameterFile {
+        let given = |number| known.iter().find(|(other, _)| *other == number).map(|(_, value)| *value);
+        let value = |number| given(number).unwrap_or(f64::from(u8::from(number == 5220)));
+        ParameterFile::default().updated(value)
     }
 
     /// The parameters as the text of a file.

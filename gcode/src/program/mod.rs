@@ -8,7 +8,9 @@
 //! ```
 
 mod findings;
+mod outlasting;
 mod reader;
+mod startup;
 mod watch;
 
 use std::io::{self, Read};
@@ -24,7 +26,10 @@ use crate::problem::{Blame, Diagnostic, Problem};
 use crate::state::State;
 use crate::text::{Files, Source, job};
 use findings::{Findings, diagnostic};
+pub use outlasting::Outlasting;
+use outlasting::Start;
 use reader::Reader;
+use startup::Startup;
 use watch::{Stay, Watch};
 
 /// Whether there is more to do.
@@ -40,6 +45,8 @@ pub enum Step {
 pub struct Program {
     reader: Reader,
     state: State,
+    start: Start,
+    startup: Option<Startup>,
     stage: Stage,
     /// How long it has led nowhere, and how many lines may do so.
     stay: Stay,
@@ -101,9 +108,12 @@ impl Program {
     }
 
     fn new(reader: Reader, options: &Options) -> Program {
+        let mut state = State::new(options);
         Program {
+            start: Start::new(options, &reader, &state),
+            startup: Startup::read(options, &mut state),
             reader,
-            state: State::new(options),
+            state,
             stage: Stage::Fresh,
             stay: Stay::default(),
             longest_stay: options.limits.blocks_without_motion,
@@ -150,6 +160,9 @@ impl Program {
         if self.stage == Stage::Fresh {
             self.stage = Stage::Running;
             execute::start(&self.state, &mut out)?;
+            if let Some(startup) = self.startup.take() {
+                startup.run(&mut self.state, &mut out)?;
+            }
         }
         let done = self.reader.next(&mut self.state, &mut out);
         if self.state.progress.ended {
@@ -179,6 +192,11 @@ impl Program {
     /// #999, that is vacant.
     pub fn parameter(&self, number: u32) -> Option<f64> {
         self.reader.shared(number).unwrap_or_else(|| Some(self.state.parameter(number)))
+    }
+
+    /// What outlives the program, as far as it has come.
+    pub fn outlasting(&self) -> Outlasting {
+        self.start.outlasting(&self.reader, &self.state)
     }
 
     /// The tools as the program has left them, in machine units.

@@ -154,23 +154,25 @@ fn a_wrong_value_of_a_machine_description_is_named() {
 fn a_changed_parameter_changes_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lathe.var");
+    let change =
+        |path: &Path, values: &[(u32, f64)]| ParameterFile::change(path, values, &ParameterFile::default());
     let old = "# zero of the chuck\r\n5161\t0.000000\r\n 5221   1.5  (face)\n\n5223\t-3.25";
     std::fs::write(&path, old).unwrap();
-    ParameterFile::change(&path, &[(5221, 1.500_000_1), (5161, 0.0), (5241, 0.0)]).unwrap();
+    change(&path, &[(5221, 1.500_000_1), (5161, 0.0), (5241, 0.0)]).unwrap();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), old, "nothing is other than it was");
-    ParameterFile::change(&path, &[(5241, 7.0), (5222, -2.0), (5221, 112.4)]).unwrap();
+    change(&path, &[(5241, 7.0), (5222, -2.0), (5221, 112.4)]).unwrap();
     let expected = "# zero of the chuck\r\n5161\t0.000000\r\n 5221   112.400000  (face)\n\n5222\t-2.000000\n5223\t-3.25\n5241\t7.000000\n";
     assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
     let wrong = "5221 1\n5161 2\n";
     std::fs::write(&path, wrong).unwrap();
-    ParameterFile::change(&path, &[(5221, 3.0)]).unwrap_err();
+    change(&path, &[(5221, 3.0)]).unwrap_err();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), wrong);
     let fresh = folder.path().join("new.var");
-    ParameterFile::change(&fresh, &[(5223, -5.5)]).unwrap();
+    ParameterFile::change(&fresh, &[(5223, -5.5)], &ParameterFile::fresh(&[(5161, 9.0)])).unwrap();
     let fresh = ParameterFile::read(&fresh).unwrap();
     let filled: Vec<_> = fresh.values.iter().filter(|(_, value)| *value != 0.0).collect();
-    assert_eq!((fresh.values.len(), filled), (119, vec![&(5220, 1.0), &(5223, -5.5)]));
+    assert_eq!((fresh.values.len(), filled), (119, vec![&(5161, 9.0), &(5220, 1.0), &(5223, -5.5)]));
 }
 
 #[test]

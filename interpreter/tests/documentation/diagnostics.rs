@@ -11,6 +11,7 @@ const MAKERS: [&str; 4] = ["Problem::error(", "Problem::warning(", "error_here("
 /// Codes that no short program leads to; what does so is told in words.
 const WITHOUT_EXAMPLE: [&str; 9] = [
     "bad-file",
+    "bad-startup",
     "cut-after-thread",
     "endless-loop",
     "endless-program",

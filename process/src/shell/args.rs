@@ -40,6 +40,14 @@ pub struct LanguageArgs {
     /// Tool table (LinuxCNC's format).
     #[arg(long, value_name = "FILE")]
     pub tools: Option<PathBuf>,
+    /// Parameter file (LinuxCNC's .var): offsets, and all other parameters that are set at the start. `run`
+    /// writes it back when the program has come to its end.
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Option<PathBuf>,
+    /// Machine description of LinuxCNC (.ini): its parameters, tools, subroutines and startup code; travel,
+    /// and speeds that are not beyond those of the machine file.
+    #[arg(long, value_name = "FILE")]
+    pub ini: Option<PathBuf>,
     /// Folder with subroutine files, besides that of the program; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub subroutines: Vec<PathBuf>,
@@ -48,8 +56,9 @@ pub struct LanguageArgs {
 impl LanguageArgs {
     /// What the interpreter takes.
     pub fn language(&self) -> Language {
-        let LanguageArgs { dialect, block_delete, strict, tools, subroutines } = self.clone();
-        Language { dialect, block_delete, strict, tools, subroutines }
+        let LanguageArgs { dialect, block_delete, strict, tools, parameters, ini, subroutines } =
+            self.clone();
+        Language { dialect, block_delete, strict, tools, parameters, ini, subroutines }
     }
 }
 

@@ -1,0 +1,382 @@
+//! `pitchlock offsets`: coordinate systems and tools, seen and set without a program. In: the parameter file
+//! and the tool table of a machine. Out: the same files with a value changed, and nothing else of them.
+//!
+//! ```text
+//! G54  X0 Z-112.4 R0       a coordinate system: its zero in the machine, R turns it about Z
+//! T3   X-12.4 Z3.1 D0.8    a tool: offsets, diameter, I J angles, Q orientation
+//! ```
+//! `list` prints such lines, `set` takes one, `load` a file of them. With `--json`, `list` prints
+//!
+//! ```json
+//! { "version": 1, "units": "mm", "parameters": "lathe.var", "tools": "tool.tbl", "in_force": "G54",
+//!   "systems": [
+//!   { "name": "G54", "X": 0.0, "Y": 0.0, "Z": -112.4, "A": 0.0, "B": 0.0, "C": 0.0, "R": 0.0 } ],
+//!   "tool_offsets": [
+//!   { "number": 3, "pocket": 3, "X": -12.4, "Z": 3.1, "D": 0.8, "comment": "boring bar" } ] }
+//! ```
+
+use std::{
+    collections::BTreeMap,
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use clap::{Args, Subcommand};
+use gcode::canon::Units;
+use gcode::files::{FileError, MachineFile, ParameterFile, Tool, ToolTable};
+use process::shell::LanguageArgs;
+use serde::Serialize;
+
+use crate::{
+    args::{MachineArgs, Shop},
+    error::CliError,
+    screen, words,
+};
+
+pub(crate) const HELP: &str = "Examples:
+  pitchlock offsets list --machine my-lathe.toml
+  pitchlock offsets set G54 X0 Z-112.4 --parameters lathe.var
+  pitchlock offsets set T3 --add X-0.02 --tools tool.tbl     wear: 0.02 is added to what is there
+  pitchlock offsets load setup.txt --machine my-lathe.toml   lines as list prints them
+
+Files are those of --parameters and --tools, else those that the machine file names (parameters and tool_table
+under [machine]). Lengths are in units of the machine, X is a radius. A file is replaced as a whole or not at all,
+and keeps its order and its comments.
+
+Exit status: 0 done, 2 a file or an argument is wrong: nothing is written then.";
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct OffsetsArgs {
+    #[command(subcommand)]
+    command: What,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum What {
+    /// Print coordinate systems and tools.
+    List {
+        /// Print one JSON document, and nothing else.
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        files: Files,
+    },
+    /// Set words of a coordinate system or of a tool.
+    Set {
+        /// G54 to G59.3, or T and the number of a tool.
+        #[arg(value_name = "G54|T1")]
+        target: String,
+        /// Words, as Z-112.4: X Y Z A B C, R of a system; D I J Q of a tool.
+        #[arg(value_name = "WORD", required = true, allow_negative_numbers = true)]
+        words: Vec<String>,
+        /// Add them to what is there: wear.
+        #[arg(long)]
+        add: bool,
+        #[command(flatten)]
+        files: Files,
+    },
+    /// Set what the lines of a file say, all of it or nothing.
+    Load {
+        /// The file; what stands behind a semicolon is passed over.
+        #[arg(value_name = "FILE")]
+        from: PathBuf,
+        #[command(flatten)]
+        files: Files,
+    },
+}
+
+/// Which files.
+#[derive(Clone, Debug, Args)]
+struct Files {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Parameter file (LinuxCNC's .var).
+    #[arg(long, value_name = "FILE")]
+    parameters: Option<PathBuf>,
+    /// Tool table (LinuxCNC's .tbl).
+    #[arg(long, value_name = "FILE")]
+    tools: Option<PathBuf>,
+    /// Machine description of LinuxCNC (.ini) that names both.
+    #[arg(long, value_name = "FILE")]
+    ini: Option<PathBuf>,
+}
+
+/// Coordinate systems in the order of their parameters.
+const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
+/// Words of a system: the first ones are its zero, the last one turns it.
+const OF_SYSTEM: [char; 7] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'R'];
+/// The coordinate system in force; the first parameter of the first system follows it.
+const IN_FORCE: u32 = 5220;
+
+/// What a line sets.
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    System(usize),
+    Tool(i32),
+}
+
+/// One word of a line.
+struct Set {
+    target: Target,
+    letter: char,
+    value: f64,
+}
+
+/// The files, read.
+struct Table {
+    parameters: Option<(PathBuf, ParameterFile)>,
+    tools: Option<(PathBuf, ToolTable)>,
+    units: Units,
+    reference_points: Vec<(u32, f64)>,
+}
+
+pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    match &args.command {
+        What::List { json, files } => {
+            let table = Table::read(files, quiet || *json)?;
+            screen::print(&if *json { table.document()? } else { table.lines() });
+        }
+        What::Set { target, words, add, files } => {
+            let sets = line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
+            Table::read(files, quiet)?.set(sets, *add)?;
+        }
+        What::Load { from, files } => Table::read(files, quiet)?.set(loaded(from)?, false)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the lines of a file set.
+fn loaded(from: &Path) -> Result<Vec<Set>, CliError> {
+    let text = std::fs::read(from).map_err(|error| CliError::file(from, error))?;
+    let mut sets = Vec::new();
+    for (n, text) in gcode::readable(&text).lines().enumerate() {
+        let mut words = text.split(';').next().unwrap_or_default().split_whitespace();
+        let Some(target) = words.next() else { continue };
+        let place = |error| CliError::Input(format!("{}:{}: {error}", from.display(), n + 1));
+        sets.extend(line(target, words).map_err(place)?);
+    }
+    if sets.is_empty() {
+        return Err(CliError::file(
+            from,
+            "sets nothing: its lines are as `G54 X0 Z-112.4` or `T3 X-12.4 D0.8`",
+        ));
+    }
+    Ok(sets)
+}
+
+/// What a line sets.
+fn line<'a>(name: &str, words: impl Iterator<Item = &'a str>) -> Result<Vec<Set>, String> {
+    let upper = name.to_ascii_uppercase();
+    let number = upper.strip_prefix('T').and_then(|number| number.parse().ok()).filter(|number| *number > 0);
+    let target = match (SYSTEMS.iter().position(|system| *system == upper), number) {
+        (Some(system), _) => Target::System(system),
+        (None, Some(number)) => Target::Tool(number),
+        (None, None) => {
+            return Err(format!("`{name}` is neither a coordinate system, G54 to G59.3, nor a tool, as T3"));
+        }
+    };
+    words.map(|word| one(target, name, word)).collect()
+}
+
+fn one(target: Target, name: &str, word: &str) -> Result<Set, String> {
+    let mut characters = word.chars();
+    let letter = characters.next().unwrap_or(' ').to_ascii_uppercase();
+    let known = match target {
+        Target::System(_) => OF_SYSTEM.contains(&letter),
+        Target::Tool(_) => Tool::default().words().iter().any(|(known, _)| *known == letter),
+    };
+    if !known {
+        let has =
+            if matches!(target, Target::System(_)) { "X Y Z A B C R" } else { "X Y Z A B C U V W D I J Q" };
+        return Err(format!("{name} has no word `{word}`: its words are {has}, as in Z-112.4"));
+    }
+    match characters.as_str().parse::<f64>() {
+        Ok(value) if value.abs() <= 1e6 => Ok(Set { target, letter, value }),
+        _ => Err(format!(
+            "`{word}` of {name} is not a word: write a number of at most 1000000 behind {letter}"
+        )),
+    }
+}
+
+fn parameter(system: usize, letter: char) -> u32 {
+    let place = OF_SYSTEM.iter().position(|known| *known == letter).unwrap_or(0) as u32;
+    // Nine axes come before the rotation.
+    IN_FORCE + 1 + 20 * system as u32 + if letter == 'R' { 9 } else { place }
+}
+
+impl Table {
+    fn read(files: &Files, quiet: bool) -> Result<Table, CliError> {
+        let Files { machine, parameters, tools, ini } = files.clone();
+        let units =
+            ini.as_deref().map(MachineFile::read).transpose().map_err(wrong)?.and_then(|ini| ini.units);
+        // What else a description says does not matter here.
+        let quiet = quiet || ini.is_some();
+        let asked = LanguageArgs { parameters, tools, ini, ..LanguageArgs::default() };
+        let Shop { machine, language, notes, .. } = machine.with_language(&asked)?;
+        words::say(if quiet { "" } else { &notes });
+        let parameters = language.parameters.map(|path| Ok((ParameterFile::read(&path)?, path)));
+        let tools = language.tools.map(|path| {
+            let table = if path.exists() { ToolTable::read(&path)? } else { ToolTable::default() };
+            Ok((table, path))
+        });
+        Ok(Table {
+            parameters: parameters.transpose().map_err(wrong)?.map(|(file, path)| (path, file)),
+            tools: tools.transpose().map_err(wrong)?.map(|(table, path)| (path, table)),
+            units: units.unwrap_or(Units::Millimetre),
+            reference_points: interpreter::reference_points(&machine),
+        })
+    }
+
+    fn value(&self, number: u32) -> f64 {
+        let values = self.parameters.iter().flat_map(|(_, file)| &file.values);
+        values.clone().find(|(other, _)| *other == number).map_or(0.0, |(_, value)| *value)
+    }
+
+    /// Sets words; everything is known to be right before anything is written.
+    fn set(&self, sets: Vec<Set>, add: bool) -> Result<(), CliError> {
+        let (mut values, mut words) = (BTreeMap::new(), Vec::new());
+        for Set { target, letter, value } in sets {
+            match target {
+                Target::System(system) => {
+                    let number = parameter(system, letter);
+                    let before = values.get(&number).copied().unwrap_or(self.value(number));
+                    values.insert(number, if add { before + value } else { value });
+                }
+                Target::Tool(number) => {
+                    let tool = self.tools.as_ref().and_then(|(_, table)| table.find(number));
+                    let before = tool.map_or(0.0, |tool| word(tool, letter));
+                    words.push((number, letter, if add { before + value } else { value }));
+                }
+            }
+        }
+        let missing = |what: &str, option: &str, key: &str| {
+            let text = format!(
+                "there is no {what}: name one with {option} FILE, or as {key} under [machine] of the machine file"
+            );
+            CliError::Input(text)
+        };
+        let parameters = self.parameters.as_ref().map(|(path, _)| path);
+        let tools = self.tools.as_ref().map(|(path, _)| path);
+        if !values.is_empty() && parameters.is_none() {
+            return Err(missing("parameter file", "--parameters", "parameters"));
+        }
+        if !words.is_empty() {
+            let tools = tools.ok_or_else(|| missing("tool table", "--tools", "tool_table"))?;
+            ToolTable::change(tools, &words).map_err(wrong)?;
+        }
+        match parameters {
+            Some(path) if !values.is_empty() => {
+                let values: Vec<_> = values.into_iter().collect();
+                let fresh = ParameterFile::fresh(&self.reference_points);
+                ParameterFile::change(path, &values, &fresh).map_err(wrong)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn unit(&self) -> &'static str {
+        if self.units == Units::Inch { "inch" } else { "mm" }
+    }
+
+    /// The system in force.
+    fn in_force(&self) -> &'static str {
+        SYSTEMS.get((self.value(IN_FORCE) as usize).saturating_sub(1)).unwrap_or(&SYSTEMS[0])
+    }
+
+    /// Lines that `load` takes.
+    fn lines(&self) -> String {
+        let mut text = String::new();
+        // A string takes everything.
+        if let Some((path, _)) = &self.parameters {
+            let _ = writeln!(
+                text,
+                "; {}: {}, X a radius, {} in force",
+                path.display(),
+                self.unit(),
+                self.in_force()
+            );
+            for (system, name) in SYSTEMS.iter().enumerate() {
+                let words = OF_SYSTEM.map(|letter| (letter, self.value(parameter(system, letter))));
+                let shown = words.iter().filter(|(letter, value)| *value != 0.0 || "XZ".contains(*letter));
+                let words: Vec<_> = shown.map(|(letter, value)| format!("{letter}{value}")).collect();
+                let _ = writeln!(text, "{name:<5} {}", words.join(" "));
+            }
+        }
+        if let Some((path, table)) = &self.tools {
+            let _ = writeln!(text, "; {}: {}, X a radius", path.display(), self.unit());
+            for tool in table.iter() {
+                let words = tool.words();
+                let shown = words.iter().filter(|(letter, value)| *value != 0.0 || "XZ".contains(*letter));
+                let words: Vec<_> = shown.map(|(letter, value)| format!("{letter}{value}")).collect();
+                let comment =
+                    if tool.comment.is_empty() { String::new() } else { format!("  ;{}", tool.comment) };
+                let _ = writeln!(text, "{:<5} {}{comment}", format!("T{}", tool.number), words.join(" "));
+            }
+        }
+        if text.is_empty() {
+            text = "; no parameter file and no tool table: name them with --parameters and --tools\n".into();
+        }
+        text
+    }
+
+    fn document(&self) -> Result<String, CliError> {
+        let systems = SYSTEMS.iter().enumerate().map(|(system, name)| System {
+            name,
+            words: OF_SYSTEM.map(|letter| (letter, self.value(parameter(system, letter)))).into(),
+        });
+        let tools = self.tools.iter().flat_map(|(_, table)| table.iter()).map(|tool| OfTool {
+            number: tool.number,
+            pocket: tool.pocket,
+            words: tool.words().into(),
+            comment: &tool.comment,
+        });
+        let path = |path: &Path| path.display().to_string();
+        let document = Document {
+            version: 1,
+            units: self.unit(),
+            parameters: self.parameters.as_ref().map(|(file, _)| path(file)),
+            tools: self.tools.as_ref().map(|(file, _)| path(file)),
+            in_force: self.in_force(),
+            systems: systems.collect(),
+            tool_offsets: tools.collect(),
+        };
+        let text = serde_json::to_string_pretty(&document);
+        Ok(text.map_err(|error| CliError::Machine(error.to_string()))? + "\n")
+    }
+}
+
+fn word(tool: &Tool, letter: char) -> f64 {
+    tool.words().iter().find(|(known, _)| *known == letter).map_or(0.0, |(_, value)| *value)
+}
+
+fn wrong(error: FileError) -> CliError {
+    CliError::Input(error.to_string())
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    version: u32,
+    units: &'a str,
+    parameters: Option<String>,
+    tools: Option<String>,
+    in_force: &'a str,
+    systems: Vec<System<'a>>,
+    tool_offsets: Vec<OfTool<'a>>,
+}
+
+#[derive(Serialize)]
+struct System<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    words: BTreeMap<char, f64>,
+}
+
+#[derive(Serialize)]
+struct OfTool<'a> {
+    number: i32,
+    pocket: i32,
+    #[serde(flatten)]
+    words: BTreeMap<char, f64>,
+    comment: &'a str,
+}
