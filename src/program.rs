@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gauge::Nominal;
 use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
-use machine::{Kinematics, Machine, ProgramDialect};
+use machine::{Machine, ProgramDialect};
 use protocol::{Arc, Code, Item, code_file::CodeFile};
 use rig::observe::{GaugeAsked, Message, Observer, Watch};
 use route::{Course, Route};
@@ -226,14 +226,12 @@ impl Read {
             None => interpreter::dialect(path, language, machine),
         };
         let asked = language.dialect.unwrap_or(machine.general.dialect);
-        // The other dialect is that of lathes.
-        let guess = guess.filter(|_| machine.general.kinematics == Kinematics::Lathe);
         Read { dialect, guess, by_itself: asked == ProgramDialect::Auto }
     }
 
     /// Its name.
     fn name(&self) -> &'static str {
-        self.dialect.name()
+        said(self.dialect)
     }
 
     /// Said before anything else where it is not what it would be without a reason.
@@ -248,10 +246,15 @@ impl Read {
     fn hint(&self) -> String {
         let other = self.guess.filter(|guess| guess.dialect != self.dialect);
         other.map_or_else(String::new, |Guess { dialect, line, why }| {
-            let name = dialect.name();
-            format!("help: line {line} ({why}) looks like the dialect {name}: try --dialect {name}\n")
+            let (name, about) = (said(dialect), dialect.about());
+            format!("help: line {line} ({why}) looks like {about}: try --dialect {name}\n")
         })
     }
+}
+
+/// The name that a dialect has in `--dialect`, where the machine says whether it is that of mills.
+fn said(dialect: Dialect) -> &'static str {
+    if dialect == Dialect::FanucMill { Dialect::Fanuc.name() } else { dialect.name() }
 }
 
 fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Program, CliError> {

@@ -74,7 +74,7 @@ pub fn line(text: &[u8], options: &Options) -> Result<Line, Box<Problem>> {
     let mut state = State::new(options);
     let block = match options.dialect {
         Dialect::Linuxcnc => ngc::line_alone(text, &mut state, options),
-        Dialect::Fanuc => fanuc::line_alone(text, &state, options),
+        Dialect::Fanuc | Dialect::FanucMill => fanuc::line_alone(text, &state, options),
     }?;
     Ok(Line::from(&block))
 }
@@ -89,7 +89,7 @@ pub fn value(text: &[u8], options: &Options) -> Result<Option<f64>, Box<Problem>
     let mut cursor = Cursor::new(text);
     let value = match options.dialect {
         Dialect::Linuxcnc => ngc::value_alone(&mut cursor, &state, options).map(Some),
-        Dialect::Fanuc => fanuc::value_alone(&mut cursor, &state, options),
+        Dialect::Fanuc | Dialect::FanucMill => fanuc::value_alone(&mut cursor, &state, options),
     }?;
     match cursor.peek() {
         None => Ok(value),

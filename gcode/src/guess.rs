@@ -17,6 +17,24 @@ pub struct Guess {
     pub why: &'static str,
 }
 
+/// The language of another control, by how its programs begin: its name; `None` if it is none that is known.
+pub fn foreign(text: &[u8]) -> Option<&'static str> {
+    let text = readable(text);
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty()).take(3);
+    lines.find_map(|line| {
+        let line = line.to_ascii_uppercase();
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.as_slice() {
+            [one] if one.starts_with('$') && one.ends_with('%') => Some("Okuma OSP"),
+            [first, ..] if first.starts_with("%_N_") || first.starts_with(";$PATH=") => Some("Sinumerik"),
+            ["%MPF" | "%SPF" | "MPF" | "SPF", ..] => Some("Sinumerik"),
+            ["BEGIN" | "0", "PGM", ..] | ["0", "BEGIN", "PGM", ..] => Some("Heidenhain"),
+            ["%PM", ..] => Some("Philips"),
+            _ => None,
+        }
+    })
+}
+
 /// What a line has if no comment is looked at.
 struct Words<'a> {
     /// In lower case, without blanks and comments.
@@ -49,13 +67,41 @@ const SIGNS: [Sign; 14] = [
     }),
 ];
 
-/// What a program is written in; `None` if nothing says so.
+/// What tells programs of mills apart. Either of the two has M6 there.
+const SIGNS_OF_MILL: [Sign; 11] = [
+    SIGNS[0],
+    SIGNS[1],
+    SIGNS[2],
+    (Dialect::Linuxcnc, "G64 P", |words| words.has_code(b'g', &[64]) && words.has_word(b'p')),
+    (Dialect::FanucMill, "O with the number of a program", |words| {
+        words.behind_number(b'o').is_some_and(<[u8]>::is_empty) || words.behind_number(b':').is_some()
+    }),
+    (Dialect::FanucMill, "GOTO", |words| words.has(b"goto")),
+    (Dialect::FanucMill, "THEN", |words| words.has(b"]then")),
+    (Dialect::FanucMill, "DO and a number", |words| words.has(b"]do") || words.starts_with_number(b"do")),
+    (Dialect::FanucMill, "G54.1 or G154", |words| {
+        words.values(b'g').any(|digits| matches!(digits, b"54.1" | b"154"))
+    }),
+    (Dialect::FanucMill, "G65 or G66", |words| words.has_code(b'g', &[65, 66])),
+    (Dialect::FanucMill, "M97", |words| words.has_code(b'm', &[97])),
+];
+
+/// What a program of a mill is written in; `None` if nothing says so.
+pub fn guess_of_mill(text: &[u8]) -> Option<Guess> {
+    by(&SIGNS_OF_MILL, text)
+}
+
+/// What a program of a lathe is written in; `None` if nothing says so.
 pub fn guess(text: &[u8]) -> Option<Guess> {
+    by(&SIGNS, text)
+}
+
+fn by(signs: &[Sign], text: &[u8]) -> Option<Guess> {
     let (mut bare, mut found) = (Vec::new(), Vec::<(Guess, u32)>::new());
     for (line, number) in readable(text).lines().zip(1..) {
         without_comments(line.as_bytes(), &mut bare);
         let words = Words { text: &bare };
-        let Some((dialect, why, _)) = SIGNS.iter().find(|(.., is_there)| is_there(&words)) else { continue };
+        let Some((dialect, why, _)) = signs.iter().find(|(.., is_there)| is_there(&words)) else { continue };
         match found.iter_mut().find(|(guess, _)| guess.dialect == *dialect) {
             Some((_, lines)) => *lines += 1,
             None => found.push((Guess { dialect: *dialect, line: number, why }, 1)),
@@ -166,6 +212,27 @@ mod tests {
             for text in texts {
                 assert_eq!(guess(text.as_bytes()).map(|guess| guess.dialect), dialect, "{text}");
             }
+        }
+    }
+
+    #[test]
+    fn programs_of_mills_and_of_other_controls() {
+        let of_mill = |text: &str| guess_of_mill(text.as_bytes()).map(|guess| guess.dialect);
+        assert_eq!(of_mill("%\nO1000\nT1 M06\nT2 M06\n"), Some(Dialect::FanucMill));
+        assert_eq!(of_mill("T1 M6\nG54.1 P2\n"), Some(Dialect::FanucMill));
+        assert_eq!(of_mill("T1 M6\nG64 P0.01\n"), Some(Dialect::Linuxcnc));
+        assert_eq!(of_mill("T1 M6\nG0 X1\n"), None);
+        for (text, control) in [
+            ("$SHAFT.MIN%\n(X)\n", Some("Okuma OSP")),
+            ("%_N_SHAFT_MPF\n;$PATH=/_N_MPF_DIR\n", Some("Sinumerik")),
+            ("%MPF  90\n", Some("Sinumerik")),
+            ("BEGIN PGM 1 MM\n", Some("Heidenhain")),
+            ("0  BEGIN PGM 1 MM\n", Some("Heidenhain")),
+            ("%PM\n\nN9000\n", Some("Philips")),
+            ("%\nO1000\nG0 X1\n", None),
+            ("", None),
+        ] {
+            assert_eq!(foreign(text.as_bytes()), control, "{text}");
         }
     }
 

@@ -81,7 +81,7 @@ mod state;
 mod text;
 
 pub use canon::{Call, Job, Place, Pose, Sink};
-pub use guess::{Guess, guess};
+pub use guess::{Guess, foreign, guess, guess_of_mill};
 pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Outlasting, Program, Step};

@@ -16,17 +16,20 @@ pub enum Dialect {
     Linuxcnc,
     /// FANUC lathe programs, G-code system A.
     Fanuc,
+    /// FANUC and Haas mill programs.
+    FanucMill,
 }
 
 impl Dialect {
     /// All of them.
-    pub const ALL: [Dialect; 2] = [Dialect::Linuxcnc, Dialect::Fanuc];
+    pub const ALL: [Dialect; 3] = [Dialect::Linuxcnc, Dialect::Fanuc, Dialect::FanucMill];
 
     /// Its name, as users write it.
     pub const fn name(self) -> &'static str {
         match self {
             Dialect::Linuxcnc => "linuxcnc",
             Dialect::Fanuc => "fanuc",
+            Dialect::FanucMill => "fanuc-mill",
         }
     }
 
@@ -35,6 +38,7 @@ impl Dialect {
         match self {
             Dialect::Linuxcnc => "RS274/NGC as LinuxCNC speaks it",
             Dialect::Fanuc => "FANUC lathe programs, G-code system A",
+            Dialect::FanucMill => "FANUC and Haas mill programs",
         }
     }
 }
@@ -50,10 +54,10 @@ impl FromStr for Dialect {
 
 /// A name that is not the name of a dialect.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a dialect: the dialects are linuxcnc and fanuc")]
+#[error("`{0}` is not a dialect: the dialects are linuxcnc, fanuc and fanuc-mill")]
 pub struct UnknownDialect(String);
 
-/// What a coordinate without a decimal point is on a FANUC lathe, `X40`; with a point there is no question.
+/// What a coordinate without a decimal point is in a FANUC program, `X40`; with a point there is no question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecimalPoint {
     /// So many least input increments, 0.001 mm or 0.0001 inch: what controls do unless a parameter says

@@ -64,9 +64,9 @@ pub enum OpenError {
     /// A folder of subroutines does not exist.
     #[error("{}: there is no such folder for subroutines", .0.display())]
     Folder(PathBuf),
-    /// Programs of lathes on a mill.
+    /// Programs of lathes and mills on another machine.
     #[error(
-        "dialect fanuc is that of lathes: let the mill read programs with --dialect linuxcnc, and write machine.dialect = \"linuxcnc\""
+        "dialect fanuc is that of lathes and mills: read programs with --dialect linuxcnc, and write machine.dialect = \"linuxcnc\""
     )]
     Dialect,
     /// The file beside the program that describes its part.
@@ -113,7 +113,8 @@ pub fn open_text(
 fn asked(dialect: Dialect, language: &Language, machine: &Machine) -> Result<Options, OpenError> {
     let mut options = options(machine);
     options.dialect = dialect;
-    if options.dialect == Dialect::Fanuc && machine.general.kinematics != machine::Kinematics::Lathe {
+    let kinematics = machine.general.kinematics;
+    if options.dialect != Dialect::Linuxcnc && kinematics == machine::Kinematics::Positioner {
         return Err(OpenError::Dialect);
     }
     options.block_delete = language.block_delete;
@@ -148,19 +149,23 @@ pub fn dialect(path: &Path, language: &Language, machine: &Machine) -> (Dialect,
 
 /// The same of a text that is at hand.
 pub fn dialect_of_text(text: &[u8], language: &Language, machine: &Machine) -> (Dialect, Option<Guess>) {
-    let guess = gcode::guess(&text[..text.len().min(LOOKED_AT)]);
-    // There is one dialect for mills.
-    let by_itself = guess.filter(|_| machine.general.kinematics == machine::Kinematics::Lathe);
-    let asked = named(language.dialect.unwrap_or(machine.general.dialect));
-    (asked.unwrap_or_else(|| by_itself.map_or_else(Dialect::default, |guess| guess.dialect)), guess)
+    let text = &text[..text.len().min(LOOKED_AT)];
+    let guess = match machine.general.kinematics {
+        machine::Kinematics::Lathe => gcode::guess(text),
+        machine::Kinematics::Mill => gcode::guess_of_mill(text),
+        machine::Kinematics::Positioner => None,
+    };
+    let asked = named(language.dialect.unwrap_or(machine.general.dialect), machine);
+    (asked.unwrap_or_else(|| guess.map_or_else(Dialect::default, |guess| guess.dialect)), guess)
 }
 
 /// `None`: that of the program.
-fn named(dialect: ProgramDialect) -> Option<Dialect> {
+fn named(dialect: ProgramDialect, machine: &Machine) -> Option<Dialect> {
+    let mill = machine.general.kinematics == machine::Kinematics::Mill;
     match dialect {
         ProgramDialect::Auto => None,
         ProgramDialect::Linuxcnc => Some(Dialect::Linuxcnc),
-        ProgramDialect::Fanuc => Some(Dialect::Fanuc),
+        ProgramDialect::Fanuc => Some(if mill { Dialect::FanucMill } else { Dialect::Fanuc }),
     }
 }
 
@@ -215,6 +220,11 @@ pub fn no_other(path: &Path) -> Result<(), OpenError> {
             name.display()
         ));
     }
+    if let Some(control) = gcode::foreign(&beginning).filter(|_| !is_job(path)) {
+        return other(format!(
+            "is a program of {control}, a language that is not read here: have it posted for FANUC or LinuxCNC"
+        ));
+    }
     let kind =
         |line: &str| line.trim_start().strip_prefix("kind")?.trim_start().strip_prefix('=').map(|_| ());
     if !is_job(path) && String::from_utf8_lossy(&beginning).lines().any(|line| kind(line).is_some()) {
@@ -242,7 +252,7 @@ pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
 pub(crate) fn options(machine: &Machine) -> Options {
     let position = home(machine);
     let mut options = Options { plane: plane_of(machine), position, ..Options::default() };
-    options.dialect = named(machine.general.dialect).unwrap_or_default();
+    options.dialect = named(machine.general.dialect, machine).unwrap_or_default();
     options.decimal_point = machine.general.decimal_point.map(|bare| match bare {
         BareNumbers::Conventional => DecimalPoint::Conventional,
         BareNumbers::PocketCalculator => DecimalPoint::PocketCalculator,

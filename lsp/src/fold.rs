@@ -42,7 +42,7 @@ impl Folds {
         let first = tokens.iter().find(|token| token.kind != Kind::Sign);
         if let Some(label) = first.filter(|token| token.kind == Kind::Label) {
             let (label, word) = label_of(text(label));
-            if dialect == Dialect::Fanuc || word.is_empty() {
+            if dialect != Dialect::Linuxcnc || word.is_empty() {
                 self.end_program(number);
                 self.program = Some(number);
             } else {
@@ -53,7 +53,7 @@ impl Folds {
             self.end_tool(number);
             self.tool = Some(number);
         }
-        if dialect == Dialect::Fanuc {
+        if dialect != Dialect::Linuxcnc {
             if let Some(block) = value('N') {
                 self.blocks.push((block, number));
             }

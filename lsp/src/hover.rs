@@ -44,6 +44,7 @@ const fn page(dialect: Dialect) -> &'static str {
     match dialect {
         Dialect::Linuxcnc => "gcode.md",
         Dialect::Fanuc => "gcode-fanuc.md",
+        Dialect::FanucMill => "gcode-fanuc-mill.md",
     }
 }
 
@@ -92,7 +93,7 @@ fn word(letter: char, codes: &[String], dialect: Dialect, modal: Option<&str>) -
             _ => {}
         }
     }
-    let numbers = below("gcode-fanuc.md", "Numbers").filter(|_| dialect == Dialect::Fanuc);
+    let numbers = below("gcode-fanuc.md", "Numbers").filter(|_| dialect != Dialect::Linuxcnc);
     let rows = below(page(dialect), "Other words").chain(numbers).filter(belongs);
     told.extend(rows.map(Row::told));
     told.join("  \n")
@@ -104,7 +105,7 @@ fn parameter(text: &str, dialect: Dialect) -> Option<&'static Row> {
         Dialect::Linuxcnc => {
             [("gcode-parameters.md", "What tells the state"), ("gcode-parameters.md", "Parameters")]
         }
-        Dialect::Fanuc => [("gcode-fanuc.md", "Macros"); 2],
+        Dialect::Fanuc | Dialect::FanucMill => [("gcode-fanuc.md", "Macros"); 2],
     };
     let mut rows = tables.into_iter().flat_map(|(page, section)| below(page, section));
     if let Some(name) = text.strip_prefix("#<") {
@@ -152,7 +153,7 @@ fn ranges(text: &str) -> Vec<Range<u32>> {
 
 fn label(text: &str, dialect: Dialect) -> Option<String> {
     let (label, word) = label_of(text);
-    if dialect == Dialect::Fanuc {
+    if dialect != Dialect::Linuxcnc {
         let row = below("gcode-fanuc.md", "Other words").find(|row| row.names().any(|name| name == "O"))?;
         return titled(&format!("O{label}"), row);
     }
@@ -185,7 +186,7 @@ fn named(text: &str, dialect: Dialect) -> Option<&'static Row> {
     let name = text.to_uppercase();
     let own = |row: &&Row| match dialect {
         Dialect::Linuxcnc => row.page == "gcode-parameters.md" && row.section == "Expressions",
-        Dialect::Fanuc => row.page == "gcode-fanuc.md" && row.section == "Macros",
+        Dialect::Fanuc | Dialect::FanucMill => row.page == "gcode-fanuc.md" && row.section == "Macros",
     };
     let says = |row: &&Row| {
         let words = row.cells.iter().flat_map(|cell| cell.split(|c: char| !c.is_ascii_alphabetic()));

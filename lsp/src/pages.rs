@@ -14,12 +14,13 @@ pub(crate) struct Row {
     pub(crate) cells: Vec<&'static str>,
 }
 
-const PAGES: [(&str, &str); 6] = [
+const PAGES: [(&str, &str); 7] = [
     ("gcode.md", include_str!("../../docs/gcode.md")),
     ("gcode-parameters.md", include_str!("../../docs/gcode-parameters.md")),
     ("gcode-cycles.md", include_str!("../../docs/gcode-cycles.md")),
     ("gcode-compensation.md", include_str!("../../docs/gcode-compensation.md")),
     ("gcode-fanuc.md", include_str!("../../docs/gcode-fanuc.md")),
+    ("gcode-fanuc-mill.md", include_str!("../../docs/gcode-fanuc-mill.md")),
     ("diagnostics.md", include_str!("../../docs/diagnostics.md")),
 ];
 

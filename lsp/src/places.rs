@@ -34,10 +34,11 @@ pub(crate) fn target(line: &str, byte: usize, dialect: Dialect) -> Option<Target
         Kind::Word('P') if has(&["M98", "G65"]) => {
             let number = number()?;
             // The digits before the last four say how often.
-            let program = if dialect == Dialect::Fanuc && number > 9999 { number % 10_000 } else { number };
+            let program =
+                if dialect != Dialect::Linuxcnc && number > 9999 { number % 10_000 } else { number };
             Some(Target::Label(program.to_string()))
         }
-        Kind::Word('P' | 'Q') if dialect == Dialect::Fanuc && has(&["G70", "G71", "G72", "G73"]) => {
+        Kind::Word('P' | 'Q') if dialect != Dialect::Linuxcnc && has(&["G70", "G71", "G72", "G73"]) => {
             number().map(Target::Block)
         }
         Kind::Word('Q') if has(&["G70", "G71", "G71.1", "G71.2", "G72", "G72.1", "G72.2"]) => {
@@ -56,7 +57,7 @@ pub(crate) fn find(lines: &[Arc<str>], target: &Target, from: u32, dialect: Dial
         Target::Label(label) => {
             let first = first(line, dialect, |kind| kind == Kind::Label);
             first.map(label_of).is_some_and(|(found, word)| {
-                found == *label && (word == "sub" || word.is_empty() || dialect == Dialect::Fanuc)
+                found == *label && (word == "sub" || word.is_empty() || dialect != Dialect::Linuxcnc)
             })
         }
         Target::Block(number) => {
@@ -90,7 +91,7 @@ pub(crate) fn file(label: &str, folders: &[PathBuf], dialect: Dialect) -> Option
     }
     let names = match dialect {
         Dialect::Linuxcnc => vec![format!("{label}.ngc")],
-        Dialect::Fanuc => {
+        Dialect::Fanuc | Dialect::FanucMill => {
             let number: u32 = label.parse().ok()?;
             ["nc", "ngc"]
                 .iter()

@@ -152,7 +152,7 @@ fn label(line: &str, at: usize, dialect: Dialect) -> usize {
         Some(b'#') => digits(line.as_bytes(), begin + 1),
         _ => digits(line.as_bytes(), begin),
     };
-    if dialect == Dialect::Fanuc {
+    if dialect != Dialect::Linuxcnc {
         return end;
     }
     let blanks = line[end..].len() - line[end..].trim_start().len();

@@ -91,7 +91,7 @@ pub(super) fn last(run: &mut Execution) -> Done {
 }
 
 /// G20, G21: before all other words, which count in the new units.
-fn units(run: &mut Execution) -> Done {
+pub(super) fn units(run: &mut Execution) -> Done {
     let Some(code) = run.line.block.g(group::UNITS) else { return Ok(()) };
     run.begin();
     run.add_g(group::UNITS, code)?;

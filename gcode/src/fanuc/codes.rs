@@ -12,9 +12,16 @@ pub(super) const MACRO: usize = 4;
 pub(super) const EXACT_STOP: usize = 11;
 /// G80 to G89: cycles for holes.
 pub(super) const DRILLING: usize = 10;
-/// Groups of codes that end what never begins here: modal macros G67, mirrored turrets
-/// G69, the driven C axis G13.1 (G113).
-const ENDS: &[(&[u16], usize)] = &[(&[670], 3), (&[690], 9), (&[131, 1130], 8)];
+/// On a mill: G68, G69.
+pub(super) const ROTATION: usize = group::SUSPENSION;
+/// On a mill: G73 to G89.
+pub(super) const HOLES: usize = group::DIAMETER;
+/// Groups of codes that end what never begins here: mirrored turrets G69, the driven C axis G13.1 (G113).
+const ENDS: &[(&[u16], usize)] = &[(&[690], 9), (&[131, 1130], 8)];
+
+/// What a G code may be.
+pub(super) const SYSTEM_A: &str =
+    "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed";
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
 
@@ -25,7 +32,7 @@ const REFUSED: &[(&[u16], (&str, &str))] = &[
     (&[220, 230, 250, 260], ("limits of travel and speed belong to the machine file", "leave it out")),
     (&[270, 290, 301], ("G28 and G30 are the ways home", "use G28 or G30")),
     (&[310, 360, 370], ("nothing is measured", "measure the tool or the part first, and write the value")),
-    (&[660, 661], ("a macro is called block by block", "call it with G65 in every block that needs it")),
+    (&[661], ("G66 calls a macro behind each move", "use G66")),
     (&[680], ("there is one turret", "write the blocks for it alone")),
     (&[170, 190], ("a lathe works in the plane of X and Z", "use G18")),
     (
@@ -55,7 +62,7 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         tenths if ONCE.contains(&tenths) => group::ONCE,
         0 | 10 | 20 | 30 | 320 | 900 | 920 | 940 => group::MOTION,
         180 => group::PLANE,
-        650 => MACRO,
+        650 | 660 | 670 => MACRO,
         800 | 810 | 820 | 830 | 850 | 860 | 890 => DRILLING,
         90 => EXACT_STOP,
         610 | 640 => group::PATH,
@@ -70,7 +77,7 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
                 let message = format!("{code} is not available: {why}");
                 return Err(Problem::error("not-available", Blame::Span(span), message, *help));
             }
-            (None, None) => return Err(unknown(f64::from(tenths) / 10.0, span)),
+            (None, None) => return Err(unknown(f64::from(tenths) / 10.0, span, SYSTEM_A)),
         },
     })
 }
@@ -88,14 +95,13 @@ pub(super) fn m_group(code: M) -> Option<usize> {
         7 => groups::MIST,
         8 | 9 => groups::FLOOD,
         6 => groups::TOOL,
-        98 | 99 => groups::CALL,
+        97..=99 => groups::CALL,
         _ => return None,
     })
 }
 
 /// A G code that does not exist.
-pub(super) fn unknown(value: f64, span: Span) -> Box<Problem> {
-    let help = "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed";
+pub(super) fn unknown(value: f64, span: Span, help: &str) -> Box<Problem> {
     let message = format!("there is no code G{}", short(value));
     Problem::error("unknown-g-code", Blame::Span(span), message, help)
 }
@@ -127,7 +133,7 @@ fn words_of_g(code: G) -> u32 {
         300 => POINT | bits("PV"),
         320 => POINT | bits("Q"),
         500 => POINT,
-        650 => bits("PL"),
+        650 | 660 => bits("PL"),
         700 => bits("PQUWD"),
         710 | 720 => bits("PQUWRD"),
         730 => bits("PQUWR"),
@@ -155,7 +161,10 @@ pub(super) enum Deed {
 /// Two codes want its words, or a word is used by none.
 pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     let block = &line.block;
-    let once = block.g(MACRO).or(block.g(group::ONCE).filter(|code| *code != G(500) || line.has_any("XZUW")));
+    let once = block
+        .g(MACRO)
+        .filter(|code| *code != G(670))
+        .or(block.g(group::ONCE).filter(|code| *code != G(500) || line.has_any("XZUW")));
     let point = line.has_any("XZUWIK");
     let written = block.g(group::MOTION).filter(|code| !is_idle(*code, line));
     let hole = block.g(DRILLING).filter(|code| *code != G(800));
@@ -179,7 +188,7 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     let used = match deed {
         Deed::None => 0,
         Deed::G(code) => words_of_g(code),
-        Deed::M(M(98)) => bits("PL"),
+        Deed::M(M(97 | 98)) => bits("PL"),
         Deed::M(_) => bits("P"),
     };
     let idle = line.idle.as_ref().map_or(0, |idle| idle.words);

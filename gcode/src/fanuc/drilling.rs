@@ -1,5 +1,6 @@
-//! Holes along Z: G81 and G83 drill, in one go or in pecks of Q; G82 and P wait at the bottom; G85 and G89 come
-//! back at the feed, G86 with the spindle at rest. They are in force until G80 or a code such as G00; X or Z alone makes another hole.
+//! Holes along Z: G81 and G83 drill, in one go or in pecks of Q; G82 and P wait at the bottom; G85 and G89
+//! come back at the feed, G86 with the spindle at rest. They are in force until G80 or a code such as G00; X
+//! or Z alone makes another hole.
 //!
 //! In: `G83 X Z R Q P F`. R is where the feed begins: a distance from where the tool stands (FANUC) or a Z
 //! (Haas). Of the two readings those count that lie between the tool and the bottom, of these the one farther

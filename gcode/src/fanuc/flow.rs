@@ -215,15 +215,7 @@ impl Flow {
         if times == 0 || !self.repeats && !self.looked.insert(program) {
             return Ok(false);
         }
-        if self.levels.len() >= self.deepest as usize {
-            let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
-            return Err(Problem::error(
-                "calls-too-deep",
-                Blame::Block,
-                message,
-                "check whether the program calls itself",
-            ));
-        }
+        self.not_too_deep()?;
         let back = (self.files.current(), self.files.mark());
         let (file, mark) = self.program(program)?;
         self.files.go(file, mark)?;
@@ -231,6 +223,35 @@ impl Flow {
         let loops = self.loops.len();
         self.levels.push(Level { file, beginning, back, repeats: times - 1, macro_call, loops });
         Ok(true)
+    }
+
+    /// M97: a part of the same program, from the block with this N to M99.
+    ///
+    /// # Errors
+    /// There is no such block, or calls are too deep.
+    pub(super) fn call_block(&mut self, label: u32, times: u32) -> Result<bool, Box<Problem>> {
+        // Numbers of programs are far smaller.
+        if times == 0 || !self.repeats && !self.looked.insert(u32::MAX - label) {
+            return Ok(false);
+        }
+        self.not_too_deep()?;
+        let beginning = self.label(label)?;
+        let (file, back) = (self.files.current(), (self.files.current(), self.files.mark()));
+        self.files.go(file, beginning)?;
+        let loops = self.loops.len();
+        self.levels.push(Level { file, beginning, back, repeats: times - 1, macro_call: false, loops });
+        Ok(true)
+    }
+
+    /// # Errors
+    /// One call more would be too many.
+    fn not_too_deep(&self) -> Done {
+        if self.levels.len() < self.deepest as usize {
+            return Ok(());
+        }
+        let message = format!("more than {} calls inside each other, the limit call_depth", self.deepest);
+        let help = "check whether the program calls itself";
+        Err(Problem::error("calls-too-deep", Blame::Block, message, help))
     }
 
     /// M99: once more, or back to the caller (to its block `label`).

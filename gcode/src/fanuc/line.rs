@@ -47,6 +47,8 @@ pub(super) struct Line {
     bare: u32,
     /// Letters whose value was computed.
     computed: u32,
+    /// The line is of a mill.
+    pub(super) mill: bool,
     /// What lengths without a decimal point are.
     pub(super) decimal_point: Option<DecimalPoint>,
     /// Arguments of G65.
@@ -59,8 +61,8 @@ pub(super) struct Line {
 
 impl Line {
     /// An empty line of a program in which coordinates without a decimal point are read so.
-    pub(super) fn new(decimal_point: Option<DecimalPoint>) -> Line {
-        Line { decimal_point, ..Line::default() }
+    pub(super) fn new(decimal_point: Option<DecimalPoint>, mill: bool) -> Line {
+        Line { decimal_point, mill, ..Line::default() }
     }
 
     /// Lengths without a decimal point are mm or inch, not increments.
@@ -100,6 +102,12 @@ impl Line {
             () if self.computed & letter_bit(letter) != 0 => (value * per_unit).round() / per_unit,
             () => value,
         })
+    }
+
+    /// An angle of a rotary axis: without a decimal point it counts thousandths.
+    pub(super) fn degrees(&self, letter: char) -> Option<f64> {
+        let value = self.block.get(letter)?;
+        Some(if self.is_bare(letter) && !self.pocket_calculator() { value / 1000.0 } else { value })
     }
 
     /// A length that is written in least increments, without a decimal point: P and Q of the cycles.

@@ -1,4 +1,4 @@
-//! FANUC lathe programs, G-code system A, with custom macro B.
+//! FANUC programs, of lathes (G-code system A) and of mills, with custom macro B.
 //!
 //! In: the lines of a program. Out: the same calls as from the other dialect: X of a call is a radius,
 //! threads are [`Call::ThreadCycle`] or moves that follow the spindle. What a code has in common with
@@ -7,10 +7,12 @@
 //!
 //! ```text
 //! line ─► reading.rs ─ words ─► codes.rs ─ what the block does ─► block.rs ─ modes, tool, moves ─► execute
-//!            │ IF GOTO WHILE M98 G65 M99                         │ cycles
+//!            │ IF GOTO WHILE · M98 G65 M99 (calls.rs)            │ cycles
 //!            ▼                                                   ▼
 //!         flow.rs                                     threads.rs single.rs pecks.rs contour.rs drilling.rs
 //! ```
+//!
+//! Mills have codes and blocks of their own (`mill/`), and all the rest in common with lathes.
 //!
 //! X and U are diameters, I R P of cycles radii. Numbers without a decimal point count least input
 //! increments, 0.001 mm or 0.0001 inch (IS-B), unless the machine says otherwise (`points.rs`). F without a
@@ -18,6 +20,7 @@
 //! G99: controls differ there.
 
 mod block;
+mod calls;
 mod codes;
 mod contour;
 mod corner;
@@ -27,6 +30,7 @@ mod expression;
 mod flow;
 mod labels;
 mod line;
+mod mill;
 mod modal;
 mod once;
 mod one_block;
@@ -43,16 +47,17 @@ mod variables;
 
 use crate::block::Block;
 use crate::canon::{Call, FeedMode, Plane};
-use crate::codes::{G, M, group, m_group};
+use crate::codes::{G, M, group};
 use crate::execute::{Done, Output};
-use crate::options::{DecimalPoint, Options};
-use crate::problem::{Blame, Problem, Span, short};
+use crate::options::{DecimalPoint, Dialect, Options};
+use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 use crate::text::{Cursor, Depth, Files};
+use calls::Behind;
 use codes::Deed;
 use execution::Execution;
 use expression::Values;
-use flow::{Flow, Left};
+use flow::Flow;
 use line::{Line, Statement};
 use modal::Modal;
 use points::Points;
@@ -72,6 +77,8 @@ pub(crate) struct Control {
     block_delete: bool,
     deepest: u32,
     decimal_point: Option<DecimalPoint>,
+    /// G66: what is called behind each move.
+    behind: Option<Behind>,
     points: Points,
     started: bool,
     /// Nothing of the program was executed so far: its O may come.
@@ -83,7 +90,10 @@ pub(crate) struct Control {
 /// # Errors
 /// What is wrong with it.
 pub(crate) fn line_alone(text: &[u8], state: &State, options: &Options) -> Result<Block, Box<Problem>> {
-    let (mut line, mut variables) = (Line::new(options.decimal_point), Variables::new(&options.parameters));
+    let (mut line, mut variables) = (
+        Line::new(options.decimal_point, options.dialect == Dialect::FanucMill),
+        Variables::new(&options.parameters),
+    );
     let (block_delete, deepest) = (options.block_delete, options.limits.expression_depth);
     let mut reading = Reading { text, variables: &mut variables, state, block_delete, deepest };
     reading.statement(0, 1, &mut line)?;
@@ -108,7 +118,7 @@ impl Control {
     /// At the beginning of a program.
     pub(crate) fn new(files: Files, options: &Options) -> Control {
         Control {
-            line: Line::new(options.decimal_point),
+            line: Line::new(options.decimal_point, options.dialect == Dialect::FanucMill),
             text: Vec::new(),
             variables: Variables::new(&options.parameters),
             flow: Flow::new(files, options.limits.call_depth),
@@ -118,6 +128,7 @@ impl Control {
             deepest: options.limits.expression_depth,
             decimal_point: options.decimal_point,
             points: Points::default(),
+            behind: None,
             started: false,
             fresh: true,
         }
@@ -217,8 +228,12 @@ impl Control {
         }
     }
 
-    /// G18, X as a diameter, G99: what a lathe with G-code system A begins with.
+    /// G18, X as a diameter, G99: what a lathe with G-code system A begins with. G98: what a mill does.
     fn start(&mut self, state: &mut State, out: &mut Output) -> Done {
+        if self.line.mill {
+            state.modes.retract_to_start = true;
+            return Ok(());
+        }
         state.modes.plane = Plane::Xz;
         state.modes.diameter = true;
         state.modes.feed_mode = FeedMode::PerRevolution;
@@ -266,80 +281,28 @@ impl Control {
 
     /// The block, and what it does to the flow.
     fn execute(&mut self, state: &mut State, out: &mut Output) -> Done {
-        let deed = codes::deed(&self.line, self.modal.acting(&self.line))?;
-        block::run(deed, &mut self.execution(state, out))?;
-        if let Deed::G(code @ G(700 | 710 | 720 | 730)) = deed {
+        let acting = self.modal.acting(&self.line);
+        let deed = match self.line.mill {
+            true => mill::codes::deed(&self.line, acting)?,
+            false => codes::deed(&self.line, acting)?,
+        };
+        match self.line.mill {
+            true => mill::run(deed, &mut self.execution(state, out))?,
+            false => block::run(deed, &mut self.execution(state, out))?,
+        }
+        if let (Deed::G(code @ G(700 | 710 | 720 | 730)), false) = (deed, self.line.mill) {
             self.contour_cycle(code, state, out)?;
             out.place = self.line.block.place();
         }
         block::last(&mut self.execution(state, out))?;
         match deed {
             Deed::M(M(98)) => self.subprogram(state),
+            Deed::M(M(97)) => self.part_of_program(state),
             Deed::M(_) => self.leave(state, out),
             Deed::G(G(650)) => self.macro_call(state),
-            _ => Ok(()),
+            Deed::G(G(660)) => self.behind_moves(),
+            deed => self.behind_move(deed, state),
         }
-    }
-
-    /// M98 P L: four digits of P are the program, those before them how often, unless L tells.
-    fn subprogram(&mut self, state: &mut State) -> Done {
-        let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
-        let (program, times) = match (program, times) {
-            (Some(word @ 10_000..), None) => (word % 10_000, word / 10_000),
-            (Some(program), times) => (program, times.unwrap_or(1)),
-            (None, _) => (0, 1),
-        };
-        self.call(program, times, false, state).map(|_| ())
-    }
-
-    /// G65 P L with arguments.
-    fn macro_call(&mut self, state: &mut State) -> Done {
-        let (program, times) = (self.line.whole('P')?, self.line.whole('L')?);
-        if self.call(program.unwrap_or(0), times.unwrap_or(1), true, state)? {
-            self.variables.enter(self.line.arguments.take().map_or([None; 34], |arguments| *arguments));
-        }
-        Ok(())
-    }
-
-    /// Whether the program is entered.
-    fn call(
-        &mut self,
-        program: i64,
-        times: i64,
-        is_macro: bool,
-        state: &mut State,
-    ) -> Result<bool, Box<Problem>> {
-        let (Ok(program @ 1..), Ok(times @ 0..=9999)) = (u32::try_from(program), u32::try_from(times)) else {
-            let message = "this does not name a program to call";
-            let help = "P is the number of the program, L (up to 9999) how often it is run: M98 P1000 L2";
-            return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
-        };
-        let entered = self.flow.call(program, times, is_macro)?;
-        self.fresh = self.flow.at_beginning();
-        state.progress.call_level = self.flow.depth() as u32;
-        Ok(entered)
-    }
-
-    /// M99, with P: back to that block of the caller. In the main program it begins anew, which is done once.
-    fn leave(&mut self, state: &mut State, out: &mut Output) -> Done {
-        let label = self.line.whole('P')?.and_then(|label| u32::try_from(label).ok());
-        let left = self.flow.leave(label)?;
-        state.progress.call_level = self.flow.depth() as u32;
-        self.fresh = self.flow.at_beginning();
-        match left {
-            Left::MacroAgain => self.variables.again(),
-            Left::Macro => self.variables.leave(),
-            Left::Again | Left::Subprogram => {}
-            Left::Main => {
-                let message = "M99 repeats the main program for ever: here it runs once";
-                out.warn(Problem::warning("no-effect", Blame::M(M(99)), message, "end it with M30"));
-                let mut run = self.execution(state, out);
-                run.begin();
-                run.equivalent.add_m(m_group::STOP, M(2), Span::default())?;
-                return run.execute();
-            }
-        }
-        Ok(())
     }
 
     /// #3000: the program ends with an error of its own.

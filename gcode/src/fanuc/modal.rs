@@ -1,6 +1,8 @@
 //! What stays in force from block to block, beyond the state that both dialects share.
 
-use super::codes::DRILLING;
+use std::collections::BTreeMap;
+
+use super::codes::{DRILLING, HOLES};
 use super::drilling::Drill;
 use super::line::Line;
 use crate::canon::{Place, Pose};
@@ -21,6 +23,12 @@ pub(super) struct Modal {
     pub(super) preset: bool,
     /// G81 to G85, until G80 or a code of group 01.
     pub(super) drill: Option<Drill>,
+    /// On a mill: the cycle for holes in force.
+    pub(super) held: Option<Held>,
+    /// On a mill: H, D, G54.1.
+    pub(super) offsets: Offsets,
+    /// On a mill, while G68 is on: the offset of the coordinate system that it turns.
+    pub(super) straight: Option<Pose>,
     /// Words of G90, G92 and G94.
     pub(super) single: SingleWords,
     /// First lines of the cycles.
@@ -53,6 +61,9 @@ impl Default for Modal {
             lead: None,
             preset: false,
             drill: None,
+            held: None,
+            offsets: Offsets::default(),
+            straight: None,
             single: SingleWords::default(),
             first: FirstLines::default(),
             shape_only: false,
@@ -66,6 +77,12 @@ impl Modal {
     /// block ends it, or the code of group 01.
     pub(super) fn acting(&mut self, line: &Line) -> G {
         let home = matches!(line.block.g(group::ONCE), Some(G(280 | 300 | 530)));
+        if line.mill {
+            if home || line.block.g(HOLES) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
+                self.held = None;
+            }
+            return self.held.map_or(self.motion, |held| held.code);
+        }
         if home || line.block.g(DRILLING) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
             self.drill = None;
         }
@@ -76,7 +93,11 @@ impl Modal {
     /// lengths, and so is a cycle for holes.
     pub(super) fn convert(&mut self, factor: f64) {
         self.lead = self.lead.map(|lead| lead * factor);
-        (self.surface, self.drill) = (None, None);
+        (self.surface, self.drill, self.held) = (None, None, None);
+        self.straight = self.straight.map(|mut offset| {
+            offset.iter_mut().take(3).for_each(|length| *length *= factor);
+            offset
+        });
         self.single.convert(factor);
         let first = &mut self.first;
         for rough in &mut first.rough {
@@ -148,4 +169,29 @@ pub(super) struct Pending {
     pub(super) end: Pose,
     pub(super) cut: Cut,
     pub(super) place: Place,
+}
+
+/// The cycle for holes of a mill that is in force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Held {
+    pub(super) code: G,
+    /// Bottom and R (as written), Q, P in s; program units.
+    pub(super) bottom: Option<f64>,
+    pub(super) r: Option<f64>,
+    pub(super) peck: Option<f64>,
+    pub(super) dwell_s: Option<f64>,
+    /// Bottom and R were written under G91.
+    pub(super) incremental: bool,
+}
+
+/// Offsets of a mill.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Offsets {
+    /// H, and the sign that G43 and G44 give it.
+    pub(super) h: Option<i32>,
+    pub(super) sign: Option<f64>,
+    /// D.
+    pub(super) d: Option<i32>,
+    /// G54.1: offsets in machine units.
+    pub(super) additional: BTreeMap<u8, Pose>,
 }

@@ -72,7 +72,7 @@ pub(super) fn once(code: G, run: &mut Execution) -> Done {
 }
 
 /// G04: seconds. P counts milliseconds.
-fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
+pub(super) fn dwell(line: &Line) -> Result<f64, Box<Problem>> {
     let given: Vec<char> = ['X', 'U', 'P'].into_iter().filter(|letter| line.has(*letter)).collect();
     let [letter] = given.as_slice() else {
         let message = "G04 needs one time";

@@ -14,6 +14,8 @@ use crate::problem::{Blame, Problem, Span, short};
 
 /// Words of axes.
 const AXES: u32 = letter_bits("XZUWC");
+/// The same on a mill.
+const AXES_OF_MILL: u32 = letter_bits("XYZ");
 /// Words of arcs and corners. In a cycle they are depths and allowances, which many write in increments.
 const BESIDE: u32 = letter_bits("IKR") | letter_bits("cr");
 
@@ -36,6 +38,8 @@ impl Points {
             return Ok(());
         }
         let coordinates = match line.block.g(group::ONCE) {
+            Some(G(40 | 100)) if line.mill => 0,
+            _ if line.mill => AXES_OF_MILL | letter_bits("IJKR") & !of_holes(line),
             Some(G(40)) => 0,
             Some(G(700..=760)) => AXES,
             _ => AXES | BESIDE,
@@ -63,6 +67,11 @@ impl Points {
         }
         Ok(())
     }
+}
+
+/// K is a number of holes there.
+fn of_holes(line: &Line) -> u32 {
+    if matches!(line.block.g(group::MOTION), Some(G(20 | 30))) { 0 } else { letter_bits("K") }
 }
 
 const SETTLED: &str = "machine.decimal_point of the machine file settles it: \"conventional\" counts increments, \

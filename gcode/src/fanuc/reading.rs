@@ -8,11 +8,11 @@
 //! IF [c] GOTO 20 · IF [c] THEN #1=2 · GOTO 20 · WHILE [c] DO 1 · DO 1 · END 1
 //! ```
 
-use super::codes;
 use super::expression::Values;
 use super::labels::{loop_number, program_number, sequence_number};
 use super::line::{Idle, Kind, Line, Statement};
 use super::variables::Variables;
+use super::{codes, mill};
 use crate::block::{Comment, CommentKind};
 use crate::bounds::LAST_NUMBER;
 use crate::canon::Units;
@@ -277,18 +277,22 @@ impl Reading<'_> {
         let code = (10.0 * value).round();
         let known =
             ((10.0 * value - code).abs() < 1e-3 && (0.0..65_536.0).contains(&code)).then_some(G(code as u16));
-        let Some(code) = known else { return Err(codes::unknown(value, span)) };
+        let Some(code) = known else { return Err(codes::unknown(value, span, codes::SYSTEM_A)) };
         if codes::SMOOTHING.contains(&code.0) {
             let message = format!("{code} does nothing here: look-ahead and smoothing are always on");
             line.idle = Some(Idle { span, message, words: codes::OF_SMOOTHING });
             return Ok(());
         }
-        let group = codes::g_group(code, span)?;
+        let group = match line.mill {
+            true => mill::codes::g_group(code, span)?,
+            false => Some(codes::g_group(code, span)?),
+        };
+        let Some(group) = group else { return Ok(()) };
         line.block.add_g(group, code, span)?;
         match code {
             G(200) => line.units = Some(Units::Inch),
             G(210) => line.units = Some(Units::Millimetre),
-            G(650) => line.arguments = Some(Box::new([None; 34])),
+            G(650 | 660) => line.arguments = Some(Box::new([None; 34])),
             _ => {}
         }
         Ok(())
@@ -297,7 +301,11 @@ impl Reading<'_> {
     fn m_code(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
         let (value, span) = self.code(cursor)?;
         let known = (value.fract() == 0.0 && (0.0..65_536.0).contains(&value)).then_some(M(value as u16));
-        match known.and_then(|code| Some((codes::m_group(code)?, code))) {
+        let group = |code: M| match code {
+            M(19) if line.mill => Some(m_group::SPINDLE),
+            code => codes::m_group(code),
+        };
+        match known.and_then(|code| Some((group(code)?, code))) {
             Some((group, code)) => line.block.add_m(group, code, span),
             None => match (self.state.machine_code(value, span), known) {
                 (Ok(MachineCode::Ignore), _) => Ok(()),

@@ -1,5 +1,7 @@
-//! The contour of a cycle as it is, without tools and allowances. In: calls of its blocks. Out: lines and arcs
-//! in the plane of Z and X, a radius, and which of them are rapids.
+//! The contour of a cycle as it is, without tools and allowances.
+//!
+//! In: calls of its blocks. Out: lines and arcs in the plane of Z and X, a radius, and which of them are
+//! rapids.
 
 use crate::canon::{Arc, Call, Place, Sink, X, Z};
 use crate::execute::Done;

@@ -115,7 +115,11 @@ fn is_shared(index: u32) -> bool {
 
 /// What the control tells about itself.
 fn system(index: u32, state: &State) -> Option<f64> {
+    // X, Z of a lathe, X a diameter; X Y Z A B C of a mill.
+    let lathe = state.modes.diameter;
     let lengths = |place: &crate::Pose, axis: u32| match axis {
+        1..=6 if !lathe => place.get(axis as usize - 1).copied(),
+        _ if !lathe => None,
         1 => Some(2.0 * place[X]),
         2 => Some(place[Z]),
         _ => None,
@@ -124,11 +128,11 @@ fn system(index: u32, state: &State) -> Option<f64> {
         4109 => Some(state.modes.feed),
         4119 => Some(state.spindle.speed),
         4120 => Some(f64::from(state.tools.number)),
-        5001..=5002 => lengths(&state.axes.position, index - 5000),
-        5021..=5022 => lengths(&state.axes.machine_point(), index - 5020),
-        5041..=5042 => lengths(&state.axes.position, index - 5040),
-        5081..=5082 => lengths(&state.axes.tool_offset(), index - 5080),
-        5221..=5322 => {
+        5001..=5006 => lengths(&state.axes.position, index - 5000),
+        5021..=5026 => lengths(&state.axes.machine_point(), index - 5020),
+        5041..=5046 => lengths(&state.axes.position, index - 5040),
+        5081..=5086 => lengths(&state.axes.tool_offset(), index - 5080),
+        5221..=5326 => {
             let (system, axis) = ((index - 5221) / 20 + 1, (index - 5221) % 20 + 1);
             lengths(&state.lengths_at(offset_of_system(system as u8)), axis)
         }

@@ -29,7 +29,9 @@ impl Reader {
     pub(super) fn new(files: Files, options: &Options) -> Reader {
         match options.dialect {
             Dialect::Linuxcnc => Reader::Ngc(Box::new(ngc::Control::new(files, options))),
-            Dialect::Fanuc => Reader::Fanuc(Box::new(fanuc::Control::new(files, options))),
+            Dialect::Fanuc | Dialect::FanucMill => {
+                Reader::Fanuc(Box::new(fanuc::Control::new(files, options)))
+            }
         }
     }
 

@@ -4,6 +4,7 @@ mod compensation;
 mod driven;
 mod encodings;
 mod fanuc;
+mod fanuc_mill;
 mod files;
 mod machine_codes;
 mod ngc;

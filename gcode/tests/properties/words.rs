@@ -59,7 +59,7 @@ fn may_do_nothing(dialect: Dialect, word: &str, words: &[String]) -> bool {
 fn no_word_is_ignored(dialect: Dialect, words: &[String]) -> Result<(), TestCaseError> {
     let (befores, after) = match dialect {
         Dialect::Linuxcnc => (BEFORE, AFTER),
-        Dialect::Fanuc => (BEFORE_FANUC, AFTER_FANUC),
+        Dialect::Fanuc | Dialect::FanucMill => (BEFORE_FANUC, AFTER_FANUC),
     };
     let line = |before: &str| before.lines().count() as u32 + 1;
     let of =

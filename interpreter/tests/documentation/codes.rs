@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use gcode::Program;
 use gcode::codes::{G, M, g_group, m_group};
+use gcode::{Dialect, Options, Program};
 
 use super::examples::{calls, options};
 use super::pages::{project, rows_below};
@@ -31,9 +31,9 @@ fn every_code_of_the_dialect_linuxcnc_is_in_a_table() {
     assert_eq!(documented("gcode.md", "## M codes", 'M'), known);
 }
 
-/// Codes of the dialect `fanuc` that do not lead to `unknown`, and those that are refused by name.
-fn of_fanuc(letter: char, end: u16, unknown: &str) -> [BTreeSet<String>; 2] {
-    let options = options(true);
+/// Codes of a dialect of FANUC that do not lead to `unknown`, and those that are refused by name.
+fn of_fanuc(dialect: Dialect, letter: char, end: u16, unknown: &str) -> [BTreeSet<String>; 2] {
+    let options = Options { dialect, ..options(true) };
     let [mut known, mut refused] = [BTreeSet::new(), BTreeSet::new()];
     for number in 0..end {
         let code = if letter == 'G' { G(number).to_string() } else { M(number).to_string() };
@@ -49,12 +49,22 @@ fn of_fanuc(letter: char, end: u16, unknown: &str) -> [BTreeSet<String>; 2] {
 
 #[test]
 fn every_code_of_the_dialect_fanuc_is_in_a_table() {
-    let [known, refused] = of_fanuc('G', END_G, "unknown-g-code");
+    let [known, refused] = of_fanuc(Dialect::Fanuc, 'G', END_G, "unknown-g-code");
     assert_eq!(documented("gcode-fanuc.md", "## G codes", 'G'), known);
     assert_eq!(documented("gcode-fanuc.md", "## Refused by name", 'G'), refused);
-    let [known, refused] = of_fanuc('M', END_M, "unknown-m-code");
+    let [known, refused] = of_fanuc(Dialect::Fanuc, 'M', END_M, "unknown-m-code");
     assert_eq!(documented("gcode-fanuc.md", "## M codes", 'M'), known);
     assert!(refused.is_empty(), "{refused:?}");
+}
+
+#[test]
+fn every_code_of_mills_of_the_dialect_fanuc_is_in_a_table() {
+    let [known, refused] = of_fanuc(Dialect::FanucMill, 'G', END_G, "unknown-g-code");
+    assert_eq!(documented("gcode-fanuc-mill.md", "## G codes", 'G'), known);
+    assert_eq!(documented("gcode-fanuc-mill.md", "## Refused by name", 'G'), refused);
+    let [known, _] = of_fanuc(Dialect::FanucMill, 'M', END_M, "unknown-m-code");
+    let lathe = documented("gcode-fanuc.md", "## M codes", 'M');
+    assert_eq!(&lathe | &documented("gcode-fanuc-mill.md", "## M codes", 'M'), known);
 }
 
 #[test]

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use machine::Kinematics;
 
 /// The pages that describe the language.
-pub(crate) const PAGES: [&str; 6] = [
+pub(crate) const PAGES: [&str; 7] = [
     "gcode.md",
     "gcode-parameters.md",
     "gcode-cycles.md",
     "gcode-compensation.md",
     "gcode-fanuc.md",
+    "gcode-fanuc-mill.md",
     "diagnostics.md",
 ];
 

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 fn unknown_and_unavailable_codes_are_named() {
     assert_eq!(errors("G63"), [(1, "unknown-g-code")]);
     assert_eq!(errors("G68"), [(1, "not-available")]);
-    assert_eq!(errors("G66 P100"), [(1, "not-available")]);
+    assert_eq!(errors("G66.1 P100"), [(1, "not-available")]);
     assert_eq!(errors("G87 Z-10."), [(1, "not-available")]);
     assert_eq!(errors("G17"), [(1, "not-available")]);
     assert_eq!(errors("M12"), [(1, "unknown-m-code")]);

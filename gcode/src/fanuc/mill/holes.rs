@@ -1,0 +1,76 @@
+//! G73, G74, G81 to G86, G88, G89: a hole wherever a block has the word of an axis, until G80 or G00 to G03.
+//!
+//! In: X Y Z R Q P, K or L times (0: the words are kept, and the first hole comes with the next block). Out:
+//! the same cycle of RS274/NGC, with all its words: those of FANUC stay in force from one cycle to another.
+
+use super::super::execution::Execution;
+use super::super::modal::Held;
+use super::super::once;
+use crate::codes::{G, group};
+use crate::execute::Done;
+use crate::problem::{Blame, Problem, short};
+
+/// A cycle.
+///
+/// # Errors
+/// A word is missing or makes no sense; what the moves refuse.
+pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
+    let incremental = run.state.modes.incremental;
+    let (.., along) = run.state.modes.plane.axes();
+    let depth = crate::block::AXES[along];
+    let before = run.modal.held;
+    // Without R the feed begins where the tool stands, as Haas has it.
+    let here = if incremental { 0.0 } else { run.state.axes.position[along] };
+    let same = before.filter(|held| held.incremental == incremental);
+    let held = Held {
+        code,
+        bottom: run.line.length(depth).or(same.and_then(|held| held.bottom)),
+        r: run.line.length('R').or(same.and_then(|held| held.r)).or(Some(here)),
+        peck: run.line.length('Q').or(before.and_then(|held| held.peck)),
+        dwell_s: once::milliseconds(run.line)?.or(before.and_then(|held| held.dwell_s)),
+        incremental,
+    };
+    run.modal.held = Some(held);
+    let times = times(run)?;
+    if times == 0.0 || !run.line.has_any("XYZR") {
+        return Ok(());
+    }
+    run.add_g(group::MOTION, code)?;
+    let blame = run.span_of(Blame::G(code));
+    for letter in ['X', 'Y', 'Z'].into_iter().filter(|letter| *letter != depth) {
+        if let Some(value) = run.line.length(letter) {
+            run.add(letter, value)?;
+        }
+    }
+    let (pecks, waits) = (matches!(code.0, 730 | 830), matches!(code.0, 740 | 820 | 840 | 860 | 880 | 890));
+    let peck = held.peck.filter(|_| pecks);
+    let dwell = held.dwell_s.or(Some(0.0)).filter(|_| waits);
+    for letter in
+        [('Q', pecks), ('P', waits)].into_iter().filter(|(letter, used)| !used && run.line.has(*letter))
+    {
+        let message = format!("{} does nothing in {code}: it stays for the cycles after it", letter.0);
+        run.out.warn(Problem::warning("no-effect", Blame::Word(letter.0), message, "leave it out"));
+    }
+    for (letter, value) in [(depth, held.bottom), ('R', held.r), ('Q', peck), ('P', dwell)] {
+        if let Some(value) = value {
+            let span = run.line.block.span(Blame::Word(letter)).unwrap_or(blame);
+            run.equivalent.add(letter, value, span)?;
+        }
+    }
+    if times != 1.0 {
+        run.equivalent.add('L', times, blame)?;
+    }
+    run.execute()
+}
+
+/// K or L.
+fn times(run: &Execution) -> Result<f64, Box<Problem>> {
+    let Some(letter) = ['K', 'L'].into_iter().find(|letter| run.line.has(*letter)) else { return Ok(1.0) };
+    match run.line.whole(letter)? {
+        Some(times @ 0..=9999) => Ok(times as f64),
+        other => {
+            let message = format!("{letter}{} cannot be a number of holes", short(other.unwrap_or(0) as f64));
+            Err(Problem::error("bad-value", Blame::Word(letter), message, "give a whole number up to 9999"))
+        }
+    }
+}
