@@ -37,7 +37,7 @@ pub(crate) const M_GROUPS: usize = 10;
 pub(crate) mod group {
     /// Not modal: G4 G10 G28 G28.1 G30 G30.1 G52 G53 G92.
     pub(crate) const ONCE: usize = 0;
-    /// G0 to G3, G33, G38, G70 to G76, G80 to G89.
+    /// G0 to G3, G5, G6.2, G33, G38, G70 to G76, G80 to G89.
     pub(crate) const MOTION: usize = 1;
     /// G17 G18 G19.
     pub(crate) const PLANE: usize = 2;
@@ -99,6 +99,8 @@ pub fn g_group(code: G) -> Option<usize> {
         | 20
         | 30
         | 50..=53
+        | 62
+        | 63
         | 330
         | 331
         | 382..=385

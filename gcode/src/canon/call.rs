@@ -1,5 +1,6 @@
 //! The canonical machining functions.
 
+use super::nurbs::Nurbs;
 use super::pose::{Plane, Pose, Units};
 use super::thread::ThreadCycle;
 use crate::files::Tool;
@@ -89,6 +90,8 @@ pub enum Call<'a> {
     StraightFeed(Pose),
     /// G2, G3.
     ArcFeed(Arc),
+    /// G5, G5.1, G5.2: a curve in the plane in force. [`Nurbs::follow`] gives arcs that stand for it.
+    NurbsFeed(&'a Nurbs),
     /// G38.n: kind is 2 to 5.
     StraightProbe(u8, Pose),
     /// G4, s.

@@ -144,6 +144,11 @@ impl<W: Write> LinuxcncPrinter<W> {
                 self.one_number("SET_SPINDLE_MODE(0 ", limit.min(NO_HIGHEST_SPEED))
             }
             Call::SetSpindleSpeed(speed) => self.one_number("SET_SPINDLE_SPEED(0, ", speed),
+            Call::NurbsFeed(curve) => {
+                self.lines.text("NURBS_G5_FEED(");
+                self.lines.integer(curve.points.len() as u32);
+                self.lines.text(", ...)");
+            }
             Call::SetPlannerMode(smooth) => {
                 let (kind, scale) = smooth.map_or((0, -1.0), |scale| (1, scale));
                 self.lines.text("SET_PLANNER_MODE(type=");

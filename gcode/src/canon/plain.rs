@@ -202,6 +202,15 @@ impl<W: Write> PlainPrinter<W> {
                 self.indexed("SET_SPINDLE_SPEED", 0, if feet { speed * METRE_PER_FOOT } else { speed });
             }
             Call::UseToolLengthOffset(offset) => self.position("USE_TOOL_LENGTH_OFFSET(", &offset),
+            Call::NurbsFeed(curve) => {
+                self.lines.text("NURBS_FEED(");
+                self.lines.integer(curve.order as u32);
+                for [first, second, weight] in &curve.points {
+                    self.lines.text(", ");
+                    self.lines.fours(&[first * self.mm, second * self.mm, *weight], ", ");
+                }
+                self.lines.text(")");
+            }
             Call::SetPlannerMode(Some(scale)) => {
                 self.lines.text("SET_PLANNER_MODE(SMOOTH, ");
                 self.lines.four(scale);

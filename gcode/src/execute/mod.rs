@@ -15,6 +15,7 @@
 //! | `job.rs` | jobs, which are handed on |
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
 //! | `straight.rs`, `arc.rs`, `feed.rs` | G0 G1 G53 polar points; G2 G3; the F they need |
+//! | `spline.rs` | G5 G5.1 G5.2 G5.3 |
 //! | `threading.rs` | G33 G33.1 G76 |
 //! | `probe.rs` | G38.2 to G38.5 |
 //! | `cycles/` | G73 G74 G80 to G89 |
@@ -37,6 +38,7 @@ mod outputs;
 mod probe;
 pub(crate) mod roughing;
 mod spindle;
+mod spline;
 mod stop;
 pub(crate) mod straight;
 pub(crate) mod threading;
@@ -75,6 +77,9 @@ pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Don
     }
     if block.is_empty() {
         return Ok(());
+    }
+    if state.spline.open.is_some() {
+        spline::only_points(block, state)?;
     }
     let motion = check::check(block, state)?;
     if let Some(comment) = block.comment.as_ref().filter(|comment| !comment.text.is_empty()) {
@@ -192,6 +197,9 @@ fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done 
     if !cycles::is_cycle(code) {
         state.cycle.end();
     }
+    if code != G(50) {
+        state.spline.onwards = None;
+    }
     if code == G(800) {
         state.modes.motion = None;
         return out.call(Call::Note("motion mode set to none"));
@@ -207,6 +215,7 @@ fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Do
     match code.0 {
         0 | 10 => straight::straight(code, block, state, out),
         20 | 30 => arc::arc(code, block, state, out),
+        50..=53 => spline::spline(code, block, state, out),
         330 | 331 | 760 => threading::threading(code, block, state, out),
         382..=385 => probe::probe(code, block, state, out),
         700..=722 => roughing::begin(code, block, state, out),

@@ -105,6 +105,7 @@ fn units(code: G, state: &mut State, out: &mut Output) -> Done {
     state.axes.scale(factor, whole);
     compensation::scale(factor, state, out);
     state.cycle.scale(factor);
+    state.spline.onwards = None;
     if whole {
         state.modes.scale(factor);
     }

@@ -67,7 +67,9 @@ impl Sink for Watch<'_> {
             Call::StraightTraverse(to) | Call::StraightFeed(to) | Call::StraightProbe(_, to) => {
                 self.stay.go(to)
             }
-            Call::ArcFeed(_) | Call::RigidTap(..) | Call::ThreadCycle(_) => self.stay.leave(),
+            Call::ArcFeed(_) | Call::NurbsFeed(_) | Call::RigidTap(..) | Call::ThreadCycle(_) => {
+                self.stay.leave()
+            }
             _ => {}
         }
         let done = self.sink.call(place, call);

@@ -21,6 +21,7 @@ mod modes;
 mod recorder;
 mod saved;
 mod scale;
+mod spline;
 mod sticky;
 
 pub(crate) use axes::{Axes, turn};
@@ -30,6 +31,7 @@ pub(crate) use modes::{Coolant, Modes, Overrides, Spindle};
 pub(crate) use recorder::{Cycle, Piece, Recorder};
 pub(crate) use saved::{Context, Contexts, Saved};
 pub(crate) use scale::Scale;
+pub(crate) use spline::{OpenCurve, Spline};
 pub(crate) use sticky::Sticky;
 
 use std::collections::BTreeMap;
@@ -114,6 +116,8 @@ pub(crate) struct State {
     pub(crate) tools: Tools,
     /// G40, G41, G42.
     pub(crate) compensation: Compensation,
+    /// What splines keep from block to block.
+    pub(crate) spline: Spline,
     /// What canned cycles keep from block to block.
     pub(crate) cycle: Sticky,
     /// G70, G71, G72: the contour that is being read.
@@ -159,6 +163,7 @@ impl State {
             axes: Axes::new(options.position),
             tools: Tools { selected: None, number: 0, table: options.tools.clone() },
             compensation: Compensation::default(),
+            spline: Spline::default(),
             cycle: Sticky::default(),
             recorder: Recorder::default(),
             contexts: Contexts::default(),

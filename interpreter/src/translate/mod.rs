@@ -7,6 +7,7 @@ mod doubts;
 mod gauged;
 mod jobs;
 mod part;
+mod splines;
 
 use std::collections::BTreeMap;
 
@@ -221,6 +222,7 @@ impl Translator {
             Call::StraightTraverse(to) => self.straight(place, &to, true)?,
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
+            Call::NurbsFeed(curve) => self.spline(place, curve)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,

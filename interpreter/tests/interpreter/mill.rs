@@ -232,3 +232,48 @@ fn path_modes_are_sent_before_the_move_they_are_for() {
     assert_eq!(errors(&mill(), "G64 P11\nM2\n"), [(1, "bad-value")]);
     assert_eq!(errors(&mill(), "G64 P0.1 Q11\nM2\n"), [(1, "bad-value")]);
 }
+
+#[test]
+fn a_spline_becomes_arcs_that_touch_and_keep_to_it() {
+    let text = "G17 G21 F600 S4000 M3\nG0 X-20 Y40 Z-10\nG5.1 X20 I20 J-80\nM2\n";
+    let check = good_on(&mill(), text);
+    let arcs = arcs(&check);
+    assert!((20..400).contains(&arcs.len()), "{} arcs", arcs.len());
+    let mut at = [-20.0, 40.0];
+    let mut before: Option<[f64; 2]> = None;
+    for arc in &arcs {
+        // the parabola through the origin: y is x²/10
+        let center = [arc.center[0].mm(), arc.center[1].mm()];
+        let end = [arc.target[0].mm(), arc.target[1].mm()];
+        assert!((end[1] - end[0] * end[0] / 10.0).abs() < 1e-3, "{end:?}");
+        let radius = libm::hypot(at[0] - center[0], at[1] - center[1]);
+        let tangent = |at: [f64; 2]| [-(at[1] - center[1]) / radius, (at[0] - center[0]) / radius];
+        let (begin, finish) = (tangent(at), tangent(end));
+        if let Some(before) = before {
+            let turn = before[0] * begin[1] - before[1] * begin[0];
+            assert!(turn.abs() < 1e-6, "arcs turn by {turn} where they meet");
+        }
+        (at, before) = (end, Some(finish));
+    }
+    assert_eq!(at, [20.0, 40.0]);
+}
+
+#[test]
+fn a_spline_takes_no_longer_than_an_arc_of_its_length() {
+    let time = |curve: &str| {
+        let text = format!("G17 G21 G61 F3000 S4000 M3\nG0 X40 Y0 Z-10\n{curve}\nM2\n");
+        good_on(&mill(), &text).time_s
+    };
+    let arc = time("G3 X0 Y40 I-40");
+    let curve = time("G5.2 P1 L3\nX40 Y40 P0.707106781\nX0 Y40\nG5.3");
+    assert!((curve / arc - 1.0).abs() < 0.01, "{curve} s, and {arc} s for the arc");
+    // one whose curvature changes all the time
+    let wavy = time("G5 X0 Y40 I0 J25 P30 Q5");
+    assert!(wavy < 1.1 * arc, "{wavy} s, and {arc} s for the arc");
+}
+
+#[test]
+fn a_spline_beyond_the_travel_is_refused_once() {
+    let text = "G17 F300 S500 M3\nG0 X190 Y0\nG5.1 X190 Y40 I30 J20\nM2\n";
+    assert_eq!(errors(&mill(), text), [(3, "travel-limit")]);
+}

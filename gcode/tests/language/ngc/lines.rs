@@ -89,10 +89,8 @@ fn probing_is_shown_and_leaves_the_tool_short_of_the_point() {
 }
 
 #[test]
-fn splines_are_refused_by_name() {
-    for (code, words) in
-        [("G5", "X1 Y1 I1 J1 P1 Q1"), ("G5.1", "X1 Y1 I1"), ("G5.2", "X1 Y1 P1"), ("G5.3", "")]
-    {
+fn curves_with_knots_are_refused_by_name() {
+    for (code, words) in [("G6.2", "P4 K0 X1 Y1 R1 Q1"), ("G6.3", "")] {
         refused(&format!("F1\n{code} {words}"), "not-available", &[code]);
     }
 }

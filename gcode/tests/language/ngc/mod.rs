@@ -13,6 +13,7 @@ mod parameters;
 mod printed;
 mod recorded;
 mod source;
+mod splines;
 mod threading;
 mod tools;
 mod words;
