@@ -3,7 +3,7 @@
 //! One block is filled again and again, so that reading allocates nothing.
 
 use crate::canon::Place;
-use crate::codes::{G, G_GROUPS, M, M_GROUPS};
+use crate::codes::{G, G_GROUPS, M, M_GROUPS, group};
 use crate::problem::{Blame, Problem, Span};
 
 /// Room for the letters A to Z and the words that have none.
@@ -42,7 +42,10 @@ pub(crate) const fn letter_bits(letters: &str) -> u32 {
 
 /// The letters of some bits of [`Block::present`], in the order of the alphabet.
 pub(crate) fn letters_of(bits: u32) -> impl Iterator<Item = char> {
-    ('A'..='Z').chain(SPECIAL).filter(move |letter| bits & letter_bit(*letter) != 0)
+    places(bits).filter_map(|place| match place {
+        0..26 => Some(char::from(b'A' + place as u8)),
+        _ => SPECIAL.get(place - 26).copied(),
+    })
 }
 
 /// Letters of X, Y, Z, A, B, C.
@@ -242,6 +245,13 @@ impl Block {
     /// The values of its axis words.
     pub(crate) fn axes(&self) -> [Option<f64>; 6] {
         AXES.map(|letter| self.get(letter))
+    }
+
+    /// Whether its only code is one of G0 to G3, if it has any, and it has no comment.
+    pub(crate) fn only_moves(&self) -> bool {
+        let moves = self.g_present & !(1 << group::MOTION) == 0
+            && (self.g_present == 0 || matches!(self.g[group::MOTION].0, 0 | 10 | 20 | 30));
+        moves && self.m_present == 0 && self.comment.is_none()
     }
 
     /// Whether it has no words, codes or comment.

@@ -1,7 +1,7 @@
 //! A block that is being executed, and the equivalent block of RS274/NGC that is executed in its place.
 
 use super::line::Line;
-use super::modal::Modal;
+use super::modal::{Modal, SingleWords};
 use crate::block::Block;
 use crate::canon::{Place, Pose, X, Z};
 use crate::codes::{G, M, group};
@@ -76,6 +76,30 @@ impl Execution<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// A straight move with F, X Y Z of a mill, X Z U W of a lathe.
+    pub(super) fn plain(&mut self, code: G) -> Done {
+        if code != self.modal.motion {
+            self.modal.single = SingleWords::default();
+        }
+        self.modal.motion = code;
+        self.begin();
+        self.add_g(group::MOTION, code)?;
+        if self.line.mill {
+            for letter in ['X', 'Y', 'Z'] {
+                if let Some(value) = self.line.length(letter) {
+                    self.add(letter, value)?;
+                }
+            }
+        } else {
+            let end = target(self.line, self.state.axes.position)?;
+            self.add_point(&end)?;
+        }
+        if let Some(feed) = self.line.plain('F') {
+            self.add('F', feed)?;
+        }
+        self.execute()
     }
 
     /// One move to a point (Z, X, a radius), for the block at `place`; `center` of an arc is seen from its

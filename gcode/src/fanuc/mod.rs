@@ -45,7 +45,7 @@ mod threads;
 mod tool;
 mod variables;
 
-use crate::block::Block;
+use crate::block::{Block, letter_bit, letter_bits};
 use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M, group};
 use crate::execute::{Done, Output};
@@ -279,8 +279,25 @@ impl Control {
         Execution { line, modal, equivalent, state, out }
     }
 
+    /// The code of a block that is a straight move and nothing else, as most blocks are.
+    fn plain_move(&self) -> Option<G> {
+        let (line, modal) = (&self.line, &self.modal);
+        let words = if line.mill { letter_bits("XYZF") } else { letter_bits("XZUWF") };
+        let within = line.block.present() & !words == 0 && line.block.present() & !letter_bit('F') != 0;
+        let idle =
+            modal.pending.is_none() && modal.drill.is_none() && modal.held.is_none() && !modal.shape_only;
+        if !within || !idle || !line.block.only_moves() || line.is_bare('F') || self.behind.is_some() {
+            return None;
+        }
+        let code = line.block.g(group::MOTION).unwrap_or(modal.motion);
+        (matches!(code, G(0 | 10)) && line.idle.is_none()).then_some(code)
+    }
+
     /// The block, and what it does to the flow.
     fn execute(&mut self, state: &mut State, out: &mut Output) -> Done {
+        if let Some(code) = self.plain_move() {
+            return self.execution(state, out).plain(code);
+        }
         let acting = self.modal.acting(&self.line);
         let deed = match self.line.mill {
             true => mill::codes::deed(&self.line, acting)?,

@@ -37,6 +37,9 @@ impl Points {
         if matches!(rule, Some(DecimalPoint::Conventional | DecimalPoint::PocketCalculator)) {
             return Ok(());
         }
+        if self.pointed && line.bare() == 0 {
+            return Ok(());
+        }
         let coordinates = match line.block.g(group::ONCE) {
             Some(G(40 | 100)) if line.mill => 0,
             _ if line.mill => AXES_OF_MILL | letter_bits("IJKR") & !of_holes(line),
