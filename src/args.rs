@@ -79,7 +79,8 @@ impl MachineArgs {
     /// A file that the machine file names, where it is seen from here.
     pub(crate) fn beside(&self, file: Option<&Path>) -> Option<PathBuf> {
         let folder = self.machine.as_ref().and_then(|path| path.parent());
-        Some(folder.map_or_else(|| file.map(Path::to_owned), |folder| Some(folder.join(file?)))?)
+        let file = file?;
+        Some(folder.map_or_else(|| file.to_owned(), |folder| folder.join(file)))
     }
 }
 

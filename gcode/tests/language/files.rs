@@ -149,7 +149,7 @@ fn a_wrong_value_of_a_machine_description_is_named() {
     }
 }
 
-/// A value of a parameter file is changed, and nothing else: a remark, blanks and lines that say nothing stay.
+/// A value of a parameter file is changed, and nothing else: remarks, blanks, lines that say nothing stay.
 #[test]
 fn a_changed_parameter_changes_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
