@@ -4,11 +4,11 @@
 use gcode::Problem;
 use gcode::canon::{FeedMode, Turn, X};
 use gcode::problem::{Blame, short};
-use machine::Machine;
+use machine::{Kinematics, Machine};
 use protocol::{Code, Position, SpindleMode, SpindleSpeed};
 
 use crate::frame::Frame;
-use crate::reach::{Done, needs_spindle};
+use crate::reach::{Done, missing, needs_spindle};
 
 /// Slowest spindle speed, 1/min.
 const SLOWEST_RPM: f64 = 0.01;
@@ -29,6 +29,8 @@ pub(crate) struct Spindle {
     surface_mm_s: f64,
     /// G96: its D, 1/min.
     highest: Option<f64>,
+    /// Under G96: the one speed that it keeps through a thread, 1/min.
+    held: Option<f64>,
     /// What was sent last.
     sent: (SpindleMode, SpindleSpeed),
 }
@@ -36,7 +38,7 @@ pub(crate) struct Spindle {
 impl Spindle {
     pub(crate) fn new() -> Spindle {
         let sent = (SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
-        Spindle { mode: SpindleMode::Stop, s: 0.0, surface_mm_s: 0.0, highest: None, sent }
+        Spindle { mode: SpindleMode::Stop, s: 0.0, surface_mm_s: 0.0, highest: None, held: None, sent }
     }
 
     /// Whether it turns.
@@ -61,6 +63,23 @@ impl Spindle {
     /// Speed and direction, if it turns at a constant speed.
     pub(crate) fn turning(&self) -> Option<(f64, f64)> {
         (self.turns() && !self.is_surface()).then(|| (self.s, self.mode.sign()))
+    }
+
+    /// Speed and direction of a thread whose tool stands at X of the machine, if it turns: what G96 gives
+    /// there is kept through the pass, because a pass that is proved for one speed is not for another.
+    fn turning_at(&self, x_mm: f64, frame: &Frame, machine: &Machine) -> Option<(f64, f64)> {
+        let speed = Spindle { held: None, ..*self }.wanted(frame, machine).1;
+        self.turns().then(|| (speed.rpm(Position::from_mm(x_mm)), self.mode.sign()))
+    }
+
+    /// Keeps one speed from now on, if it is that of G96 that would change it.
+    pub(crate) fn hold(&mut self, rpm: f64) {
+        self.held = self.is_surface().then_some(rpm);
+    }
+
+    /// Follows X again.
+    pub(crate) fn release(&mut self) {
+        self.held = None;
     }
 
     /// Direction and speed of a job, 1/min; negative counterclockwise.
@@ -129,17 +148,41 @@ impl Spindle {
     }
 
     fn wanted(&self, frame: &Frame, machine: &Machine) -> (SpindleMode, SpindleSpeed) {
-        let Spindle { mode, s, surface_mm_s, highest, .. } = *self;
-        let speed = match (mode, highest) {
-            (SpindleMode::Stop, _) => SpindleSpeed::Rpm(0.0),
-            (_, None) => SpindleSpeed::Rpm(s),
-            (_, Some(highest)) => SpindleSpeed::Surface {
+        let Spindle { mode, s, surface_mm_s, highest, held, .. } = *self;
+        let speed = match (mode, highest, held) {
+            (SpindleMode::Stop, ..) => SpindleSpeed::Rpm(0.0),
+            (_, None, _) => SpindleSpeed::Rpm(s),
+            (_, Some(_), Some(rpm)) => SpindleSpeed::Rpm(rpm),
+            (_, Some(highest), None) => SpindleSpeed::Surface {
                 mm_s: surface_mm_s,
                 max_rpm: highest.min(machine.spindle.max_rpm),
                 axis_mm: Position::from_mm(frame.machine(&[0.0; 6])[X]),
             },
         };
         (mode, speed)
+    }
+}
+
+/// The spindle, and where zero of the program lies: what a thread is told its speed by.
+#[derive(Clone, Copy)]
+pub(crate) struct Turning<'a> {
+    pub(crate) spindle: &'a Spindle,
+    pub(crate) frame: &'a Frame,
+}
+
+impl Turning<'_> {
+    /// Speed and direction through a thread on a lathe; under G96 those at X of the machine: the crest of a
+    /// cycle, or where a single pass begins.
+    pub(crate) fn at(self, x_mm: f64, machine: &Machine) -> Result<(f64, f64), Box<Problem>> {
+        if machine.general.kinematics != Kinematics::Lathe {
+            let help = "mill it with G2 or G3 and Z, or use a lathe";
+            return Err(missing("a thread (G33, G76) on a mill", help));
+        }
+        self.spindle.turning_at(x_mm, self.frame, machine).ok_or_else(|| {
+            let message = "a thread needs a turning spindle";
+            let help = "start it in a block before or in this one, as in S400 M3";
+            Problem::error("spindle-not-turning", Blame::Block, message, help)
+        })
     }
 }
 

@@ -7,14 +7,13 @@
 use gcode::canon::{ThreadCycle, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
-use machine::{Kinematics, Machine};
+use machine::Machine;
 use protocol::{Axis, AxisLaw, Code, CodePacket, Item, PerAxis, Position, ThreadPass, WayOut};
 
-use crate::frame::Frame;
 use crate::modal::Synchronised;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
-use crate::spindle::Spindle;
+use crate::spindle::Turning;
 use crate::thread::{Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
@@ -260,13 +259,13 @@ pub(crate) fn single(
     target: &gcode::Pose,
     synchronised: &Synchronised,
     points: &Points,
-    spindle: &Spindle,
+    turning: Turning<'_>,
     machine: &Machine,
 ) -> Result<Single, Box<Problem>> {
     let Synchronised { lead_mm, start_deg } = *synchronised;
-    let (s_rpm, direction) = spindle_of_thread(spindle, machine)?;
-    check_lead(lead_mm, 'K')?;
     let (from, to) = (in_plane(points.programmed()), in_plane(target));
+    let (s_rpm, direction) = turning.at(from.x, machine)?;
+    check_lead(lead_mm, 'K')?;
     if in_plane_of(target, from) != *points.programmed() {
         return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
     }
@@ -295,13 +294,13 @@ pub(crate) fn single(
 /// A threading cycle in mm, machine coordinates.
 pub(crate) fn cycle_on_machine(
     cycle: &ThreadCycle,
-    frame: &Frame,
-    spindle: &Spindle,
+    turning: Turning<'_>,
     machine: &Machine,
 ) -> Result<Cycle, Box<Problem>> {
-    let (s_rpm, direction) = spindle_of_thread(spindle, machine)?;
+    let frame = turning.frame;
     let unit = frame.unit;
     let from = in_plane(&frame.machine(&cycle.from));
+    let (s_rpm, direction) = turning.at(from.x + cycle.crest * unit, machine)?;
     let to_z = frame.machine(&in_plane_of(&cycle.from, Point { x: 0.0, z: cycle.end_z }))[Z];
     if (to_z - from.z).abs() < SAME {
         let help = "let Z differ from where the tool stands";
@@ -325,22 +324,6 @@ pub(crate) fn cycle_on_machine(
         return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
     }
     Ok(Cycle { s_rpm, direction, from, to_z, unit, lead_mm, words: *cycle })
-}
-
-/// Speed and direction of a spindle that turns at a constant speed, as threads need it, on a lathe.
-fn spindle_of_thread(spindle: &Spindle, machine: &Machine) -> Result<(f64, f64), Box<Problem>> {
-    if machine.general.kinematics != Kinematics::Lathe {
-        return Err(missing("a thread (G33, G76) on a mill", "mill it with G2 or G3 and Z, or use a lathe"));
-    }
-    if spindle.is_surface() {
-        let what = "a thread under constant surface speed (G96), whose lead would depend on X";
-        return Err(missing(what, "give the speed in 1/min with G97 S before the thread"));
-    }
-    spindle.turning().ok_or_else(|| {
-        let message = "a thread needs a turning spindle";
-        let help = "start it in a block before or in this one, as in S400 M3";
-        Problem::error("spindle-not-turning", Blame::Block, message, help)
-    })
 }
 
 /// Warns of a spindle encoder that is too coarse for a lead.

@@ -44,9 +44,9 @@ pub(crate) fn ready(code: G, state: &State, out: &mut Output) -> Done {
     }
     if state.spindle.constant_surface.is_some() {
         let message = format!(
-            "{code} at constant surface speed: the speed of the spindle changes with X while the tool follows it"
+            "{code} under G96: the spindle keeps one speed through it, the surface speed where the thread begins"
         );
-        let help = "select G97 and a speed in 1/min before the thread";
+        let help = "select G97 and a speed in 1/min before the thread, and all passes have it";
         out.warn(Problem::warning("constant-surface-thread", Blame::G(code), message, help));
     }
     Ok(())

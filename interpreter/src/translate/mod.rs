@@ -26,7 +26,7 @@ use crate::modal::{Modal, Synchronised};
 use crate::output::Output;
 use crate::points::Points;
 use crate::reach::{Done, refuse_absent};
-use crate::spindle::Spindle;
+use crate::spindle::{Spindle, Turning};
 use crate::stock::Stock;
 use crate::thread::{Next, Point};
 use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
@@ -320,7 +320,9 @@ impl Translator {
 
     /// G33: it is planned when the next move is known.
     fn thread_move(&mut self, place: Place, target: &Pose, synchronised: &Synchronised) -> Done {
-        let single = threading::single(target, synchronised, &self.points, &self.spindle, &self.machine)?;
+        let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
+        let single = threading::single(target, synchronised, &self.points, turning, &self.machine)?;
+        self.spindle.hold(single.s_rpm);
         self.warn_of_encoder(place, synchronised.lead_mm);
         self.points.thread_goes_to(*target);
         self.threads.hold(place, single, self.origin());
@@ -340,9 +342,10 @@ impl Translator {
         let rest = self.points.axes_at_rest();
         let Some(released) = self.threads.release(next, &rest, &self.machine) else { return };
         let place = released.place;
-        match released.pass {
-            Err(problem) => return self.output.report(place, *problem),
-            Ok(pass) => self.pass(place, pass, released.origin),
+        let planned = released.pass.map(|pass| self.pass(place, pass, released.origin));
+        self.spindle.release();
+        if let Err(problem) = planned {
+            return self.output.report(place, *problem);
         }
         if let Some(problem) = threading::no_retract(place.line, next) {
             self.output.report(place, *problem);
@@ -351,13 +354,17 @@ impl Translator {
 
     /// A threading cycle: every pass of a thread, with the moves between them.
     fn thread_cycle(&mut self, place: Place, cycle: &ThreadCycle) -> Done {
-        let cycle = threading::cycle_on_machine(cycle, &self.modal.frame, &self.spindle, &self.machine)?;
+        let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
+        let cycle = threading::cycle_on_machine(cycle, turning, &self.machine)?;
         self.warn_of_encoder(place, cycle.lead_mm);
         let rest = self.points.axes_at_rest();
-        for (from, pass) in self.threads.cycle(place, &cycle, &rest, &self.machine)? {
+        let passes = self.threads.cycle(place, &cycle, &rest, &self.machine)?;
+        self.spindle.hold(cycle.s_rpm);
+        for (from, pass) in passes {
             self.line_to(place.line, in_plane_of(self.points.rest(), from), Feed::Rapid);
             self.pass(place, pass, self.origin());
         }
+        self.spindle.release();
         let end = in_plane_of(self.points.rest(), Point { x: cycle.from.x, z: cycle.to_z });
         if is_apart(self.points.rest(), &end) {
             self.line_to(place.line, end, Feed::Rapid);

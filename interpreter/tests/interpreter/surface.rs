@@ -69,17 +69,60 @@ fn words_of_one_block_make_one_item() {
 }
 
 #[test]
-fn feed_per_revolution_goes_with_it_and_threads_do_not() {
+fn feed_per_revolution_goes_with_it() {
     good("G96 D1500 S60 M3\nG0 X20 Z5\nG95 G1 X10 F0.2\nM2\n");
-    let threads = ["G33 Z-10 K1", "G76 P1 Z-10 I-1 J0.1 K0.5"];
-    for thread in threads {
-        let source = format!("G18 G96 D1500 S60 M3\nG0 X20 Z5\n{thread}\nM2\n");
-        let check = check("test.ngc", &source, &Machine::plain());
-        let error = check.diagnostics.iter().find(|one| one.code == "not-available").expect("refused");
-        assert_eq!(error.line, 3);
-        assert!(error.message.contains("G96") && error.help.contains("G97"), "{}", error.render(false));
-    }
     good("G18 G96 D1500 S60 M3\nG0 X20 Z5\nG97 S400\nG33 Z-10 K1\nG0 X25\nM2\n");
+}
+
+/// Items of a program with a thread under G96: speeds, and how many passes each of them is for. The program
+/// warns of it, and of nothing else.
+fn under_g96(source: &str, machine: &Machine) -> Vec<(SpindleSpeed, usize)> {
+    let check = check("test.ngc", source, machine);
+    let codes: Vec<_> = check.diagnostics.iter().map(|one| one.code).collect();
+    assert!(codes.iter().all(|code| *code == "constant-surface-thread"), "{:?}", check.diagnostics);
+    assert!(!codes.is_empty() && check.is_good());
+    let mut found = Vec::new();
+    for item in &check.items {
+        match item.code {
+            Code::Spindle { speed, .. } => found.push((speed, 0)),
+            Code::Pass(pass) => {
+                let (speed, passes) = found.last_mut().expect("the spindle turns");
+                assert_eq!(*speed, SpindleSpeed::Rpm(pass.s_rpm), "proved for what it turns at");
+                *passes += 1;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The lead of a pass is proved for one speed: that of G96 at the crest of a cycle, or where a G33 begins.
+#[test]
+fn a_thread_keeps_the_speed_of_g96_where_it_begins() {
+    let machine = Machine::plain();
+    let rpm_at = |radius: f64| 1000.0 * 60.0 / (std::f64::consts::TAU * radius);
+    let near =
+        |speed: SpindleSpeed, rpm: f64| matches!(speed, SpindleSpeed::Rpm(is) if (is - rpm).abs() < 1e-6);
+    let cycle = "G18 G96 D1500 S60 M3\nG0 X20 Z5\nG76 P1 Z-20 I-1 J0.1 K0.5 H2\nG0 X30\nM2\n";
+    let [before, thread, after, end] = under_g96(cycle, &machine)[..] else { panic!("four speeds") };
+    assert!(near(thread.0, rpm_at(19.0)) && thread.1 > 5, "{thread:?}");
+    assert_eq!(
+        (surface(before.0), surface(after.0), end.0),
+        ([1000.0, 1500.0, 0.0], [1000.0, 1500.0, 0.0], SpindleSpeed::Rpm(0.0))
+    );
+    let twice =
+        "G18 G96 D1500 S60 M3\nG0 X20 Z5\nG33 Z-20 K1\nG0 X25\nG0 Z5\nG0 X19.8\nG33 Z-20 K1\nG0 X25\nM2\n";
+    let speeds = under_g96(twice, &machine);
+    let threads: Vec<_> = speeds.iter().filter(|(_, passes)| *passes == 1).collect();
+    assert!(near(threads[0].0, rpm_at(20.0)) && near(threads[1].0, rpm_at(19.8)), "{speeds:?}");
+    // D bounds it there, too.
+    let small = cycle.replace("D1500", "D300");
+    assert!(near(under_g96(&small, &machine)[1].0, 300.0));
+    // FANUC's cycles are the same.
+    let mut machine = machine;
+    machine.general.dialect = machine::ProgramDialect::Fanuc;
+    let fanuc = "G50 S1500\nG96 S60 M03\nG00 X40. Z5.\nG76 P021060 Q50 R0.03\nG76 X36.773 Z-20. P614 Q200 F1.\nG00 X60.\nM30\n";
+    assert!(under_g96(fanuc, &machine)[1].1 > 3);
 }
 
 #[test]
