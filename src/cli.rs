@@ -108,6 +108,20 @@ pub(crate) fn arguments(given: impl Iterator<Item = OsString>) -> Vec<OsString> 
 }
 
 impl Command {
+    /// Whether it prints one JSON document and nothing else.
+    pub(crate) fn prints_json(&self) -> bool {
+        match self {
+            Command::Run(args) => args.json,
+            Command::Check(args) => args.json,
+            Command::Experiment(args) => args.json,
+            Command::Tune(args) => args.json,
+            Command::Resolution(args) => args.json,
+            Command::Soak(args) => args.json,
+            Command::Thread(args) => args.json,
+            _ => false,
+        }
+    }
+
     /// Whether somebody waits for this process, or for the processes that it has started.
     pub(crate) fn is_of_a_machine(&self) -> bool {
         use Command::{Interpolator, Interpreter, Regulator, Run, SimPlant};

@@ -32,7 +32,7 @@ pub(crate) struct ExperimentArgs {
     name: Name,
     /// Print the rows as one JSON document, and nothing else.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
     /// Folder for `report.html` and `rows.json` [default: `experiments/NAME`].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,

@@ -31,9 +31,21 @@ use cli::{Cli, Command};
 use error::CliError;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse_from(cli::arguments(std::env::args_os()));
+    let arguments = cli::arguments(std::env::args_os());
+    let cli = Cli::try_parse_from(&arguments).unwrap_or_else(|error| {
+        // What reads JSON gets JSON; --help is an answer and no error.
+        if error.use_stderr() && arguments.iter().any(|argument| argument == "--json") {
+            screen::print_error(&error.to_string());
+        }
+        error.exit()
+    });
     screen::start_log(&cli.log);
-    let code = dispatch(&cli).unwrap_or_else(|error| error.report());
+    let code = dispatch(&cli).unwrap_or_else(|error| {
+        if cli.command.prints_json() {
+            screen::print_error(&error.to_string());
+        }
+        error.report()
+    });
     words::flush(cli.command.is_of_a_machine());
     if screen::is_printed() { code } else { ExitCode::FAILURE }
 }
@@ -43,7 +55,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
     match &cli.command {
         Command::Run(args) => run::run(args, quiet),
         Command::Check(args) => check::check(args, quiet),
-        Command::Compile(args) => compile::compile(args),
+        Command::Compile(args) => compile::compile(args, quiet),
         Command::Lsp(args) => lsp::lsp(args),
         Command::Canon(args) => canon::canon(args, quiet),
         Command::Machine { kinematics } => {

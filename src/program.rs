@@ -122,7 +122,7 @@ impl Program {
         let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
         let mut watch = Watch::default();
         let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
-        let time_s = interpreter::time_s(&file.items, machine);
+        let time_s = interpreter::time_s(file.items.iter().inspect(|item| Phase::at(item.line)), machine);
         let time_s =
             time_s.map_err(|(line, reason)| CliError::file(path, changed(&reason.to_string(), line)))?;
         let steps = file.items.iter().map(Item::steps).sum();

@@ -42,7 +42,7 @@ pub(crate) struct ThreadArgs {
     limits: bool,
     /// Print one JSON document, and nothing else.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 /// Sizes by their keys.

@@ -12,6 +12,7 @@ use std::{
     time::Duration,
 };
 
+use crate::screen;
 use indicatif::{ProgressBar, ProgressStyle};
 use process::ipc::time::{Moment, sleep_until};
 use tracing::level_filters::LevelFilter;
@@ -134,7 +135,7 @@ fn new_bar(steps: u64) -> ProgressBar {
 
 /// Says something, which ends its lines itself. It is written soon, besides the bar.
 pub(crate) fn say(text: &str) {
-    send(Word::Lines(text.as_bytes().to_vec()));
+    send(Word::Lines(screen::said(text).into_bytes()));
 }
 
 /// Shows a bar of so many steps from here on, if there is a terminal. True if so.

@@ -19,6 +19,7 @@ use crate::{
     error::CliError,
     program::Program,
     screen,
+    words::{self, Phase},
     written::{self, Made},
 };
 use g1::{NoLines, Size};
@@ -37,7 +38,7 @@ pub(crate) struct CompileArgs {
 
 /// Writes machine code to a file; and says how large it is against straight lines of the same accuracy, where
 /// it follows formulas, or the lines themselves are asked for.
-pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
+pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if !CodeFile::is_named(&args.out) {
         return Err(CliError::Input(format!("{}: a machine-code file is named *.mc", args.out.display())));
     }
@@ -48,15 +49,22 @@ pub(crate) fn compile(args: &CompileArgs) -> Result<ExitCode, CliError> {
     let shop = args.input.machine.with_language(&args.input.language)?;
     let (machine, language) = (shop.machine, shop.language.language());
     let program = Program::read(&args.input.program, &language, &machine, None)?;
-    eprint!("{}{}", shop.notes, program.messages);
+    if !quiet {
+        words::say(&format!("{}{}", shop.notes, program.messages));
+    }
+    let compiling = Phase::begin("compiling");
     // Without its folder, so that a program has the same machine code everywhere.
     let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
-    let items: Vec<Item> = program.items(&args.input.program, &language, &machine)?.collect();
+    let items: Vec<Item> = program
+        .items(&args.input.program, &language, &machine)?
+        .inspect(|item| Phase::at(item.line))
+        .collect();
     let file = CodeFile::new(&name, &machine.identity(), items);
     let mut bytes = Vec::new();
     file.write(&mut bytes)
         .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
         .map_err(|error| CliError::file(&args.out, error))?;
+    drop(compiling);
     screen::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
     let lines = match &args.g1 {
         Some(path) => Some(write_lines(path, args, &file.items, &machine)?),

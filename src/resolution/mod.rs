@@ -97,7 +97,7 @@ pub(crate) struct ResolutionArgs {
     page: Option<PathBuf>,
     /// Print one JSON document, and nothing else.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 /// What is asked, and of whom.

@@ -69,7 +69,8 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     if !quiet {
         // Whoever repeats a run has been told.
-        eprint!("{}{}", if asked.program.is_dir() { "" } else { &notes }, program.messages);
+        let notes = if asked.program.is_dir() { "" } else { &notes };
+        words::say(&format!("{notes}{}", program.messages));
     }
     let (scenario, scenario_text) = read_scenario(args, &machine)?;
     let seed = args.seed.unwrap_or(1);

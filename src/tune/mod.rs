@@ -23,6 +23,7 @@ use crate::{
     args::MachineArgs,
     error::CliError,
     screen,
+    words::Phase,
     written::{self, Made},
 };
 
@@ -63,7 +64,7 @@ pub(crate) struct TuneArgs {
     seed: u64,
     /// Print one JSON document, and nothing else.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 /// What a commissioning found, of all its axes.
@@ -84,9 +85,11 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let axes = axes(args, &machine)?;
     let goals = goals(args)?;
     paths(args)?;
+    let tuning = Phase::begin("tuning");
     let tuned = rig::bench::all(&machine, &axes, args.seed, &goals)?;
     let proposed = rig::bench::with(&machine, &tuned);
     let trial = trial::compared(&machine, &proposed, &axes, args.seed);
+    drop(tuning);
     let failed = trial.as_ref().ok().and_then(trial::Compared::failed_after);
     if let Some(worse) = trial.as_ref().ok().and_then(trial::Compared::worse) {
         tracing::warn!("{worse}; look at the margins that were asked for");

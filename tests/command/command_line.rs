@@ -253,3 +253,56 @@ fn messages_are_shown_at_their_place_and_kept() {
         place.ask(&["run", "tell.ngc", "--in-process", "--quiet", "--trace", "none", "--out", "quiet"]);
     assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
 }
+
+/// Whoever asks for JSON gets one document, whatever is wrong.
+#[test]
+fn json_is_json_where_there_is_nothing_to_say_but_an_error() {
+    let place = Place::new();
+    place.write("bad.ngc", "G99999\nM2\n");
+    let commands: [&[&str]; 10] = [
+        &["run", "none.ngc", "--json"],
+        &["run", "bad.ngc", "--json"],
+        &["run", "bad.ngc", "--json", "--machine", "none.toml"],
+        &["check", "none.ngc", "--json"],
+        &["check", "bad.ngc", "--json", "--no-such-switch"],
+        &["tune", "--json", "--machine", "none.toml"],
+        &["resolution", "--json", "--machine", "none.toml"],
+        &["experiment", "feed", "--json", "--machine", "none.toml"],
+        &["soak", "--json", "--seeds", "3..1"],
+        &["thread", "M20x99999", "--json"],
+    ];
+    for arguments in commands {
+        let answer = place.ask(arguments);
+        assert_eq!(answer.status, Some(2), "{arguments:?}: {}", answer.stderr);
+        let document: serde_json::Value = serde_json::from_str(&answer.stdout)
+            .unwrap_or_else(|error| panic!("{arguments:?}: {error}: {}", answer.stdout));
+        let told = document["error"].as_str().unwrap_or_default();
+        assert!(!told.is_empty() && !told.contains('\u{1b}'), "{arguments:?}: {document}");
+        assert!(
+            arguments[0] == "check" || !answer.stderr.is_empty(),
+            "{arguments:?}: people are told as well"
+        );
+    }
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("it is there");
+    let mut command = place.pitchlock();
+    let answer = command.args(["check", "bad.ngc", "--json"]).stdout(full).output().expect("it starts");
+    assert!(!answer.status.success() && !answer.stderr.is_empty());
+}
+
+/// `--log-format json` is for whoever reads what is said by a program: diagnostics, too.
+#[test]
+fn what_is_said_is_json_if_asked_for() {
+    let place = Place::new();
+    place.write("bad.ngc", "G99999\nG0 X1 X2\nM2\n");
+    for arguments in [&["check", "bad.ngc"][..], &["run", "bad.ngc"], &["compile", "none.ngc", "-o", "x.mc"]]
+    {
+        let answer = place.ask(&[arguments, &["--log-format", "json"]].concat());
+        assert_eq!(answer.status, Some(2));
+        let mut lines = answer.stderr.lines();
+        assert!(lines.clone().count() > 0, "{arguments:?}");
+        let is_json = |line: &str| {
+            serde_json::from_str::<serde_json::Value>(line).is_ok_and(|line| line["level"] == "ERROR")
+        };
+        assert!(lines.all(is_json), "{arguments:?}: {}", answer.stderr);
+    }
+}
