@@ -1,20 +1,18 @@
-//! Lines become one where their ends lie near it (G64 Q). In: items. Out: items, lines fewer.
+//! Very short lines become one where their ends lie near it. In: items. Out: items, lines fewer.
 //!
-//! Without Q the same is done with short lines, as a CAM system puts them out: rounded to a thousandth they
-//! have angles and lengths that no curve has, and that would be felt in the axes.
+//! A blend reaches over so many lines at most; where those are shorter than the rounding of a program deserves,
+//! that is not far enough. Lines of a tenth of a millimetre are.
 //!
-//! Lines from S over P1, P2, … to E are one line from S to E if every P lies within Q of it and further along
-//! it than the one before, the feed is the same, and no rotary axis moves. Nothing else may lie between them.
-//! Rapids are left alone.
+//! Lines from S over P1, P2, … to E are one line from S to E if that is short, every P lies within a tolerance
+//! of it and further along it than the one before, the feed is the same, and no rotary axis moves. Nothing else
+//! may lie between them. Rapids are left alone.
 
 use std::collections::VecDeque;
 
 use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, units::AXES};
 
-use crate::path_mode::PathAsked;
-
-/// Lines shorter than this are merged without Q, mm.
-const SHORT_MM: f64 = 1.0;
+/// Longest line that others become, mm.
+const LONGEST_MM: f64 = 0.2;
 /// Most lines that become one.
 const MOST: usize = 100;
 
@@ -36,19 +34,15 @@ impl Merger {
         &mut self,
         item: Item,
         rest: PerAxis<Position>,
-        path: &PathAsked,
+        mode: PathMode,
         items: &mut VecDeque<Item>,
     ) {
-        let within_mm = match path.mode {
-            PathMode::Blend { merge_mm, .. } => merge_mm,
-            PathMode::ExactStop | PathMode::ExactPath => 0.0,
-        };
+        let within_mm = mode.merges_within_mm();
         if self.waiting.as_mut().is_some_and(|line| line.take(&item, within_mm)) {
             return;
         }
         items.extend(self.waiting.take().map(|line| line.item()));
-        let longest = if path.merges_all { f64::INFINITY } else { SHORT_MM };
-        self.waiting = Merged::new(rest, &item, longest).filter(|_| within_mm > 0.0);
+        self.waiting = Merged::new(rest, &item).filter(|_| within_mm > 0.0);
         if self.waiting.is_none() {
             items.push_back(item);
         }
@@ -64,23 +58,22 @@ struct Merged {
     to: PerAxis<Position>,
     feed: Feed,
     line: u32,
-    /// Longest line that is merged, mm.
-    longest: f64,
 }
 
 impl Merged {
     /// A first line, if it is one that others may follow.
-    fn new(from: PerAxis<Position>, item: &Item, longest: f64) -> Option<Merged> {
+    fn new(from: PerAxis<Position>, item: &Item) -> Option<Merged> {
         let Code::Line { target, feed } = item.code else { return None };
         let turns = |axis: Axis| axis.is_rotary() && from[axis.index()] != target[axis.index()];
-        let square = (0..AXES).map(|axis| target[axis].mm_from(from[axis])).map(|way| way * way).sum::<f64>();
-        let mergeable = feed != Feed::Rapid && !Axis::ALL.into_iter().any(turns) && square.sqrt() <= longest;
-        mergeable.then_some(Merged { from, over: Vec::new(), to: target, feed, line: item.line, longest })
+        let mergeable = feed != Feed::Rapid
+            && !Axis::ALL.into_iter().any(turns)
+            && length(&way(&from, &target)) <= LONGEST_MM;
+        mergeable.then_some(Merged { from, over: Vec::new(), to: target, feed, line: item.line })
     }
 
     /// Takes a line in, if all of them stay within `within_mm` of one; false if it stays out.
     fn take(&mut self, item: &Item, within_mm: f64) -> bool {
-        let Some(next) = Merged::new(self.to, item, self.longest) else { return false };
+        let Some(next) = Merged::new(self.to, item) else { return false };
         if next.feed != self.feed || self.over.len() + 2 > MOST || !self.leads_to(&next.to, within_mm) {
             return false;
         }
@@ -96,12 +89,13 @@ impl Merged {
 
     /// Whether every end so far lies near the line to `end`, each further along than the one before.
     fn leads_to(&self, end: &PerAxis<Position>, within_mm: f64) -> bool {
-        let seen = |point: &PerAxis<Position>| -> [f64; AXES] {
-            std::array::from_fn(|axis| point[axis].mm_from(self.from[axis]))
-        };
+        let seen = |point: &PerAxis<Position>| way(&self.from, point);
         let dot = |a: &[f64; AXES], b: &[f64; AXES]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let way = seen(end);
-        let length = dot(&way, &way).sqrt();
+        let length = length(&way);
+        if length > LONGEST_MM {
+            return false;
+        }
         let mut before = 0.0;
         self.over.iter().chain([&self.to]).all(|point| {
             let point = seen(point);
@@ -112,4 +106,12 @@ impl Merged {
             onwards && dot(&aside, &aside).sqrt() <= within_mm
         })
     }
+}
+
+fn way(from: &PerAxis<Position>, to: &PerAxis<Position>) -> [f64; AXES] {
+    std::array::from_fn(|axis| to[axis].mm_from(from[axis]))
+}
+
+fn length(way: &[f64; AXES]) -> f64 {
+    way.iter().map(|way| way * way).sum::<f64>().sqrt()
 }

@@ -70,10 +70,9 @@ impl Output {
         if matches!(item.code, Code::Line { .. } | Code::Arc { .. }) && path.mode != self.path_mode {
             self.path_mode = path.mode;
             let mode = Item { line: item.line, code: Code::PathMode(path.mode) };
-            self.merger.add(mode, rest, path, &mut self.items);
+            self.merger.add(mode, rest, path.mode, &mut self.items);
         }
-        let sent = PathAsked { mode: self.path_mode, ..*path };
-        self.merger.add(item, rest, &sent, &mut self.items);
+        self.merger.add(item, rest, self.path_mode, &mut self.items);
     }
 
     /// The next item, once it cannot change any more.

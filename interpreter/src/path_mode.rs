@@ -1,5 +1,4 @@
-//! What the path may do between moves: G61, G61.1, G64. In: calls. Out: a path mode, and whether all lines
-//! are merged.
+//! What the path may do between moves: G61, G61.1, G64. In: calls. Out: a path mode, and whether Q was given.
 
 use gcode::Problem;
 use gcode::canon;
@@ -13,14 +12,14 @@ use crate::reach::Done;
 pub(crate) struct PathAsked {
     /// G61, G61.1, G64.
     pub(crate) mode: PathMode,
-    /// Q of G64 says how far lines are merged, whatever their length.
-    pub(crate) merges_all: bool,
+    /// Q of G64 says by how much the path may leave lines that nearly go on in one line.
+    with_q: bool,
 }
 
 impl PathAsked {
     /// Blends within the tolerance of the machine, mm.
     pub(crate) fn within(tolerance_mm: f64) -> PathAsked {
-        PathAsked { mode: PathMode::within(tolerance_mm), merges_all: false }
+        PathAsked { mode: PathMode::within(tolerance_mm), with_q: false }
     }
 
     /// G61, G61.1, G64 P. Without P, or with P0, the tolerance is that of the machine, mm; `unit`: mm in one
@@ -30,7 +29,7 @@ impl PathAsked {
         unit: f64,
         tolerance_mm: f64,
     ) -> Result<PathAsked, Box<Problem>> {
-        let exact = |mode| PathAsked { mode, merges_all: false };
+        let exact = |mode| PathAsked { mode, with_q: false };
         Ok(match mode {
             canon::PathMode::ExactPath => exact(PathMode::ExactPath),
             canon::PathMode::ExactStop => exact(PathMode::ExactStop),
@@ -39,14 +38,14 @@ impl PathAsked {
         })
     }
 
-    /// Q of G64, mm: P is for blends alone.
+    /// Q of G64, mm: all of P is for every corner then.
     pub(crate) fn merge_within(&mut self, mm: f64) -> Done {
         let mm = in_range('Q', mm)?;
         if let PathMode::Blend { tolerance_mm, merge_mm } = &mut self.mode {
-            if !self.merges_all {
+            if !self.with_q {
                 *tolerance_mm += *merge_mm;
             }
-            (*merge_mm, self.merges_all) = (mm, true);
+            (*merge_mm, self.with_q) = (mm, true);
         }
         Ok(())
     }

@@ -122,9 +122,10 @@ pub enum PathMode {
     ExactPath,
     /// Corners are rounded (G64).
     Blend {
-        /// Farthest that the path may leave what is programmed, mm, 0 to [`PathMode::MOST_MM`].
+        /// Farthest that a corner may be rounded, mm, 0 to [`PathMode::MOST_MM`].
         tolerance_mm: f64,
-        /// Lines whose ends lay this near to one line have been made one, mm, 0 to [`PathMode::MOST_MM`].
+        /// Where lines nearly go on in one line, the path may leave them by so much more, mm, 0 to
+        /// [`PathMode::MOST_MM`]: half of it for lines that have been made one, half for blends.
         merge_mm: f64,
     },
 }
@@ -132,13 +133,22 @@ pub enum PathMode {
 impl PathMode {
     /// Largest tolerance, mm.
     pub const MOST_MM: f64 = 10.0;
-    /// Share of a tolerance that merging gets where nothing is said of it; the rest is for blends.
-    const MERGE_SHARE: f64 = 0.25;
+    /// Share of a tolerance that is for nearly straight lines alone where nothing is said of it; the rest is
+    /// for every corner.
+    const MERGE_SHARE: f64 = 0.2;
 
     /// Blends of G64 with a tolerance and without Q: merging and blends stay within it together.
     pub fn within(tolerance_mm: f64) -> PathMode {
         let merge_mm = PathMode::MERGE_SHARE * tolerance_mm;
         PathMode::Blend { tolerance_mm: tolerance_mm - merge_mm, merge_mm }
+    }
+
+    /// Lines may be made one whose ends lie so near to it, mm.
+    pub fn merges_within_mm(self) -> f64 {
+        match self {
+            PathMode::Blend { merge_mm, .. } => 0.5 * merge_mm,
+            PathMode::ExactStop | PathMode::ExactPath => 0.0,
+        }
     }
 
     fn check(self) -> Result<(), Refused> {

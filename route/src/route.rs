@@ -121,8 +121,9 @@ impl Route {
     fn corner(&self) -> Corner {
         match self.mode {
             PathMode::ExactStop => Corner::Stop,
-            PathMode::Blend { tolerance_mm, .. } if tolerance_mm > self.machine.path.exact_mm => {
-                Corner::Blend(tolerance_mm)
+            PathMode::Blend { tolerance_mm, merge_mm } if tolerance_mm > self.machine.path.exact_mm => {
+                let flat = tolerance_mm + merge_mm - self.mode.merges_within_mm();
+                Corner::Curve { corner: tolerance_mm, flat, tip: merge_mm }
             }
             PathMode::ExactPath | PathMode::Blend { .. } => Corner::Exact(self.machine.path.exact_mm),
         }
@@ -130,10 +131,7 @@ impl Route {
 
     /// The corner of the mode in force, rounded within so many mm at most.
     pub(crate) fn corner_within(&self, mm: f64) -> Corner {
-        match self.corner() {
-            Corner::Blend(tolerance_mm) => Corner::Blend(tolerance_mm.min(mm)),
-            corner => corner,
-        }
+        self.corner().at_most(mm)
     }
 
     pub(crate) fn feed(&self, feed: Feed) -> chain::Feed {

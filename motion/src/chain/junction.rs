@@ -11,6 +11,7 @@
 
 use super::Block;
 use crate::blend::{Blend, aside};
+use crate::path::Path;
 
 /// Corners that turn by more are stopped at: rounding would leave the tip uncut. Cosine of 120°.
 const SHARPEST: f64 = -0.5;
@@ -33,6 +34,30 @@ pub enum Corner {
     Exact(f64),
     /// The corner is rounded within so many mm (G64).
     Blend(f64),
+    /// The same; a corner of two lines whose tip lies within `tip` mm of the line past it is rounded within
+    /// `flat` mm, which is more (G64 Q).
+    Curve {
+        /// Of any other corner, mm.
+        corner: f64,
+        /// Of a flat one, mm.
+        flat: f64,
+        /// What is flat, mm.
+        tip: f64,
+    },
+}
+
+impl Corner {
+    /// The same with nothing rounded by more than so many mm.
+    #[must_use]
+    pub fn at_most(self, mm: f64) -> Corner {
+        match self {
+            Corner::Blend(tolerance) => Corner::Blend(tolerance.min(mm)),
+            Corner::Curve { corner, flat, tip } => {
+                Corner::Curve { corner: corner.min(mm), flat: flat.min(mm), tip }
+            }
+            corner => corner,
+        }
+    }
 }
 
 /// What becomes of the junction of two blocks.
@@ -71,6 +96,8 @@ pub(super) fn junction<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>
         Corner::Exact(tolerance) if turn <= TANGENT => tolerance,
         Corner::Exact(_) => return Junction::Stop,
         Corner::Blend(tolerance) => tolerance,
+        Corner::Curve { flat, tip, .. } if is_flat(last, next, tip) => flat,
+        Corner::Curve { corner, .. } => corner,
     };
     // |Δ1|² = 2 − 2 cos of the turn.
     if 1.0 - 0.5 * turn * turn < SHARPEST || !last.feed.same_kind(next.feed) {
@@ -102,4 +129,17 @@ pub(super) fn junction<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>
         return Junction::Stop;
     }
     Junction::Fixed(Blend::new(jumps, half))
+}
+
+/// Whether the corner of two lines lies within `tip` mm of the line past it, and both lead along that.
+fn is_flat<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>, tip: f64) -> bool {
+    let end = |path: &Path<N>| path.at(path.length())[0];
+    let dot = |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (to, on) = (end(&last.path), end(&next.path));
+    let past: [f64; N] = core::array::from_fn(|i| to[i] + on[i]);
+    let (along, all) = (dot(&to, &past), dot(&past, &past));
+    // The square of the distance, times that of the length.
+    let aside = (dot(&to, &to) * all - along * along).max(0.0);
+    let lines = last.path.is_line() && next.path.is_line();
+    lines && along > 0.0 && dot(&on, &past) > 0.0 && aside <= tip * tip * all
 }

@@ -113,6 +113,11 @@ fn corner(random: &mut Seed, kind: &Kind) -> Corner {
     match random.next() % 6 {
         0 => Corner::Stop,
         1 => Corner::Exact(random.scale(1e-5, 1e-2)),
+        2 => Corner::Curve {
+            corner: kind.tolerance,
+            flat: kind.tolerance * random.between(1.0, 3.0),
+            tip: kind.tolerance * random.scale(0.1, 10.0),
+        },
         _ => Corner::Blend(kind.tolerance),
     }
 }

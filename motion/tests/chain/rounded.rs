@@ -5,7 +5,7 @@
 //! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow (M172):
 //! no place where several reach may be led away by more than its tolerance.
 
-use crate::programs::{Line, N};
+use crate::programs::{Line, N, end_of};
 use crate::stand::Seen;
 use motion::chain::{Corner, Feed};
 use motion::{Blend, Path};
@@ -72,12 +72,26 @@ enum Kind {
     Corner([f64; N], f64, bool),
 }
 
+/// Whether two lines nearly are one: seen from the start of the first, the tip is near the line to the end.
+pub(crate) fn is_flat(last: &Line, next: &Line) -> bool {
+    let Corner::Curve { tip, .. } = last.corner else { return false };
+    let (to, on) = (end_of(&last.path), end_of(&next.path));
+    let past: [f64; N] = std::array::from_fn(|i| to[i] + on[i]);
+    let all = distance(&past, &[0.0; N]);
+    let along = |way: &[f64; N]| (0..N).map(|i| way[i] * past[i] / all).sum::<f64>();
+    let foot = past.map(|x| x / all * along(&to));
+    let lines = last.path.is_line() && next.path.is_line();
+    lines && along(&to) > 0.0 && along(&on) > 0.0 && distance(&to, &foot) <= tip
+}
+
 fn kind(last: &Line, next: &Line) -> Kind {
     let jumps = last.path.jumps(&next.path);
     let turn = distance(&jumps[0], &[0.0; N]);
     let tolerance = match last.corner {
         Corner::Exact(tolerance) if turn <= 1e-3 => tolerance,
         Corner::Blend(tolerance) => tolerance,
+        Corner::Curve { flat, .. } if is_flat(last, next) => flat,
+        Corner::Curve { corner, .. } => corner,
         Corner::Exact(_) | Corner::Stop => return Kind::Stop,
     };
     // The chord of 120°.

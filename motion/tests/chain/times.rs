@@ -221,3 +221,63 @@ fn an_even_division_stays_one_when_it_is_rounded() {
     let [exact, rounded] = [points, rounded].map(|points| times(&points, 100.0, Corner::Blend(0.01)).0);
     assert!(rounded <= 1.05 * exact, "{rounded} s for rounded points, {exact} s for exact ones");
 }
+
+/// A closed wave in chords of `step` mm and up to `more` times that.
+fn wave(random: &mut Seed, step: f64, more: f64) -> Vec<[f64; N]> {
+    let (waves, size) = (f64::from(2 + (random.next() % 4) as u32), random.between(0.5, 4.0));
+    let (mut turn, mut points) = (0.0, Vec::new());
+    while turn < std::f64::consts::TAU {
+        let radius = 20.0 + size * libm::sin(waves * turn);
+        points.push([radius * libm::cos(turn), radius * libm::sin(turn), 2.0 * libm::sin(2.0 * turn)]);
+        turn += step * random.between(1.0, more) / 25.0;
+    }
+    points
+}
+
+#[test]
+fn a_larger_tolerance_is_never_slower() {
+    for number in 0..20 {
+        let mut random = Seed::of_case(700 + number);
+        let (step, more) = (random.scale(0.05, 1.0), random.scale(1.0, 3.0));
+        let points = wave(&mut random, step, more);
+        let mut before = f64::INFINITY;
+        for tolerance in [0.002, 0.005, 0.01, 0.02, 0.05, 0.1] {
+            let (time, _) = times(&points, 100.0, Corner::Blend(tolerance));
+            assert!(
+                time <= 1.02 * before,
+                "{time} s within {tolerance} mm, {before} s within less: {number}"
+            );
+            before = time;
+        }
+    }
+}
+
+#[test]
+fn finer_chords_are_never_slower() {
+    for number in 0..10 {
+        let mut before = f64::INFINITY;
+        for step in [1.6, 0.8, 0.4, 0.2, 0.1] {
+            let points = wave(&mut Seed::of_case(800 + number), step, 1.5);
+            let (time, _) = times(&points, 100.0, Corner::Blend(0.01));
+            assert!(
+                time <= 1.02 * before,
+                "{time} s in chords of {step} mm, {before} s in twice that: {number}"
+            );
+            before = time;
+        }
+    }
+}
+
+/// What a CAM system writes: uneven chords, rounded to a thousandth.
+#[test]
+fn uneven_lines_of_three_decimals_are_nearly_as_fast_as_even_ones() {
+    let curve = |more: f64, decimals: f64| {
+        let mut random = Seed::of_case(900);
+        let mut points = wave(&mut random, 0.2 * 2.0 / (1.0 + more), more);
+        points.iter_mut().flatten().for_each(|x| *x = (*x * decimals).round() / decimals);
+        times(&points, 100.0, Corner::Blend(0.01)).0
+    };
+    let (even, uneven, rounded) = (curve(1.0, 1e9), curve(2.0, 1e9), curve(2.0, 1e3));
+    assert!(uneven <= 1.1 * even, "{uneven} s for uneven lines, {even} s for even ones");
+    assert!(rounded <= 1.07 * uneven, "{rounded} s with three decimals, {uneven} s with nine");
+}

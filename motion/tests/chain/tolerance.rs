@@ -1,7 +1,7 @@
 //! The path never leaves the programmed one by more than the path mode allows.
 
 use crate::programs::{Line, N, program};
-use crate::rounded::nearest;
+use crate::rounded::{is_flat, nearest};
 use crate::stand::{Seen, Stand, ask};
 use motion::chain::{Ask, Corner, Ratios};
 use testing::{Seed, count};
@@ -13,6 +13,7 @@ fn allowed(block: &Line) -> f64 {
     match block.corner {
         Corner::Stop => 0.0,
         Corner::Exact(tolerance) | Corner::Blend(tolerance) => tolerance,
+        Corner::Curve { flat, .. } => flat,
     }
 }
 
@@ -38,7 +39,10 @@ fn off(blocks: &[Line], seen: &Seen) -> f64 {
 /// there is that much room beside both.
 fn beyond(blocks: &[Line], k: usize) -> f64 {
     let Some([last, next]) = blocks.get(k..k + 2) else { return 0.0 };
-    let tolerance = allowed(last);
+    let tolerance = match last.corner {
+        Corner::Curve { corner, .. } if !is_flat(last, next) => corner,
+        _ => allowed(last),
+    };
     if last.room.min(next.room) < tolerance { 0.0 } else { tolerance }
 }
 

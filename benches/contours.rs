@@ -1,0 +1,220 @@
+//! How long contours take that CAM systems write as lines. `cargo bench --bench contours` prints, for each of
+//! them, the time that `pitchlock check` foretells at 6 m/min on the small mill, beside length by feed: with
+//! several tolerances P of G64, with Q, and with coordinates of three decimals.
+//!
+//! The contours are made here, so anybody can make them again: circles in chords of equal and unequal lengths, a
+//! Lissajous curve in space, an involute gear, a trochoid, lines over a triangle mesh, strokes like letters, a
+//! zigzag. Chords lie within so many micrometres of their curve.
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write as _;
+
+use machine::Machine;
+use testing::Seed;
+
+const FEED_MM_MIN: f64 = 6000.0;
+/// Travel of every axis, so that all contours fit, mm.
+const TRAVEL_MM: [f64; 2] = [-2000.0, 2000.0];
+/// Words of G64 that are compared.
+const MODES: [&str; 5] = ["P0.005", "P0.01", "P0.02", "P0.05", "P0.01 Q0.05"];
+
+type Point = [f64; 3];
+
+fn less(a: &Point, b: &Point) -> Point {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn norm(a: &Point) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Points of a curve of the parameters 0 to `to` whose chords lie within `mm` of it.
+fn chords(curve: impl Fn(f64) -> Point, to: f64, mm: f64) -> Vec<Point> {
+    let (mut t, mut points) = (0.0, vec![curve(0.0)]);
+    while t < to {
+        let from = curve(t);
+        let aside = |step: f64| {
+            let way = less(&curve(t + step), &from);
+            let off = |share: f64| {
+                let seen = less(&curve(t + share * step), &from);
+                let along = (0..3).map(|i| seen[i] * way[i]).sum::<f64>() / norm(&way);
+                norm(&std::array::from_fn(|i| seen[i] - along * way[i] / norm(&way)))
+            };
+            [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max)
+        };
+        let (mut low, mut high) = (1e-6, 0.5);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if aside(middle) < mm { low = middle } else { high = middle }
+        }
+        t += low.min(to - t + 1e-12);
+        points.push(curve(t));
+    }
+    points
+}
+
+/// A circle of 20 mm, three times, in chords that `length` draws.
+fn circle(mut length: impl FnMut() -> f64) -> Vec<Point> {
+    let (mut turn, mut points) = (0.0, Vec::new());
+    while turn < 3.0 * TAU {
+        points.push([20.0 * libm::cos(turn), 20.0 * libm::sin(turn), 0.0]);
+        turn += length() / 20.0;
+    }
+    points
+}
+
+fn lissajous(mm: f64) -> Vec<Point> {
+    let wave = |size: f64, turns: f64| move |t: f64| size * libm::sin(turns * t);
+    let (x, y, z) = (wave(30.0, 2.0), wave(20.0, 3.0), wave(5.0, 5.0));
+    chords(|t| [x(t), y(t), z(t)], TAU, mm)
+}
+
+/// Twenty involute teeth of module 2.
+fn gear(mm: f64) -> Vec<Point> {
+    const TEETH: u32 = 20;
+    let pitch = f64::from(TEETH);
+    let base = pitch * libm::cos(PI / 9.0);
+    let (tip, root) = (pitch + 2.0, pitch - 2.5);
+    let involute = |radius: f64| {
+        let tangent = ((radius / base) * (radius / base) - 1.0).max(0.0).sqrt();
+        tangent - libm::atan(tangent)
+    };
+    let half = PI / (2.0 * pitch) + involute(pitch);
+    let mut points = Vec::new();
+    for tooth in 0..TEETH {
+        let middle = TAU * f64::from(tooth) / pitch;
+        let at = |radius: f64, turn: f64| {
+            [radius * libm::cos(middle + turn), radius * libm::sin(middle + turn), 0.0]
+        };
+        let flank = |share: f64, side: f64| {
+            let radius = base + (tip - base) * share;
+            at(radius, side * (half - involute(radius)))
+        };
+        let (foot, top) = (PI / pitch, half - involute(tip));
+        points.extend(chords(|t| at(root, -foot + (foot - half) * t), 1.0, mm));
+        points.extend(chords(|t| flank(t, -1.0), 1.0, mm));
+        points.extend(chords(|t| at(tip, top * (2.0 * t - 1.0)), 1.0, mm));
+        points.extend(chords(|t| flank(1.0 - t, 1.0), 1.0, mm));
+        points.extend(chords(|t| at(root, half + (foot - half) * t), 1.0, mm));
+    }
+    points
+}
+
+/// Forty loops of 1.5 mm, 0.4 mm apart.
+fn trochoid(mm: f64) -> Vec<Point> {
+    chords(|t| [1.5 * (1.0 - libm::cos(TAU * t)) + 0.4 * t, 1.5 * libm::sin(TAU * t), 0.0], 40.0, mm)
+}
+
+/// Eight lines to and fro over a surface of triangles of 1 mm, from edge to edge.
+fn mesh() -> Vec<Point> {
+    let height = |x: f64, y: f64| 4.0 * libm::sin(x / 6.0) * libm::cos(y / 8.0) + 0.02 * x * x;
+    let facet = |x: f64, y: f64| {
+        let (i, j) = (x.floor(), y.floor());
+        let (u, v) = (x - i, y - j);
+        let [low, right, up, high] =
+            [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(a, b)| height(i + a, j + b));
+        match u + v < 1.0 {
+            true => low + u * (right - low) + v * (up - low),
+            false => high + (1.0 - u) * (up - high) + (1.0 - v) * (right - high),
+        }
+    };
+    let mut points = Vec::new();
+    for line in 0..8 {
+        let y = 0.3 + 0.37 * f64::from(line);
+        let mut edges: Vec<f64> =
+            (0..40).map(f64::from).flat_map(|x| [x, x + 1.0 - (y - y.floor())]).chain([40.0]).collect();
+        if line % 2 == 1 {
+            edges.reverse();
+        }
+        points.extend(edges.into_iter().map(|x| [x, y, facet(x, y)]));
+    }
+    points
+}
+
+/// Goes on from the last point, by so many mm in a direction.
+fn go(points: &mut Vec<Point>, heading: f64, mm: f64) {
+    let [x, y, z] = points[points.len() - 1];
+    points.push([x + mm * libm::cos(heading), y + mm * libm::sin(heading), z]);
+}
+
+/// Strokes and arcs, the arcs in chords within 2 µm, with a corner now and then.
+fn letters() -> Vec<Point> {
+    let (mut random, mut points, mut heading) = (Seed::of_case(3), vec![[0.0; 3]], 0.0);
+    for _ in 0..120 {
+        if random.chance(0.4) {
+            go(&mut points, heading, random.between(0.3, 3.0));
+        } else {
+            let (radius, sweep) = (random.between(0.3, 2.0), random.between(0.5, 3.0));
+            let side = if random.chance(0.5) { 1.0 } else { -1.0 };
+            let count = (sweep / (2.0 * libm::acos(1.0 - 0.002 / radius))).ceil();
+            let step = 0.5 * sweep / count;
+            for _ in 0..count as u32 {
+                heading += side * step;
+                go(&mut points, heading, 2.0 * radius * libm::sin(step));
+                heading += side * step;
+            }
+        }
+        heading += if random.chance(0.3) { random.between(-2.0, 2.0) } else { 0.0 };
+    }
+    points
+}
+
+/// Lines of 0.5 to 6 mm that turn by 30 to 110 degrees to and fro.
+fn zigzag() -> Vec<Point> {
+    let (mut random, mut points, mut heading) = (Seed::of_case(7), vec![[0.0; 3]], 0.0);
+    for line in 0..300 {
+        go(&mut points, heading, random.between(0.5, 6.0));
+        let turn = random.between(PI / 6.0, 11.0 * PI / 18.0);
+        heading += if line % 2 == 0 { turn } else { -turn };
+    }
+    points
+}
+
+/// Seconds that a program through points takes, without the way to the first.
+fn time(machine: &Machine, points: &[Point], mode: &str, decimals: usize) -> f64 {
+    let [start, text] = [1, points.len()].map(|count| {
+        let mut text = format!("G21 G90 G94 G17 G64 {mode} F{FEED_MM_MIN}\n");
+        for (k, [x, y, z]) in points[..count].iter().enumerate() {
+            let code = if k == 0 { "G0" } else { "G1" };
+            writeln!(text, "{code} X{x:.decimals$} Y{y:.decimals$} Z{z:.decimals$}").unwrap();
+        }
+        text + "M2\n"
+    });
+    let [start, whole] = [start, text].map(|text| {
+        let check = interpreter::check("contour.ngc", &text, machine);
+        assert!(check.is_good(), "{:?}", check.diagnostics);
+        check.time_s
+    });
+    whole - start
+}
+
+fn main() {
+    let mut machine = Machine::from_toml(machine::SMALL_MILL).unwrap();
+    machine.axis.values_mut().for_each(|axis| axis.travel_mm = TRAVEL_MM);
+    let mut random = Seed::of_case(1);
+    let contours: [(&str, Vec<Point>); 13] = [
+        ("circle, 0.5 to 2 mm", circle(|| random.between(0.5, 2.0))),
+        ("circle, 0.2 mm", circle(|| 0.2)),
+        ("circle, 0.05 mm", circle(|| 0.05)),
+        ("circle, 0.02 mm", circle(|| 0.02)),
+        ("Lissajous, 5 um", lissajous(0.005)),
+        ("Lissajous, 2 um", lissajous(0.002)),
+        ("Lissajous, 0.5 um", lissajous(0.0005)),
+        ("gear, 2 um", gear(0.002)),
+        ("trochoid, 5 um", trochoid(0.005)),
+        ("trochoid, 1 um", trochoid(0.001)),
+        ("triangle mesh", mesh()),
+        ("letters, 2 um", letters()),
+        ("zigzag", zigzag()),
+    ];
+    print!("{:<20} {:>6} {:>8}", "contour", "lines", "way/feed");
+    MODES.iter().for_each(|mode| print!(" {mode:>12}"));
+    println!(" {:>14}", "P0.01, 3 dec.");
+    for (name, points) in contours {
+        let way: f64 = points.windows(2).map(|pair| norm(&less(&pair[1], &pair[0]))).sum();
+        print!("{name:<20} {:>6} {:>8.2}", points.len() - 1, 60.0 * way / FEED_MM_MIN);
+        MODES.iter().for_each(|mode| print!(" {:>12.2}", time(&machine, &points, mode, 5)));
+        println!(" {:>14.2}", time(&machine, &points, "P0.01", 3));
+    }
+}
