@@ -6,7 +6,7 @@ use clap::Args;
 use lsp::Settings;
 use process::shell::LanguageArgs;
 
-use crate::{args::MachineArgs, error::CliError};
+use crate::{args::MachineArgs, error::CliError, words};
 
 pub(crate) const HELP: &str =
     "An editor starts it; docs/editor.md says how VS Code, Neovim, Helix and Emacs are told to.
@@ -31,7 +31,7 @@ pub(crate) struct LspArgs {
 /// Serves an editor until it ends.
 pub(crate) fn lsp(args: &LspArgs) -> Result<ExitCode, CliError> {
     let shop = args.machine.with_language(&args.language)?;
-    eprint!("{}", shop.notes);
+    words::say(&shop.notes);
     let (connection, threads) = lsp_server::Connection::stdio();
     let settings = Settings { machine: shop.machine, language: shop.language.language(), docs: None };
     let served = ::lsp::serve(&connection, settings);
