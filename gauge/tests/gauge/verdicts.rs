@@ -1,5 +1,7 @@
 //! Good threads are good, and threads with an error on purpose are refused because of it.
 
+use std::collections::BTreeSet;
+
 use gauge::{Cause, Check, Verdict};
 use testing::Seed;
 
@@ -100,7 +102,7 @@ fn wrong(thread: &Made) -> Vec<(&'static str, Made, Check, Cause)> {
 
 #[test]
 fn threads_that_are_wrong_on_purpose_are_refused_for_that_reason() {
-    let mut refused = 0;
+    let (mut refused, mut out_of_phase) = (0, BTreeSet::new());
     for thread in threads() {
         for (what, made, check, cause) in wrong(&thread) {
             let report = made.judged();
@@ -108,9 +110,16 @@ fn threads_that_are_wrong_on_purpose_are_refused_for_that_reason() {
             assert_eq!(report.verdict, Verdict::Bad, "{at}");
             assert_eq!((report.reasons[0].check, report.reasons[0].cause), (check, cause), "{at}");
             refused += 1;
+            if cause == Cause::Apart {
+                // As deep and in phase it is good: nothing but the pass is wrong.
+                let in_phase = made.with(Errors::default()).judged();
+                assert_eq!(in_phase.verdict, Verdict::Good, "{}, {what}: {in_phase:?}", thread.nominal.name);
+                out_of_phase.insert(what);
+            }
         }
     }
     assert!(refused >= 60, "{refused}");
+    assert_eq!(out_of_phase.len(), 3, "{out_of_phase:?}");
 }
 
 #[test]
