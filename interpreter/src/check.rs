@@ -137,15 +137,19 @@ pub fn check_while(
     check.jobs = interpreter.jobs().to_vec();
     check.part = interpreter.part().cloned();
     check.origins_mm = interpreter.origins_mm().clone();
-    let tools = interpreter.program().tools().iter().filter(|tool| tool.diameter > 0.0);
-    check.diameters_mm =
-        tools.filter_map(|tool| Some((u32::try_from(tool.number).ok()?, tool.diameter))).collect();
+    check.diameters_mm = diameters_mm(interpreter.program());
     check.gauge = interpreter.gauge().cloned();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.outlasting = interpreter.program().outlasting();
     check.time_s = clock.seconds();
     check
+}
+
+/// Diameters of the tool table, by tool, mm.
+pub(crate) fn diameters_mm(program: &Program) -> BTreeMap<u32, f64> {
+    let tools = program.tools().iter().filter(|tool| tool.diameter > 0.0);
+    tools.filter_map(|tool| Some((u32::try_from(tool.number).ok()?, tool.diameter))).collect()
 }
 
 /// How long machine code takes on a machine at 100 % override, s.

@@ -25,7 +25,7 @@
 //! | `arc`, `spindle`, `auxiliary`, `threading` | a call, what is in force | codes |
 //! | `job` | the text of a job | moves, formulas, a trace |
 //! | `reach` | a machine | what it does not have, by name |
-//! | `stock` | moves, the part | what is left of it, and warnings |
+//! | `stock`, `block` | moves, the part of a lathe, of a mill | what is left of it, and warnings |
 //! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
@@ -34,6 +34,7 @@
 
 mod arc;
 mod auxiliary;
+mod block;
 mod check;
 pub mod formula;
 mod frame;
@@ -61,6 +62,7 @@ use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
+use check::diameters_mm;
 pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s};
 pub use gcode::{Diagnostic, Dialect, Guess, Outlasting, Severity};
 pub use job::JobNote;
@@ -92,8 +94,8 @@ impl Interpreter {
     /// An interpreter at the beginning of a program. `machine` has been checked.
     pub fn new(program: Program, machine: &Machine) -> Interpreter {
         Interpreter {
+            translator: Translator::new(machine, diameters_mm(&program)),
             program,
-            translator: Translator::new(machine),
             errors: VecDeque::new(),
             warnings: Vec::new(),
             reported: BTreeSet::new(),
@@ -135,7 +137,8 @@ impl Interpreter {
         self.translator.jobs()
     }
 
-    /// The part, if a comment or a file beside the program said what it is.
+    /// The part, if a comment or a file beside the program said what it is. X and Y of a block are those of
+    /// the machine once it is cut.
     pub fn part(&self) -> Option<&Part> {
         self.translator.part()
     }

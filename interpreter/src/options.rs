@@ -181,19 +181,21 @@ fn beginning(path: &Path) -> Vec<u8> {
     beginning
 }
 
-/// The part that a program on a lathe cuts, if a file beside it describes it: `part.toml` beside `part.ngc`;
+/// The part that a program cuts, if a file beside it describes it: `part.toml` beside `part.ngc`;
 /// and that file.
 ///
 /// # Errors
 /// It cannot be read, or what it says cannot be.
 pub fn part_beside(path: &Path, machine: &Machine) -> Result<Option<(PathBuf, Part)>, OpenError> {
     let path = path.with_extension("toml");
-    if machine.general.kinematics != machine::Kinematics::Lathe || !path.is_file() {
+    if machine.general.kinematics == machine::Kinematics::Positioner || !path.is_file() {
         return Ok(None);
     }
     let text = std::fs::read_to_string(&path);
     let text = text.map_err(|error| OpenError::Program { path: path.clone(), error })?;
-    let part = Part::from_toml(&text).map_err(|error| OpenError::Part { path: path.clone(), error })?;
+    let fits = |part: Part| part.fits(machine.general.kinematics);
+    let part = Part::from_toml(&text).and_then(|part| part.map(fits).transpose());
+    let part = part.map_err(|error| OpenError::Part { path: path.clone(), error })?;
     Ok(part.map(|part| (path, part)))
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use rig::observe::Summary;
 
-use crate::shop::Place;
+use crate::shop::{Place, project};
 
 const PROGRAM: &str =
     "G18 G21 G90 G8 G97 G94\nS600 M3\nG0 X12 Z8\nG0 X9.5\nG33 Z-12 K2\nG0 X12\nG0 Z60\nM5\nM2\n";
@@ -73,4 +73,43 @@ fn a_file_that_cannot_be_understood_is_refused_with_its_name_and_a_remedy() {
         }
     }
     assert!(!place.at("runs").exists(), "nothing was run");
+}
+
+/// A block of a mill, in the file beside the program: warned of (in and out again), kept in the summary,
+/// drawn.
+#[test]
+fn the_block_of_a_mill_is_warned_of_and_drawn() {
+    let place = Place::new();
+    let machine = project().join("examples/machines/small-mill.toml").display().to_string();
+    let program = "G17 G21 G90 G94\nG10 L2 P1 X-20 Y-10 Z0\nS3000 M3\nG0 X-10 Y20 Z5\nG0 Z-2\nG1 X60 F1200\nG0 Z5\nG0 X20 Y5\n\
+                   G0 Z-1\nG0 Z50\nM5\nM2\n";
+    place.write("part.ngc", program);
+    place.write("tools.tbl", "T1 P1 D8\n");
+    place.write("part.toml", "[part]\nstock = \"block\"\nfrom_mm = [0, 0, -10]\nto_mm = [50, 40, 0]\n");
+    let with_tool = program.replace("S3000", "T1 M6 S3000");
+    place.write("part.ngc", with_tool);
+    let answer = place.ask(&[
+        "run",
+        "part.ngc",
+        "--machine",
+        &machine,
+        "--tools",
+        "tools.tbl",
+        "--in-process",
+        "--out",
+        "run",
+    ]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    assert_eq!(answer.stderr.matches("warning[rapid-in-stock]").count(), 2, "{}", answer.stderr);
+    assert!(answer.stderr.contains("part.ngc:9"), "{}", answer.stderr);
+    let summary = Summary::read(&place.at("run/summary.json")).expect("a summary");
+    let block = summary.stock.and_then(|stock| stock.block_mm);
+    assert_eq!(block, Some([[-20.0, -10.0, -10.0], [30.0, 30.0, 0.0]]), "X and Y of the machine");
+    let page = fs::read_to_string(place.at("run/report.html")).expect("a report");
+    assert!(page.contains("The stock is the block that the program describes"));
+
+    place.write("part.toml", BAR);
+    let answer = place.ask(&["check", "part.ngc", "--machine", &machine, "--tools", "tools.tbl"]);
+    assert_eq!(answer.status, Some(2), "{}", answer.stderr);
+    assert!(answer.stderr.contains("a mill cuts a block and nothing else"), "{}", answer.stderr);
 }

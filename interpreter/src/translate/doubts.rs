@@ -39,7 +39,7 @@ impl Translator {
 
     /// A feed while the spindle stands. Where the part is known, what moves through it is looked at instead.
     fn standing(&mut self) -> Option<Box<Problem>> {
-        let cuts = self.machine.general.kinematics != Kinematics::Positioner && self.stock.is_none();
+        let cuts = self.machine.general.kinematics != Kinematics::Positioner && self.part().is_none();
         let standing = cuts && !self.spindle.turns();
         let is_new = standing && !std::mem::replace(&mut self.doubts.standing, standing);
         self.doubts.standing = standing;

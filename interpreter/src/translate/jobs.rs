@@ -36,6 +36,9 @@ impl Translator {
         for trace in traces {
             self.push(place.line, Code::Work(trace));
         }
+        if let Some(block) = &mut self.block {
+            block.forget();
+        }
         self.points.axes_rest_at(&end);
         self.go(place.line, &retract);
         self.points.program_follows_axes();

@@ -21,6 +21,7 @@ use protocol::{Axis, Code, Feed, Item, ThreadPass};
 use crate::MessageNote;
 use crate::arc;
 use crate::auxiliary::{Auxiliary, find_tool};
+use crate::block::Block;
 use crate::job::{JobNote, Jobs};
 use crate::modal::{Modal, Synchronised};
 use crate::output::Output;
@@ -49,6 +50,11 @@ pub(crate) struct Translator {
     doubts: Doubts,
     part: Option<Part>,
     stock: Option<Stock>,
+    block: Option<Block>,
+    /// Whether the block lies where X and Y of the machine are; until it is cut nobody knows.
+    block_lies: bool,
+    /// Of the tool table, by tool.
+    diameters_mm: BTreeMap<u32, f64>,
     /// Where zero of the program lies on the machine where a tool first cuts: X, Z.
     origins_mm: BTreeMap<u32, [f64; 2]>,
     gauged: Gauged,
@@ -74,7 +80,8 @@ impl Sink for Translator {
 }
 
 impl Translator {
-    pub(crate) fn new(machine: &Machine) -> Translator {
+    /// `diameters_mm` are those of the tool table.
+    pub(crate) fn new(machine: &Machine, diameters_mm: BTreeMap<u32, f64>) -> Translator {
         let modal = Modal::new(machine);
         Translator {
             machine: machine.clone(),
@@ -88,6 +95,9 @@ impl Translator {
             doubts: Doubts::default(),
             part: None,
             stock: None,
+            block: None,
+            block_lies: false,
+            diameters_mm,
             origins_mm: BTreeMap::new(),
             gauged: Gauged::default(),
         }

@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use machine::{Kinematics, Part};
-use protocol::{Arc, PerAxis, Position, ThreadPass};
+use protocol::{Arc, Axis, PerAxis, Position, ThreadPass};
 
 use super::Translator;
+use crate::block::Block;
 use crate::reach::Done;
 use crate::stock::{Goes, Stock, drill_mm, point};
 use crate::thread::Point;
@@ -19,7 +20,8 @@ const CHORDS: u32 = 32;
 impl Translator {
     /// The part that a file beside the program describes.
     pub(crate) fn has_part(&mut self, part: Part) {
-        self.stock = Some(Stock::new(&part));
+        self.block = part.block().map(Block::new);
+        self.stock = self.block.is_none().then(|| Stock::new(&part));
         self.part = Some(part);
     }
 
@@ -28,13 +30,15 @@ impl Translator {
         self.part.as_ref()
     }
 
-    /// A comment may say what the part of a lathe is.
+    /// A comment may say what the part is.
     pub(super) fn take_part(&mut self, text: &str) -> Done {
-        if self.machine.general.kinematics != Kinematics::Lathe {
+        let kinematics = self.machine.general.kinematics;
+        if kinematics == Kinematics::Positioner {
             return Ok(());
         }
         let wrong = |message: String, help: &str| Problem::error("bad-part", Blame::Block, message, help);
         let part = Part::from_comment(text, self.modal.frame.unit);
+        let part = part.and_then(|part| part.map(|part| part.fits(kinematics)).transpose());
         let Some(part) = part.map_err(|error| wrong(error.to_string(), error.help()))? else { return Ok(()) };
         if self.part.is_some() {
             let help = "leave one of them out: a comment, or [part] in the file beside the program";
@@ -58,6 +62,10 @@ impl Translator {
     /// The tool in the holder cuts, and zero of the program lies there.
     fn cuts_at(&mut self, origin: Point) {
         let tool = self.auxiliary.tool().unwrap_or(0);
+        if self.block.is_some() && !std::mem::replace(&mut self.block_lies, true) {
+            let at = self.modal.frame.machine(&[0.0; 6]);
+            self.part = self.part.take().map(|part| part.moved([at[gcode::canon::X], at[gcode::canon::Y]]));
+        }
         self.origins_mm.entry(tool).or_insert([origin.x, origin.z]);
     }
 
@@ -66,7 +74,7 @@ impl Translator {
         if !rapid {
             self.cuts_at(self.origin());
         }
-        if self.stock.is_some() {
+        if self.part.is_some() {
             self.part_sees_way(place, &[self.points.axes_at_rest(), *to], rapid);
         }
     }
@@ -75,7 +83,7 @@ impl Translator {
     pub(super) fn part_sees_arc(&mut self, place: Place, arc: &Arc) {
         self.cuts_at(self.origin());
         let rest = self.points.axes_at_rest();
-        if self.stock.is_some()
+        if self.part.is_some()
             && let Ok(path) = arc.path(&rest)
         {
             let way = (0..=CHORDS).map(|chord| {
@@ -93,10 +101,36 @@ impl Translator {
             (false, true) => Goes::Cuts,
             (false, false) => Goes::CutsAtRest,
         };
+        self.block_sees_way(place, way, goes);
         let Some(stock) = &mut self.stock else { return };
         for ends in way.windows(2) {
             let line = [&ends[0], &ends[1]].map(|axes| point(axes, origin));
             if let Some(problem) = stock.goes(line, goes, drill) {
+                self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
+            }
+        }
+    }
+
+    /// The same, of the block of a mill. Where it is turned, or its zero with G10 R, nobody knows what is
+    /// left.
+    fn block_sees_way(&mut self, place: Place, way: &[PerAxis<Position>], goes: Goes) {
+        let Some(block) = &mut self.block else { return };
+        let frame = &self.modal.frame;
+        let turned = [Axis::A, Axis::B, Axis::C].map(|axis| way.iter().any(|at| at[axis.index()].0 != 0));
+        if frame.rotation_deg != 0.0 || turned.contains(&true) {
+            return block.forget();
+        }
+        let number = self.auxiliary.tool();
+        let width = number.and_then(|number| self.machine.tool(number)?.width_mm);
+        let diameter = number.and_then(|number| self.diameters_mm.get(&number).copied()).or(width);
+        let tip = |axes: &PerAxis<Position>| {
+            let at = |axis: Axis| axes[axis.index()].mm();
+            let [x, y, z, ..] = frame.programmed(&[at(Axis::X), at(Axis::Y), at(Axis::Z), 0.0, 0.0, 0.0]);
+            [x, y, z].map(|given| given * frame.unit)
+        };
+        for ends in way.windows(2) {
+            let line = [tip(&ends[0]), tip(&ends[1])];
+            if let Some(problem) = block.goes(line, goes, diameter.map(|mm| 0.5 * mm)) {
                 self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
             }
         }

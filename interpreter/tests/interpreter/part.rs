@@ -86,3 +86,54 @@ fn what_cannot_be_is_an_error_at_its_line() {
     }
     assert_eq!(found("(PART NO 4711)\n(part 1 of 2)\nM2\n"), []);
 }
+
+/// What is found in a program of a mill with a tool of 10 mm.
+fn milled(program: &str) -> Vec<(&'static str, u32)> {
+    let mut machine = Machine::from_toml(SMALL_MILL).expect("shipped");
+    let tool = machine::Tool { name: "end mill".into(), width_mm: Some(10.0), ..machine::Tool::default() };
+    machine.tools.insert("1".into(), tool.clone());
+    machine.tools.insert("2".into(), machine::Tool { width_mm: None, ..tool });
+    let program = format!("G17 G21 G90 G94 F800\n{program}M5\nM2\n");
+    let check = interpreter::check("part.ngc", &program, &machine);
+    check.diagnostics.iter().map(|one| (one.code, one.line)).collect()
+}
+
+const SMALL_MILL: &str = include_str!("../../../examples/machines/small-mill.toml");
+const BLOCK: &str = "(part, block X0 Y0 Z-20 X50 Y40 Z0)\n";
+
+#[test]
+fn a_mill_is_warned_of_what_goes_into_its_block() {
+    // Face, pocket, slot from outside, a hole with pecks; and back where it was cut.
+    let good = "T1 M6\nS3000 M3\nG0 X-10 Y10 Z5\nG0 Z-1\nG1 X60\nG0 Y19\nG1 X-10\nG0 Z5\nG0 X20 Y20\nG1 Z-4\nG1 X30\nG3 X30 Y24 J2\n\
+                G0 Z5\nG0 X20 Y20\nG0 Z-3.9\nG0 Z5\nG83 X40 Y35 Z-12 R2 Q3\nG80\nG0 Z50\n";
+    assert_eq!(milled(&format!("{BLOCK}{good}")), []);
+    for (program, expected) in [
+        ("T1 M6\nS3000 M3\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![("rapid-in-stock", 6)]),
+        ("T1 M6\nG0 X-10 Y10 Z5\nG0 Z-1\nG1 X60\n", vec![("cut-at-rest", 6)]),
+        ("T1 M6\nG0 X-3 Y-20 Z5\nG0 Z-4\nG1 Y60\n", vec![("cut-at-rest", 6)]),
+        ("T2 M6\nG0 X10 Y10 Z5\nG1 Z-1\nG0 Z5\nG0 X20\nG0 Z-5\n", vec![("cut-at-rest", 5)]),
+        ("G54\nG10 L2 P1 X-30 Y-30 Z0\nT1 M6\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![("rapid-in-stock", 7)]),
+        ("G10 L2 P1 R30\nT1 M6\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![]),
+    ] {
+        assert_eq!(milled(&format!("{BLOCK}{program}")), expected, "{program}");
+    }
+}
+
+#[test]
+fn a_mill_has_a_block_and_a_lathe_has_none() {
+    assert_eq!(milled("(part, bar D40 L60)\n"), [("bad-part", 2)]);
+    assert_eq!(milled(&format!("{BLOCK}{BLOCK}")), [("bad-part", 3)]);
+    assert_eq!(found(&format!("{HEAD}{BLOCK}M2\n")), [("bad-part", 2)]);
+}
+
+/// X and Y of the block are those of the machine once it is cut: there the report draws it.
+#[test]
+fn a_block_lies_where_the_program_has_its_zero() {
+    let mill = Machine::from_toml(SMALL_MILL).expect("shipped");
+    let program = format!(
+        "G17 G21 G90 G94 F800\n{BLOCK}G10 L2 P1 X-30 Y-20 Z0\nS900 M3\nG0 X-9 Y0 Z5\nG1 Z-1\nM5\nM2\n"
+    );
+    let check = interpreter::check("part.ngc", &program, &mill);
+    let block = check.part.and_then(|part| part.block()).expect("a block");
+    assert_eq!((block.low_mm, block.high_mm), ([-30.0, -20.0, -20.0], [20.0, 20.0, 0.0]));
+}

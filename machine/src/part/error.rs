@@ -24,6 +24,12 @@ pub enum PartError {
     /// Something is missing.
     #[error("the {0} of the stock is missing")]
     Missing(&'static str),
+    /// A block on a lathe.
+    #[error("a lathe cuts no block")]
+    OnLathe,
+    /// A bar, a tube or a profile on a mill.
+    #[error("a mill cuts a block and nothing else")]
+    OnMill,
     /// A value that no part has.
     #[error("the {what} of the stock cannot be {value}: {allowed}")]
     Value {
@@ -43,7 +49,8 @@ impl PartError {
             PartError::NotAPart => "rename it, or describe the stock in [part]",
             _ => {
                 "write (part, bar D40 L60), (part, tube D40 I20 L60 Z1 C-50) or (part, profile Z0 D20 Z-30 D20 Z-30 D40 \
-                 Z-60 D40); in a file [part] with stock, diameter_mm, inner_mm, length_mm, face_mm, profile_mm, chuck_mm"
+                 Z-60 D40), on a mill (part, block X0 Y0 Z-20 X100 Y60 Z0); in a file [part] with stock, diameter_mm, \
+                 inner_mm, length_mm, face_mm, profile_mm, chuck_mm, or from_mm and to_mm of a block"
             }
         }
     }

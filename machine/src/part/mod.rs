@@ -1,23 +1,29 @@
-//! The part that a lathe turns, before it is cut. In: a file beside the program (`[part]`), or a comment in
-//! it
-//! (`(part, bar D40 L60)`). Out: the stock as radii over Z, and where the jaws of the chuck begin; mm, in the
-//! coordinates of the program.
+//! The part before it is cut. In: a file beside the program (`[part]`), or a comment in it (`(part, bar D40
+//! L60)`). Out: of a lathe the stock as radii over Z, and where the jaws of the chuck begin; of a mill the
+//! corners of a block; mm, in the coordinates of the program.
 //!
 //! | stock | keys | words of the comment |
 //! |---|---|---|
 //! | `bar` | `diameter_mm`, `length_mm`, `face_mm` | D, L, Z |
 //! | `tube` | the same and `inner_mm`, the diameter of its bore | D, L, Z, I |
 //! | `profile` | `profile_mm`: rows of Z and diameter | Z and D in turn |
-//! | each | `chuck_mm`: Z at which the jaws begin; they lie below | C |
+//! | each of these | `chuck_mm`: Z at which the jaws begin; they lie below | C |
+//! | `block` | `from_mm`, `to_mm`: opposite corners | X, Y and Z, twice each |
 //!
 //! The face of the stock is at Z 0 if nothing else is said, and the stock lies below it. A comment is in the
 //! units of its program, a file in mm.
 
+mod block;
 mod error;
+#[cfg(test)]
+mod tests;
 
 use serde::Deserialize;
 
+pub use block::Corners;
 pub use error::PartError;
+
+use crate::Kinematics;
 
 /// Widest and longest part, mm.
 const LARGEST_MM: f64 = 10_000.0;
@@ -25,7 +31,7 @@ const LARGEST_MM: f64 = 10_000.0;
 const MOST_ROWS: usize = 256;
 /// Tables and keys by which a file beside a program is known to be something else: a job, a machine file, a
 /// scenario, what is kept of a run.
-const OTHERS: [&str; 5] = ["kind", "machine", "event", "dialect", "block_delete"];
+const OTHERS: [&str; 6] = ["kind", "job", "machine", "event", "dialect", "block_delete"];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -33,11 +39,13 @@ enum Kind {
     Bar,
     Tube,
     Profile,
+    Block,
 }
 
 impl Kind {
     fn named(name: &str) -> Option<Kind> {
-        let kinds = [("bar", Kind::Bar), ("tube", Kind::Tube), ("profile", Kind::Profile)];
+        let kinds =
+            [("bar", Kind::Bar), ("tube", Kind::Tube), ("profile", Kind::Profile), ("block", Kind::Block)];
         kinds.into_iter().find(|(known, _)| name.eq_ignore_ascii_case(known)).map(|(_, kind)| kind)
     }
 }
@@ -53,6 +61,8 @@ struct Said {
     face_mm: Option<f64>,
     profile_mm: Option<Vec<[f64; 2]>>,
     chuck_mm: Option<f64>,
+    from_mm: Option<[f64; 3]>,
+    to_mm: Option<[f64; 3]>,
 }
 
 /// `part.toml`.
@@ -62,10 +72,11 @@ struct File {
     part: Said,
 }
 
-/// The part before it is cut: radii over Z, mm, in the coordinates of the program.
+/// The part before it is cut, in the coordinates of the program: radii over Z, or a block; mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Z and radius, Z rising; a step has two rows of one Z.
+    block: Option<Corners>,
+    /// Z and radius, Z rising; a step has two rows of one Z. None of a block.
     rows: Vec<[f64; 2]>,
     inner_mm: f64,
     chuck_mm: Option<f64>,
@@ -108,11 +119,41 @@ impl Part {
         Part::of(&said(stock, words, unit_mm)?).map(Some)
     }
 
+    /// The same part, if a machine of this kind can cut it.
+    ///
+    /// # Errors
+    /// A lathe has no block, a mill nothing else.
+    pub fn fits(self, kinematics: Kinematics) -> Result<Part, PartError> {
+        match (kinematics, self.block.is_some()) {
+            (Kinematics::Lathe, true) => Err(PartError::OnLathe),
+            (Kinematics::Mill, false) => Err(PartError::OnMill),
+            _ => Ok(self),
+        }
+    }
+
+    /// The block of a mill.
+    pub fn block(&self) -> Option<Corners> {
+        self.block
+    }
+
+    /// The same part, a block elsewhere along X and Y.
+    #[must_use]
+    pub fn moved(mut self, by_mm: [f64; 2]) -> Part {
+        self.block = self.block.map(|block| block.moved(by_mm));
+        self
+    }
+
     fn of(said: &Said) -> Result<Part, PartError> {
+        if said.stock == Kind::Block {
+            return Part::of_block(said);
+        }
+        if said.from_mm.is_some() || said.to_mm.is_some() {
+            return Err(PartError::Word("from_mm or to_mm".into()));
+        }
         let unwanted = match said.stock {
             Kind::Bar => [said.inner_mm.map(|_| "inner_mm"), said.profile_mm.as_ref().map(|_| "profile_mm")],
             Kind::Tube => [said.profile_mm.as_ref().map(|_| "profile_mm"), None],
-            Kind::Profile => {
+            Kind::Profile | Kind::Block => {
                 let size = said
                     .diameter_mm
                     .or(said.length_mm)
@@ -141,7 +182,18 @@ impl Part {
             return Err(PartError::Value { what, value, allowed: "less than the outer one" });
         }
         let chuck_mm = said.chuck_mm.map(|z| place("chuck", z)).transpose()?;
-        Ok(Part { rows, inner_mm, chuck_mm })
+        Ok(Part { block: None, rows, inner_mm, chuck_mm })
+    }
+
+    fn of_block(said: &Said) -> Result<Part, PartError> {
+        let numbers = [said.diameter_mm, said.inner_mm, said.length_mm, said.face_mm, said.chuck_mm];
+        if numbers.iter().any(Option::is_some) || said.profile_mm.is_some() {
+            return Err(PartError::Word("what is round".into()));
+        }
+        let missing = |corner: &'static str| PartError::Missing(corner);
+        let from = said.from_mm.ok_or_else(|| missing("corner from_mm"))?;
+        let to = said.to_mm.ok_or_else(|| missing("corner to_mm"))?;
+        Ok(Part { block: Some(Corners::of(from, to)?), rows: Vec::new(), inner_mm: 0.0, chuck_mm: None })
     }
 
     /// Where the stock ends and begins along Z.
@@ -191,7 +243,14 @@ fn said<'a>(stock: Kind, words: impl Iterator<Item = &'a str>, unit_mm: f64) -> 
         face_mm: None,
         profile_mm: None,
         chuck_mm: None,
+        from_mm: None,
+        to_mm: None,
     };
+    if stock == Kind::Block {
+        let [from, to] = block::said(words, unit_mm)?;
+        (said.from_mm, said.to_mm) = (Some(from), Some(to));
+        return Ok(said);
+    }
     // The Z of a row of a profile whose diameter is still to come.
     let mut z = None;
     for word in words {
@@ -254,115 +313,4 @@ fn size(what: &'static str, value: Option<f64>) -> Result<f64, PartError> {
 fn place(what: &'static str, value: f64) -> Result<f64, PartError> {
     let allowed = "within 10000 mm";
     if value.abs() <= LARGEST_MM { Ok(value) } else { Err(PartError::Value { what, value, allowed }) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn comment(text: &str) -> Part {
-        Part::from_comment(text, 1.0).unwrap_or_else(|error| panic!("{text}: {error}")).expect(text)
-    }
-
-    fn file(text: &str) -> Part {
-        Part::from_toml(text).unwrap_or_else(|error| panic!("{text}: {error}")).expect(text)
-    }
-
-    #[test]
-    fn a_comment_and_a_file_say_the_same() {
-        for (words, keys) in [
-            ("part, bar D40 L60", "stock = \"bar\"\ndiameter_mm = 40\nlength_mm = 60"),
-            (
-                " PART ,tube d40 i20 l60 z1.5 c-50",
-                "stock = \"tube\"\ndiameter_mm = 40\ninner_mm = 20\nlength_mm = 60\nface_mm = 1.5\nchuck_mm = -50",
-            ),
-            (
-                "part, profile Z0 D20 Z-30 D20 Z-30 D40 Z-60 D40",
-                "stock = \"profile\"\nprofile_mm = [[-60, 40], [-30, 40], [-30, 20], [0, 20]]",
-            ),
-        ] {
-            assert_eq!(comment(words), file(&format!("[part]\n{keys}\n")), "{words}");
-        }
-    }
-
-    #[test]
-    fn a_comment_is_in_the_units_of_its_program() {
-        let inch = Part::from_comment("part, bar D2 L4 Z1", 25.4).expect("a part").expect("a part");
-        assert_eq!(inch, comment("part, bar D50.8 L101.6 Z25.4"));
-    }
-
-    #[test]
-    fn points_lie_in_the_stock_or_beside_it() {
-        let part = comment("part, tube D40 I20 L60 Z1");
-        for (x, z, inside) in [
-            (15.0, 0.0, true),
-            (-15.0, 1.0, true),
-            (9.9, 0.0, false),
-            (20.1, 0.0, false),
-            (15.0, 1.1, false),
-            (15.0, -59.1, false),
-        ] {
-            assert_eq!(part.holds(x, z), inside, "{x} {z}");
-        }
-        let shaft = comment("part, profile Z0 D10 Z-20 D20 Z-20 D40 Z-60 D40 C-40");
-        assert_eq!((shaft.ends_mm(), shaft.widest_mm(), shaft.chuck_mm()), ([-60.0, 0.0], 20.0, Some(-40.0)));
-        assert_eq!(shaft.radii_mm(-10.0), Some([0.0, 7.5]));
-        assert_eq!(shaft.radii_mm(-20.0), Some([0.0, 20.0]), "a step belongs to the wider side");
-    }
-
-    #[test]
-    fn remarks_and_files_of_another_kind_are_no_parts() {
-        for remark in
-            ["part 7 of 9", "PART NO 4711", "parts, bar D40", "a part, bar D40 L60", "partition", ""]
-        {
-            assert_eq!(Part::from_comment(remark, 1.0), Ok(None), "{remark}");
-        }
-        for other in [
-            "kind = \"surface\"",
-            "[[event]]\nat = { cycle = 0 }",
-            "[machine]\nname = \"a\"",
-            "dialect = \"fanuc\"",
-        ] {
-            assert_eq!(Part::from_toml(other), Ok(None), "{other}");
-        }
-    }
-
-    #[test]
-    fn what_is_wrong_is_said_with_its_remedy() {
-        for (text, words) in [
-            ("part bar D40 L60", "a comma is missing"),
-            ("part, bra D40 L60", "cannot be \"bra\""),
-            ("part,", "cannot be \"\""),
-            ("part, bar D40", "length of the stock is missing"),
-            ("part, bar L60", "diameter of the stock is missing"),
-            ("part, tube D40 L60", "inner diameter of the stock is missing"),
-            ("part, tube D40 I40 L60", "cannot be 40: less than the outer one"),
-            ("part, bar D40 L60 I20", "\"inner_mm\" says nothing"),
-            ("part, bar D40 L60 Q1", "\"Q1\" says nothing"),
-            ("part, bar D40 L6o", "\"L6o\" says nothing"),
-            ("part, bar D40 L60 D30", "D is said twice"),
-            ("part, bar D-40 L60", "cannot be -40"),
-            ("part, bar D40 L60 Cnan", "cannot be NaN"),
-            ("part, profile", "profile of the stock is missing"),
-            ("part, profile Z0 D20", "2 to 256 rows"),
-            ("part, profile Z0 D20 Z-5 D20 Z-3 D20", "one direction"),
-            ("part, profile Z0 Z-5 D20", "Z is said twice"),
-            ("part, profile Z0 D20 Z-5 D20 Z-9", "behind the last Z"),
-            ("part, profile D20", "before a diameter"),
-        ] {
-            let error = Part::from_comment(text, 1.0).expect_err(text);
-            assert!(error.to_string().contains(words), "{text}: {error}");
-            assert!(error.help().contains("(part, bar D40 L60)"));
-        }
-        for (text, words) in [
-            ("[prat]\nstock = \"bar\"", "there is no [part] in it"),
-            ("[part]\nstock = \"bar\"\ndiameter_mm = 40\nlenght_mm = 60", "unknown field `lenght_mm`"),
-            ("[part]\nstock = \"bra\"", "unknown variant `bra`"),
-            ("[part]\nstock = \"bar\"\ndiameter_mm = 4e4\nlength_mm = 60", "cannot be 40000"),
-            ("[part", "line 1"),
-        ] {
-            let error = Part::from_toml(text).expect_err(text);
-            assert!(error.to_string().contains(words), "{text}: {error}");
-        }
-    }
 }

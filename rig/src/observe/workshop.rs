@@ -8,7 +8,8 @@ use machine::{Machine, Part};
 use protocol::{Code, Item};
 use serde::{Deserialize, Serialize};
 
-/// The material before it is cut, in the coordinates of the program.
+/// The material before it is cut, in the coordinates of the program; X and Y of a block are those of the
+/// machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StockReport {
@@ -19,12 +20,16 @@ pub struct StockReport {
     /// Z at which the jaws of the chuck begin; they lie below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chuck_mm: Option<f64>,
+    /// Of a mill: least and largest X, Y and Z of a block; `rows_mm` is empty.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub block_mm: Option<[[f64; 3]; 2]>,
 }
 
 impl StockReport {
     pub(super) fn of(part: &Part) -> StockReport {
         let inner_mm = part.radii_mm(part.ends_mm()[0]).map_or(0.0, |[inner, _]| inner);
-        StockReport { rows_mm: part.rows_mm().to_vec(), inner_mm, chuck_mm: part.chuck_mm() }
+        let block_mm = part.block().map(|block| [block.low_mm, block.high_mm]);
+        StockReport { rows_mm: part.rows_mm().to_vec(), inner_mm, chuck_mm: part.chuck_mm(), block_mm }
     }
 }
 

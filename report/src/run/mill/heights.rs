@@ -15,7 +15,7 @@
 //! (M166) H = min(H₀, min over the way of z + h(ρ) where ρ ≤ R)
 //! (M167) s = max(q/2, π R² L / q² / N): N cells are lowered at most, however long the way and wide the tool
 //! (M168) nobody says what the stock is: X and Y of all feeds ± R, of surfaces without R; from the lowest
-//! feed up to the highest at which the tool is fed sideways
+//! feed up to the highest at which the tool is fed sideways. Else it is a block
 
 use std::collections::BTreeMap;
 
@@ -69,8 +69,8 @@ pub(super) struct Heights {
     pub(super) cut_by: Vec<u8>,
     pub(super) deviation_um: Vec<Option<f64>>,
     pub(super) cutters: Vec<Cutter>,
-    /// What X and Y of the stock are (M168).
-    pub(super) beside: &'static str,
+    /// What X and Y of the stock are (M168); nothing if the program says what it is.
+    pub(super) beside: Option<&'static str>,
 }
 
 /// The tools of a way, in the order of their numbers.
@@ -79,6 +79,8 @@ fn cutters(summary: &Summary, points: &[Point], job: Option<JobTool>) -> Vec<Cut
     points.iter().filter(|point| point.fed).for_each(|point| {
         used.insert(point.tool, ());
     });
+    // A job says the tool that it cuts with: of several tools nobody knows which.
+    let job = job.filter(|_| used.len() == 1);
     let cutter = |number: u32| {
         let note = summary.tools.get(&number);
         let noted = note.and_then(|note| note.diameter_mm.or(note.width_mm)).filter(|mm| *mm > 0.0);
@@ -122,7 +124,9 @@ impl Heights {
     pub(super) fn of(summary: &Summary, way: &Way, job: Option<JobTool>) -> Option<Heights> {
         let points = &way.points;
         let cutters = cutters(summary, points, job);
-        let [low, high] = stock(way, &cutters)?;
+        let block = summary.stock.as_ref().and_then(|stock| stock.block_mm);
+        let fed = || points.iter().any(|point| point.fed);
+        let [low, high] = block.filter(|_| fed()).or_else(|| stock(way, &cutters))?;
         let sides = [high[0] - low[0], high[1] - low[1]];
         let (long, short) = (sides[0].max(sides[1]), sides[0].min(sides[1]));
         let cell_mm = (long / CELLS[0]).max(short / CELLS[1]).max(1e-3);
@@ -134,16 +138,16 @@ impl Heights {
             cell_mm,
             size,
             top_mm: high[2],
-            floor_mm: low[2] - FLOOR * depth,
+            floor_mm: if block.is_some() { low[2] } else { low[2] - FLOOR * depth },
             z_mm: vec![high[2]; cells],
             cut_by: vec![0; cells],
             deviation_um: vec![None; cells],
             cutters,
-            beside: if way.surfaces() {
+            beside: block.is_none().then_some(if way.surfaces() {
                 "the tip where it cuts the surfaces"
             } else {
                 "all feeds with the radius of the tool"
-            },
+            }),
         };
         heights.sweep(points);
         Some(heights)

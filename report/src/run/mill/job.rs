@@ -1,4 +1,4 @@
-//! The tool of a job file. In: its text. Out: mm.
+//! The tool of a job, in a file of its own or in a program. In: its text. Out: mm.
 
 use toml::{Table, Value};
 
@@ -14,9 +14,23 @@ fn number(value: &Value) -> Option<f64> {
     value.as_float().or(value.as_integer().map(|whole| whole as f64))
 }
 
-/// The tool that a job says; `None` of any other program.
+/// The tool that a job file says, or the jobs of a program, if they have one in common; `None` of any other
+/// program.
 pub(super) fn tool(program: &str) -> Option<JobTool> {
-    let file: Table = program.parse().ok()?;
+    let line = |line: &'_ str| line.trim_start().strip_prefix(";@").map(str::to_owned);
+    let lines: Vec<Option<String>> = program.lines().map(line).collect();
+    let mut tools = lines.split(Option::is_none).filter(|job| !job.is_empty()).map(|job| {
+        let text: Vec<&str> = job.iter().flatten().map(String::as_str).collect();
+        of_job(&text.join("\n"))
+    });
+    match tools.next() {
+        Some(first) => first.filter(|_| tools.all(|other| other == first)),
+        None => of_job(program),
+    }
+}
+
+fn of_job(text: &str) -> Option<JobTool> {
+    let file: Table = text.parse().ok()?;
     let job = file.get("job").and_then(Value::as_table).unwrap_or(&file);
     let tool = job.get("tool")?;
     let diameter_mm = number(tool.get("diameter_mm")?)?;
@@ -40,6 +54,12 @@ mod tests {
         {
             assert_eq!(tool(&said(text)), Some(JobTool { diameter_mm: 6.0, corner_mm }), "{text}");
         }
+        let lines = said("kind = \"ball\"").replace("[job]\n", "").replace('\n', "\n;@ ");
+        let ball = JobTool { diameter_mm: 6.0, corner_mm: 3.0 };
+        let program = format!("G21\n;@ {lines}\nG0 Z50\n;@ {lines}\nM2\n");
+        assert_eq!(tool(&program), Some(ball), "{program}");
+        let other = program.replacen("ball", "flat", 1);
+        assert_eq!(tool(&other), None, "which of them cut what is not known");
         assert_eq!((tool("G1 X10 F100\nM2\n"), tool("feed_mm_min = 900")), (None, None));
     }
 }

@@ -28,6 +28,16 @@ fn told(cutter: &Cutter) -> String {
     format!("tool {}{name}: {kind}, {} mm{assumed}", cutter.number, 2.0 * cutter.radius_mm)
 }
 
+/// What the part is cut from.
+fn stock(heights: &Heights) -> String {
+    match heights.beside {
+        Some(beside) => format!(
+            "Nobody said what the stock is: taken are X and Y of {beside}, and as its top the highest feed sideways."
+        ),
+        None => "The stock is the block that the program describes; where its bottom is seen, the tools went through.".into(),
+    }
+}
+
 /// The section of the page.
 pub(super) fn markup(heights: &Heights) -> Markup {
     let span = heights.top_mm - heights.floor_mm;
@@ -60,8 +70,7 @@ pub(super) fn markup(heights: &Heights) -> Markup {
             script type="application/json" { (PreEscaped(drawn.to_string().replace('<', "\\u003c"))) }
             p.caption {
                 "What the true way of the tools leaves, in cells of " (format!("{:.2} mm", heights.cell_mm))
-                "; rapid motion takes off what it goes through, too. Nobody said what the stock is: taken are X and Y of "
-                (heights.beside) ", and as its top the highest feed sideways. Tools: "
+                "; rapid motion takes off what it goes through, too. " (stock(heights)) " Tools: "
                 (tools.join("; ")) ". Drag it or use the arrow keys to turn it."
             }
             script { (PreEscaped(SCRIPT)) }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use protocol::{Axis, AxisState, Motion};
-use rig::observe::{AxisLimits, Led, Summary, ToolNote, TraceReport, Traced, WorkKind};
+use rig::observe::{AxisLimits, Led, StockReport, Summary, ToolNote, TraceReport, Traced, WorkKind};
 use rig::trace::{AxisRow, CutRow, Row};
 
 use super::heights::{Cutter, Heights};
@@ -77,6 +77,25 @@ fn a_flat_tool_leaves_a_flat_groove() {
     for (y, z) in [(0.0, -2.0), (3.5, -2.0), (-3.5, -2.0), (4.5, 0.0), (-12.0, 0.0)] {
         assert!((height(&heights, 20.0, y) - z).abs() < 1e-9, "{y}: {}", height(&heights, 20.0, y));
     }
+}
+
+/// A block that is described is as large as it is said to be, and what stands above it is not part of it.
+#[test]
+fn a_block_is_as_large_as_the_program_says() {
+    let stock =
+        StockReport { block_mm: Some([[-20.0, -30.0, -15.0], [60.0, 30.0, 0.5]]), ..StockReport::default() };
+    let summary = Summary { stock: Some(stock), ..summary(Some(8.0), "end mill") };
+    let mut way = groove(&summary);
+    way.add(&row([0.0, 0.0, -40.0], Motion::Feed));
+    let heights = Heights::of(&summary, &way, None).expect("something was cut");
+    assert_eq!((heights.top_mm, heights.floor_mm, heights.from_mm), (0.5, -15.0, [-20.0, -30.0]));
+    for (x, y, z) in [(20.0, 0.0, -2.0), (20.0, 2.0, -2.0), (-15.0, 0.0, 0.5), (50.0, 25.0, 0.5)] {
+        assert!((height(&heights, x, y) - z).abs() < 1e-9, "{x} {y}: {}", height(&heights, x, y));
+    }
+    let page = part(&summary, &way, None).expect("something was cut").into_string();
+    assert!(
+        page.contains("The stock is the block that the program describes") && !page.contains("Nobody said")
+    );
 }
 
 #[test]

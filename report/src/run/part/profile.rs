@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_bar_that_nothing_cuts_is_a_bar() {
-        let stock = StockReport { rows_mm: BAR.to_vec(), inner_mm: 3.0, chuck_mm: None };
+        let stock = StockReport { rows_mm: BAR.to_vec(), inner_mm: 3.0, ..StockReport::default() };
         let profile = Profile::of(Some(&stock), &Swept::default(), None, &[]).expect("a part");
         let (first, last) = (profile.slices[0], profile.slices[profile.slices.len() - 1]);
         assert_eq!((first.z, last.z, profile.front), (-60.0, 1.0, Front::Known));
