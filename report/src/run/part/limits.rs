@@ -37,7 +37,8 @@ pub(super) fn both(limits: &GaugeLimits, sign: f64, crest_mm: f64) -> [Limit; 2]
     ]
 }
 
-fn tangents(limits: &GaugeLimits) -> [f64; 2] {
+/// Slopes of the flanks.
+pub(super) fn tangents(limits: &GaugeLimits) -> [f64; 2] {
     limits.flank_deg.map(|deg| libm::tan(deg.to_radians()))
 }
 

@@ -65,8 +65,7 @@ fn even(middles: &[f64], pitch_mm: f64) -> Vec<f64> {
 
 /// The traces of a gauge: the smallest thread, the largest one, and what is shaded between them.
 fn zone(limits: &GaugeLimits, thread: &Thread, surface: &[(f64, f64)]) -> Vec<Value> {
-    let crest = thread.crest_at(thread.middle_mm);
-    let allowed = both(limits, thread.sign, crest);
+    let allowed = both(limits, thread.sign, thread.crest_at(limits.plane_mm));
     let slope = 0.5 * thread.sign * limits.taper;
     let pitch = 0.5 * (allowed[0].pitch + allowed[1].pitch);
     let line_at = |z: f64| pitch + slope * (z - limits.plane_mm);
@@ -128,9 +127,14 @@ pub(super) fn figure(summary: &Summary, thread: &Thread) -> Figure {
         title: "Section of the thread".into(),
         caption: format!(
             "The part as all passes leave it, cut along its axis at spindle angle 0: what the edge of the tool leaves \
-             at its true places each time the spindle goes through that angle, below the crest that was turned, or \
-             else that the depth of the passes is counted from.{allowed}{} The picture opens on three turns; double-click it for the whole \
+             at its true places each time the spindle goes through that angle, {}.{allowed}{} The picture opens on three turns; double-click it for the whole \
              thread.",
+            if thread.crest_is_guessed {
+                "below a crest that is taken to lie three eighths of the height of the flanks over the pitch line of GO: \
+                 nobody says where it is"
+            } else {
+                "below the crest that was turned, or else that the depth of the passes is counted from"
+            },
             if gauge.is_none() { " Good: all grooves are alike, with straight flanks." } else { "" }
         ),
         alt: format!(

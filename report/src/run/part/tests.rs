@@ -194,6 +194,29 @@ fn the_zone_has_the_flanks_and_the_cone_of_its_gauge() {
     }
 }
 
+/// A gauge that limits no crest, of a thread whose depth nobody says, as NPT by G32: the zone is drawn on
+/// its cone, half a pitch wide at the pitch line.
+#[test]
+fn a_tapered_thread_has_its_section_with_the_zone() {
+    let (summary, curves) = cut(&[(DEPTH, 0.0, 0)], false);
+    let (taper, plane) = (-1.0 / 16.0, -8.0);
+    let limits = GaugeLimits { plane_mm: plane, ..limits(LEAD, taper) };
+    let gauge = GaugeReport { name: "a cone".into(), limits: limits.clone(), ..GaugeReport::default() };
+    let mut summary = Summary { gauge: Some(gauge), ..summary };
+    summary.passes[0].depth_mm = 0.0;
+    let figures = super::figures(&summary, &curves);
+    let [section, ..] = &figures[..] else { panic!("no section") };
+    assert!(
+        section.caption.contains("what a cone allows") && section.caption.contains("nobody says where it is")
+    );
+    let thread = Thread::of(&summary, &curves.part, curves.shown_index, 0).expect("a thread");
+    let over = 0.375 * LEAD / (2.0 * libm::tan(core::f64::consts::FRAC_PI_6));
+    assert!((thread.crest_at(plane) - 0.5 * 18.7 - over).abs() < 1e-9, "{}", thread.crest_at(plane));
+    // The crest of the zone is that of the thread where the gauge has its diameters.
+    let [go, _] = both(&limits, 1.0, thread.crest_at(plane));
+    assert!((go.crest - 0.5 * 18.7 - over).abs() < 1e-9, "{go:?}");
+}
+
 #[test]
 fn a_thread_has_its_pictures_and_a_run_without_one_has_not() {
     let titles = |(summary, curves): (Summary, Curves)| {

@@ -5,6 +5,7 @@ use gauge::Edge;
 use rig::observe::{PassReport, Summary};
 
 use super::Part;
+use super::limits::tangents;
 use super::outline::{Outline, Tip};
 
 /// How far a turn may advance from the lead, a share of it, to be along Z.
@@ -28,6 +29,8 @@ pub(super) struct Thread {
     pub(super) passes: Vec<Vec<Tip>>,
     /// A place on the crest, and how y changes along Z.
     crest: ([f64; 2], f64),
+    /// Nobody said where the crest is: it is drawn by the pitch line of the gauge.
+    pub(super) crest_is_guessed: bool,
 }
 
 impl Thread {
@@ -56,6 +59,7 @@ impl Thread {
         }
         let pitch_mm = pitch_mm(summary, lead_mm);
         let deepest = full[full.len() / 2];
+        let (crest, crest_is_guessed) = crest(summary, pass, [first, last], sign)?;
         let (middle_mm, root_mm) = groove(&passes, deepest, pitch_mm, pass.depth_mm);
         Some(Thread {
             sign,
@@ -65,7 +69,8 @@ impl Thread {
             middle_mm,
             root_mm,
             passes,
-            crest: crest(summary, pass, [first, last], sign)?,
+            crest,
+            crest_is_guessed,
         })
     }
 
@@ -113,25 +118,30 @@ fn edge_of(summary: &Summary, pass: &PassReport) -> Option<Edge> {
 }
 
 /// The crest: as it was turned, else from how deep the pass is below it along the way that the program
-/// means, or from the gauge.
+/// means, or from the gauge. One that does not limit it, as of NPT, has it three eighths of the height of the
+/// flanks over its pitch line; then it is a guess.
 fn crest(
     summary: &Summary,
     pass: &PassReport,
     [first, last]: [[f64; 2]; 2],
     sign: f64,
-) -> Option<([f64; 2], f64)> {
+) -> Option<(([f64; 2], f64), bool)> {
     let [from, to] = [first, last].map(|[z, x]| [z, sign * x.abs()]);
     let slope = if (to[0] - from[0]).abs() > 0.0 { (to[1] - from[1]) / (to[0] - from[0]) } else { 0.0 };
     let turned = summary.gauge.as_ref().and_then(|gauge| gauge.crest_mm.iter().copied().reduce(f64::max));
     if let Some(diameter) = turned {
-        return Some(([from[0], 0.5 * sign * diameter], slope));
+        return Some((([from[0], 0.5 * sign * diameter], slope), false));
     }
     if pass.depth_mm > 0.0 {
-        return Some(([from[0], from[1] + pass.depth_mm], slope));
+        return Some((([from[0], from[1] + pass.depth_mm], slope), false));
     }
     let limits = &summary.gauge.as_ref()?.limits;
-    let most = limits.crest_mm[if sign > 0.0 { 1 } else { 0 }]?;
-    Some(([limits.plane_mm, 0.5 * sign * most], slope))
+    let most = if sign > 0.0 { 1 } else { 0 };
+    let over = 0.375 * limits.pitch_mm / tangents(limits).iter().sum::<f64>();
+    let y = |diameter: f64| 0.5 * sign * diameter;
+    let known = limits.crest_mm[most].map(y);
+    let crest = known.unwrap_or(y(limits.pitch_diameter_mm[most]) + over);
+    Some((([limits.plane_mm, crest], slope), known.is_none()))
 }
 
 /// Where the part is drawn, as far as the stock goes.
