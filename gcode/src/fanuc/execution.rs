@@ -85,7 +85,9 @@ impl Execution<'_, '_> {
         }
         self.modal.motion = code;
         self.begin();
-        self.add_g(group::MOTION, code)?;
+        if self.state.modes.motion != Some(code) {
+            self.add_g(group::MOTION, code)?;
+        }
         if self.line.mill {
             for letter in ['X', 'Y', 'Z'] {
                 if let Some(value) = self.line.length(letter) {

@@ -167,7 +167,7 @@ impl Control {
     pub(crate) fn next(&mut self, state: &mut State, out: &mut Output) -> Done {
         let done = self.statement(state, out);
         if done.is_err() {
-            self.failed(state);
+            self.failed(state, out);
         }
         done
     }
@@ -210,11 +210,13 @@ impl Control {
 
     /// A block failed. What it would have left in force counts, and a contour that it would have roughed is
     /// not cut by itself: the blocks behind it are not to blame.
-    fn failed(&mut self, state: &mut State) {
+    fn failed(&mut self, state: &mut State, out: &mut Output) {
         let line = &self.line;
         if let Some(feed) = line.plain('F').filter(|feed| *feed > 0.0) {
             state.modes.feed = feed;
             self.modal.lead = Some(feed);
+            // A receiver that refuses it has said so.
+            let _ = out.call(Call::SetFeedRate(feed));
         }
         if let Some(code) = line.block.g(group::MOTION).filter(|code| !codes::is_idle(*code, line)) {
             self.modal.motion = code;

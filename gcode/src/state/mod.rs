@@ -176,13 +176,14 @@ impl State {
         state
     }
 
-    /// A feed or a speed was missed, which is said once: from here on there is one.
-    pub(crate) fn assume(&mut self, problem: &str) {
+    /// A feed or a speed was missed, which is said once: from here on there is one. Whether it is a feed.
+    pub(crate) fn assume(&mut self, problem: &str) -> bool {
         match problem {
             "no-feed" if self.modes.feed == 0.0 => self.modes.feed = 1.0,
             "no-spindle-speed" if self.spindle.speed == 0.0 => self.spindle.speed = 1.0,
-            _ => {}
+            _ => return false,
         }
+        problem == "no-feed"
     }
 
     /// The value of `#index` as it is stored.
