@@ -83,11 +83,9 @@ fn the_block_of_a_mill_is_warned_of_and_drawn() {
     let machine = project().join("examples/machines/small-mill.toml").display().to_string();
     let program = "G17 G21 G90 G94\nG10 L2 P1 X-20 Y-10 Z0\nS3000 M3\nG0 X-10 Y20 Z5\nG0 Z-2\nG1 X60 F1200\nG0 Z5\nG0 X20 Y5\n\
                    G0 Z-1\nG0 Z50\nM5\nM2\n";
-    place.write("part.ngc", program);
+    place.write("part.ngc", program.replace("S3000", "T1 M6 S3000"));
     place.write("tools.tbl", "T1 P1 D8\n");
     place.write("part.toml", "[part]\nstock = \"block\"\nfrom_mm = [0, 0, -10]\nto_mm = [50, 40, 0]\n");
-    let with_tool = program.replace("S3000", "T1 M6 S3000");
-    place.write("part.ngc", with_tool);
     let answer = place.ask(&[
         "run",
         "part.ngc",
