@@ -60,8 +60,8 @@ struct Place {
 }
 
 impl Nurbs {
-    /// The curve with knots at whole numbers that begins and ends at its first and last point. `points` are at
-    /// least `order`, and `order` is at least 2.
+    /// The curve with knots at whole numbers that begins and ends at its first and last point. `points` are
+    /// at least `order`, and `order` is at least 2.
     pub fn uniform(order: usize, points: Vec<[f64; 3]>) -> Nurbs {
         let spans = (points.len() + 1).saturating_sub(order).max(1);
         let inner = (1..spans).map(|knot| knot as f64);
@@ -189,8 +189,8 @@ fn biarc(from: &Place, to: &Place, largest: f64) -> Option<[Follows; 2]> {
     Some([first, second])
 }
 
-/// N5: the circle through `at` along `tangent`, whose chord from there is `chord`, and its sense. `None` where
-/// its radius is larger than `largest`: a line.
+/// N5: the circle through `at` along `tangent`, whose chord from there is `chord`, and its sense. `None`
+/// where its radius is larger than `largest`: a line.
 fn arc(at: Point, tangent: Point, chord: Point, largest: f64) -> Option<(Point, bool)> {
     let n = [-tangent[1], tangent[0]];
     let (across, square) = (dot(n, chord), dot(chord, chord));

@@ -1,7 +1,7 @@
 //! Curves of G5 become arcs that touch where they meet: moves like any other.
 //!
-//! In: a curve in the plane in force. Out: arcs and lines that keep a fifth of `path.exact_mm` from it, so that
-//! the chain has the rest of what the path mode allows to round the steps of their curvature.
+//! In: a curve in the plane in force. Out: arcs and lines that keep a fifth of `path.exact_mm` from it, so
+//! that the chain has the rest of what the path mode allows to round the steps of their curvature.
 
 use gcode::canon::{self, A, B, C, Nurbs};
 use gcode::problem::Blame;

@@ -181,8 +181,8 @@ impl Passes<'_> {
         rough(start, &left, &how, send)
     }
 
-    /// The contour in the frame of its cuts, and where the tool goes down to it from. G70 takes the frame that
-    /// the contour is monotone in, and in which that point is on the side of the tool.
+    /// The contour in the frame of its cuts, and where the tool goes down to it from. G70 takes the frame
+    /// that the contour is monotone in, and in which that point is on the side of the tool.
     fn framed(&self, contour: &[Segment]) -> Result<(Frame, Vec<Segment>, Point), Box<Problem>> {
         let (directions, finishes): (&[bool], bool) = match self.cycle.code.0 {
             700 => (&[false, true], true),

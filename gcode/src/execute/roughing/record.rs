@@ -15,7 +15,8 @@ use crate::geometry::corner::{Corner, blend};
 use crate::problem::{Blame, Problem, short};
 use crate::state::{Piece, State};
 
-/// What a corner leaves of a segment counts as nothing if it is not longer. LinuxCNC leaves ten times that out.
+/// What a corner leaves of a segment counts as nothing if it is not longer. LinuxCNC leaves out ten
+/// times that.
 const LEFTOVER: f64 = 1e-4;
 
 /// Takes a block of the contour.
