@@ -83,7 +83,7 @@ fn a_parabola_is_one() {
 
 #[test]
 fn a_block_of_points_is_a_circle_with_its_weights() {
-    // four points of weight √½ at the corners of a square, order 3, knots by halves: not uniform here, so a quarter
+    // a quarter of a circle: the corner has the weight √½
     let text = "F100\nG0 X10 Y0\nG5.2 P1 L3\nX10 Y10 P0.70710678118654752\nX0 Y10 P1\nG5.3";
     let curve = &curves(text)[0];
     let way = points([10.0, 0.0], &curve.follow(1e-6, 1e6, 1000).unwrap());
