@@ -6,7 +6,7 @@ use std::fs;
 use crate::shop::Place;
 
 const INI: &str = "[DISPLAY]\nLATHE = 1\n[KINS]\nKINEMATICS = trivkins coordinates=XZ\n[TRAJ]\nLINEAR_UNITS = mm\n[RS274NGC]\n\
-    PARAMETER_FILE = lathe.var\nSUBROUTINE_PATH = subs:missing\nRS274NGC_STARTUP_CODE = G7 G18 G90\n[EMCIO]\nTOOL_TABLE = tool.tbl\n\
+    PARAMETER_FILE = lathe.var\nSUBROUTINE_PATH = subs:missing\nRS274NGC_STARTUP_CODE = G7 G18 G90 M9 M5\n[EMCIO]\nTOOL_TABLE = tool.tbl\n\
     [AXIS_X]\nMIN_LIMIT = -2\nMAX_LIMIT = 90\nMAX_VELOCITY = 33.5\nMAX_ACCELERATION = 1e9\n[JOINT_1]\nHOME = 40\n[AXIS_Z]\nMIN_LIMIT = -250\n";
 /// G7 of the startup code makes X60 a radius of 30; the program changes offsets and a tool.
 const PROGRAM: &str =
@@ -39,7 +39,7 @@ fn a_description_of_linuxcnc_is_taken_as_it_is_and_its_files_are_only_read() {
         "took travel of Z: -250 to",
         "took parameters, to read them: shop/lathe.var",
         "took tool table, to read it: shop/tool.tbl",
-        "took startup code G7 G18 G90",
+        "took startup code G7 G18 G90 M9 M5",
         "left subroutines of shop/missing: there is no such folder",
     ] {
         assert!(check.stderr.contains(told), "{told}\n{}", check.stderr);
@@ -75,9 +75,9 @@ fn what_is_wrong_with_a_description_is_named() {
     for (old, new, told) in [
         ("MAX_LIMIT = 90", "MAX_LIMIT = -9", "axis.x.travel_mm"),
         ("MAX_VELOCITY = 33.5", "MAX_VELOCITY = fast", "[AXIS_X]MAX_VELOCITY: `fast` is not a number"),
-        ("G7 G18 G90", "G7 G18 G99999", "the startup code `G7 G18 G99999`"),
-        ("G7 G18 G90", "G0 X5", "it moves an axis"),
-        ("G7 G18 G90", "G90 M3 S100", "it has an M code"),
+        ("G7 G18 G90 M9 M5", "G7 G18 G99999", "the startup code `G7 G18 G99999`"),
+        ("G7 G18 G90 M9 M5", "G0 X5", "it moves an axis"),
+        ("G7 G18 G90 M9 M5", "G90 M3 S100", "an M code other than M5 and M9"),
     ] {
         assert!(INI.contains(old));
         place.write("shop/lathe.ini", INI.replacen(old, new, 1));

@@ -53,8 +53,12 @@ impl<'a> Words<'a> {
     /// The number of the word, which is whole and within bounds.
     pub(super) fn whole(&mut self, least: i32, most: i32) -> Result<i32, Box<Diagnostic>> {
         let text = self.digits();
-        match text.parse::<i32>() {
-            Ok(value) if (least..=most).contains(&value) => Ok(value),
+        // Other tools write whole numbers with a point, as in Q2.0.
+        let (whole, point) = text.split_once('.').unwrap_or((text, ""));
+        match whole.parse::<i32>() {
+            Ok(value) if point.bytes().all(|digit| digit == b'0') && (least..=most).contains(&value) => {
+                Ok(value)
+            }
             _ => Err(self.wrong(
                 format!("`{}` is not possible here", self.word()),
                 format!("write a whole number of {least} to {most} after the letter"),

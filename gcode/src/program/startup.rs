@@ -12,6 +12,9 @@ use crate::state::State;
 /// Axes: what a block that nobody sees must not move.
 const AXES: &str = "XYZABCUVW";
 
+/// M codes of such a block: what stops stands already.
+const STOPS: [u16; 2] = [5, 9];
+
 /// The block, as far as it can be read.
 pub(super) struct Startup {
     text: String,
@@ -36,9 +39,11 @@ impl Startup {
         };
         let wrong = |problem: Box<Problem>| told(&problem.message, &problem.help);
         let block = block.map_err(wrong)?;
-        if block.letters().any(|letter| AXES.contains(letter)) || block.m_codes().next().is_some() {
-            let help = "leave in it what says how programs are read, as G21 G40 G90";
-            return Err(told("it moves an axis, or it has an M code", help));
+        if block.letters().any(|letter| AXES.contains(letter))
+            || block.m_codes().any(|code| !STOPS.contains(&code.0))
+        {
+            let help = "leave in it what says how programs are read, as G21 G40 G90 M5 M9";
+            return Err(told("it moves an axis, or it has an M code other than M5 and M9", help));
         }
         execute::execute(&block, state, out).map_err(wrong)
     }

@@ -180,6 +180,7 @@ fn a_changed_word_of_a_tool_changes_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tool.tbl");
     let old = "; turning\nT1  P2   Z 25.5 D.8 ;rough, X and Z are set\nt12 p3 X1Z2";
+    assert_eq!(ToolTable::parse("", "T1.0 P1 Q2.0").unwrap().find(1).unwrap().orientation, 2);
     // An umlaut of Latin-1 stays one, too.
     std::fs::write(&path, b"T1 Z1 ;\xfc\n").unwrap();
     ToolTable::change(&path, &[(1, 'Z', 2.5)]).unwrap();
