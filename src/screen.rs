@@ -61,7 +61,8 @@ pub(crate) fn plain(text: &str) -> String {
     parts.fold(first, |plain, part| plain + part.split_once('m').map_or("", |(_, rest)| rest))
 }
 
-/// What is said, in the form that was asked for: as it is, or one JSON object in a line, like those of the log.
+/// What is said, in the form that was asked for: as it is, or one JSON object in a line, like those of the
+/// log.
 pub(crate) fn said(text: &str) -> String {
     if !IN_JSON.load(Ordering::Relaxed) || text.is_empty() {
         return text.to_owned();
