@@ -1,8 +1,8 @@
 //! How long an editor waits after a keystroke in a program of 100,000 lines, while the program is checked and
 //! both processors are busy with something else. `cargo bench --bench keystroke`.
 //!
-//! A keystroke is an edit in the middle, and the question what the word there means. Some editors ask for what
-//! can be folded after each edit, too; the whole is formatted when somebody asks for it, and is here to be
+//! A keystroke is an edit in the middle, and the question what the word there means. Some editors ask for
+//! what can be folded after each edit, too; the whole is formatted when somebody asks for it, and is here to be
 //! compared. 100 ms are what nobody notices.
 #![allow(missing_docs, clippy::unwrap_used, clippy::disallowed_methods)] // threads that keep processors busy
 
