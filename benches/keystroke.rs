@@ -2,8 +2,8 @@
 //! both processors are busy with something else. `cargo bench --bench keystroke`.
 //!
 //! A keystroke is an edit in the middle, and the question what the word there means. Some editors ask for
-//! what can be folded after each edit, too; the whole is formatted when somebody asks for it, and is here to be
-//! compared. 100 ms are what nobody notices.
+//! what can be folded after each edit, too. The whole is formatted when somebody asks for it, and is here to
+//! be compared. 100 ms are what nobody notices.
 #![allow(missing_docs, clippy::unwrap_used, clippy::disallowed_methods)] // threads that keep processors busy
 
 use std::{
