@@ -1,11 +1,11 @@
 //! Very short lines become one where their ends lie near it. In: items. Out: items, lines fewer.
 //!
-//! A blend reaches over so many lines at most; where those are shorter than the rounding of a program deserves,
-//! that is not far enough. Lines of a tenth of a millimetre are.
+//! A blend reaches over so many lines at most; where those are shorter than the rounding of a program
+//! deserves, that is not far enough. Lines of a tenth of a millimetre are.
 //!
-//! Lines from S over P1, P2, … to E are one line from S to E if that is short, every P lies within a tolerance
-//! of it and further along it than the one before, the feed is the same, and no rotary axis moves. Nothing else
-//! may lie between them. Rapids are left alone.
+//! Lines from S over P1, P2, … to E are one line from S to E if that is short, every P lies within a
+//! tolerance of it and further along it than the one before, the feed is the same, and no rotary axis moves.
+//! Nothing else may lie between them. Rapids are left alone.
 
 use std::collections::VecDeque;
 

@@ -126,8 +126,8 @@ fn jobs_of_long_moves_gain_nothing_by_planning_ahead() {
     }
 }
 
-/// What ARCHITECTURE.md says of merging: a circle in short and very short chords, rounded to a thousandth, with
-/// and without it.
+/// What ARCHITECTURE.md says of merging: a circle in short and very short chords, rounded to a thousandth,
+/// with and without it.
 #[test]
 fn very_short_lines_that_were_rounded_are_merged() {
     let place = Place::new();

@@ -63,7 +63,8 @@ fn a_hundred_lines_at_most() {
 }
 
 proptest! {
-    /// Every programmed end lies within half of Q of the lines that are left, and the last one is kept exactly.
+    /// Every programmed end lies within half of Q of the lines that are left, and the last one is kept
+    /// exactly.
     #[test]
     fn no_end_is_farther_away_than_half_of_q(steps in prop::collection::vec((-0.02..0.02_f64, 0.005..0.08_f64), 2..60)) {
         let (mut x, mut z, mut program, mut points) = (10.0, 0.0, String::new(), vec![[10.0, 0.0]]);

@@ -4,10 +4,10 @@
 //! | blocks | the junction | its blend |
 //! |---|---|---|
 //! | two lines | a corner | as wide as `width.rs` finds it may be, over other corners too |
-//! | one is an arc or a piece of a curve | fixed | to the middle of the shorter block at most, with half the tolerance |
+//! | one is an arc or a piece of a curve | fixed | to half of the shorter at most, with half the tolerance |
 //!
-//! Blends of a curvature that jumps lie on both sides of the path, so those beside an arc share the tolerance.
-//! Pieces of one curve have no jumps at all, so nothing is rounded between them.
+//! Blends of a curvature that jumps lie on both sides of the path, so those beside an arc share the
+//! tolerance. Pieces of one curve have no jumps at all, so nothing is rounded between them.
 
 use super::Block;
 use crate::blend::{Blend, aside};

@@ -1,6 +1,6 @@
 //! Bounds of the derivatives of a line with the blends of corners that reach it. In: the direction of the
-//! line, blends and their ways from its start, mm. Out: bounds of |p₁| … |p₄| of every axis over each of three
-//! stretches, mm⁰ … 1/mm³.
+//! line, blends and their ways from its start, mm. Out: bounds of |p₁| … |p₄| of every axis over each of
+//! three stretches, mm⁰ … 1/mm³.
 //!
 //! B1⁗ is constant between the ends and the quarters of a bump (M61), ±4/r³. So p₄ of the whole line is
 //! constant between neighbouring places of that kind, p₃ goes straight and p₂ is a parabola:

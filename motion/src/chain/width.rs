@@ -11,11 +11,11 @@
 //! ```text
 //! W(s) = Σ |Δⱼ| B1(s − sⱼ; rⱼ)
 //! Rᵢ = max r:  Σ |Δⱼ| B1(sᵢ − sⱼ; r) ≤ Pᵢ;  0 where the machine stops and beside arcs
-//! rⱼ = min over i of max(Rᵢ, |sᵢ − sⱼ|)                                                          (M172)
+//! rⱼ = min over i of max(Rᵢ, |sᵢ − sⱼ|)                                                         (M172)
 //! ```
-//! Then W ≤ Pᵢ at every corner: whatever reaches it is at most as wide as Rᵢ, and B1 grows with r. Between two
-//! corners W is convex, since every B1 is, so it is nowhere larger than at the larger of both. No blend reaches
-//! a stop, and none reaches over an arc.
+//! Then W ≤ Pᵢ at every corner: whatever reaches it is at most as wide as Rᵢ, and B1 grows with r. Between
+//! two corners W is convex, since every B1 is, so it is nowhere larger than at the larger of both. No blend
+//! reaches a stop, and none reaches over an arc.
 //!
 //! Where both lines of a corner are equally long, its blend ends at a corner: then the blends of an even
 //! division add up to the curvature of the curve and to nothing else (M60).

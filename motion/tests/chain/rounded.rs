@@ -2,8 +2,8 @@
 //! position of the axes after any way on any block, mm; how far a point is from the programmed path, mm.
 //!
 //! Beside an arc a junction is rounded over at most half of either element, with half the tolerance and not
-//! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow (M172):
-//! no place where several reach may be led away by more than its tolerance.
+//! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow
+//! (M172): no place where several reach may be led away by more than its tolerance.
 
 use crate::programs::{Line, N, end_of};
 use crate::stand::Seen;

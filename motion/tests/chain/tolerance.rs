@@ -46,8 +46,8 @@ fn beyond(blocks: &[Line], k: usize) -> f64 {
     if last.room.min(next.room) < tolerance { 0.0 } else { tolerance }
 }
 
-/// Within the boxes of the block and its neighbours, widened by the least room where one is an arc, and by the
-/// tolerance where there is so much room.
+/// Within the boxes of the block and its neighbours, widened by the least room where one is an arc, and by
+/// the tolerance where there is so much room.
 fn in_its_room(blocks: &[Line], seen: &Seen) -> bool {
     let number = seen.step.tag.number;
     let near = &blocks[number.saturating_sub(1)..=(number + 1).min(blocks.len() - 1)];
