@@ -53,7 +53,9 @@ impl MachineArgs {
     pub(crate) fn read(&self) -> Result<(Machine, String), CliError> {
         let text = match &self.machine {
             None => machine::SMALL_LATHE.to_owned(),
-            Some(path) => std::fs::read_to_string(path).map_err(|error| CliError::file(path, error))?,
+            Some(path) => {
+                intake::text(path, intake::SETTINGS).map_err(|error| CliError::file(path, error))?
+            }
         };
         Ok((machine_of(&self.name(), &text)?, text))
     }

@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use gauge::Nominal;
 use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
 use machine::{Machine, ProgramDialect};
-use protocol::{Arc, Code, Item, code_file::CodeFile};
+use protocol::{
+    Arc, Code, Item, PerAxis, Position,
+    code_file::{CodeFile, CodeReader},
+};
 use rig::observe::{GaugeAsked, Message, Observer, Watch};
 use route::{Course, Route};
 
@@ -13,8 +16,6 @@ use crate::{error::CliError, screen, words::Phase};
 
 /// A program that was read.
 pub(crate) struct Program {
-    /// Machine code that was read from a file; that of other programs is made anew whenever it is wanted.
-    pub(crate) code: Option<Vec<Item>>,
     /// The dialect that it was read in.
     pub(crate) dialect: &'static str,
     /// How many items of machine code there are, what they count in the progress of a run, and how many of
@@ -99,7 +100,6 @@ impl Program {
         let gauge = check.gauge.clone();
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
         Ok(Program {
-            code: None,
             dialect: read.name(),
             count,
             steps,
@@ -115,34 +115,43 @@ impl Program {
 
     /// Machine code of a file, for the machine that it was made for.
     fn from_code_file(path: &Path, machine: &Machine, gauge: Option<Nominal>) -> Result<Program, CliError> {
-        let file = CodeFile::open(path, &machine.identity()).map_err(|error| CliError::file(path, error))?;
-        if let Some(text) = not_for(machine, &file.items) {
+        let open = CodeReader::open(path, &machine.identity());
+        let mut file = open.map_err(|error| CliError::file(path, error))?;
+        let (mut watch, mut watched, mut fit) = (Watch::default(), Vec::new(), Fit::new(machine));
+        let (mut count, mut steps, mut moves, mut wrong) = (0, 0, 0, None);
+        let items = file.by_ref().map_while(|item| {
+            let judged = item.map_err(|error| error.to_string()).and_then(|item| {
+                fit.item(&item).map_or(Ok(item), Err)?;
+                (count, steps, moves) = (count + 1, steps + item.steps(), moves + u64::from(item.is_move()));
+                if watch.wants(&item) {
+                    watched.push(item);
+                }
+                if watched.len() > MOST_WATCHED { Err(too_many()) } else { Ok(item) }
+            });
+            judged.map_err(|text| wrong = Some(text)).ok()
+        });
+        let time_s = interpreter::time_s(items.inspect(|item| Phase::at(item.line)), machine);
+        if let Some(text) = wrong {
             return Err(CliError::file(path, text));
         }
-        let moves = file.items.iter().filter(|item| item.is_move()).count() as u64;
-        let mut watch = Watch::default();
-        let watched = file.items.iter().filter(|item| watch.wants(item)).copied().collect();
-        let time_s = interpreter::time_s(file.items.iter().inspect(|item| Phase::at(item.line)), machine);
         let time_s =
             time_s.map_err(|(line, reason)| CliError::file(path, changed(&reason.to_string(), line)))?;
-        let steps = file.items.iter().map(Item::steps).sum();
-        let (count, code, messages) = (file.items.len() as u64, Some(file.items), String::new());
         Ok(Program {
-            code,
             dialect: Dialect::default().name(),
             count,
             steps,
             moves,
             watched,
             check: None,
-            messages,
+            messages: String::new(),
             time_s,
             part_file: None,
             gauge,
         })
     }
 
-    /// The machine code of a program that was judged and is good, item by item.
+    /// The machine code of a program that was judged and is good, item by item; the first error is the last
+    /// item. There is none unless the file has changed since.
     ///
     /// # Errors
     /// The file cannot be read any more.
@@ -151,12 +160,14 @@ impl Program {
         path: &Path,
         language: &Language,
         machine: &Machine,
-    ) -> Result<Box<dyn Iterator<Item = Item>>, CliError> {
-        if let Some(code) = &self.code {
-            return Ok(Box::new(code.clone().into_iter()));
+    ) -> Result<Box<dyn Iterator<Item = Result<Item, String>>>, CliError> {
+        if CodeFile::is_named(path) {
+            let open = CodeReader::open(path, &machine.identity());
+            let file = open.map_err(|error| CliError::file(path, error))?;
+            return Ok(Box::new(file.map(|item| item.map_err(|error| error.to_string()))));
         }
         let interpreter = Interpreter::new(open(path, language, machine)?, machine);
-        Ok(Box::new(interpreter.map_while(Result::ok)))
+        Ok(Box::new(interpreter.map(|item| item.map_err(|error| error.render(false)))))
     }
 
     /// How many passes of threads there are.
@@ -261,39 +272,62 @@ fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Pr
     interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))
 }
 
-/// Why machine code does not suit the limits of a machine of the same name that has changed since. Why a
-/// trace cannot be followed is seen where its time is told.
-fn not_for(machine: &Machine, items: &[Item]) -> Option<String> {
-    let (mut at, mut route) = (machine.home(), Route::new(machine));
-    for Item { line, code } in items {
+/// Whether machine code suits the limits of a machine of the same name that has changed since.
+struct Fit<'m> {
+    machine: &'m Machine,
+    at: PerAxis<Position>,
+    route: Route,
+    /// A trace that cannot be followed was met: why is seen where its time is told.
+    lost: bool,
+}
+
+impl Fit<'_> {
+    fn new(machine: &Machine) -> Fit<'_> {
+        Fit { machine, at: machine.home(), route: Route::new(machine), lost: false }
+    }
+
+    /// Takes the next item; why it does not suit.
+    fn item(&mut self, Item { line, code }: &Item) -> Option<String> {
+        if self.lost {
+            return None;
+        }
+        let Fit { machine, at, route, .. } = self;
         let what = match code {
             Code::Pass(pass) if !machine.can_follow(pass) => "a pass its axes cannot follow",
             Code::Line { target, .. } if !machine.can_reach(target) => "a move beyond its travel",
-            Code::Arc { arc, .. } if !machine.can_turn(&at, arc) => {
+            Code::Arc { arc, .. } if !machine.can_turn(at, arc) => {
                 "an arc that leaves its travel, or that is not an arc"
             }
             Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => {
-                at = *target;
-                continue;
+                *at = *target;
+                return None;
             }
             Code::Pass(pass) => {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
-                continue;
+                return None;
             }
             Code::Formula { slot, formula } => {
                 route.set_formula(*slot, *formula);
-                continue;
+                return None;
             }
             Code::Work(trace) => {
-                let tracer = Course::new(&route, *line, trace, &at).ok()?;
-                at = tracer.end(&route).ok()?;
-                continue;
+                match Course::new(route, *line, trace, at).and_then(|tracer| tracer.end(route)) {
+                    Ok(end) => *at = end,
+                    Err(_) => self.lost = true,
+                }
+                return None;
             }
-            _ => continue,
+            _ => return None,
         };
-        return Some(changed(what, *line));
+        Some(changed(what, *line))
     }
-    None
+}
+
+/// Passes, tools, formulas and traces that the observer of a run keeps in memory, at most.
+const MOST_WATCHED: usize = 1 << 16;
+
+fn too_many() -> String {
+    format!("more than {MOST_WATCHED} passes, tools, formulas and traces: cut it in several programs")
 }
 
 fn changed(what: &str, line: u32) -> String {
@@ -306,7 +340,7 @@ mod tests {
     use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, Shape, Work};
     use shape::{Contour, Correction, Formula, Op, Side};
 
-    use super::not_for;
+    use super::Fit;
 
     /// A straight contour along X, and half a circle from its end: an arc from there, and none from anywhere
     /// else.
@@ -334,8 +368,12 @@ mod tests {
             let codes = [start, Code::Formula { slot: 0, formula }, Code::Work(trace), half(x)];
             (1..).zip(codes).map(|(line, code)| Item { line, code }).collect::<Vec<_>>()
         };
-        assert_eq!(not_for(&machine, &codes(30.0)), None);
-        let refused = not_for(&machine, &codes(10.0)).expect("the circle of 10 mm does not begin there");
+        let judged = |codes: Vec<Item>| {
+            let mut fit = Fit::new(&machine);
+            codes.iter().find_map(|item| fit.item(item))
+        };
+        assert_eq!(judged(codes(30.0)), None);
+        let refused = judged(codes(10.0)).expect("the circle of 10 mm does not begin there");
         assert!(refused.contains("line 4"), "{refused}");
     }
 }

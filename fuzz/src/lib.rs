@@ -4,17 +4,21 @@
 //! coverage; `tests/mutations` drives the same ones with mutations of programs that are known, on a stable
 //! compiler.
 
-use std::io;
+use std::{io, path::Path};
 
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
-use gcode::files::{Tool, ToolTable};
+use gcode::files::{MachineFile, ParameterFile, Tool, ToolTable};
 use gcode::{
     Call, Diagnostic, Dialect, Job, Limits, Options, Place, Pose, Problem, Program, Sink, Step, alone,
 };
+use interpreter::Interpreter;
+use machine::{Machine, Part, SMALL_MILL};
 use metrology::Thread;
 use protocol::CodePacket;
 use protocol::code_file::{CodeFile, VERSION};
+use rig::observe::Summary;
 use shape::{Formula, Gradient, Number, Series};
+use sim_plant::{Plant, Scenario};
 
 /// Small, so that every loop ends soon.
 const LIMITS: Limits = Limits {
@@ -110,6 +114,75 @@ pub fn code_file(bytes: &[u8]) {
         file.write(&mut written).expect("what can be read can be written");
         let again = CodeFile::read(&mut written.as_slice()).expect("what was written can be read");
         assert_eq!(format!("{file:?}"), format!("{again:?}"));
+    }
+}
+
+/// The bytes as a machine file, with its plant: refused with a reason, or a machine that a plant can be built
+/// of.
+pub fn machine_file(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    match Machine::from_toml(&text) {
+        Ok(machine) => {
+            if let Err(error) = Plant::new(&machine, Scenario::none(), 1) {
+                assert!(!error.to_string().is_empty());
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// The bytes as a scenario for the built-in machine.
+pub fn scenario(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    match Scenario::from_toml(&text) {
+        Ok(scenario) => {
+            let _ = Plant::new(&Machine::default(), scenario, 1).map_err(|error| error.to_string());
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// The bytes as the file beside a program that describes its part.
+pub fn part(bytes: &[u8]) {
+    let _ = Part::from_toml(&String::from_utf8_lossy(bytes)).map_err(|error| error.to_string());
+}
+
+/// The bytes as a tool table, a file of parameters, and a machine description of LinuxCNC: the first of them
+/// can be written and read again.
+pub fn tables(bytes: &[u8]) {
+    let text = gcode::readable(bytes);
+    if let Ok(table) = ToolTable::parse("fuzz", &text) {
+        let again = ToolTable::parse("fuzz", &table.to_text()).expect("what was written can be read");
+        assert_eq!(table.iter().count(), again.iter().count());
+    }
+    let mut rendered = 0;
+    if let Err(diagnostic) = ParameterFile::parse("fuzz", &text) {
+        check_diagnostic(&diagnostic, &mut rendered);
+    }
+    if let Err(diagnostic) = MachineFile::parse("fuzz", &text, Path::new("")) {
+        check_diagnostic(&diagnostic, &mut rendered);
+    }
+}
+
+/// The bytes as a job of the built-in mill.
+pub fn job(bytes: &[u8]) {
+    let machine = Machine::from_toml(SMALL_MILL).expect("it is shipped");
+    let options = options(Dialect::Linuxcnc);
+    let program = Program::from_job("fuzz", bytes, &options);
+    let mut rendered = 0;
+    for item in Interpreter::new(program, &machine).take(usize::try_from(CALLS).unwrap_or(usize::MAX)) {
+        match item {
+            Ok(item) => assert_eq!(item.check(), Ok(())),
+            Err(diagnostic) => check_diagnostic(&diagnostic, &mut rendered),
+        }
+    }
+}
+
+/// The bytes as the summary of a run: what can be read can be written and read again.
+pub fn summary(bytes: &[u8]) {
+    if let Ok(summary) = serde_json::from_slice::<Summary>(bytes) {
+        let text = serde_json::to_string(&summary).expect("it can be written");
+        assert!(serde_json::from_str::<Summary>(&text).is_ok(), "{text}");
     }
 }
 

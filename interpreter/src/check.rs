@@ -156,12 +156,12 @@ pub(crate) fn diameters_mm(program: &Program) -> BTreeMap<u32, f64> {
 ///
 /// # Errors
 /// The line of the first trace that cannot be followed to its end, and why.
-pub fn time_s<'a>(
-    items: impl IntoIterator<Item = &'a Item>,
+pub fn time_s<I: std::borrow::Borrow<Item>>(
+    items: impl IntoIterator<Item = I>,
     machine: &Machine,
 ) -> Result<f64, (u32, Unworkable)> {
     let mut clock = Clock::new(machine);
-    items.into_iter().for_each(|item| clock.add(item.line, &item.code));
+    items.into_iter().for_each(|item| clock.add(item.borrow().line, &item.borrow().code));
     clock.finish();
     clock.trouble().map_or(Ok(clock.seconds()), Err)
 }

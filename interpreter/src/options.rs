@@ -1,6 +1,5 @@
 //! How a machine reads programs: dialect, tools, the point at which its axes rest.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -173,7 +172,7 @@ fn named(dialect: ProgramDialect, machine: &Machine) -> Option<Dialect> {
 fn beginning(path: &Path) -> Vec<u8> {
     let mut beginning = Vec::new();
     if path.is_file()
-        && let Ok(file) = File::open(path)
+        && let Ok(file) = intake::open(path)
     {
         // What is there, even if reading ends early.
         let _ = file.take(LOOKED_AT as u64).read_to_end(&mut beginning);
@@ -191,7 +190,7 @@ pub fn part_beside(path: &Path, machine: &Machine) -> Result<Option<(PathBuf, Pa
     if machine.general.kinematics == machine::Kinematics::Positioner || !path.is_file() {
         return Ok(None);
     }
-    let text = std::fs::read_to_string(&path);
+    let text = intake::text(&path, intake::SETTINGS);
     let text = text.map_err(|error| OpenError::Program { path: path.clone(), error })?;
     let fits = |part: Part| part.fits(machine.general.kinematics);
     let part = Part::from_toml(&text).and_then(|part| part.map(fits).transpose());

@@ -21,7 +21,30 @@ const REMAINDERS: [u32; 256] = {
 
 /// The checksum of some bytes.
 pub(crate) fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0, |sum, byte| (sum >> 8) ^ REMAINDERS[usize::from(sum as u8 ^ byte)])
+    let mut crc = Crc::new();
+    crc.add(bytes);
+    crc.sum()
+}
+
+/// The checksum of bytes that come one after the other.
+pub(crate) struct Crc(u32);
+
+impl Crc {
+    /// Of none yet.
+    pub(crate) fn new() -> Crc {
+        Crc(!0)
+    }
+
+    /// More bytes.
+    pub(crate) fn add(&mut self, bytes: &[u8]) {
+        self.0 =
+            bytes.iter().fold(self.0, |sum, byte| (sum >> 8) ^ REMAINDERS[usize::from(sum as u8 ^ byte)]);
+    }
+
+    /// Of all so far.
+    pub(crate) fn sum(&self) -> u32 {
+        !self.0
+    }
 }
 
 #[cfg(test)]

@@ -9,16 +9,23 @@
 //! | … | content: a [`CodeFile`] through serde and bincode 2, standard configuration |
 //!
 //! What is read was written by `write` and nothing else: every other byte sequence is refused with the
-//! reason, and no more memory is taken than the file is long.
+//! reason. A [`CodeReader`] looks at a file twice, once for its checksum and once for its items, and gives
+//! them one by one: the memory that it takes does not depend on the length of the file. That matters because
+//! an item of two bytes takes hundreds of times as many in memory.
 
 use std::{
-    io::{Read, Write},
+    fs::File,
+    io::{BufReader, Cursor, Read, Seek, SeekFrom, Write},
     path::Path,
 };
 
 use serde::{Deserialize, Serialize};
 
-use crate::{checksum::crc32, code::Item, refused::Refused};
+use crate::{
+    checksum::{Crc, crc32},
+    code::Item,
+    refused::Refused,
+};
 
 /// What a file begins with.
 pub const MAGIC: [u8; 4] = *b"PLMC";
@@ -49,16 +56,13 @@ pub struct CodeFile {
     pub items: Vec<Item>,
 }
 
-/// The same, as it is read: a text is part of the bytes, so that its length is no promise that memory is
-/// taken for.
-#[derive(Deserialize)]
-struct Content<'a> {
-    program: &'a str,
-    machine: &'a str,
-    cycle_s: f64,
-    interpolator_cycle_s: f64,
-    items: Vec<Item>,
-}
+/// What stands before the items: program, machine, control cycle, interpolator cycle, number of items.
+type Beginning = (String, String, f64, f64, u64);
+
+/// Most bytes of the beginning, or of an item.
+const LONGEST_PART: usize = 1 << 16;
+/// Bytes before the content.
+const HEAD: u64 = 18;
 
 /// Why a machine-code file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -139,74 +143,21 @@ impl CodeFile {
         Ok(file.write_all(&content)?)
     }
 
-    /// Reads and checks a file.
+    /// Reads and checks a file, and keeps all of its items.
     ///
     /// # Errors
     /// [`CodeFileError`] for everything that [`CodeFile::write`] did not write.
     pub fn read(file: &mut impl Read) -> Result<CodeFile, CodeFileError> {
-        if field(file)? != MAGIC {
-            return Err(CodeFileError::Foreign);
-        }
-        match u16::from_le_bytes(field(file)?) {
-            VERSION => {}
-            other => return Err(CodeFileError::OtherVersion(other)),
-        }
-        let length = u64::from_le_bytes(field(file)?);
-        if length > LONGEST {
-            return Err(CodeFileError::TooLong(length));
-        }
-        let checksum = u32::from_le_bytes(field(file)?);
-        let mut content = Vec::new();
-        file.take(length + 1).read_to_end(&mut content)?;
-        let present = content.len() as u64;
-        if present < length {
-            return Err(CodeFileError::Truncated { missing: length - present });
-        }
-        if present > length {
-            return Err(CodeFileError::Trailing);
-        }
-        if crc32(&content) != checksum {
-            return Err(CodeFileError::Damaged);
-        }
-        CodeFile::from_content(&content)
-    }
-
-    /// Opens a file for a machine.
-    ///
-    /// # Errors
-    /// As [`CodeFile::read`] and [`CodeFile::check_machine`].
-    pub fn open(path: &Path, machine: &Identity) -> Result<CodeFile, CodeFileError> {
-        let file = CodeFile::read(&mut std::io::BufReader::new(std::fs::File::open(path)?))?;
-        file.check_machine(machine)?;
-        Ok(file)
+        let mut bytes = Vec::new();
+        file.take(HEAD + LONGEST + 1).read_to_end(&mut bytes)?;
+        let mut reader = CodeReader::new(Cursor::new(bytes))?;
+        let items = reader.by_ref().collect::<Result<_, _>>()?;
+        Ok(CodeFile { program: reader.program, machine: reader.machine, items })
     }
 
     /// Whether a file holds machine code, by its ending.
     pub fn is_named(path: &Path) -> bool {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mc"))
-    }
-
-    /// Refuses a machine other than the one the program was compiled for.
-    ///
-    /// # Errors
-    /// [`CodeFileError::OtherMachine`] if name or cycles differ.
-    pub fn check_machine(&self, machine: &Identity) -> Result<(), CodeFileError> {
-        let (compiled, present) = (self.machine.to_string(), machine.to_string());
-        if compiled == present { Ok(()) } else { Err(CodeFileError::OtherMachine { compiled, present }) }
-    }
-
-    fn from_content(content: &[u8]) -> Result<CodeFile, CodeFileError> {
-        let limited = bincode::config::standard().with_limit::<{ LONGEST as usize }>();
-        let (read, used): (Content, usize) = bincode::serde::borrow_decode_from_slice(content, limited)
-            .map_err(|error| CodeFileError::Content(error.to_string()))?;
-        if used != content.len() {
-            return Err(CodeFileError::Trailing);
-        }
-        let Content { program, machine, cycle_s, interpolator_cycle_s, items } = read;
-        let machine = Identity { name: machine.into(), cycle_s, interpolator_cycle_s };
-        let file = CodeFile { program: program.into(), machine, items };
-        file.check_items()?;
-        Ok(file)
     }
 
     fn check_items(&self) -> Result<(), CodeFileError> {
@@ -216,6 +167,115 @@ impl CodeFile {
         }
         Ok(())
     }
+}
+
+/// Reads a file item by item. The first error ends it.
+#[derive(Debug)]
+pub struct CodeReader<R> {
+    /// Name of the part program.
+    pub program: String,
+    /// The machine it was compiled for.
+    pub machine: Identity,
+    content: std::io::Take<R>,
+    /// Items that were given, and how many there are.
+    given: u64,
+    count: u64,
+}
+
+impl CodeReader<BufReader<File>> {
+    /// Opens a file for a machine.
+    ///
+    /// # Errors
+    /// As [`CodeReader::new`]; [`CodeFileError::OtherMachine`] if name or cycles differ.
+    pub fn open(path: &Path, machine: &Identity) -> Result<Self, CodeFileError> {
+        let reader = CodeReader::new(BufReader::new(intake::open(path)?))?;
+        let (compiled, present) = (reader.machine.to_string(), machine.to_string());
+        if compiled == present { Ok(reader) } else { Err(CodeFileError::OtherMachine { compiled, present }) }
+    }
+}
+
+impl<R: Read + Seek> CodeReader<R> {
+    /// Looks at all bytes of a file, and goes back to its first item.
+    ///
+    /// # Errors
+    /// [`CodeFileError`] for a file that is foreign, cut off, damaged, or of another version.
+    pub fn new(mut file: R) -> Result<CodeReader<R>, CodeFileError> {
+        if field(&mut file)? != MAGIC {
+            return Err(CodeFileError::Foreign);
+        }
+        match u16::from_le_bytes(field(&mut file)?) {
+            VERSION => {}
+            other => return Err(CodeFileError::OtherVersion(other)),
+        }
+        let length = u64::from_le_bytes(field(&mut file)?);
+        if length > LONGEST {
+            return Err(CodeFileError::TooLong(length));
+        }
+        let checksum = u32::from_le_bytes(field(&mut file)?);
+        if checksum_of(&mut file, length)? != checksum {
+            return Err(CodeFileError::Damaged);
+        }
+        file.seek(SeekFrom::Start(HEAD))?;
+        let mut content = file.take(length);
+        let (program, name, cycle_s, interpolator_cycle_s, count): Beginning = decode(&mut content)?;
+        let machine = Identity { name, cycle_s, interpolator_cycle_s };
+        Ok(CodeReader { program, machine, content, given: 0, count })
+    }
+}
+
+impl<R: Read> CodeReader<R> {
+    fn item(&mut self) -> Result<Item, CodeFileError> {
+        let number = usize::try_from(self.given).unwrap_or(usize::MAX);
+        let item: Item = decode(&mut self.content)?;
+        item.check().map_err(|reason| CodeFileError::Item { number, line: item.line, reason })?;
+        self.given += 1;
+        if self.given == self.count && self.content.limit() > 0 {
+            return Err(CodeFileError::Trailing);
+        }
+        Ok(item)
+    }
+}
+
+impl<R: Read> Iterator for CodeReader<R> {
+    type Item = Result<Item, CodeFileError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.given >= self.count {
+            // A file without any item may go on, too.
+            let goes_on = self.count == 0 && self.content.limit() > 0;
+            self.content.set_limit(0);
+            return goes_on.then_some(Err(CodeFileError::Trailing));
+        }
+        let item = self.item();
+        if item.is_err() {
+            self.count = self.given;
+            self.content.set_limit(0);
+        }
+        Some(item)
+    }
+}
+
+/// The checksum of so many bytes, with which a file ends.
+fn checksum_of(file: &mut impl Read, length: u64) -> Result<u32, CodeFileError> {
+    let (mut crc, mut left, mut block) = (Crc::new(), length, [0; 8192]);
+    loop {
+        let most = usize::try_from(left.saturating_add(1)).unwrap_or(usize::MAX).min(block.len());
+        let present = file.read(&mut block[..most])?;
+        match (present as u64, left) {
+            (0, 0) => return Ok(crc.sum()),
+            (0, missing) => return Err(CodeFileError::Truncated { missing }),
+            (present, left) if present > left => return Err(CodeFileError::Trailing),
+            (present, _) => left -= present,
+        }
+        crc.add(&block[..present]);
+    }
+}
+
+/// The next part of the content.
+fn decode<T: serde::de::DeserializeOwned>(content: &mut impl Read) -> Result<T, CodeFileError> {
+    let limited = bincode::config::standard().with_limit::<LONGEST_PART>();
+    bincode::serde::decode_from_std_read(content, limited)
+        .map_err(|error| CodeFileError::Content(error.to_string()))
 }
 
 impl std::fmt::Display for Identity {

@@ -55,10 +55,9 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
     let compiling = Phase::begin("compiling");
     // Without its folder, so that a program has the same machine code everywhere.
     let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
-    let items: Vec<Item> = program
-        .items(&args.input.program, &language, &machine)?
-        .inspect(|item| Phase::at(item.line))
-        .collect();
+    let items = program.items(&args.input.program, &language, &machine)?;
+    let items = items.inspect(|item| item.iter().for_each(|item| Phase::at(item.line)));
+    let items: Vec<Item> = items.collect::<Result<_, _>>().map_err(CliError::Input)?;
     let file = CodeFile::new(&name, &machine.identity(), items);
     let mut bytes = Vec::new();
     file.write(&mut bytes)

@@ -145,6 +145,13 @@ impl Endings {
     }
 }
 
+/// The program is another one than that which was checked, though it could be read.
+pub(crate) fn program_changed(summary: &mut Summary) {
+    let text = "the program in the run folder was changed while it ran: what was run is not what was checked";
+    summary.faults.push(launcher_s(summary.cycles, "program-changed", text.into()));
+    summary.outcome = Outcome::Faulted;
+}
+
 fn launcher_s(cycle: u64, code: &str, text: String) -> FaultReport {
     FaultReport { cycle, source: "launcher".into(), code: code.into(), text }
 }

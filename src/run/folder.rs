@@ -1,7 +1,10 @@
 //! The run folder: everything that a run was made of, and everything it left.
 
 use std::ffi::OsString;
-use std::fs::{File, TryLockError};
+use std::fs::{DirBuilder, File, TryLockError};
+use std::hash::{DefaultHasher, Hasher as _};
+use std::io::Read as _;
+use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
@@ -29,6 +32,8 @@ pub(crate) struct RunFolder {
     pub(crate) trace: Option<trace::Format>,
     /// Whether it has every cycle of a long run.
     pub(crate) every_cycle: bool,
+    /// What the copy of the program held before the run.
+    stamp: u64,
     /// Held as long as the run writes into the folder.
     _lock: File,
 }
@@ -96,7 +101,44 @@ impl RunFolder {
         };
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
-        Ok(RunFolder { path, named, program, language, machine, scenario, trace, every_cycle, _lock: lock })
+        let stamp = stamp(&program).map_err(|error| CliError::file(&program, error))?;
+        // What a disk that fills up costs is the trace.
+        let (summary, room) = (path.join("summary.json"), SUMMARY + PART_OF_SUMMARY * judged.watched.len());
+        intake::reserve(&summary, room).map_err(|error| {
+            CliError::Machine(format!("{}: no room for {} kB: {error}", summary.display(), room >> 10))
+        })?;
+        Ok(RunFolder {
+            path,
+            named,
+            program,
+            language,
+            machine,
+            scenario,
+            trace,
+            every_cycle,
+            stamp,
+            _lock: lock,
+        })
+    }
+
+    /// Whether the program is what it was when the run began.
+    pub(crate) fn is_as_it_was(&self) -> bool {
+        stamp(&self.program).is_ok_and(|stamp| stamp == self.stamp)
+    }
+}
+
+/// Bytes of a summary, and of what it has about a pass, a circle or a work; some more than they are.
+const SUMMARY: usize = 64 << 10;
+const PART_OF_SUMMARY: usize = 4 << 10;
+
+/// A number that is another one when a file has changed, unless somebody has made it so on purpose.
+pub(crate) fn stamp(path: &Path) -> std::io::Result<u64> {
+    let (mut file, mut hash, mut block) = (intake::open(path)?, DefaultHasher::new(), [0; 1 << 14]);
+    loop {
+        match file.read(&mut block)? {
+            0 => return Ok(hash.finish()),
+            read => hash.write(&block[..read]),
+        }
     }
 }
 
@@ -110,9 +152,16 @@ fn folder(args: &RunArgs) -> Result<(PathBuf, File), CliError> {
     // Another run is named as such, and not as files.
     let there = path.is_dir().then(|| lock(path)).transpose()?;
     written::empty(path)?;
-    std::fs::create_dir_all(path).map_err(|error| CliError::file(path, error))?;
+    private(true).create(path).map_err(|error| CliError::file(path, error))?;
     let lock = there.map_or_else(|| lock(path), Ok)?;
     Ok((path.clone(), lock))
+}
+
+/// A folder that nobody else can look into.
+fn private(recursive: bool) -> DirBuilder {
+    let mut builder = DirBuilder::new();
+    builder.recursive(recursive).mode(0o700);
+    builder
 }
 
 /// Two runs do not write into one folder.
@@ -162,7 +211,7 @@ fn numbered(program: &Path) -> Result<PathBuf, CliError> {
     std::fs::create_dir_all(runs).map_err(|error| CliError::file(runs, error))?;
     for n in 1..1_000_000 {
         let path = runs.join(format!("{stem}-{n}"));
-        match std::fs::create_dir(&path) {
+        match private(false).create(&path) {
             Ok(()) => return Ok(path),
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(CliError::file(&path, error)),
@@ -191,7 +240,7 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         *file = file.take().or_else(|| there(name));
     }
     if let Some(kept) = there(LANGUAGE) {
-        let text = std::fs::read_to_string(&kept).map_err(|error| CliError::file(&kept, error))?;
+        let text = intake::text(&kept, intake::SETTINGS).map_err(|error| CliError::file(&kept, error))?;
         let kept: Language = toml::from_str(&text).map_err(|error| CliError::file(&kept, error))?;
         repeated.language.dialect = args.language.dialect.or(kept.dialect);
         repeated.language.block_delete |= kept.block_delete;

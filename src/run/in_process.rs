@@ -1,5 +1,7 @@
 //! The machine in this process.
 
+use std::{cell::RefCell, rc::Rc};
+
 use process::ipc::{Process, time::Moment};
 use protocol::{Doom, Module, operator::Request};
 use rig::{Rig, observe::Record, standstill::Standstill, supervisor::Supervisor};
@@ -21,6 +23,13 @@ const LOOK_EVERY: u64 = 256;
 pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded, CliError> {
     let begun = Moment::now();
     let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
+    let unreadable = Rc::<RefCell<Option<String>>>::default();
+    let items = items.map_while({
+        let unreadable = Rc::clone(&unreadable);
+        move |item| item.map_err(|text| *unreadable.borrow_mut() = Some(text)).ok()
+    });
+    // What stands behind an error is not run.
+    let items = items.fuse();
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
         .map_err(|error| CliError::Input(error.to_string()))?;
     let mut recorder = Recorder::new(setup)?;
@@ -45,6 +54,12 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
             }
             wanted = supervisor.cycle(record).or(wanted);
         });
+        if let Some(text) = unreadable.borrow_mut().take() {
+            dead.push(unread(&text, cycle));
+            endings.died(unread(&text, cycle).1);
+            wanted = supervisor.died(Module::Interpreter, cycle).or(wanted);
+            recorder.say(&text);
+        }
         // One that was frozen does not thaw any more.
         dead.into_iter().for_each(|(module, _)| rig.kill(module));
         request = wanted;
@@ -69,6 +84,15 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
     endings.tell(&mut summary);
     Ok((complete(summary, setup, begun), failed))
+}
+
+/// The interpreter as it ends when it meets an error in a program that was good.
+fn unread(text: &str, cycle: u64) -> (Module, Death) {
+    let ending = format!(
+        "met an error, though the program was good when it was checked: it has changed since. {text}"
+    );
+    let death = Death { process: Process::Interpreter, ending, cycle, over: false, frozen: false };
+    (Module::Interpreter, death)
 }
 
 /// What the scenario does to modules. One that is frozen for a second on the machine is killed, as it is in

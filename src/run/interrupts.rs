@@ -50,7 +50,8 @@ impl Interrupts {
         for signal in [SIGINT, SIGTERM, SIGHUP] {
             register_conditional_default(signal, Arc::clone(&over)).map_err(refused)?;
         }
-        // A file that may not become longer is an error of whoever writes it, and not the end of the launcher.
+        // A file that may not become longer is an error of whoever writes it, and not the end of the
+        // launcher.
         register(SIGXFSZ, Arc::default()).map_err(refused)?;
         let signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(refused)?;
         Ok(Interrupts { signals, wish: Wish::None, over })

@@ -85,7 +85,10 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
 
     let mut interrupts = Interrupts::catch()?;
     let run = if args.in_process { in_process::run } else { processes::run };
-    let (summary, unrecorded) = run(&setup, &mut interrupts)?;
+    let (mut summary, unrecorded) = run(&setup, &mut interrupts)?;
+    if !setup.folder.is_as_it_was() {
+        endings::program_changed(&mut summary);
+    }
     // Whatever cannot be written: what became of the run is said.
     let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
     let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
@@ -143,7 +146,8 @@ fn read_scenario(
     machine: &Machine,
 ) -> Result<(sim_plant::Scenario, Option<String>), CliError> {
     let given = args.scenario.as_ref();
-    let text = given.map(|path| std::fs::read_to_string(path).map_err(|error| CliError::file(path, error)));
+    let text =
+        given.map(|path| intake::text(path, intake::SETTINGS).map_err(|error| CliError::file(path, error)));
     let mut text = text.transpose()?;
     if args.single_block {
         text = Some(text.map_or_else(String::new, |text| text + "\n") + SINGLE_BLOCK);

@@ -4,7 +4,8 @@ use rig::observe::{Outcome, PassEnd, Summary};
 
 use crate::shop::{Answer, Place, project};
 
-/// Six turns at 4 1/min: 90 s on the machine, a turn longer than any time in which something is found to be silent.
+/// Six turns at 4 1/min: 90 s on the machine, a turn longer than any time in which something is found to be
+/// silent.
 const SLOW: &str = "G18 G21 G90 G8\nM3 S4\nG0 X20 Z150\nG0 X9\nG33 Z138 K2\nG0 X20\nG0 Z150\nM5\nM2\n";
 /// In the run-in of that pass.
 const DIES: u64 = 30_000;

@@ -4,6 +4,7 @@
 #[path = "../shop/mod.rs"]
 mod shop;
 
+mod always_true;
 mod bounds;
 mod canon;
 mod check;
@@ -24,6 +25,7 @@ mod part;
 mod processes;
 mod resolution;
 mod straight_lines;
+mod strangers;
 mod thread;
 mod traces;
 mod tune;

@@ -210,17 +210,22 @@ impl Drop for Watched<'_> {
 }
 
 fn mutate(target: fn(&[u8]), corpus: &[Vec<u8>]) {
+    mutate_within(MEMORY, MUTATIONS, target, corpus);
+}
+
+/// The same with so many bytes beside the input, and so many mutations in a run of the tests.
+fn mutate_within(memory_bytes: u64, mutations: u64, target: fn(&[u8]), corpus: &[Vec<u8>]) {
     for bytes in corpus {
         target(bytes);
     }
     let one = asked("PITCHLOCK_MUTATION");
     let first = one.or(asked("PITCHLOCK_FIRST_MUTATION")).unwrap_or(0);
-    let count = one.map(|_| 1).or(asked("PITCHLOCK_MUTATIONS")).unwrap_or(MUTATIONS);
+    let count = one.map(|_| 1).or(asked("PITCHLOCK_MUTATIONS")).unwrap_or(mutations);
     for number in first..first + count {
         let bytes = mutation(corpus, number);
         let _watched = Watched(number, &bytes);
         let memory = allocation_counter::measure(|| target(&bytes));
-        let most = MEMORY + PER_BYTE * bytes.len() as u64;
+        let most = memory_bytes + PER_BYTE * bytes.len() as u64;
         assert!(memory.bytes_max < most, "{} bytes taken for {}", memory.bytes_max, bytes.len());
         assert_eq!(memory.bytes_current, 0, "bytes kept");
     }
@@ -264,6 +269,88 @@ fn code_file() {
 #[test]
 fn code_packet() {
     mutate(targets::code_packet, &code_packets());
+}
+
+/// Machine files that are shipped.
+fn machine_files() -> Vec<Vec<u8>> {
+    programs("examples/machines", "toml")
+}
+
+/// Scenarios that are shipped, and one of everything.
+fn scenarios() -> Vec<Vec<u8>> {
+    let mut all = programs("examples/scenarios", "toml");
+    all.push(EVENTS.into());
+    all
+}
+
+/// What the shipped ones lack.
+const EVENTS: &str = "[[event]]\nat = { time_s = 1.5 }\nfeed_hold = true\n[[event]]\nat = { pass = 2, angle_deg = 720 }\nstop = true\n\
+    [[event]]\nat = { cycle = 100 }\nspindle_override_pct = 80\n[[event]]\nat = { time_s = 60 }\ncycle_start = true\n";
+
+/// Descriptions of parts, tool tables and parameters as they are documented.
+fn parts() -> Vec<Vec<u8>> {
+    vec![
+        b"[stock]\ndiameter_mm = 40.0\nlength_mm = 80.0\nbore_mm = 10.0\n[thread]\nname = \"M20x2-6g\"\n"
+            .to_vec(),
+    ]
+}
+
+fn tables() -> Vec<Vec<u8>> {
+    let mut all = programs("examples/first-hour", "tbl");
+    all.push(b"5161 0.000000\n5221 1.5\n5222 -2.25\n5601 3\n".to_vec());
+    all.push(
+        b"[TRAJ]\nLINEAR_UNITS = mm\n[RS274NGC]\nPARAMETER_FILE = a.var\n[EMCIO]\nTOOL_TABLE = t.tbl\n"
+            .to_vec(),
+    );
+    all
+}
+
+fn jobs() -> Vec<Vec<u8>> {
+    programs("examples/shape", "toml")
+}
+
+/// The summary of a short run.
+fn summaries() -> Vec<Vec<u8>> {
+    let machine = Machine::plain();
+    let program = "G18 G21 G90 G94 G8\nG0 X50 Z90\nG1 X50.1 F3000\nM2\n";
+    let items = interpreter::check("short.ngc", program, &machine).items;
+    let mut rig =
+        rig::Rig::new(&machine, items.iter().copied(), sim_plant::Scenario::none(), 1).expect("a plant");
+    let mut observer = rig::observe::Observer::new(&machine, &items);
+    while rig.cycle(None, |record| observer.cycle(record)) {}
+    let summary = observer.finish().summary("short.ngc", "virtual");
+    vec![serde_json::to_vec(&summary).expect("it can be written")]
+}
+
+#[test]
+fn machine_file() {
+    mutate(targets::machine_file, &machine_files());
+}
+
+#[test]
+fn scenario() {
+    mutate(targets::scenario, &scenarios());
+}
+
+#[test]
+fn part() {
+    mutate(targets::part, &parts());
+}
+
+#[test]
+fn tables_of_linuxcnc() {
+    mutate(targets::tables, &tables());
+}
+
+#[test]
+fn job() {
+    // The longest line that a job may have is provided for at its beginning.
+    mutate_within(32 << 20, MUTATIONS / 20, targets::job, &jobs());
+}
+
+#[test]
+fn summary() {
+    mutate(targets::summary, &summaries());
 }
 
 /// A queue takes packets in the tick of the interpolator.

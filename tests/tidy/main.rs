@@ -19,17 +19,18 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 21] = [
+const CRATES: [(&str, &[&str]); 22] = [
+    ("intake", &[]),
     ("motion", &[]),
     ("adviser", &[]),
     ("metrology", &[]),
     ("gauge", &["metrology"]),
     ("shape", &["motion"]),
-    ("gcode", &[]),
-    ("protocol", &["motion", "shape"]),
+    ("gcode", &["intake"]),
+    ("protocol", &["intake", "motion", "shape"]),
     ("machine", &["protocol", "motion"]),
     ("route", &["machine", "protocol", "motion", "shape"]),
-    ("interpreter", &["gauge", "gcode", "route", "machine", "protocol", "motion", "shape"]),
+    ("interpreter", &["intake", "gauge", "gcode", "route", "machine", "protocol", "motion", "shape"]),
     ("interpolator", &["route", "machine", "protocol", "motion", "shape"]),
     ("regulator", &["machine", "protocol", "motion"]),
     ("sim-plant", &["machine", "protocol", "motion"]),
@@ -37,6 +38,7 @@ const CRATES: [(&str, &[&str]); 21] = [
     (
         "rig",
         &[
+            "intake",
             "route",
             "machine",
             "protocol",
@@ -51,7 +53,7 @@ const CRATES: [(&str, &[&str]); 21] = [
         ],
     ),
     ("soak", &["machine", "protocol", "motion", "interpreter", "sim-plant", "rig", "testing"]),
-    ("report", &["gauge", "gcode", "protocol", "rig"]),
+    ("report", &["intake", "gauge", "gcode", "protocol", "rig"]),
     (
         "experiment",
         &[
@@ -69,7 +71,7 @@ const CRATES: [(&str, &[&str]); 21] = [
         ],
     ),
     ("lsp", &["gcode", "interpreter", "machine"]),
-    ("process", &["machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
+    ("process", &["intake", "machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
     ("testing", &[]),
 ];
 

@@ -48,7 +48,8 @@ impl From<Box<Diagnostic>> for FileError {
 
 /// The text of a file.
 fn read(path: &Path) -> Result<String, FileError> {
-    let bytes = fs::read(path).map_err(|error| FileError::Read { path: path.into(), error })?;
+    let bytes =
+        intake::bytes(path, intake::TABLE).map_err(|error| FileError::Read { path: path.into(), error })?;
     Ok(readable(&bytes))
 }
 

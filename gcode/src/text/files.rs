@@ -88,7 +88,7 @@ impl Files {
     /// It cannot be read, or is too large.
     pub(crate) fn open(&mut self, stem: &str) -> Result<Option<usize>, Box<Problem>> {
         for path in self.candidates(stem) {
-            match File::open(&path) {
+            match intake::open(&path) {
                 Ok(file) => return self.load(&path, file).map(Some),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) => return Err(unreadable(&path, &error)),
@@ -106,7 +106,7 @@ impl Files {
         else {
             return Ok(None);
         };
-        let file = File::open(&path).map_err(|error| unreadable(&path, &error))?;
+        let file = intake::open(&path).map_err(|error| unreadable(&path, &error))?;
         self.load(&path, file).map(Some)
     }
 

@@ -86,7 +86,7 @@ impl Source {
     /// # Errors
     /// The file cannot be opened or read.
     pub(crate) fn open(path: &Path, longest: usize) -> io::Result<Source> {
-        Ok(Source::new(&path.display().to_string(), Box::new(File::open(path)?), longest, usize::MAX))
+        Ok(Source::new(&path.display().to_string(), Box::new(intake::open(path)?), longest, usize::MAX))
     }
 
     /// Reads a text.

@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use machine::Machine;
-use protocol::{CodePacket, Credit, Item, code_file::CodeFile};
+use protocol::{
+    CodePacket, Credit, Item,
+    code_file::{CodeFile, CodeFileError, CodeReader},
+};
 
 use crate::{
     ipc::{Process, channel, time::Moment},
@@ -64,9 +67,10 @@ type Items = Box<dyn Iterator<Item = Result<Item, ShellError>>>;
 fn items(args: &InterpreterArgs, machine: &Machine) -> Result<Items, ShellError> {
     let path = &args.program;
     if CodeFile::is_named(path) {
-        let file = CodeFile::open(path, &machine.identity())
-            .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?;
-        return Ok(Box::new(file.items.into_iter().map(Ok)));
+        let path = path.clone();
+        let wrong = move |error: CodeFileError| ShellError::Input(format!("{}: {error}", path.display()));
+        let items = CodeReader::open(&args.program, &machine.identity()).map_err(&wrong)?;
+        return Ok(Box::new(items.map(move |item| item.map_err(&wrong))));
     }
     let program = open(path, &args.language.language(), machine)
         .map_err(|error| ShellError::Input(error.to_string()))?;

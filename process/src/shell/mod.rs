@@ -128,10 +128,10 @@ pub fn deliver<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), Sh
     }
 }
 
-/// Reads a text file.
+/// Reads a machine file or a scenario.
 ///
 /// # Errors
 /// [`ShellError::File`].
 pub fn read_text(path: &std::path::Path) -> Result<String, ShellError> {
-    std::fs::read_to_string(path).map_err(|source| ShellError::File { path: path.into(), source })
+    intake::text(path, intake::SETTINGS).map_err(|source| ShellError::File { path: path.into(), source })
 }

@@ -78,11 +78,13 @@ struct Drawn {
 pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     let summary = Summary::read(&run_dir.join("summary.json"))?;
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
-    let program = program.and_then(|path| std::fs::read(path).ok()).map(|bytes| gcode::readable(&bytes));
+    let program = program
+        .and_then(|path| intake::bytes(&path, intake::SHOWN).ok())
+        .map(|bytes| gcode::readable(&bytes));
     let drawn = draw(run_dir, &summary, program.as_deref());
     let page = page::html(&Run { summary, drawn, program });
     let path = run_dir.join("report.html");
-    match std::fs::write(&path, page) {
+    match intake::replace(&path, page.as_bytes()) {
         Ok(()) => Ok(path),
         Err(reason) => Err(ReportError::Write { path: path.display().to_string(), reason }),
     }

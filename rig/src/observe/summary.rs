@@ -378,7 +378,7 @@ impl Summary {
     /// # Errors
     /// Names the file and what is wrong with it.
     pub fn read(path: &Path) -> Result<Summary, SummaryError> {
-        let text = std::fs::read_to_string(path).map_err(|error| SummaryError::new(path, error))?;
+        let text = intake::text(path, intake::SUMMARY).map_err(|error| SummaryError::new(path, error))?;
         let summary: Summary = serde_json::from_str(&text).map_err(|error| SummaryError::new(path, error))?;
         if summary.version != VERSION {
             let reason =
@@ -388,13 +388,13 @@ impl Summary {
         Ok(summary)
     }
 
-    /// Writes `summary.json`, indented, with a newline at the end.
+    /// Writes `summary.json`, indented, with a newline at the end. The file is whole at any time.
     ///
     /// # Errors
     /// Names the file and why it could not be written.
     pub fn write(&self, path: &Path) -> Result<(), SummaryError> {
         let mut text = serde_json::to_string_pretty(self).map_err(|error| SummaryError::new(path, error))?;
         text.push('\n');
-        std::fs::write(path, text).map_err(|error| SummaryError::new(path, error))
+        intake::replace(path, text.as_bytes()).map_err(|error| SummaryError::new(path, error))
     }
 }

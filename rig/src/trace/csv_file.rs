@@ -2,6 +2,7 @@
 //! exactly.
 
 use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use csv::StringRecord;
@@ -43,8 +44,35 @@ impl Writer {
     }
 }
 
+/// Most bytes of a line: some thousand columns.
+const LONGEST: usize = 1 << 16;
+
+/// A file, up to a line that is too long to be one of a trace.
+struct Lines<R> {
+    file: R,
+    /// Bytes since the last end of a line.
+    since: usize,
+}
+
+impl<R: Read> Read for Lines<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.file.read(bytes)?;
+        for line in bytes[..read].split_inclusive(|byte| *byte == b'\n') {
+            self.since += line.len();
+            if self.since > LONGEST {
+                let text = format!("a line has more than {LONGEST} bytes: this is not a trace");
+                return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, text));
+            }
+            if line.ends_with(b"\n") {
+                self.since = 0;
+            }
+        }
+        Ok(read)
+    }
+}
+
 pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
-    let mut file = csv::Reader::from_path(path)?;
+    let mut file = csv::Reader::from_reader(Lines { file: intake::open(path)?, since: 0 });
     let names = file.headers()?.clone();
     let axes = axes_of(&names.iter().collect::<Vec<_>>())?;
     let mut record = StringRecord::new();

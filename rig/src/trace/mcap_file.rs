@@ -5,10 +5,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Read};
 use std::path::Path;
 
-use mcap::records::MessageHeader;
+use mcap::{
+    records::{MessageHeader, Record},
+    sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions},
+};
 use protocol::{Axis, AxisState, Motion};
 
 use super::Told;
@@ -91,25 +94,63 @@ fn fields(schema: &str) -> Vec<&str> {
     schema.lines().filter(|line| !line.starts_with('#')).filter_map(field).collect()
 }
 
+/// Most bytes of a record: a schema of all axes has some ten thousand. A file may say that a record is as
+/// long as it likes, and a compressed one can be.
+const LONGEST: usize = 1 << 20;
+/// What is read at once, bytes.
+const BLOCK: usize = 1 << 16;
+
 pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
-    let bytes = std::fs::read(path)?;
-    let mut axes: Option<Vec<Axis>> = None;
-    for message in mcap::MessageStream::new(&bytes)? {
-        let message = message?;
-        if message.channel.topic != TOPIC {
-            continue;
-        }
-        let axes = match &axes {
-            Some(axes) => axes,
-            None => {
-                let schema = message.channel.schema.as_ref().ok_or("the trace has no schema")?;
-                axes.insert(axes_of(&fields(std::str::from_utf8(&schema.data)?))?)
+    let mut file = intake::open(path)?;
+    let mut reader =
+        LinearReader::new_with_options(LinearReaderOptions::default().with_record_length_limit(LONGEST));
+    let mut columns = Columns::default();
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(_) => {
+                let read = file.read(reader.insert(BLOCK))?;
+                reader.notify_read(read);
             }
-        };
-        let cells = message.data.strip_prefix(&CDR).ok_or("the trace is not little-endian CDR")?;
-        take(Row::from_cells(axes, &mut Bytes(cells))?);
+            LinearReadEvent::Record { data, opcode } => {
+                if let Some(row) = columns.record(mcap::parse_record(opcode, data)?)? {
+                    take(row);
+                }
+            }
+        }
     }
     Ok(())
+}
+
+/// What a trace says of its columns, before its rows.
+#[derive(Default)]
+struct Columns {
+    /// Schemas by their number, at most one.
+    schema: Option<(u16, Vec<Axis>)>,
+    channel: Option<u16>,
+}
+
+impl Columns {
+    /// Takes a record; gives the row, if it is one.
+    fn record(&mut self, record: Record) -> Told<Option<Row>> {
+        match record {
+            Record::Schema { header, data } if header.name == SCHEMA && self.schema.is_none() => {
+                self.schema = Some((header.id, axes_of(&fields(std::str::from_utf8(&data)?))?));
+            }
+            Record::Channel(channel) if channel.topic == TOPIC => {
+                if self.schema.as_ref().is_none_or(|(id, _)| *id != channel.schema_id) {
+                    return Err("the trace has no schema".into());
+                }
+                self.channel = Some(channel.id);
+            }
+            Record::Message { header, data } if self.channel == Some(header.channel_id) => {
+                let (_, axes) = self.schema.as_ref().ok_or("the trace has no schema")?;
+                let cells = data.strip_prefix(&CDR).ok_or("the trace is not little-endian CDR")?;
+                return Ok(Some(Row::from_cells(axes, &mut Bytes(cells))?));
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
 }
 
 /// The cells of one message.

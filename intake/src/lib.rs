@@ -1,0 +1,174 @@
+//! Files that others made, and files that are whole at any time. In: a path, and how many bytes such a file
+//! may have. Out: the file, its bytes or its text; or an error that says what it is instead.
+//!
+//! A name may stand for a pipe that nobody writes to, a device that never ends, a folder. None of them is
+//! opened in earnest: whoever opens a named pipe waits for its other end, for ever if nobody comes.
+#![forbid(unsafe_code)]
+
+use std::{
+    fs::{self, File, OpenOptions},
+    io::{Error, ErrorKind, Read, Result, Write},
+    os::unix::fs::{FileTypeExt, OpenOptionsExt},
+    path::{Path, PathBuf},
+};
+
+/// Do not wait for the other end of a pipe: `O_NONBLOCK` of Linux, as in its `asm-generic/fcntl.h`. For
+/// regular files it means nothing.
+const NO_WAITING: i32 = 0o4000;
+
+const MEBI: u64 = 1 << 20;
+/// Most bytes of a machine file, a scenario, a description of a part, and what is kept beside a program.
+pub const SETTINGS: u64 = MEBI;
+/// Most bytes of a job, with all of its points.
+pub const JOB: u64 = 8 * MEBI;
+/// Most bytes of a tool table and of a file of parameters.
+pub const TABLE: u64 = 4 * MEBI;
+/// Most bytes of a `summary.json`: some ten thousand passes.
+pub const SUMMARY: u64 = 64 * MEBI;
+/// Most bytes of a program that is shown in a page.
+pub const SHOWN: u64 = 64 * MEBI;
+
+/// Opens a regular file.
+///
+/// # Errors
+/// It is a folder, a pipe, a socket or a device; or the operating system refuses.
+pub fn open(path: &Path) -> Result<File> {
+    let file = OpenOptions::new().read(true).custom_flags(NO_WAITING).open(path)?;
+    let kind = file.metadata()?.file_type();
+    let what = match kind {
+        _ if kind.is_file() => return Ok(file),
+        _ if kind.is_dir() => return Err(Error::from(ErrorKind::IsADirectory)),
+        _ if kind.is_fifo() => "a pipe",
+        _ if kind.is_socket() => "a socket",
+        _ => "a device",
+    };
+    Err(Error::new(
+        ErrorKind::InvalidInput,
+        format!("is {what}, and a file is needed: write it to one first"),
+    ))
+}
+
+/// The bytes of a regular file.
+///
+/// # Errors
+/// As [`open`]; and if it has more than `most` bytes.
+pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let most = if most < MEBI { format!("{} kB", most >> 10) } else { format!("{} MB", most / MEBI) };
+        let text = format!("has more than {most}, the most that such a file may have: is it the right one?");
+        return Err(Error::new(ErrorKind::FileTooLarge, text));
+    }
+    Ok(bytes)
+}
+
+/// The text of a regular file, in UTF-8.
+///
+/// # Errors
+/// As [`bytes`]; and if it is not text.
+pub fn text(path: &Path, most: u64) -> Result<String> {
+    String::from_utf8(bytes(path, most)?).map_err(|_| {
+        Error::new(ErrorKind::InvalidData, "is not text in UTF-8: save it as such, or is it the right file?")
+    })
+}
+
+/// The name under which a file is written until it is whole.
+fn fresh(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    name.into()
+}
+
+/// Takes room for a file that [`replace`] will write, bytes, so that a disk that fills up meanwhile does not
+/// keep it from being written.
+///
+/// # Errors
+/// There is no such room, or the operating system refuses.
+pub fn reserve(path: &Path, bytes: usize) -> Result<()> {
+    let mut file = create(&fresh(path))?;
+    let taken = file.write_all(&vec![0; bytes]).and_then(|()| file.sync_all());
+    taken.inspect_err(|_| {
+        let _ = fs::remove_file(fresh(path)); // what is reported is why it could not be written
+    })
+}
+
+/// Writes a file under another name, down to the disk, and puts it in its place: at any time there is the
+/// whole file or the one before. What stood there is replaced, also where it is a link: where that leads is
+/// left alone.
+///
+/// # Errors
+/// It cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+    let fresh = fresh(path);
+    let own = || fs::symlink_metadata(&fresh).is_ok_and(|found| found.is_file());
+    let write = || {
+        let mut file = if own() { OpenOptions::new().write(true).open(&fresh)? } else { create(&fresh)? };
+        file.write_all(bytes)?;
+        file.set_len(bytes.len() as u64)?;
+        file.sync_all()?;
+        fs::rename(&fresh, path)
+    };
+    write().inspect_err(|_| {
+        let _ = fs::remove_file(&fresh); // what is reported is why it could not be written
+    })?;
+    // The name is on the disk when its folder is.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
+}
+
+/// A new file; a link of that name is not followed.
+fn create(path: &Path) -> Result<File> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    OpenOptions::new().write(true).create_new(true).open(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole_and_no_link_is_followed() {
+        let folder = std::env::temp_dir().join(format!("intake-{}", std::process::id()));
+        fs::create_dir(&folder).expect("a folder");
+        let (path, other) = (folder.join("file"), folder.join("other"));
+        fs::write(&other, "other").expect("room");
+        for name in ["file", "file.new"] {
+            std::os::unix::fs::symlink(&other, folder.join(name)).expect("a link");
+        }
+        reserve(&path, 100_000).expect("room");
+        assert_eq!(fs::metadata(folder.join("file.new")).expect("it is taken").len(), 100_000);
+        for text in ["long, long", "short"] {
+            replace(&path, text.as_bytes()).expect("room");
+            assert_eq!(fs::read_to_string(&path).expect("it is there"), text);
+        }
+        assert_eq!(fs::read_to_string(&other).expect("it is there"), "other");
+        assert!(
+            fs::symlink_metadata(&path).expect("it is there").is_file() && !folder.join("file.new").exists()
+        );
+        // Where it cannot be put in its place, nothing is left of it.
+        fs::create_dir(folder.join("taken")).expect("a folder");
+        assert!(replace(&folder.join("taken"), b"text").is_err() && !folder.join("taken.new").exists());
+        fs::remove_dir_all(&folder).expect("it is ours");
+    }
+
+    #[test]
+    fn what_is_no_file_is_refused_at_once() {
+        let refused = |path: &str| open(Path::new(path)).expect_err(path).to_string();
+        assert!(refused("/dev/zero").contains("is a device"), "{}", refused("/dev/zero"));
+        assert!(refused("/tmp").contains("directory"), "{}", refused("/tmp"));
+        assert!(bytes(Path::new("/dev/zero"), SETTINGS).is_err());
+    }
+
+    #[test]
+    fn a_file_of_the_longest_length_is_read_and_a_longer_one_is_not() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let length = std::fs::metadata(&path).expect("it is here").len();
+        assert_eq!(text(&path, length).expect("it fits").len() as u64, length);
+        let refused = bytes(&path, length - 1).expect_err("it is longer").to_string();
+        assert!(refused.contains("the most that such a file may have"), "{refused}");
+    }
+}
