@@ -29,4 +29,5 @@ mod strangers;
 mod thread;
 mod traces;
 mod tune;
+mod users;
 mod written;

@@ -2,12 +2,16 @@
 //! that may be open at once. In: the axes of the machine, folders. Out: what is missing, in bytes and files,
 //! before a process starts.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    os::unix::fs::{MetadataExt, PermissionsExt},
+    path::Path,
+};
 
 use protocol::Axis;
 use rustix::{
-    fs::{FallocateFlags, fallocate, statvfs},
-    process::{Resource, Rlimit, getrlimit, setrlimit},
+    fs::{FallocateFlags, Mode, OFlags, fallocate, statvfs},
+    process::{Resource, Rlimit, getrlimit, getuid, setrlimit},
 };
 
 use super::{IpcError, channel};
@@ -62,14 +66,25 @@ fn enough(free: Option<u64>, needed: u64) -> Result<(), IpcError> {
     }
 }
 
+/// Opens a file that this user has made, under one name alone. Nothing is waited for, no link is followed.
+pub(crate) fn open_own(path: &Path, how: OFlags) -> Option<fs::File> {
+    let how = how | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let file = fs::File::from(rustix::fs::open(path, how, Mode::empty()).ok()?);
+    let found = file.metadata().ok()?;
+    (found.is_file() && found.uid() == getuid().as_raw() && found.nlink() == 1).then_some(file)
+}
+
 /// Takes all the shared memory that files with this beginning will ever use, so that whoever fills the rest
-/// later kills nobody. A system that cannot do that is left alone.
+/// later kills nobody; a system that cannot do that is left alone. And closes them to other users: iceoryx2
+/// leaves one of them open to everybody.
 pub(crate) fn take_shared_memory(prefix: &str) -> Result<(), IpcError> {
     for entry in fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten() {
         if !entry.file_name().to_str().is_some_and(|name| name.starts_with(prefix)) {
             continue;
         }
-        let Ok(file) = fs::OpenOptions::new().write(true).open(entry.path()) else { continue };
+        let Some(file) = open_own(&entry.path(), OFlags::RDWR) else { continue };
+        // A file that somebody else has put there cannot be closed, and is nobody's.
+        let _ = file.set_permissions(fs::Permissions::from_mode(0o600));
         let bytes = file.metadata().map_or(0, |found| found.len());
         if bytes > 0 && fallocate(&file, FallocateFlags::KEEP_SIZE, 0, bytes) == Err(rustix::io::Errno::NOSPC)
         {

@@ -5,26 +5,32 @@
 //! where that folder is. Every living process of the name space, owner or not, holds a shared lock on that
 //! last file; the operating system drops the lock however the process ends. Who gets it exclusively knows
 //! that nobody is left, and wipes: the file itself last, so that a wipe that is interrupted will be repeated.
+//!
+//! Both places belong to everybody. Whatever has such a name and was not made by this user for himself alone
+//! (a pipe, a link, a folder, a file of another user) is neither opened in earnest nor removed, and hinders
+//! nobody.
 
 use std::{
     fs::{self, File},
     hash::{BuildHasher, Hasher},
-    io::{ErrorKind, Write},
-    os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt},
+    io::{ErrorKind, Read, Write},
+    os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt},
     path::{Path, PathBuf},
 };
 
 use iceoryx2::prelude::{Config, SemanticString};
 use rustix::{
-    fs::{FlockOperation, flock},
+    fs::{FlockOperation, OFlags, flock},
     process::{getpid, getuid},
 };
 
 use super::{
     IpcError,
-    computer::{SHARED_MEMORY, take_shared_memory},
+    computer::{SHARED_MEMORY, open_own, take_shared_memory},
 };
 
+/// Most bytes of a marker.
+const MARKER: u64 = 4096;
 /// Room that iceoryx2 needs behind the folder's path in the 108 bytes of a socket's address.
 const SOCKET_NAME_BYTES: usize = 60;
 
@@ -54,9 +60,7 @@ impl Folder {
     }
 
     fn make(base: &Path) -> Result<Folder, IpcError> {
-        let mut random = std::hash::RandomState::new().build_hasher();
-        random.write_i32(getpid().as_raw_pid());
-        let id = format!("{:08x}", random.finish() as u32);
+        let id = random();
         let path = base.join(&id);
         if path.as_os_str().len() + SOCKET_NAME_BYTES > 108 {
             return Err(IpcError::PathTooLong { path });
@@ -66,7 +70,7 @@ impl Folder {
         let mut alive = made.map_err(|error| IpcError::file(&marker, error))?;
         hold(&alive, &marker)?;
         write!(alive, "{owner} {}", path.display()).map_err(|error| IpcError::file(&marker, error))?;
-        fs::create_dir(&path).map_err(|error| IpcError::file(&path, error))?;
+        fs::DirBuilder::new().mode(0o700).create(&path).map_err(|error| IpcError::file(&path, error))?;
         Ok(Folder { path, id, owner, alive })
     }
 
@@ -75,9 +79,9 @@ impl Folder {
         let wrong = || IpcError::NoSuchAddress(address.into());
         let id = address.rsplit('/').next().filter(|id| is_id(id)).ok_or_else(wrong)?.to_owned();
         let marker = marker(&id);
-        let alive = File::open(&marker).map_err(|_| wrong())?;
+        let mut alive = open_marker(&marker).ok_or_else(wrong)?;
         hold(&alive, &marker)?;
-        let (owner, path) = read_marker(&marker, &id).ok_or_else(wrong)?;
+        let (owner, path) = read_marker(&mut alive, &id).ok_or_else(wrong)?;
         if path != Path::new(address) {
             return Err(wrong());
         }
@@ -119,7 +123,7 @@ impl Folder {
         flock(&self.alive, FlockOperation::Unlock).map_err(|error| IpcError::file(&path, error))?;
         match flock(&self.alive, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => self.wipe(),
-            Err(_) => Ok(()),
+            Err(_) => Ok(()), // somebody else lives in it
         }
     }
 
@@ -141,30 +145,65 @@ fn is_id(name: &str) -> bool {
     name.len() == 8 && name.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
+/// Opens a marker, if it is a file that this user has made for himself alone. Nothing is waited for.
+fn open_marker(marker: &Path) -> Option<File> {
+    open_own(marker, OFlags::RDONLY)
+        .filter(|file| file.metadata().is_ok_and(|found| found.mode() & 0o077 == 0))
+}
+
 /// Process id of the owner and path of the folder, if this marker was written to its end.
-fn read_marker(marker: &Path, id: &str) -> Option<(i32, PathBuf)> {
-    let text = fs::read_to_string(marker).ok()?;
+fn read_marker(marker: &mut File, id: &str) -> Option<(i32, PathBuf)> {
+    let mut text = String::new();
+    marker.take(MARKER).read_to_string(&mut text).ok()?;
     let (owner, path) = text.split_once(' ')?;
     let path = PathBuf::from(path);
-    (path.is_absolute() && path.ends_with(base_name().join(id))).then_some((owner.parse().ok()?, path))
+    let base = path.parent()?.file_name()?.to_str()?;
+    let named = base
+        .strip_prefix(&base_name())
+        .is_some_and(|rest| rest.is_empty() || rest.strip_prefix('.').is_some_and(is_id));
+    (path.is_absolute() && path.ends_with(id) && named).then_some((owner.parse().ok()?, path))
 }
 
-fn base_name() -> PathBuf {
-    format!("pitchlock-{}", getuid().as_raw()).into()
+fn base_name() -> String {
+    format!("pitchlock-{}", getuid().as_raw())
 }
 
-/// The folder of all name spaces of this user; nobody else may have made it.
+/// The folder of all name spaces of this user. Where somebody else has taken its name, one that nobody can
+/// have foreseen.
 fn base() -> Result<PathBuf, IpcError> {
-    let base = std::env::temp_dir().join(base_name());
-    match fs::DirBuilder::new().mode(0o700).create(&base) {
-        Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(IpcError::file(&base, error)),
+    let folder = std::env::temp_dir();
+    let base = folder.join(base_name());
+    match own_folder(&base) {
+        Err(error) if error.kind() == ErrorKind::PermissionDenied && folder.is_dir() => {
+            let base = folder.join(format!("{}.{}", base_name(), random()));
+            own_folder(&base).map_err(|error| IpcError::file(&base, error))?;
+            Ok(base)
+        }
+        made => made.map(|()| base.clone()).map_err(|error| IpcError::file(&base, error)),
+    }
+}
+
+/// Makes a folder that nobody else can look into, unless it is there.
+fn own_folder(base: &Path) -> std::io::Result<()> {
+    match fs::DirBuilder::new().mode(0o700).create(base) {
+        Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(error),
         _ => {}
     }
-    let found = fs::symlink_metadata(&base).map_err(|error| IpcError::file(&base, error))?;
+    let found = fs::symlink_metadata(base)?;
     if !found.is_dir() || found.uid() != getuid().as_raw() {
-        return Err(IpcError::file(&base, ErrorKind::PermissionDenied));
+        return Err(ErrorKind::PermissionDenied.into());
     }
-    Ok(base)
+    if found.mode() & 0o077 != 0 {
+        fs::set_permissions(base, fs::Permissions::from_mode(0o700))?;
+    }
+    Ok(())
+}
+
+/// Eight digits that nobody can foresee.
+fn random() -> String {
+    let mut random = std::hash::RandomState::new().build_hasher();
+    random.write_i32(getpid().as_raw_pid());
+    format!("{:08x}", random.finish() as u32)
 }
 
 /// Takes the shared lock. Somebody who wipes may have been faster; then the marker is locked, or has no name
@@ -178,30 +217,43 @@ fn hold(alive: &File, marker: &Path) -> Result<(), IpcError> {
     }
 }
 
-/// Wipes every name space of this user that nobody lives in.
+/// Wipes every name space of this user that nobody lives in. What cannot be wiped is left, and said: it
+/// hinders nobody.
 fn wipe_abandoned() -> Result<(), IpcError> {
     let shared = Path::new(SHARED_MEMORY);
     for entry in fs::read_dir(shared).map_err(|error| IpcError::file(shared, error))?.flatten() {
         let name = entry.file_name();
         let id = name.to_str().and_then(|name| name.strip_prefix("pitchlock-")).filter(|id| is_id(id));
-        let (Some(id), Ok(marker)) = (id, File::open(entry.path())) else { continue };
-        let mine = marker.metadata().is_ok_and(|found| found.uid() == getuid().as_raw());
-        if mine && flock(&marker, FlockOperation::NonBlockingLockExclusive).is_ok() {
-            wipe(id)?;
+        let (Some(id), Some(marker)) = (id, open_marker(&entry.path())) else { continue };
+        if flock(&marker, FlockOperation::NonBlockingLockExclusive).is_ok()
+            && let Err(error) = wipe(id)
+        {
+            tracing::warn!(%error, "what a run has left is still there");
         }
     }
     Ok(())
 }
 
+/// What another user has put beside it under the same prefix stays.
 fn wipe(id: &str) -> Result<(), IpcError> {
     let (prefix, marker) = (prefix(id), marker(id));
+    let own = |path: &Path| fs::symlink_metadata(path).is_ok_and(|found| found.uid() == getuid().as_raw());
     for entry in fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)) {
+        if entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)) && own(&entry.path()) {
             gone(&entry.path(), fs::remove_file(entry.path()))?;
         }
     }
-    if let Some((_, path)) = read_marker(&marker, id) {
+    let Some(mut file) = open_marker(&marker) else { return Ok(()) };
+    if let Some((_, path)) = read_marker(&mut file, id)
+        && let Some(base) = path.parent()
+        && fs::symlink_metadata(base).is_ok_and(|found| found.is_dir())
+        && own(base)
+    {
         gone(&path, fs::remove_dir_all(&path))?;
+        if base.file_name() != Some(base_name().as_ref()) {
+            // A name of its own for one run; not empty if there is another one.
+            let _ = fs::remove_dir(base);
+        }
     }
     gone(&marker, fs::remove_file(&marker))
 }

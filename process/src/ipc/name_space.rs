@@ -61,6 +61,7 @@ impl NameSpace {
             services.push(Box::new(create_event(&node, &wake_name(*process))?));
         }
         services.push(Box::new(create_event(&node, ROLL_CALL)?));
+        folder.0.take_memory()?;
         let member = Member::new(node, Process::Launcher)?;
         let waker = |process: Process| Ok((process, member.waker(process)?));
         Ok(NameSpace {
@@ -102,7 +103,8 @@ impl NameSpace {
         Ok(missing)
     }
 
-    /// Lets everybody begin. Nobody may be missing. From here on nobody needs shared memory that is not there.
+    /// Lets everybody begin. Nobody may be missing. From here on nobody needs shared memory that is not
+    /// there.
     ///
     /// # Errors
     /// [`IpcError::NoRoom`] if others took it meanwhile; [`IpcError::Bus`] if the event is broken.
