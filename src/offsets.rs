@@ -148,7 +148,7 @@ pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliEr
 
 /// What the lines of a file set.
 fn loaded(from: &Path) -> Result<Vec<Set>, CliError> {
-    let text = std::fs::read(from).map_err(|error| CliError::file(from, error))?;
+    let text = intake::bytes(from, intake::TABLE).map_err(|error| CliError::file(from, error))?;
     let mut sets = Vec::new();
     for (n, text) in gcode::readable(&text).lines().enumerate() {
         let mut words = text.split(';').next().unwrap_or_default().split_whitespace();

@@ -70,10 +70,7 @@ fn is_call(line: &str) -> bool {
 /// # Errors
 /// There is a file that the command has not made.
 pub(crate) fn free(path: &Path, made: Made) -> Result<(), CliError> {
-    let Ok(mut file) = File::open(path) else { return Ok(()) };
-    if !file.metadata().is_ok_and(|found| found.is_file()) {
-        return Ok(());
-    }
+    let Ok(mut file) = intake::open(path) else { return Ok(()) };
     let mut head = Vec::new();
     let read = Read::by_ref(&mut file).take(HEAD).read_to_end(&mut head);
     if read.is_ok() && made.is(&head) {

@@ -215,7 +215,7 @@ impl Server {
         let folders: Vec<PathBuf> =
             beside.into_iter().chain(self.settings.language.subroutines.clone()).collect();
         let file = places::file(label, &folders, dialect)?;
-        let text = Text::new(&gcode::readable(&std::fs::read(&file).ok()?));
+        let text = Text::new(&gcode::readable(&intake::bytes(&file, intake::SHOWN).ok()?));
         let line = places::find(text.lines(), &target, 0, dialect).unwrap_or(0);
         Some(Location::new(places::uri_of(&file).into(), place(line)).into())
     }

@@ -47,7 +47,7 @@ impl Settings {
         let at = |path: PathBuf| folder.map_or_else(|| path.clone(), |folder| folder.join(&path));
         if let Some(path) = said.machine.map(at) {
             let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-            let text = std::fs::read_to_string(&path).map_err(|error| wrong(&error))?;
+            let text = intake::text(&path, intake::SETTINGS).map_err(|error| wrong(&error))?;
             self.machine = Machine::from_toml(&text).map_err(|error| wrong(&error))?;
             let table = self.machine.general.tool_table.as_ref();
             self.language.tools =

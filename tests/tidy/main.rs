@@ -70,7 +70,7 @@ const CRATES: [(&str, &[&str]); 22] = [
             "tune",
         ],
     ),
-    ("lsp", &["gcode", "interpreter", "machine"]),
+    ("lsp", &["intake", "gcode", "interpreter", "machine"]),
     ("process", &["intake", "machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
     ("testing", &[]),
 ];

@@ -87,7 +87,7 @@ fn rewrite(
     change: impl FnOnce(&str) -> Result<String, FileError>,
 ) -> Result<(), FileError> {
     let wrong = |error| FileError::Read { path: path.into(), error };
-    let old = if path.exists() { Some(fs::read(path).map_err(wrong)?) } else { None };
+    let old = if path.exists() { Some(intake::bytes(path, intake::TABLE).map_err(wrong)?) } else { None };
     let bytes = old.as_deref().unwrap_or(empty.as_bytes());
     if bytes.contains(&0) {
         let error = io::Error::new(io::ErrorKind::InvalidData, "it is not a text in UTF-8 or Latin-1");
