@@ -189,8 +189,19 @@ impl CodeReader<BufReader<File>> {
     /// As [`CodeReader::new`]; [`CodeFileError::OtherMachine`] if name or cycles differ.
     pub fn open(path: &Path, machine: &Identity) -> Result<Self, CodeFileError> {
         let reader = CodeReader::new(BufReader::new(intake::open(path)?))?;
-        let (compiled, present) = (reader.machine.to_string(), machine.to_string());
-        if compiled == present { Ok(reader) } else { Err(CodeFileError::OtherMachine { compiled, present }) }
+        reader.check_machine(machine)?;
+        Ok(reader)
+    }
+}
+
+impl<R> CodeReader<R> {
+    /// Refuses a machine other than the one the program was compiled for.
+    ///
+    /// # Errors
+    /// [`CodeFileError::OtherMachine`] if name or cycles differ.
+    pub fn check_machine(&self, machine: &Identity) -> Result<(), CodeFileError> {
+        let (compiled, present) = (self.machine.to_string(), machine.to_string());
+        if compiled == present { Ok(()) } else { Err(CodeFileError::OtherMachine { compiled, present }) }
     }
 }
 

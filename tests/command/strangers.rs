@@ -104,7 +104,7 @@ fn machine_code_is_read_item_by_item() {
     let mut count = 0;
     let memory = allocation_counter::measure(|| {
         let reader = CodeReader::open(&path, &Machine::default().identity()).expect("it is sound");
-        count = reader.map(|item| item.expect("it is sound")).count();
+        count = reader.filter(Result::is_ok).count();
     });
     assert_eq!(count, 200_000);
     assert!(memory.bytes_max < 512 * 1024, "{} bytes", memory.bytes_max);

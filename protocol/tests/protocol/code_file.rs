@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use protocol::{
     Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Shape, SpindleMode,
     SpindleSpeed, ThreadPass, Work,
-    code_file::{CodeFile, CodeFileError, Identity},
+    code_file::{CodeFile, CodeFileError, CodeReader, Identity},
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -252,7 +252,7 @@ fn an_impossible_item_is_neither_written_nor_read() {
 #[test]
 fn a_file_belongs_to_its_machine() {
     let mut machine = lathe();
-    let file = program(Vec::new());
+    let file = CodeReader::new(std::io::Cursor::new(bytes_of(&program(Vec::new())))).unwrap();
     file.check_machine(&machine).unwrap();
     machine.interpolator_cycle_s = 0.004;
     let error = file.check_machine(&machine).unwrap_err();
