@@ -3,7 +3,6 @@
 //! (`/dev/null`, a pipe) is written to.
 
 use std::{
-    fs::File,
     io::{ErrorKind, Read},
     path::Path,
 };

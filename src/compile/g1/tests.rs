@@ -221,7 +221,7 @@ fn moves_around_a_job_are_said_as_they_are() {
         "G17",
         "G21 G90 G94 G40 G49 G80 G54",
         "G10 L2 P1 X0 Y0 Z0",
-        "G64 P0.0075 Q0.0025",
+        "G64 P0.008 Q0.002",
         "T2 M6",
         "G97 S500 M4",
         "M7",
