@@ -3,8 +3,8 @@
 //! several tolerances P of G64, with Q, and with coordinates of three decimals.
 //!
 //! The contours are made here, so anybody can make them again: circles in chords of equal and unequal
-//! lengths, a Lissajous curve in space, an involute gear, a trochoid, lines over a triangle mesh, strokes like
-//! letters, a zigzag. Chords lie within so many micrometres of their curve.
+//! lengths, a Lissajous curve in space, an involute gear, a trochoid, lines over a triangle mesh, strokes
+//! like letters, a zigzag. Chords lie within so many micrometres of their curve.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{PI, TAU};

@@ -59,12 +59,7 @@ impl RunFolder {
         for (from, to, what) in
             [(Some(&args.program), Path::new(name), "job"), (judged.part_file.as_ref(), &part_name, "part")]
         {
-            if let Some(from) = from
-                && [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| to == Path::new(kept))
-            {
-                let text = format!("the run folder keeps another file under this name: rename the {what}");
-                return Err(CliError::file(from, text));
-            }
+            from.map_or(Ok(()), |from| refuse_kept(from, to, what))?;
         }
         let (path, lock) = folder(args)?;
         let program = path.join(name);
@@ -102,11 +97,7 @@ impl RunFolder {
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
         let stamp = stamp(&program).map_err(|error| CliError::file(&program, error))?;
-        // What a disk that fills up costs is the trace.
-        let (summary, room) = (path.join("summary.json"), SUMMARY + PART_OF_SUMMARY * judged.watched.len());
-        intake::reserve(&summary, room).map_err(|error| {
-            CliError::Machine(format!("{}: no room for {} kB: {error}", summary.display(), room >> 10))
-        })?;
+        reserve(&path, judged)?;
         Ok(RunFolder {
             path,
             named,
@@ -125,6 +116,23 @@ impl RunFolder {
     pub(crate) fn is_as_it_was(&self) -> bool {
         stamp(&self.program).is_ok_and(|stamp| stamp == self.stamp)
     }
+}
+
+/// Refuses a file that would take the name of one that the folder keeps.
+fn refuse_kept(from: &Path, to: &Path, what: &str) -> Result<(), CliError> {
+    if [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| to == Path::new(kept)) {
+        let text = format!("the run folder keeps another file under this name: rename the {what}");
+        return Err(CliError::file(from, text));
+    }
+    Ok(())
+}
+
+/// Takes room for the summary: what a disk that fills up costs is the trace.
+fn reserve(path: &Path, judged: &Program) -> Result<(), CliError> {
+    let (summary, room) = (path.join("summary.json"), SUMMARY + PART_OF_SUMMARY * judged.watched.len());
+    intake::reserve(&summary, room).map_err(|error| {
+        CliError::Machine(format!("{}: no room for {} kB: {error}", summary.display(), room >> 10))
+    })
 }
 
 /// Bytes of a summary, and of what it has about a pass, a circle or a work; some more than they are.

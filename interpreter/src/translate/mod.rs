@@ -18,8 +18,6 @@ use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::{Machine, Part};
 use protocol::{Axis, Code, Feed, Item, ThreadPass};
 
-use crate::MessageNote;
-use crate::arc;
 use crate::auxiliary::{Auxiliary, find_tool};
 use crate::block::Block;
 use crate::job::{JobNote, Jobs};
@@ -31,6 +29,7 @@ use crate::spindle::{Spindle, Turning};
 use crate::stock::Stock;
 use crate::thread::{Next, Point};
 use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_apart};
+use crate::{MessageNote, arc};
 use doubts::Doubts;
 use gauged::Gauged;
 
