@@ -93,6 +93,11 @@ pub fn reserve(path: &Path, bytes: usize) -> Result<()> {
     })
 }
 
+/// Gives back the room that [`reserve`] took, if no file came of it.
+pub fn release(path: &Path) {
+    let _ = fs::remove_file(fresh(path)); // if it is not there it needs no room
+}
+
 /// Writes a file under another name, down to the disk, and puts it in its place: at any time there is the
 /// whole file or the one before. What stood there is replaced, also where it is a link: where that leads is
 /// left alone.

@@ -1,10 +1,8 @@
 //! The run folder: everything that a run was made of, and everything it left.
 
 use std::ffi::OsString;
-use std::fs::{DirBuilder, File, TryLockError};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::io::Read as _;
-use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
@@ -12,7 +10,8 @@ use process::shell::LanguageArgs;
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
-use crate::{error::CliError, program::Program, written};
+use super::claim::Claim;
+use crate::{error::CliError, program::Program};
 
 /// A run folder and the copies in it.
 pub(crate) struct RunFolder {
@@ -35,7 +34,7 @@ pub(crate) struct RunFolder {
     /// What the copy of the program held before the run.
     stamp: u64,
     /// Held as long as the run writes into the folder.
-    _lock: File,
+    _claim: Claim,
 }
 
 const LANGUAGE: &str = "language.toml";
@@ -61,7 +60,8 @@ impl RunFolder {
         {
             from.map_or(Ok(()), |from| refuse_kept(from, to, what))?;
         }
-        let (path, lock) = folder(args)?;
+        let claim = Claim::new(args, judged.watched.len())?;
+        let path = claim.path.clone();
         let program = path.join(name);
         copy(&args.program, &program)?;
         if let Some(file) = &judged.part_file {
@@ -97,7 +97,6 @@ impl RunFolder {
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
         let stamp = stamp(&program).map_err(|error| CliError::file(&program, error))?;
-        reserve(&path, judged)?;
         Ok(RunFolder {
             path,
             named,
@@ -108,7 +107,7 @@ impl RunFolder {
             trace,
             every_cycle,
             stamp,
-            _lock: lock,
+            _claim: claim,
         })
     }
 
@@ -127,18 +126,6 @@ fn refuse_kept(from: &Path, to: &Path, what: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Takes room for the summary: what a disk that fills up costs is the trace.
-fn reserve(path: &Path, judged: &Program) -> Result<(), CliError> {
-    let (summary, room) = (path.join("summary.json"), SUMMARY + PART_OF_SUMMARY * judged.watched.len());
-    intake::reserve(&summary, room).map_err(|error| {
-        CliError::Machine(format!("{}: no room for {} kB: {error}", summary.display(), room >> 10))
-    })
-}
-
-/// Bytes of a summary, and of what it has about a pass, a circle or a work; some more than they are.
-const SUMMARY: usize = 64 << 10;
-const PART_OF_SUMMARY: usize = 4 << 10;
-
 /// A number that is another one when a file has changed, unless somebody has made it so on purpose.
 pub(crate) fn stamp(path: &Path) -> std::io::Result<u64> {
     let (mut file, mut hash, mut block) = (intake::open(path)?, DefaultHasher::new(), [0; 1 << 14]);
@@ -147,40 +134,6 @@ pub(crate) fn stamp(path: &Path) -> std::io::Result<u64> {
             0 => return Ok(hash.finish()),
             read => hash.write(&block[..read]),
         }
-    }
-}
-
-/// The folder of a run, empty and locked.
-fn folder(args: &RunArgs) -> Result<(PathBuf, File), CliError> {
-    let Some(path) = &args.out else {
-        let path = numbered(&args.program)?;
-        let lock = lock(&path)?;
-        return Ok((path, lock));
-    };
-    // Another run is named as such, and not as files.
-    let there = path.is_dir().then(|| lock(path)).transpose()?;
-    written::empty(path)?;
-    private(true).create(path).map_err(|error| CliError::file(path, error))?;
-    let lock = there.map_or_else(|| lock(path), Ok)?;
-    Ok((path.clone(), lock))
-}
-
-/// A folder that nobody else can look into.
-fn private(recursive: bool) -> DirBuilder {
-    let mut builder = DirBuilder::new();
-    builder.recursive(recursive).mode(0o700);
-    builder
-}
-
-/// Two runs do not write into one folder.
-fn lock(path: &Path) -> Result<File, CliError> {
-    let folder = File::open(path).map_err(|error| CliError::file(path, error))?;
-    match folder.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            Err(CliError::file(path, "another run writes into this folder: name another one with --out"))
-        }
-        // A file system without locks.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(folder),
     }
 }
 
@@ -210,22 +163,6 @@ impl RunFolder {
         }
         args
     }
-}
-
-/// `runs/<program>-<n>` with the first number that is free.
-fn numbered(program: &Path) -> Result<PathBuf, CliError> {
-    let stem = program.file_stem().unwrap_or_else(|| "program".as_ref()).to_string_lossy();
-    let runs = Path::new("runs");
-    std::fs::create_dir_all(runs).map_err(|error| CliError::file(runs, error))?;
-    for n in 1..1_000_000 {
-        let path = runs.join(format!("{stem}-{n}"));
-        match private(false).create(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(CliError::file(&path, error)),
-        }
-    }
-    Err(CliError::Input("runs/ is full: remove old run folders, or name one with --out".into()))
 }
 
 /// If a run folder was named instead of a program: the arguments of that run. What else was said on the

@@ -3,6 +3,7 @@
 mod args;
 mod channels;
 mod children;
+mod claim;
 mod endings;
 mod folder;
 mod in_process;

@@ -70,7 +70,8 @@ fn json_is_json_whatever_happens() {
 #[test]
 fn what_is_an_error_is_told_once() {
     let place = Place::new();
-    place.write("surface.ngc", "G18 G8\nG96 S100 D2000 M3\nG0 X12 Z5\nG76 P2 Z-20 I-1 J0.2 K1.2\nM2\n");
-    let answer = place.ask(&["check", "surface.ngc"]);
+    place.write("tool.tbl", "T1 P1 Z1\n");
+    place.write("tool.ngc", "G18 G8\nT99 M6 G43\nG0 X12 Z5\nM2\n");
+    let answer = place.ask(&["check", "tool.ngc", "--tools", "tool.tbl"]);
     assert!(answer.stdout.starts_with("1 error, 0 warnings"), "{}{}", answer.stdout, answer.stderr);
 }

@@ -211,7 +211,8 @@ fn results_are_for_people_and_for_pipes() {
     let check = accepts(&place, &["check", &program]).stdout;
     assert!(check.starts_with("0 errors, 0 warnings, 25 moves\n"), "{check}");
     assert!(check.contains("Z is that of the machine"), "{check}");
-    assert_eq!(check.lines().count(), 1 + 1 + 15 + 1 + 1, "{check}");
+    assert!(check.contains("gauge M20x2-6g"), "{check}");
+    assert_eq!(check.lines().count(), 1 + 1 + 15 + 1 + 1 + 1, "{check}");
     assert!(check.contains("s on the machine"), "{check}");
     let report = accepts(&place, &["report", "run"]).stdout;
     assert_eq!(report.trim_end(), "run/report.html");

@@ -39,6 +39,7 @@ fn shared_memory_that_is_too_small_is_said_before_the_run() {
     for kb in [100, 300, 700] {
         let answer = ask(kb, run);
         assert_eq!(answer.status, Some(1), "{kb} kB: {}", answer.stderr);
+        assert!(!place.at("run").exists(), "a run that never began leaves no folder");
         let said = answer.stderr.contains("kB free, and a machine needs");
         assert!(said && answer.stderr.contains("--shm-size"), "{}", answer.stderr);
         assert!(!answer.stderr.contains("pl0") && !answer.stderr.contains("pitchlock-"), "{}", answer.stderr);
@@ -97,6 +98,7 @@ fn too_few_files_are_said_before_the_run() {
     let raised = ask("-Sn 64", run);
     assert_eq!(raised.status, Some(0), "{}", raised.stderr);
     // Exactly what is said to be needed is enough.
+    place.clear("run");
     let needed = process::ipc::computer::files(&[protocol::Axis::X, protocol::Axis::Z]);
     let enough = ask(&format!("-n {needed}"), run);
     assert_eq!(enough.status, Some(0), "{}", enough.stderr);

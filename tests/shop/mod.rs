@@ -157,6 +157,7 @@ impl Place {
 
     /// Starts a run over processes and leaves it alone. The run folder is called `run`.
     pub fn start(&self, program: &Path) -> Child {
+        self.clear("run");
         let mut command = self.pitchlock();
         command.arg("run").arg(program).args(["--json", "--out", "run"]);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()

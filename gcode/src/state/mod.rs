@@ -37,7 +37,7 @@ pub(crate) use sticky::Sticky;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::canon::Pose;
+use crate::canon::{FeedMode, Pose};
 use crate::files::ToolTable;
 use crate::options::{MachineCode, Options};
 use crate::problem::{Problem, Span};
@@ -179,7 +179,11 @@ impl State {
     /// A feed or a speed was missed, which is said once: from here on there is one. Whether it is a feed.
     pub(crate) fn assume(&mut self, problem: &str) -> bool {
         match problem {
-            "no-feed" if self.modes.feed == 0.0 => self.modes.feed = 1.0,
+            "no-feed" if self.modes.feed == 0.0 => {
+                // One that nobody is warned of.
+                let turning = self.modes.feed_mode == FeedMode::PerRevolution;
+                self.modes.feed = if turning { 0.1 } else { 100.0 };
+            }
             "no-spindle-speed" if self.spindle.speed == 0.0 => self.spindle.speed = 1.0,
             _ => return false,
         }

@@ -173,7 +173,8 @@ fn several_errors_are_reported_at_once() {
     let found: Vec<_> = check.diagnostics.iter().map(|d| (d.line, d.column, d.code)).collect();
     assert_eq!(
         found,
-        [(1, 9, "no-such-axis"), (2, 1, "no-feed"), (3, 4, "travel-limit"), (4, 1, "no-feed"),]
+        [(1, 9, "no-such-axis"), (2, 1, "no-feed"), (3, 4, "travel-limit"), (4, 1, "spindle-not-turning")],
+        "a feed that is missed is missed once"
     );
 }
 

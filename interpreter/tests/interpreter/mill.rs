@@ -3,7 +3,7 @@
 use gcode::Program;
 use gcode::files::ToolTable;
 use interpreter::{Check, Language, check, check_program, open};
-use machine::{Kinematics, Machine, ProgramDialect};
+use machine::{Kinematics, Machine};
 use protocol::{Arc, Axis, Code, Feed, PathMode, Plane, Position};
 
 use crate::project;
@@ -178,14 +178,6 @@ fn threads_need_a_lathe() {
         assert_eq!(errors.len(), 1, "{thread}: {errors:?}");
         assert_eq!((errors[0].line, errors[0].code), (2, "not-available"), "{thread}");
     }
-}
-
-#[test]
-fn a_mill_reads_no_programs_of_lathes() {
-    let path = project().join("tests/conformance/programs/job_mill_plate.ngc");
-    let language = Language { dialect: Some(ProgramDialect::Fanuc), ..Language::default() };
-    let error = open(&path, &language, &mill()).err().expect("refused");
-    assert!(error.to_string().contains("--dialect linuxcnc"), "{error}");
 }
 
 #[test]
