@@ -39,11 +39,13 @@ pub fn foreign(text: &[u8]) -> Option<&'static str> {
 struct Words<'a> {
     /// In lower case, without blanks and comments.
     text: &'a [u8],
+    /// Whether a line before it moves at a feed.
+    feeds: bool,
 }
 
 type Sign = (Dialect, &'static str, fn(&Words) -> bool);
 
-const SIGNS: [Sign; 14] = [
+const SIGNS: [Sign; 17] = [
     (Dialect::Linuxcnc, "a named parameter, #<...>", |words| words.has(b"#<")),
     (Dialect::Linuxcnc, "an O word with what it does", |words| {
         words.text.starts_with(b"o<")
@@ -60,6 +62,14 @@ const SIGNS: [Sign; 14] = [
     (Dialect::Fanuc, "DO and a number", |words| words.has(b"]do") || words.starts_with_number(b"do")),
     (Dialect::Fanuc, "G50 S", |words| words.has_code(b'g', &[50]) && words.has_word(b's')),
     (Dialect::Fanuc, "G32", |words| words.has_code(b'g', &[32])),
+    (Dialect::Fanuc, "G92 with a lead", |words| words.has_code(b'g', &[92]) && words.has_end_and_feed()),
+    (Dialect::Fanuc, "G90 or G94 with an end and a feed, and nothing that moves at a feed before", |words| {
+        let moves = words.feeds || words.has_code(b'g', &[0, 1, 2, 3]);
+        words.has_code(b'g', &[90, 94]) && words.has_end_and_feed() && !moves
+    }),
+    (Dialect::Fanuc, "G76 with P of six digits", |words| {
+        words.has_code(b'g', &[76]) && words.values(b'p').any(|digits| digits.len() == 6)
+    }),
     (Dialect::Fanuc, "a T word of four digits", |words| words.has_tool_and_offset()),
     (Dialect::Fanuc, "U or W", |words| words.has_word(b'u') || words.has_word(b'w')),
     (Dialect::Fanuc, "G71 or G72 without Q", |words| {
@@ -97,10 +107,11 @@ pub fn guess(text: &[u8]) -> Option<Guess> {
 }
 
 fn by(signs: &[Sign], text: &[u8]) -> Option<Guess> {
-    let (mut bare, mut found) = (Vec::new(), Vec::<(Guess, u32)>::new());
+    let (mut bare, mut found, mut feeds) = (Vec::new(), Vec::<(Guess, u32)>::new(), false);
     for (line, number) in readable(text).lines().zip(1..) {
         without_comments(line.as_bytes(), &mut bare);
-        let words = Words { text: &bare };
+        let words = Words { text: &bare, feeds };
+        feeds |= words.has_code(b'g', &[1, 2, 3]);
         let Some((dialect, why, _)) = signs.iter().find(|(.., is_there)| is_there(&words)) else { continue };
         match found.iter_mut().find(|(guess, _)| guess.dialect == *dialect) {
             Some((_, lines)) => *lines += 1,
@@ -172,6 +183,10 @@ impl<'a> Words<'a> {
         self.values(letter).any(|number| !number.is_empty())
     }
 
+    fn has_end_and_feed(&self) -> bool {
+        (self.has_word(b'x') || self.has_word(b'z')) && self.has_word(b'f')
+    }
+
     fn has_code(&self, letter: u8, codes: &[u16]) -> bool {
         let number = |digits: &[u8]| std::str::from_utf8(digits).ok()?.parse::<u16>().ok();
         self.values(letter).any(|digits| number(digits).is_some_and(|number| codes.contains(&number)))
@@ -194,6 +209,9 @@ mod tests {
             "WHILE [#1 LT 3] DO 1",
             "G71 U2. R0.5",
             "T0101 M06",
+            "G97 S800 M03\nG92 X22.9 Z-18. F1.5",
+            "G00 X32. Z5.\nG90 X28. Z-20. F0.2",
+            "G76 P021060 Q50 R0.03",
         ];
         let linuxcnc = [
             "o100 sub\n",

@@ -61,8 +61,8 @@ pub(crate) struct RunArgs {
     /// Run folder [default: `runs/PROGRAM-N`].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Form of the trace. Of a run of more than two minutes it has every cycle of passes, and of the rest one
-    /// in ten.
+    /// Form of the trace. It has every cycle of the first two minutes and of passes, and of the rest two of
+    /// twenty.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) trace: Trace,
     /// If nothing has happened for so long, the process that all others wait for is taken for dead; 0 waits

@@ -28,7 +28,7 @@ const PLACES: [(&str, &str); 9] = [
     ("tool table", "check short.ngc --tools FILE"),
     ("job", "check FILE.toml"),
     ("machine code", "check FILE.mc"),
-    ("parameters", "canon -v FILE short.ngc"),
+    ("parameters", "canon -p FILE short.ngc"),
 ];
 
 fn ask(place: &Place, words: &str, file: &str) -> Answer {

@@ -3,7 +3,8 @@
 //! ```text
 //! 5161 0.000000        number, tab, value; numbers go up
 //! ```
-//! Other lines are passed over. A run keeps the parameters that the file names, and those that every file
+//! Blank lines and remarks are passed over; what is neither is refused, for a number that is not read is an offset
+//! of 0. A run keeps the parameters that the file names, and those that every file
 //! must have: home positions, offsets of G92 and of the coordinate systems.
 
 use std::collections::BTreeMap;
@@ -36,7 +37,7 @@ impl ParameterFile {
     /// Reads a file. One that does not exist yet has no parameters.
     ///
     /// # Errors
-    /// The file cannot be read; a number is out of range or out of order.
+    /// The file cannot be read; a line is no parameter; a number is out of range or out of order.
     pub fn read(path: &Path) -> Result<ParameterFile, FileError> {
         if !path.exists() {
             return Ok(ParameterFile::default());
@@ -52,7 +53,17 @@ impl ParameterFile {
         let name: Arc<str> = name.into();
         let mut values: Vec<(u32, f64)> = Vec::new();
         for (n, line) in text.lines().enumerate() {
-            let Some((number, value)) = entry(line) else { continue };
+            if is_remark(line) {
+                continue;
+            }
+            let (number, value) = entry(line).ok_or_else(|| {
+                let start = line.len() - line.trim_start().len();
+                let span = Span { start: start as u32, end: line.trim_end().len() as u32 };
+                let help = "write number and value, as in 5223 -112.4; a remark begins with ; or (";
+                let message = "this is not a parameter and its value";
+                let problem = Problem::error("bad-file", Blame::Span(span), message, help);
+                Box::new(Diagnostic::new(*problem, &name, n as u32 + 1, line, span))
+            })?;
             let last = values.last().map_or(0, |(number, _)| *number);
             let (message, help) = if !(1..i64::from(END)).contains(&number) {
                 (format!("there is no parameter #{number}"), format!("numbers are 1 to {}", END - 1))
@@ -84,7 +95,7 @@ impl ParameterFile {
     /// begins as `fresh`.
     ///
     /// # Errors
-    /// The file cannot be read or written, or has a number out of range or out of order; it is as it was.
+    /// The file cannot be read or written, or has a line that is no parameter, or a number out of range or out of order; it is as it was.
     pub fn change(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
         rewrite(path, &fresh.to_text(), |text| {
             ParameterFile::parse(&path.display().to_string(), text)?;
@@ -158,6 +169,16 @@ fn with_value(line: &str, value: f64) -> String {
     let start = line.len() - line[after_number..].trim_start().len();
     let end = line[start..].find(char::is_whitespace).map_or(line.len(), |length| start + length);
     format!("{}{value:.6}{}", &line[..start], &line[end..])
+}
+
+/// Whether a line says nothing: it is blank, or a remark.
+fn is_remark(line: &str) -> bool {
+    let mut text = line.trim_start().chars();
+    match text.next() {
+        None | Some(';' | '(') => true,
+        Some('#') => !text.next().is_some_and(|next| next.is_ascii_digit()),
+        Some(_) => false,
+    }
 }
 
 /// Number and value of a line, if it has both.

@@ -149,6 +149,26 @@ fn a_wrong_value_of_a_machine_description_is_named() {
     }
 }
 
+/// What would be passed over would be an offset of 0.
+#[test]
+fn what_is_no_parameter_is_refused() {
+    for line in [
+        "5223 -112,4",
+        "5223=-112.4",
+        "5223 -112.4mm",
+        "#5223 -112.4",
+        "5221 nan",
+        "5221",
+        "T1 P1 Z2",
+        "G0 X1",
+    ] {
+        let error = ParameterFile::parse("my.var", &format!("5161 0\n  {line}\n")).unwrap_err();
+        assert_eq!((error.line, error.column, error.code), (2, 3, "bad-file"), "{line}");
+    }
+    let remarks = "; zero\n# zero of the chuck\n(face)\n\n5223 -112.4 of the chuck\n";
+    assert_eq!(ParameterFile::parse("my.var", remarks).unwrap().values, [(5223, -112.4)]);
+}
+
 /// A value of a parameter file is changed, and nothing else: remarks, blanks, lines that say nothing stay.
 #[test]
 fn a_changed_parameter_changes_nothing_else() {

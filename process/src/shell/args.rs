@@ -69,7 +69,11 @@ pub type Named<T> = (T, &'static str, &'static str);
 const DIALECTS: [Named<ProgramDialect>; 3] = [
     (ProgramDialect::Auto, "auto", "by what only one of them has, else linuxcnc"),
     (ProgramDialect::Linuxcnc, Dialect::Linuxcnc.name(), Dialect::Linuxcnc.about()),
-    (ProgramDialect::Fanuc, Dialect::Fanuc.name(), Dialect::Fanuc.about()),
+    (
+        ProgramDialect::Fanuc,
+        Dialect::Fanuc.name(),
+        "FANUC lathe programs, G-code system A; on a mill FANUC and Haas mill programs",
+    ),
 ];
 
 /// Reads one of some values by its name.

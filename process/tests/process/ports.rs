@@ -1,7 +1,7 @@
 //! Ports, wake-ups and name spaces, with owner and members in one process.
 #![allow(clippy::unwrap_used)]
 
-use std::time::Duration;
+use std::{io::Write as _, os::unix::fs::OpenOptionsExt as _, time::Duration};
 
 use process::ipc::{
     ChannelCount, IpcError, Keep, Member, NameSpace, Patience, Port, Process, Undelivered, channel,
@@ -182,15 +182,22 @@ fn dropping_a_name_space_leaves_nothing() {
 fn a_new_name_space_wipes_the_abandoned_and_spares_the_living() {
     let living = NameSpace::create(&AXES).unwrap();
     let base = std::path::Path::new(&living.address()).parent().unwrap().to_owned();
+    // As a launcher writes them: for its user alone.
+    let write = |id: &str, text: &str| {
+        let mut options = std::fs::OpenOptions::new();
+        let marker = options.write(true).create(true).truncate(true).mode(0o600);
+        let mut marker = marker.open(format!("/dev/shm/pitchlock-{id}")).unwrap();
+        marker.write_all(text.as_bytes()).unwrap();
+    };
     let left = ["0000beef", "0000dead"].map(|id| {
         let (path, memory) = (base.join(id), format!("/dev/shm/pl{id}_something"));
         std::fs::create_dir_all(path.join("services")).unwrap();
         std::fs::write(&memory, "x").unwrap();
-        std::fs::write(format!("/dev/shm/pitchlock-{id}"), format!("1 {}", path.display())).unwrap();
+        write(id, &format!("1 {}", path.display()));
         (path, memory)
     });
     std::fs::remove_dir_all(&left[0].0).unwrap(); // as cleaners of temporary files do
-    std::fs::write("/dev/shm/pitchlock-0000babe", "1 /tm").unwrap(); // killed while writing
+    write("0000babe", "1 /tm"); // killed while writing
     drop(NameSpace::create(&AXES).unwrap());
     for (path, memory) in left {
         assert!(!path.exists() && !std::path::Path::new(&memory).exists());

@@ -108,7 +108,7 @@ impl Gauged {
             kept: 0,
             is_full: false,
             begun: 0,
-            turned: Turned::new(asked.nominal.side, [0.0; 2]),
+            turned: Turned::new(&asked.nominal, [0.0; 2]),
             far: None,
             other_side: false,
             asked,
@@ -129,7 +129,7 @@ impl Gauged {
             lengths_mm.push(full_mm(planned, z));
         }
         gauged.full_mm = judged_mm(&lengths_mm);
-        gauged.turned = Turned::new(gauged.asked.nominal.side, gauged.full_mm);
+        gauged.turned = Turned::new(&gauged.asked.nominal, gauged.full_mm);
         gauged
     }
 

@@ -4,10 +4,11 @@
 //!
 //! The length of the thread is looked at in [`BINS`] places; in each the tip that reached deepest counts.
 //! Where that one went across the axis rather than along it (a face, a chamfer, a groove) there is no crest.
-//! Which way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by less than a
+//! A tip beyond the bottom of the grooves is in the bore of a screw or on the outside of a nut, which is no crest
+//! either. Which way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by less than a
 //! micrometre.
 
-use gauge::Side;
+use gauge::{Nominal, Side};
 
 const BINS: usize = 128;
 const WAY_MM: f64 = 0.01;
@@ -18,6 +19,8 @@ const STEEPEST: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub(super) struct Turned {
     side: Side,
+    /// Radius of the pitch line at Z 0, its change along Z, and how far from it grooves reach at most.
+    pitch_line_mm: [f64; 3],
     /// Where the thread is at full depth, along Z.
     along_mm: [f64; 2],
     /// Radius in each place, and whether it was cut along the axis; none where nothing was turned.
@@ -28,8 +31,14 @@ pub(super) struct Turned {
 }
 
 impl Turned {
-    pub(super) fn new(side: Side, along_mm: [f64; 2]) -> Turned {
-        Turned { side, along_mm, cuts: vec![None; BINS], from: None, goes_along: false }
+    pub(super) fn new(nominal: &Nominal, along_mm: [f64; 2]) -> Turned {
+        let (side, slope) = (nominal.side, nominal.taper / 2.0);
+        let middle = nominal.pitch_diameter_mm.iter().sum::<f64>() / 4.0;
+        // Where the flanks meet a groove ends, half the height of a sharp thread from that line; and some more.
+        let [one, other] = nominal.flank_deg.map(|deg| libm::tan(deg.to_radians()));
+        let reach = 0.55 * nominal.pitch_mm / (one + other);
+        let pitch_line_mm = [middle - slope * nominal.plane_mm, slope, reach];
+        Turned { side, pitch_line_mm, along_mm, cuts: vec![None; BINS], from: None, goes_along: false }
     }
 
     /// Takes a control cycle: X from the axis and Z, if the tool is moved at a feed.
@@ -43,6 +52,11 @@ impl Turned {
         }
         let [low, high] = self.along_mm;
         if !(low..=high).contains(&z) || low >= high {
+            return;
+        }
+        let [middle, slope, reach] = self.pitch_line_mm;
+        let beyond = x.abs() - (middle + slope * z);
+        if reach < if self.side == Side::External { -beyond } else { beyond } {
             return;
         }
         let bin = ((z - low) / (high - low) * BINS as f64) as usize;
@@ -73,8 +87,13 @@ impl Turned {
 mod tests {
     use super::*;
 
+    fn m20x2() -> Nominal {
+        "M20x2-6g".parse().expect("a name")
+    }
+
     fn turned(side: Side, ways: &[[[f64; 2]; 2]]) -> Turned {
-        let mut turned = Turned::new(side, [-20.0, -1.0]);
+        let nominal = gauge::Nominal { side, ..m20x2() };
+        let mut turned = Turned::new(&nominal, [-20.0, -1.0]);
         for [from, to] in ways {
             let at = |step: i32| [0, 1].map(|i| from[i] + (to[i] - from[i]) * f64::from(step) / 2000.0);
             (0..=2000).for_each(|step| turned.cycle(Some(at(step))));
@@ -89,11 +108,25 @@ mod tests {
         let fine = [[9.91, 1.0], [9.91, -25.0]];
         let facing = [[10.5, -5.0], [0.0, -5.0]];
         assert_eq!(turned(Side::External, &[rough, fine, facing]).diameters_mm(), Some([19.82, 19.82]));
-        assert_eq!(turned(Side::Internal, &[rough, fine]).diameters_mm(), Some([21.0, 21.0]));
+        let bored = [[[8.7, 1.0], [8.7, -25.0]], [[8.6, 1.0], [8.6, -25.0]]];
+        assert_eq!(turned(Side::Internal, &bored).diameters_mm(), Some([17.4, 17.4]));
         let half = [[9.91, 1.0], [9.91, -12.0]];
         assert_eq!(turned(Side::External, &[half]).diameters_mm(), None, "not all of it");
         let both = turned(Side::External, &[rough, half]).diameters_mm();
         assert_eq!(both, Some([19.82, 21.0]), "a step");
+    }
+
+    /// A screw with a hole through it, a nut whose outside is turned.
+    #[test]
+    fn the_other_side_of_the_wall_is_no_crest() {
+        let along = |x: f64| [[x, 1.0], [x, -25.0]];
+        let screw = turned(Side::External, &[along(9.91), along(0.005), along(6.0)]);
+        assert_eq!(screw.diameters_mm(), Some([19.82, 19.82]));
+        let nut = turned(Side::Internal, &[along(8.7), along(15.0)]);
+        assert_eq!(nut.diameters_mm(), Some([17.4, 17.4]));
+        assert_eq!(turned(Side::External, &[along(0.0)]).diameters_mm(), None);
+        let thin = turned(Side::External, &[along(9.91), along(8.9)]);
+        assert_eq!(thin.diameters_mm(), Some([17.8, 17.8]), "a crest turned off is one that was turned off");
     }
 
     /// A tool that faces comes to rest within a fraction of a micrometre of its place, in any direction.
@@ -107,7 +140,7 @@ mod tests {
             let one = turned(Side::External, &[fine, chamfer]).diameters_mm();
             assert_eq!(one, Some([19.82, 19.82]), "{chamfer:?}");
         }
-        let mostly = [[0.0, 0.0], [9.91, -15.0]];
-        assert_eq!(turned(Side::External, &[fine, mostly]).diameters_mm(), None);
+        let mostly = [[[8.4, -1.0], [9.9, -6.8]], [[8.4, -12.0], [9.9, -17.8]]];
+        assert_eq!(turned(Side::External, &[fine, mostly[0], mostly[1]]).diameters_mm(), None);
     }
 }
