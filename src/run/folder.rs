@@ -43,6 +43,9 @@ const PARAMETERS: &str = "parameters.var";
 const INI: &str = "machine.ini";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
+/// What a run leaves, and names under which that is written.
+const RESULTS: [&str; 6] =
+    ["summary.json", "report.html", "trace.mcap", "trace.csv", "summary.json.new", "report.html.new"];
 
 impl RunFolder {
     /// Makes the folder and copies the input into it. A folder that is there already has to be empty: what is
@@ -52,6 +55,7 @@ impl RunFolder {
         judged: &Program,
         machine: &str,
         scenario: Option<&str>,
+        seen: &Seen,
     ) -> Result<RunFolder, CliError> {
         let name = args.program.file_name().unwrap_or_else(|| "program.ngc".as_ref());
         let part_name = Path::new(name).with_extension("toml");
@@ -77,6 +81,8 @@ impl RunFolder {
         let asked = args.language.language();
         let [tools, parameters, ini] =
             [keep(&asked.tools, TOOLS)?, keep(&asked.parameters, PARAMETERS)?, keep(&asked.ini, INI)?];
+        let copies = [Some(&program), tools.as_ref(), parameters.as_ref(), ini.as_ref()];
+        seen.compare(args, copies)?;
         let language = Language { tools, parameters, ini, subroutines: Vec::new(), ..asked };
         let write = |name: &str, text: &str| {
             let path = path.join(name);
@@ -117,9 +123,38 @@ impl RunFolder {
     }
 }
 
+/// What the program and the tables beside it held when they were read: what is run is what was judged.
+pub(crate) struct Seen([Option<u64>; 4]);
+
+/// The program, tools, parameters, and the description of a machine.
+fn read_by(args: &RunArgs) -> [Option<&PathBuf>; 4] {
+    let LanguageArgs { tools, parameters, ini, .. } = &args.language;
+    [Some(&args.program), tools.as_ref(), parameters.as_ref(), ini.as_ref()]
+}
+
+impl Seen {
+    /// What they hold now.
+    pub(crate) fn of(args: &RunArgs) -> Seen {
+        Seen(read_by(args).map(|file| file.and_then(|file| stamp(file).ok())))
+    }
+
+    /// Refuses copies that are not of what was read.
+    fn compare(&self, args: &RunArgs, copies: [Option<&PathBuf>; 4]) -> Result<(), CliError> {
+        for ((file, seen), copy) in read_by(args).into_iter().zip(self.0).zip(copies) {
+            if let (Some(file), Some(seen), Some(copy)) = (file, seen, copy)
+                && stamp(copy).map_err(|error| CliError::file(copy, error))? != seen
+            {
+                return Err(CliError::file(file, "was changed while it was checked: run it again"));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Refuses a file that would take the name of one that the folder keeps.
 fn refuse_kept(from: &Path, to: &Path, what: &str) -> Result<(), CliError> {
-    if [MACHINE, SCENARIO, LANGUAGE].iter().any(|kept| to == Path::new(kept)) {
+    let kept = [MACHINE, SCENARIO, LANGUAGE, TOOLS, PARAMETERS, INI].iter().chain(&RESULTS);
+    if kept.into_iter().any(|kept| to == Path::new(kept)) {
         let text = format!("the run folder keeps another file under this name: rename the {what}");
         return Err(CliError::file(from, text));
     }

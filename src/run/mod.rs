@@ -30,7 +30,7 @@ use crate::{
 };
 use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
-use folder::RunFolder;
+use folder::{RunFolder, Seen};
 use interrupts::Interrupts;
 use keeps::Keeps;
 pub(crate) use recorder::axes;
@@ -67,6 +67,7 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let keeps = Keeps::of(asked, &machine, &language);
     repeated.language = language;
     let args = &repeated;
+    let seen = Seen::of(args);
     let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     if !quiet {
         // Whoever repeats a run has been told.
@@ -79,12 +80,12 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
         return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
     }
     can_be_played(&scenario, args)?;
-    let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref())?;
+    let mut interrupts = Interrupts::catch()?;
+    let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref(), &seen)?;
     let progress = !quiet && !args.json;
     let (clock, watchdog_s, fell) = (args.clock, args.watchdog_s, args.fell.clone());
     let setup = Setup { machine, program, scenario, seed, clock, folder, progress, quiet, watchdog_s, fell };
 
-    let mut interrupts = Interrupts::catch()?;
     let run = if args.in_process { in_process::run } else { processes::run };
     let (mut summary, unrecorded) = run(&setup, &mut interrupts)?;
     if !setup.folder.is_as_it_was() {
@@ -92,8 +93,8 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     }
     // Whatever cannot be written: what became of the run is said.
     let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
-    let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
     drop(interrupts);
+    let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
     let drawing = Phase::begin(DRAWING);
     let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
     drop(drawing);

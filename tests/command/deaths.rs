@@ -283,12 +283,12 @@ fn a_signal_from_outside_is_told_by_its_name() {
     let launcher = place.start(&example("m20x2"));
     until("the machine runs", || place.at("run/trace.mcap").exists());
     let victim = children(&launcher).into_iter().find(|(child, _)| child == "regulator-x");
-    signal(victim.expect("it runs").1, "TERM");
+    signal(victim.expect("it runs").1, "QUIT");
     let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
     let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
     assert_eq!(answer.status, Some(1), "{}", answer.stderr);
     let process = summary.processes.iter().find(|process| process.name == "regulator-x");
-    assert_eq!(process.map(|one| (one.exit, one.signal.as_deref())), Some((None, Some("SIGTERM"))));
-    assert!(summary.faults[0].text.contains("SIGTERM"), "{:?}", summary.faults);
+    assert_eq!(process.map(|one| (one.exit, one.signal.as_deref())), Some((None, Some("SIGQUIT"))));
+    assert!(summary.faults[0].text.contains("SIGQUIT"), "{:?}", summary.faults);
     assert!(place.at("run/report.html").exists() && place.at("run/summary.json").exists());
 }

@@ -5,7 +5,7 @@ mod parameters;
 mod tools;
 mod words;
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -53,21 +53,24 @@ fn read(path: &Path) -> Result<String, FileError> {
     Ok(readable(&bytes))
 }
 
-/// Writes a file beside `path` (`NAME.new`) and puts it in its place, so that there is a whole file at any
-/// time. It keeps its permissions, and its place if `path` is a link.
+/// Writes a file beside `path` and puts it in its place, so that there is a whole file at any time. It keeps
+/// its permissions, and its place if `path` is a link. What is written to is new: no link is followed, no
+/// pipe waited for, and nobody else's file is touched.
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let old = path.canonicalize().ok();
     let path = old.as_deref().unwrap_or(path);
-    let fresh = with_suffix(path, ".new");
-    let written = File::create(&fresh)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            if let Some(old) = &old {
-                file.set_permissions(fs::metadata(old)?.permissions())?;
-            }
-            file.sync_all()
-        })
-        .and_then(|()| fs::rename(&fresh, path));
+    let fresh = with_suffix(path, &format!(".{}.new", std::process::id()));
+    let write = |error| FileError::Write { path: path.into(), error };
+    let file = OpenOptions::new().write(true).create_new(true).open(&fresh).map_err(write)?;
+    let fill = |mut file: File| {
+        file.write_all(bytes)?;
+        if let Some(old) = &old {
+            file.set_permissions(fs::metadata(old)?.permissions())?;
+        }
+        file.sync_all()?;
+        fs::rename(&fresh, path)
+    };
+    let written = fill(file);
     if written.is_ok()
         && let Some(folder) = path.parent().and_then(|folder| File::open(folder).ok())
     {
@@ -75,8 +78,24 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     }
     written.map_err(|error| {
         let _ = fs::remove_file(&fresh); // what is reported is why it could not be written
-        FileError::Write { path: path.into(), error }
+        write(error)
     })
+}
+
+/// Keeps other changes of the files of a folder away, so that none is lost: what one has read another one
+/// does not change before it is written. On a file system without locks nothing does.
+fn alone(path: &Path) -> Result<Option<File>, FileError> {
+    let place = path.canonicalize().unwrap_or_else(|_| path.into());
+    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(folder) = File::open(folder) else { return Ok(None) };
+    match folder.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let text = "something else changes a file of this folder just now: try again";
+            let error = io::Error::new(io::ErrorKind::WouldBlock, text);
+            Err(FileError::Write { path: path.into(), error })
+        }
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(folder)),
+    }
 }
 
 /// Changes a file and nothing of it but what `change` changes: line ends, encoding and a byte order mark
@@ -87,6 +106,7 @@ fn rewrite(
     change: impl FnOnce(&str) -> Result<String, FileError>,
 ) -> Result<(), FileError> {
     let wrong = |error| FileError::Read { path: path.into(), error };
+    let _alone = alone(path)?;
     let old = if path.exists() { Some(intake::bytes(path, intake::TABLE).map_err(wrong)?) } else { None };
     let bytes = old.as_deref().unwrap_or(empty.as_bytes());
     if bytes.contains(&0) {

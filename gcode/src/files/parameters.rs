@@ -95,7 +95,8 @@ impl ParameterFile {
     /// begins as `fresh`.
     ///
     /// # Errors
-    /// The file cannot be read or written, or has a line that is no parameter, or a number out of range or out of order; it is as it was.
+    /// The file cannot be read or written, or has a line that is no parameter, or a number out of range or out
+    /// of order; it is as it was.
     pub fn change(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
         rewrite(path, &fresh.to_text(), |text| {
             ParameterFile::parse(&path.display().to_string(), text)?;

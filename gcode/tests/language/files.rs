@@ -149,6 +149,30 @@ fn a_wrong_value_of_a_machine_description_is_named() {
     }
 }
 
+/// What lies at the name of the new file is not followed, waited for or replaced; of two changes at once none
+/// is lost.
+#[test]
+fn a_change_touches_no_other_file_and_waits_for_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let none = ParameterFile::default();
+    let (path, victim) = (folder.path().join("lathe.var"), folder.path().join("victim"));
+    std::fs::write(&path, "5161 0\n").unwrap();
+    std::fs::write(&victim, "mine").unwrap();
+    let fresh = folder.path().join(format!("lathe.var.{}.new", std::process::id()));
+    std::os::unix::fs::symlink(&victim, &fresh).unwrap();
+    ParameterFile::change(&path, &[(5223, 1.0)], &none).unwrap_err();
+    assert_eq!(std::fs::read_to_string(&victim).unwrap(), "mine");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "5161 0\n");
+    std::fs::remove_file(&fresh).unwrap();
+    let other = std::fs::File::open(folder.path()).unwrap();
+    other.lock().unwrap();
+    let busy = ParameterFile::change(&path, &[(5223, 1.0)], &none).unwrap_err();
+    assert!(busy.to_string().contains("try again"), "{busy}");
+    drop(other);
+    ParameterFile::change(&path, &[(5223, 1.0)], &none).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "5161 0\n5223\t1.000000\n");
+}
+
 /// What would be passed over would be an offset of 0.
 #[test]
 fn what_is_no_parameter_is_refused() {

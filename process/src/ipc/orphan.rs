@@ -10,7 +10,7 @@ use std::{
 };
 
 use rustix::process::{Pid, Signal, getpid, getppid, set_parent_process_death_signal};
-use signal_hook::consts::SIGHUP;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::{IpcError, folder::Folder};
 
@@ -27,6 +27,10 @@ pub(crate) fn watch_for(owner: i32) -> Result<(), IpcError> {
     OWNER.store(owner, Ordering::Relaxed);
     let called = CALLED.get_or_init(Arc::default);
     signal_hook::flag::register(SIGHUP, Arc::clone(called)).map_err(system("catching a signal"))?;
+    // Whoever ends all processes of the machine at once asks its launcher, which brings the tool out first.
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::default()).map_err(system("catching a signal"))?;
+    }
     set_parent_process_death_signal(Some(Signal::HUP))
         .map_err(|error| system("tying this process to its launcher")(error.into()))?;
     // If the launcher died before the line above took effect, somebody else is the parent by now.

@@ -102,8 +102,9 @@ const BLOCK: usize = 1 << 16;
 
 pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
     let mut file = intake::open(path)?;
-    let mut reader =
-        LinearReader::new_with_options(LinearReaderOptions::default().with_record_length_limit(LONGEST));
+    let options =
+        LinearReaderOptions::default().with_record_length_limit(LONGEST).with_validate_chunk_crcs(true);
+    let mut reader = LinearReader::new_with_options(options);
     let mut columns = Columns::default();
     while let Some(event) = reader.next_event() {
         match event? {
