@@ -1,5 +1,5 @@
-//! The claim of a run to its folder: nobody else writes into it, it has room for the summary, and a run that came to
-//! nothing leaves none behind.
+//! The claim of a run to its folder: nobody else writes into it, it has room for the summary, and a run that
+//! came to nothing leaves none behind.
 
 use std::fs::{self, DirBuilder, File, TryLockError};
 use std::os::unix::fs::DirBuilderExt as _;

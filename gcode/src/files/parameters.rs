@@ -3,9 +3,9 @@
 //! ```text
 //! 5161 0.000000        number, tab, value; numbers go up
 //! ```
-//! Blank lines and remarks are passed over; what is neither is refused, for a number that is not read is an offset
-//! of 0. A run keeps the parameters that the file names, and those that every file
-//! must have: home positions, offsets of G92 and of the coordinate systems.
+//! Blank lines and remarks are passed over; what is neither is refused, for a number that is not read is an
+//! offset of 0. A run keeps the parameters that the file names, and those that every file must have: home
+//! positions, offsets of G92 and of the coordinate systems.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -95,8 +95,8 @@ impl ParameterFile {
     /// begins as `fresh`.
     ///
     /// # Errors
-    /// The file cannot be read or written, or has a line that is no parameter, or a number out of range or out
-    /// of order; it is as it was.
+    /// The file cannot be read or written, or has a line that is no parameter, or a number out of range or
+    /// out of order; it is as it was.
     pub fn change(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
         rewrite(path, &fresh.to_text(), |text| {
             ParameterFile::parse(&path.display().to_string(), text)?;

@@ -321,8 +321,8 @@ fn a_surface_has_a_table_a_map_and_its_feed() {
 fn the_path_is_told_apart_by_tool_and_motion() {
     let summary = Summary { passes: Vec::new(), ..summary() };
     let mut curves = super::curves::Curves::new(&summary);
-    // Two tools, each in rapid motion and at a feed; in the middle of the last stroke more rows are missing than a
-    // thinned trace leaves out.
+    // Two tools, each in rapid motion and at a feed; in the middle of the last stroke more rows are missing
+    // than a thinned trace leaves out.
     for cycle in (0..40).filter(|cycle| !(33..36).contains(cycle)) {
         let (tool, motion) =
             (1 + (cycle / 20) as u32, [Motion::Rapid, Motion::Feed][(cycle / 10 % 2) as usize]);

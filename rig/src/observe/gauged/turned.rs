@@ -4,9 +4,9 @@
 //!
 //! The length of the thread is looked at in [`BINS`] places; in each the tip that reached deepest counts.
 //! Where that one went across the axis rather than along it (a face, a chamfer, a groove) there is no crest.
-//! A tip beyond the bottom of the grooves is in the bore of a screw or on the outside of a nut, which is no crest
-//! either. Which way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by less than a
-//! micrometre.
+//! A tip beyond the bottom of the grooves is in the bore of a screw or on the outside of a nut, which is no
+//! crest either. Which way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by
+//! less than a micrometre.
 
 use gauge::{Nominal, Side};
 
@@ -34,7 +34,8 @@ impl Turned {
     pub(super) fn new(nominal: &Nominal, along_mm: [f64; 2]) -> Turned {
         let (side, slope) = (nominal.side, nominal.taper / 2.0);
         let middle = nominal.pitch_diameter_mm.iter().sum::<f64>() / 4.0;
-        // Where the flanks meet a groove ends, half the height of a sharp thread from that line; and some more.
+        // Where the flanks meet a groove ends, half the height of a sharp thread from that line; and some
+        // more.
         let [one, other] = nominal.flank_deg.map(|deg| libm::tan(deg.to_radians()));
         let reach = 0.55 * nominal.pitch_mm / (one + other);
         let pitch_line_mm = [middle - slope * nominal.plane_mm, slope, reach];
