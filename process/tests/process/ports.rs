@@ -184,9 +184,10 @@ fn a_new_name_space_wipes_the_abandoned_and_spares_the_living() {
     let base = std::path::Path::new(&living.address()).parent().unwrap().to_owned();
     // As a launcher writes them: for its user alone.
     let write = |id: &str, text: &str| {
+        let path = format!("/dev/shm/pitchlock-{id}");
+        let _ = std::fs::remove_file(&path); // of a test that failed
         let mut options = std::fs::OpenOptions::new();
-        let marker = options.write(true).create(true).truncate(true).mode(0o600);
-        let mut marker = marker.open(format!("/dev/shm/pitchlock-{id}")).unwrap();
+        let mut marker = options.write(true).create_new(true).mode(0o600).open(path).unwrap();
         marker.write_all(text.as_bytes()).unwrap();
     };
     let left = ["0000beef", "0000dead"].map(|id| {
