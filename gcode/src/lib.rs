@@ -75,6 +75,7 @@ mod geometry;
 mod guess;
 mod ngc;
 mod options;
+mod plane;
 pub mod problem;
 mod program;
 mod state;

@@ -22,14 +22,14 @@
 //! Both arcs of N3 to N5 touch at the joint. A piece whose arcs leave the curve by more than the distance is
 //! cut in two; so arcs are as long as the curvature changes slowly.
 
+use crate::plane::{Point, add, cross, dot, length, scale, sub};
+
 /// Samples of a piece that are compared with its arcs.
 const SAMPLES: u32 = 8;
 /// A piece is cut in two at most this often.
 const DEEPEST: u32 = 40;
 /// Chords shorter than this, relative to the curve, are nothing.
 const NOTHING: f64 = 1e-12;
-
-type Point = [f64; 2];
 
 /// A rational B-spline.
 #[derive(Clone, Debug, PartialEq)]
@@ -220,30 +220,6 @@ fn distance(at: Point, start: Point, arcs: &[Follows; 2]) -> f64 {
         (false, true) => by_joint[0],
         (false, false) => by_joint[1],
     }
-}
-
-fn add(a: Point, b: Point) -> Point {
-    [a[0] + b[0], a[1] + b[1]]
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn scale(s: f64, a: Point) -> Point {
-    [s * a[0], s * a[1]]
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: Point, b: Point) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-fn length(a: Point) -> f64 {
-    libm::hypot(a[0], a[1])
 }
 
 fn unit(a: Point) -> Option<Point> {

@@ -33,11 +33,12 @@
 //! contour that turns back by half a turn has an inside corner if its arms part on the side of the tool, κ0 +
 //! κ1 < 0; else the tool goes around its tip.
 
-use libm::{atan2, cos, hypot, sin, sqrt, tan};
+use libm::{atan2, cos, sin, sqrt, tan};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// First axis and second axis of the plane.
-pub(crate) type Point = [f64; 2];
+pub(crate) use crate::plane::Point;
+use crate::plane::{add, cross, dot, length, scale, sub};
 
 /// Corners within this angle of tangent, or of turning back, are taken as such. LinuxCNC's value, radians.
 pub(crate) const TANGENT: f64 = 0.05;
@@ -287,26 +288,6 @@ fn sweep(from: Point, to: Point, m: Point, turns: i32) -> f64 {
     angle + TAU * f64::from(turns.unsigned_abs().saturating_sub(1))
 }
 
-fn add(a: Point, b: Point) -> Point {
-    [a[0] + b[0], a[1] + b[1]]
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn scale(s: f64, a: Point) -> Point {
-    [s * a[0], s * a[1]]
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: Point, b: Point) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
 fn left(a: Point) -> Point {
     [-a[1], a[0]]
 }
@@ -319,10 +300,6 @@ fn angle(a: Point) -> f64 {
 /// The unit vector of a direction.
 fn polar(angle: f64) -> Point {
     [cos(angle), sin(angle)]
-}
-
-fn length(a: Point) -> f64 {
-    hypot(a[0], a[1])
 }
 
 /// Distance of two points.
