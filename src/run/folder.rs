@@ -32,7 +32,7 @@ pub(crate) struct RunFolder {
     /// Whether it has every cycle of a long run.
     pub(crate) every_cycle: bool,
     /// What the copy of the program held before the run.
-    stamp: u64,
+    stamp: Option<u64>,
     /// Held as long as the run writes into the folder.
     _claim: Claim,
 }
@@ -102,7 +102,6 @@ impl RunFolder {
         };
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
-        let stamp = stamp(&program).map_err(|error| CliError::file(&program, error))?;
         Ok(RunFolder {
             path,
             named,
@@ -112,14 +111,14 @@ impl RunFolder {
             scenario,
             trace,
             every_cycle,
-            stamp,
+            stamp: seen.0[0],
             _claim: claim,
         })
     }
 
     /// Whether the program is what it was when the run began.
     pub(crate) fn is_as_it_was(&self) -> bool {
-        stamp(&self.program).is_ok_and(|stamp| stamp == self.stamp)
+        stamp(&self.program).is_ok_and(|stamp| Some(stamp) == self.stamp)
     }
 }
 
