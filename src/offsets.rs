@@ -24,8 +24,11 @@ use std::{
 
 use clap::{Args, Subcommand};
 use gcode::canon::Units;
-use gcode::files::{FileError, MachineFile, ParameterFile, Tool, ToolTable};
-use process::shell::LanguageArgs;
+use gcode::files::{Changes, FileError, MachineFile, ParameterFile, Tool, ToolTable};
+use process::{
+    ipc::time::{Moment, sleep_until},
+    shell::LanguageArgs,
+};
 use serde::Serialize;
 
 use crate::{
@@ -41,8 +44,8 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock offsets load setup.txt --machine my-lathe.toml   lines as list prints them
 
 Files are those of --parameters and --tools, else those that the machine file names (parameters and tool_table
-under [machine]). Lengths are in units of the machine, X is a radius. A file is replaced as a whole or not at all,
-and keeps its order and its comments.
+under [machine]). Lengths are in units of the machine, X is a radius. Files are replaced as a whole, when all of them
+are ready, and keep their order and their comments.
 
 Exit status: 0 done, 2 a file or an argument is wrong: nothing is written then.";
 
@@ -134,16 +137,39 @@ struct Table {
 pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliError> {
     match &args.command {
         What::List { json, files } => {
-            let table = Table::read(files, quiet || *json)?;
+            let table = Table::read(files, quiet || *json, None)?;
             screen::print(&if *json { table.document()? } else { table.lines() });
         }
         What::Set { target, words, add, files } => {
             let sets = line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
-            Table::read(files, quiet)?.set(sets, *add)?;
+            change(files, quiet, sets, *add)?;
         }
-        What::Load { from, files } => Table::read(files, quiet)?.set(loaded(from)?, false)?,
+        What::Load { from, files } => change(files, quiet, loaded(from)?, false)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Sets words. What is there is read when nobody else changes it.
+fn change(files: &Files, quiet: bool, sets: Vec<Set>, add: bool) -> Result<(), CliError> {
+    let mut changes = Changes::default();
+    let table = Table::read(files, quiet, Some(&mut changes))?;
+    table.set(sets, add, &mut changes)?;
+    changes.put().map_err(wrong)
+}
+
+/// How long is waited for somebody else who changes a file of the same folder, s.
+const PATIENCE_S: f64 = 5.0;
+const AGAIN_S: f64 = 0.02;
+
+/// Keeps others from changing a file, as soon as they have done so themselves.
+pub(crate) fn claim(changes: &mut Changes, path: &Path) -> Result<(), CliError> {
+    let end = Moment::in_s(PATIENCE_S);
+    loop {
+        match changes.claim(path) {
+            Err(error) if error.is_busy() && !end.passed() => sleep_until(Moment::in_s(AGAIN_S)),
+            done => return done.map_err(wrong),
+        }
+    }
 }
 
 /// What the lines of a file set.
@@ -206,7 +232,8 @@ fn parameter(system: usize, letter: char) -> u32 {
 }
 
 impl Table {
-    fn read(files: &Files, quiet: bool) -> Result<Table, CliError> {
+    /// Reads them; for `changes`, keeps others from changing them meanwhile.
+    fn read(files: &Files, quiet: bool, changes: Option<&mut Changes>) -> Result<Table, CliError> {
         let Files { machine, parameters, tools, ini } = files.clone();
         let units =
             ini.as_deref().map(MachineFile::read).transpose().map_err(wrong)?.and_then(|ini| ini.units);
@@ -215,6 +242,10 @@ impl Table {
         let asked = LanguageArgs { parameters, tools, ini, ..LanguageArgs::default() };
         let Shop { machine, language, notes, .. } = machine.with_language(&asked)?;
         words::say(if quiet { "" } else { &notes });
+        if let Some(changes) = changes {
+            let paths = language.parameters.iter().chain(&language.tools);
+            paths.into_iter().try_for_each(|path| claim(changes, path))?;
+        }
         let parameters = language.parameters.map(|path| Ok((ParameterFile::read(&path)?, path)));
         let tools = language.tools.map(|path| {
             let table = if path.exists() { ToolTable::read(&path)? } else { ToolTable::default() };
@@ -233,8 +264,8 @@ impl Table {
         values.clone().find(|(other, _)| *other == number).map_or(0.0, |(_, value)| *value)
     }
 
-    /// Sets words; everything is known to be right before anything is written.
-    fn set(&self, sets: Vec<Set>, add: bool) -> Result<(), CliError> {
+    /// Sets words.
+    fn set(&self, sets: Vec<Set>, add: bool, changes: &mut Changes) -> Result<(), CliError> {
         let (mut values, mut words) = (BTreeMap::new(), Vec::new());
         for Set { target, letter, value } in sets {
             match target {
@@ -263,13 +294,13 @@ impl Table {
         }
         if !words.is_empty() {
             let tools = tools.ok_or_else(|| missing("tool table", "--tools", "tool_table"))?;
-            ToolTable::change(tools, &words).map_err(wrong)?;
+            changes.tools(tools, &words).map_err(wrong)?;
         }
         match parameters {
             Some(path) if !values.is_empty() => {
                 let values: Vec<_> = values.into_iter().collect();
                 let fresh = ParameterFile::fresh(&self.reference_points);
-                ParameterFile::change(path, &values, &fresh).map_err(wrong)
+                changes.parameters(path, &values, &fresh).map_err(wrong)
             }
             _ => Ok(()),
         }
@@ -350,7 +381,7 @@ fn word(tool: &Tool, letter: char) -> f64 {
     tool.words().iter().find(|(known, _)| *known == letter).map_or(0.0, |(_, value)| *value)
 }
 
-fn wrong(error: FileError) -> CliError {
+pub(crate) fn wrong(error: FileError) -> CliError {
     CliError::Input(error.to_string())
 }
 

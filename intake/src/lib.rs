@@ -117,9 +117,61 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     write().inspect_err(|_| {
         let _ = fs::remove_file(&fresh); // what is reported is why it could not be written
     })?;
-    // The name is on the disk when its folder is.
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
+    File::open(folder_of(path))?.sync_all()
+}
+
+/// The folder that a file stands in. A name is on the disk when its folder is.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A file that is whole under a name of its own, until it is put in its place; dropped, it is gone.
+#[derive(Debug)]
+pub struct Prepared {
+    fresh: PathBuf,
+    path: PathBuf,
+}
+
+/// Writes what will be the new content of a file of the user's own, down to the disk. It keeps its
+/// permissions, and its place if `path` is a link. What is written to is new: no link is followed, no pipe
+/// waited for, and nobody else's file is touched.
+///
+/// # Errors
+/// It cannot be written.
+pub fn prepare(path: &Path, bytes: &[u8]) -> Result<Prepared> {
+    let old = path.canonicalize().ok();
+    let path = old.clone().unwrap_or_else(|| path.into());
+    let mut name = path.as_os_str().to_owned();
+    name.push(format!(".{}.new", std::process::id()));
+    let fresh = PathBuf::from(name);
+    let mut file = OpenOptions::new().write(true).create_new(true).open(&fresh)?;
+    let prepared = Prepared { fresh, path };
+    file.write_all(bytes)?;
+    if let Some(old) = &old {
+        file.set_permissions(fs::metadata(old)?.permissions())?;
+    }
+    file.sync_all()?;
+    Ok(prepared)
+}
+
+impl Prepared {
+    /// Puts it in its place.
+    ///
+    /// # Errors
+    /// The operating system refuses; the file is as it was.
+    pub fn put(self) -> Result<()> {
+        fs::rename(&self.fresh, &self.path)?;
+        if let Ok(folder) = File::open(folder_of(&self.path)) {
+            let _ = folder.sync_all(); // not every file system can; the file itself is whole
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Prepared {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.fresh); // once it is put, nothing of that name is there
+    }
 }
 
 /// A new file; a link of that name is not followed.

@@ -6,13 +6,17 @@
 
 use std::path::PathBuf;
 
-use gcode::files::{ParameterFile, ToolTable};
+use gcode::files::Changes;
 use machine::Machine;
 use process::shell::LanguageArgs;
 use rig::observe::Outcome;
 
 use super::RunArgs;
-use crate::{error::CliError, program::Program};
+use crate::{
+    error::CliError,
+    offsets::{claim, wrong},
+    program::Program,
+};
 
 /// Where it is kept.
 pub(super) struct Keeps {
@@ -36,12 +40,13 @@ impl Keeps {
         if outcome != Outcome::Completed {
             return Ok(());
         }
-        let wrong = |error: gcode::files::FileError| CliError::Input(error.to_string());
-        let changed = &left.changed;
-        ParameterFile::change(&self.parameters, changed, &left.parameters).map_err(wrong)?;
-        match &self.tools {
-            Some(tools) if !left.tools.is_empty() => ToolTable::change(tools, &left.tools).map_err(wrong),
-            _ => Ok(()),
+        let mut changes = Changes::default();
+        claim(&mut changes, &self.parameters)?;
+        changes.parameters(&self.parameters, &left.changed, &left.parameters).map_err(wrong)?;
+        if let Some(tools) = self.tools.as_ref().filter(|_| !left.tools.is_empty()) {
+            claim(&mut changes, tools)?;
+            changes.tools(tools, &left.tools).map_err(wrong)?;
         }
+        changes.put().map_err(wrong)
     }
 }

@@ -182,3 +182,29 @@ fn offsets_are_listed_set_and_loaded() {
     let nothing = place.ask(&["offsets", "set", "G54", "X1"]);
     assert!(nothing.status == Some(2) && nothing.stderr.contains("--parameters FILE"), "{}", nothing.stderr);
 }
+
+/// Three who set offsets at once: nothing of what any of them has set is lost, and what is added is added.
+#[test]
+fn changes_at_the_same_time_are_all_kept() {
+    const EACH: usize = 8;
+    let place = Place::new();
+    let tools: String = (1..=2 * EACH + 1).map(|tool| format!("T{tool} P{tool} Z1\n")).collect();
+    place.write("tool.tbl", tools);
+    let set = |words: &str| {
+        let words: Vec<&str> = words.split(' ').chain(["--tools", "tool.tbl"]).collect();
+        let answer = place.ask(&[&["offsets", "set"][..], &words].concat());
+        assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    };
+    std::thread::scope(|scope| {
+        for first in [1, 1 + EACH] {
+            scope.spawn(move || (first..first + EACH).for_each(|tool| set(&format!("T{tool} X{tool}"))));
+        }
+        scope.spawn(|| (0..EACH).for_each(|_| set(&format!("T{} --add X0.5", 2 * EACH + 1))));
+    });
+    let expected: Vec<String> = (1..=2 * EACH)
+        .map(|tool| format!("T{tool} P{tool} Z1 X{tool}"))
+        .chain([format!("T{0} P{0} Z1 X{1}", 2 * EACH + 1, EACH / 2)])
+        .collect();
+    let text = std::fs::read_to_string(place.at("tool.tbl")).expect("it is there");
+    assert_eq!(text.lines().collect::<Vec<_>>(), expected);
+}

@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{FileError, replace, rewrite, with_suffix};
+use super::{FileError, replace, with_suffix};
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 
 /// One more than the highest number.
@@ -90,18 +90,10 @@ impl ParameterFile {
         ParameterFile { values: numbers.into_iter().map(|number| (number, value_of(number))).collect() }
     }
 
-    /// Writes some parameters into a file and leaves all else of it as it is: order, comments, blanks. One
-    /// that the file does not have is inserted at its place, unless it is 0. A file that does not exist
-    /// begins as `fresh`.
-    ///
-    /// # Errors
-    /// The file cannot be read or written, or has a line that is no parameter, or a number out of range or
-    /// out of order; it is as it was.
-    pub fn change(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
-        rewrite(path, &fresh.to_text(), |text| {
-            ParameterFile::parse(&path.display().to_string(), text)?;
-            Ok(changed(text, values))
-        })
+    /// The text of a file with some parameters changed.
+    pub(super) fn changed(path: &Path, old: &str, values: &[(u32, f64)]) -> Result<String, FileError> {
+        ParameterFile::parse(&path.display().to_string(), old)?;
+        Ok(changed(old, values))
     }
 
     /// A file of a machine of which only these parameters are known: all others are 0, and its coordinate

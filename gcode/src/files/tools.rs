@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{FileError, decimal, replace, rewrite, words::Words};
+use super::{FileError, decimal, replace, words::Words};
 use crate::canon::Pose;
 use crate::problem::Diagnostic;
 
@@ -121,23 +121,17 @@ impl ToolTable {
         Ok(table)
     }
 
-    /// Writes some words of tools into a table and leaves all else of it as it is: order, comments, blanks. A
-    /// tool that the table does not have comes at its end. A table that does not exist is made.
-    ///
-    /// # Errors
-    /// The table cannot be read or written, or a line of it is not a tool; it is as it was.
-    pub fn change(path: &Path, words: &[(i32, char, f64)]) -> Result<(), FileError> {
-        rewrite(path, "", |old| {
-            let name = path.display().to_string();
-            ToolTable::parse(&name, old)?;
-            let change = |text: String, (number, letter, value): &_| changed(&text, *number, *letter, *value);
-            let text = words.iter().fold(old.to_owned(), change);
-            ToolTable::parse(&name, &text)?;
-            Ok(text)
-        })
+    /// The text of a table with some words of tools changed.
+    pub(super) fn changed(path: &Path, old: &str, words: &[(i32, char, f64)]) -> Result<String, FileError> {
+        let name = path.display().to_string();
+        ToolTable::parse(&name, old)?;
+        let change = |text: String, (number, letter, value): &_| changed(&text, *number, *letter, *value);
+        let text = words.iter().fold(old.to_owned(), change);
+        ToolTable::parse(&name, &text)?;
+        Ok(text)
     }
 
-    /// What is other in this table than in `old`, as words of [`ToolTable::change`].
+    /// What is other in this table than in `old`, as words of [`Changes::tools`](super::Changes::tools).
     pub fn changes_since(&self, old: &ToolTable) -> Vec<(i32, char, f64)> {
         let nothing = Tool::default();
         let words = |tool: &Tool| {

@@ -4,7 +4,20 @@ use std::path::{Path, PathBuf};
 
 use gcode::Severity;
 use gcode::canon::Units;
-use gcode::files::{FileError, MachineFile, ParameterFile, Tool, ToolTable};
+use gcode::files::{Changes, FileError, MachineFile, ParameterFile, Tool, ToolTable};
+
+/// One file changed alone.
+fn change_parameters(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
+    let mut changes = Changes::default();
+    changes.parameters(path, values, fresh)?;
+    changes.put()
+}
+
+fn change_tools(path: &Path, words: &[(i32, char, f64)]) -> Result<(), FileError> {
+    let mut changes = Changes::default();
+    changes.tools(path, words)?;
+    changes.put()
+}
 
 #[test]
 fn a_tool_table_is_read_and_written_back() {
@@ -160,17 +173,41 @@ fn a_change_touches_no_other_file_and_waits_for_none() {
     std::fs::write(&victim, "mine").unwrap();
     let fresh = folder.path().join(format!("lathe.var.{}.new", std::process::id()));
     std::os::unix::fs::symlink(&victim, &fresh).unwrap();
-    ParameterFile::change(&path, &[(5223, 1.0)], &none).unwrap_err();
+    change_parameters(&path, &[(5223, 1.0)], &none).unwrap_err();
     assert_eq!(std::fs::read_to_string(&victim).unwrap(), "mine");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "5161 0\n");
     std::fs::remove_file(&fresh).unwrap();
     let other = std::fs::File::open(folder.path()).unwrap();
     other.lock().unwrap();
-    let busy = ParameterFile::change(&path, &[(5223, 1.0)], &none).unwrap_err();
+    let busy = change_parameters(&path, &[(5223, 1.0)], &none).unwrap_err();
     assert!(busy.to_string().contains("try again"), "{busy}");
     drop(other);
-    ParameterFile::change(&path, &[(5223, 1.0)], &none).unwrap();
+    change_parameters(&path, &[(5223, 1.0)], &none).unwrap();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "5161 0\n5223\t1.000000\n");
+}
+
+/// Of two files both are changed or none, and what was prepared is gone.
+#[test]
+fn two_files_are_changed_together_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let (var, table) = (folder.path().join("lathe.var"), folder.path().join("tool.tbl"));
+    std::fs::write(&var, "5161 0\n").unwrap();
+    std::fs::write(&table, "T1 P1 Z1\n").unwrap();
+    let mut changes = Changes::default();
+    changes.tools(&table, &[(1, 'Z', 2.5)]).unwrap();
+    std::fs::write(&var, "5161 abc\n").unwrap();
+    changes.parameters(&var, &[(5223, 1.0)], &ParameterFile::default()).unwrap_err();
+    drop(changes);
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), "T1 P1 Z1\n");
+    std::fs::write(&var, "5161 0\n").unwrap();
+    let mut changes = Changes::default();
+    changes.tools(&table, &[(1, 'Z', 2.5)]).unwrap();
+    changes.parameters(&var, &[(5223, 1.0)], &ParameterFile::default()).unwrap();
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), "T1 P1 Z1\n", "not before all are ready");
+    changes.put().unwrap();
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), "T1 P1 Z2.5\n");
+    assert_eq!(std::fs::read_to_string(&var).unwrap(), "5161 0\n5223\t1.000000\n");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside them");
 }
 
 /// What would be passed over would be an offset of 0.
@@ -199,7 +236,7 @@ fn a_changed_parameter_changes_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lathe.var");
     let change =
-        |path: &Path, values: &[(u32, f64)]| ParameterFile::change(path, values, &ParameterFile::default());
+        |path: &Path, values: &[(u32, f64)]| change_parameters(path, values, &ParameterFile::default());
     let old = "# zero of the chuck\r\n5161\t0.000000\r\n 5221   1.5  (face)\n\n5223\t-3.25";
     std::fs::write(&path, old).unwrap();
     change(&path, &[(5221, 1.500_000_1), (5161, 0.0), (5241, 0.0)]).unwrap();
@@ -213,7 +250,7 @@ fn a_changed_parameter_changes_nothing_else() {
     change(&path, &[(5221, 3.0)]).unwrap_err();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), wrong);
     let fresh = folder.path().join("new.var");
-    ParameterFile::change(&fresh, &[(5223, -5.5)], &ParameterFile::fresh(&[(5161, 9.0)])).unwrap();
+    change_parameters(&fresh, &[(5223, -5.5)], &ParameterFile::fresh(&[(5161, 9.0)])).unwrap();
     let fresh = ParameterFile::read(&fresh).unwrap();
     let filled: Vec<_> = fresh.values.iter().filter(|(_, value)| *value != 0.0).collect();
     assert_eq!((fresh.values.len(), filled), (119, vec![&(5161, 9.0), &(5220, 1.0), &(5223, -5.5)]));
@@ -227,16 +264,13 @@ fn a_changed_word_of_a_tool_changes_nothing_else() {
     assert_eq!(ToolTable::parse("", "T1.0 P1 Q2.0").unwrap().find(1).unwrap().orientation, 2);
     // An umlaut of Latin-1 stays one, too.
     std::fs::write(&path, b"T1 Z1 ;\xfc\n").unwrap();
-    ToolTable::change(&path, &[(1, 'Z', 2.5)]).unwrap();
+    change_tools(&path, &[(1, 'Z', 2.5)]).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), b"T1 Z2.5 ;\xfc\n");
     std::fs::write(&path, old).unwrap();
-    ToolTable::change(&path, &[(1, 'D', 0.8), (12, 'Q', 0.0)]).unwrap();
+    change_tools(&path, &[(1, 'D', 0.8), (12, 'Q', 0.0)]).unwrap();
     assert_eq!(ToolTable::read(&path).unwrap().find(1).unwrap().diameter, 0.8);
-    ToolTable::change(
-        &path,
-        &[(1, 'X', -0.02), (1, 'Z', 25.25), (12, 'X', 3.0), (7, 'Q', 2.0), (7, 'Z', 1.5)],
-    )
-    .unwrap();
+    change_tools(&path, &[(1, 'X', -0.02), (1, 'Z', 25.25), (12, 'X', 3.0), (7, 'Q', 2.0), (7, 'Z', 1.5)])
+        .unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let expected =
         "; turning\nT1  P2   Z 25.25 D0.8 X-0.02 ;rough, X and Z are set\nt12 p3 X3Z2\nT7 P7 Q2 Z1.5\n";
@@ -245,6 +279,6 @@ fn a_changed_word_of_a_tool_changes_nothing_else() {
     let changes = ToolTable::parse("", &text).unwrap().changes_since(&before);
     let expected = [(1, 'X', -0.02), (1, 'Z', 25.25), (12, 'X', 3.0), (7, 'Z', 1.5), (7, 'Q', 2.0)];
     assert_eq!(changes, expected);
-    ToolTable::change(&path, &[(1, 'Q', 12.0)]).unwrap_err();
+    change_tools(&path, &[(1, 'Q', 12.0)]).unwrap_err();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "a word that no table has changes nothing");
 }
