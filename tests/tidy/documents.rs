@@ -212,3 +212,25 @@ fn every_bound_of_wall_time_is_in_the_table() {
     assert!(count > 12, "only {count} bounds were recognised");
     none(&findings);
 }
+
+/// ARCHITECTURE.md says of each module of the tests of the whole what it holds.
+#[test]
+fn every_module_of_tests_has_its_row() {
+    let page = read(Path::new("ARCHITECTURE.md"));
+    let mut findings = Vec::new();
+    let mut count = 0;
+    for path in files(&[".rs"]) {
+        let of_the_whole = ["tests/command", "tests/machine"].iter().any(|folder| path.starts_with(folder));
+        if !of_the_whole || path.ends_with("main.rs") || !read(&path).contains("#[test]") {
+            continue;
+        }
+        count += 1;
+        let module = path.file_stem().unwrap_or_default().to_string_lossy();
+        let in_a_row = |line: &str| line.starts_with('|') && line.contains(&format!("`{module}`"));
+        if !page.lines().any(in_a_row) {
+            findings.push(format!("{}: ARCHITECTURE.md has no row for it", path.display()));
+        }
+    }
+    assert!(count > 40, "only {count} modules were found");
+    none(&findings);
+}
