@@ -10,10 +10,11 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
-use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
+use gcode::files::{MachineFile, ParameterFile, ToolTable};
 use gcode::{Call, Diagnostic, Dialect, Job, Options, Place, Pose, Problem, Program, Severity, Sink, Step};
 
 use crate::{
+    changes::wrong,
     error::CliError,
     screen,
     written::{self, Made},
@@ -107,7 +108,7 @@ pub(crate) fn canon(args: &CanonArgs, quiet: bool) -> Result<ExitCode, CliError>
         Err(error) => return Err(CliError::Input(format!("the output cannot be written: {error}"))),
     };
     if let Some(path) = &args.parameters {
-        program.outlasting().parameters.write(path).map_err(file_error)?;
+        program.outlasting().parameters.write(path).map_err(wrong)?;
     }
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
@@ -156,7 +157,7 @@ fn print(
 fn options(args: &CanonArgs, quiet: bool) -> Result<Options, CliError> {
     interpreter::check_folders(&args.subroutines).map_err(|error| CliError::Input(error.to_string()))?;
     let machine = match &args.ini {
-        Some(path) => MachineFile::read(path).map_err(file_error)?,
+        Some(path) => MachineFile::read(path).map_err(wrong)?,
         None => MachineFile::default(),
     };
     for warning in machine.warnings.iter().filter(|_| !quiet) {
@@ -189,10 +190,10 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<Options, CliError> {
     }
     options.forgets_g92 = machine.forgets_g92;
     if let Some(path) = args.tools.as_ref().or(machine.tool_table.as_ref()) {
-        options.tools = ToolTable::read(path).map_err(file_error)?;
+        options.tools = ToolTable::read(path).map_err(wrong)?;
     }
     if let Some(path) = args.parameters.as_ref().or(machine.parameter_file.as_ref()) {
-        let parameters = ParameterFile::read(path).map_err(file_error)?;
+        let parameters = ParameterFile::read(path).map_err(wrong)?;
         options.parameters = machine.counted(parameters).collect();
     }
     Ok(options)
@@ -237,10 +238,6 @@ fn is_program(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let known = ["ngc", "nc", "tap", "gcode"].iter().any(|known| extension.eq_ignore_ascii_case(known));
     known && path.exists()
-}
-
-fn file_error(error: FileError) -> CliError {
-    CliError::Input(error.to_string())
 }
 
 /// The printer of a format.

@@ -2,6 +2,7 @@
 
 mod args;
 mod canon;
+mod changes;
 mod check;
 mod cli;
 mod compile;

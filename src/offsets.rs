@@ -24,15 +24,13 @@ use std::{
 
 use clap::{Args, Subcommand};
 use gcode::canon::Units;
-use gcode::files::{Changes, FileError, MachineFile, ParameterFile, Tool, ToolTable};
-use process::{
-    ipc::time::{Moment, sleep_until},
-    shell::LanguageArgs,
-};
+use gcode::files::{Changes, MachineFile, ParameterFile, Tool, ToolTable};
+use process::shell::LanguageArgs;
 use serde::Serialize;
 
 use crate::{
     args::{MachineArgs, Shop},
+    changes::{claim, wrong},
     error::CliError,
     screen, words,
 };
@@ -155,21 +153,6 @@ fn change(files: &Files, quiet: bool, sets: Vec<Set>, add: bool) -> Result<(), C
     let table = Table::read(files, quiet, Some(&mut changes))?;
     table.set(sets, add, &mut changes)?;
     changes.put().map_err(wrong)
-}
-
-/// How long is waited for somebody else who changes a file of the same folder, s.
-const PATIENCE_S: f64 = 5.0;
-const AGAIN_S: f64 = 0.02;
-
-/// Keeps others from changing a file, as soon as they have done so themselves.
-pub(crate) fn claim(changes: &mut Changes, path: &Path) -> Result<(), CliError> {
-    let end = Moment::in_s(PATIENCE_S);
-    loop {
-        match changes.claim(path) {
-            Err(error) if error.is_busy() && !end.passed() => sleep_until(Moment::in_s(AGAIN_S)),
-            done => return done.map_err(wrong),
-        }
-    }
 }
 
 /// What the lines of a file set.
@@ -379,10 +362,6 @@ impl Table {
 
 fn word(tool: &Tool, letter: char) -> f64 {
     tool.words().iter().find(|(known, _)| *known == letter).map_or(0.0, |(_, value)| *value)
-}
-
-pub(crate) fn wrong(error: FileError) -> CliError {
-    CliError::Input(error.to_string())
 }
 
 #[derive(Serialize)]

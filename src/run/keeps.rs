@@ -13,8 +13,8 @@ use rig::observe::Outcome;
 
 use super::RunArgs;
 use crate::{
+    changes::{claim, wrong},
     error::CliError,
-    offsets::{claim, wrong},
     program::Program,
 };
 

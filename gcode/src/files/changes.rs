@@ -1,5 +1,5 @@
-//! Changes of the user's own files: all of them or none, and nothing but what is changed. In: paths, and what to
-//! change. Out: files that are whole at any time.
+//! Changes of the user's own files: all of them or none, and nothing but what is changed. In: paths, and what
+//! to change. Out: files that are whole at any time.
 
 use std::fs::{File, TryLockError};
 use std::io;
