@@ -96,7 +96,7 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
 
     /// Those that are settled, from the one that the machine is on.
     pub(super) fn ahead(&self) -> impl Iterator<Item = &Piece<N, T>> {
-        self.ring.range(self.gone..self.settled.max(self.gone))
+        self.ring.range(self.gone..self.settled)
     }
 
     /// Length of the block that the machine is on, if that is settled, mm.
@@ -110,7 +110,7 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
         if self.gone > CORNERS {
             self.ring.pop_front();
             for cursor in [&mut self.gone, &mut self.settled, &mut self.roomed, &mut self.blended] {
-                *cursor = cursor.saturating_sub(1);
+                *cursor -= 1; // all of them are behind what is gone
             }
         }
     }
