@@ -9,7 +9,7 @@ use gcode::{
 };
 
 use crate::pages::{Row, below, rows};
-use crate::scan::{Kind, Token, label_of, scan};
+use crate::scan::{self, Kind, Token, label_of, scan};
 
 /// What stands at a byte of a line, and what it means; `modal` is the code that is in force, where the block
 /// has none of its own.
@@ -20,7 +20,7 @@ pub fn meaning(
     modal: Option<&str>,
 ) -> Option<(Range<usize>, String)> {
     let tokens = scan(line, dialect);
-    let token = tokens.iter().find(|token| token.at.contains(&byte) || token.at.end == byte)?;
+    let token = &tokens[scan::at(&tokens, byte)?];
     let text = &line[token.at.clone()];
     let told = match token.kind {
         Kind::Word(letter @ ('G' | 'M')) => {

@@ -9,7 +9,7 @@ use std::{
 use gcode::Dialect;
 
 use crate::hover::codes;
-use crate::scan::{Kind, Token, label_of, scan};
+use crate::scan::{self, Kind, Token, label_of, scan};
 
 /// What is looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub(crate) enum Target {
 /// What a place of a line leads to.
 pub(crate) fn target(line: &str, byte: usize, dialect: Dialect) -> Option<Target> {
     let tokens = scan(line, dialect);
-    let at = tokens.iter().position(|token| token.at.contains(&byte) || token.at.end == byte)?;
+    let at = scan::at(&tokens, byte)?;
     let text = |token: &Token| &line[token.at.clone()];
     let codes = codes(line, &tokens);
     let has = |names: &[&str]| codes.iter().any(|code| names.contains(&code.as_str()));

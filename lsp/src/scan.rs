@@ -31,6 +31,12 @@ pub(crate) struct Token {
     pub(crate) at: Range<usize>,
 }
 
+/// The token at a byte; where two meet, the one that begins there, and at the end of a line the last one.
+pub(crate) fn at(tokens: &[Token], byte: usize) -> Option<usize> {
+    let holds = tokens.iter().position(|token| token.at.contains(&byte));
+    holds.or_else(|| tokens.iter().position(|token| token.at.end == byte))
+}
+
 /// What is a name and not a row of words.
 const NAMES: [&str; 44] = [
     "ABS",
@@ -177,7 +183,7 @@ pub(crate) fn label_of(text: &str) -> (String, String) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Kind, label_of, scan};
+    use super::{Kind, at, label_of, scan};
     use gcode::Dialect;
 
     fn pieces(line: &str, dialect: Dialect) -> Vec<&str> {
@@ -212,5 +218,15 @@ mod tests {
         ] {
             assert_eq!(label_of(text), (label.to_owned(), word.to_owned()));
         }
+    }
+
+    #[test]
+    fn where_two_words_meet_the_one_that_begins_there_is_meant() {
+        let tokens = scan("g0x50", Dialect::Linuxcnc);
+        assert_eq!(
+            [0, 1, 2, 4, 5].map(|byte| at(&tokens, byte)),
+            [Some(0), Some(0), Some(1), Some(1), Some(1)]
+        );
+        assert_eq!(at(&tokens, 9), None);
     }
 }

@@ -1,8 +1,12 @@
 //! The thread that answers the editor. It reads no more than the lines that a question is about, or, for
-//! folding and formatting, looks at each once.
+//! folding, formatting and definitions, looks at each once; a definition may be in a file beside.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
+use gcode::codes::{G, g_group};
 use gen_lsp_types::{
     Definition, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
     DidOpenTextDocumentParams, DocumentFormattingParams, FoldingRange, FoldingRangeParams, Hover,
@@ -137,6 +141,11 @@ impl Server {
                 else {
                     return;
                 };
+                // Jobs and machine code are other languages.
+                let is_other = interpreter::is_job(Path::new(opened.uri.as_ref()));
+                if is_other || opened.uri.to_string().ends_with(".mc") {
+                    return;
+                }
                 let (language, machine) = (&self.settings.language, &self.settings.machine);
                 let (dialect, _) = interpreter::dialect_of_text(opened.text.as_bytes(), language, machine);
                 let document = Document { text: Text::new(&opened.text), dialect };
@@ -177,10 +186,7 @@ impl Server {
 
     /// Keeps a document, and has it checked.
     fn check(&mut self, uri: String, version: i32, document: Document) {
-        // Jobs and machine code are other languages.
-        if !uri.ends_with(".toml") && !uri.ends_with(".mc") {
-            let _ = self.jobs.send(Job { uri: uri.clone(), version, text: document.text.clone() });
-        }
+        let _ = self.jobs.send(Job { uri: uri.clone(), version, text: document.text.clone() });
         self.documents.insert(uri, document);
     }
 
@@ -252,9 +258,12 @@ impl Document {
         });
         codes.find(|code| {
             let number = code.strip_prefix('G').and_then(|number| number.parse::<f64>().ok());
-            number.is_some_and(|number| {
-                number < 4.0 || (30.0..40.0).contains(&number) || (70.0..93.0).contains(&number)
-            })
+            let Some(tenths) = number.map(|number| (10.0 * number).round() as u16) else { return false };
+            match self.dialect {
+                Dialect::Linuxcnc => g_group(G(tenths)) == g_group(G(10)),
+                Dialect::Fanuc => matches!(tenths, 0..40 | 320 | 340 | 700..900 | 900 | 920 | 940),
+                Dialect::FanucMill => matches!(tenths, 0..40 | 730..900),
+            }
         })
     }
 }

@@ -18,7 +18,8 @@ pub struct Settings {
     pub docs: Option<String>,
 }
 
-/// What an editor may say of them; a key that is absent leaves what the arguments said.
+/// What an editor may say of them; a key that is absent leaves what the arguments said. A machine brings its
+/// tools and parameters, or none.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Said {
@@ -49,9 +50,11 @@ impl Settings {
             let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
             let text = intake::text(&path, intake::SETTINGS).map_err(|error| wrong(&error))?;
             self.machine = Machine::from_toml(&text).map_err(|error| wrong(&error))?;
-            let table = self.machine.general.tool_table.as_ref();
-            self.language.tools =
-                table.map(|table| path.parent().map_or_else(|| table.clone(), |folder| folder.join(table)));
+            let beside =
+                |file: &PathBuf| path.parent().map_or_else(|| file.clone(), |folder| folder.join(file));
+            let machine::General { tool_table, parameters, .. } = &self.machine.general;
+            self.language.tools = tool_table.as_ref().map(beside);
+            self.language.parameters = parameters.as_ref().map(beside);
         }
         if let Some(name) = said.dialect {
             self.language.dialect = Some(dialect(&name)?);
@@ -68,4 +71,26 @@ fn dialect(name: &str) -> Result<machine::ProgramDialect, String> {
     let all = [Auto, Fanuc, Linuxcnc];
     let found = all.into_iter().find(|dialect| dialect.name() == name);
     found.ok_or_else(|| format!("initialization options: dialect {name}: auto, linuxcnc or fanuc"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_machine_brings_its_tools_and_its_parameters() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = machine::SMALL_LATHE.replacen(
+            "[machine]\n",
+            "[machine]\ntool_table = \"my.tbl\"\nparameters = \"my.var\"\n",
+            1,
+        );
+        std::fs::write(folder.path().join("lathe.toml"), text).expect("room");
+        let machine = Machine::from_toml(machine::SMALL_LATHE).expect("it is good");
+        let settings = Settings { machine, language: Language::default(), docs: None };
+        let said = serde_json::json!({ "machine": "lathe.toml" });
+        let language = settings.with(&said, Some(folder.path())).expect("it is right").language;
+        let files = ["my.tbl", "my.var"].map(|name| Some(folder.path().join(name)));
+        assert_eq!([language.tools, language.parameters], files);
+    }
 }
