@@ -2,33 +2,65 @@
 //! shows, and refusals with a remedy.
 
 use std::fs;
+use std::sync::OnceLock;
 
 use crate::shop::{Place, project};
 use serde_json::Value;
 
 const NAMES: [&str; 9] =
     ["approach", "feed", "observer", "positioner", "profiles", "reference", "resolution", "surface", "sweep"];
+/// Those that take less than a second.
+const SHORT: [&str; 3] = ["feed", "positioner", "profiles"];
+
+/// What `pitchlock experiment NAME` left.
+struct Ran {
+    printed: String,
+    page: String,
+    rows: String,
+}
+
+/// An experiment as its documentation runs it; once for all tests, since some take minutes.
+fn ran(name: &str) -> &'static Ran {
+    static RAN: [OnceLock<Ran>; NAMES.len()] = [const { OnceLock::new() }; NAMES.len()];
+    let index = NAMES.iter().position(|other| *other == name).expect("a name");
+    RAN[index].get_or_init(|| {
+        let place = Place::new();
+        let answer = place.ask(&["experiment", name]);
+        assert_eq!(answer.status, Some(0), "{name}: {}", answer.stderr);
+        let made = |file: &str| {
+            fs::read_to_string(place.at("experiments").join(name).join(file)).expect("it is written")
+        };
+        Ran { printed: answer.stdout, page: made("report.html"), rows: made("rows.json") }
+    })
+}
+
+/// Its document.
+fn document(name: &str) -> Value {
+    serde_json::from_str(&ran(name).rows).expect("one document")
+}
 
 #[test]
 fn json_is_one_document_with_the_rows() {
     let place = Place::new();
-    for name in NAMES {
+    for name in SHORT {
         let answer = place.ask(&["experiment", name, "--json", "--seed", "7", "--out", "made"]);
         assert_eq!(answer.status, Some(0), "{}", answer.stderr);
         let document: Value = serde_json::from_str(&answer.stdout).expect("one document and nothing else");
-        assert_eq!(document["experiment"], name);
         assert_eq!((&document["version"], &document["seed"]), (&1.into(), &7.into()));
-        assert!(document["rows"].as_array().is_some_and(|rows| !rows.is_empty()));
         assert_eq!(fs::read_to_string(place.at("made/rows.json")).expect("it is written"), answer.stdout);
         assert!(!place.at("experiments").exists(), "--out says where");
+    }
+    for name in NAMES {
+        let document = document(name);
+        assert_eq!(document["experiment"], name);
+        assert_eq!((&document["version"], &document["seed"]), (&1.into(), &1.into()));
+        assert!(document["rows"].as_array().is_some_and(|rows| !rows.is_empty()));
     }
 }
 
 #[test]
 fn a_row_of_feed_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "feed", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("feed");
     let rows = document["rows"].as_array().expect("rows");
     let keys = "f0 f f_end length_m a_max j_max dj_max j_p t1 t2 t_p peak_feed total_time_s";
     for row in rows {
@@ -40,9 +72,7 @@ fn a_row_of_feed_has_its_inputs_and_figures() {
 
 #[test]
 fn a_row_of_profiles_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "profiles", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("profiles");
     let rows = document["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 6 * 4 * 61);
     for row in rows {
@@ -59,9 +89,7 @@ fn a_row_of_profiles_has_its_inputs_and_figures() {
 
 #[test]
 fn a_row_of_surface_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "surface", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("surface");
     let rows = document["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 7 * 5 * 5);
     let keys = "h_mm max_next_point_um max_next_normal_um max_accumulated_um max_over_step_um max_plan_um feed_min_pct \
@@ -76,9 +104,7 @@ fn a_row_of_surface_has_its_inputs_and_figures() {
 
 #[test]
 fn a_row_of_reference_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "reference", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("reference");
     let rows = document["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 9 * 3);
     let figures = ["approach_min_um", "approach_max_um", "end_um", "thread_max_abs_um"];
@@ -90,16 +116,14 @@ fn a_row_of_reference_has_its_inputs_and_figures() {
     }
     // All but a row or two at the edge of what the seeds spread over.
     let agree = rows.iter().filter(|row| row["agrees"] == true).count();
-    assert!(agree >= 24, "{agree} of 27 rows agree: {}", answer.stdout);
-    let refused = place.ask(&["experiment", "reference", "--machine", "lathe.toml"]);
+    assert!(agree >= 24, "{agree} of 27 rows agree: {rows:?}");
+    let refused = Place::new().ask(&["experiment", "reference", "--machine", "lathe.toml"]);
     assert_eq!(refused.status, Some(2), "it has a machine of its own: {}", refused.stderr);
 }
 
 #[test]
 fn a_row_of_sweep_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "sweep", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("sweep");
     let rows = document["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 10 * 4 * 2 * 3 * 3);
     let keys = "s_rpm delta_x_mm delta_c_deg override_pct mass_error_pct friction_error_pct approach_max_abs_um \
@@ -111,14 +135,12 @@ fn a_row_of_sweep_has_its_inputs_and_figures() {
 
 #[test]
 fn every_page_stands_alone() {
-    let place = Place::new();
     for name in NAMES {
-        let answer = place.ask(&["experiment", name, "--seed", "3", "--out", name]);
-        assert!(answer.stdout.ends_with(&format!("report  {name}/report.html\n")), "{}", answer.stdout);
-        let page = fs::read_to_string(place.at(name).join("report.html")).expect("it is written");
+        let Ran { printed, page, .. } = ran(name);
+        assert!(printed.ends_with(&format!("report  experiments/{name}/report.html\n")), "{printed}");
         let before_the_library = page.split("</main>").next().unwrap_or_default();
         for needed in
-            ["What was done", "What it means", "How to repeat it", "--seed 3", "<figure>", "aria-label"]
+            ["What was done", "What it means", "How to repeat it", "--seed 1", "<figure>", "aria-label"]
         {
             assert!(before_the_library.contains(needed), "{name}: {needed} is missing");
         }
@@ -130,9 +152,7 @@ fn every_page_stands_alone() {
 
 #[test]
 fn a_row_of_resolution_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "resolution", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("resolution");
     let rows = document["rows"].as_array().expect("rows");
     let quanta: Vec<_> = rows.iter().filter_map(|row| row["quantum_mm"].as_f64()).collect();
     assert_eq!(quanta, [1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9]);
@@ -144,9 +164,7 @@ fn a_row_of_resolution_has_its_inputs_and_figures() {
 
 #[test]
 fn a_row_of_observer_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "observer", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("observer");
     let rows = document["rows"].as_array().expect("rows");
     let keys = ["bandwidth_hz", "lead_mm", "observer_max_abs_um", "observer_worst_um", "m53_max_abs_um"];
     for row in rows {
@@ -165,9 +183,7 @@ fn a_row_of_observer_has_its_inputs_and_figures() {
 
 #[test]
 fn a_row_of_positioner_has_its_inputs_and_figures() {
-    let place = Place::new();
-    let answer = place.ask(&["experiment", "positioner", "--json"]);
-    let document: Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let document = document("positioner");
     let rows = document["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 6 * 3);
     let three = |value: &Value| -> Vec<f64> {
@@ -191,13 +207,19 @@ fn a_row_of_positioner_has_its_inputs_and_figures() {
 #[test]
 fn the_page_has_everything_in_it() {
     let place = Place::new();
-    let answer = place.ask(&["experiment", "feed"]);
-    assert!(answer.stdout.ends_with("report  experiments/feed/report.html\n"), "{}", answer.stdout);
-    let page = fs::read_to_string(place.at("experiments/feed/report.html")).expect("it is written");
+    let answer = place.ask(&["experiment", "feed", "--seed", "3", "--out", "feed"]);
+    assert!(answer.stdout.ends_with("report  feed/report.html\n"), "{}", answer.stdout);
+    let page = fs::read_to_string(place.at("feed/report.html")).expect("it is written");
     assert_eq!(page.matches("<figure>").count(), 4);
-    for needed in
-        ["What was done", "What it means", "How to repeat it", "Plotly.react", "dj/dt (m/s⁴)", "aria-label"]
-    {
+    for needed in [
+        "What was done",
+        "What it means",
+        "How to repeat it",
+        "--seed 3",
+        "Plotly.react",
+        "dj/dt (m/s⁴)",
+        "aria-label",
+    ] {
         assert!(page.contains(needed), "{needed} is missing");
     }
     let before_the_library = page.split("</main>").next().unwrap_or_default();
@@ -209,11 +231,9 @@ fn the_page_has_everything_in_it() {
 /// The block below the command in `docs/experiments.md` is what the command prints.
 #[test]
 fn the_documentation_shows_what_is_printed() {
-    let place = Place::new();
     let page = fs::read_to_string(project().join("docs/experiments.md")).expect("it is there");
     for name in NAMES {
-        let answer = place.ask(&["experiment", name]);
-        let shown = format!("```text\n$ pitchlock experiment {name}\n{}```\n", answer.stdout);
+        let shown = format!("```text\n$ pitchlock experiment {name}\n{}```\n", ran(name).printed);
         assert!(page.contains(&shown), "docs/experiments.md should have:\n{shown}");
     }
 }
