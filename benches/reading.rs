@@ -1,4 +1,5 @@
-//! How fast `pitchlock canon` reads: programs of several shapes, and the peak memory of ten million lines.
+//! How fast `pitchlock canon` reads: programs of several shapes, the same moves in both dialects, and the
+//! peak memory of ten million lines.
 //!
 //! What counts is the processor time (user and system) of the whole process, its start and printing to
 //! /dev/null included: what it takes on a quiet computer, whatever else this one does.
@@ -41,14 +42,47 @@ fn point(n: usize) -> [f64; 3] {
     [r * c, r * s, -0.0001 * (n % 90_000) as f64]
 }
 
+/// A move of a mill.
+fn milled([x, y, z]: [f64; 3]) -> String {
+    format!("G1 X{x:.4} Y{y:.4} Z{z:.4}")
+}
+
+/// A move of a lathe.
+fn turned([x, z, _]: [f64; 3]) -> String {
+    format!("G1 X{x:.4} Z{z:.4}")
+}
+
+/// The block that goes to a point.
+type Block = fn([f64; 3]) -> String;
+
+/// A dialect as `--dialect` names it, the first lines of a program and its last one.
+type Frame = [&'static str; 3];
+
+/// Moves of a machine, and the frames that they are put into.
+const DIALECTS: [(&str, Block, [Frame; 2]); 2] = [
+    (
+        "moves of a lathe",
+        turned,
+        [["linuxcnc", "G21 G90 G18 G7 G94 F1200\n", "M2"], ["fanuc", "O1000\nG21 G98 F1200.\n", "M30"]],
+    ),
+    (
+        "moves of a mill",
+        milled,
+        [["linuxcnc", START, "M2"], ["fanuc-mill", "O1000\nG21 G90 G17 G94 F1200.\n", "M30"]],
+    ),
+];
+
 /// A spiral in short moves.
-fn moves(lines: usize, file: &mut BufWriter<File>) -> io::Result<()> {
-    file.write_all(START.as_bytes())?;
+fn spiral(of: Block, [_, begins, ends]: Frame, lines: usize, file: &mut BufWriter<File>) -> io::Result<()> {
+    file.write_all(begins.as_bytes())?;
     for n in 0..lines {
-        let [x, y, z] = point(n);
-        writeln!(file, "G1 X{x:.4} Y{y:.4} Z{z:.4}")?;
+        writeln!(file, "{}", of(point(n)))?;
     }
-    writeln!(file, "M2")
+    writeln!(file, "{ends}")
+}
+
+fn moves(lines: usize, file: &mut BufWriter<File>) -> io::Result<()> {
+    spiral(milled, ["linuxcnc", START, "M2"], lines, file)
 }
 
 /// The same in short arcs, with line numbers.
@@ -100,10 +134,10 @@ M2
     )
 }
 
-fn pitchlock(program: &Path) -> Command {
+fn pitchlock(program: &Path, dialect: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pitchlock"));
-    command.args(["canon", "--format", "linuxcnc"]).arg(program).stdin(Stdio::null());
-    command.stdout(File::create("/dev/null").unwrap());
+    command.args(["canon", "--format", "linuxcnc", "--dialect", dialect]).arg(program).stdin(Stdio::null());
+    command.stdout(File::create("/dev/null").unwrap()).stderr(Stdio::null());
     command
 }
 
@@ -117,7 +151,8 @@ fn rs274() -> Option<PathBuf> {
 
 fn peer(program: &Path, rs274: &Path) -> Command {
     let mut command = Command::new(rs274);
-    command.arg("-g").arg(program).arg("/dev/null").stdin(Stdio::null());
+    // Without a tool table some versions end at once.
+    command.args(["-t", "/dev/null", "-g"]).arg(program).arg("/dev/null").stdin(Stdio::null());
     command.stdout(Stdio::null()).stderr(Stdio::null());
     command
 }
@@ -143,11 +178,28 @@ fn run_s(mut command: Command) -> f64 {
 fn rates(count: usize, program: &Path, rs274: Option<&Path>) -> (f64, Option<f64>) {
     let (mut ours, mut theirs) = (0.0, 0.0);
     for _ in 0..RUNS {
-        ours += run_s(pitchlock(program));
+        ours += run_s(pitchlock(program, "linuxcnc"));
         theirs += rs274.map_or(0.0, |rs274| run_s(peer(program, rs274)));
     }
     let millions = (RUNS * count) as f64 / 1e6;
     (millions / ours, rs274.map(|_| millions / theirs))
+}
+
+/// Millions of lines a second of the same moves in each dialect.
+fn dialects(lines: usize, of: Block, frames: [Frame; 2], folder: &Path) -> [f64; 2] {
+    let programs = frames.map(|frame @ [dialect, ..]| {
+        let path = folder.join(dialect);
+        let mut file = BufWriter::new(File::create(&path).unwrap());
+        spiral(of, frame, lines, &mut file).and_then(|()| file.flush()).unwrap();
+        (path, dialect)
+    });
+    let mut times_s = [0.0; 2];
+    for _ in 0..RUNS {
+        for ((path, dialect), time_s) in programs.iter().zip(&mut times_s) {
+            *time_s += run_s(pitchlock(path, dialect));
+        }
+    }
+    times_s.map(|time_s| (RUNS * lines) as f64 / 1e6 / time_s)
 }
 
 /// Peak of the resident memory of a process that is run to its end, MiB, read while it runs.
@@ -193,7 +245,16 @@ fn main() {
     measure("arcs", "lines/s", MOVES, arcs);
     measure("while loop", "turns/s", TURNS, turns);
     measure("branches, calls", "turns/s", TURNS, calls);
+    for (name, of, frames) in DIALECTS {
+        let [linuxcnc, fanuc] = dialects(MOVES / scale, of, frames, folder.path());
+        print!("{name:<18}{linuxcnc:>6.2} million lines/s   fanuc {fanuc:.2} million");
+        println!("   {:.2} times as fast", fanuc / linuxcnc);
+    }
     let count = LONG / scale;
     write(count, moves, &program);
-    println!("{:<18}{:>6.1} MiB at most", format!("{count} lines"), peak_mib(pitchlock(&program)));
+    println!(
+        "{:<18}{:>6.1} MiB at most",
+        format!("{count} lines"),
+        peak_mib(pitchlock(&program, "linuxcnc"))
+    );
 }

@@ -46,7 +46,7 @@ mod tool;
 mod words;
 
 use crate::block::{Block, Comment, CommentKind};
-use crate::canon::{Call, FeedMode};
+use crate::canon::{Call, FeedMode, Pose};
 use crate::codes::{G, group, m_group};
 use crate::problem::{Blame, Problem};
 use crate::state::State;
@@ -192,23 +192,46 @@ fn g_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
     }
 }
 
-/// Motion codes. [`State::motion`] is `code` from here.
+/// Executes a block that is a straight move to a point and has no word but F beside it.
+///
+/// # Errors
+/// As [`execute`].
+pub(crate) fn straight_move(
+    code: G,
+    target: Pose,
+    block: &Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
+    modes::feed(block, Some(code), state, out)?;
+    begin_move(code, state, out);
+    straight::to(|_| Ok(target), code, block, state, out)?;
+    state.axes.moved();
+    Ok(())
+}
+
+/// Motion codes.
 fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    begin_move(code, state, out);
+    if code == G(800) {
+        state.modes.motion = None;
+        return out.call(Call::Note("motion mode set to none"));
+    }
+    run_motion(code, block, state, out)
+}
+
+/// `code` is that of the state from here.
+fn begin_move(code: G, state: &mut State, out: &mut Output) {
     if !cycles::is_cycle(code) {
         state.cycle.end();
     }
     if code != G(50) {
         state.spline.onwards = None;
     }
-    if code == G(800) {
-        state.modes.motion = None;
-        return out.call(Call::Note("motion mode set to none"));
-    }
     if state.modes.feed_mode == FeedMode::PerRevolution && matches!(code.0, 10 | 20 | 30) {
         spindle::must_turn(code, state, out);
     }
     state.modes.motion = Some(code);
-    run_motion(code, block, state, out)
 }
 
 fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {

@@ -20,15 +20,25 @@ use crate::state::State;
 
 /// G0 and G1.
 pub(super) fn straight(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    to(|state| target(block, state), code, block, state, out)
+}
+
+/// The same, to a point that is asked for when the move may be made.
+pub(super) fn to(
+    target: impl FnOnce(&State) -> Result<Pose, Box<Problem>>,
+    code: G,
+    block: &Block,
+    state: &mut State,
+    out: &mut Output,
+) -> Done {
     let kind = if code == G(0) { Kind::Traverse } else { Kind::Feed };
     if kind == Kind::Feed {
         feed::ready(block, state)?;
     }
-    let target = target(block, state)?;
+    let target = target(state)?;
     if kind == Kind::Feed {
         feed::inverse_time(|from| length(from, &target), block, state, out)?;
     }
-    state.compensation.straight_made();
     move_to(kind, target, block, state, out)
 }
 

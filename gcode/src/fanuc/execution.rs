@@ -3,7 +3,7 @@
 use super::line::Line;
 use super::modal::{Modal, SingleWords};
 use crate::block::Block;
-use crate::canon::{Place, Pose, X, Z};
+use crate::canon::{Place, Pose, X, Y, Z};
 use crate::codes::{G, M, group};
 use crate::execute::Done;
 use crate::execute::{self, Output};
@@ -84,24 +84,12 @@ impl Execution<'_, '_> {
             self.modal.single = SingleWords::default();
         }
         self.modal.motion = code;
-        self.begin();
-        if self.state.modes.motion != Some(code) {
-            self.add_g(group::MOTION, code)?;
-        }
-        if self.line.mill {
-            for letter in ['X', 'Y', 'Z'] {
-                if let Some(value) = self.line.length(letter) {
-                    self.add(letter, value)?;
-                }
-            }
-        } else {
-            let end = target(self.line, self.state.axes.position)?;
-            self.add_point(&end)?;
-        }
-        if let Some(feed) = self.line.plain('F') {
-            self.add('F', feed)?;
-        }
-        self.execute()
+        let from = self.state.axes.position;
+        let end = match self.line.mill {
+            true => on_mill(self.line, from, self.state.modes.incremental),
+            false => target(self.line, from)?,
+        };
+        execute::straight_move(code, end, &self.line.block, self.state, self.out)
     }
 
     /// One move to a point (Z, X, a radius), for the block at `place`; `center` of an arc is seen from its
@@ -142,6 +130,16 @@ pub(super) fn target(line: &Line, from: Pose) -> Result<Pose, Box<Problem>> {
         Some(angle) => inclined(angle, line, from, end),
         None => Ok(end),
     }
+}
+
+/// The end point of the words X Y Z of a mill.
+fn on_mill(line: &Line, from: Pose, incremental: bool) -> Pose {
+    let mut end = from;
+    for (axis, letter) in [(X, 'X'), (Y, 'Y'), (Z, 'Z')] {
+        let Some(value) = line.length(letter) else { continue };
+        end[axis] = if incremental { end[axis] + value } else { value };
+    }
+    end
 }
 
 /// The end of a line at an angle (A, from Z+ towards X+) of which one coordinate is given.

@@ -52,12 +52,8 @@ impl Heading {
     }
 }
 
-/// N and its digits.
-pub(super) fn sequence_number(cursor: &mut Cursor) -> Result<(Option<u32>, u8), Box<Problem>> {
-    let mut ahead = cursor.clone();
-    if !ahead.take_if(b'n') {
-        return Ok((None, 0));
-    }
+/// N and its digits; the cursor is at N.
+pub(super) fn sequence_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Problem>> {
     let start = cursor.mark();
     cursor.skip();
     let digits = cursor.digits_here();
@@ -66,7 +62,7 @@ pub(super) fn sequence_number(cursor: &mut Cursor) -> Result<(Option<u32>, u8), 
         let help = "a sequence number has up to eight digits, or is left out";
         return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
     }
-    Ok((Some(value as u32), digits))
+    Ok((value as u32, digits))
 }
 
 pub(super) fn program_number(cursor: &mut Cursor) -> Result<u32, Box<Problem>> {

@@ -67,8 +67,6 @@ use variables::Variables;
 /// A FANUC program that is being run.
 pub(crate) struct Control {
     line: Line,
-    /// The bytes of the line.
-    text: Vec<u8>,
     variables: Variables,
     flow: Flow,
     modal: Modal,
@@ -119,7 +117,6 @@ impl Control {
     pub(crate) fn new(files: Files, options: &Options) -> Control {
         Control {
             line: Line::new(options.decimal_point, options.dialect == Dialect::FanucMill),
-            text: Vec::new(),
             variables: Variables::new(&options.parameters),
             flow: Flow::new(files, options.limits.call_depth),
             modal: Modal::default(),
@@ -254,10 +251,8 @@ impl Control {
             }
         };
         let Some(line) = line else { return Ok(None) };
-        self.text.clear();
-        self.text.extend_from_slice(self.flow.files.bytes(&line));
         let mut reading = Reading {
-            text: &self.text,
+            text: self.flow.files.bytes(&line),
             variables: &mut self.variables,
             state,
             block_delete: self.block_delete,

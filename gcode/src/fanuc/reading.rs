@@ -21,7 +21,7 @@ use crate::execute::Done;
 use crate::options::MachineCode;
 use crate::problem::{Blame, Problem, Span};
 use crate::state::State;
-use crate::text::{Cursor, Depth, number, parentheses, whole};
+use crate::text::{Cursor, Depth, parentheses, pointed_number, whole};
 
 /// Reads a line.
 pub(super) struct Reading<'a> {
@@ -64,7 +64,10 @@ impl Reading<'_> {
         line.clear(file, number, self.state.units.program());
         let mut cursor = Cursor::new(self.text);
         let optional = self.optional(&mut cursor)?;
-        (line.block.n, line.block.n_digits) = sequence_number(&mut cursor)?;
+        if cursor.peek() == Some(b'n') {
+            let (number, digits) = sequence_number(&mut cursor)?;
+            (line.block.n, line.block.n_digits) = (Some(number), digits);
+        }
         if optional {
             return Ok(Statement::Nothing);
         }
@@ -255,29 +258,24 @@ impl Reading<'_> {
 
     /// A value and how it is written; `None` if it is vacant.
     fn written(&mut self, cursor: &mut Cursor) -> Result<Option<(f64, Kind)>, Box<Problem>> {
-        let mut ahead = cursor.clone();
-        if matches!(ahead.peek(), Some(b'-' | b'+')) {
-            ahead.skip();
+        let before = cursor.clone();
+        let negative = cursor.take_if(b'-');
+        if !negative {
+            cursor.take_if(b'+');
         }
-        if !matches!(ahead.peek(), Some(b'0'..=b'9' | b'.')) {
+        if !matches!(cursor.peek(), Some(b'0'..=b'9' | b'.')) {
+            *cursor = before;
             return Ok(self.values().value(cursor)?.map(|value| (value, Kind::Computed)));
         }
-        let negative = cursor.take_if(b'-');
-        cursor.take_if(b'+');
-        let start = cursor.mark();
-        let value = number(cursor)?;
-        let Span { start, end } = cursor.span(start);
-        let written = self.text.get(start as usize..end as usize).unwrap_or(&[]);
-        let kind = if written.contains(&b'.') { Kind::Pointed } else { Kind::Bare };
+        let (value, pointed) = pointed_number(cursor)?;
+        let kind = if pointed { Kind::Pointed } else { Kind::Bare };
         Ok(Some((if negative { -value } else { value }, kind)))
     }
 
     fn g_code(&mut self, cursor: &mut Cursor, line: &mut Line) -> Done {
         let (value, span) = self.code(cursor)?;
-        let code = (10.0 * value).round();
-        let known =
-            ((10.0 * value - code).abs() < 1e-3 && (0.0..65_536.0).contains(&code)).then_some(G(code as u16));
-        let Some(code) = known else { return Err(codes::unknown(value, span, codes::SYSTEM_A)) };
+        let code = whole(10.0 * value).and_then(|code| u16::try_from(code).ok()).map(G);
+        let Some(code) = code else { return Err(codes::unknown(value, span, codes::SYSTEM_A)) };
         if codes::SMOOTHING.contains(&code.0) {
             let message = format!("{code} does nothing here: look-ahead and smoothing are always on");
             line.idle = Some(Idle { span, message, words: codes::OF_SMOOTHING });

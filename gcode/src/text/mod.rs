@@ -15,7 +15,7 @@ pub(crate) use comment::{parentheses, semicolon};
 pub(crate) use cursor::Cursor;
 pub(crate) use depth::Depth;
 pub(crate) use files::Files;
-pub(crate) use number::{number, whole};
+pub(crate) use number::{number, pointed_number, whole};
 pub(crate) use operator::Operator;
 pub(crate) use source::{Line, Mark, Source};
 

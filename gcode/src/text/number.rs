@@ -19,6 +19,15 @@ const DIGITS: usize = 19;
 
 /// Reads a number.
 ///
+/// # Errors
+/// There are no digits, or two points.
+#[inline]
+pub(crate) fn number(cursor: &mut Cursor) -> Result<f64, Box<Problem>> {
+    pointed_number(cursor).map(|(value, _)| value)
+}
+
+/// Reads a number, and whether it has a point.
+///
 /// If digits and power of ten are both exact, their quotient, rounded once, is the nearest number (W. D.
 /// Clinger, "How to read floating point numbers accurately", 1990). Longer ones, and those with blanks
 /// inside, go through the standard library.
@@ -26,23 +35,22 @@ const DIGITS: usize = 19;
 /// # Errors
 /// There are no digits, or two points.
 #[inline]
-pub(crate) fn number(cursor: &mut Cursor) -> Result<f64, Box<Problem>> {
+pub(crate) fn pointed_number(cursor: &mut Cursor) -> Result<(f64, bool), Box<Problem>> {
     let text = cursor.rest();
     let mut digits = 0;
     let whole = take_digits(text, 0, &mut digits);
-    let (end, decimals) = match text.get(whole) {
-        Some(b'.') => {
-            let end = take_digits(text, whole + 1, &mut digits);
-            (end, end - whole - 1)
-        }
-        _ => (whole, 0),
-    };
+    let pointed = text.get(whole) == Some(&b'.');
+    let (mut end, mut decimals) = (whole, 0);
+    if pointed {
+        end = take_digits(text, whole + 1, &mut digits);
+        decimals = end - whole - 1;
+    }
     let before = cursor.clone();
     cursor.advance(end);
     let goes_on = matches!(cursor.peek(), Some(b'0'..=b'9' | b'.'));
     match POWERS.get(decimals) {
         Some(power) if (1..=DIGITS).contains(&(whole + decimals)) && digits <= EXACT && !goes_on => {
-            Ok(if decimals == 0 { digits as f64 } else { digits as f64 / power })
+            Ok((if decimals == 0 { digits as f64 } else { digits as f64 / power }, pointed))
         }
         _ => long_number(before, cursor),
     }
@@ -75,7 +83,7 @@ fn take_digits(text: &[u8], mut at: usize, number: &mut u64) -> usize {
 
 /// A number of many digits, one with blanks inside, or none.
 #[cold]
-fn long_number(mut from: Cursor, end: &mut Cursor) -> Result<f64, Box<Problem>> {
+fn long_number(mut from: Cursor, end: &mut Cursor) -> Result<(f64, bool), Box<Problem>> {
     let start = from.clone();
     while matches!(end.peek(), Some(b'0'..=b'9' | b'.')) {
         end.skip();
@@ -84,7 +92,8 @@ fn long_number(mut from: Cursor, end: &mut Cursor) -> Result<f64, Box<Problem>> 
     while from.mark() < end.mark() {
         text.extend(from.take().map(char::from));
     }
-    text.parse().map_err(|_| malformed(start, end))
+    let value = text.parse().map_err(|_| malformed(start, end))?;
+    Ok((value, text.contains('.')))
 }
 
 #[cold]
