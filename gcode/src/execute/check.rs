@@ -86,7 +86,12 @@ fn words_used(block: &Block, motion: Option<G>) -> Done {
         Ok(())
     };
     for code in block.g_codes().filter(|code| Some(*code) != motion).chain(motion) {
-        claim(words::of_g(code))?;
+        let mut words = words::of_g(code);
+        if code == G(432) && block.has('H') {
+            // The tool of the table is added, and axes belong to the move.
+            words.uses = letter_bit('H');
+        }
+        claim(words)?;
     }
     for code in block.m_codes() {
         claim(words::of_m(code))?;

@@ -135,6 +135,27 @@ fn codes_of_group_01_end_a_cycle_and_g80_leaves_them_in_force() {
 }
 
 #[test]
+fn f_counts_in_every_block() {
+    let moved = mill("S1000 M03\nG01 X1. F80.\nF90.\nX2.\nG81 X3. Z-2. R1.\nX4. F70.\nG80\nM30");
+    let feeds: Vec<&String> = moved.iter().filter(|call| call.starts_with('F')).collect();
+    assert_eq!(feeds, ["F 80.000", "F 90.000", "F 70.000"], "{moved:?}");
+    let place = |call: &str| moved.iter().position(|one| one.starts_with(call));
+    assert!(place("F 70.000") < place("G0 4.000"), "{moved:?}");
+    same("S1000 M03\nG93 G01 X1. F4.\nX2. F2.", "S1000 M3\nG93 G1 X1 F4\nX2 F2");
+    let idle = run(Dialect::FanucMill, "S1000 M03\nG93\nF4.\nG00 X1. F4.\nG81 X1. Z-5. R2. F80.\nK2");
+    let warned: Vec<_> = idle.warnings.iter().map(|one| (one.line, one.code)).collect();
+    assert_eq!(warned[..2], [(3, "no-effect"), (4, "no-effect")], "{warned:?}");
+    assert_eq!(warned.last(), Some(&(6, "no-effect")), "{warned:?}");
+}
+
+#[test]
+fn words_that_another_one_says_or_another_l_takes_are_refused() {
+    assert_eq!(errors("G10 L2 P1 X1. R1.\nG10 L20 P1 R1."), [(1, "unused-word"), (2, "unused-word")]);
+    assert_eq!(errors("G10 L10 P1 R5. X3.\nG09"), [(1, "unused-word"), (2, "missing-word")]);
+    assert_eq!(errors("F80.\nG81 X1. Z-5. R2. K2 L3"), [(2, "repeated-word")]);
+}
+
+#[test]
 fn coordinate_systems_and_more_of_them() {
     same(
         "G10 L2 P2 X10. Y20. Z-5.\nG55 G00 X1. Y1. Z1.\nG91 G10 L2 P2 X5.\nG90 X1.\nG52 X3.\nX1.\nG52 X0.\nG92 X0.\nX1.",

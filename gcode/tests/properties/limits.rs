@@ -6,8 +6,6 @@ use std::fs;
 
 use gcode::{Call, Diagnostic, Dialect, Limits, Options, Place, Problem, Program, Sink, Step};
 
-const BOTH: [Dialect; 2] = [Dialect::Linuxcnc, Dialect::Fanuc];
-
 /// Counts the calls.
 #[derive(Default)]
 struct Count {
@@ -84,6 +82,8 @@ fn loops_that_lead_nowhere_end() {
         (Dialect::Fanuc, "O1\nN10 #1=1\nGOTO 10\nM30\n"),
         (Dialect::Fanuc, "O1\nM98 P5 L9999\nM30\nO5\nS1\nM99\n"),
         (Dialect::Fanuc, "O1\nM98 P5\nM30\nO5\nN1\nM99 P1\n"),
+        (Dialect::FanucMill, "O1\nM97 P5 L9999\nM30\nN5 S1\nM99\n"),
+        (Dialect::FanucMill, "O1\nG68 X0. Y0. R9.\nN10 G01 X1. F9.\nGOTO 10\nM30\n"),
         // Moves without length, and to and fro.
         (Dialect::Fanuc, "O1\nN10 G00 X10.\nGOTO 10\nM30\n"),
         (Dialect::Linuxcnc, "o1 while [1]\nG91 G0 X0.001\nG0 X-0.001\no1 endwhile\nM2\n"),
@@ -110,6 +110,8 @@ fn loops_of_moves_end_when_the_receiver_refuses() {
         (Dialect::Linuxcnc, "F100 G81 X1 Z-1 R1 L20000\nM2\n"),
         (Dialect::Linuxcnc, "F100 G83 X1 Z-1000 R1 Q0.05\nM2\n"),
         (Dialect::Fanuc, "O1\nG98 F100\nN1 G01 X1.\nX2.\nGOTO 1\nM30\n"),
+        (Dialect::FanucMill, "O1\nF100.\nG81 X1. Z-1. R1. K9999\nM30\n"),
+        (Dialect::FanucMill, "O1\nF100.\nG66 P5\nN1 G01 X1.\nX2.\nGOTO 1\nM30\nO5\nG01 Y#5002\nM99\n"),
         (Dialect::Fanuc, "O1\nG98 F100\nG00 X50. Z5.\nG74 R.001\nG74 X48. Z-900. P1000 Q50 F100\nM30\n"),
     ];
     for (dialect, text) in loops {
@@ -229,7 +231,7 @@ fn deep_expressions_end() {
         ("ATAN[1]/[", "1", "]"),
     ];
     let fanuc = [("[", "1", "]"), ("-", "#1", ""), ("#", "1", ""), ("SQRT[", "1", "]")];
-    for (dialect, shapes) in BOTH.into_iter().zip([&linuxcnc[..], &fanuc[..]]) {
+    for (dialect, shapes) in Dialect::ALL.into_iter().zip([&linuxcnc[..], &fanuc[..], &fanuc[..]]) {
         for (open, inner, close) in shapes {
             let ended = ended(dialect, &format!("{}M2\n", nested(open, inner, close)));
             assert!(
@@ -251,7 +253,7 @@ fn deep_expressions_end() {
 
 #[test]
 fn long_lines_end() {
-    for dialect in BOTH {
+    for dialect in Dialect::ALL {
         for text in [
             format!("G0 X{}\nM2\n", "1".repeat(300)),
             format!("({})\nM2\n", "x".repeat(10_000_000)),
@@ -297,7 +299,7 @@ fn big_subroutine_files_end() {
 /// beginning.
 #[test]
 fn a_hundred_thousand_faulty_lines_take_a_moment() {
-    for dialect in BOTH {
+    for dialect in Dialect::ALL {
         let text = "G1 X1 X2\n".repeat(100_000) + "M2\n";
         let ended = ended(dialect, &text);
         assert_eq!(ended.errors.iter().filter(|error| error.code == "repeated-word").count(), 500);

@@ -57,8 +57,26 @@ const STAGES_FANUC: &[&[&str]] = &[
     &["M00", "M01", "M05", "M09"],
 ];
 
+/// The same on a mill of FANUC.
+const STAGES_MILL: &[&[&str]] = &[
+    &["G94", "G95"],
+    &["F90."],
+    &["S700"],
+    &["T1 M06", "T3"],
+    &["M03", "M04", "M08"],
+    &["G17", "G18"],
+    &["G90", "G91"],
+    &["G98", "G99"],
+    &["G69"],
+    &["G54", "G55", "G54.1 P3"],
+    &["G43 H1", "G49", "G44 H2"],
+    &["G00 X4. Z3.", "G01 Y3. A1.", "X3.", "G28 Z9.", "G52 X1.", "G81 Z-3. R2.", "G92 X1. Y3."],
+    &["M00", "M01", "M05", "M09"],
+];
+
 const BEFORE: &str = "G21 F100 S200 M3\nG0 X1 Y2 Z3";
 const BEFORE_FANUC: &str = "G21 F.1 S200 M03\nG00 X50. Z6.";
+const BEFORE_MILL: &str = "G21 F100. S200 M03\nG00 X1. Y2. Z3.";
 
 fn stages(stages: &'static [&'static [&'static str]]) -> impl Strategy<Value = Vec<&'static str>> {
     prop::collection::vec(any::<prop::sample::Index>(), stages.len()).prop_flat_map(move |indexes| {
@@ -85,6 +103,11 @@ proptest! {
     #[test]
     fn a_block_is_its_codes_one_after_the_other(parts in stages(STAGES)) {
         split(Dialect::Linuxcnc, BEFORE, &parts)?;
+    }
+
+    #[test]
+    fn a_block_of_a_fanuc_mill_is_its_codes_one_after_the_other(parts in stages(STAGES_MILL)) {
+        split(Dialect::FanucMill, BEFORE_MILL, &parts)?;
     }
 
     #[test]

@@ -126,10 +126,17 @@ proptest! {
         same(Dialect::Fanuc, "F.1 S100 M03\nG00 X50. Z5.", lines, &bits)?;
     }
 
+    #[test]
+    fn spelling_and_order_do_not_matter_to_a_fanuc_mill(
+        lines in prop::collection::vec(block(Dialect::FanucMill), 1..8), bits in prop::collection::vec(any::<u32>(), 30),
+    ) {
+        same(Dialect::FanucMill, "F100. S100 M03\nG00 X31. Y11. Z23.", lines, &bits)?;
+    }
+
     /// A number that is printed with all its digits is the same number again.
     #[test]
     fn numbers_are_read_as_they_are_printed(value in prop_oneof![-1e6..1e6f64, -1.0..1.0, -1e-6..1e-6, -1e15..1e15]) {
-        for dialect in [Dialect::Linuxcnc, Dialect::Fanuc] {
+        for dialect in Dialect::ALL {
             let options = Options { dialect, ..Options::default() };
             let read = alone::value(value.to_string().as_bytes(), &options);
             prop_assert_eq!(read.ok().flatten(), Some(value));

@@ -38,10 +38,26 @@ const BEFORE_FANUC: &[&str] = &[
 ];
 
 const AFTER_FANUC: &str = "X29. Z2.\nU1. W-1.\nG40\nG00 X50. Z6.\nG01 X51. F.2\nG04 P1\nG74 Z-20. Q3000 F.1\nG75 X20. P2000 F.1\n\
-    G76 X26. Z-20. P1840 Q400 F1.5\nG80\nG96 S100\nG97 S100\nT0200\nG01 X1. Z1.\nT0202\nG00 X3. Z3.\nG54 X3. Z4.\nG55 X3.\nM05\nM09\nM30";
+    M03 S100\nG76 X26. Z-20. P1840 Q400 F1.5\nG80\nG96 S100\nG97 S100\nT0200\nG01 X1. Z1.\nT0202\nG00 X3. Z3.\nG54 X3. Z4.\nG55 X3.\nM05\nM09\nM30";
+
+const BEFORE_MILL: &[&str] = &[
+    "G21 S300 M03 F77.\nG00 X31. Y11. Z23. A1. B1. C1.",
+    "G20 G91 S200 M04 G95 F.01\nG18 G99 G61 G00 X.4 Y.3 Z.4\nG90 G02 X.4 Z2.4 I.2 K1.\nG91",
+    "T1 M06\nG43 H1 G55 G19 M08 S100 M03\nG92 X1. Y2. Z3. A4. B5. C6.\nG93 G01 X9. Y8. Z7. F3.\nG17",
+    "F50. S100 M03\nG10 L2 P1 X5. Y6. Z7.\nG52 X1. Y1. Z1.\nG10 L20 P3 X4.\nG54.1 P3\nG98 G81 X1. Y1. Z-3. R20. K2",
+    "T4 M06\nF50. S100 M03\nG41 D4 G01 X5. Y9.\nX35. Y9.",
+    "T3 M06\nS100 M03 F50.\nG44 H3 G00 X8. Y4. Z9.\nG99 G83 X1. Y1. Z-3. R4. Q1. F30.",
+    "S100 M03 F50.\nG00 X8. Y4. Z9.\nG68 X1. Y1. R20.\nG00 X3.",
+    "S100 M03 F50. D2 H2\nG00 X100. Y4. Z50. M08\nG80\nM05",
+];
+
+const AFTER_MILL: &str = "X.7 Y.3 Z.2\nG40\nG00 X3. Y4. Z5. A1. B2. C3.\nG01 X9. Y8. Z7. F3.\nG91 X.1\nG90 X1.\nG00 X0. Y0. Z0.\nG17 G02 X2. Y0. I1. J0.\n\
+    G81 Z-3. R9. F2.\nG82 X1.\nG83 X2. Q1.\nX3. K2\nG80\nG69\nG00 X1. Y1. Z1.\nG55 G00 X2. Y2. Z2.\nG54 X1.\nG54.1 P4 X1. Y2.\nG54\n\
+    G43 G00 Z9.\nG28 X1. Y1. Z1.\nG43 H1 Z4.\nG43 H2 Z4.\nG49\nT2 M06\nG41 G01 X20. Y20.\nX30. Y0.\nG40 X40.\nX0.\nT4 M06\nG41 G01 X20. Y20.\nX30. Y0.\nG40\nX0.\nG41 D4 X20. Y20.\nX30.\nG40 X50.\nX0.\n\
+    M06\nG43 Z3.\nM03\nG97 S100\nG94 F20.\nX7.\nM05\nM09\nM30";
 
 /// Words that may say what is so without them: the only spindle, one turn of an arc, one hole, the factor 1,
-/// what M52 and M66 do; G80 ends cycles that this control does not have.
+/// every cut of G76 alike, what M52 and M66 do; G80 ends cycles that this control does not have.
 fn may_do_nothing(dialect: Dialect, word: &str, words: &[String]) -> bool {
     let beside = |codes: &[&str]| words.iter().any(|other| codes.contains(&other.as_str()));
     match word {
@@ -49,8 +65,9 @@ fn may_do_nothing(dialect: Dialect, word: &str, words: &[String]) -> bool {
         "P1" | "P2" if beside(&["M50", "M51", "M52", "M53"]) => true,
         "P1" => beside(&["G2", "G3"]),
         "L0" => beside(&["M66"]),
-        "L1" => ('1'..='9').any(|last| beside(&[&format!("G8{last}")])) || beside(&["G73"]),
+        "K1" | "L1" => ('1'..='9').any(|last| beside(&[&format!("G8{last}")])) || beside(&["G73", "G74"]),
         "I1" => beside(&["G33.1"]),
+        "R1" => beside(&["G76"]),
         "G80" => dialect == Dialect::Fanuc,
         _ => false,
     }
@@ -59,7 +76,8 @@ fn may_do_nothing(dialect: Dialect, word: &str, words: &[String]) -> bool {
 fn no_word_is_ignored(dialect: Dialect, words: &[String]) -> Result<(), TestCaseError> {
     let (befores, after) = match dialect {
         Dialect::Linuxcnc => (BEFORE, AFTER),
-        Dialect::Fanuc | Dialect::FanucMill => (BEFORE_FANUC, AFTER_FANUC),
+        Dialect::Fanuc => (BEFORE_FANUC, AFTER_FANUC),
+        Dialect::FanucMill => (BEFORE_MILL, AFTER_MILL),
     };
     let line = |before: &str| before.lines().count() as u32 + 1;
     let of =
@@ -101,6 +119,11 @@ proptest! {
     fn no_word_is_ignored_fanuc(words in block(Dialect::Fanuc)) {
         no_word_is_ignored(Dialect::Fanuc, &words)?;
     }
+
+    #[test]
+    fn no_word_is_ignored_on_a_fanuc_mill(words in block(Dialect::FanucMill)) {
+        no_word_is_ignored(Dialect::FanucMill, &words)?;
+    }
 }
 
 /// A state that is not reached would show nothing.
@@ -114,6 +137,7 @@ fn states_are_reached_without_errors() {
     };
     of(Dialect::Linuxcnc, BEFORE, "G40\nM2");
     of(Dialect::Fanuc, BEFORE_FANUC, "G40 M30");
+    of(Dialect::FanucMill, BEFORE_MILL, "G40\nM30");
 }
 
 /// What the properties found.

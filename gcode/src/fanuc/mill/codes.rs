@@ -84,9 +84,11 @@ pub(super) const AXES: u32 = bits("XYZABC");
 /// Words that a block may always have.
 const ALWAYS: u32 = bits("FSTDH");
 
-/// The words that a G code uses.
-fn words_of_g(code: G) -> u32 {
+/// The words that a G code of a line uses.
+fn words_of_g(code: G, line: &Line) -> u32 {
     match code.0 {
+        100 if matches!(line.block.integer('L'), Some(2 | 20)) => AXES | bits("LP"),
+        100 if matches!(line.block.integer('L'), Some(10..=13)) => bits("LPR"),
         0 | 10 | 280 | 300 | 520 | 530 | 920 => AXES,
         20 | 30 => AXES | bits("RIJK"),
         40 => bits("XP"),
@@ -133,11 +135,11 @@ pub(in super::super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem
     };
     let used = match deed {
         Deed::None => 0,
-        Deed::G(code) => words_of_g(code),
+        Deed::G(code) => words_of_g(code, line),
         Deed::M(M(97 | 98)) => bits("PL"),
         Deed::M(_) => bits("P"),
     };
-    let beside = block.g(group::COORDINATES).map_or(0, words_of_g);
+    let beside = block.g(group::COORDINATES).map_or(0, |code| words_of_g(code, line));
     if used & beside & block.present() != 0 {
         let coordinates = block.g(group::COORDINATES).unwrap_or(G(541));
         return Err(both(&coordinates.to_string(), "another code", Blame::Word('P')));

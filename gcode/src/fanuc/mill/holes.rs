@@ -32,6 +32,12 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     };
     run.modal.held = Some(held);
     let times = times(run)?;
+    if !run.line.has_any("XYZR")
+        && let Some(letter) = ['K', 'L'].into_iter().find(|letter| run.line.has(*letter))
+    {
+        let message = format!("{letter} does nothing here: the block has no place of a hole");
+        run.out.warn(Problem::warning("no-effect", Blame::Word(letter), message, "leave it out"));
+    }
     if times == 0.0 || !run.line.has_any("XYZR") {
         return Ok(());
     }
@@ -45,11 +51,14 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     let (pecks, waits) = (matches!(code.0, 730 | 830), matches!(code.0, 740 | 820 | 840 | 860 | 880 | 890));
     let peck = held.peck.filter(|_| pecks);
     let dwell = held.dwell_s.or(Some(0.0)).filter(|_| waits);
-    for letter in
-        [('Q', pecks), ('P', waits)].into_iter().filter(|(letter, used)| !used && run.line.has(*letter))
-    {
-        let message = format!("{} does nothing in {code}: it stays for the cycles after it", letter.0);
-        run.out.warn(Problem::warning("no-effect", Blame::Word(letter.0), message, "leave it out"));
+    let idle =
+        [('Q', pecks), ('P', waits)].into_iter().filter(|(letter, used)| !used && run.line.has(*letter));
+    let idle: Vec<char> = idle.map(|(letter, _)| letter).collect();
+    if let Some(letter) = idle.first() {
+        let (those, does) =
+            if idle.len() > 1 { ("Q and P".into(), "do") } else { (letter.to_string(), "does") };
+        let message = format!("{those} {does} nothing in {code}, and stay for the cycles after it");
+        run.out.warn(Problem::warning("no-effect", Blame::Word(*letter), message, "leave it out"));
     }
     for (letter, value) in [(depth, held.bottom), ('R', held.r), ('Q', peck), ('P', dwell)] {
         if let Some(value) = value {
@@ -65,7 +74,15 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
 
 /// K or L.
 fn times(run: &Execution) -> Result<f64, Box<Problem>> {
-    let Some(letter) = ['K', 'L'].into_iter().find(|letter| run.line.has(*letter)) else { return Ok(1.0) };
+    let letter = match (run.line.has('K'), run.line.has('L')) {
+        (true, true) => {
+            let message = "K and L both say how often";
+            return Err(Problem::error("repeated-word", Blame::Word('L'), message, "leave one of them out"));
+        }
+        (true, false) => 'K',
+        (false, true) => 'L',
+        (false, false) => return Ok(1.0),
+    };
     match run.line.whole(letter)? {
         Some(times @ 0..=9999) => Ok(times as f64),
         other => {

@@ -30,7 +30,8 @@ use crate::problem::{Blame, Problem};
 /// The block contradicts itself or the state.
 pub(super) fn run(deed: Deed, run: &mut Execution) -> Done {
     let block = &run.line.block;
-    let plain = block.m_codes().next().is_none()
+    let plain = matches!(deed, Deed::G(G(0 | 10 | 20 | 30)))
+        && block.m_codes().next().is_none()
         && !run.line.has_any("STDH")
         && block.g_codes().all(|code| matches!(code.0, 0 | 10 | 20 | 30))
         && block.comment.is_none();
@@ -41,9 +42,9 @@ pub(super) fn run(deed: Deed, run: &mut Execution) -> Done {
     if let Some(code) = run.line.block.g(group::MOTION) {
         run.modal.motion = code;
     }
+    stops::begin(run.line, deed, run.state, run.out)?;
     let Deed::G(code) = deed else { return Ok(()) };
     run.begin();
-    stops::begin(run.line, deed, run.state, run.out)?;
     match code.0 {
         0 | 10 | 20 | 30 => {
             travel(code, plain, run)?;
@@ -90,7 +91,9 @@ fn switches(deed: Deed, run: &mut Execution) -> Done {
     if let Some(code) = mode.filter(|_| new != Some(run.state.modes.feed_mode)) {
         run.add_g(group::FEED_MODE, code)?;
     }
-    if new.unwrap_or(run.state.modes.feed_mode) != FeedMode::InverseTime
+    // Under G93 it belongs to the move.
+    let cuts = matches!(deed, Deed::G(G(10 | 20 | 30)));
+    if !(cuts && new.unwrap_or(run.state.modes.feed_mode) == FeedMode::InverseTime)
         && let Some(feed) = run.line.plain('F')
     {
         run.add('F', feed)?;
@@ -162,7 +165,7 @@ fn travel(code: G, plain: bool, run: &mut Execution) -> Done {
             }
         }
     }
-    if (plain || run.state.modes.feed_mode == FeedMode::InverseTime)
+    if (plain || code != G(0) && run.state.modes.feed_mode == FeedMode::InverseTime)
         && let Some(feed) = run.line.plain('F')
     {
         run.add('F', feed)?;

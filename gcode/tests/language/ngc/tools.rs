@@ -51,6 +51,9 @@ fn a_tool_offset_keeps_the_point_of_the_machine() {
         messages("G43.1 Z4\nG43.1 X1\n(debug,#5081 #5083)\nG43.2 X1\n(debug,#5081)"),
         ["1.000000 4.000000", "2.000000"]
     );
+    // Beside H an axis is for the move, and not left out.
+    assert_eq!(messages("T1 M6 G43\nG43.2 H12 G0 X7\n(debug,#<_x>)"), ["7.000000"]);
+    assert_eq!(error("G80 G43.2 H1 X3"), ("unused-word", "X3".into()));
 }
 
 #[test]
