@@ -4,12 +4,13 @@
 //! coverage; `tests/mutations` drives the same ones with mutations of programs that are known, on a stable
 //! compiler.
 
-use std::{io, path::Path};
+use std::{io, path::Path, sync::Arc};
 
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{MachineFile, ParameterFile, Tool, ToolTable};
 use gcode::{
-    Call, Diagnostic, Dialect, Job, Limits, Options, Place, Pose, Problem, Program, Sink, Step, alone,
+    Call, DecimalPoint, Diagnostic, Dialect, Job, Limits, MachineCode, Options, Place, Pose, Problem,
+    Program, Sink, Step, alone,
 };
 use interpreter::Interpreter;
 use machine::{Machine, Part, SMALL_MILL};
@@ -36,7 +37,7 @@ const RENDERED: u32 = 3;
 
 /// Every line of the bytes as a line of each dialect.
 pub fn lexer(bytes: &[u8]) {
-    for dialect in [Dialect::Linuxcnc, Dialect::Fanuc] {
+    for dialect in Dialect::ALL {
         let options = options(dialect);
         for line in bytes.split(|byte| *byte == b'\n').take(64) {
             match alone::line(line, &options) {
@@ -49,7 +50,7 @@ pub fn lexer(bytes: &[u8]) {
 
 /// The bytes as a value of each dialect: finite, or a reason.
 pub fn expression(bytes: &[u8]) {
-    for dialect in [Dialect::Linuxcnc, Dialect::Fanuc] {
+    for dialect in Dialect::ALL {
         match alone::value(bytes, &options(dialect)) {
             Ok(value) => assert!(value.is_none_or(f64::is_finite), "{value:?}"),
             Err(problem) => check_problem(&problem),
@@ -100,9 +101,14 @@ pub fn program_linuxcnc(bytes: &[u8]) {
     program(bytes, Dialect::Linuxcnc);
 }
 
-/// The bytes as a FANUC program.
+/// The bytes as a FANUC program of a lathe.
 pub fn program_fanuc(bytes: &[u8]) {
     program(bytes, Dialect::Fanuc);
+}
+
+/// The bytes as a FANUC program of a mill.
+pub fn program_fanuc_mill(bytes: &[u8]) {
+    program(bytes, Dialect::FanucMill);
 }
 
 /// The bytes as a machine-code file, and as the content of one with a right head.
@@ -210,7 +216,8 @@ fn with_head(content: &[u8]) -> Vec<u8> {
 
 fn options(dialect: Dialect) -> Options {
     let parameters = (31..=40).chain(100..=120).map(|n| (n, f64::from(n) - 35.0)).collect();
-    Options { dialect, parameters, limits: LIMITS, ..Options::default() }
+    let machine_codes = Arc::new([(31, MachineCode::Ignore), (32, MachineCode::Wait)].into());
+    Options { dialect, parameters, machine_codes, limits: LIMITS, ..Options::default() }
 }
 
 /// Mills and turning tools, with and without a length, a radius and an orientation.
@@ -275,6 +282,13 @@ impl Sink for Printers {
 fn program(bytes: &[u8], dialect: Dialect) {
     let mut options = options(dialect);
     options.tools = tools();
+    // Machines differ in what they take a coordinate without a decimal point for.
+    options.decimal_point = match bytes.len() % 4 {
+        0 => None,
+        1 => Some(DecimalPoint::Conventional),
+        2 => Some(DecimalPoint::PocketCalculator),
+        _ => Some(DecimalPoint::Refuse),
+    };
     let mut program = Program::from_text("fuzz", bytes, &options);
     let mut sink = Printers {
         linuxcnc: LinuxcncPrinter::new(io::sink()),

@@ -6,6 +6,7 @@
 //!
 //! A failure tells the number of its mutation; `PITCHLOCK_MUTATION=number` runs that one alone.
 
+mod corpus;
 mod mutate;
 #[allow(unreachable_pub)]
 #[path = "../../fuzz/src/lib.rs"]
@@ -13,6 +14,7 @@ mod targets;
 
 use std::{env, fs, path::Path};
 
+use corpus::{FANUC, FANUC_MILL};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
@@ -48,6 +50,7 @@ fn all_programs() -> Vec<Vec<u8>> {
     let mut all = programs("tests/conformance/programs", "ngc");
     all.extend(programs("examples", "ngc"));
     all.extend(fanuc_programs());
+    all.extend(mill_programs());
     all
 }
 
@@ -57,18 +60,9 @@ fn fanuc_programs() -> Vec<Vec<u8>> {
     all
 }
 
-/// What the examples lack.
-const FANUC: &[&str] = &[
-    "O1\nG50 S2000\nT0202\nG96 S150 M03\nG00 X60. Z2.\nG71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.3\nN10 G00 X20.\nG01 Z-20. F0.1\n\
-     X40. ,R2.\nG03 X50. Z-30. R10.\nN20 X60.\nG70 P10 Q20\nG28 U0 W0\nM30\n",
-    "O2\nG00 X50. Z5.\nG72 W2. R0.5\nG72 P1 Q2 U0.4 W0.1 F0.3\nN1 G00 Z-20.\nG01 X40. F0.1\nN2 Z2.\nG73 U5. W2. R3\n\
-     G73 P1 Q2 U0.4 W0.1\nG74 R1.\nG74 X20. Z-30. P2000 Q5000 F0.1\nG75 R1.\nG75 X10. Z-20. P2000 Q3000\nM30\n",
-    "O3\nG97 S500 M03\nG00 X30. Z5.\nG76 P020060 Q100 R0.05\nG76 X26. Z-20. R-1. P1840 Q400 F1.5\nG92 X29. Z-20. F1.5\nX28.\n\
-     G90 X20. Z-10. R-1. F0.2\nX18.\nG94 X10. Z-2.\nG32 Z-20. F2. Q90000\nG34 Z-40. F2. K0.1\nM30\n",
-    "O4\nG65 P5 A1. B2. L2\nM98 P20006\nG42 G01 X20. Z0 F.2 T0303\nG02 X30. Z-5. R5.\nG40 G00 X50.\n#1=0\nWHILE [#1 LT 3] DO 1\n\
-     #1=#1+1\nIF [#1 EQ 2] GOTO 10\nG01 U-1. W[-#1]\nN10 END 1\nG10 P1 X.1 Z.1\nM30\nO5\n#100=#1+#2\nG01 X#100\nM99\nO6\nG04 P500\n\
-     M99 P10\n",
-];
+fn mill_programs() -> Vec<Vec<u8>> {
+    FANUC_MILL.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
 
 /// Values as they stand in programs.
 fn values() -> Vec<Vec<u8>> {
@@ -262,6 +256,11 @@ fn program_fanuc() {
 }
 
 #[test]
+fn program_fanuc_mill() {
+    mutate(targets::program_fanuc_mill, &mill_programs());
+}
+
+#[test]
 fn code_file() {
     mutate(targets::code_file, &code_files());
 }
@@ -271,9 +270,12 @@ fn code_packet() {
     mutate(targets::code_packet, &code_packets());
 }
 
-/// Machine files that are shipped.
+/// Machine files that are shipped, and one with M codes of its own.
 fn machine_files() -> Vec<Vec<u8>> {
-    programs("examples/machines", "toml")
+    let mut all = programs("examples/machines", "toml");
+    let codes = "\n[m_codes]\n31 = \"ignore\"\n132 = \"wait\"\n";
+    all.push([machine::PLAIN_LATHE, codes].concat().into_bytes());
+    all
 }
 
 /// Scenarios that are shipped, and one of everything.
