@@ -63,7 +63,10 @@ pub(crate) fn name(letter: char, text: &str) -> Option<String> {
 fn code(letter: char, text: &str, dialect: Dialect) -> Option<&'static Row> {
     let name = name(letter, text)?;
     let tables: &[&str] = if letter == 'G' { &["G codes", "Refused by name"] } else { &["M codes"] };
-    let mut rows = tables.iter().flat_map(|table| below(page(dialect), table));
+    // M codes of lathes are also those of mills.
+    let pages = [page(dialect), "gcode-fanuc.md"];
+    let pages = if dialect == Dialect::FanucMill && letter == 'M' { &pages[..] } else { &pages[..1] };
+    let mut rows = pages.iter().flat_map(|page| tables.iter().flat_map(|table| below(page, table)));
     rows.find(|row| row.names().any(|one| one == name))
 }
 
@@ -78,12 +81,20 @@ pub(crate) fn codes(line: &str, tokens: &[Token]) -> Vec<String> {
 
 /// What a letter means: to the codes of its block, and in itself.
 fn word(letter: char, codes: &[String], dialect: Dialect, modal: Option<&str>) -> String {
-    let mut told = vec![format!("**{letter}**")];
-    let belongs = |row: &&Row| row.names().any(|one| one == letter.to_string());
-    let of = codes.iter().map(String::as_str).chain(modal);
-    for name in of {
+    let of: Vec<&str> = codes.iter().map(String::as_str).chain(modal).collect();
+    let told = match dialect {
+        Dialect::Linuxcnc => of_linuxcnc(letter, &of),
+        Dialect::Fanuc | Dialect::FanucMill => of_fanuc(letter, &of, dialect),
+    };
+    [vec![format!("**{letter}**")], told].concat().join("  \n")
+}
+
+fn of_linuxcnc(letter: char, codes: &[&str]) -> Vec<String> {
+    let mut told = Vec::new();
+    let belongs = |row: &&Row| row.has(0, letter);
+    for name in codes {
         let Some(first) = name.chars().next() else { continue };
-        let Some(row) = code(first, name, dialect) else { continue };
+        let Some(row) = code(first, name, Dialect::Linuxcnc) else { continue };
         let below = row.leads().into_iter().flat_map(|(page, section)| below(page, section));
         let own: Vec<String> = below.filter(belongs).map(Row::told).collect();
         let column = row.head.iter().position(|head| *head == "words").and_then(|at| row.cells.get(at));
@@ -93,10 +104,26 @@ fn word(letter: char, codes: &[String], dialect: Dialect, modal: Option<&str>) -
             _ => {}
         }
     }
-    let numbers = below("gcode-fanuc.md", "Numbers").filter(|_| dialect != Dialect::Linuxcnc);
-    let rows = below(page(dialect), "Other words").chain(numbers).filter(belongs);
-    told.extend(rows.map(Row::told));
-    told.join("  \n")
+    told.extend(below("gcode.md", "Other words").filter(belongs).map(Row::told));
+    told
+}
+
+/// The first of the codes that has a meaning of its own for the letter tells it; else it is what it is
+/// everywhere.
+fn of_fanuc(letter: char, codes: &[&str], dialect: Dialect) -> Vec<String> {
+    let tables = [(page(dialect), "Words of the codes"), ("gcode-fanuc.md", "Words of calls")];
+    let own = |name: &&str| {
+        let rows = tables.iter().flat_map(|(page, section)| below(page, section));
+        let mut rows = rows.filter(|row| row.names().any(|one| one == *name) && row.has(1, letter));
+        rows.next().map(|row| format!("of {name}: {}", row.meaning()))
+    };
+    if let Some(own) = codes.iter().find_map(own) {
+        return vec![own];
+    }
+    let numbers = below("gcode-fanuc.md", "Numbers").filter(|row| !row.cells[0].contains(" of "));
+    let numbers = numbers.filter(|_| dialect == Dialect::Fanuc);
+    let rows = below(page(dialect), "Other words").chain(numbers);
+    rows.filter(|row| row.has(0, letter)).map(Row::told).collect()
 }
 
 /// The row of a parameter: the one that names it, or the narrowest range that holds it.

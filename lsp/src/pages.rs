@@ -14,14 +14,13 @@ pub(crate) struct Row {
     pub(crate) cells: Vec<&'static str>,
 }
 
-const PAGES: [(&str, &str); 7] = [
+const PAGES: [(&str, &str); 6] = [
     ("gcode.md", include_str!("../../docs/gcode.md")),
     ("gcode-parameters.md", include_str!("../../docs/gcode-parameters.md")),
     ("gcode-cycles.md", include_str!("../../docs/gcode-cycles.md")),
     ("gcode-compensation.md", include_str!("../../docs/gcode-compensation.md")),
     ("gcode-fanuc.md", include_str!("../../docs/gcode-fanuc.md")),
     ("gcode-fanuc-mill.md", include_str!("../../docs/gcode-fanuc-mill.md")),
-    ("diagnostics.md", include_str!("../../docs/diagnostics.md")),
 ];
 
 /// Every row of every table.
@@ -64,6 +63,17 @@ impl Row {
             .into_iter()
             .flat_map(|cell| cell.split([' ', ',', '`']))
             .filter(|name| !name.is_empty())
+    }
+
+    /// Whether one of its cells has a letter among its words.
+    pub(crate) fn has(&self, cell: usize, letter: char) -> bool {
+        let words = self.cells.get(cell).map(|cell| cell.split([' ', ',', '`']));
+        words.is_some_and(|mut words| words.any(|word| word.chars().eq([letter])))
+    }
+
+    /// Its last cell.
+    pub(crate) fn meaning(&self) -> String {
+        self.cells.last().map(|cell| plain(cell)).unwrap_or_default()
     }
 
     /// The sections of the language pages that it leads to: page and heading.

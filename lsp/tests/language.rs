@@ -153,9 +153,73 @@ fn every_word_is_explained_by_the_code_of_its_block() {
         assert!(told.contains(words), "{line}: {words}: {told}");
         assert!(!told.contains("]("), "no link leads out of an editor: {told}");
     }
+    let modal = meaning("X30", 0, Linuxcnc, Some("G83")).map(|(_, told)| told).unwrap_or_default();
+    assert!(modal.contains("of G83") || modal.contains("G83 takes"), "{modal}");
     for (line, at) in [("(thread of the bolt)", 3), ("G0 X1 (note)", 8), ("G123", 1), ("", 0)] {
         assert_eq!(said(line, at, Linuxcnc), "", "{line}");
     }
-    let modal = meaning("X30", 0, Linuxcnc, Some("G83")).map(|(_, told)| told).unwrap_or_default();
-    assert!(modal.contains("of G83") || modal.contains("G83 takes"), "{modal}");
+}
+
+/// A word of FANUC is what it is to the code of its block, not what the other dialect or another code takes it
+/// for.
+#[test]
+fn words_of_fanuc_mean_what_their_codes_say() {
+    use Dialect::{Fanuc, FanucMill};
+    for (line, at, dialect, words) in [
+        ("G71 U2. R0.5", 4, Fanuc, "depth of a cut"),
+        ("G71 P10 Q20 U0.4 W0.1", 4, Fanuc, "first block of the contour"),
+        ("G73 U5. W2. R3", 12, Fanuc, "number of passes"),
+        ("G75 X10. P2000 Q3000", 9, Fanuc, "step along X"),
+        ("G76 X26. Z-20. P1840 Q400 F1.5", 15, Fanuc, "height of the thread"),
+        ("G76 P020060 Q100 R0.05", 17, Fanuc, "allowance of the finishing passes"),
+        ("G92 X29. Z-20. F1.5", 15, Fanuc, "lead, mm or inch"),
+        ("G04 X1.5", 4, Fanuc, "time, s"),
+        ("G50 S2000", 4, Fanuc, "highest speed"),
+        ("G65 P9100 A1. F0.1", 14, Fanuc, "#7 to #9"),
+        ("M98 P21000", 4, Fanuc, "how often"),
+        ("G01 X40. ,C2.", 10, Fanuc, "cut off"),
+        ("G01 Z-30.", 4, Fanuc, "least input increments"),
+        ("G96 S150 M03", 4, Fanuc, "surface speed"),
+        ("G81 X1. Z-8. R2. K3", 17, FanucMill, "how often"),
+        ("G83 Z-8. Q3.", 9, FanucMill, "depth of a peck"),
+        ("G43 H02 Z5.", 4, FanucMill, "length (H)"),
+        ("G54.1 P3 X1.", 6, FanucMill, "1 to 99"),
+        ("G68 X1. Y0. R30.", 12, FanucMill, "angle"),
+        ("G10 L12 P2 R5.", 11, FanucMill, "radius of the tool"),
+        ("G02 X1. I5. J0.", 8, FanucMill, "centre"),
+        ("G01 A30. F100.", 4, FanucMill, "degrees"),
+        ("G65 P9100 A1.", 10, FanucMill, "#1 to #3"),
+        ("S2000 M03", 6, FanucMill, "spindle clockwise"),
+    ] {
+        let told = said(line, at, dialect);
+        assert!(told.contains(words), "{line}: {words}: {told}");
+        assert!(told.lines().count() <= 4 && !told.contains("]("), "{line}: {told}");
+    }
+    // What has a meaning of its own has no other one.
+    assert!(!said("G71 U2. R0.5", 4, Fanuc).contains("from the programmed point"));
+    assert!(!said("G65 P9100 F0.1", 10, Fanuc).contains("per revolution"));
+    let modal = |code| meaning("X30. Z-5.", 5, FanucMill, code).map(|(_, told)| told).unwrap_or_default();
+    assert!(modal(Some("G83")).contains("bottom of the hole") && modal(None).contains("where the move goes"));
+}
+
+/// Every word that the tables of codes of FANUC name is explained.
+#[test]
+fn every_word_of_fanuc_codes_is_explained() {
+    for (page, dialect) in [("gcode-fanuc.md", Dialect::Fanuc), ("gcode-fanuc-mill.md", Dialect::FanucMill)] {
+        let text = std::fs::read_to_string(project().join("docs").join(page)).expect("a page");
+        let (_, table) = text.split_once("## G codes").expect("a table");
+        let (table, _) = table.split_once("\n## ").expect("another section");
+        let mut words = 0;
+        for row in table.lines().filter(|line| line.starts_with("| G")) {
+            let cells: Vec<&str> = row.trim_matches('|').split(" | ").collect();
+            let letters = cells[2].split([' ', ',', ':', ';']).filter(|word| word.len() == 1);
+            for letter in letters.filter(|letter| *letter != "s") {
+                let mut codes = cells[0].trim_start().split(' ');
+                let told = |code: &str| said(&format!("{code} {letter}1."), code.len() + 1, dialect);
+                assert!(codes.any(|code| told(code).lines().count() > 1), "{page}: {letter} of {}", cells[0]);
+                words += 1;
+            }
+        }
+        assert!(words > 40, "{words}");
+    }
 }
