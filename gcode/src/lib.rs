@@ -82,8 +82,9 @@ mod state;
 mod text;
 
 pub use canon::{Call, Job, Place, Pose, Sink};
+pub use fanuc::program_files;
 pub use guess::{Guess, foreign, guess, guess_of_mill};
 pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
 pub use program::{Outlasting, Program, Step};
-pub use text::readable;
+pub use text::{job_line, readable};

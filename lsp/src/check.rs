@@ -18,6 +18,15 @@ use crate::{
 /// Nothing is checked before so long nothing was typed.
 const QUIET: Duration = Duration::from_millis(100);
 
+/// What the thread is asked.
+pub(crate) enum Asked {
+    Check(Job),
+    /// A document is closed: nothing is left of it on the screen.
+    Closed(String),
+    /// The editor ends, and does not wait for the check in hand.
+    End,
+}
+
 /// A text to be checked.
 pub(crate) struct Job {
     pub(crate) uri: String,
@@ -31,10 +40,10 @@ pub(crate) struct Checked {
     pub(crate) dialect: Dialect,
 }
 
-/// Jobs as they come, and where results go.
+/// Questions as they come, and where results go.
 pub(crate) struct Checker {
     pub(crate) settings: Settings,
-    pub(crate) jobs: crossbeam::Receiver<Job>,
+    pub(crate) asked: crossbeam::Receiver<Asked>,
     pub(crate) editor: crossbeam::Sender<Message>,
     pub(crate) done: crossbeam::Sender<Checked>,
 }
@@ -43,34 +52,57 @@ pub(crate) struct Checker {
 pub(crate) use crossbeam_channel as crossbeam;
 
 impl Checker {
-    /// Checks until nobody sends any more.
+    /// Checks until nobody asks any more.
     pub(crate) fn run(self) {
         let mut waiting: BTreeMap<String, Job> = BTreeMap::new();
         loop {
-            if waiting.is_empty() {
-                let Ok(job) = self.jobs.recv() else { return };
-                waiting.insert(job.uri.clone(), job);
-            }
-            loop {
-                match self.jobs.recv_timeout(QUIET) {
-                    Ok(job) => drop(waiting.insert(job.uri.clone(), job)),
-                    Err(crossbeam::RecvTimeoutError::Timeout) => break,
-                    Err(crossbeam::RecvTimeoutError::Disconnected) => return,
-                }
-            }
-            let Some((uri, job)) = waiting.pop_first() else { continue };
-            let Some((dialect, diagnostics)) = self.check(&job) else {
-                waiting.insert(uri, job);
-                continue;
+            let asked = match waiting.is_empty() {
+                true => self.asked.recv().map_err(|_| crossbeam::RecvTimeoutError::Disconnected),
+                false => self.asked.recv_timeout(QUIET),
             };
-            let published = PublishDiagnosticsParams::new(uri.clone().into(), Some(job.version), diagnostics);
-            let told = Notification::new("textDocument/publishDiagnostics".into(), published);
-            let gone =
-                self.editor.send(told.into()).is_err() | self.done.send(Checked { uri, dialect }).is_err();
-            if gone {
+            let told = match asked {
+                Ok(Asked::Check(job)) => {
+                    waiting.insert(job.uri.clone(), job);
+                    continue;
+                }
+                Ok(Asked::Closed(uri)) => {
+                    waiting.remove(&uri);
+                    self.publish(uri, None, Vec::new())
+                }
+                Ok(Asked::End) | Err(crossbeam::RecvTimeoutError::Disconnected) => return,
+                Err(crossbeam::RecvTimeoutError::Timeout) => {
+                    let Some((uri, job)) = waiting.pop_first() else { continue };
+                    match self.check(&job) {
+                        Some((dialect, found)) => {
+                            let _ = self.done.send(Checked { uri: uri.clone(), dialect });
+                            self.publish(uri, Some(job.version), found)
+                        }
+                        None => {
+                            waiting.insert(uri, job);
+                            continue;
+                        }
+                    }
+                }
+            };
+            if told.is_err() {
                 return;
             }
         }
+    }
+
+    /// Tells what was found in a document. All that is told of it comes from this thread, so nothing comes
+    /// late.
+    ///
+    /// # Errors
+    /// The editor is gone.
+    fn publish(
+        &self,
+        uri: String,
+        version: Option<i32>,
+        found: Vec<Diagnostic>,
+    ) -> Result<(), crossbeam::SendError<Message>> {
+        let published = PublishDiagnosticsParams::new(uri.into(), version, found);
+        self.editor.send(Notification::new("textDocument/publishDiagnostics".into(), published).into())
     }
 
     /// What is found in a text; `None` if something newer has come meanwhile.
@@ -95,7 +127,7 @@ impl Checker {
         };
         let mut is_newest = true;
         let check = interpreter::check_while(interpreter, machine, |_| {
-            is_newest = self.jobs.is_empty();
+            is_newest = self.asked.is_empty();
             is_newest
         });
         let told = |found: &interpreter::Diagnostic| self.told(job, &name, found);

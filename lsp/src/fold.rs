@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use gcode::Dialect;
 
+use crate::blocks::Blocks;
 use crate::scan::{Kind, Token, label_of, scan};
 
 /// First and last line of each range.
@@ -22,8 +23,7 @@ pub(crate) fn folds(lines: &[Arc<str>], dialect: Dialect) -> Vec<(u32, u32)> {
 #[derive(Default)]
 struct Folds {
     found: Vec<(u32, u32)>,
-    /// What has begun: by its label, and where.
-    open: Vec<(String, u32)>,
+    open: Blocks,
     program: Option<u32>,
     tool: Option<u32>,
     /// Blocks by their numbers, and contours that were asked for: line, first, last.
@@ -46,7 +46,8 @@ impl Folds {
                 self.end_program(number);
                 self.program = Some(number);
             } else {
-                self.word(number, &label, &word);
+                let step = self.open.word(&label, &word, number);
+                self.add(step.ends, if step.begins { number.saturating_sub(1) } else { number });
             }
         }
         if tokens.iter().any(|token| token.kind == Kind::Word('T')) {
@@ -66,23 +67,6 @@ impl Folds {
         }
     }
 
-    /// A word of the flow of LinuxCNC.
-    fn word(&mut self, number: u32, label: &str, word: &str) {
-        match word {
-            "sub" | "if" | "do" | "repeat" => self.open.push((label.to_owned(), number)),
-            "while" => match self.open.last() {
-                Some((open, _)) if open == label => self.close(label, number),
-                _ => self.open.push((label.to_owned(), number)),
-            },
-            "else" | "elseif" => {
-                self.close(label, number - 1);
-                self.open.push((label.to_owned(), number));
-            }
-            "endsub" | "endif" | "endwhile" | "endrepeat" => self.close(label, number),
-            _ => {}
-        }
-    }
-
     /// WHILE … DO n and END n.
     fn flow(&mut self, number: u32, line: &str, tokens: &[Token]) {
         for two in tokens.windows(2) {
@@ -91,39 +75,30 @@ impl Folds {
                 continue;
             }
             match name.to_uppercase().as_str() {
-                "DO" => self.open.push((loops.trim().to_owned(), number)),
-                "END" => self.close(loops.trim(), number),
+                "DO" => self.open.begin(loops.trim(), number),
+                "END" => {
+                    let begun = self.open.end(loops.trim());
+                    self.add(begun, number);
+                }
                 _ => {}
             }
         }
     }
 
-    /// Ends what has begun under a label, and forgets what began in it and did not end.
-    fn close(&mut self, label: &str, number: u32) {
-        if let Some(at) = self.open.iter().rposition(|(open, _)| open == label) {
-            let begun = self.open[at].1;
-            self.open.truncate(at);
-            self.add(begun, number);
-        }
-    }
-
     fn end_program(&mut self, number: u32) {
         self.end_tool(number);
-        if let Some(begun) = self.program.take() {
-            self.add(begun, number.saturating_sub(1));
-        }
+        let begun = self.program.take();
+        self.add(begun, number.saturating_sub(1));
     }
 
     fn end_tool(&mut self, number: u32) {
-        if let Some(begun) = self.tool.take() {
-            self.add(begun, number.saturating_sub(1));
-        }
+        let begun = self.tool.take();
+        self.add(begun, number.saturating_sub(1));
     }
 
-    fn add(&mut self, from: u32, to: u32) {
-        if to > from {
-            self.found.push((from, to));
-        }
+    /// Keeps a range of lines, if it has more than one; `from` is where it has begun, if it has.
+    fn add(&mut self, from: Option<u32>, to: u32) {
+        self.found.extend(from.filter(|from| to > *from).map(|from| (from, to)));
     }
 
     fn finish(mut self, lines: u32) -> Vec<(u32, u32)> {
@@ -133,7 +108,7 @@ impl Folds {
         let contours: Vec<_> =
             self.contours.iter().filter_map(|(from, to)| Some((place(*from)?, place(*to)?))).collect();
         for (from, to) in contours {
-            self.add(from, to);
+            self.add(Some(from), to);
         }
         self.found.sort_unstable();
         self.found.dedup();

@@ -7,6 +7,7 @@
 
 use gcode::Dialect;
 
+use crate::blocks::Blocks;
 use crate::scan::{Kind, Token, label_of, scan};
 
 const STEP: usize = 2;
@@ -16,7 +17,7 @@ pub fn formatted<'a>(
     lines: impl IntoIterator<Item = &'a str>,
     dialect: Dialect,
 ) -> impl Iterator<Item = Option<String>> {
-    let mut open: Vec<String> = Vec::new();
+    let mut open = Blocks::default();
     lines.into_iter().map(move |line| {
         let tokens = scan(line, dialect);
         let level = depth(line, &tokens, dialect, &mut open);
@@ -25,30 +26,15 @@ pub fn formatted<'a>(
     })
 }
 
-/// How deep a line is in blocks of O words; `open` are the labels of those that it leaves open.
-fn depth(line: &str, tokens: &[Token], dialect: Dialect, open: &mut Vec<String>) -> usize {
+/// How deep a line is in blocks of O words; `open` are those that it leaves open.
+fn depth(line: &str, tokens: &[Token], dialect: Dialect, open: &mut Blocks) -> usize {
     let first = tokens.iter().find(|token| token.kind != Kind::Sign);
     let Some(first) = first.filter(|first| dialect == Dialect::Linuxcnc && first.kind == Kind::Label) else {
-        return open.len();
+        return open.depth();
     };
     let (label, word) = label_of(&line[first.at.clone()]);
-    let begun = open.iter().rposition(|open| *open == label);
-    let (ends, begins) = match word.as_str() {
-        "sub" | "if" | "do" | "repeat" => (false, true),
-        "else" | "elseif" => (true, true),
-        "endsub" | "endif" | "endwhile" | "endrepeat" => (true, false),
-        // The end of a loop that `do` began, or the beginning of another one.
-        "while" => (begun.is_some(), begun.is_none()),
-        _ => return open.len(),
-    };
-    if let Some(at) = begun.filter(|_| ends) {
-        open.truncate(at);
-    }
-    let level = open.len();
-    if begins {
-        open.push(label);
-    }
-    level
+    let step = open.word(&label, &word, 0);
+    open.depth() - usize::from(step.begins)
 }
 
 /// A line set in by so many steps.

@@ -2,9 +2,11 @@
 //! says of the text as it is typed; what a word means; where a subroutine is; the text as the house writes
 //! it; what can be folded.
 //!
-//! Two threads: one answers the editor and never reads more than it has to; one checks, as soon as nothing
-//! has been typed for a tenth of a second, and gives up when something is.
+//! Three threads: one answers the editor and reads no more than a few lines; one answers beside it what every
+//! line has to be looked at for; one checks, as soon as nothing has been typed for a tenth of a second, and
+//! gives up when something is.
 
+mod blocks;
 mod check;
 mod fold;
 mod format;
@@ -15,6 +17,7 @@ mod scan;
 mod server;
 mod settings;
 mod text;
+mod whole;
 
 pub use format::formatted;
 pub use hover::meaning;

@@ -31,13 +31,14 @@ pub(crate) fn target(line: &str, byte: usize, dialect: Dialect) -> Option<Target
     let number = || text(token)[1..].trim().parse::<u32>().ok();
     match token.kind {
         Kind::Label => Some(Target::Label(label_of(text(token)).0)),
-        Kind::Word('P') if has(&["M98", "G65"]) => {
+        Kind::Word('P') if has(&["M98", "G65", "G66"]) => {
             let number = number()?;
-            // The digits before the last four say how often.
-            let program =
-                if dialect != Dialect::Linuxcnc && number > 9999 { number % 10_000 } else { number };
-            Some(Target::Label(program.to_string()))
+            let repeats = tokens.iter().any(|token| token.kind == Kind::Word('L'));
+            // Without L the digits of M98 before the last four say how often.
+            let both = dialect != Dialect::Linuxcnc && has(&["M98"]) && !repeats && number > 9999;
+            Some(Target::Label(if both { number % 10_000 } else { number }.to_string()))
         }
+        Kind::Word('P') if dialect != Dialect::Linuxcnc && has(&["M97"]) => number().map(Target::Block),
         Kind::Word('P' | 'Q') if dialect != Dialect::Linuxcnc && has(&["G70", "G71", "G72", "G73"]) => {
             number().map(Target::Block)
         }
@@ -91,16 +92,10 @@ pub(crate) fn file(label: &str, folders: &[PathBuf], dialect: Dialect) -> Option
     }
     let names = match dialect {
         Dialect::Linuxcnc => vec![format!("{label}.ngc")],
-        Dialect::Fanuc | Dialect::FanucMill => {
-            let number: u32 = label.parse().ok()?;
-            ["nc", "ngc"]
-                .iter()
-                .flat_map(|ending| [format!("O{number:04}.{ending}"), format!("O{number}.{ending}")])
-                .collect()
-        }
+        Dialect::Fanuc | Dialect::FanucMill => gcode::program_files(label.parse().ok()?).collect(),
     };
-    let at = |folder: &PathBuf| names.iter().map(|name| folder.join(name)).find(|path| path.is_file());
-    folders.iter().find_map(at)
+    let named = |name: &String| folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
+    names.iter().find_map(named)
 }
 
 /// The path of a document, if it is a file.
@@ -146,7 +141,11 @@ mod tests {
             ("M98 P0200 L2", 5, Dialect::Linuxcnc, label("200")),
             ("G71 Q100 D1", 5, Dialect::Linuxcnc, label("100")),
             ("M98 P21000", 6, Dialect::Fanuc, label("1000")),
+            ("M98 P21000 L3", 6, Dialect::Fanuc, label("21000")),
             ("G65 P9100 A1.", 6, Dialect::Fanuc, label("9100")),
+            ("G65 P12000 A1.", 6, Dialect::Fanuc, label("12000")),
+            ("G66 P9100 A1.", 6, Dialect::FanucMill, label("9100")),
+            ("M97 P100 L2", 6, Dialect::FanucMill, Some(Target::Block(100))),
             ("G71 P10 Q20 U1.", 9, Dialect::Fanuc, Some(Target::Block(20))),
             ("IF [#1 EQ 2] GOTO 90", 19, Dialect::Fanuc, Some(Target::Block(90))),
             ("G0 X1", 4, Dialect::Linuxcnc, None),

@@ -121,7 +121,7 @@ pub(crate) fn scan(line: &str, dialect: Dialect) -> Vec<Token> {
 fn letters(line: &str, at: usize) -> (Kind, usize) {
     let bytes = line.as_bytes();
     let run = bytes[at..].iter().take_while(|c| c.is_ascii_alphabetic()).count();
-    if NAMES.iter().any(|name| name.eq_ignore_ascii_case(&line[at..at + run])) {
+    if run > 1 && NAMES.iter().any(|name| name.eq_ignore_ascii_case(&line[at..at + run])) {
         return (Kind::Name, at + run);
     }
     (Kind::Word(char::from(bytes[at].to_ascii_uppercase())), number(bytes, at + 1))

@@ -1,43 +1,44 @@
-//! The thread that answers the editor. It reads no more than the lines that a question is about, or, for
-//! folding, formatting and definitions, looks at each once; a definition may be in a file beside.
+//! The thread that answers the editor. It reads no more than the lines that a question is about, and hands on
+//! what is about all of them (`whole.rs`).
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, path::Path};
 
 use gcode::codes::{G, g_group};
 use gen_lsp_types::{
-    Definition, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, DocumentFormattingParams, FoldingRange, FoldingRangeParams, Hover,
-    HoverParams, Location, MarkupContent, MarkupKind, Position, PublishDiagnosticsParams, Range,
-    TextDocumentContentChangeEvent, TextDocumentPositionParams, TextEdit,
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, Hover, HoverParams,
+    MarkupContent, MarkupKind, TextDocumentContentChangeEvent,
 };
 use interpreter::Dialect;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use serde_json::{Value, json};
 
 use crate::{
-    check::{Checked, Checker, Job, crossbeam},
-    fold, format, hover, places,
+    check::{Asked, Checked, Checker, Job, crossbeam},
+    hover, places,
     scan::scan,
     settings::Settings,
     text::{Text, byte_of, range},
+    whole,
 };
 
 /// How far up the code is looked for that is in force at a line.
 const LINES_BACK: u32 = 200;
 
 /// A document that the editor has open.
-struct Document {
-    text: Text,
-    dialect: Dialect,
+#[derive(Clone)]
+pub(crate) struct Document {
+    pub(crate) text: Text,
+    pub(crate) dialect: Dialect,
 }
+
+/// A question that is answered by another thread.
+type Question = Box<dyn FnOnce() -> Response + Send>;
 
 struct Server {
     settings: Settings,
     documents: BTreeMap<String, Document>,
-    jobs: crossbeam::Sender<Job>,
+    checker: crossbeam::Sender<Asked>,
+    beside: crossbeam::Sender<Question>,
     editor: crossbeam::Sender<Message>,
 }
 
@@ -58,14 +59,18 @@ pub fn serve(connection: &Connection, settings: Settings) -> Result<(), String> 
             settings
         }
     };
-    let (jobs, received) = crossbeam::unbounded();
+    let (checker, asked) = crossbeam::unbounded();
+    let (beside, questions) = crossbeam::unbounded::<Question>();
     let (done, checked) = crossbeam::unbounded();
     let editor = connection.sender.clone();
-    let checker = Checker { settings: settings.clone(), jobs: received, editor: editor.clone(), done };
-    let mut server = Server { settings, documents: BTreeMap::new(), jobs, editor };
+    let check = Checker { settings: settings.clone(), asked, editor: editor.clone(), done };
+    let answers = editor.clone();
+    let mut server = Server { settings, documents: BTreeMap::new(), checker, beside, editor };
     std::thread::scope(|scope| {
-        scope.spawn(|| checker.run());
+        scope.spawn(|| check.run());
+        scope.spawn(move || questions.iter().all(|question| answers.send(question().into()).is_ok()));
         let ended = server.run(connection, &checked);
+        let _ = server.checker.send(Asked::End);
         drop(server);
         ended
     })
@@ -99,8 +104,9 @@ impl Server {
                     if connection.handle_shutdown(&request).map_err(|error| error.to_string())? {
                         return Ok(());
                     }
-                    let response = self.response(request);
-                    self.editor.send(response.into()).map_err(|error| error.to_string())?;
+                    if let Some(response) = self.response(request) {
+                        self.editor.send(response.into()).map_err(|error| error.to_string())?;
+                    }
                 }
                 Message::Notification(notification) => self.notified(notification),
                 Message::Response(_) => {}
@@ -109,28 +115,31 @@ impl Server {
         Err("the editor has gone away without a word".into())
     }
 
-    fn response(&self, request: Request) -> Response {
+    /// The answer to a request; `None` if it is answered beside.
+    fn response(&self, request: Request) -> Option<Response> {
         let Request { id, method, params } = request;
-        let answer = match method.as_str() {
-            "textDocument/hover" => serde_json::from_value(params).map(|params| json!(self.hover(&params))),
-            "textDocument/definition" => {
-                serde_json::from_value(params).map(|params| json!(self.definition(&params)))
-            }
-            "textDocument/formatting" => {
-                serde_json::from_value(params).map(|params| json!(self.formatting(&params)))
-            }
-            "textDocument/foldingRange" => {
-                serde_json::from_value(params).map(|params| json!(self.folding(&params)))
-            }
-            _ => {
-                let text = format!("pitchlock does not know {method}");
-                return Response::new_err(id, ErrorCode::MethodNotFound as i32, text);
-            }
+        if method == "textDocument/hover" {
+            return Some(match serde_json::from_value(params) {
+                Ok(params) => Response::new_ok(id, self.hover(&params)),
+                Err(error) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
+            });
+        }
+        let Some(answer) = whole::answer(&method) else {
+            let text = format!("pitchlock does not know {method}");
+            return Some(Response::new_err(id, ErrorCode::MethodNotFound as i32, text));
         };
-        match answer {
+        let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
+        let Some(document) = self.documents.get(uri).cloned() else {
+            return Some(Response::new_ok(id, Value::Null));
+        };
+        let folders = self.settings.language.subroutines.clone();
+        let question = move || match answer(&document, params, &folders) {
             Ok(answer) => Response::new_ok(id, answer),
             Err(error) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
-        }
+        };
+        // Its thread ends after this one.
+        let _ = self.beside.send(Box::new(question));
+        None
     }
 
     fn notified(&mut self, notification: Notification) {
@@ -174,11 +183,9 @@ impl Server {
                 else {
                     return;
                 };
-                self.documents.remove(&closed.uri.to_string());
-                // Nothing is left of it on the screen.
-                let nothing = PublishDiagnosticsParams::new(closed.uri, None, Vec::new());
-                let told = Notification::new("textDocument/publishDiagnostics".into(), nothing);
-                let _ = self.editor.send(told.into());
+                let uri = closed.uri.to_string();
+                self.documents.remove(&uri);
+                let _ = self.checker.send(Asked::Closed(uri));
             }
             _ => {}
         }
@@ -186,65 +193,20 @@ impl Server {
 
     /// Keeps a document, and has it checked.
     fn check(&mut self, uri: String, version: i32, document: Document) {
-        let _ = self.jobs.send(Job { uri: uri.clone(), version, text: document.text.clone() });
+        let job = Job { uri: uri.clone(), version, text: document.text.clone() };
+        let _ = self.checker.send(Asked::Check(job));
         self.documents.insert(uri, document);
-    }
-
-    /// The document of a question, the line of it, and the byte in that.
-    fn asked(&self, at: &TextDocumentPositionParams) -> Option<(&Document, &str, usize)> {
-        let document = self.documents.get(&at.text_document.uri.to_string())?;
-        let line = document.text.line(at.position.line);
-        Some((document, line, byte_of(line, at.position.character)))
     }
 
     fn hover(&self, params: &HoverParams) -> Option<Hover> {
         let at = &params.text_document_position_params;
-        let (document, line, byte) = self.asked(at)?;
+        let document = self.documents.get(&at.text_document.uri.to_string())?;
+        let line = document.text.line(at.position.line);
+        let byte = byte_of(line, at.position.character);
         let modal = document.modal(at.position.line);
         let (bytes, told) = hover::meaning(line, byte, document.dialect, modal.as_deref())?;
         let content = MarkupContent::new(MarkupKind::Markdown, told);
         Some(Hover::new(content.into(), Some(range(at.position.line, line, bytes))))
-    }
-
-    fn definition(&self, params: &DefinitionParams) -> Option<Definition> {
-        let at = &params.text_document_position_params;
-        let (document, line, byte) = self.asked(at)?;
-        let dialect = document.dialect;
-        let target = places::target(line, byte, dialect)?;
-        let place = |line: u32| Range::new(Position::new(line, 0), Position::new(line, 0));
-        if let Some(line) = places::find(document.text.lines(), &target, at.position.line, dialect) {
-            return Some(Location::new(at.text_document.uri.clone(), place(line)).into());
-        }
-        let places::Target::Label(label) = &target else { return None };
-        let path = places::path_of(at.text_document.uri.as_ref());
-        let beside = path.as_deref().and_then(|path| path.parent()).map(PathBuf::from);
-        let folders: Vec<PathBuf> =
-            beside.into_iter().chain(self.settings.language.subroutines.clone()).collect();
-        let file = places::file(label, &folders, dialect)?;
-        let text = Text::new(&gcode::readable(&intake::bytes(&file, intake::SHOWN).ok()?));
-        let line = places::find(text.lines(), &target, 0, dialect).unwrap_or(0);
-        Some(Location::new(places::uri_of(&file).into(), place(line)).into())
-    }
-
-    fn formatting(&self, params: &DocumentFormattingParams) -> Vec<TextEdit> {
-        let Some(document) = self.documents.get(&params.text_document.uri.to_string()) else {
-            return Vec::new();
-        };
-        let lines = document.text.lines();
-        let new = format::formatted(lines.iter().map(|line| &**line), document.dialect);
-        let edit = |((number, line), new): ((u32, &std::sync::Arc<str>), Option<String>)| {
-            Some(TextEdit::new(range(number, line, 0..line.len()), new?))
-        };
-        (0..).zip(lines).zip(new).filter_map(edit).collect()
-    }
-
-    fn folding(&self, params: &FoldingRangeParams) -> Vec<FoldingRange> {
-        let Some(document) = self.documents.get(&params.text_document.uri.to_string()) else {
-            return Vec::new();
-        };
-        let folds = fold::folds(document.text.lines(), document.dialect);
-        let range = |(from, to)| FoldingRange { start_line: from, end_line: to, ..FoldingRange::default() };
-        folds.into_iter().map(range).collect()
     }
 }
 
@@ -261,7 +223,7 @@ impl Document {
             let Some(tenths) = number.map(|number| (10.0 * number).round() as u16) else { return false };
             match self.dialect {
                 Dialect::Linuxcnc => g_group(G(tenths)) == g_group(G(10)),
-                Dialect::Fanuc => matches!(tenths, 0..40 | 320 | 340 | 700..900 | 900 | 920 | 940),
+                Dialect::Fanuc => matches!(tenths, 0..40 | 320 | 800..900 | 900 | 920 | 940),
                 Dialect::FanucMill => matches!(tenths, 0..40 | 730..900),
             }
         })

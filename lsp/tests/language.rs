@@ -160,8 +160,8 @@ fn every_word_is_explained_by_the_code_of_its_block() {
     }
 }
 
-/// A word of FANUC is what it is to the code of its block, not what the other dialect or another code takes it
-/// for.
+/// A word of FANUC is what it is to the code of its block, not what the other dialect or another code takes
+/// it for.
 #[test]
 fn words_of_fanuc_mean_what_their_codes_say() {
     use Dialect::{Fanuc, FanucMill};

@@ -68,6 +68,11 @@ impl Editor {
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
+    fn close(&mut self) {
+        let document = json!({ "uri": self.uri });
+        self.tell("textDocument/didClose", json!({ "textDocument": document }));
+    }
+
     /// Types a text into a line, in the place of some columns.
     fn types(&mut self, version: i32, line: u32, columns: [u32; 2], text: &str) {
         let [start, end] = columns.map(|character| json!({ "line": line, "character": character }));
@@ -192,9 +197,28 @@ fn both_dialects_are_spoken() {
         "{hover}"
     );
     assert_eq!(editor.at("textDocument/definition", 7, 6)["range"]["start"]["line"], 9);
-    let document = json!({ "uri": editor.uri });
-    editor.tell("textDocument/didClose", json!({ "textDocument": document }));
+    editor.close();
     assert_eq!(editor.hears("textDocument/publishDiagnostics")["diagnostics"], json!([]));
+    editor.end();
+}
+
+/// Neither a document that is closed nor an editor that ends waits for a check that would take hours.
+#[test]
+fn a_check_in_hand_is_given_up() {
+    let hours =
+        "G18 G21 G90 G94 G8\nG0 X50 Z90\no1 repeat [1000000000]\nG1 X50.01 F3000\nG1 X50\no1 endrepeat\nM2\n";
+    let place = Place::new();
+    let mut editor = Editor::start(&place, "part.ngc", &Value::Null);
+    // Questions until the check has surely begun.
+    let ask = |editor: &mut Editor| (0..3000).for_each(|_| drop(editor.at("textDocument/hover", 4, 0)));
+    editor.open(hours);
+    ask(&mut editor);
+    editor.close();
+    assert_eq!(editor.hears("textDocument/publishDiagnostics")["diagnostics"], json!([]));
+    assert_eq!(editor.of_document("textDocument/formatting"), Value::Null);
+    editor.open(hours);
+    ask(&mut editor);
+    assert!(editor.heard.is_empty(), "{:?}", editor.heard);
     editor.end();
 }
 

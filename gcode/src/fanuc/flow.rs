@@ -11,8 +11,13 @@ use crate::execute::Done;
 use crate::problem::{Blame, Problem};
 use crate::text::{Files, Mark};
 
-/// Endings of the files of subprograms.
-const ENDINGS: [&str; 4] = [".nc", ".ngc", ".NC", ""];
+/// The names that the file of a program may have, in the order in which they are looked for.
+pub fn program_files(program: u32) -> impl Iterator<Item = String> {
+    const ENDINGS: [&str; 4] = [".nc", ".ngc", ".NC", ""];
+    let stems =
+        [format!("O{program:04}"), format!("o{program:04}"), format!("O{program}"), format!("o{program}")];
+    stems.into_iter().flat_map(|stem| ENDINGS.map(|ending| format!("{stem}{ending}")))
+}
 
 /// A subprogram that is being run.
 #[derive(Clone, Debug)]
@@ -295,14 +300,7 @@ impl Flow {
             }
         }
         self.files.go(back.0, back.1)?;
-        let names = [
-            format!("O{program:04}"),
-            format!("o{program:04}"),
-            format!("O{program}"),
-            format!("o{program}"),
-        ];
-        for name in names.iter().flat_map(|stem| ENDINGS.iter().map(move |ending| format!("{stem}{ending}")))
-        {
+        for name in program_files(program) {
             if found.is_none() {
                 let file = self.files.open_file(&name)?;
                 found = file.map(|file| (file, beginning_of(&self.files, file)));

@@ -58,6 +58,7 @@ use codes::Deed;
 use execution::Execution;
 use expression::Values;
 use flow::Flow;
+pub use flow::program_files;
 use line::{Line, Statement};
 use modal::Modal;
 use points::Points;

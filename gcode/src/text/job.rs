@@ -6,13 +6,18 @@ use crate::canon::Job;
 use crate::problem::{Blame, Problem};
 
 /// How a line of a job begins.
-const MARK: &[u8] = b";@";
+const MARK: &str = ";@";
 /// Most bytes of a job.
 pub(crate) const LONGEST: usize = 512 << 10;
 
 /// Whether a line belongs to a job.
 pub(crate) fn begins(line: &[u8]) -> bool {
-    line.trim_ascii_start().starts_with(MARK)
+    line.trim_ascii_start().starts_with(MARK.as_bytes())
+}
+
+/// What a line of a job holds behind its mark; `None` of any other line.
+pub fn job_line(line: &str) -> Option<&str> {
+    line.trim_ascii_start().strip_prefix(MARK)
 }
 
 /// Whether a comment after a semicolon looks like a line of a job without being one.

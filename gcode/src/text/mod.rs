@@ -15,6 +15,7 @@ pub(crate) use comment::{parentheses, semicolon};
 pub(crate) use cursor::Cursor;
 pub(crate) use depth::Depth;
 pub(crate) use files::Files;
+pub use job::job_line;
 pub(crate) use number::{number, pointed_number, whole};
 pub(crate) use operator::Operator;
 pub(crate) use source::{Line, Mark, Source};

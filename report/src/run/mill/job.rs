@@ -17,10 +17,9 @@ fn number(value: &Value) -> Option<f64> {
 /// The tool that a job file says, or the jobs of a program, if they have one in common; `None` of any other
 /// program.
 pub(super) fn tool(program: &str) -> Option<JobTool> {
-    let line = |line: &'_ str| line.trim_start().strip_prefix(";@").map(str::to_owned);
-    let lines: Vec<Option<String>> = program.lines().map(line).collect();
+    let lines: Vec<Option<&str>> = program.lines().map(gcode::job_line).collect();
     let mut tools = lines.split(Option::is_none).filter(|job| !job.is_empty()).map(|job| {
-        let text: Vec<&str> = job.iter().flatten().map(String::as_str).collect();
+        let text: Vec<&str> = job.iter().flatten().copied().collect();
         of_job(&text.join("\n"))
     });
     match tools.next() {
