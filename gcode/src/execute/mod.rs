@@ -21,6 +21,7 @@
 //! | `cycles/` | G73 G74 G80 to G89 |
 //! | `roughing/` | G70 G71 G72 |
 //! | `compensation/` | G40 to G42.1: contour offset by the radius of the tool |
+//! | `thin.rs` | depths of cut that are hardly meant |
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
 mod arc;
@@ -41,6 +42,7 @@ mod spindle;
 mod spline;
 mod stop;
 pub(crate) mod straight;
+pub(crate) mod thin;
 pub(crate) mod threading;
 mod tool;
 mod words;

@@ -3,7 +3,7 @@
 //! In: a block and the state; K of G33 and P of G76 in units per revolution, I J K of G76 diameters under G7.
 //! Out: the moves of G33 and G33.1 between start and stop of synchronisation, G76 as one [`ThreadCycle`].
 
-use super::{Done, Output, straight};
+use super::{Done, Output, straight, thin};
 use crate::block::Block;
 use crate::bounds::{MOST_PASSES, MOST_SPRINGS};
 use crate::canon::{Call, Degression, Plane, Pose, ThreadCycle, X, Y, Z};
@@ -160,6 +160,9 @@ fn programmed(
         ));
     }
     let (chamfer, [chamfer_in, chamfer_out]) = chamfers(target[Z] - from[Z], block, out)?;
+    let exponent = degression(depth / first, block)?;
+    let cuts = libm::pow(depth / first, exponent).ceil();
+    thin::doubt(("the first pass", Blame::Word('J')), first, cuts, state.units.program(), None, out);
     Ok(ThreadCycle {
         from,
         end_z: target[Z],
@@ -168,12 +171,7 @@ fn programmed(
         crest,
         depth,
         depth_is_told: true,
-        degression: Degression {
-            first,
-            exponent: degression(depth / first, block)?,
-            least: 0.0,
-            finish: 0.0,
-        },
+        degression: Degression { first, exponent, least: 0.0, finish: 0.0 },
         infeed_deg: infeed(block)?,
         springs: springs(block)?,
         chamfer,

@@ -14,6 +14,7 @@ use super::codes::{self, Deed};
 use super::execution::Execution;
 use super::line::{Line, Statement};
 use super::modal::Modal;
+use super::points::doubt_cut;
 use super::shape::Shape;
 use super::{Control, block, corner, one_block};
 use crate::bounds::{MOST_BLOCKS, MOST_PASSES};
@@ -42,7 +43,7 @@ impl Control {
     /// A word is missing, there is no such contour, or it cannot be cut like that.
     pub(super) fn contour_cycle(&mut self, code: G, state: &mut State, out: &mut Output) -> Done {
         if code != G(700) && !self.line.has_any("PQ") {
-            return first_line(code, &self.line, &mut self.modal);
+            return first_line(code, &self.line, &mut self.modal, out);
         }
         let cycle = self.line.clone();
         let range = self.range(code)?;
@@ -215,7 +216,7 @@ impl Control {
     fn rough(&mut self, code: G, cycle: &Line, range: &Range, state: &mut State, out: &mut Output) -> Done {
         let facing = code == G(720);
         let first = &self.modal.first;
-        let depth = one_block::depth(cycle)?.or(first.rough[usize::from(facing)]);
+        let depth = one_block::depth(cycle, out)?.or(first.rough[usize::from(facing)]);
         let pattern = first.pattern;
         let missing = if code == G(730) { pattern.is_none() } else { depth.is_none() };
         can_rough(code, cycle, missing)?;
@@ -310,7 +311,7 @@ fn without_way_back(contour: &mut Vec<(Segment, bool)>, facing: bool) {
 }
 
 /// `G71 U R`, `G72 W R`, `G73 U W R`.
-fn first_line(code: G, line: &Line, modal: &mut Modal) -> Done {
+fn first_line(code: G, line: &Line, modal: &mut Modal, out: &mut Output) -> Done {
     let bad = |letter, message: String, help: &str| {
         Err(Problem::error("bad-value", Blame::Word(letter), message, help))
     };
@@ -324,7 +325,11 @@ fn first_line(code: G, line: &Line, modal: &mut Modal) -> Done {
             );
         }
         let way = |letter| line.length(letter).unwrap_or(0.0);
-        modal.first.pattern = Some((way('U'), way('W'), passes as u32));
+        let (x, z) = (way('U'), way('W'));
+        let letter = if x.abs() < z.abs() { 'W' } else { 'U' };
+        let cut = x.abs().max(z.abs()) / (passes - 1.0).max(1.0);
+        doubt_cut(("a pass", letter, false), cut, passes, line, out);
+        modal.first.pattern = Some((x, z, passes as u32));
         return Ok(());
     }
     let facing = code == G(720);
@@ -351,6 +356,7 @@ fn first_line(code: G, line: &Line, modal: &mut Modal) -> Done {
     if retract < 0.0 {
         return bad('R', format!("the retract is {}", short(retract)), "give 0 or more, such as R0.5");
     }
+    doubt_cut(("the depth of cut", letter, false), depth, 0.0, line, out);
     *slot = Some((depth, retract));
     Ok(())
 }

@@ -13,6 +13,7 @@
 use super::execution::{Execution, target};
 use super::line::Line;
 use super::once;
+use super::points::doubt_cut;
 use crate::bounds::MOST_PECKS;
 use crate::canon::{Call, Units, X, Z};
 use crate::codes::G;
@@ -56,6 +57,9 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     if pecks > MOST_PECKS {
         let message = format!("this would take more than {MOST_PECKS} pecks");
         return Err(Problem::error("bad-value", Blame::Word('Q'), message, "give a greater Q"));
+    }
+    if run.line.has('Q') {
+        doubt_cut(("a peck", 'Q', false), drill.peck, pecks, run.line, run.out);
     }
     let place = run.line.block.place();
     let (rapid, feed) = (G(0), G(10));

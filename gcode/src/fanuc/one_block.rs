@@ -3,6 +3,7 @@
 //! In: the words of the block. Out: depth of cut and retract, or a warning.
 
 use super::line::Line;
+use super::points::doubt_cut;
 use crate::execute::Output;
 use crate::problem::{Blame, Problem, short};
 
@@ -21,12 +22,13 @@ pub(super) fn unused(line: &Line, out: &mut Output) {
 ///
 /// # Errors
 /// The depth is not greater than 0.
-pub(super) fn depth(cycle: &Line) -> Result<Option<(f64, f64)>, Box<Problem>> {
+pub(super) fn depth(cycle: &Line, out: &mut Output) -> Result<Option<(f64, f64)>, Box<Problem>> {
     let Some(depth) = cycle.length('D') else { return Ok(None) };
     if depth <= 0.0 {
         let message = format!("the depth of cut is {}", short(depth));
         let help = "give a radius greater than 0, such as D2.";
         return Err(Problem::error("bad-value", Blame::Word('D'), message, help));
     }
+    doubt_cut(("the depth of cut", 'D', false), depth, 0.0, cycle, out);
     Ok(Some((depth, RETRACT[usize::from(cycle.unit() == "inch")])))
 }

@@ -8,10 +8,11 @@
 
 use super::execution::{Execution, target};
 use super::line::Line;
+use super::points::doubt_cut;
 use crate::bounds::MOST_PECKS;
 use crate::canon::{X, Z};
 use crate::codes::G;
-use crate::execute::Done;
+use crate::execute::{Done, Output};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 
@@ -45,7 +46,7 @@ impl Way {
 }
 
 /// The way of the cut and the way across it.
-fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>> {
+fn ways(code: G, line: &Line, state: &State, out: &mut Output) -> Result<(Way, Way), Box<Problem>> {
     let end = target(line, state.axes.position)?;
     let [x, z] = [('P', 'I', X), ('Q', 'K', Z)].map(|(bare, letter, axis)| {
         let (letter, step) = match line.length(letter) {
@@ -60,8 +61,9 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
     });
     let along_z = code == G(740);
     let (cut, beside) = if along_z { (z?, x?) } else { (x?, z?) };
-    let letters = if along_z { ['K', 'Q'] } else { ['I', 'P'] };
-    let peck = if line.has(letters[0]) { letters[0] } else { letters[1] };
+    let written = |own, counted| if line.has(own) { own } else { counted };
+    let (by_x, by_z) = (written('I', 'P'), written('K', 'Q'));
+    let (peck, across) = if along_z { (by_z, by_x) } else { (by_x, by_z) };
     if cut.to == cut.from {
         let message = format!("{code} cuts nothing: it ends where it begins");
         let help = format!("add {}", if along_z { "Z or W" } else { "X or U" });
@@ -75,6 +77,11 @@ fn ways(code: G, line: &Line, state: &State) -> Result<(Way, Way), Box<Problem>>
             message,
             format!("give a greater {peck}"),
         ));
+    }
+    for (what, letter, way) in [("a peck", peck, cut), ("the step aside", across, beside)] {
+        if line.has(letter) && way.to != way.from {
+            doubt_cut((what, letter, "PQ".contains(letter)), way.step, way.count(), line, out);
+        }
     }
     Ok((cut, beside))
 }
@@ -109,7 +116,7 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
         return Err(Problem::error("missing-word", Blame::G(code), message, help));
     };
     let along_z = code == G(740);
-    let (cut, beside) = ways(code, run.line, run.state)?;
+    let (cut, beside) = ways(code, run.line, run.state, run.out)?;
     let (axes, step, help) = match along_z {
         true => ("XU", if in_one_block { 'I' } else { 'P' }, "leave it out, or add X or U"),
         false => ("ZW", if in_one_block { 'K' } else { 'Q' }, "leave it out, or add Z or W"),

@@ -6,9 +6,9 @@
 
 use super::line::Line;
 use crate::block::{letter_bits, letters_of};
-use crate::canon::Place;
+use crate::canon::{Place, Units};
 use crate::codes::{G, group};
-use crate::execute::{Done, Output};
+use crate::execute::{Done, Output, thin};
 use crate::options::DecimalPoint;
 use crate::problem::{Blame, Problem, Span, short};
 
@@ -75,6 +75,30 @@ impl Points {
 /// K is a number of holes there.
 fn of_holes(line: &Line) -> u32 {
     if matches!(line.block.g(group::MOTION), Some(G(20 | 30))) { 0 } else { letter_bits("K") }
+}
+
+/// Warns of a depth of cut that is thinner than any chip, with the other reading of its word. `counts`: it
+/// takes no decimal point.
+pub(super) fn doubt_cut(
+    (what, letter, counts): (&str, char, bool),
+    depth: f64,
+    cuts: f64,
+    line: &Line,
+    out: &mut Output,
+) {
+    let other = line.plain(letter).filter(|_| line.is_bare(letter)).map(|value| {
+        let per_unit = line.increments_per_unit();
+        let meant = |written: String| format!("write {letter}{written} for {} {}", short(value), line.unit());
+        match counts {
+            true => (
+                format!("{letter} counts steps of {}", short(1.0 / per_unit)),
+                meant(short(value * per_unit)),
+            ),
+            false => (readings(letter, value, line), meant(short(value) + ".")),
+        }
+    });
+    let units = line.units.unwrap_or(Units::Millimetre);
+    thin::doubt((what, Blame::Word(letter)), depth, cuts, units, other, out);
 }
 
 const SETTLED: &str = "machine.decimal_point of the machine file settles it: \"conventional\" counts increments, \

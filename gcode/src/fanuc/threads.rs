@@ -18,6 +18,7 @@
 use super::execution::{Execution, target};
 use super::line::Line;
 use super::modal::{Modal, ThreadFirst};
+use super::points::doubt_cut;
 use crate::bounds::MOST_PASSES;
 use crate::canon::{Call, Degression, Pose, ThreadCycle, X, Z};
 use crate::codes::G;
@@ -250,9 +251,14 @@ fn send(shape: &Shape, depths: Depths, run: &mut Execution) -> Done {
         );
         return wrong('Q', message, "make it smaller");
     }
-    if libm::pow(height / degression.first, degression.exponent) > MOST_PASSES {
+    let (letter, counts) = if run.line.has('D') { ('D', false) } else { ('Q', true) };
+    let cuts = libm::pow(height / degression.first, degression.exponent).ceil();
+    if shape.code == G(760) {
+        doubt_cut(("the first pass", letter, counts), degression.first, cuts, run.line, run.out);
+    }
+    if cuts > MOST_PASSES {
         return wrong(
-            'Q',
+            letter,
             format!("this would take more than {MOST_PASSES} passes"),
             "give a deeper first pass",
         );

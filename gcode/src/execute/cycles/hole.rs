@@ -143,7 +143,7 @@ impl Hole {
     }
 
     /// How many pecks it takes, where it takes pecks.
-    fn peck_count(&self) -> f64 {
+    pub(super) fn peck_count(&self) -> f64 {
         ((self.r - self.bottom) / self.peck).ceil()
     }
 

@@ -14,7 +14,7 @@
 
 mod hole;
 
-use super::{Done, Output, feed, modes, straight};
+use super::{Done, Output, feed, modes, straight, thin};
 use crate::block::{AXES, Block};
 use crate::canon::{Call, FeedMode, PathMode, Plane};
 use crate::codes::G;
@@ -50,6 +50,10 @@ pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output)
     let repeats = repeats(block)?;
     let pattern = Pattern::new(code, block, state, &words)?;
     pattern.bound(repeats, block, state)?;
+    if matches!(code.0, 730 | 830) && block.has('Q') && words.peck != before.peck {
+        let cuts = pattern.hole.peck_count();
+        thin::doubt(("a peck", Blame::Word('Q')), words.peck, cuts, state.units.program(), None, out);
+    }
     state.cycle = Sticky { code: Some((code, state.modes.plane)), level: Some(pattern.level), ..words };
     pattern.drill(repeats, block, state, out)
 }

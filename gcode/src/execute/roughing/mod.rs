@@ -31,7 +31,7 @@
 mod record;
 
 use super::check::compensation_off;
-use super::{Done, Kind, Output, compensation, feed, straight};
+use super::{Done, Kind, Output, compensation, feed, straight, thin};
 use crate::block::Block;
 use crate::canon::{Arc, Call, FeedMode, Place, Plane, X, Y, Z};
 use crate::codes::G;
@@ -67,6 +67,9 @@ pub(super) fn begin(code: G, block: &Block, state: &mut State, out: &mut Output)
     let infeed = block.get('I').unwrap_or(1.0);
     if infeed <= 0.0 {
         return Err(bad(block, 'I', "I is the infeed from pass to pass, greater than 0"));
+    }
+    if code != G(700) {
+        thin::doubt(("the infeed", Blame::Word('I')), infeed, 0.0, state.units.program(), None, out);
     }
     let escape = block.get('R').unwrap_or(0.5);
     if escape < 0.0 {

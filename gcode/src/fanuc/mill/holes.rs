@@ -6,6 +6,7 @@
 use super::super::execution::Execution;
 use super::super::modal::Held;
 use super::super::once;
+use super::super::points::doubt_cut;
 use crate::codes::{G, group};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
@@ -50,6 +51,9 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     }
     let (pecks, waits) = (matches!(code.0, 730 | 830), matches!(code.0, 740 | 820 | 840 | 860 | 880 | 890));
     let peck = held.peck.filter(|_| pecks);
+    if let Some(peck) = peck.filter(|_| run.line.has('Q')) {
+        doubt_cut(("a peck", 'Q', false), peck, 0.0, run.line, run.out);
+    }
     let dwell = held.dwell_s.or(Some(0.0)).filter(|_| waits);
     let idle =
         [('Q', pecks), ('P', waits)].into_iter().filter(|(letter, used)| !used && run.line.has(*letter));

@@ -12,5 +12,6 @@ mod order;
 mod points;
 pub(crate) mod recorded;
 mod refusals;
+mod thin;
 mod threads;
 mod tools;
