@@ -9,7 +9,7 @@ use protocol::{
     Arc, Code, Item, PerAxis, Position,
     code_file::{CodeFile, CodeReader},
 };
-use rig::observe::{GaugeAsked, Message, Observer, Watch};
+use rig::observe::{GaugeAsked, Message, Observer, ProgramWarning, Watch};
 use route::{Course, Route};
 
 use crate::{error::CliError, screen, words::Phase};
@@ -207,6 +207,18 @@ impl Program {
     /// Files that were read besides the program.
     pub(crate) fn subroutine_files(&self) -> impl Iterator<Item = &Path> {
         self.check.iter().flat_map(|check| check.subroutine_files.iter().map(PathBuf::as_path))
+    }
+
+    /// What the check warned of.
+    pub(crate) fn warnings(&self) -> Vec<ProgramWarning> {
+        let told = |one: &Diagnostic| ProgramWarning {
+            file: one.file.to_string(),
+            line: one.line,
+            code: one.code.into(),
+            text: one.message.clone(),
+            help: one.help.clone(),
+        };
+        self.diagnostics().iter().map(told).collect()
     }
 
     /// Every diagnostic.

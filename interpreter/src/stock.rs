@@ -5,7 +5,8 @@
 //! The stock is kept as a bore and an outer radius at nodes along Z. A feed takes off what lies beyond its
 //! point on the side of the free end: `|x| ≥ x_tool, z ≥ z_tool` from outside, `|x| ≤ x_tool, z ≥ z_tool` in
 //! a bore. That is more than a groove or a tool for the other hand takes, so there is material that these
-//! warnings do not know of, and none that they invent.
+//! warnings do not know of, and none that they invent. A cut that begins in front of a tube is of its outside
+//! or of its bore: both readings are kept until a move makes sense in one of them alone.
 
 use gcode::Problem;
 use gcode::problem::{Blame, short};
@@ -31,6 +32,8 @@ pub(crate) struct Stock {
     step_mm: f64,
     /// Bore and outer radius at each node.
     nodes: Vec<[f64; 2]>,
+    /// The same if the first cut from the face of a tube was on the other side than it seems.
+    other: Option<Vec<[f64; 2]>>,
     widest_mm: f64,
     chuck_mm: Option<f64>,
     warnings: u32,
@@ -58,6 +61,7 @@ impl Stock {
             low_mm,
             step_mm,
             nodes: (0..=intervals as u32).map(node).collect(),
+            other: None,
             widest_mm: part.widest_mm(),
             chuck_mm: part.chuck_mm(),
             warnings: 0,
@@ -67,7 +71,8 @@ impl Stock {
     /// Takes a straight move; a warning if it should not be. `drill_mm` is the radius of a drill, if the tool
     /// has a width.
     pub(crate) fn goes(&mut self, [from, to]: [Point; 2], how: Goes, drill_mm: f64) -> Option<Box<Problem>> {
-        let inside = self.first_inside(from, to);
+        let inside = self.first_inside(&self.nodes, from, to);
+        let inside = if how == Goes::Rapid { self.in_both(inside, from, to) } else { inside };
         let warning = match (how, inside) {
             (Goes::Rapid, Some(at)) => Some(warning(
                 "rapid-in-stock",
@@ -81,7 +86,7 @@ impl Stock {
             )),
             _ => self.in_chuck(from, to),
         };
-        if how != Goes::Rapid && inside.is_some() {
+        if how != Goes::Rapid && (inside.is_some() || along_the_axis(from, to)) {
             self.cut(from, to, drill_mm);
         }
         self.told(warning)
@@ -111,6 +116,22 @@ impl Stock {
         self.told(warning)
     }
 
+    /// Where a rapid is in the material by both readings of the cuts; one that it contradicts is dropped.
+    fn in_both(&mut self, inside: Option<Point>, from: Point, to: Point) -> Option<Point> {
+        let Some(other) = self.other.take() else { return inside };
+        match (inside, self.first_inside(&other, from, to)) {
+            (Some(_), None) => {
+                self.nodes = other;
+                None
+            }
+            (None, Some(_)) => None,
+            _ => {
+                self.other = Some(other);
+                inside
+            }
+        }
+    }
+
     fn told(&mut self, warning: Option<Box<Problem>>) -> Option<Box<Problem>> {
         self.warnings += u32::from(warning.is_some());
         warning.filter(|_| self.warnings <= MOST_WARNINGS)
@@ -133,9 +154,11 @@ impl Stock {
     }
 
     fn is_inside(&self, point: Point) -> bool {
-        let Some([bore, outer]) = self.node(point.z).and_then(|node| self.nodes.get(node)) else {
-            return false;
-        };
+        self.is_inside_of(&self.nodes, point)
+    }
+
+    fn is_inside_of(&self, nodes: &[[f64; 2]], point: Point) -> bool {
+        let Some([bore, outer]) = self.node(point.z).and_then(|node| nodes.get(node)) else { return false };
         let x = point.x.abs();
         x < outer - SKIN_MM && (*bore == 0.0 || x > bore + SKIN_MM)
     }
@@ -151,43 +174,79 @@ impl Stock {
     }
 
     /// Where a line comes into the material.
-    fn first_inside(&self, from: Point, to: Point) -> Option<Point> {
+    fn first_inside(&self, nodes: &[[f64; 2]], from: Point, to: Point) -> Option<Point> {
         let end_mm = self.low_mm + self.step_mm * (self.nodes.len() - 1) as f64;
         let beside = from.z.max(to.z) < self.low_mm || from.z.min(to.z) > end_mm + self.step_mm;
         let above = from.x.min(to.x) > self.widest_mm || from.x.max(to.x) < -self.widest_mm;
         if beside || above {
             return None;
         }
-        self.points(from, to).find(|point| self.is_inside(*point))
+        self.points(from, to).find(|point| self.is_inside_of(nodes, *point))
+    }
+
+    /// Whether a cut begins where neither the outside nor the bore of a tube is.
+    fn begins_in_front(&self, from: Point) -> bool {
+        let here = self.node(from.z).and_then(|node| self.nodes.get(node));
+        let is_tube = self.nodes.iter().any(|[bore, outer]| *bore > 0.0 && outer > bore);
+        is_tube && here.is_none_or(|[bore, outer]| outer - bore <= 2.0 * SKIN_MM)
     }
 
     /// Takes off what a feed cuts.
     fn cut(&mut self, from: Point, to: Point, drill_mm: f64) {
-        let along_the_axis = from.x.abs() < SKIN_MM && to.x.abs() < SKIN_MM;
-        let last = self.nodes.len() - 1;
+        let (way, nodes) = ([from, to], std::mem::take(&mut self.nodes));
+        self.other = match self.other.take() {
+            Some(other) => Some(self.less(other, way, drill_mm, false)),
+            None => {
+                self.nodes = nodes.clone();
+                (!along_the_axis(from, to) && self.begins_in_front(from))
+                    .then(|| self.less(nodes.clone(), way, drill_mm, true))
+            }
+        };
+        self.nodes = self.less(nodes, way, drill_mm, false);
+        if self.other.as_ref() == Some(&self.nodes) {
+            self.other = None;
+        }
+    }
+
+    /// What a feed leaves. A cut in a tube is of the surface that it is nearer to, or of the `other` one.
+    fn less(
+        &self,
+        mut nodes: Vec<[f64; 2]>,
+        [from, to]: [Point; 2],
+        drill_mm: f64,
+        other: bool,
+    ) -> Vec<[f64; 2]> {
+        let along_the_axis = along_the_axis(from, to);
+        let last = nodes.len() - 1;
         // What the points at each node leave.
-        let mut left = vec![[0.0, f64::INFINITY]; self.nodes.len()];
+        let mut left = vec![[0.0, f64::INFINITY]; nodes.len()];
         for point in self.points(from, to) {
             let behind = (point.z - self.low_mm) / self.step_mm;
             if behind.round() > last as f64 {
                 continue;
             }
             let node = behind.round().max(0.0) as usize;
-            let ([bore, outer], x) = (self.nodes[node], point.x.abs());
+            let ([bore, outer], x) = (nodes[node], point.x.abs());
             if along_the_axis && drill_mm > 0.0 {
                 left[node][0] = drill_mm.max(left[node][0]);
-            } else if bore > 0.0 && x < 0.5 * (bore + outer) {
+            } else if !along_the_axis && bore > 0.0 && (x < 0.5 * (bore + outer)) != other {
                 left[node][0] = x.max(left[node][0]);
             } else {
                 left[node][1] = x.min(left[node][1]);
             }
         }
         let mut taken: [f64; 2] = [0.0, f64::INFINITY];
-        for (node, left) in self.nodes.iter_mut().zip(left) {
+        for (node, left) in nodes.iter_mut().zip(left) {
             taken = [taken[0].max(left[0]), taken[1].min(left[1])];
             *node = [node[0].max(taken[0]), node[1].min(taken[1])];
         }
+        nodes
     }
+}
+
+/// As a drill goes.
+fn along_the_axis(from: Point, to: Point) -> bool {
+    from.x.abs() < SKIN_MM && to.x.abs() < SKIN_MM
 }
 
 /// Where X and Z of the machine stand, mm.
@@ -259,6 +318,34 @@ mod tests {
         assert_eq!(code(tube.goes([at(11.5, 2.0), at(11.5, -19.0)], Goes::Rapid, 0.0)), "");
         assert_eq!(code(tube.goes([at(11.5, 2.0), at(11.5, -21.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
         assert_eq!(code(tube.goes([at(19.0, 2.0), at(19.0, -1.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+    }
+
+    #[test]
+    fn a_tube_is_turned_deeper_than_half_of_its_wall() {
+        let turned = || {
+            let mut tube = stock("part, tube D40 I20 L60");
+            assert_eq!(code(tube.goes([at(14.0, 2.0), at(14.0, -20.0)], Goes::Cuts, 0.0)), "");
+            tube
+        };
+        // Out and back: the outside was turned, and what is within is there.
+        let mut tube = turned();
+        assert_eq!(code(tube.goes([at(14.0, -20.0), at(22.0, -20.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(tube.goes([at(14.5, 2.0), at(14.5, -19.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(tube.goes([at(12.0, 2.0), at(12.0, -19.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        // Towards the axis and out: it was bored.
+        let mut tube = turned();
+        assert_eq!(code(tube.goes([at(14.0, -20.0), at(9.0, -20.0)], Goes::Rapid, 0.0)), "");
+        assert_eq!(code(tube.goes([at(14.5, 2.0), at(14.5, -19.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        // Through either of them.
+        let mut tube = turned();
+        assert_eq!(code(tube.goes([at(22.0, -30.0), at(9.0, -30.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+    }
+
+    #[test]
+    fn a_tube_is_drilled_as_wide_as_nobody_knows() {
+        let mut tube = stock("part, tube D40 I10 L60");
+        tube.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 0.0);
+        assert_eq!(code(tube.goes([at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid, 0.0)), "");
     }
 
     #[test]

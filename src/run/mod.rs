@@ -18,7 +18,7 @@ use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
-use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, Summary, WorkKind};
+use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, Summary, WorkKind};
 
 use crate::{
     args::Shop,
@@ -88,6 +88,7 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
 
     let run = if args.in_process { in_process::run } else { processes::run };
     let (mut summary, unrecorded) = run(&setup, &mut interrupts)?;
+    summary.program_warnings = setup.program.warnings();
     if !setup.folder.is_as_it_was() {
         endings::program_changed(&mut summary);
     }
@@ -182,6 +183,12 @@ fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     }
     for warning in &summary.warnings {
         let _ = writeln!(text, "warning   {}", told(warning));
+    }
+    for ProgramWarning { file, line, code, text: what, .. } in summary.program_warnings.iter().take(SHOWN) {
+        let _ = writeln!(text, "checked   {file}:{line}: {code}: {what}");
+    }
+    if summary.program_warnings.len() > SHOWN {
+        let _ = writeln!(text, "          and {} more warnings", summary.program_warnings.len() - SHOWN);
     }
     let outcome = match summary.outcome {
         Outcome::Completed => "completed",

@@ -40,10 +40,21 @@ fn what_should_not_happen_to_the_part_is_said_at_its_line() {
     place.write("thread.ngc", PROGRAM.replace("Z8", "Z-1"));
     place.write("thread.toml", BAR);
     for command in ["check", "run"] {
-        let answer = place.ask(&[command, "thread.ngc"]);
+        let more: &[&str] = if command == "run" { &["--in-process", "--out", "run"] } else { &[] };
+        let answer = place.ask(&[&[command, "thread.ngc"], more].concat());
         for (line, code) in [(4, "rapid-in-stock"), (5, "run-in-in-stock")] {
             let place = format!("thread.ngc:{line}:1: warning[{code}]");
             assert!(answer.stderr.contains(&place), "{command}: {}", answer.stderr);
+        }
+        if command == "run" {
+            let folder = place.at("run");
+            let summary = Summary::read(&folder.join("summary.json")).expect("a summary");
+            let told: Vec<_> =
+                summary.program_warnings.iter().map(|one| (one.line, one.code.as_str())).collect();
+            assert_eq!(told, [(4, "rapid-in-stock"), (5, "run-in-in-stock")]);
+            let page = fs::read_to_string(folder.join("report.html")).expect("a report");
+            assert!(page.contains("Careful, line 4: the rapid goes through the stock at "));
+            assert!(answer.stdout.contains("checked   thread.ngc:4: rapid-in-stock: "), "{}", answer.stdout);
         }
         // The thread begins where Z has not reached its lead, and is spoilt there.
         let status = if command == "check" { 0 } else { 3 };

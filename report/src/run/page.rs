@@ -1,7 +1,7 @@
 //! The page of a report. In: a [`Run`]. Out: HTML with everything in it.
 
 use maud::{Markup, html};
-use rig::observe::{FaultReport, Outcome, PassReport, Summary};
+use rig::observe::{FaultReport, Outcome, PassReport, ProgramWarning, Summary};
 
 use super::Run;
 use super::cutting;
@@ -124,6 +124,7 @@ fn details(summary: &Summary) -> Markup {
             }
             (told("Faults", &summary.faults, summary.cycle_s))
             (told("Warnings", &summary.warnings, summary.cycle_s))
+            (checked(&summary.program_warnings))
             @if !summary.passes.is_empty() { (economy(summary)) }
             @if !summary.channels.is_empty() { (channels(summary)) }
         }
@@ -140,6 +141,18 @@ fn told(title: &str, reports: &[FaultReport], cycle_s: f64) -> Markup {
                     (format!("{:.4} s, ", report.cycle as f64 * cycle_s)) (report.source) ": "
                     b { (report.code) } " — " (report.text)
                 }
+            } }
+        }
+    }
+}
+
+/// What the check of the program warned of.
+fn checked(warnings: &[ProgramWarning]) -> Markup {
+    html! {
+        @if !warnings.is_empty() {
+            h3 { "Warnings of the check" }
+            ol.faults { @for ProgramWarning { file, line, code, text, help } in warnings {
+                li { (file) ", line " (line) ": " b { (code) } " — " (text) "; " (help) }
             } }
         }
     }

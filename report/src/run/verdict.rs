@@ -74,6 +74,7 @@ pub(super) fn of(summary: &Summary) -> Verdict {
     for warning in summary.warnings.iter().filter(|warning| warning.code == TOOL_IN_THREAD) {
         verdict.say(Grade::Bad, format!("Careful: {}.", warning.text));
     }
+    checked(summary, &mut verdict);
     threads(summary, &mut verdict);
     gauge::says(summary, &mut verdict);
     traces(summary, &mut verdict);
@@ -86,6 +87,21 @@ pub(super) fn of(summary: &Summary) -> Verdict {
         verdict.say(Grade::Look, format!("{} answers came late.", summary.deadline_misses));
     }
     verdict
+}
+
+/// What a machine would have hit or spoilt, and what the check warned of besides.
+fn checked(summary: &Summary, verdict: &mut Verdict) {
+    const CRASHES: [&str; 4] = ["rapid-in-stock", "into-chuck", "cut-at-rest", "run-in-in-stock"];
+    let warnings = &summary.program_warnings;
+    let crashes: Vec<_> = warnings.iter().filter(|one| CRASHES.contains(&one.code.as_str())).collect();
+    if let Some(first) = crashes.first() {
+        verdict.say(Grade::Look, format!("Careful, line {}: {}.", first.line, first.text));
+    }
+    match (warnings.len(), crashes.len()) {
+        (0, _) | (1, 1) => {}
+        (1, _) => verdict.say(Grade::Good, "The check had one warning, which stands below."),
+        (all, _) => verdict.say(Grade::Good, format!("The check had {all} warnings, which stand below.")),
+    }
 }
 
 fn threads(summary: &Summary, verdict: &mut Verdict) {
@@ -226,7 +242,7 @@ pub(super) fn um(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Grade, TOOL_IN_THREAD, of};
-    use rig::observe::{FaultReport, Outcome, PassReport, Summary, ToolReport};
+    use rig::observe::{FaultReport, Outcome, PassReport, ProgramWarning, Summary, ToolReport};
 
     fn good() -> Summary {
         let tool = ToolReport { helix_max_abs_um: 0.75, contact_deg: 3600.0, ..ToolReport::default() };
@@ -279,6 +295,26 @@ mod tests {
             words.contains("Left, entered again and cut to the end: pass 2. 2 passes were cut"),
             "{words}"
         );
+    }
+
+    #[test]
+    fn what_the_check_warned_of_is_said() {
+        let warned = |codes: &[&str]| {
+            let warning = |code: &&str| ProgramWarning {
+                line: 4,
+                code: (*code).into(),
+                text: "the rapid goes through the stock".into(),
+                ..ProgramWarning::default()
+            };
+            let verdict = of(&Summary { program_warnings: codes.iter().map(warning).collect(), ..good() });
+            (verdict.grade, verdict.sentences[1..].join(" "))
+        };
+        let (grade, words) = warned(&["rapid-in-stock", "no-effect"]);
+        let both =
+            "Careful, line 4: the rapid goes through the stock. The check had 2 warnings, which stand below.";
+        assert!(grade == Grade::Look && words.starts_with(both), "{words}");
+        let (grade, words) = warned(&["no-effect"]);
+        assert!(grade == Grade::Good && words.starts_with("The check had one warning"), "{words}");
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod pause;
 mod planned;
 mod span;
 mod summary;
+mod summary_file;
 mod swing;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -45,7 +46,7 @@ use zerocopy::IntoBytes;
 
 pub use summary::{
     AxisLimits, Channel, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process,
-    ServoError, Summary, SummaryError, VERSION,
+    ServoError, Summary, VERSION,
 };
 
 pub use circle::Watch;
@@ -58,6 +59,7 @@ pub use led::Led;
 pub use messages::{Message, MessageReport};
 pub use observation::Observation;
 pub use pause::{PauseEnd, PauseReport};
+pub use summary_file::{ProgramWarning, SummaryError};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;
 pub use used::LimitsUsed;

@@ -4,14 +4,14 @@
 //! wall time are the launcher's. Lengths in mm, errors in µm, angles in degrees, speeds in 1/min. Every
 //! number is finite.
 
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, StockReport, ThreadReport, ToolNote,
-    ToolReport, TraceReport, cutting::CuttingReport,
+    GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning, StockReport,
+    ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -314,6 +314,9 @@ pub struct Summary {
     /// What is no fault and has to be known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<FaultReport>,
+    /// What the check of the program warned of, before anything moved.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub program_warnings: Vec<ProgramWarning>,
     /// Overrides that were clamped.
     pub overrides_clamped: u32,
     /// Late answers in real time.
@@ -356,45 +359,4 @@ pub struct Summary {
 #[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks
 fn is_zero(count: &u64) -> bool {
     *count == 0
-}
-
-/// Why a summary could not be read or written.
-#[derive(Debug, thiserror::Error)]
-#[error("{path}: {reason}")]
-pub struct SummaryError {
-    path: String,
-    reason: String,
-}
-
-impl SummaryError {
-    fn new(path: &Path, reason: impl std::fmt::Display) -> SummaryError {
-        SummaryError { path: path.display().to_string(), reason: reason.to_string() }
-    }
-}
-
-impl Summary {
-    /// Reads `summary.json`.
-    ///
-    /// # Errors
-    /// Names the file and what is wrong with it.
-    pub fn read(path: &Path) -> Result<Summary, SummaryError> {
-        let text = intake::text(path, intake::SUMMARY).map_err(|error| SummaryError::new(path, error))?;
-        let summary: Summary = serde_json::from_str(&text).map_err(|error| SummaryError::new(path, error))?;
-        if summary.version != VERSION {
-            let reason =
-                format!("the summary is of version {}, and this program reads {VERSION}", summary.version);
-            return Err(SummaryError::new(path, reason));
-        }
-        Ok(summary)
-    }
-
-    /// Writes `summary.json`, indented, with a newline at the end. The file is whole at any time.
-    ///
-    /// # Errors
-    /// Names the file and why it could not be written.
-    pub fn write(&self, path: &Path) -> Result<(), SummaryError> {
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| SummaryError::new(path, error))?;
-        text.push('\n');
-        intake::replace(path, text.as_bytes()).map_err(|error| SummaryError::new(path, error))
-    }
 }
