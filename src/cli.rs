@@ -56,6 +56,9 @@ pub(crate) enum Command {
     /// See and set coordinate systems and tools: G54 to G59.3, offsets, wear.
     #[command(after_help = crate::offsets::HELP)]
     Offsets(crate::offsets::OffsetsArgs),
+    /// Say what the control knew last of a run, also of one that lost its power.
+    #[command(after_help = crate::journal::HELP)]
+    Journal(crate::journal::JournalArgs),
     /// Draw report.html of a run folder again.
     #[command(after_help = "Example:\n  pitchlock report runs/m20x2-1")]
     Report(crate::report::ReportArgs),
@@ -113,6 +116,7 @@ impl Command {
         match self {
             Command::Run(args) => args.json,
             Command::Check(args) => args.json,
+            Command::Journal(args) => args.json,
             Command::Experiment(args) => args.json,
             Command::Tune(args) => args.json,
             Command::Resolution(args) => args.json,

@@ -12,6 +12,7 @@ mod error;
 mod experiment;
 mod gauged;
 mod ini;
+mod journal;
 mod lsp;
 mod offsets;
 mod program;
@@ -64,6 +65,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Offsets(args) => offsets::offsets(args, quiet),
+        Command::Journal(args) => journal::journal(args),
         Command::Report(args) => report::report(args),
         Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Tune(args) => tune::tune(args, quiet),

@@ -5,6 +5,7 @@
 //! finds one that waits for nobody.
 
 pub mod bench;
+pub mod journal;
 mod lives;
 mod modules;
 pub mod observe;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use rig::trace;
 
 use super::args::RunArgs;
+use super::journal::JOURNAL;
 use crate::{error::CliError, written};
 
 /// What a run leaves, and a machine that never started does not.
@@ -58,13 +59,13 @@ impl Claim {
     }
 }
 
-/// A folder without summary and trace is that of a run that never began: whoever tries again finds what was
-/// there before.
+/// A folder without summary, journal and trace is that of a run that never began: whoever tries again finds
+/// what was there before.
 impl Drop for Claim {
     fn drop(&mut self) {
         intake::release(&self.path.join(SUMMARY));
         let traces = [trace::Format::Mcap, trace::Format::Csv].map(trace::Format::file_name);
-        if traces.into_iter().chain([SUMMARY]).any(|name| self.path.join(name).exists()) {
+        if traces.into_iter().chain([SUMMARY, JOURNAL]).any(|name| self.path.join(name).exists()) {
             return;
         }
         // Nothing but copies is in it; what cannot be removed is left.

@@ -1,6 +1,6 @@
 //! The run folder: everything that a run was made of, and everything it left.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
 use super::claim::Claim;
+use super::journal::JOURNAL;
 use crate::{error::CliError, program::Program};
 
 /// A run folder and the copies in it.
@@ -31,6 +32,8 @@ pub(crate) struct RunFolder {
     pub(crate) trace: Option<trace::Format>,
     /// Whether it has every cycle of a long run.
     pub(crate) every_cycle: bool,
+    /// Hash of all that decides what the program does.
+    pub(crate) input: [u8; 16],
     /// What the copy of the program held before the run.
     stamp: Option<u64>,
     /// Held as long as the run writes into the folder.
@@ -44,8 +47,16 @@ const INI: &str = "machine.ini";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
 /// What a run leaves, and names under which that is written.
-const RESULTS: [&str; 6] =
-    ["summary.json", "report.html", "trace.mcap", "trace.csv", "summary.json.new", "report.html.new"];
+const RESULTS: [&str; 8] = [
+    "summary.json",
+    "report.html",
+    "trace.mcap",
+    "trace.csv",
+    "summary.json.new",
+    "report.html.new",
+    JOURNAL,
+    "journal.bin.new",
+];
 
 impl RunFolder {
     /// Makes the folder and copies the input into it. A folder that is there already has to be empty: what is
@@ -103,7 +114,6 @@ impl RunFolder {
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
         Ok(RunFolder {
-            path,
             named,
             program,
             language,
@@ -111,6 +121,8 @@ impl RunFolder {
             scenario,
             trace,
             every_cycle,
+            input: input_of(&path, judged, name).map_err(|error| CliError::file(&path, error))?,
+            path,
             stamp: seen.0[0],
             _claim: claim,
         })
@@ -120,6 +132,15 @@ impl RunFolder {
     pub(crate) fn is_as_it_was(&self) -> bool {
         stamp(&self.program).is_ok_and(|stamp| Some(stamp) == self.stamp)
     }
+}
+
+/// Hash of the files in a run folder that decide what its program does.
+fn input_of(folder: &Path, judged: &Program, name: &OsStr) -> std::io::Result<[u8; 16]> {
+    let part = judged.part_file.as_ref().map(|_| Path::new(name).with_extension("toml").into_os_string());
+    let subroutines = judged.subroutine_files().filter_map(|file| file.file_name().map(OsStr::to_owned));
+    let kept = [MACHINE, LANGUAGE, TOOLS, PARAMETERS, INI].map(OsString::from);
+    let names = std::iter::once(name.to_owned()).chain(part).chain(subroutines).chain(kept);
+    rig::journal::fingerprint(names.map(|name| folder.join(name)).filter(|path| path.exists()))
 }
 
 /// What the program and the tables beside it held when they were read: what is run is what was judged.

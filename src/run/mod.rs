@@ -8,6 +8,7 @@ mod endings;
 mod folder;
 mod in_process;
 pub(crate) mod interrupts;
+mod journal;
 mod keeps;
 mod processes;
 mod progress;
@@ -18,6 +19,7 @@ use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
+use rig::journal::{Keeper, Origin};
 use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, Summary, WorkKind};
 
 use crate::{
@@ -32,6 +34,7 @@ use args::Fell;
 pub(crate) use args::{HELP, RunArgs};
 use folder::{RunFolder, Seen};
 use interrupts::Interrupts;
+pub(crate) use journal::JOURNAL;
 use keeps::Keeps;
 pub(crate) use recorder::axes;
 
@@ -57,6 +60,16 @@ pub(crate) struct Setup {
     pub(crate) watchdog_s: f64,
     /// Whom a test kills or freezes.
     pub(crate) fell: Vec<Fell>,
+}
+
+impl Setup {
+    /// Who says what the journal has to know.
+    fn keeper(&self) -> Keeper {
+        let run = Origin { input: self.folder.input, seed: self.seed, ..Origin::default() };
+        let keeper = Keeper::new(&self.machine, run, &self.program.watched);
+        let passes = self.program.check.iter().flat_map(|check| &check.passes);
+        keeper.lying_at(passes.map(|note| (note.pass, note.origin_mm)).collect())
+    }
 }
 
 /// Runs a program. Anything wrong with the input ends this before the machine starts.

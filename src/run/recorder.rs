@@ -1,4 +1,5 @@
-//! Takes what the machine says of every control cycle to the observer, the trace and the progress bar.
+//! Takes what the machine says of every control cycle to the observer, the journal, the trace and the
+//! progress bar.
 
 use machine::Machine;
 use process::shell::Clock;
@@ -8,7 +9,7 @@ use rig::{
     trace::{Row, TraceWriter},
 };
 
-use super::{Setup, progress::Progress};
+use super::{Setup, journal::Journal, progress::Progress};
 use crate::error::CliError;
 
 /// What a run was; and what could not be written of it.
@@ -18,6 +19,7 @@ pub(crate) type Recorded = (Summary, Option<CliError>);
 pub(crate) struct Recorder {
     observer: Observer,
     trace: Option<TraceWriter>,
+    journal: Journal,
     progress: Progress,
     cycle_s: f64,
     failed: Option<CliError>,
@@ -34,6 +36,7 @@ impl Recorder {
         Ok(Recorder {
             observer: setup.program.observer(&setup.machine),
             trace: setup.folder.trace.map(create).transpose()?,
+            journal: Journal::create(&setup.folder.path, setup.keeper())?,
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,
             failed: None,
@@ -42,6 +45,7 @@ impl Recorder {
 
     /// Takes one control cycle. A trace that cannot be written (a full disk) is given up, not the run.
     pub(crate) fn cycle(&mut self, record: &Record) {
+        self.journal.cycle(record);
         let told = self.observer.told().len();
         self.observer.cycle(record);
         for message in &self.observer.told()[told..] {
@@ -66,7 +70,9 @@ impl Recorder {
     pub(crate) fn finish(self, program: &str, clock: Clock) -> Recorded {
         self.progress.finish();
         let finished = self.trace.map_or(Ok(()), TraceWriter::finish);
-        let failed = self.failed.or(finished.err().map(CliError::from));
+        let unwritten = self.journal.finish().err();
+        let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));
+        let failed = self.failed.or(finished.err().map(CliError::from)).or(unwritten);
         (self.observer.finish().summary(program, clock_name(clock)), failed)
     }
 }

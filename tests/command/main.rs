@@ -19,6 +19,7 @@ mod experiments;
 mod first_hour;
 mod gauge;
 mod jobs;
+mod journal;
 mod memory;
 mod offsets;
 mod part;

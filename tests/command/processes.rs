@@ -16,7 +16,7 @@ const NAMES: [&str; 5] = ["interpreter", "interpolator", "regulator-x", "regulat
 
 /// What a run folder has to hold.
 fn is_complete(place: &Place, folder: &str, program: &str, scenario: bool) {
-    let mut files = vec!["summary.json", "trace.mcap", "report.html", program, "machine.toml"];
+    let mut files = vec!["summary.json", "journal.bin", "trace.mcap", "report.html", program, "machine.toml"];
     files.extend(scenario.then_some("scenario.toml"));
     for file in files {
         let path = place.at(folder).join(file);

@@ -1,0 +1,202 @@
+//! When there is something to write. In: every control cycle, of which only what the control itself said and
+//! measured is kept; the passes of the program. Out: a [`State`] when an event came (a pass begins, goes on,
+//! ends; the operator acts; a fault; a tool), and of mere progress at most every 0.25 s on the machine.
+
+use std::collections::BTreeMap;
+
+use machine::Machine;
+use protocol::{
+    Axis, AxisStatus, Code, Item, MachineState, MachineStatus, Measurement, Panel, PerAxis, Position,
+};
+
+use super::state::{ACTIONS, Act, Action, State};
+use crate::observe::Record;
+
+/// Progress is written at most so often, s on the machine.
+const PROGRESS_S: f64 = 0.25;
+/// Two places are the same, mm.
+const SAME_MM: f64 = 0.001;
+
+/// Which run it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// Hash of all that decides what the program does.
+    pub input: [u8; 16],
+    /// Seed of the plant.
+    pub seed: u64,
+    /// Where in the program it began, in steps of progress.
+    pub begun_at: u64,
+    /// Steps of this run before it got there.
+    pub before: u64,
+}
+
+/// Watches a run for what its journal has to know. Give it every control cycle in order.
+#[derive(Clone, Debug)]
+pub struct Keeper {
+    run: Origin,
+    /// Where each pass of the program ends, and where zero of the program lies in it.
+    ends: BTreeMap<u32, PerAxis<Position>>,
+    origins_mm: BTreeMap<u32, [f64; 2]>,
+    /// Items taken when a pass was last in hand.
+    taken: u64,
+    every: u64,
+    /// Knobs at the tick before: an action is one that has come to rest.
+    knobs: [f64; 3],
+    last: Option<State>,
+    written: Option<State>,
+}
+
+impl Keeper {
+    /// A keeper of one run; of the program the passes are enough.
+    pub fn new(machine: &Machine, run: Origin, program: &[Item]) -> Keeper {
+        let passes = program.iter().filter_map(|item| match &item.code {
+            Code::Pass(pass) => Some((pass.pass, pass.axes.map(|law| law.end))),
+            _ => None,
+        });
+        Keeper {
+            run,
+            ends: passes.collect(),
+            origins_mm: BTreeMap::new(),
+            taken: 0,
+            every: (PROGRESS_S / machine.general.cycle_s).round() as u64,
+            knobs: [100.0; 3],
+            last: None,
+            written: None,
+        }
+    }
+
+    /// The same where it is known at which X and Z of the machine zero of the program lies in each pass, mm.
+    #[must_use]
+    pub fn lying_at(self, origins_mm: BTreeMap<u32, [f64; 2]>) -> Keeper {
+        Keeper { origins_mm, ..self }
+    }
+
+    /// Takes one control cycle; what is to be written now, if anything.
+    pub fn cycle(&mut self, record: &Record) -> Option<State> {
+        // The rest of the control looks at the panel and at the statuses at its ticks as well.
+        if record.machine.cycle != record.truth.cycle {
+            return None;
+        }
+        let state = self.state(record.machine, record.axes, &record.truth.measurement);
+        self.last = Some(state);
+        let due = self.written.is_none_or(|written| {
+            is_event(&written, &state)
+                || state.cycle - written.cycle >= self.every && differs(&written, &state)
+        });
+        due.then(|| *self.written.insert(state))
+    }
+
+    /// What is known last, at the end of a run.
+    pub fn last(&self) -> Option<State> {
+        self.last
+    }
+
+    fn state(
+        &mut self,
+        machine: &MachineStatus,
+        axes: &[(Axis, AxisStatus)],
+        measurement: &Measurement,
+    ) -> State {
+        let before = self.last.unwrap_or_else(|| State {
+            input: self.run.input,
+            seed: self.run.seed,
+            step: self.run.begun_at,
+            ..State::nothing()
+        });
+        // What was still to come is thrown away when a program is ended, and would count as taken.
+        let over = machine.fault != 0 || machine.stopped != 0 || machine.state() == MachineState::Fault;
+        let step = match over {
+            true => before.step,
+            false => self.run.begun_at + machine.taken.saturating_sub(self.run.before),
+        };
+        let panel = &measurement.panel;
+        let mut state = State {
+            cycle: measurement.cycle.0,
+            step: step.max(before.step),
+            moves: machine.moves,
+            spindle_count: measurement.spindle_count,
+            index_count: measurement.index_count,
+            index_number: measurement.index_number,
+            spindle_rpm: machine.spindle_rpm,
+            measured: measurement.axes.map(|axis| axis.position),
+            overrides_pct: [panel.spindle_override_pct, panel.feed_override_pct, panel.rapid_override_pct],
+            line: machine.line,
+            pass: machine.pass,
+            machine: machine.state,
+            fault: machine.fault,
+            stopped: u32::from(machine.stopped),
+            tool: machine.tool,
+            coolant: u32::from(machine.coolant),
+            buttons: panel.buttons,
+            cycle_starts: panel.cycle_starts,
+            ..before
+        };
+        if let Some(origin_mm) = self.origins_mm.get(&machine.pass) {
+            state.origin_mm = *origin_mm;
+        }
+        self.follow_pass(&mut state, machine, axes);
+        self.act(&mut state, &before, panel);
+        state
+    }
+
+    /// Whether a pass is armed, goes on, is cut to its end.
+    fn follow_pass(&mut self, state: &mut State, machine: &MachineStatus, axes: &[(Axis, AxisStatus)]) {
+        for (axis, status) in axes {
+            state.axes[axis.index()] = status.state as u8;
+        }
+        if let Some((_, status)) = axes.iter().find(|(_, status)| status.state().is_in_pass()) {
+            (state.open, state.angle_deg) = (status.pass, status.angle_deg);
+            self.taken = machine.taken;
+            return;
+        }
+        let Some(end) = self.ends.get(&state.open) else { return };
+        let off_mm = |(axis, status): &(Axis, AxisStatus)| status.commanded_mm - end[axis.index()].mm();
+        let at_its_end = axes.iter().all(|own| off_mm(own).abs() < SAME_MM);
+        // One that was left where the tool was nearly out is over, too: the program goes on behind it.
+        let went_on = machine.taken > self.taken && machine.fault == 0 && machine.stopped == 0;
+        if at_its_end || went_on {
+            (state.open, state.passes) = (0, state.passes + 1);
+        }
+    }
+
+    /// What the operator did since the tick before.
+    fn act(&mut self, state: &mut State, before: &State, panel: &Panel) {
+        let mut acts = [None; 5];
+        let knobs = [Act::SpindleOverride, Act::FeedOverride, Act::RapidOverride];
+        for (index, act) in knobs.into_iter().enumerate() {
+            let now = state.overrides_pct[index];
+            let rests = now == self.knobs[index];
+            self.knobs[index] = now;
+            if rests && now != state.rested_pct[index] {
+                state.rested_pct[index] = now;
+                acts[index] = Some((act, now));
+            }
+        }
+        if panel.buttons != before.buttons {
+            acts[3] = Some((Act::Buttons, f64::from(panel.buttons)));
+        }
+        if panel.cycle_starts != before.cycle_starts {
+            acts[4] = Some((Act::CycleStart, f64::from(panel.cycle_starts)));
+        }
+        for (act, value) in acts.into_iter().flatten() {
+            state.actions.rotate_left(1);
+            state.actions[ACTIONS - 1] = Action { cycle: state.cycle, value, act: act as u32, reserved: 0 };
+            state.acted += 1;
+        }
+    }
+}
+
+/// What is written at once.
+fn is_event(written: &State, state: &State) -> bool {
+    let of = |state: &State| {
+        let State { open, passes, fault, stopped, tool, coolant, acted, axes, .. } = *state;
+        (open, passes, fault, stopped, tool, coolant, acted, axes)
+    };
+    let over = |state: &State| state.machine == MachineState::Ended as u32;
+    of(written) != of(state) || over(written) != over(state)
+}
+
+/// Whether there is anything new but the time.
+fn differs(written: &State, state: &State) -> bool {
+    State { cycle: 0, ..*written } != State { cycle: 0, ..*state }
+}
