@@ -62,6 +62,12 @@ pub(crate) enum Command {
     /// Draw report.html of a run folder again.
     #[command(after_help = "Example:\n  pitchlock report runs/m20x2-1")]
     Report(crate::report::ReportArgs),
+    /// Make a recorded run again, and say whether it is the same, bit for bit.
+    #[command(after_help = crate::replay::HELP)]
+    Replay(crate::replay::ReplayArgs),
+    /// Say where two runs differ first: cycle, module and field; and draw it.
+    #[command(after_help = crate::replay::HELP_DIFF)]
+    Diff(crate::replay::DiffArgs),
     /// Make a published experiment again: table, JSON, pictures.
     #[command(after_help = crate::experiment::HELP)]
     Experiment(crate::experiment::ExperimentArgs),

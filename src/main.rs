@@ -16,6 +16,7 @@ mod journal;
 mod lsp;
 mod offsets;
 mod program;
+mod replay;
 mod report;
 mod resolution;
 mod run;
@@ -67,6 +68,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Offsets(args) => offsets::offsets(args, quiet),
         Command::Journal(args) => journal::journal(args),
         Command::Report(args) => report::report(args),
+        Command::Replay(args) => replay::replay(args, quiet),
+        Command::Diff(args) => replay::diff(args, quiet),
         Command::Experiment(args) => experiment::experiment(args, quiet),
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),

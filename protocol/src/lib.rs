@@ -7,6 +7,7 @@
 //! not.
 
 pub mod arc;
+pub mod arrival;
 mod checksum;
 pub mod code;
 pub mod code_file;
@@ -28,6 +29,7 @@ pub mod units;
 pub mod work;
 
 pub use arc::{Arc, Plane};
+pub use arrival::{Arrival, Differs, Input, Taken};
 pub use code::{Code, Feed, Item, PathMode, SpindleMode, SpindleSpeed};
 pub use code_packet::{CodePacket, Credit};
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};

@@ -9,6 +9,7 @@ pub mod journal;
 mod lives;
 mod modules;
 pub mod observe;
+pub mod replay;
 mod rig;
 pub mod standstill;
 pub mod supervisor;

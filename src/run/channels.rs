@@ -9,7 +9,7 @@ use process::ipc::{
 };
 use process::shell::Clock;
 use protocol::{
-    Axis, AxisStatus, MachineStatus, Message, Truth,
+    Arrival, Axis, AxisStatus, MachineStatus, Message, Truth,
     operator::{OperatorRequest, Request},
 };
 use rig::observe::Record;
@@ -77,6 +77,7 @@ pub(crate) struct Channels {
     truths: Source<Truth>,
     axes: Vec<(Axis, Source<AxisStatus>)>,
     ticks: Source<MachineStatus>,
+    arrivals: Receiver<Arrival>,
     operator: Sender<OperatorRequest>,
     requests: u64,
     cycles_per_tick: u64,
@@ -101,6 +102,7 @@ impl Channels {
             truths: Source::new(member.receiver(channel::TRUTH)?),
             axes: statuses,
             ticks: Source::new(member.receiver(channel::MACHINE_STATUS)?),
+            arrivals: member.receiver(channel::ARRIVAL)?,
             operator: member.sender(channel::OPERATOR, Patience::Bounded(PANEL))?,
             requests: 0,
             cycles_per_tick: machine.cycles_per_tick(),
@@ -115,6 +117,7 @@ impl Channels {
     /// The ports, for the rendezvous.
     pub(crate) fn ports(&self) -> Vec<&dyn Port> {
         let mut ports: Vec<&dyn Port> = vec![&self.truths.receiver, &self.ticks.receiver, &self.operator];
+        ports.push(&self.arrivals);
         ports.extend(self.axes.iter().map(|(_, source)| &source.receiver as &dyn Port));
         ports
     }
@@ -129,6 +132,14 @@ impl Channels {
             all += source.heard(truths, statuses);
         }
         Ok(all)
+    }
+
+    /// Takes what modules tell of their inputs.
+    pub(crate) fn arrivals(&mut self, mut take: impl FnMut(&Arrival)) -> Result<(), CliError> {
+        while let Some(arrival) = self.arrivals.receive()? {
+            take(&arrival);
+        }
+        Ok(())
     }
 
     /// Gives every cycle of which everything is known to `record`. True if there was any. With `force` what
@@ -222,6 +233,7 @@ impl Channels {
     pub(crate) fn counts(&self) -> Vec<ChannelCount> {
         let mut counts =
             vec![self.truths.receiver.count(), self.ticks.receiver.count(), self.operator.count()];
+        counts.push(self.arrivals.count());
         counts.extend(self.axes.iter().map(|(_, source)| source.receiver.count()));
         counts
     }

@@ -46,16 +46,20 @@ const PARAMETERS: &str = "parameters.var";
 const INI: &str = "machine.ini";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
+/// What reached the modules of a run otherwise than in lock step.
+pub(crate) const ARRIVALS: &str = "arrivals.txt";
 /// What a run leaves, and names under which that is written.
-const RESULTS: [&str; 8] = [
+const RESULTS: [&str; 10] = [
     "summary.json",
     "report.html",
     "trace.mcap",
     "trace.csv",
+    JOURNAL,
+    ARRIVALS,
     "summary.json.new",
     "report.html.new",
-    JOURNAL,
     "journal.bin.new",
+    "arrivals.txt.new",
 ];
 
 impl RunFolder {

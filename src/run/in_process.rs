@@ -32,7 +32,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let items = items.fuse();
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
         .map_err(|error| CliError::Input(error.to_string()))?;
-    let mut recorder = Recorder::new(setup)?;
+    let mut recorder = Recorder::new(setup, true)?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
     let mut standstill = Standstill::new(&setup.machine, &setup.scenario);
     let mut endings = Endings::default();
@@ -41,6 +41,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let mut request = None;
     loop {
         let asked = request.take();
+        recorder.arrivals.asked(cycle, asked);
         let (mut wanted, mut dead) = (None, Vec::new());
         let goes_on = rig.cycle(asked, |record| {
             recorder.cycle(record);
@@ -61,7 +62,10 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
             recorder.say(&text);
         }
         // One that was frozen does not thaw any more.
-        dead.into_iter().for_each(|(module, _)| rig.kill(module));
+        for (module, _) in dead {
+            rig.kill(module);
+            recorder.arrivals.killed(cycle, module);
+        }
         request = wanted;
         cycle += 1;
         if cycle % LOOK_EVERY == 0 && interrupts.wish() != wish {

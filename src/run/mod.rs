@@ -5,7 +5,7 @@ mod channels;
 mod children;
 mod claim;
 mod endings;
-mod folder;
+pub(crate) mod folder;
 mod in_process;
 pub(crate) mod interrupts;
 mod journal;
@@ -31,7 +31,7 @@ use crate::{
     words::{self, Phase},
 };
 use args::Fell;
-pub(crate) use args::{HELP, RunArgs};
+pub(crate) use args::{HELP, RunArgs, Trace};
 use folder::{RunFolder, Seen};
 use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
@@ -157,7 +157,7 @@ fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> Result<(), C
 /// What `--single-block` adds to the scenario.
 const SINGLE_BLOCK: &str = "[[event]]\nat = { cycle = 0 }\nsingle_block = true\n";
 
-fn read_scenario(
+pub(crate) fn read_scenario(
     args: &RunArgs,
     machine: &Machine,
 ) -> Result<(sim_plant::Scenario, Option<String>), CliError> {

@@ -41,7 +41,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         started.push(Started::start(setup, &space.address(), process)?);
     }
     rendezvous(&mut space, &channels, &mut started, interrupts, setup.watchdog_s)?;
-    let recorder = Recorder::new(setup)?;
+    let recorder = Recorder::new(setup, false)?;
     let begun = Moment::now();
     space.start()?;
     let mut launch = Launch {
@@ -198,6 +198,7 @@ impl Launch<'_> {
             dooms.extend(named.map(|fell| (fell.process, fell.doom)).chain(scenario));
             stands |= dooms.len() > before;
         })?;
+        self.hear_of_arrivals()?;
         for (process, doom) in dooms {
             self.started.iter_mut().filter(|one| one.process == process).for_each(|one| one.doom(doom));
             self.look_for_the_dead()?;
@@ -206,6 +207,12 @@ impl Launch<'_> {
             self.space.go_on()?;
         }
         Ok(news)
+    }
+
+    /// What modules tell of their inputs.
+    fn hear_of_arrivals(&mut self) -> Result<(), CliError> {
+        let Launch { channels, recorder, .. } = self;
+        channels.arrivals(|arrival| recorder.arrivals.take(arrival))
     }
 
     fn look_at_the_keyboard(&mut self) -> Result<(), CliError> {
@@ -245,6 +252,8 @@ impl Launch<'_> {
                     }
                     None => self.supervisor.plant_died(),
                 }
+                // What it has told goes with it.
+                self.hear_of_arrivals()?;
                 self.channels.bury(process);
                 self.space.bury(process)?;
                 self.recorder.say(&said);
@@ -314,6 +323,7 @@ impl Launch<'_> {
             self.look_for_the_dead()?;
             process::ipc::time::sleep_until(Moment::in_s(0.001));
         }
+        self.hear_of_arrivals()?;
         let mut counts = self.space.end()?;
         counts.extend(self.channels.counts());
         self.watchdog.calm();
@@ -353,7 +363,7 @@ impl Launch<'_> {
     /// What comes late is recorded, so that nobody waits for a place in a queue.
     fn recorder_is_fed(&mut self) -> Result<(), CliError> {
         self.channels.drain(|_| {})?;
-        Ok(())
+        self.hear_of_arrivals()
     }
 }
 

@@ -1,15 +1,18 @@
 //! Takes what the machine says of every control cycle to the observer, the journal, the trace and the
 //! progress bar.
 
+use std::path::PathBuf;
+
 use machine::Machine;
 use process::shell::Clock;
 use protocol::Axis;
 use rig::{
     observe::{Observer, Record, Summary},
+    replay::Collector,
     trace::{Row, TraceWriter},
 };
 
-use super::{Setup, journal::Journal, progress::Progress};
+use super::{Setup, folder::ARRIVALS, journal::Journal, progress::Progress};
 use crate::error::CliError;
 
 /// What a run was; and what could not be written of it.
@@ -20,6 +23,9 @@ pub(crate) struct Recorder {
     observer: Observer,
     trace: Option<TraceWriter>,
     journal: Journal,
+    /// What reached the modules otherwise than in lock step, and where that is kept.
+    pub(crate) arrivals: Collector,
+    kept: PathBuf,
     progress: Progress,
     cycle_s: f64,
     failed: Option<CliError>,
@@ -27,7 +33,7 @@ pub(crate) struct Recorder {
 
 impl Recorder {
     /// A recorder that writes into the run folder.
-    pub(crate) fn new(setup: &Setup) -> Result<Recorder, CliError> {
+    pub(crate) fn new(setup: &Setup, one_process: bool) -> Result<Recorder, CliError> {
         let axes: Vec<Axis> = axes(&setup.machine);
         let create = |format: rig::trace::Format| {
             let trace = TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)?;
@@ -37,6 +43,8 @@ impl Recorder {
             observer: setup.program.observer(&setup.machine),
             trace: setup.folder.trace.map(create).transpose()?,
             journal: Journal::create(&setup.folder.path, setup.keeper())?,
+            arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
+            kept: setup.folder.path.join(ARRIVALS),
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,
             failed: None,
@@ -48,6 +56,7 @@ impl Recorder {
         self.journal.cycle(record);
         let told = self.observer.told().len();
         self.observer.cycle(record);
+        self.arrivals.cycle(record);
         for message in &self.observer.told()[told..] {
             self.progress.say(&format!("line {}: {}", message.line, message.text));
         }
@@ -72,7 +81,9 @@ impl Recorder {
         let finished = self.trace.map_or(Ok(()), TraceWriter::finish);
         let unwritten = self.journal.finish().err();
         let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));
-        let failed = self.failed.or(finished.err().map(CliError::from)).or(unwritten);
+        let kept = intake::replace(&self.kept, self.arrivals.finish().text().as_bytes());
+        let kept = kept.map_err(|error| CliError::file(&self.kept, error)).err();
+        let failed = self.failed.or(finished.err().map(CliError::from)).or(unwritten).or(kept);
         (self.observer.finish().summary(program, clock_name(clock)), failed)
     }
 }

@@ -1,5 +1,6 @@
 //! Same machine, program, scenario and seed: the same numbers, over processes and in one process, every time.
 
+use crate::replay::is_the_same_again;
 use crate::shop::{Place, SCENARIOS, example, project, scenario};
 
 /// Runs an example over processes and in one process, quietly and with every scenario.
@@ -14,6 +15,7 @@ fn both_agree(name: &str) {
         arguments.extend(path.iter().flat_map(|path| ["--scenario", path.as_str()]));
         let over_processes = place.run(&program, "processes", &arguments);
         let what = format!("{name} {scenario_name:?}");
+        is_the_same_again(&place, "processes");
         assert_eq!(over_processes.trace_hash, inside.trace_hash, "{what}");
         assert_eq!(over_processes.cycles, inside.cycles, "{what}");
         assert_eq!(over_processes.passes, inside.passes, "{what}");

@@ -50,7 +50,7 @@ const SLOW: [(&str, &str); 11] = [
     ("observer_hz", "20.0"),
 ];
 
-fn slow_machine() -> String {
+pub(crate) fn slow_machine() -> String {
     let line = |line: &str| {
         let key = line.split(" =").next().unwrap_or_default();
         let slow = SLOW.iter().find(|(slow, _)| *slow == key);
@@ -59,7 +59,7 @@ fn slow_machine() -> String {
     machine::PLAIN_LATHE.lines().map(line).collect()
 }
 
-fn runs(place: &Place) {
+pub(crate) fn runs(place: &Place) {
     until("the machine runs", || place.at("run/trace.mcap").exists());
     wait_s(0.3);
 }
@@ -70,7 +70,7 @@ fn pid_of(launcher: &Child, name: &str) -> u32 {
 }
 
 /// Whether a launcher ends within so many seconds. It is killed if not.
-fn ends(launcher: &mut Child, within_s: f64) -> bool {
+pub(crate) fn ends(launcher: &mut Child, within_s: f64) -> bool {
     let deadline = Moment::in_s(within_s);
     while launcher.try_wait().expect("it was started here").is_none() {
         if deadline.passed() {

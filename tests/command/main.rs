@@ -24,6 +24,7 @@ mod memory;
 mod offsets;
 mod part;
 mod processes;
+mod replay;
 mod resolution;
 mod straight_lines;
 mod strangers;

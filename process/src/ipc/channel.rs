@@ -4,8 +4,8 @@
 use std::{any::Any, marker::PhantomData};
 
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, Payload, SpindleCommand,
-    Truth, operator::OperatorRequest, status::MachineStatus,
+    Arrival, Axis, AxisFrame, AxisStatus, CodePacket, Credit, DriveCommand, Measurement, Payload,
+    SpindleCommand, Truth, operator::OperatorRequest, status::MachineStatus,
 };
 
 use super::{IpcError, Process, count::CountPacket, port};
@@ -16,6 +16,9 @@ pub const CODE_DEPTH: u64 = 64;
 // Two interpolator cycles of a machine with the longest (200 control cycles) fit, and a recorder that is
 // woken for every RECORD_WAKE cycles need not hurry.
 const RECORD_DEPTH: usize = 1024;
+
+/// Arrivals that wait for a recorder that stands, of each sender.
+const ARRIVAL_DEPTH: usize = 512;
 
 /// How often those who send to the recorder should wake it, control cycles.
 pub const RECORD_WAKE: u64 = 256;
@@ -58,6 +61,9 @@ pub const TRUTH: Channel<Truth> =
 /// Launcher → plant: what the operator does.
 pub const OPERATOR: Channel<OperatorRequest> =
     Channel::new("operator", End::Launcher, &[End::Plant], 64, Keep::Every);
+/// Whoever works in cycles → recorder: what it takes otherwise than in lock step, so seldom anything.
+pub const ARRIVAL: Channel<Arrival> =
+    Channel::new("arrival", End::Cyclic, &[End::Launcher], ARRIVAL_DEPTH, Keep::Every);
 /// Everybody → launcher, once, at the end.
 pub(crate) const COUNT: Channel<CountPacket> =
     Channel::new("count", End::Everybody, &[End::Launcher], 64, Keep::Every);
@@ -73,6 +79,7 @@ pub fn all(axes: &[Axis]) -> Vec<Row> {
         MACHINE_STATUS.row(axes),
         TRUTH.row(axes),
         OPERATOR.row(axes),
+        ARRIVAL.row(axes),
         COUNT.row(axes),
     ];
     for axis in axes {
@@ -104,6 +111,8 @@ pub enum End {
     ThisRegulator,
     /// Each regulator.
     EveryRegulator,
+    /// Everybody who works in cycles: interpolator, plant, regulators.
+    Cyclic,
     /// Everybody but the launcher.
     Everybody,
 }
@@ -117,6 +126,11 @@ impl End {
             End::Plant => vec![Process::Plant],
             End::ThisRegulator => this.into_iter().map(Process::Regulator).collect(),
             End::EveryRegulator => axes.iter().copied().map(Process::Regulator).collect(),
+            End::Cyclic => {
+                let mut members = Process::members(axes);
+                members.retain(|process| *process != Process::Interpreter);
+                members
+            }
             End::Everybody => Process::members(axes),
         }
     }

@@ -1,10 +1,12 @@
 //! The process of the interpolator: receive, tick, send.
 
-use protocol::{Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Measurement, PerAxis, units::AXES};
+use protocol::{
+    Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Input, Measurement, PerAxis, Taken, units::AXES,
+};
 
 use crate::{
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
-    shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver},
+    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver},
 };
 
 use interpolator::{In, Interpolator};
@@ -15,6 +17,8 @@ struct ToAxis {
     frames: Sender<AxisFrame>,
     statuses: Receiver<AxisStatus>,
     regulator: Waker,
+    /// Cycle of the latest status, if any has come.
+    newest: Option<u64>,
 }
 
 impl ToAxis {
@@ -24,6 +28,7 @@ impl ToAxis {
             frames: member.sender(channel::AXIS_COMMAND.of(axis), patience)?,
             statuses: member.receiver(channel::AXIS_STATUS.of(axis))?,
             regulator: member.waker(Process::Regulator(axis))?,
+            newest: None,
         })
     }
 }
@@ -35,6 +40,8 @@ struct ToInterpreter {
     interpreter: Waker,
     /// For code, while the interpolator does something else.
     hungry: Wait,
+    /// It was given up in this tick.
+    lost: bool,
 }
 
 /// Runs the interpolator until the machine may be switched off.
@@ -53,20 +60,21 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         credit: member.sender(channel::CREDIT, patience)?,
         interpreter: member.waker(Process::Interpreter)?,
         hungry: Wait::on(Process::Interpreter),
+        lost: false,
     };
-    let mut axes = machine
-        .axes()
-        .map(|(axis, _)| ToAxis::open(&member, axis, patience))
-        .collect::<Result<Vec<_>, _>>()?;
+    let axes = machine.axes().map(|(axis, _)| ToAxis::open(&member, axis, patience));
+    let mut axes = axes.collect::<Result<Vec<_>, _>>()?;
     let plant = member.waker(Process::Plant)?;
+    let inputs = axes.iter().map(|to| Input::Status(to.axis)).chain([Input::Code]);
+    let mut notes = Notes::open(&member, args, inputs)?;
     let mut ports: Vec<&dyn Port> = vec![&measurements, &spindle, &status, &plant];
-    ports.extend([&source.code as &dyn Port, &source.credit, &source.interpreter]);
+    ports.extend([&source.code as &dyn Port, &source.credit, &source.interpreter, notes.port()]);
     ports.extend(axes.iter().flat_map(|to| [&to.frames as &dyn Port, &to.statuses, &to.regulator]));
     member.start(&ports, Moment::in_s(START_S))?;
 
     let mut interpolator = Interpolator::new(&machine);
     let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
-    let mut finished = false;
+    let (mut finished, mut expected) = (false, 0);
     let mut wait = Wait::on(Process::Plant);
     // The tick after the one that says "finished" is the last: its predecessor is in force then.
     while !finished && !wait.is_in_vain(&mut member) {
@@ -75,12 +83,20 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
             continue;
         };
         wait = Wait::on(Process::Plant);
+        let now = measurement.cycle.0;
+        notes.gap(Input::TickMeasurement, now, expected)?;
+        expected = now + machine.cycles_per_tick();
         let mut since = None;
         for to in &mut axes {
             let latest = &mut statuses[to.axis.index()];
             since = take_status(&mut member, to, args.clock, &measurement, latest, since)?;
+            notes.note(now, Input::Status(to.axis), to.newest, now.checked_sub(1))?;
         }
-        take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
+        let taken = take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
+        notes.note(now, Input::Code, taken, None)?;
+        if std::mem::take(&mut source.lost) {
+            notes.tell(now, Input::Lost, Taken::Nothing)?;
+        }
         let was_finished = interpolator.finished();
         let input = In { measurement: &measurement, axes: &statuses };
         let Some(out) = interpolator.tick(&input) else { continue };
@@ -93,16 +109,18 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         plant.wake()?;
         finished = was_finished || measurement.last != 0;
     }
+    notes.finish()?;
     deliver(&mut source.credit, &Credit::ENOUGH)?;
     source.interpreter.wake()?;
     let mut counts = vec![measurements.count(), spindle.count(), status.count()];
-    counts.extend([source.code.count(), source.credit.count()]);
+    counts.extend([source.code.count(), source.credit.count(), notes.count()]);
     counts.extend(axes.iter().flat_map(|to| [to.frames.count(), to.statuses.count()]));
     Ok(member.finish(&counts)?)
 }
 
 /// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock
-/// step it is there; in real time the newest one counts. Since when it was waited for, if it was.
+/// step it is there; in real time the newest one up to it counts, and later ones wait for the next tick.
+/// Since when it was waited for, if it was.
 fn take_status(
     member: &mut Member,
     to: &mut ToAxis,
@@ -120,7 +138,8 @@ fn take_status(
         match to.statuses.receive()? {
             Some(status) => {
                 *latest = status;
-                if clock == Clock::Virtual && status.cycle >= wanted {
+                to.newest = Some(status.cycle.0);
+                if status.cycle >= wanted {
                     return Ok(wait.since());
                 }
             }
@@ -131,19 +150,19 @@ fn take_status(
 }
 
 /// Takes machine code and gives credit. In lock step until the queue is full or the program has ended, so
-/// that nothing depends on how fast the interpreter is.
+/// that nothing depends on how fast the interpreter is. How many packets were taken, if more were wanted.
 fn take_code(
     member: &mut Member,
     interpolator: &mut Interpolator,
     source: &mut ToInterpreter,
     clock: Clock,
-) -> Result<(), ShellError> {
-    let mut taken = 0;
+) -> Result<Option<u64>, ShellError> {
+    let (mut taken, mut all, mut wanting) = (0, 0, false);
     while interpolator.wants() {
         if let Some(packet) = source.code.receive()? {
             // A refused packet is a fault of the machine; the next tick says so.
             let _ = interpolator.push(&packet);
-            taken += 1;
+            (taken, all) = (taken + 1, all + 1);
             source.hungry = Wait::on(Process::Interpreter);
             continue;
         }
@@ -153,17 +172,22 @@ fn take_code(
         }
         if source.hungry.is_in_vain(member) {
             interpolator.lost_source();
+            (source.lost, wanting) = (true, true);
         }
         if !interpolator.wants() {
             break;
         }
         if clock == Clock::Real {
             source.hungry.go_on(member)?;
+            wanting = true;
             break;
         }
         source.hungry.sleep(member, clock)?;
     }
-    if taken > 0 { give_credit(interpolator, source) } else { Ok(()) }
+    if taken > 0 {
+        give_credit(interpolator, source)?;
+    }
+    Ok(wanting.then_some(all))
 }
 
 fn give_credit(interpolator: &Interpolator, source: &mut ToInterpreter) -> Result<(), ShellError> {

@@ -6,13 +6,16 @@
 mod args;
 pub mod interpolator;
 pub mod interpreter;
+mod notes;
 pub mod plant;
 pub mod regulator;
+mod spindle;
 mod wait;
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
+pub(crate) use notes::Notes;
 pub(crate) use wait::Wait;
 
 use machine::{Machine, MachineError};
@@ -58,6 +61,9 @@ impl From<Undelivered> for ShellError {
     }
 }
 
+/// How often a recorder that stands is asked again at the end.
+pub(crate) const PAUSE: Duration = Duration::from_millis(50);
+
 /// Longest wait for the other processes to come up, s.
 pub const START_S: f64 = 20.0;
 
@@ -93,9 +99,7 @@ impl ProcessArgs {
     pub fn patience(&self, machine: &Machine) -> Patience {
         match self.clock {
             Clock::Virtual => Patience::Forever,
-            Clock::Real => {
-                Patience::Bounded(std::time::Duration::from_secs_f64(machine.general.cycle_s / 2.0))
-            }
+            Clock::Real => Patience::Bounded(Duration::from_secs_f64(machine.general.cycle_s / 2.0)),
         }
     }
 }
@@ -106,7 +110,7 @@ impl ProcessArgs {
     pub fn recorded(&self) -> Patience {
         match self.clock {
             Clock::Virtual => Patience::Forever,
-            Clock::Real => Patience::Bounded(std::time::Duration::ZERO),
+            Clock::Real => Patience::Bounded(Duration::ZERO),
         }
     }
 }

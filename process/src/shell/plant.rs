@@ -8,7 +8,7 @@ use std::{path::PathBuf, time::Duration};
 
 use machine::{Machine, SpindleConfig};
 use protocol::{
-    Axis, Cycle, DriveCommand, Measurement, PerAxis, SpindleCommand, Truth,
+    Axis, Cycle, DriveCommand, Input, Measurement, PerAxis, SpindleCommand, Taken, Truth,
     operator::{OperatorRequest, Request},
     units::AXES,
 };
@@ -19,13 +19,13 @@ use crate::{
         is_orphan,
         time::{Moment, lock_memory, sleep_until},
     },
-    shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver, read_text},
+    shell::{
+        Clock, Notes, PAUSE, ProcessArgs, START_S, ShellError, Wait, deliver, read_text,
+        spindle::SpindleCommands,
+    },
 };
 
 use sim_plant::{Plant, Scenario};
-
-/// How often a recorder that stands is asked again at the end.
-const PAUSE: Duration = Duration::from_millis(50);
 
 /// Arguments of the plant.
 #[derive(Clone, Debug, clap::Args)]
@@ -50,6 +50,8 @@ struct FromAxis {
     commands: Receiver<DriveCommand>,
     regulator: Waker,
     late: Late,
+    /// Cycle of the command that the drive follows, if any has come.
+    newest: Option<u64>,
 }
 
 /// Answers that were not there when they were due.
@@ -75,6 +77,7 @@ impl FromAxis {
             commands: member.receiver(channel::DRIVE_COMMAND.of(axis))?,
             regulator: member.waker(Process::Regulator(axis))?,
             late: Late::default(),
+            newest: None,
         })
     }
 
@@ -114,6 +117,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     let mut forsaken = Forsaken::new(&machine);
     loop {
         let measurement = plant.measurement().sealed();
+        let now = measurement.cycle.0;
         let tick = machine.is_tick(measurement.cycle);
         let doomed = plant.truth().doom().is_some() || args.stand_at.contains(&measurement.cycle.0);
         ports.tell(plant.truth(), doomed)?;
@@ -126,6 +130,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         for from in &mut ports.axes {
             let command = &mut drives[from.axis.index()];
             since = take_command(&mut member, from, clock, &measurement, command, since)?;
+            ports.notes.note(now, Input::Drive(from.axis), from.newest, Some(now))?;
             let late = command.cycle < measurement.cycle;
             from.late.note(late);
             if late {
@@ -133,12 +138,14 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
             }
         }
         if tick && measurement.cycle > Cycle(0) {
-            take_spindle(&mut member, &mut ports.spindle, clock, &mut in_force)?;
+            let taken = ports.spindle.take(&mut member, clock, measurement.cycle, &mut in_force)?;
+            let due = now.checked_sub(machine.cycles_per_tick());
+            ports.notes.note(now, Input::Spindle, taken, due)?;
         }
         if measurement.last != 0 {
             break;
         }
-        let mut request = ports.operator.receive()?.and_then(|packet| understood(&packet, &mut refused));
+        let mut request = ports.request(now, &mut refused)?;
         if is_orphan() {
             request = forsaken.asks(plant.truth()).or(request);
         }
@@ -149,6 +156,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         plant.tick(&drives, &in_force, request);
     }
     forsaken.tell(plant.truth().cycle);
+    ports.notes.finish()?;
     Ok(member.finish(&ports.counts())?)
 }
 
@@ -167,22 +175,25 @@ struct Ports {
     measurements: Sender<Measurement>,
     ticks: Sender<Measurement>,
     truths: Sender<Truth>,
-    spindle: Receiver<SpindleCommand>,
+    spindle: SpindleCommands,
     operator: Receiver<OperatorRequest>,
     axes: Vec<FromAxis>,
     interpolator: Waker,
     recorder: Waker,
+    notes: Notes,
 }
 
 impl Ports {
     fn open(member: &Member, machine: &Machine, args: &ProcessArgs) -> Result<Ports, IpcError> {
         let (patience, recorded) = (args.patience(machine), args.recorded());
         let axes = machine.axes().map(|(axis, _)| FromAxis::open(member, axis));
+        let drives = machine.axes().map(|(axis, _)| Input::Drive(axis));
         Ok(Ports {
+            notes: Notes::open(member, args, drives.chain([Input::Spindle]))?,
             measurements: member.sender(channel::MEASUREMENT, patience)?,
             ticks: member.sender(channel::TICK_MEASUREMENT, patience)?,
             truths: member.sender(channel::TRUTH, recorded)?,
-            spindle: member.receiver(channel::SPINDLE_COMMAND)?,
+            spindle: SpindleCommands::open(member, machine)?,
             operator: member.receiver(channel::OPERATOR)?,
             axes: axes.collect::<Result<_, _>>()?,
             interpolator: member.waker(Process::Interpolator)?,
@@ -192,16 +203,27 @@ impl Ports {
 
     fn all(&self) -> Vec<&dyn Port> {
         let mut ports: Vec<&dyn Port> = vec![&self.measurements, &self.ticks, &self.truths];
-        ports.extend([&self.spindle as &dyn Port, &self.operator, &self.interpolator, &self.recorder]);
+        ports.extend([self.spindle.port(), &self.operator, &self.interpolator, &self.recorder]);
+        ports.push(self.notes.port());
         ports.extend(self.axes.iter().flat_map(|from| [&from.commands as &dyn Port, &from.regulator]));
         ports
     }
 
     fn counts(&self) -> Vec<ChannelCount> {
         let mut counts = vec![self.measurements.count(), self.ticks.count(), self.truths.count()];
-        counts.extend([self.spindle.count(), self.operator.count()]);
+        counts.extend([self.spindle.count(), self.operator.count(), self.notes.count()]);
         counts.extend(self.axes.iter().map(FromAxis::count));
         counts
+    }
+
+    /// What the operator asks for in this cycle.
+    fn request(&mut self, now: u64, refused: &mut u64) -> Result<Option<Request>, ShellError> {
+        let Some(packet) = self.operator.receive()? else { return Ok(None) };
+        if packet.value != 0.0 {
+            self.notes.tell(now, Input::OperatorValue, Taken::This(packet.value.to_bits()))?;
+        }
+        self.notes.tell(now, Input::Operator, Taken::This(packet.kind.into()))?;
+        Ok(understood(&packet, refused))
     }
 
     /// Sends the truth to the recorder, which is woken now and then, and at once if it is wanted.
@@ -324,32 +346,12 @@ fn take_command(
         match from.commands.receive()?.filter(DriveCommand::is_whole) {
             Some(next) => {
                 *command = next;
+                from.newest = Some(next.cycle.0);
                 if next.cycle >= measurement.cycle {
                     return Ok(wait.since());
                 }
             }
             None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(wait.since()),
-            None => wait.sleep(member, clock)?,
-        }
-    }
-}
-
-/// The spindle command of the tick before, which is in force from this one on.
-fn take_spindle(
-    member: &mut Member,
-    spindle: &mut Receiver<SpindleCommand>,
-    clock: Clock,
-    in_force: &mut SpindleCommand,
-) -> Result<(), ShellError> {
-    let mut wait = Wait::on(Process::Interpolator);
-    loop {
-        match spindle.receive()? {
-            Some(command) if command.check().is_ok() => {
-                *in_force = command;
-                return Ok(());
-            }
-            Some(_) => return Ok(()),
-            None if clock == Clock::Real || wait.is_in_vain(member) => return Ok(()),
             None => wait.sleep(member, clock)?,
         }
     }

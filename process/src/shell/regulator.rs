@@ -1,10 +1,10 @@
 //! The process of one regulator: receive, tick, send.
 
-use protocol::{Axis, AxisFrame, Cycle, Measurement};
+use protocol::{Axis, AxisFrame, Cycle, Input, Measurement};
 
 use crate::{
-    ipc::{Member, Process, Receiver, channel, time::Moment},
-    shell::{Clock, ProcessArgs, START_S, ShellError, Wait, deliver},
+    ipc::{Member, Port, Process, Receiver, channel, time::Moment},
+    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver},
 };
 
 use regulator::{In, Regulator};
@@ -46,9 +46,13 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
     let mut drive = member.sender(channel::DRIVE_COMMAND.of(axis), patience)?;
     let mut status = member.sender(channel::AXIS_STATUS.of(axis), args.recorded())?;
     let plant = member.waker(Process::Plant)?;
-    member.start(&[&measurements, &frames.receiver, &drive, &status, &plant], Moment::in_s(START_S))?;
+    let [of_measurement, of_frame] = [Input::Measurement(axis), Input::Frame(axis)];
+    let mut notes = Notes::open(&member, args, [of_frame])?;
+    let ports: [&dyn Port; 6] = [&measurements, &frames.receiver, &drive, &status, &plant, notes.port()];
+    member.start(&ports, Moment::in_s(START_S))?;
 
     let mut regulator = Regulator::new(&machine, axis);
+    let mut expected = 0;
     let mut wait = Wait::on(Process::Plant);
     while !wait.is_in_vain(&mut member) {
         let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
@@ -57,6 +61,10 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
         };
         wait = Wait::on(Process::Plant);
         let frame = frames.due(&mut member, args.clock, &measurement)?;
+        let now = measurement.cycle.0;
+        notes.gap(of_measurement, now, expected)?;
+        expected = now + 1;
+        notes.note(now, of_frame, frame.map(|frame| frame.cycle.0), frames.tick_before(measurement.cycle))?;
         let out = regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
         // In lock step the status goes first, so that it is there at the next tick of the interpolator. In
         // real time the command does, which alone has a deadline.
@@ -72,7 +80,9 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
             break;
         }
     }
-    Ok(member.finish(&[measurements.count(), frames.receiver.count(), drive.count(), status.count()])?)
+    notes.finish()?;
+    let counts = [measurements.count(), frames.receiver.count(), drive.count(), status.count()];
+    Ok(member.finish(&[counts.as_slice(), &[notes.count()]].concat())?)
 }
 
 /// Frames that have come and those in force.
@@ -83,6 +93,11 @@ struct Frames {
 }
 
 impl Frames {
+    /// The tick that made the frame which takes effect in a cycle, if one does.
+    fn tick_before(&self, Cycle(cycle): Cycle) -> Option<u64> {
+        cycle.checked_sub(self.cycles_per_tick).filter(|_| cycle.is_multiple_of(self.cycles_per_tick))
+    }
+
     /// The frame that takes effect with this measurement: one interpolator cycle after the tick that made it.
     /// In lock step it is waited for, because it is on its way; in real time one that is late takes effect
     /// when it comes.
@@ -93,8 +108,7 @@ impl Frames {
         measurement: &Measurement,
     ) -> Result<Option<AxisFrame>, ShellError> {
         let cycle = measurement.cycle;
-        let tick = cycle > Cycle(0) && cycle.0.is_multiple_of(self.cycles_per_tick);
-        if clock == Clock::Virtual && !tick {
+        if clock == Clock::Virtual && self.tick_before(cycle).is_none() {
             return Ok(None);
         }
         let mut wait = Wait::on(Process::Interpolator);

@@ -149,6 +149,19 @@ impl Row {
         (1..=STRIDE).contains(&apart).then_some(apart)
     }
 
+    /// The first column in which two rows of one machine differ in any bit, and what stands there.
+    pub fn first_difference(&self, other: &Row) -> Option<(String, [f64; 2])> {
+        let cells = |row: &Row| {
+            let mut cells = Vec::new();
+            row.cells(|cell| cells.push(cell.bits()));
+            cells
+        };
+        let axes: Vec<Axis> = self.axes.iter().map(|(axis, _)| *axis).collect();
+        let mut pairs = columns(&axes).into_iter().zip(cells(self).into_iter().zip(cells(other)));
+        let (name, (one, other)) = pairs.find(|(_, (one, other))| one.0 != other.0)?;
+        Some((name, [one.1, other.1]))
+    }
+
     /// The cells in the order of [`columns`].
     pub(super) fn cells(&self, mut put: impl FnMut(Cell)) {
         let Row { t_s, spindle_true_deg, spindle_rpm, override_pct, .. } = *self;
@@ -241,6 +254,18 @@ pub(super) enum Cell {
     Real(f64),
     State(AxisState),
     Motion(Motion),
+}
+
+impl Cell {
+    /// All of its bits, and what it is as a number.
+    fn bits(self) -> (u64, f64) {
+        match self {
+            Cell::Count(count) => (count as u64, count as f64),
+            Cell::Real(value) => (value.to_bits(), value),
+            Cell::State(state) => (state as u64, f64::from(state as u32)),
+            Cell::Motion(motion) => (motion as u64, f64::from(motion as u32)),
+        }
+    }
 }
 
 /// Where cells come from, in order.

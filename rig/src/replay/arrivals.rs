@@ -1,0 +1,220 @@
+//! What reached the modules of a run otherwise than in lock step, as a run folder keeps it: one line for each
+//! change. In: arrivals as they are told, records as they are observed. Out: text, and back; or why a run
+//! cannot be made again by it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use protocol::{
+    Arrival, AxisStatus, Differs, Input, MachineStatus, Module, OperatorRequest, PerAxis, Request, Taken,
+};
+
+use crate::observe::Record;
+
+/// First line, with the version.
+const TITLE: &str = "pitchlock arrivals 1";
+/// Most changes that are kept: one in every cycle of a quarter of an hour.
+pub const MOST: usize = 1 << 20;
+/// Most bytes of the text of so many.
+pub const MOST_BYTES: u64 = 64 << 20;
+
+/// From a cycle on something else is taken for an input.
+pub type Change = (u64, Input, Taken);
+
+/// The arrivals of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Arrivals {
+    /// The machine ran in one process: it obeys the scenario by itself, and these are what came from outside.
+    pub one_process: bool,
+    /// The first cycle that was not recorded any more.
+    pub until: u64,
+    /// Why the run cannot be made again.
+    pub gap: Option<String>,
+    /// In the order in which they were told: those of one input are in the order of their cycles.
+    pub changes: Vec<Change>,
+}
+
+impl Arrivals {
+    /// Takes a change.
+    pub fn note(&mut self, cycle: u64, input: Input, taken: Taken) {
+        if self.changes.len() < MOST {
+            self.changes.push((cycle, input, taken));
+        } else {
+            self.miss(format!("more than {MOST} messages did not come when they were due"));
+        }
+    }
+
+    /// Something was not recorded; the first reason counts.
+    pub fn miss(&mut self, why: String) {
+        self.gap.get_or_insert(why);
+    }
+
+    /// The text of a file.
+    pub fn text(&self) -> String {
+        let machine = if self.one_process { "one-process" } else { "processes" };
+        let mut text = format!("{TITLE}\nmachine {machine}\nuntil {}\n", self.until);
+        if let Some(gap) = &self.gap {
+            let _ = writeln!(text, "incomplete {gap}");
+            return text;
+        }
+        for (cycle, input, taken) in &self.changes {
+            let _ = write!(text, "{cycle} {} ", input.name());
+            let _ = match taken {
+                Taken::Due => writeln!(text, "due"),
+                Taken::Nothing => writeln!(text, "nothing"),
+                Taken::This(which) => writeln!(text, "{which}"),
+            };
+        }
+        text
+    }
+
+    /// The arrivals of a text.
+    ///
+    /// # Errors
+    /// Names the line that is not one of them.
+    pub fn from_text(text: &str) -> Result<Arrivals, String> {
+        let mut arrivals = Arrivals::default();
+        let mut lines = (1..).zip(text.lines());
+        if lines.next().is_none_or(|(_, line)| line != TITLE) {
+            return Err(format!("line 1: {TITLE} is expected: another version of pitchlock made it"));
+        }
+        for (number, line) in lines {
+            arrivals.line(line).ok_or_else(|| format!("line {number}: {line:?} is not understood"))?;
+        }
+        Ok(arrivals)
+    }
+
+    fn line(&mut self, line: &str) -> Option<()> {
+        let (first, rest) = line.split_once(' ')?;
+        match (first, rest) {
+            ("machine", "one-process") => self.one_process = true,
+            ("machine", "processes") => self.one_process = false,
+            ("until", cycle) => self.until = cycle.parse().ok()?,
+            ("incomplete", why) => self.miss(why.into()),
+            _ => {
+                let (input, taken) = rest.split_once(' ')?;
+                let taken = match taken {
+                    "due" => Taken::Due,
+                    "nothing" => Taken::Nothing,
+                    which => Taken::This(which.parse().ok()?),
+                };
+                self.changes.push((first.parse().ok()?, Input::from_name(input)?, taken));
+            }
+        }
+        Some(())
+    }
+}
+
+/// Collects the arrivals of a run in the launcher: what modules tell, and what the recorder sees.
+#[derive(Clone, Debug, Default)]
+pub struct Collector {
+    arrivals: Arrivals,
+    /// How many each module has told; `None` is the plant.
+    told: BTreeMap<Option<Module>, u64>,
+    next: u64,
+    ticks: u64,
+    axes: PerAxis<Differs>,
+    machine: Differs,
+}
+
+impl Collector {
+    /// For a machine whose interpolator ticks every so many control cycles.
+    pub fn new(one_process: bool, ticks: u64) -> Collector {
+        let arrivals = Arrivals { one_process, ..Arrivals::default() };
+        Collector { arrivals, ticks, ..Collector::default() }
+    }
+
+    /// What a module tells.
+    pub fn take(&mut self, arrival: &Arrival) {
+        let Some((input, taken)) = arrival.unpack() else {
+            return self.arrivals.miss("a module told something that is not understood".into());
+        };
+        let who = teller(input, arrival.cycle);
+        let told = self.told.entry(who).or_default();
+        let lost = arrival.number.saturating_sub(*told);
+        *told = arrival.number + 1;
+        if lost > 0 {
+            let who = who.map_or_else(|| "sim-plant".into(), Module::name);
+            let text = format!("{lost} of what {who} told of its inputs did not reach the recorder");
+            self.arrivals.miss(text);
+        }
+        if input != Input::Total {
+            self.arrivals.note(arrival.cycle, input, taken);
+        }
+    }
+
+    /// What is asked for at the panel in a cycle, by whoever runs the machine in one process.
+    pub fn asked(&mut self, cycle: u64, request: Option<Request>) {
+        let Some(request) = request else { return };
+        let OperatorRequest { kind, value, .. } = OperatorRequest::pack(0, request);
+        self.arrivals.note(cycle, Input::OperatorValue, Taken::This(value.to_bits()));
+        self.arrivals.note(cycle, Input::Operator, Taken::This(kind.into()));
+    }
+
+    /// The same kills a module behind a cycle.
+    pub fn killed(&mut self, cycle: u64, module: Module) {
+        self.arrivals.note(cycle, Input::Killed, Taken::This(module.code().into()));
+    }
+
+    /// What the recorder sees.
+    pub fn cycle(&mut self, record: &Record) {
+        let Record { truth, axes, machine } = record;
+        let now = truth.cycle.0;
+        self.arrivals.until = now + 1;
+        if self.arrivals.one_process {
+            return;
+        }
+        if now > self.next {
+            self.arrivals.note(self.next, Input::Truth, Taken::Nothing);
+            self.arrivals.note(now, Input::Truth, Taken::Due);
+        }
+        self.next = now + 1;
+        for (axis, status) in *axes {
+            let seen = (*status != AxisStatus::default()).then_some(status.cycle.0);
+            if let Some(taken) = self.axes[axis.index()].note(seen, Some(now)) {
+                self.arrivals.note(now, Input::SeenAxis(*axis), taken);
+            }
+        }
+        let seen = (**machine != MachineStatus::default()).then_some(machine.cycle.0);
+        if let Some(taken) = self.machine.note(seen, Some(now - now % self.ticks)) {
+            self.arrivals.note(now, Input::SeenMachine, taken);
+        }
+    }
+
+    /// All of it.
+    pub fn finish(self) -> Arrivals {
+        self.arrivals
+    }
+}
+
+/// Who tells of an input; `None` is the plant.
+fn teller(input: Input, cycle: u64) -> Option<Module> {
+    match input {
+        Input::Total => Module::from_code(u32::try_from(cycle).unwrap_or(0)),
+        Input::Code | Input::Lost | Input::TickMeasurement | Input::Status(_) => Some(Module::Interpolator),
+        Input::Measurement(axis) | Input::Frame(axis) => Some(Module::Regulator(axis)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use protocol::Axis;
+
+    use super::*;
+
+    #[test]
+    fn arrivals_are_read_as_they_were_written() {
+        let mut arrivals = Arrivals { until: 4711, ..Arrivals::default() };
+        arrivals.note(7, Input::Drive(Axis::Z), Taken::This(6));
+        arrivals.note(8, Input::Drive(Axis::Z), Taken::Due);
+        arrivals.note(9, Input::TickMeasurement, Taken::Nothing);
+        assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(arrivals.clone()));
+        arrivals.miss("a word was lost".into());
+        let read = Arrivals::from_text(&arrivals.text()).expect("it is one of ours");
+        assert_eq!((read.gap, read.changes.len()), (arrivals.gap, 0));
+        let wrong = format!("{TITLE}\nuntil 3\n1 drive-command/q due\n");
+        let refused = Arrivals::from_text(&wrong).expect_err("there is no axis q");
+        assert!(refused.starts_with("line 3"), "{refused}");
+    }
+}

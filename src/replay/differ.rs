@@ -1,0 +1,220 @@
+//! `pitchlock diff`: two runs are made again side by side, and the first message in which they differ is
+//! named and drawn.
+
+use std::{fmt::Debug, mem::offset_of, path::PathBuf, process::ExitCode};
+
+use clap::Args;
+use protocol::{Axis, Module, Truth};
+use rig::{
+    Exchange,
+    replay::{fields, first_difference},
+};
+use zerocopy::IntoBytes;
+
+use super::{
+    folder::{Again, Recorded},
+    picture,
+};
+use crate::{
+    error::CliError,
+    screen,
+    words::Phase,
+    written::{self, Made},
+};
+
+pub(crate) const HELP_DIFF: &str = "Examples:
+  pitchlock diff runs/m20x2-1 runs/m20x2-2
+  pitchlock diff before after -o difference.html
+
+Both runs are made again (`pitchlock replay`), and everything that goes between their modules is compared in every
+control cycle: the truth of the plant first, then what the interpolator says, then the regulators. The page draws what
+differs around its place.
+
+Exit status: 0 nothing differs; 1 something does; 2 one of the runs cannot be made again.";
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DiffArgs {
+    /// A run folder.
+    pub(crate) one: PathBuf,
+    /// Another one.
+    pub(crate) other: PathBuf,
+    /// The page that shows the place.
+    #[arg(short, long, value_name = "FILE", default_value = "diff.html")]
+    pub(crate) output: PathBuf,
+}
+
+/// Where two runs differ.
+pub(super) struct Place {
+    pub(super) cycle: u64,
+    pub(super) module: Option<Module>,
+    pub(super) message: &'static str,
+    pub(super) path: String,
+    pub(super) values: [String; 2],
+}
+
+impl Place {
+    /// The field with its module.
+    pub(super) fn field(&self) -> String {
+        let module = self.module.map_or_else(|| "sim-plant".into(), Module::name);
+        format!("{module}, {}: {}", self.message, named(&self.path))
+    }
+
+    /// What stands in this field, if it is a number.
+    pub(super) fn number(&self, exchange: &Exchange) -> Option<f64> {
+        let parts = parts(exchange);
+        let part = parts.iter().find(|part| part.module == self.module && part.message == self.message)?;
+        let (_, value) = fields(part.told).into_iter().find(|(path, _)| *path == self.path)?;
+        value.parse().ok()
+    }
+}
+
+/// A path with the letters of axes for their numbers.
+fn named(path: &str) -> String {
+    let mut words: Vec<&str> = path.split('.').collect();
+    for at in 1..words.len() {
+        if words[at - 1] == "axes"
+            && let Some(axis) = words[at].parse().ok().and_then(|index: usize| Axis::ALL.get(index))
+        {
+            words[at] = axis.name();
+        }
+    }
+    words.join(".")
+}
+
+/// One message of a control cycle.
+struct Part<'a> {
+    module: Option<Module>,
+    message: &'static str,
+    bytes: &'a [u8],
+    told: &'a dyn Debug,
+}
+
+/// Everything of a control cycle, in the order of cause and effect.
+fn parts<'a>(exchange: &'a Exchange) -> Vec<Part<'a>> {
+    let Exchange { record, frames, drives, spindle } = exchange;
+    // What a scenario has in mind shows in what follows.
+    let truth = &record.truth.as_bytes()[..offset_of!(Truth, doomed)];
+    let interpolator = Some(Module::Interpolator);
+    let mut parts = vec![
+        Part { module: None, message: "truth", bytes: truth, told: record.truth },
+        Part {
+            module: interpolator,
+            message: "machine-status",
+            bytes: record.machine.as_bytes(),
+            told: record.machine,
+        },
+        Part { module: interpolator, message: "spindle-command", bytes: spindle.as_bytes(), told: spindle },
+    ];
+    for (axis, status) in record.axes {
+        let module = Some(Module::Regulator(*axis));
+        let (frame, drive) = (&frames[axis.index()], &drives[axis.index()]);
+        let bytes = frame.as_ref().map_or(&[][..], |frame| frame.as_bytes());
+        parts.push(Part { module, message: "axis-command", bytes, told: frame });
+        parts.push(Part { module, message: "axis-status", bytes: status.as_bytes(), told: status });
+        parts.push(Part { module, message: "drive-command", bytes: drive.as_bytes(), told: drive });
+    }
+    parts
+}
+
+/// The first difference of a control cycle.
+fn in_cycle(one: &Exchange, other: &Exchange) -> Option<Place> {
+    let (ones, others) = (parts(one), parts(other));
+    let (one_part, other_part) = ones.iter().zip(&others).find(|(one, other)| one.bytes != other.bytes)?;
+    let (path, values) = first_difference(one_part.told, other_part.told)
+        .unwrap_or_else(|| ("bits of what is not a number".into(), Default::default()));
+    let cycle = one.record.truth.cycle.0;
+    Some(Place { cycle, module: one_part.module, message: one_part.message, path, values })
+}
+
+/// What a comparison came to.
+enum Found {
+    Nothing { cycles: u64 },
+    Ends { cycle: u64, first: usize },
+    Differs(Place),
+}
+
+/// Two machines side by side, until they differ.
+fn compare(mut one: Again, mut other: Again) -> Result<Found, CliError> {
+    let mut cycles = 0;
+    loop {
+        let (mut place, mut goes_on) = (None, Ok(false));
+        let went_on = one.step(|one, _| {
+            goes_on = other.step(|other, _| place = in_cycle(one, other));
+        })?;
+        match (place, went_on, went_on && goes_on?) {
+            (Some(place), ..) => return Ok(Found::Differs(place)),
+            (None, true, true) => cycles += 1,
+            (None, true, false) => return Ok(Found::Ends { cycle: cycles, first: 1 }),
+            (None, false, _) => {
+                let more = other.step(|_, _| ())?;
+                return Ok(if more {
+                    Found::Ends { cycle: cycles, first: 0 }
+                } else {
+                    Found::Nothing { cycles }
+                });
+            }
+        }
+    }
+}
+
+/// Compares two runs.
+pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    written::free(&args.output, Made::Page)?;
+    let runs = [Recorded::open(&args.one)?, Recorded::open(&args.other)?];
+    let axes = runs.each_ref().map(|run| run.machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>());
+    if axes[0] != axes[1] {
+        return Err(CliError::Input(
+            "the machines of the two runs have other axes: nothing to compare".into(),
+        ));
+    }
+    let compared = Phase::begin("making both runs again");
+    let [one, other] = [runs[0].machine_again()?, runs[1].machine_again()?];
+    let found = compare(one, other)?;
+    drop(compared);
+    let place = match found {
+        Found::Nothing { cycles } => {
+            if !quiet {
+                screen::print(&format!("the same: every message of {cycles} cycles\n"));
+            }
+            return Ok(ExitCode::SUCCESS);
+        }
+        Found::Ends { cycle, first } => {
+            let [ends, goes_on] = [&runs[first].name, &runs[1 - first].name];
+            screen::print(&format!("the same until {ends} ends in cycle {cycle}; {goes_on} goes on\n"));
+            return Ok(ExitCode::FAILURE);
+        }
+        Found::Differs(place) => place,
+    };
+    let mut text = inputs(&runs);
+    text += &format!(
+        "first in cycle {} ({:.4} s), {}\n  {}: {}\n  {}: {}\n",
+        place.cycle,
+        place.cycle as f64 * runs[0].machine.general.cycle_s,
+        place.field(),
+        runs[0].name,
+        place.values[0],
+        runs[1].name,
+        place.values[1],
+    );
+    let page = picture::page(&runs, &place)?;
+    intake::replace(&args.output, page.as_bytes()).map_err(|error| CliError::file(&args.output, error))?;
+    text += &format!("drawn     {}\n", args.output.display());
+    screen::print(&text);
+    Ok(ExitCode::FAILURE)
+}
+
+/// What the runs were made of, where that differs.
+fn inputs(runs: &[Recorded; 2]) -> String {
+    let [one, other] = runs;
+    let differ = [
+        ("program", one.program_bytes() != other.program_bytes()),
+        ("machine file", one.texts[0] != other.texts[0]),
+        ("scenario", one.texts[1] != other.texts[1]),
+        ("seed", one.summary.seed != other.summary.seed),
+    ];
+    let names: Vec<&str> = differ.iter().filter(|(_, differs)| *differs).map(|(name, _)| *name).collect();
+    match names.as_slice() {
+        [] => "inputs    the same\n".into(),
+        names => format!("inputs    that differ: {}\n", names.join(", ")),
+    }
+}

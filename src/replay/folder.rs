@@ -1,0 +1,189 @@
+//! A recorded run, ready to be made again. In: a run folder. Out: a machine in one process that does,
+//! cycle by cycle, what the machine of the run did; or why that cannot be.
+
+use std::{collections::VecDeque, path::Path};
+
+use machine::Machine;
+use process::shell::{Clock, LanguageArgs};
+use protocol::{Input, Item, Module, OperatorRequest, Taken, operator::Request};
+use rig::{
+    Exchange, Rig,
+    observe::{Observer, Summary},
+    replay::{Arrivals, Change, MOST_BYTES, Replica},
+};
+use sim_plant::Scenario;
+
+use crate::{
+    args::{MachineArgs, Shop},
+    error::CliError,
+    gauged::GaugeArgs,
+    program::Program,
+    run::{
+        RunArgs, Trace,
+        folder::{ARRIVALS, repeated},
+        read_scenario,
+    },
+};
+
+/// What a run was made of, and what is known of it.
+pub(super) struct Recorded {
+    /// How the user named it.
+    pub(super) name: String,
+    /// What it came to.
+    pub(super) summary: Summary,
+    /// The machine.
+    pub(super) machine: Machine,
+    /// The text of its file, and that of the scenario.
+    pub(super) texts: [String; 2],
+    program: Program,
+    args: RunArgs,
+    scenario: Scenario,
+    arrivals: Arrivals,
+}
+
+type Items = Box<dyn Iterator<Item = Item>>;
+
+impl Recorded {
+    /// Reads a run folder.
+    ///
+    /// # Errors
+    /// What it lacks, by name.
+    pub(super) fn open(dir: &Path) -> Result<Recorded, CliError> {
+        let asked = of_folder(dir);
+        let mut args = repeated(&asked)?;
+        let refused =
+            |text: String| CliError::Input(format!("{}: cannot be made again: {text}", dir.display()));
+        let summary = Summary::read(&dir.join("summary.json")).map_err(|error| refused(error.to_string()))?;
+        let path = dir.join(ARRIVALS);
+        let text = intake::text(&path, MOST_BYTES).map_err(|error| {
+            refused(format!(
+                "{ARRIVALS}, which says what reached its modules and when, cannot be read ({error}); a run of \
+                 this version leaves one"
+            ))
+        })?;
+        let arrivals = Arrivals::from_text(&text).map_err(|error| CliError::file(&path, error))?;
+        if let Some(gap) = &arrivals.gap {
+            return Err(refused(format!("the record of what reached its modules has a gap: {gap}")));
+        }
+        if summary.faults.iter().any(|fault| fault.code == "program-changed") {
+            return Err(refused("its program was changed while it ran".into()));
+        }
+        let Shop { machine, text, language, .. } = args.machine.with_language(&args.language)?;
+        args.language = language;
+        let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
+        let (scenario, scenario_text) = read_scenario(&args, &machine)?;
+        let name = dir.display().to_string();
+        let texts = [text, scenario_text.unwrap_or_default()];
+        Ok(Recorded { name, summary, machine, texts, program, args, scenario, arrivals })
+    }
+
+    /// Who observes it.
+    pub(super) fn observer(&self) -> Observer {
+        self.program.observer(&self.machine)
+    }
+
+    /// The text of the program, or its bytes as such.
+    pub(super) fn program_bytes(&self) -> Vec<u8> {
+        intake::bytes(&self.args.program, intake::SHOWN).unwrap_or_default()
+    }
+
+    /// Messages that did not come when they were due.
+    pub(super) fn changes(&self) -> usize {
+        self.arrivals.changes.len()
+    }
+
+    /// The machine before cycle 0.
+    pub(super) fn machine_again(&self) -> Result<Again, CliError> {
+        let language = self.args.language.language();
+        let items = self.program.items(&self.args.program, &language, &self.machine)?;
+        // What stands behind an error is not run.
+        let items: Items = Box::new(items.map_while(Result::ok).fuse());
+        let (scenario, seed) = (self.scenario.clone(), self.summary.seed);
+        let wrong = |error: sim_plant::PlantError| CliError::Input(error.to_string());
+        let how = if self.arrivals.one_process {
+            let rig = Rig::new(&self.machine, items, scenario, seed).map_err(wrong)?;
+            How::OneProcess(Box::new(rig), self.arrivals.changes.iter().copied().collect())
+        } else {
+            let replica =
+                Replica::new(&self.machine, items, scenario, seed, &self.arrivals).map_err(wrong)?;
+            How::Processes(Box::new(replica))
+        };
+        Ok(Again { how, now: 0, until: self.arrivals.until, name: self.name.clone() })
+    }
+}
+
+/// The arguments of `run` that name a folder and nothing else.
+fn of_folder(dir: &Path) -> RunArgs {
+    RunArgs {
+        program: dir.into(),
+        language: LanguageArgs::default(),
+        machine: MachineArgs { machine: None },
+        gauge: GaugeArgs { gauge: None },
+        clock: Clock::default(),
+        in_process: false,
+        scenario: None,
+        single_block: false,
+        seed: None,
+        out: None,
+        trace: Trace::None,
+        watchdog_s: 0.0,
+        fell: Vec::new(),
+        json: false,
+    }
+}
+
+/// A machine that does again what it did.
+pub(super) struct Again {
+    how: How,
+    now: u64,
+    until: u64,
+    name: String,
+}
+
+enum How {
+    OneProcess(Box<Rig<Items>>, VecDeque<Change>),
+    Processes(Box<Replica<Items>>),
+}
+
+impl Again {
+    /// The next control cycle, and whether the recorder saw it. False when there is none.
+    ///
+    /// # Errors
+    /// The arrivals are not those of this run.
+    pub(super) fn step(&mut self, see: impl FnOnce(&Exchange, bool)) -> Result<bool, CliError> {
+        if self.now >= self.until {
+            return Ok(false);
+        }
+        let now = self.now;
+        self.now += 1;
+        let goes_on = match &mut self.how {
+            How::Processes(replica) => {
+                replica.exchange(see).map_err(|error| CliError::Input(format!("{}: {error}", self.name)))?
+            }
+            How::OneProcess(rig, changes) => {
+                let (request, killed) = outside(changes, now);
+                let goes_on = rig.exchange(request, |exchange| see(exchange, true));
+                killed.into_iter().for_each(|module| rig.kill(module));
+                goes_on
+            }
+        };
+        if !goes_on {
+            self.until = self.now;
+        }
+        Ok(true)
+    }
+}
+
+/// What came from outside in a cycle: what the operator asked for, who was killed behind it.
+fn outside(changes: &mut VecDeque<Change>, now: u64) -> (Option<Request>, Vec<Module>) {
+    let (mut request, mut killed) = (OperatorRequest::default(), Vec::new());
+    while let Some((_, input, taken)) = changes.pop_front_if(|(cycle, ..)| *cycle <= now) {
+        match (input, taken) {
+            (Input::OperatorValue, Taken::This(bits)) => request.value = f64::from_bits(bits),
+            (Input::Operator, Taken::This(kind)) => request.kind = kind as u32,
+            (Input::Killed, Taken::This(code)) => killed.extend(Module::from_code(code as u32)),
+            _ => {}
+        }
+    }
+    (request.unpack().ok(), killed)
+}

@@ -1,0 +1,9 @@
+//! `pitchlock replay` and `pitchlock diff`: runs that are made again from their folders.
+
+mod again;
+mod differ;
+mod folder;
+mod picture;
+
+pub(crate) use again::{HELP, ReplayArgs, replay};
+pub(crate) use differ::{DiffArgs, HELP_DIFF, diff};

@@ -1,0 +1,216 @@
+//! Recorded runs are made again, bit for bit: in one process and in several, in lock step and in real
+//! time, with deaths, faults and operators in them; and two runs are compared.
+
+use std::path::{Path, PathBuf};
+
+use rig::observe::Summary;
+
+use crate::endings::{ends, runs, slow_machine};
+use crate::shop::{Answer, Place, children, project, signal, wait_s};
+
+/// Makes the run of a folder again, which has to be the same.
+pub(crate) fn is_the_same_again(place: &Place, folder: &str) -> Answer {
+    let answer = place.ask(&["replay", folder]);
+    let (status, stdout, stderr) = (answer.status, &answer.stdout, &answer.stderr);
+    assert_eq!(status, Some(0), "{folder}: {stdout}{stderr}");
+    assert!(stdout.starts_with("the same, bit for bit: "), "{folder}: {stdout}");
+    answer
+}
+
+/// Runs something, whatever becomes of it, into a folder.
+fn run(place: &Place, program: &Path, folder: &str, arguments: &[&str]) {
+    place.clear(folder);
+    let mut command = place.pitchlock();
+    command.arg("run").arg(program).args(["--quiet", "--trace", "none", "--out", folder]).args(arguments);
+    let answer = Answer::from(command.output().expect("it starts"));
+    assert!(answer.status.is_some_and(|status| status != 2), "{}: {}", program.display(), answer.stderr);
+}
+
+/// Arrivals of a folder, line by line, without their head.
+fn arrivals(place: &Place, folder: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(place.at(folder).join("arrivals.txt")).expect("a run leaves them");
+    text.lines().skip(3).map(str::to_owned).collect()
+}
+
+/// Examples besides those that `determinism` runs, each with its machine.
+const MORE: [(&str, &str); 9] = [
+    ("fanuc/shaft-m24.nc", "small-lathe"),
+    ("mill/contour.ngc", "small-mill"),
+    ("positioner/points.toml", "positioner"),
+    ("shaft.ngc", "small-lathe"),
+    ("fanuc/taper-g32.nc", "small-lathe"),
+    ("fanuc/grooves-macro.nc", "small-lathe"),
+    ("mill/circle.ngc", "small-mill"),
+    ("positioner/cylinders.toml", "positioner"),
+    ("shape/contour.toml", "small-lathe"),
+];
+
+#[test]
+fn examples_are_the_same_again() {
+    let place = Place::new();
+    for (program, machine) in &MORE[..testing::count("PITCHLOCK_REPLAYS", 3).min(9) as usize] {
+        let machine = project().join("examples/machines").join(machine).with_extension("toml");
+        let machine = machine.display().to_string();
+        let program = project().join("examples").join(program);
+        run(&place, &program, "run", &["--in-process", "--machine", &machine]);
+        is_the_same_again(&place, "run");
+    }
+}
+
+#[test]
+fn seeds_of_the_soak_with_their_faults_are_the_same_again() {
+    let place = Place::new();
+    let (mut seeds, mut left) = (0.., testing::count("PITCHLOCK_REPLAYS", 4));
+    let mut over_processes = 0;
+    while left > 0 {
+        let seed = seeds.next().unwrap_or_default();
+        let (case, ran) = soak::driver::one(seed);
+        if case.events.is_empty() || ran.cycles > 60_000 {
+            continue;
+        }
+        left -= 1;
+        place.write("machine.toml", case.machine_file().expect("it can be written"));
+        place.write("scenario.toml", case.scenario());
+        let program = place.write("program.ngc", case.program());
+        let arguments = ["--machine", "machine.toml", "--scenario", "scenario.toml", "--seed"];
+        let plant_seed = case.plant_seed.to_string();
+        let arguments = [&arguments[..], &[&plant_seed]].concat();
+        run(&place, &program, "run", &[&arguments[..], &["--in-process"]].concat());
+        is_the_same_again(&place, "run");
+        // Over processes there is nobody who tampers with messages, and no time for who is frozen.
+        if !case.scenario().contains("packet =") && !case.scenario().contains("freeze =") {
+            run(&place, &program, "processes", &arguments);
+            is_the_same_again(&place, "processes");
+            over_processes += 1;
+        }
+    }
+    assert!(over_processes > 0, "none of them ran as processes");
+}
+
+const THREAD: &str = "G18 G21 G90 G8\nM3 S1500\nG0 X20 Z20\nG0 X9\nG33 Z-60 K2\nG0 X20\nG0 Z20\nM5\nM2\n";
+
+#[test]
+fn runs_in_which_a_process_dies_are_the_same_again() {
+    let place = Place::new();
+    let program = place.write("program.ngc", THREAD);
+    for fell in ["regulator-x:kill@5000", "interpolator:kill@5002", "interpreter:kill@3"] {
+        run(&place, &program, "run", &["--fell", fell]);
+        is_the_same_again(&place, "run");
+    }
+    // What the operator did came from outside, in a cycle that nobody foresaw.
+    let long = place.write("long.ngc", THREAD.replace("Z-60", "Z-160").replace("S1500", "S60"));
+    place.clear("run");
+    let mut command = place.pitchlock();
+    command.arg("run").arg(long).args(["--quiet", "--out", "run"]);
+    let mut launcher = command.spawn().expect("it starts");
+    runs(&place);
+    signal(launcher.id(), "INT");
+    assert!(ends(&mut launcher, 60.0), "it does not end");
+    is_the_same_again(&place, "run");
+    assert!(arrivals(&place, "run").iter().any(|line| line.ends_with(" operator 6")), "a stop, by its cycle");
+}
+
+#[test]
+fn a_run_in_real_time_is_the_same_again() {
+    let place = Place::new();
+    let text = "G18 G21 G90 G8 G94\nG0 X50 Z90\nG1 X49 F600\nG4 P1\nG1 X50 F600\nG4 P30\nM2\n";
+    place.write("machine.toml", slow_machine());
+    let program = place.write("program.ngc", text);
+    let mut command = place.pitchlock();
+    command.arg("run").arg(program).args(["--quiet", "--clock", "real", "--out", "run"]);
+    let mut launcher = command.args(["--machine", "machine.toml"]).spawn().expect("it starts");
+    runs(&place);
+    // Records that are lost, machine code that is not there, frames and commands that are late: then the
+    // operator ends it. Whatever came of it is the same again.
+    signal(launcher.id(), "STOP");
+    wait_s(5.0);
+    signal(launcher.id(), "CONT");
+    wait_s(0.5);
+    for (name, s) in [("interpreter", 0.1), ("interpolator", 0.006), ("regulator-z", 0.01)] {
+        let child = children(&launcher).into_iter().find(|(child, _)| child == name);
+        if let Some((_, pid)) = child {
+            signal(pid, "STOP");
+            wait_s(s);
+            signal(pid, "CONT");
+        }
+        wait_s(0.3);
+    }
+    signal(launcher.id(), "INT");
+    assert!(ends(&mut launcher, 60.0), "it does not end");
+    is_the_same_again(&place, "run");
+    let told = arrivals(&place, "run");
+    assert!(!told.is_empty(), "a regulator that stood for two cycles was late");
+    // What the recorder missed is counted, cycle by cycle.
+    let cycle =
+        |line: &String| line.split(' ').next().and_then(|cycle| cycle.parse::<u64>().ok()).unwrap_or(0);
+    let moments: Vec<u64> = told.iter().filter(|line| line.contains(" truth ")).map(cycle).collect();
+    let missed: u64 = moments.chunks(2).map(|gap| gap[1] - gap[0]).sum();
+    let summary = Summary::read(&place.at("run/summary.json")).expect("a run leaves a summary");
+    let truth = summary.channels.iter().find(|channel| channel.name == "truth").expect("it is counted");
+    assert_eq!(missed, truth.lost, "{told:?}");
+    let until = std::fs::read_to_string(place.at("run/arrivals.txt")).expect("it is there");
+    assert!(
+        until.contains(&format!("\nuntil {}\n", summary.cycles + missed)),
+        "every cycle is there or counted"
+    );
+}
+
+#[test]
+fn a_run_that_is_another_one_is_told_where_and_one_without_its_record_is_refused() {
+    let place = Place::new();
+    let program = place.write("program.ngc", THREAD);
+    let arguments = ["--in-process", "--out", "run"];
+    place.ask(&[&["run", &program.display().to_string(), "--quiet"], &arguments[..]].concat());
+    is_the_same_again(&place, "run");
+    let path = place.at("run/summary.json");
+    let summary = std::fs::read_to_string(&path).expect("it is there");
+    std::fs::write(&path, summary.replace("\"seed\": 1,", "\"seed\": 2,")).expect("room");
+    let other = place.ask(&["replay", "run"]);
+    assert_eq!(other.status, Some(1), "{}{}", other.stdout, other.stderr);
+    assert!(
+        other.stdout.contains("NOT the same") && other.stdout.contains("first in cycle 0, sim-plant, "),
+        "{}",
+        other.stdout
+    );
+    let path = place.at("run/arrivals.txt");
+    let text = std::fs::read_to_string(&path).expect("it is there");
+    let refused = |text: Option<String>, words: &str| {
+        text.map_or_else(|| std::fs::remove_file(&path), |text| std::fs::write(&path, text))
+            .expect("it is ours");
+        let answer = place.ask(&["replay", "run"]);
+        assert!(answer.status == Some(2) && answer.stderr.contains(words), "{words}: {}", answer.stderr);
+    };
+    refused(
+        Some(format!("{text}incomplete 3 of what interpolator told\n")),
+        "has a gap: 3 of what interpolator told",
+    );
+    refused(Some(format!("{text}12 drive-command/q due\n")), "line 4");
+    refused(None, "what reached its modules and when");
+}
+
+#[test]
+fn two_runs_are_compared_message_by_message() {
+    let place = Place::new();
+    let program = place.write("program.ngc", THREAD);
+    let scenario = "[[event]]\nat = { cycle = 3000 }\nspindle_override_pct = 90.0\n";
+    place.write("scenario.toml", scenario);
+    run(&place, &program, "one", &["--in-process"]);
+    run(&place, &program, "two", &[]);
+    run(&place, &program, "slower", &["--in-process", "--scenario", "scenario.toml"]);
+    let same = place.ask(&["diff", "one", "two"]);
+    assert_eq!(same.status, Some(0), "{}{}", same.stdout, same.stderr);
+    assert!(!place.at("diff.html").exists(), "nothing to draw");
+    let other = place.ask(&["diff", "one", "slower", "-o", "other.html"]);
+    assert_eq!(other.status, Some(1), "{}", other.stderr);
+    let words = "first in cycle 3000 (1.5000 s), sim-plant, truth: measurement.panel.spindle_override_pct\n  one: 100.0\n  slower: 90.0";
+    assert!(other.stdout.contains(words), "{}", other.stdout);
+    assert!(other.stdout.contains("that differ: scenario"), "{}", other.stdout);
+    let page: PathBuf = place.at("other.html");
+    let page = std::fs::read_to_string(page).expect("it is drawn");
+    assert!(
+        page.contains("<title>pitchlock: ") && page.contains("spindle_override_pct"),
+        "it shows the field"
+    );
+    let refused = place.ask(&["diff", "one", "slower", "-o", "program.ngc"]);
+    assert!(refused.status == Some(2) && refused.stderr.contains("is there already"), "{}", refused.stderr);
+}
