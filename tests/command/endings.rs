@@ -92,9 +92,8 @@ fn codes(summary: &Summary) -> Vec<(&str, &str)> {
 
 #[test]
 fn words_that_nobody_reads_hold_up_no_stop_and_no_death() {
-    for (what, outcome) in
-        [("TERM", Outcome::Stopped), ("regulator-x", Outcome::Faulted), ("launcher", Outcome::Faulted)]
-    {
+    let faulted = ["INT", "regulator-x", "launcher"].map(|what| (what, Outcome::Faulted));
+    for (what, outcome) in [("TERM", Outcome::Stopped)].into_iter().chain(faulted) {
         let place = Place::new();
         let (_unread, mut full) = std::io::pipe().expect("a pipe");
         full.write_all(&[b'x'; PIPE]).expect("it holds that much");
@@ -105,6 +104,11 @@ fn words_that_nobody_reads_hold_up_no_stop_and_no_death() {
         runs(&place);
         match what {
             "TERM" => signal(launcher.id(), "TERM"),
+            // Twice: an emergency stop.
+            "INT" => (0..2).for_each(|_| {
+                signal(launcher.id(), "INT");
+                wait_s(0.1);
+            }),
             "launcher" => signal(launcher.id(), "KILL"),
             name => signal(pid_of(&launcher, name), "KILL"),
         }
@@ -150,6 +154,25 @@ fn a_plant_that_died_is_named_though_a_signal_comes_then() {
     assert_eq!(codes(&summary).first(), Some(&("sim-plant", "process-died")), "{}", answer.stderr);
     let hung = summary.faults.iter().chain(&summary.warnings);
     assert!(hung.into_iter().any(|one| one.code == "process-frozen"), "the interpreter is named as well");
+}
+
+/// In lock step the machine waits for its recorder, and no cycle of it is another one.
+#[test]
+fn in_lock_step_a_launcher_that_stood_changes_no_cycle() {
+    let place = Place::new();
+    let text = "G18 G21 G90 G8\nM3 S300\nG0 X20 Z150\nG0 X9\nG33 Z-150 K2\nG0 X20\nM5\nM2\n";
+    let mut launcher = command(&place, text, machine::SMALL_LATHE).spawn().expect("it starts");
+    runs(&place);
+    signal(launcher.id(), "STOP");
+    wait_s(1.5);
+    signal(launcher.id(), "CONT");
+    assert!(ends(&mut launcher, 60.0), "it does not end");
+    let stood = summary(&place.at("run"));
+    let program = place.at("program.ngc");
+    let never =
+        place.run(&program, "never", &["--in-process", "--trace", "none", "--machine", "machine.toml"]);
+    assert_eq!((stood.trace_hash, stood.cycles), (never.trace_hash, never.cycles));
+    assert!(stood.channels.iter().all(|channel| channel.lost == 0), "{:?}", stood.channels);
 }
 
 #[test]

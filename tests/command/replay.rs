@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rig::observe::Summary;
 
 use crate::endings::{ends, runs, slow_machine};
-use crate::shop::{Answer, Place, children, project, signal, wait_s};
+use crate::shop::{Answer, Place, SCENARIOS, children, project, scenario, signal, wait_s};
 
 /// Makes the run of a folder again, which has to be the same.
 pub(crate) fn is_the_same_again(place: &Place, folder: &str) -> Answer {
@@ -42,18 +42,25 @@ const MORE: [(&str, &str); 9] = [
     ("fanuc/grooves-macro.nc", "small-lathe"),
     ("mill/circle.ngc", "small-mill"),
     ("positioner/cylinders.toml", "positioner"),
-    ("shape/contour.toml", "small-lathe"),
+    ("shape/contour.toml", "small-mill"),
 ];
 
 #[test]
 fn examples_are_the_same_again() {
     let place = Place::new();
-    for (program, machine) in &MORE[..testing::count("PITCHLOCK_REPLAYS", 3).min(9) as usize] {
+    let count = testing::count("PITCHLOCK_REPLAYS", 3).min(9) as usize;
+    for (program, machine) in &MORE[..count] {
         let machine = project().join("examples/machines").join(machine).with_extension("toml");
         let machine = machine.display().to_string();
         let program = project().join("examples").join(program);
-        run(&place, &program, "run", &["--in-process", "--machine", &machine]);
+        let arguments = ["--in-process", "--machine", &machine];
+        run(&place, &program, "run", &arguments);
         is_the_same_again(&place, "run");
+        for name in SCENARIOS.into_iter().filter(|_| count > 3) {
+            let scenario = scenario(name).display().to_string();
+            run(&place, &program, "run", &[&arguments[..], &["--scenario", &scenario]].concat());
+            is_the_same_again(&place, "run");
+        }
     }
 }
 

@@ -153,13 +153,30 @@ fn succeeds(mut child: Child) -> bool {
 
 #[test]
 fn three_processes_in_lock_step_lose_nothing() {
+    lock_step(false);
+}
+
+/// Whoever wakes a process for nothing makes it look, and that is all.
+#[test]
+fn forged_wake_ups_change_nothing() {
+    lock_step(true);
+}
+
+fn lock_step(forged: bool) {
     let mut space = NameSpace::create(&AXES).unwrap();
     let children = ["regulator-z", "sim-plant", "regulator-x"]
         .map(|name| spawn(name.trim_start_matches("sim-"), &space.address()));
     let all = [Process::Plant, Process::Regulator(Axis::X), Process::Regulator(Axis::Z)];
     until("everybody is connected", || present(&space.missing(&[]).unwrap(), &all));
     space.start().unwrap();
-    until("everybody has finished", || present(&space.unfinished().unwrap(), &all));
+    let wakers = all.map(|process| space.launcher().waker(process).unwrap());
+    let mut wakes = 0;
+    until("everybody has finished", || {
+        (0..if forged { 300 } else { 0 }).for_each(|_| wakers.iter().for_each(|waker| waker.wake().unwrap()));
+        wakes += 1;
+        present(&space.unfinished().unwrap(), &all)
+    });
+    assert!(wakes > 3, "they had no time to do harm");
     let counts = total(space.end().unwrap());
     assert!(children.into_iter().all(succeeds));
     let names: Vec<_> = counts.iter().map(|count| count.name.as_str()).collect();

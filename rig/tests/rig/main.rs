@@ -7,6 +7,7 @@ mod contour;
 mod corrections;
 mod gauge;
 mod held;
+mod hostile;
 mod journal;
 mod leaving;
 mod led;
