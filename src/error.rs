@@ -68,7 +68,9 @@ impl From<rig::observe::SummaryError> for CliError {
 impl From<report::ReportError> for CliError {
     fn from(error: report::ReportError) -> Self {
         match error {
-            report::ReportError::Summary(_) => CliError::Input(error.to_string()),
+            report::ReportError::Summary(_) | report::ReportError::Trace { .. } => {
+                CliError::Input(error.to_string())
+            }
             report::ReportError::Write { .. } => CliError::Machine(error.to_string()),
         }
     }

@@ -1,9 +1,11 @@
-//! Files that commands write where they are told to. Whoever is told the wrong name loses nothing: a file is
-//! replaced only if an earlier run of the same command made it, as its first bytes say. What is no file
-//! (`/dev/null`, a pipe) is written to.
+//! Files that commands write where they are told to. Whoever is told the wrong name loses nothing: a file
+//! is replaced only if an earlier run of the same command made it, as its first bytes say, and as a
+//! whole: it is written under another name and renamed. A pipe, which may have no reader, is refused;
+//! what the system has in `/dev` (`/dev/null`, `/dev/stdout`) is written to.
 
 use std::{
     io::{ErrorKind, Read},
+    os::unix::fs::FileTypeExt as _,
     path::Path,
 };
 
@@ -69,6 +71,7 @@ fn is_call(line: &str) -> bool {
 /// # Errors
 /// There is a file that the command has not made.
 pub(crate) fn free(path: &Path, made: Made) -> Result<(), CliError> {
+    no_pipe(path)?;
     let Ok(mut file) = intake::open(path) else { return Ok(()) };
     let mut head = Vec::new();
     let read = Read::by_ref(&mut file).take(HEAD).read_to_end(&mut head);
@@ -84,6 +87,7 @@ pub(crate) fn free(path: &Path, made: Made) -> Result<(), CliError> {
 /// # Errors
 /// There is another file.
 pub(crate) fn new_or(path: &Path, changed: Option<&Path>) -> Result<(), CliError> {
+    no_pipe(path)?;
     let is_file = path.metadata().is_ok_and(|found| found.is_file());
     let same = changed.is_some_and(
         |changed| matches!((path.canonicalize(), changed.canonicalize()), (Ok(a), Ok(b)) if a == b),
@@ -118,7 +122,31 @@ pub(crate) fn empty(path: &Path) -> Result<(), CliError> {
 /// It may not be, or cannot.
 pub(crate) fn write(path: &Path, made: Made, content: impl AsRef<[u8]>) -> Result<(), CliError> {
     free(path, made)?;
-    std::fs::write(path, content).map_err(|error| CliError::file(path, error))
+    put(path, content)
+}
+
+/// Writes what may be written: a file as a whole.
+///
+/// # Errors
+/// It cannot be written; what was there is as it was.
+pub(crate) fn put(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
+    let of_system = path.starts_with("/dev") || path.metadata().is_ok_and(|found| !found.is_file());
+    let wrote = match of_system {
+        true => std::fs::write(path, content),
+        false => intake::prepare(path, content.as_ref()).and_then(intake::Prepared::put),
+    };
+    wrote.map_err(|error| CliError::file(path, error))
+}
+
+/// Refuses what would be waited for until somebody reads it.
+fn no_pipe(path: &Path) -> Result<(), CliError> {
+    let waits = |kind: std::fs::FileType| kind.is_fifo() || kind.is_socket();
+    match path.metadata() {
+        Ok(found) if waits(found.file_type()) && !path.starts_with("/dev") => {
+            Err(CliError::file(path, "is a pipe, which may have no reader: name a file, or /dev/stdout"))
+        }
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]

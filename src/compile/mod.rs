@@ -60,9 +60,8 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
     let items: Vec<Item> = items.collect::<Result<_, _>>().map_err(CliError::Input)?;
     let file = CodeFile::new(&name, &machine.identity(), items);
     let mut bytes = Vec::new();
-    file.write(&mut bytes)
-        .and_then(|()| Ok(std::fs::write(&args.out, &bytes)?))
-        .map_err(|error| CliError::file(&args.out, error))?;
+    file.write(&mut bytes).map_err(|error| CliError::file(&args.out, error))?;
+    written::put(&args.out, &bytes)?;
     drop(compiling);
     screen::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
     let lines = match &args.g1 {

@@ -102,7 +102,7 @@ pub(crate) fn tune(args: &TuneArgs, quiet: bool) -> Result<ExitCode, CliError> {
         if Machine::from_toml(&edited).ok().as_ref() != Some(&proposed) {
             return Err(CliError::Machine(format!("{}: the proposal cannot be written", path.display())));
         }
-        std::fs::write(path, edited).map_err(|error| CliError::file(path, error))?;
+        written::put(path, edited)?;
     }
     let found = Found { machine, proposed, tuned, trial, goals, rpm: args.rpm, seed: args.seed };
     if let Some(path) = &args.page {

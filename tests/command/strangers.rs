@@ -63,6 +63,40 @@ fn what_is_no_file_is_refused_instead_of_waited_for() {
 }
 
 #[test]
+fn a_pipe_is_named_where_a_subroutine_or_a_trace_is_asked_for_and_where_a_file_is_written() {
+    let place = Place::new();
+    let pipe = |name: &str| {
+        assert!(Command::new("mkfifo").arg(place.at(name)).status().expect("mkfifo").success());
+    };
+    let says = |words: &[&str], status: Option<i32>| {
+        let answer = place.ask(words);
+        assert!(answer.stderr.contains("is a pipe"), "{words:?}: {}", answer.stderr);
+        assert_eq!(answer.status, status, "{words:?}: {}", answer.stderr);
+    };
+    place.write("short.ngc", SHORT);
+    place.write("calls.nc", "O1000\nM98 P1001\nM30\n%\n");
+    pipe("O1001.nc");
+    says(&["check", "calls.nc", "--dialect", "fanuc"], Some(2));
+    pipe("out.mc");
+    says(&["compile", "short.ngc", "-o", "out.mc"], Some(2));
+    says(&["tune", "--axis", "z", "-o", "out.mc"], Some(2));
+    says(&["canon", "short.ngc", "out.mc"], Some(2));
+    let run = place.ask(&["run", "short.ngc", "--in-process", "--quiet", "--trace", "none", "--out", "run"]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    pipe("run/trace.csv");
+    says(&["report", "run"], Some(2));
+    // A file is replaced as a whole, also through a link.
+    std::os::unix::fs::symlink("code.mc", place.at("link.mc")).expect("a link");
+    for out in ["code.mc", "link.mc"] {
+        let made = place.ask(&["compile", "short.ngc", "-o", out]);
+        assert_eq!(made.status, Some(0), "{}", made.stderr);
+    }
+    assert!(fs::symlink_metadata(place.at("link.mc")).is_ok_and(|found| found.is_symlink()));
+    let left = fs::read_dir(place.path()).expect("it is ours").flatten();
+    assert!(!left.into_iter().any(|entry| entry.file_name().to_string_lossy().ends_with(".new")));
+}
+
+#[test]
 fn a_file_that_is_too_long_is_refused_by_its_length() {
     let place = Place::new();
     place.write("short.ngc", SHORT);

@@ -2,7 +2,7 @@
 //! in whichever file the program is.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::source::{Line, Mark, Source};
@@ -90,7 +90,7 @@ impl Files {
         for path in self.candidates(stem) {
             match intake::open(&path) {
                 Ok(file) => return self.load(&path, file).map(Some),
-                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) if error.kind() == ErrorKind::NotFound => {}
                 Err(error) => return Err(unreadable(&path, &error)),
             }
         }
@@ -102,12 +102,15 @@ impl Files {
     /// # Errors
     /// It cannot be read, or is too large.
     pub(crate) fn open_file(&mut self, name: &str) -> Result<Option<usize>, Box<Problem>> {
-        let Some(path) = self.folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file())
-        else {
-            return Ok(None);
-        };
-        let file = intake::open(&path).map_err(|error| unreadable(&path, &error))?;
-        self.load(&path, file).map(Some)
+        let paths: Vec<PathBuf> = self.folders.iter().map(|folder| folder.join(name)).collect();
+        for path in paths {
+            match intake::open(&path) {
+                Ok(file) => return self.load(&path, file).map(Some),
+                Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::IsADirectory) => {}
+                Err(error) => return Err(unreadable(&path, &error)),
+            }
+        }
+        Ok(None)
     }
 
     /// The files that are looked for: none for names that would lead out of the folders.

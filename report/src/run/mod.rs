@@ -40,6 +40,14 @@ pub enum ReportError {
     /// The summary cannot be read: is this a run folder?
     #[error("{0}; a run folder is what `pitchlock run` writes")]
     Summary(#[from] SummaryError),
+    /// What has the name of the trace is no file.
+    #[error("{path}: {reason}")]
+    Trace {
+        /// Its name.
+        path: String,
+        /// What it is instead.
+        reason: std::io::Error,
+    },
     /// The report cannot be written.
     #[error("{path}: {reason}")]
     Write {
@@ -77,6 +85,10 @@ struct Drawn {
 /// [`ReportError`] names the file.
 pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     let summary = Summary::read(&run_dir.join("summary.json"))?;
+    if let Some(path) = trace::find(run_dir) {
+        let refused = |reason| ReportError::Trace { path: path.display().to_string(), reason };
+        intake::open(&path).map_err(refused)?;
+    }
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
     let program = program
         .and_then(|path| intake::bytes(&path, intake::SHOWN).ok())
