@@ -16,6 +16,7 @@ mod journal;
 mod lsp;
 mod offsets;
 mod program;
+mod repeated;
 mod replay;
 mod report;
 mod resolution;

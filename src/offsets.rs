@@ -259,6 +259,12 @@ impl Table {
                 }
                 Target::Tool(number) => {
                     let tool = self.tools.as_ref().and_then(|(_, table)| table.find(number));
+                    if add && tool.is_none() && self.tools.is_some() {
+                        let text = format!(
+                            "T{number} is not in the tool table: there is nothing to add to; leave out --add to enter it"
+                        );
+                        return Err(CliError::Input(text));
+                    }
                     let before = tool.map_or(0.0, |tool| word(tool, letter));
                     words.push((number, letter, if add { before + value } else { value }));
                 }

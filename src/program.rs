@@ -12,7 +12,7 @@ use protocol::{
 use rig::observe::{GaugeAsked, Message, Observer, ProgramWarning, Watch};
 use route::{Course, Route};
 
-use crate::{error::CliError, screen, words::Phase};
+use crate::{error::CliError, repeated, screen, words::Phase};
 
 /// A program that was read.
 pub(crate) struct Program {
@@ -87,6 +87,7 @@ impl Program {
                 watched.push(item);
             }
         });
+        repeated::once_each(&mut check.diagnostics);
         if language.strict {
             check.diagnostics.iter_mut().for_each(|diagnostic| diagnostic.severity = Severity::Error);
         }

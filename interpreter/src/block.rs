@@ -36,6 +36,7 @@ pub(crate) struct Block {
     /// Row by row, Y rising.
     heights_mm: Vec<f64>,
     warnings: u32,
+    known: bool,
 }
 
 impl Block {
@@ -46,7 +47,7 @@ impl Block {
         let cell_mm = (sides[0].max(sides[1]) / CELLS).max(LEAST_MM);
         let size = sides.map(|side| (side / cell_mm) as usize + 1);
         let heights_mm = vec![high_mm[2]; size[0] * size[1]];
-        Block { corners, cell_mm, size, heights_mm, warnings: 0 }
+        Block { corners, cell_mm, size, heights_mm, warnings: 0, known: true }
     }
 
     /// Takes a straight move of a tool of this radius; a warning if it should not be.
@@ -90,6 +91,12 @@ impl Block {
     /// Nobody knows what is left from here on.
     pub(crate) fn forget(&mut self) {
         self.heights_mm.fill(f64::NEG_INFINITY);
+        self.known = false;
+    }
+
+    /// Whether what is left is known.
+    pub(crate) fn is_known(&self) -> bool {
+        self.known
     }
 
     /// Places of a line, half a cell apart.

@@ -126,6 +126,9 @@ pub fn check_while(
     if clock.seconds() > LONGEST_S {
         check.diagnostics.push(interpreter.endless());
     }
+    if check.is_good() {
+        check.diagnostics.extend(interpreter.ungauged());
+    }
     // What is an error is not warned of as well.
     let place = |found: &Diagnostic| (found.file.clone(), found.line, found.column);
     let wrong: BTreeSet<_> = check.diagnostics.iter().map(place).collect();

@@ -171,6 +171,12 @@ impl Interpreter {
         self.program.diagnose(place, *Problem::error("endless-program", Blame::Block, message, help))
     }
 
+    /// What to say of a gauge that is asked for where no thread was cut.
+    pub(crate) fn ungauged(&mut self) -> Option<Diagnostic> {
+        let (place, problem) = self.translator.gauged().misses(self.translator.place())?;
+        Some(self.program.diagnose(place, *problem))
+    }
+
     /// What to say of a trace that cannot be followed to its end.
     pub(crate) fn untraceable(&mut self, line: u32, reason: &Unworkable) -> Diagnostic {
         let place = Place { line, ..self.translator.place() };

@@ -40,8 +40,9 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
         | Call::EnableSpeedOverride(false)
         | Call::EnableFeedHold(false)
         | Call::EnableAdaptiveFeed(true) => {
-            let help = "leave M49 to M53 out; the operator's overrides always count (also in G74 and G84)";
-            Err(missing("switching overrides and hold on and off", help))
+            let help =
+                "mill or turn the thread; leave M49 to M53 out: the operator's overrides always count here";
+            Err(missing("taps (G74, G84), and overrides or hold switched off (M49 to M53)", help))
         }
         Call::SetPlannerMode(_) => {
             let help =

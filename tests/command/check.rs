@@ -75,3 +75,26 @@ fn what_is_an_error_is_told_once() {
     let answer = place.ask(&["check", "tool.ngc", "--tools", "tool.tbl"]);
     assert!(answer.stdout.starts_with("1 error, 0 warnings"), "{}{}", answer.stdout, answer.stderr);
 }
+
+/// What one forgotten word makes of every block behind it is told once, with how often.
+#[test]
+fn what_follows_from_one_cause_is_told_once_with_its_count() {
+    let place = Place::new();
+    place.write(
+        "a.ngc",
+        "G18 G8 G21\nG0 X12 Z5\nG33 Z-10 K1\nG33 Z-12 K1\nG33 Z-14 K1\nG90 G91 G0 X10\nG90 G91 G0 X11\nM2\n",
+    );
+    let answer = place.ask(&["check", "a.ngc"]);
+    assert!(answer.stdout.starts_with("2 errors, "), "{}", answer.stdout);
+    assert!(
+        answer.stderr.contains("which is not turning (and 2 times more, up to line 5)"),
+        "{}",
+        answer.stderr
+    );
+    assert!(answer.stderr.contains("in one block (and again in line 7)"), "{}", answer.stderr);
+    let thread = "G76 P010060 Q20 R0.02\nG76 X20. Z-20. P900 Q200 F2.\nG92 X21. Z-20. F2.\nX20.8\nX20.6\n";
+    place.write("b.nc", format!("%\nO1\nG50 S2000\nG96 S60 M03\nG00 X24. Z8.\n{thread}M30\n"));
+    let answer = place.ask(&["check", "b.nc"]);
+    assert_eq!(answer.stderr.matches("constant-surface-thread").count(), 1, "{}", answer.stderr);
+    assert!(answer.stderr.contains("(and 3 times more, up to line 10)"), "{}", answer.stderr);
+}

@@ -148,6 +148,12 @@ fn offsets_are_listed_set_and_loaded() {
         assert_eq!((answer.status, answer.stderr.as_str()), (Some(0), ""));
     }
     assert_eq!(offsets(&["set", "T1", "--add", "X-0.02"]).status, Some(0));
+    let answer = offsets(&["set", "T7", "--add", "X-0.02"]);
+    assert!(
+        answer.status == Some(2) && answer.stderr.contains("T7 is not in the tool table"),
+        "{}",
+        answer.stderr
+    );
     let var = "; zero of the chuck\n31\t0.0\n5221\t0.500000\n5223  -100.5   (face)\n5383\t-2.250000\n5390\t30.000000\n";
     assert_eq!(read("shop/lathe.var"), var);
     assert_eq!(read("shop/tool.tbl"), "T1 P1 Z25 D0.8 Q2 X-0.04 ;rough\n");

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use machine::SMALL_MILL;
 use rig::observe::Summary;
 
 use crate::shop::{Place, project};
@@ -121,4 +122,25 @@ fn the_block_of_a_mill_is_warned_of_and_drawn() {
     let answer = place.ask(&["check", "part.ngc", "--machine", &machine, "--tools", "tools.tbl"]);
     assert_eq!(answer.status, Some(2), "{}", answer.stderr);
     assert!(answer.stderr.contains("a mill cuts a block and nothing else"), "{}", answer.stderr);
+}
+
+/// A tool of which nobody said how wide it is: what is left of the block is not known, and that is said once.
+#[test]
+fn a_tool_without_a_width_is_told_where_the_part_is_lost_sight_of() {
+    let place = Place::new();
+    place.write("mill.toml", SMALL_MILL);
+    let cuts = "G01 Z-2. F100.\nX20.\nG00 Z5.\nT88 M06\nG01 Z-2.\nG00 X0.\nM30\n";
+    place.write(
+        "part.nc",
+        format!(
+            "%\nO1000\n(part, block X0 Y0 Z-10 X50 Y40 Z0)\nT77 M06\nS1000 M03\nG00 X10. Y10. Z5.\n{cuts}"
+        ),
+    );
+    let answer = place.ask(&["check", "part.nc", "--machine", "mill.toml"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    assert_eq!(answer.stderr.matches("[stock-unknown]").count(), 1, "{}", answer.stderr);
+    assert!(answer.stderr.contains("part.nc:7:1: warning[stock-unknown]: nobody said how wide tool 77 is"));
+    place.write("tool.tbl", "T77 P77 D6\nT88 P88 D6\n");
+    let answer = place.ask(&["check", "part.nc", "--machine", "mill.toml", "--tools", "tool.tbl"]);
+    assert!(answer.stderr.contains("part.nc:12:1: warning[rapid-in-stock]"), "{}", answer.stderr);
 }

@@ -90,7 +90,19 @@ impl Control {
             }
         };
         let (first, last) = (number('P')?, number('Q')?);
-        let begin = self.flow.label(first)?;
+        let missing = |letter, message| {
+            let help = format!(
+                "{letter} of {code} is the N of the {} block",
+                if letter == 'P' { "first" } else { "last" }
+            );
+            Problem::error("bad-contour", Blame::Word(letter), message, help)
+        };
+        let nowhere = |_| missing('P', format!("no block of this program has N{first}"));
+        let begin = self.flow.label(first).map_err(nowhere)?;
+        if !self.flow.is_behind(begin, last)? {
+            let message = format!("no block has N{last} behind N{first}: P and Q do not name one contour");
+            return Err(missing('Q', message));
+        }
         Ok(Range { first, last, begin })
     }
 

@@ -142,6 +142,11 @@ impl Flow {
         })
     }
 
+    /// Whether a line with this N stands at a place or behind it.
+    pub(super) fn is_behind(&mut self, place: Mark, label: u32) -> Result<bool, Box<Problem>> {
+        Ok(self.search(place, None, Wanted::Label(label))?.is_some())
+    }
+
     /// WHILE and DO, at the line that begins at `at`: enters the loop or goes after its end.
     ///
     /// # Errors

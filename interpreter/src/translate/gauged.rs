@@ -43,7 +43,7 @@ struct Kind {
 pub(crate) struct Gauged {
     /// Asked for with the run: the program is not asked then.
     asked: Option<Nominal>,
-    said: Option<Nominal>,
+    said: Option<(Nominal, Place)>,
     kinds: Vec<Kind>,
 }
 
@@ -55,11 +55,11 @@ impl Gauged {
 
     /// What will judge.
     pub(crate) fn nominal(&self) -> Option<&Nominal> {
-        self.asked.as_ref().or(self.said.as_ref())
+        self.asked.as_ref().or(self.said.as_ref().map(|(nominal, _)| nominal))
     }
 
     /// A comment may name the thread.
-    fn comment(&mut self, text: &str) -> Done {
+    fn comment(&mut self, text: &str, place: Place) -> Done {
         let text = text.trim();
         let ends = |c: char| !(c.is_alphanumeric() || c == '_');
         let (word, rest) = text.split_at(text.find(ends).unwrap_or(text.len()));
@@ -83,13 +83,13 @@ impl Gauged {
         let named = name.trim().parse::<Nominal>();
         let nominal = named.map_err(|misread| wrong(misread.message, &misread.help))?;
         match &self.said {
-            Some(before) if *before != nominal => {
+            Some((before, _)) if *before != nominal => {
                 let message = format!("the thread is {} here, and {} before", nominal.name, before.name);
                 let help = "name one thread: a gauge judges all passes of a program as one thread";
                 Err(wrong(message, help))
             }
             _ => {
-                self.said = Some(nominal);
+                self.said.get_or_insert((nominal, place));
                 Ok(())
             }
         }
@@ -105,6 +105,15 @@ impl Gauged {
             Some(kind) => _ = kind.starts.insert(pass.start),
             None => self.kinds.push(Kind { place, lead_mm, grows, side, starts: [pass.start].into() }),
         }
+    }
+
+    /// No thread was cut, though one is to be judged. `end`: where the program ends.
+    pub(crate) fn misses(&self, end: Place) -> Option<(Place, Box<Problem>)> {
+        let nominal = self.nominal().filter(|_| self.kinds.is_empty())?;
+        let place = self.said.as_ref().filter(|_| self.asked.is_none()).map_or(end, |(_, place)| *place);
+        let message = format!("a gauge is asked for {}, and the program cuts no thread", nominal.name);
+        let help = "cut it by G33, G32, G76 or G92, or leave out (thread, ...) and --gauge";
+        Some((place, Problem::warning("gauge-differs", Blame::Line(place.line), message, help)))
     }
 
     /// What the passes have that the thread does not have.
@@ -165,7 +174,7 @@ impl Translator {
         if self.machine.general.kinematics != Kinematics::Lathe {
             return Ok(());
         }
-        self.gauged.comment(text)
+        self.gauged.comment(text, self.place())
     }
 
     /// A pass was programmed where the part lay at `origin`.

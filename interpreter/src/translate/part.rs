@@ -115,10 +115,22 @@ impl Translator {
     /// left.
     fn block_sees_way(&mut self, place: Place, way: &[PerAxis<Position>], goes: Goes) {
         let Some(block) = &mut self.block else { return };
+        if !block.is_known() {
+            return;
+        }
         let frame = &self.modal.frame;
         let turned = [Axis::A, Axis::B, Axis::C].map(|axis| way.iter().any(|at| at[axis.index()].0 != 0));
         if frame.rotation_deg != 0.0 || turned.contains(&true) {
-            return block.forget();
+            block.forget();
+            let why = "the coordinates are turned here";
+            return self.output.report(
+                place,
+                *unknown(
+                    place,
+                    why,
+                    "what follows is not looked at: watch it in the report, or leave out the rotation",
+                ),
+            );
         }
         let number = self.auxiliary.tool();
         let width = number.and_then(|number| self.machine.tool(number)?.width_mm);
@@ -134,6 +146,12 @@ impl Translator {
                 self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
             }
         }
+        if !block.is_known() {
+            let tool = number.map_or("the tool".into(), |number| format!("tool {number}"));
+            let help = "give D in the tool table (--tools FILE), or width_mm in [tools] of the machine file";
+            let why = format!("nobody said how wide {tool} is");
+            self.output.report(place, *unknown(place, &why, help));
+        }
     }
 
     /// A pass of a thread, programmed where the part lay at `origin`.
@@ -145,4 +163,11 @@ impl Translator {
             self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
         }
     }
+}
+
+/// Nothing is warned of from here on, and why.
+fn unknown(place: Place, why: &str, help: &str) -> Box<Problem> {
+    let message =
+        format!("{why}: from here on it is not known what is left of the part, and nothing warns of it");
+    Problem::warning("stock-unknown", Blame::Line(place.line), message, help)
 }

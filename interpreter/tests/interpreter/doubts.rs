@@ -132,6 +132,15 @@ fn starts_and_infeed_along_a_flank_are_not_beside_a_groove() {
 }
 
 #[test]
+fn a_gauge_without_a_thread_is_warned_of_where_it_is_asked_for() {
+    let text = "G21\n(thread, M20x2-6g)\nG0 X30 Z5\nM2\n";
+    assert_eq!(said(text), [(2, "gauge-differs")]);
+    assert!(message(text).contains("for M20x2-6g, and the program cuts no thread"), "{}", message(text));
+    let wrong = "(thread, M20x2-6g)\nG18 G0 X12 Z5\nG33 Z-30 K2\nM2\n";
+    assert_eq!(said(wrong), [(3, "spindle-not-turning")], "one that could not be cut is not missed");
+}
+
+#[test]
 fn a_comment_that_means_a_gauge_is_not_passed_over() {
     for (comment, says) in [
         ("(thread M20x2-6g)", "a comma is missing behind thread"),

@@ -269,3 +269,12 @@ fn a_spline_beyond_the_travel_is_refused_once() {
     let text = "G17 F300 S500 M3\nG0 X190 Y0\nG5.1 X190 Y40 I30 J20\nM2\n";
     assert_eq!(errors(&mill(), text), [(3, "travel-limit")]);
 }
+
+/// G84 switches the overrides off: what is missing is named by what the program says.
+#[test]
+fn a_tap_is_refused_as_a_tap() {
+    let program = "T1 M6\nS500 M3 F500\nG0 X1 Y1 Z-5\nG84 X1 Y1 Z-15 R-8\nM2\n";
+    let found = check("test.ngc", program, &mill()).diagnostics;
+    let said = found.iter().find(|one| one.code == "not-available").expect("it is refused");
+    assert!(said.line == 4 && said.message.starts_with("taps (G74, G84)"), "{}", said.message);
+}

@@ -111,9 +111,12 @@ fn a_mill_is_warned_of_what_goes_into_its_block() {
         ("T1 M6\nS3000 M3\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![("rapid-in-stock", 6)]),
         ("T1 M6\nG0 X-10 Y10 Z5\nG0 Z-1\nG1 X60\n", vec![("cut-at-rest", 6)]),
         ("T1 M6\nG0 X-3 Y-20 Z5\nG0 Z-4\nG1 Y60\n", vec![("cut-at-rest", 6)]),
-        ("T2 M6\nG0 X10 Y10 Z5\nG1 Z-1\nG0 Z5\nG0 X20\nG0 Z-5\n", vec![("cut-at-rest", 5)]),
+        (
+            "T2 M6\nG0 X10 Y10 Z5\nG1 Z-1\nG0 Z5\nG0 X20\nG0 Z-5\n",
+            vec![("cut-at-rest", 5), ("stock-unknown", 5)],
+        ),
         ("G54\nG10 L2 P1 X-30 Y-30 Z0\nT1 M6\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![("rapid-in-stock", 7)]),
-        ("G10 L2 P1 R30\nT1 M6\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![]),
+        ("G10 L2 P1 R30\nT1 M6\nG0 X10 Y10 Z5\nG0 Z-1\n", vec![("stock-unknown", 5)]),
     ] {
         assert_eq!(milled(&format!("{BLOCK}{program}")), expected, "{program}");
     }

@@ -173,8 +173,8 @@ fn contours_with_variables() {
 fn cycles_that_make_no_sense_are_refused() {
     let errors = |text: &str| errors(&format!("S500 M03\nG00 X42. Z2.\n{text}"));
     assert_eq!(errors("G71 P10 Q20 U1. F0.3\nN10 G00 X20.\nN20 G01 Z-9."), [(3, "missing-word")]);
-    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 U1. F0.3"), [(4, "unknown-label")]);
-    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9."), [(7, "bad-contour")]);
+    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 U1. F0.3"), [(4, "bad-contour")]);
+    assert_eq!(errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9."), [(4, "bad-contour")]);
     assert_eq!(
         errors("G71 U2. R1.\nG71 P10 Q20 F0.3\nN10 G00 X20.\nG01 Z-9.\nZ-5.\nN20 X42."),
         [(4, "bad-contour")]
@@ -241,4 +241,20 @@ fn g28_alone_sends_both_axes_home() {
     let start = "S500 M03\nG00 X42. Z2.\n";
     assert_eq!(moves(&format!("{start}G28")), moves(&format!("{start}G28 U0. W0.")));
     assert_eq!(moves(&format!("{start}G30")), moves(&format!("{start}G30 U0. W0.")));
+}
+
+/// The line to mend is that of the cycle, not one that stands behind the contour.
+#[test]
+fn p_and_q_that_name_no_contour_are_told_at_the_cycle() {
+    let contour = "N10 G00 X20.\nN20 G01 Z-5. F0.2\nG00 X60.\n";
+    for (cycle, line, says) in [
+        ("G71 U1. R0.5\nG71 P10 Q99 U0.2 F0.2\n", 4, "no block has N99 behind N10"),
+        ("G70 P20 Q10\n", 3, "no block has N10 behind N20"),
+        ("G71 U1. R0.5\nG71 P15 Q20 U0.2 F0.2\n", 4, "no block of this program has N15"),
+    ] {
+        let found = outcome(&format!("G97 S800 M03\nG00 X50. Z2.\n{cycle}{contour}G70 P10 Q20\nM30\n"));
+        let said: Vec<_> = found.errors.iter().map(|one| (one.line, one.code)).collect();
+        assert_eq!(said, [(line, "bad-contour")], "{cycle}");
+        assert!(found.errors[0].message.contains(says), "{}", found.errors[0].message);
+    }
 }

@@ -1,0 +1,35 @@
+//! What follows from one cause is told once, at its first line, with how often it comes. In: diagnostics in
+//! the order of their lines. Out: fewer of them. Editors get them all: each marks its line.
+
+use interpreter::Diagnostic;
+
+/// They come again in every block until the spindle is told something else.
+const OF_THE_SPINDLE: [&str; 2] = ["spindle-not-turning", "constant-surface-thread"];
+
+/// Whether the second says the same as the first.
+fn is_same(first: &Diagnostic, second: &Diagnostic) -> bool {
+    let alike = OF_THE_SPINDLE.contains(&first.code)
+        || first.code == "modal-group" && first.message == second.message;
+    alike
+        && (&first.file, first.code, first.severity) == (&second.file, second.code, second.severity)
+        && first.line < second.line
+}
+
+/// Leaves the first of each.
+pub(crate) fn once_each(diagnostics: &mut Vec<Diagnostic>) {
+    let mut told: Vec<(Diagnostic, u32, u32)> = Vec::new();
+    for next in diagnostics.drain(..) {
+        match told.iter_mut().find(|(first, ..)| is_same(first, &next)) {
+            Some((_, more, last)) => (*more, *last) = (*more + 1, next.line),
+            None => told.push((next, 0, 0)),
+        }
+    }
+    diagnostics.extend(told.into_iter().map(|(mut first, more, last)| {
+        match more {
+            0 => {}
+            1 => first.message += &format!(" (and again in line {last})"),
+            _ => first.message += &format!(" (and {more} times more, up to line {last})"),
+        }
+        first
+    }));
+}
