@@ -141,6 +141,7 @@ fn without_comments(line: &[u8], bare: &mut Vec<u8>) {
         from += 1;
         from += bare[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     }
+    from += usize::from(bare.starts_with(b"%o"));
     bare.drain(..from);
 }
 
@@ -212,6 +213,7 @@ mod tests {
             "G97 S800 M03\nG92 X22.9 Z-18. F1.5",
             "G00 X32. Z5.\nG90 X28. Z-20. F0.2",
             "G76 P021060 Q50 R0.03",
+            "%O1200 (A PART)\nG90 G95",
         ];
         let linuxcnc = [
             "o100 sub\n",

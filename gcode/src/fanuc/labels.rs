@@ -52,6 +52,14 @@ impl Heading {
     }
 }
 
+/// `%O1200`: some controls write the sign that begins a tape in front of the number of the program.
+pub(super) fn leader(line: u32, cursor: &mut Cursor) {
+    let mut ahead = cursor.clone();
+    if line == 1 && ahead.take_if(b'%') && matches!(ahead.peek(), Some(b'o' | b':')) {
+        cursor.skip();
+    }
+}
+
 /// N and its digits; the cursor is at N.
 pub(super) fn sequence_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Problem>> {
     let start = cursor.mark();

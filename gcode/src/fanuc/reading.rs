@@ -9,7 +9,7 @@
 //! ```
 
 use super::expression::Values;
-use super::labels::{loop_number, program_number, sequence_number};
+use super::labels::{self, loop_number, program_number, sequence_number};
 use super::line::{Idle, Kind, Line, Statement};
 use super::variables::Variables;
 use super::{codes, mill};
@@ -63,6 +63,7 @@ impl Reading<'_> {
     ) -> Result<Statement, Box<Problem>> {
         line.clear(file, number, self.state.units.program());
         let mut cursor = Cursor::new(self.text);
+        labels::leader(number, &mut cursor);
         let optional = self.optional(&mut cursor)?;
         if cursor.peek() == Some(b'n') {
             let (number, digits) = sequence_number(&mut cursor)?;

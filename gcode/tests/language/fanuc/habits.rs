@@ -112,3 +112,12 @@ fn g70_may_have_the_words_of_its_roughing() {
     assert!(outcome.warnings.iter().any(|warning| (warning.line, warning.code) == (7, "no-effect")));
     assert_eq!(errors(&format!("{start}G70 P10 Q30 R1.")), [(7, "unused-word")]);
 }
+
+/// The beginning of an NCT program: the sign of the tape and the number of the program in one line.
+#[test]
+fn the_sign_of_the_tape_may_stand_in_front_of_the_number() {
+    let found = outcome("%O1200 (A PART)\nG00 X40. Z2.\nM30\n%\n");
+    assert!(found.errors.is_empty(), "{:?}", found.errors);
+    assert_eq!(found.sink.moves, ["G0 20 2"]);
+    assert_eq!(outcome("G00 X40. Z2.\n%O1200\nM30\n").errors.len(), 1, "and nowhere else");
+}
