@@ -18,6 +18,7 @@ use metrology::Thread;
 use protocol::CodePacket;
 use protocol::code_file::{CodeFile, VERSION};
 use rig::observe::Summary;
+use rig::replay::Arrivals;
 use shape::{Formula, Gradient, Number, Series};
 use sim_plant::{Plant, Scenario};
 
@@ -189,6 +190,18 @@ pub fn summary(bytes: &[u8]) {
     if let Ok(summary) = serde_json::from_slice::<Summary>(bytes) {
         let text = serde_json::to_string(&summary).expect("it can be written");
         assert!(serde_json::from_str::<Summary>(&text).is_ok(), "{text}");
+    }
+}
+
+/// The bytes as the arrivals of a run: refused by a line, or written and read again as the same.
+pub fn arrivals(bytes: &[u8]) {
+    let Ok(text) = str::from_utf8(bytes) else { return };
+    match Arrivals::from_text(text) {
+        Ok(arrivals) if arrivals.gap.is_none() => {
+            assert_eq!(Arrivals::from_text(&arrivals.text()).as_ref(), Ok(&arrivals));
+        }
+        Ok(_) => {}
+        Err(refused) => assert!(refused.starts_with("line "), "{refused}"),
     }
 }
 

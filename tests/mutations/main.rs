@@ -355,6 +355,13 @@ fn summary() {
     mutate(targets::summary, &summaries());
 }
 
+#[test]
+fn arrivals() {
+    let text = "pitchlock arrivals 1\nmachine processes\nuntil 12345\n5004 drive-command/x 5003\n\
+                5005 drive-command/x due\n7000 operator 6\n7100 axis-status/interpolator/z nothing\n";
+    mutate(targets::arrivals, &[text.as_bytes().to_vec()]);
+}
+
 /// A queue takes packets in the tick of the interpolator.
 #[test]
 fn reading_a_packet_allocates_nothing() {
