@@ -78,13 +78,15 @@ impl Recorder {
     /// Ends the recording; and why there is no trace of all of it, if there is none.
     pub(crate) fn finish(self, program: &str, clock: Clock) -> Recorded {
         self.progress.finish();
-        let finished = self.trace.map_or(Ok(()), TraceWriter::finish);
+        let finished = self.trace.map(TraceWriter::finish).transpose();
+        let (hash, unfinished) = finished.map_or_else(|error| (None, Some(error)), |hash| (hash, None));
         let unwritten = self.journal.finish().err();
         let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));
         let kept = intake::replace(&self.kept, self.arrivals.finish().text().as_bytes());
         let kept = kept.map_err(|error| CliError::file(&self.kept, error)).err();
-        let failed = self.failed.or(finished.err().map(CliError::from)).or(unwritten).or(kept);
-        (self.observer.finish().summary(program, clock_name(clock)), failed)
+        let failed = self.failed.or(unfinished.map(CliError::from)).or(unwritten).or(kept);
+        let summary = self.observer.finish().summary(program, clock_name(clock));
+        (Summary { trace_file_hash: hash, ..summary }, failed)
     }
 }
 

@@ -26,6 +26,23 @@ fn tools(place: &Place, out: &str) -> String {
 }
 
 #[test]
+fn the_trace_of_another_run_is_not_drawn() {
+    let place = Place::new();
+    let program = place.write("short.ngc", "G18 G21 G90 G94 G8\nG0 X50 Z90\nG1 X49 F600\nM2\n");
+    place.run(&program, "one", &["--in-process", "--trace", "csv"]);
+    place.run(&program, "other", &["--in-process", "--trace", "csv", "--seed", "2"]);
+    let said = || {
+        let answer = place.ask(&["report", "one"]);
+        assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+        let page = fs::read_to_string(place.at("one/report.html")).expect("a report");
+        page.contains("is not the one that this run has written")
+    };
+    assert!(!said());
+    fs::copy(place.at("other/trace.csv"), place.at("one/trace.csv")).expect("room");
+    assert!(said());
+}
+
+#[test]
 fn a_long_run_is_kept_where_it_matters() {
     let place = Place::new();
     let program = place.write("long.ngc", LONG);

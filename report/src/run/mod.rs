@@ -107,6 +107,13 @@ fn draw(run_dir: &Path, summary: &Summary, program: Option<&str>) -> Drawn {
         let note = "The run was made without a trace, so there is nothing to draw.";
         return Drawn { note: Some(note.into()), ..Drawn::default() };
     };
+    // A trace that was swapped in, or is not whole; one that cannot be read at all is told below.
+    let other = trace::hash_of(&path)
+        .is_ok_and(|hash| summary.trace_file_hash.as_ref().is_some_and(|own| *own != hash));
+    if other {
+        let note = "The trace in this folder is not the one that this run has written, so it is not drawn.";
+        return Drawn { note: Some(note.into()), ..Drawn::default() };
+    }
     let mut curves = Curves::new(summary);
     let mut way = mill::Way::new(summary);
     let read = trace::read(&path, |row| {

@@ -305,6 +305,9 @@ pub struct Summary {
     pub wall_s: f64,
     /// BLAKE3 over all measurements, true states and statuses, in hex.
     pub trace_hash: String,
+    /// BLAKE3 of the file of the trace, in hex.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trace_file_hash: Option<String>,
     /// The processes of the run.
     pub processes: Vec<Process>,
     /// The channels of the run.
@@ -333,8 +336,7 @@ pub struct Summary {
     pub part: PartReport,
     /// Timed motion.
     pub moves: MovesReport,
-    /// Contours, surfaces and seams in the order of their cutting; of more than 200 those with the largest
-    /// deviation.
+    /// Contours, surfaces and seams as they were cut; of more than 200 those with the largest deviation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub traces: Vec<TraceReport>,
     /// More of them, each with less deviation than those.

@@ -113,19 +113,31 @@ impl TraceWriter {
         written.map_err(|error| TraceError::new(&self.path, error))
     }
 
-    /// Completes the file. A trace that is dropped instead may lack its end.
+    /// Completes the file, and gives its [`hash_of`]. A trace that is dropped instead may lack its end.
     ///
     /// # Errors
     /// Names the file and why it cannot be written.
-    pub fn finish(self) -> Result<(), TraceError> {
+    pub fn finish(self) -> Result<String, TraceError> {
         let TraceWriter { path, mut writer, thin } = self;
         let written = thin.map_or(Ok(()), |mut thin| thin.finish(|row| writer.row(row)));
         let written = written.and_then(|()| match writer {
             Writer::Mcap(writer) => writer.finish(),
             Writer::Csv(writer) => writer.finish(),
         });
-        written.map_err(|error| TraceError::new(&path, error))
+        written.map_err(|error| TraceError::new(&path, error))?;
+        hash_of(&path)
     }
+}
+
+/// BLAKE3 of the file of a trace, in hex.
+///
+/// # Errors
+/// Names the file and why it cannot be read.
+pub fn hash_of(path: &Path) -> Result<String, TraceError> {
+    let mut hash = blake3::Hasher::new();
+    let read = intake::open(path).and_then(|file| hash.update_reader(file).map(drop));
+    read.map_err(|error| TraceError::new(path, error.into()))?;
+    Ok(hash.finalize().to_hex().to_string())
 }
 
 /// What a module of this folder says of a file; the path is added here.
