@@ -84,6 +84,9 @@ pub(crate) enum Command {
     /// Print the limits of a standard thread, from its name.
     #[command(after_help = crate::thread::HELP)]
     Thread(crate::thread::ThreadArgs),
+    /// Find where a thread that is there lies, from touches of its groove.
+    #[command(after_help = crate::pickup::HELP)]
+    PickUp(crate::pickup::PickUpArgs),
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(crate::doctor::DoctorArgs),
@@ -128,6 +131,7 @@ impl Command {
             Command::Resolution(args) => args.json,
             Command::Soak(args) => args.json,
             Command::Thread(args) => args.json,
+            Command::PickUp(args) => args.json,
             _ => false,
         }
     }

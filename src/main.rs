@@ -15,6 +15,7 @@ mod ini;
 mod journal;
 mod lsp;
 mod offsets;
+mod pickup;
 mod program;
 mod repeated;
 mod replay;
@@ -76,6 +77,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Resolution(args) => resolution::resolution(args, quiet),
         Command::Soak(args) => soak::soak(args, quiet),
         Command::Thread(args) => thread::thread(args),
+        Command::PickUp(args) => pickup::command(args),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(process::shell::interpreter::run(args).map(|()| ExitCode::SUCCESS)?),
         Command::Interpolator(args) => {

@@ -17,6 +17,7 @@
 //! | `window.rs` | the longest and shortest over any length of a gauge |
 //! | `judge.rs`, `causes.rs` | GO, NO-GO, and which cause weighs most |
 //! | `reason.rs` | that in words |
+//! | `pickup.rs` | where a thread that is there lies, from touches of a probe |
 #![forbid(unsafe_code)]
 
 mod causes;
@@ -25,6 +26,7 @@ mod groove;
 mod helix;
 mod judge;
 mod nominal;
+pub mod pickup;
 mod reason;
 mod section;
 mod window;

@@ -23,6 +23,7 @@ mod journal;
 mod memory;
 mod offsets;
 mod part;
+mod pick_up;
 mod processes;
 mod replay;
 mod resolution;

@@ -4,6 +4,7 @@ mod border;
 mod counterpart;
 mod made;
 mod named;
+mod pickup;
 mod properties;
 mod verdicts;
 mod wires;
