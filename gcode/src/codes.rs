@@ -87,6 +87,8 @@ pub(crate) mod m_group {
     pub(crate) const STATE: usize = 7;
     /// M98 M99.
     pub(crate) const CALL: usize = 8;
+    /// Codes of the machine that switch an output.
+    pub(crate) const MACHINE: usize = 9;
 }
 
 /// The group of a G code of the dialect `linuxcnc`, or `None` if there is no such code.

@@ -76,6 +76,13 @@ pub enum MachineCode {
     Ignore,
     /// The program waits for cycle start, as at M0.
     Wait,
+    /// A digital output is switched at once, as by M64 and M65.
+    Output {
+        /// Its number.
+        number: u32,
+        /// Whether it is on from then on.
+        on: bool,
+    },
 }
 
 /// Where a program ends that would not end by itself. Messages name the limit.

@@ -170,7 +170,7 @@ pub(crate) fn undeclared(number: Option<u16>, value: f64, span: Span) -> Box<Pro
     let help = match number {
         Some(number) => format!(
             "correct the number, or say in the machine file what this machine does with it: [m_codes] and below it \
-             {number} = \"ignore\", or \"wait\""
+             {number} = \"ignore\", or \"wait\", or {{ does = \"output\", number = 3, value = true }}"
         ),
         None => "M codes are whole numbers up to 999".into(),
     };

@@ -1,6 +1,9 @@
 //! The program at rest: what is executed without motion, and what takes time next.
 
-use protocol::{Code, Feed, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Work};
+use machine::Machine;
+use protocol::{
+    Code, Feed, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Work, frame::SETPOINT_LEAD,
+};
 use route::Route;
 
 use crate::{queue::Queue, spindle::Spindle};
@@ -19,6 +22,14 @@ pub(crate) struct Program {
     pub(crate) tool: u32,
     /// Bits of [`MachineStatus::coolant`].
     pub(crate) coolant: u16,
+    /// The digital outputs that are on, bit by bit.
+    pub(crate) outputs: u64,
+    /// Those that are on once the program is over.
+    safe: u64,
+    /// The axes have had time to come to where the last motion leads.
+    settled: bool,
+    /// That time, s.
+    settles_s: f64,
 }
 
 /// What of a program takes time next. A dwell and a pause are done with that; all others stay in hand.
@@ -44,6 +55,13 @@ pub(crate) enum Next {
 }
 
 impl Program {
+    /// A program that has not begun.
+    pub(crate) fn new(machine: &Machine) -> Program {
+        let [outputs, safe] = machine.outputs_on();
+        let settles_s = SETPOINT_LEAD as f64 * machine.general.interpolator_cycle_s;
+        Program { outputs, safe, settles_s, ..Program::default() }
+    }
+
     /// Executes what needs no time, as far as one tick goes, and says what is next.
     pub(crate) fn next(&mut self, held: bool, spindle: &mut Spindle, route: &mut Route) -> Next {
         for _ in 0..ITEMS_PER_TICK {
@@ -52,6 +70,7 @@ impl Program {
                 return Next::Held;
             }
             self.line = item.line;
+            self.settled &= !(item.is_move() || matches!(item.code, Code::Pass(_)));
             match item.code {
                 Code::Line { feed, .. } | Code::Arc { feed, .. } => return Next::Move(feed),
                 Code::Work(work) => return Next::Work(work),
@@ -69,6 +88,14 @@ impl Program {
                 Code::Spindle { mode, speed } => spindle.program(mode, speed),
                 Code::Tool { number } => self.tool = number,
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
+                Code::Output { .. } if !self.settled => {
+                    self.settled = true;
+                    return Next::Dwell(self.settles_s);
+                }
+                Code::Output { number, on } => {
+                    let bit = 1 << u32::from(number);
+                    self.outputs = if on { self.outputs | bit } else { self.outputs & !bit };
+                }
                 Code::Formula { slot, formula } => route.set_formula(slot, formula),
             }
             self.queue.done();
@@ -76,10 +103,11 @@ impl Program {
         Next::Nothing
     }
 
-    /// Spindle and coolant off, whatever the program said.
+    /// Spindle and coolant off, outputs safe, whatever the program said.
     pub(crate) fn switch_off(&mut self, spindle: &mut Spindle) {
         spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
         self.coolant = 0;
+        self.outputs = self.safe;
     }
 
     /// Whether nothing is left although the program has not ended, and nothing more can come.

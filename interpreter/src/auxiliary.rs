@@ -1,7 +1,7 @@
-//! Tool and coolant. In: what calls and jobs ask for. Out: a code where something changes.
+//! Tool, coolant, outputs. In: what calls and jobs ask for. Out: a code where something changes.
 
-use gcode::Problem;
 use gcode::problem::Blame;
+use gcode::{Call, Problem};
 use machine::Machine;
 use protocol::Code;
 
@@ -26,14 +26,12 @@ impl Auxiliary {
         self.tool
     }
 
-    /// M7, M9.
-    pub(crate) fn mist(&mut self, on: bool) -> Option<Code> {
-        self.coolant(on, self.flood)
-    }
-
-    /// M8, M9.
-    pub(crate) fn flood(&mut self, on: bool) -> Option<Code> {
-        self.coolant(self.mist, on)
+    /// M7, M8, M9.
+    pub(crate) fn cools(&mut self, call: &Call<'_>) -> Option<Code> {
+        match call {
+            Call::MistOn | Call::MistOff => self.coolant(matches!(call, Call::MistOn), self.flood),
+            _ => self.coolant(self.mist, matches!(call, Call::FloodOn)),
+        }
     }
 
     /// Both kinds of coolant.
@@ -54,4 +52,19 @@ pub(crate) fn find_tool(number: u32, machine: &Machine) -> Done {
     let message = format!("tool {number} is not in the machine file");
     let help = format!("tools there: {}; add [tools.{number}] for this one", known.join(", "));
     Err(Problem::error("unknown-tool", Blame::Word('T'), message, help))
+}
+
+/// A digital output is switched; one that the machine file does not have is refused.
+pub(crate) fn switched(number: u32, on: bool, machine: &Machine) -> Result<Code, Box<Problem>> {
+    match u8::try_from(number) {
+        Ok(known) if machine.output(number).is_some() => Ok(Code::Output { number: known, on }),
+        _ => {
+            let message = format!("output {number} is not in the machine file");
+            let help = match number < machine::OUTPUTS {
+                true => format!("add [outputs.{number}] and below it name = \"what it switches\""),
+                false => "outputs are numbered from 0 to 63".into(),
+            };
+            Err(Problem::error("unknown-output", Blame::Block, message, help))
+        }
+    }
 }

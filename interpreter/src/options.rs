@@ -262,6 +262,7 @@ pub(crate) fn options(machine: &Machine) -> Options {
     let code = |code: machine::MachineCode| match code {
         machine::MachineCode::Ignore => MachineCode::Ignore,
         machine::MachineCode::Wait => MachineCode::Wait,
+        machine::MachineCode::Output { number, value } => MachineCode::Output { number, on: value },
     };
     let codes = machine.machine_codes().map(|(number, of_machine)| (number, code(of_machine)));
     options.machine_codes = Arc::new(codes.collect());

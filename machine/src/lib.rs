@@ -9,21 +9,25 @@ mod bus;
 mod feasibility;
 pub mod kinematics;
 mod m_codes;
+mod outputs;
 mod part;
 mod path;
 mod positioner;
 mod spindle;
+mod tool;
 
 use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_A_TURN, MOST_COGGING, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
 pub use m_codes::MachineCode;
+pub use outputs::{OUTPUTS, Output};
 pub use part::{Corners, Part, PartError};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
 pub use spindle::{Reaction, RunOut, SpindleConfig, Threading};
+pub use tool::Tool;
 
 /// What a machine file that cannot be used has wrong.
 #[derive(Debug, thiserror::Error)]
@@ -84,6 +88,9 @@ pub struct Machine {
     /// `[m_codes]`: number → what the control does with a code of this machine.
     #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
     pub m_codes: std::collections::BTreeMap<String, MachineCode>,
+    /// `[outputs]`: number → digital output.
+    #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
+    pub outputs: std::collections::BTreeMap<String, Output>,
     /// `[plant.*]`: the truth about the simulated plant; the controller never reads it.
     #[serde(default)]
     pub plant: toml::Table,
@@ -165,41 +172,6 @@ pub enum Kinematics {
     Mill,
     /// X, Y, a tilt A and a turn C that bring a seam under a beam that stands.
     Positioner,
-}
-
-/// A tool.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tool {
-    /// What it is, for people.
-    pub name: String,
-    /// Angle between its flanks, degrees: 60 of a metric thread.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub angle_deg: Option<f64>,
-    /// Radius of its nose, mm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub nose_mm: Option<f64>,
-    /// Width of its edge along Z, mm; the diameter of a drill.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub width_mm: Option<f64>,
-}
-
-impl Tool {
-    /// How far its edge reaches to either side of the point along Z, mm: half its width, or its nose.
-    pub fn edge_mm(&self) -> f64 {
-        (0.5 * self.width_mm.unwrap_or(0.0)).max(self.nose_mm.unwrap_or(0.0))
-    }
-
-    fn check(&self, key: &str) -> Result<(), MachineError> {
-        for (name, value, low, high) in [
-            ("angle_deg", self.angle_deg, 2.0, 120.0),
-            ("nose_mm", self.nose_mm, 0.0, 50.0),
-            ("width_mm", self.width_mm, 0.01, 200.0),
-        ] {
-            value.map_or(Ok(()), |value| range(&format!("{key}.{name}"), value, low, high))?;
-        }
-        Ok(())
-    }
 }
 
 impl MachineError {
@@ -347,7 +319,8 @@ impl Machine {
         self.check_spindle()?;
         self.path.check()?;
         self.threading.check()?;
-        m_codes::check(&self.m_codes)?;
+        outputs::check(&self.outputs)?;
+        m_codes::check(&self.m_codes, &self.outputs)?;
         for (number, tool) in &self.tools {
             if number.parse::<u32>().is_err() {
                 return Err(refuse("tools", number, "a tool is named by its number, as in [tools.3]"));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{MachineError, refuse};
+use crate::{MachineError, Output, refuse};
 
 /// Codes that the control has for itself.
 const OWN: [u16; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30, 98, 99];
@@ -14,12 +14,83 @@ const HIGHEST: u16 = 999;
 
 /// What the control does with an M code of this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(from = "Written", into = "Written")]
 pub enum MachineCode {
     /// Nothing: what it switches is of no concern to the part.
     Ignore,
     /// Waits for cycle start, as M0 does: somebody does by hand what it asks.
     Wait,
+    /// Switches a digital output, as M64 and M65 do.
+    Output {
+        /// Its number in `[outputs]`.
+        number: u32,
+        /// Whether it is on from then on.
+        value: bool,
+    },
+}
+
+/// A code as it stands in the file.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected \"ignore\", \"wait\", or { does = \"output\", number = 3, value = true }"
+)]
+enum Written {
+    Word(Word),
+    Deed { does: Deed, number: u32, value: Value },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Word {
+    Ignore,
+    Wait,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Deed {
+    Output,
+}
+
+/// `true`, `false`, `"on"`, `"off"`.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Value {
+    Truth(bool),
+    Word(Switch),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Switch {
+    On,
+    Off,
+}
+
+impl From<Written> for MachineCode {
+    fn from(written: Written) -> MachineCode {
+        match written {
+            Written::Word(Word::Ignore) => MachineCode::Ignore,
+            Written::Word(Word::Wait) => MachineCode::Wait,
+            Written::Deed { does: Deed::Output, number, value } => {
+                let value = matches!(value, Value::Truth(true) | Value::Word(Switch::On));
+                MachineCode::Output { number, value }
+            }
+        }
+    }
+}
+
+impl From<MachineCode> for Written {
+    fn from(code: MachineCode) -> Written {
+        match code {
+            MachineCode::Ignore => Written::Word(Word::Ignore),
+            MachineCode::Wait => Written::Word(Word::Wait),
+            MachineCode::Output { number, value } => {
+                Written::Deed { does: Deed::Output, number, value: Value::Truth(value) }
+            }
+        }
+    }
 }
 
 /// The number of a code, if it can be declared.
@@ -27,14 +98,33 @@ pub(crate) fn number(key: &str) -> Option<u16> {
     key.parse().ok().filter(|number| *number <= HIGHEST && !OWN.contains(number))
 }
 
-/// Refuses keys that are no numbers, or those of codes that the control has for itself.
-pub(crate) fn check(codes: &BTreeMap<String, MachineCode>) -> Result<(), MachineError> {
-    match codes.keys().find(|key| number(key).is_none()) {
-        Some(key) => Err(refuse(
+/// Refuses keys that are no numbers, or those of codes that the control has for itself, and outputs that the
+/// machine lacks.
+pub(crate) fn check(
+    codes: &BTreeMap<String, MachineCode>,
+    outputs: &BTreeMap<String, Output>,
+) -> Result<(), MachineError> {
+    if let Some(key) = codes.keys().find(|key| number(key).is_none()) {
+        return Err(refuse(
             "m_codes",
             key,
             "a code is declared by its number, 10 to 999, as in 31 = \"ignore\"; what the control has for itself, \
              such as M3, M8, M19, M30, cannot be declared",
+        ));
+    }
+    let lacking = codes.iter().find_map(|(key, code)| match code {
+        MachineCode::Output { number, .. } if !outputs.contains_key(&number.to_string()) => {
+            Some((key, number))
+        }
+        _ => None,
+    });
+    match lacking {
+        Some((key, number)) => Err(refuse(
+            &format!("m_codes.{key}.number"),
+            number,
+            &format!(
+                "there is no such output: add [outputs.{number}] and below it name = \"what it switches\""
+            ),
         )),
         None => Ok(()),
     }

@@ -163,6 +163,9 @@ impl PathMode {
     }
 }
 
+/// How many digital outputs there are: one for each bit of [`MachineStatus::outputs`](crate::MachineStatus).
+pub const OUTPUTS: u8 = 64;
+
 /// One instruction of the machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
@@ -207,6 +210,13 @@ pub enum Code {
         mist: bool,
         /// M8.
         flood: bool,
+    },
+    /// A digital output is switched, at rest.
+    Output {
+        /// Its number, below [`OUTPUTS`].
+        number: u8,
+        /// Whether it is on from now on.
+        on: bool,
     },
     /// Wait at rest for cycle start (M0, M60, M1 where it counts). Spindle and coolant go on.
     Pause,
@@ -253,7 +263,12 @@ impl Item {
             Code::Formula { slot, .. } if usize::from(*slot) < FORMULAS => Ok(()),
             Code::Formula { .. } => Err(Refused::OutOfRange("number of a formula")),
             Code::Work(trace) => trace.check(),
-            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
+            Code::Output { number, .. } if *number >= OUTPUTS => {
+                Err(Refused::OutOfRange("number of an output"))
+            }
+            Code::Output { .. } | Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => {
+                Ok(())
+            }
         }
     }
 }

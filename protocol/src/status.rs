@@ -259,10 +259,12 @@ pub struct MachineStatus {
     pub tool: u32,
     /// Code of the [`Motion`] of the setpoint of this tick. A feed hold on the way changes nothing.
     pub motion: u32,
+    /// The digital outputs that are on: bit n is output n.
+    pub outputs: u64,
 }
 
 impl Message for MachineStatus {
-    const NAME: &str = "pitchlock/machine-status/6";
+    const NAME: &str = "pitchlock/machine-status/7";
 }
 
 impl MachineStatus {

@@ -223,6 +223,7 @@ fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     traces(&mut text, summary);
     moves(&mut text, summary);
     pauses(&mut text, summary);
+    outputs(&mut text, summary);
     if let Some(words) = summary.overrides_held() {
         let _ = writeln!(text, "override  {words}");
     }
@@ -248,6 +249,23 @@ fn pauses(text: &mut String, summary: &Summary) {
     }
     if summary.pauses.len() > SHOWN {
         let _ = writeln!(text, "          and {} more pauses", summary.pauses.len() - SHOWN);
+    }
+}
+
+fn outputs(text: &mut String, summary: &Summary) {
+    for change in summary.outputs.iter().take(SHOWN) {
+        let _ = writeln!(
+            text,
+            "output    {} {} {} at {:.3} s, line {}",
+            change.number,
+            change.name,
+            if change.on { "on" } else { "off" },
+            change.cycle as f64 * summary.cycle_s,
+            change.line
+        );
+    }
+    if summary.outputs.len() > SHOWN {
+        let _ = writeln!(text, "          and {} more changes of outputs", summary.outputs.len() - SHOWN);
     }
 }
 

@@ -158,6 +158,7 @@ fn items() -> [Vec<Item>; 2] {
         Code::Coolant { mist: false, flood: true },
         Code::Line { target: point(10.0, 0.0), feed: Feed::Rapid },
         Code::Line { target: point(18.0, 0.0), feed },
+        Code::Output { number: 5, on: true },
         Code::Pause,
         Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
         Code::Formula { slot: 0, formula: Formula::new(&wave).expect("it is complete") },

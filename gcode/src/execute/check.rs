@@ -93,7 +93,7 @@ fn words_used(block: &Block, motion: Option<G>) -> Done {
         }
         claim(words)?;
     }
-    for code in block.m_codes() {
+    for code in block.m_codes().filter(|code| Some(*code) != block.m(m_group::MACHINE)) {
         claim(words::of_m(code))?;
     }
     if let Some(letter) = letters_of(block.present() & !used).next() {

@@ -137,6 +137,9 @@ fn m_codes(block: &Block, state: &mut State, out: &mut Output) -> Done {
     if let Some(code) = block.m(m_group::IO) {
         outputs::io(code, block, state, out)?;
     }
+    if let Some(code) = block.m(m_group::MACHINE) {
+        outputs::of_machine(code, state, out)?;
+    }
     if let Some(code) = block.m(m_group::TOOL) {
         tool::change(code, block, state, out)?;
     }

@@ -4,6 +4,7 @@ use super::{Done, Output, check};
 use crate::block::Block;
 use crate::canon::Call;
 use crate::codes::{M, m_group};
+use crate::options::MachineCode;
 use crate::problem::{Blame, Problem, short};
 use crate::state::{INPUT, State};
 
@@ -66,6 +67,15 @@ pub(super) fn io(code: M, block: &Block, state: &mut State, out: &mut Output) ->
         66 => wait(code, block, state, out),
         67 => out.call(Call::SetMotionOutputValue(number(block, 'E', code)?, value(block, code)?)),
         _ => out.call(Call::SetAuxOutputValue(number(block, 'E', code)?, value(block, code)?)),
+    }
+}
+
+/// A code of the machine that switches an output.
+pub(super) fn of_machine(code: M, state: &State, out: &mut Output) -> Done {
+    check::compensation_off(Blame::M(code), "switch outputs", state)?;
+    match state.machine_codes.get(&code.0) {
+        Some(MachineCode::Output { number, on }) => out.call(Call::SetAuxOutputBit(*number, *on)),
+        _ => Ok(()), // only such codes are of this group
     }
 }
 

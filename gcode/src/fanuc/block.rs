@@ -140,7 +140,7 @@ fn modes(run: &mut Execution) -> Done {
             run.add_g(group, code)?;
         }
     }
-    for group in [m_group::MIST, m_group::FLOOD] {
+    for group in [m_group::MIST, m_group::FLOOD, m_group::MACHINE] {
         if let Some(code) = run.line.block.m(group).filter(|code| *code != M(9)) {
             run.add_m(group, code)?;
         }

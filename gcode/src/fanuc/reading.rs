@@ -309,6 +309,9 @@ impl Reading<'_> {
             None => match (self.state.machine_code(value, span), known) {
                 (Ok(MachineCode::Ignore), _) => Ok(()),
                 (Ok(MachineCode::Wait), _) => line.block.add_m(m_group::STOP, M(0), span),
+                (Ok(MachineCode::Output { .. }), _) => {
+                    line.block.add_m(m_group::MACHINE, M(value as u16), span)
+                }
                 (Err(_), Some(gear)) if codes::GEARS.contains(&gear.0) => {
                     let message = format!("{gear} chooses a gear, and the spindle of this machine has one");
                     line.idle = Some(Idle { span, message, words: 0 });

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gcode::{Dialect, MachineCode, Options, Program};
+use gcode::{Call, Dialect, MachineCode, Options, Place, Problem, Program, Sink};
 
 use crate::driven::driven;
 use crate::fanuc::recorded::Record;
@@ -49,5 +49,50 @@ fn an_unknown_code_shows_the_line_that_declares_it() {
         );
         let (_, told) = run(dialect, "M1000\nM30\n");
         assert!(told[0].1.contains("whole numbers up to 999"), "{told:?}");
+    }
+}
+
+#[test]
+fn a_code_of_the_machine_switches_an_output_as_m64_does() {
+    let of = |dialect, text: &str| {
+        let codes = [
+            (31, MachineCode::Output { number: 3, on: true }),
+            (32, MachineCode::Output { number: 3, on: false }),
+        ];
+        let options = Options { dialect, machine_codes: Arc::new(codes.into()), ..Options::default() };
+        let outcome = driven(Program::from_text("O0001.nc", text, &options), Switches::default());
+        let told: Vec<_> = outcome.errors.iter().map(|one| one.code).collect();
+        (outcome.sink.0, told)
+    };
+    for dialect in BOTH {
+        let (calls, told) = of(dialect, "M31 G0 X1. Z2.\nM032\nG0 X3. Z2.\nM31\nM30\n");
+        let expected = ["out 3 true", "move", "out 3 false", "move", "out 3 true"];
+        assert_eq!((calls, told), (expected.map(String::from).to_vec(), Vec::new()), "{dialect:?}");
+        let (_, told) = of(dialect, "M31 M32\nM30\n");
+        assert_eq!(told.len(), 1, "{dialect:?}: two of them in one block: {told:?}");
+    }
+    let (calls, _) = of(Dialect::Linuxcnc, "o1 repeat [2]\nM31\nM32\no1 endrepeat\nM2\n");
+    assert_eq!(calls.len(), 4, "a loop does them again: {calls:?}");
+    let codes = [(64, MachineCode::Output { number: 5, on: true })];
+    let options =
+        Options { dialect: Dialect::Fanuc, machine_codes: Arc::new(codes.into()), ..Options::default() };
+    let outcome = driven(Program::from_text("O0001.nc", "M64\nM30\n", &options), Switches::default());
+    assert_eq!(outcome.sink.0, ["out 5 true"], "a number that means another code elsewhere");
+    let (linuxcnc, _) = of(Dialect::Linuxcnc, "M64 P3\nM65 P3\nM2\n");
+    assert_eq!(linuxcnc, ["out 3 true", "out 3 false"]);
+}
+
+/// Switches and moves in their order.
+#[derive(Default)]
+struct Switches(Vec<String>);
+
+impl Sink for Switches {
+    fn call(&mut self, _: Place, call: Call<'_>) -> Result<(), Box<Problem>> {
+        match call {
+            Call::SetAuxOutputBit(number, on) => self.0.push(format!("out {number} {on}")),
+            Call::StraightTraverse(_) => self.0.push("move".into()),
+            _ => {}
+        }
+        Ok(())
     }
 }

@@ -73,6 +73,7 @@ impl Interpolator {
             work: self.travel.cutting(),
             tool: self.program.tool,
             motion: self.travel.motion() as u32,
+            outputs: self.program.outputs,
         };
         Out { frames, spindle, status }
     }

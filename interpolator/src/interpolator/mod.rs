@@ -84,7 +84,7 @@ impl Interpolator {
         Interpolator {
             machine: machine.clone(),
             task: Task::Enabling,
-            program: Program::default(),
+            program: Program::new(machine),
             travel: Travel::new(machine),
             spindle: Spindle::new(machine),
             patience: Patience::new(machine.general.interpolator_cycle_s),

@@ -18,7 +18,7 @@ use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::{Machine, Part};
 use protocol::{Axis, Code, Feed, Item, ThreadPass};
 
-use crate::auxiliary::{Auxiliary, find_tool};
+use crate::auxiliary::{Auxiliary, find_tool, switched};
 use crate::block::Block;
 use crate::job::{JobNote, Jobs};
 use crate::modal::{Modal, Synchronised};
@@ -244,13 +244,13 @@ impl Translator {
                 let tool = self.auxiliary.select_tool(number);
                 self.push_some(line, tool);
             }
-            Call::MistOn | Call::MistOff => {
-                let coolant = self.auxiliary.mist(matches!(call, Call::MistOn));
+            Call::MistOn | Call::MistOff | Call::FloodOn | Call::FloodOff => {
+                let coolant = self.auxiliary.cools(call);
                 self.push_some(line, coolant);
             }
-            Call::FloodOn | Call::FloodOff => {
-                let coolant = self.auxiliary.flood(matches!(call, Call::FloodOn));
-                self.push_some(line, coolant);
+            Call::SetAuxOutputBit(number, on) => {
+                let code = switched(number, on, machine)?;
+                self.push(line, code);
             }
             Call::ProgramStop | Call::OptionalProgramStop => self.push(line, Code::Pause),
             _ => refuse_absent(call)?,

@@ -31,7 +31,7 @@ const SPELLING: [(&str, u32, u32, &str); 24] = [
     ("N X1\nM2", 1, 1, "bad-line-number"),
 ];
 
-const MEANING: [(&str, u32, u32, &str); 29] = [
+const MEANING: [(&str, u32, u32, &str); 30] = [
     ("G0 X1\n", 1, 1, "no-program-end"),
     ("%\nG0 X1\n", 2, 1, "no-program-end"),
     ("G63\nM2", 1, 1, "unknown-g-code"),
@@ -39,6 +39,7 @@ const MEANING: [(&str, u32, u32, &str); 29] = [
     ("M44\nM2", 1, 1, "unknown-m-code"),
     ("G17 F60 G2 X60 I5\nM2", 1, 1, "not-available"),
     ("M62 P1\nM2", 1, 1, "not-available"),
+    ("M64 P1\nM2", 1, 1, "unknown-output"),
     ("M19 R90\nM2", 1, 1, "not-available"),
     ("F60 G18 G2 X70 I5 Z130\nM2", 1, 16, "arc-radius"),
     ("o100 sub\nM2", 1, 1, "missing-end"),

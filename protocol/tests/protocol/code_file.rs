@@ -136,6 +136,7 @@ fn any_item() -> impl Strategy<Value = Item> {
         (any_arc(), feed_of_arc).prop_map(|(arc, feed)| Code::Arc { arc, feed }),
         any::<u32>().prop_map(|number| Code::Tool { number }),
         any::<(bool, bool)>().prop_map(|(mist, flood)| Code::Coolant { mist, flood }),
+        (0_u8..64, any::<bool>()).prop_map(|(number, on)| Code::Output { number, on }),
         Just(Code::Pause),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
         (0_u8..6, any_formula()).prop_map(|(slot, formula)| Code::Formula { slot, formula }),

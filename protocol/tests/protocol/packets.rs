@@ -108,6 +108,7 @@ fn each_kind_of_item_has_its_largest_size() {
         ("spindle", Code::Spindle { mode: SpindleMode::Counterclockwise, speed: surface_speed }, 42),
         ("tool", Code::Tool { number: u32::MAX }, 20),
         ("coolant", Code::Coolant { mist: true, flood: true }, 17),
+        ("output", Code::Output { number: 63, on: true }, 17),
         ("pause", Code::Pause, 15),
         ("pass", Code::Pass(busy_pass()), 1277),
         ("formula", Code::Formula { slot: u8::MAX, formula: long_formula() }, 370),

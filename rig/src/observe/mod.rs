@@ -21,6 +21,7 @@ mod led;
 mod limits;
 mod messages;
 mod observation;
+mod outputs;
 mod pass;
 mod pause;
 mod planned;
@@ -58,10 +59,12 @@ pub use judged::PartReport;
 pub use led::Led;
 pub use messages::{Message, MessageReport};
 pub use observation::Observation;
+pub use outputs::OutputReport;
 pub use pause::{PauseEnd, PauseReport};
 pub use summary_file::{ProgramWarning, SummaryError};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;
+pub use unread::SummaryError;
 pub use used::LimitsUsed;
 pub use verdict::PartVerdict;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};
@@ -76,6 +79,7 @@ use inside::Inside;
 use led::Setpoints;
 use limits::Limits;
 use messages::Messages;
+use outputs::Outputs;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
 use planned::Planned;
@@ -127,6 +131,7 @@ pub struct Observer {
     works: Works,
     setpoints: Setpoints,
     pauses: Pauses,
+    outputs: Outputs,
     messages: Messages,
     /// Events of the scenario that did not happen yet, as in [`Truth::pending`].
     pending: u64,
@@ -160,6 +165,7 @@ impl Observer {
             works: Works::of(machine, items),
             setpoints: Setpoints::of(machine),
             pauses: Pauses::default(),
+            outputs: Outputs::of(machine),
             messages: Messages::default(),
             pending: 0,
             out: Observation {
@@ -238,6 +244,7 @@ impl Observer {
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
+        self.outputs.cycle(record);
         self.messages.cycle(record.truth.cycle.0, record.machine);
         self.pending = record.truth.pending;
         self.take_faults(record);
@@ -285,6 +292,7 @@ impl Observer {
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
         self.out.pauses = self.pauses.finish();
+        self.out.outputs = self.outputs.finish();
         self.out.messages = self.messages.told;
         self.out.thread = self.threads.report(&self.out.passes);
         self.out.gauge = self.gauged.as_ref().map(Gauged::report);

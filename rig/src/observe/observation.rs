@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use protocol::Axis;
 
 use super::{
-    AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, PassReport, PauseReport,
-    StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION, judged::judged,
+    AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, OutputReport, PassReport,
+    PauseReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION, judged::judged,
 };
 
 /// What was observed of a run.
@@ -42,6 +42,8 @@ pub struct Observation {
     pub overrides_clamped: u32,
     /// Pauses of the program in the order of their coming.
     pub pauses: Vec<PauseReport>,
+    /// Changes of digital outputs in the order of their coming.
+    pub outputs: Vec<OutputReport>,
     /// What the program told its operator.
     pub messages: Vec<MessageReport>,
     /// Limits of the axes.
@@ -77,6 +79,7 @@ impl Observation {
             traces: self.traces,
             traces_left_out: self.traces_left_out,
             pauses: self.pauses,
+            outputs: self.outputs,
             messages: self.messages,
             limits: self.limits,
             stock: self.stock,

@@ -10,7 +10,7 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning, StockReport,
+    GaugeReport, LimitsUsed, MessageReport, OutputReport, PartReport, PauseReport, ProgramWarning, StockReport,
     ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
 };
 
@@ -345,6 +345,9 @@ pub struct Summary {
     /// Pauses of the program.
     #[serde(default)]
     pub pauses: Vec<PauseReport>,
+    /// Changes of digital outputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outputs: Vec<OutputReport>,
     /// What the program told its operator.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<MessageReport>,

@@ -224,6 +224,64 @@ fn coolant_is_seen_and_ends_with_the_program() {
     assert_eq!(seen, [0, MachineStatus::MIST, MachineStatus::FLOOD, 0]);
 }
 
+/// Outputs 1, on and safe, and 3: how they change, and how the run ends.
+fn switching(
+    codes: &[Code],
+    requests: &[(u64, Request)],
+) -> (Vec<(u32, bool, u32)>, Observation, Vec<[f64; 3]>) {
+    let mut machine = Machine::plain();
+    let output = |safe| machine::Output { name: "a".into(), initial: safe, safe };
+    machine.outputs = [("1".into(), output(true)), ("3".into(), output(false))].into();
+    let (items, mut seen) = (items(codes), Vec::new());
+    let observation = Stand { machine: &machine, items: &items, scenario: "", seed: 5 }.run(|record| {
+        seen.push([record.machine.outputs as f64, motors(record)[1], record.truth.cycle.0 as f64]);
+        pressed(requests, record)
+    });
+    let changes = observation.outputs.iter().map(|one| (one.number, one.on, one.line)).collect();
+    (changes, observation, seen)
+}
+
+const ON: Code = Code::Output { number: 3, on: true };
+const OFF: Code = Code::Output { number: 3, on: false };
+
+/// Between two moves that would be one chain the axes stop, and the output changes where the first ends.
+#[test]
+fn an_output_is_switched_at_rest_between_the_moves() {
+    let first_off = Code::Output { number: 1, on: false };
+    let codes = [line(50.0, 90.0, FEED), ON, first_off, line(50.0, 80.0, FEED), OFF, Code::End];
+    let (changes, observation, seen) = switching(&codes, &[]);
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    let expected = [(1, true, 0), (3, true, 2), (1, false, 3), (3, false, 5), (1, true, 6)];
+    assert_eq!(changes, expected);
+    for (change, z) in [(1, 90.0), (3, 80.0)] {
+        let cycle = observation.outputs[change].cycle;
+        let at = seen.iter().find(|row| row[2] == cycle as f64).unwrap();
+        assert!((at[1] - z).abs() < 0.02, "{at:?} beside {z}");
+    }
+    assert_eq!(seen.last().unwrap()[0], 2.0, "safe at the end");
+    assert_eq!(switching(&codes, &[]).1.trace_hash, observation.trace_hash);
+}
+
+/// A hold leaves outputs as they are; whatever ends the program makes them safe.
+#[test]
+fn outputs_stay_at_a_hold_and_are_safe_behind_whatever_ends_the_program() {
+    let codes = [ON, line(50.0, 50.0, FEED), Code::End];
+    let held = [(2000, Request::FeedHold), (4000, Request::CycleStart)];
+    let (changes, observation, _) = switching(&codes, &held);
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    assert_eq!(changes, [(1, true, 0), (3, true, 1), (3, false, 3)]);
+    for request in [Request::Stop, Request::Abort, Request::EmergencyStop] {
+        let (changes, observation, seen) = switching(&codes, &[(2000, request)]);
+        assert_ne!(observation.outcome, Outcome::Completed);
+        assert_eq!(
+            changes.iter().map(|one| (one.0, one.1)).collect::<Vec<_>>(),
+            [(1, true), (3, true), (3, false)]
+        );
+        assert_eq!(seen.last().unwrap()[0], 2.0, "{request:?}");
+        assert!(observation.outputs[2].cycle > 1999, "{request:?}");
+    }
+}
+
 /// Measured it stands beside it, by a count or because it sagged when its brake let go.
 #[test]
 fn an_axis_whose_home_is_the_end_of_its_travel_comes_away() {

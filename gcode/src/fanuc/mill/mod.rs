@@ -108,7 +108,7 @@ fn switches(deed: Deed, run: &mut Execution) -> Done {
         let span = run.span_of(Blame::G(G(800)));
         run.equivalent.add_g(group::MOTION, G(800), span)?;
     }
-    for group in [m_group::TOOL, m_group::SPINDLE, m_group::MIST, m_group::FLOOD] {
+    for group in [m_group::TOOL, m_group::SPINDLE, m_group::MIST, m_group::FLOOD, m_group::MACHINE] {
         if let Some(code) = run.line.block.m(group).filter(|code| !matches!(code, M(5 | 9))) {
             run.add_m(group, code)?;
         }
