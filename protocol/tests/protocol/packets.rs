@@ -249,12 +249,12 @@ fn what_no_version_writes_cannot_be_read() {
         let packet = CodePacket::from_bytes(bytes).unwrap();
         assert_eq!(packet.unpack(0), Err(Refused::Unreadable("machine code")), "{bytes:?}");
     };
-    unreadable(&[0, 1, 12]); // no such kind
+    unreadable(&[0, 1, 13]); // no such kind
     unreadable(&[0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3]); // a line at no such feed
-    unreadable(&[0, 1, 9, 0, 97]); // a formula of 97 operations
-    unreadable(&[0, 1, 9, 0, 253, 255, 255, 255, 255, 255, 255, 255, 255]);
-    unreadable(&[0, 1, 9, 0, 1, 99, 0]); // of one that does not exist
-    unreadable(&[0, 1, 9, 0, 1, 4, 0]); // of a sum of nothing
+    unreadable(&[0, 1, 10, 0, 97]); // a formula of 97 operations
+    unreadable(&[0, 1, 10, 0, 253, 255, 255, 255, 255, 255, 255, 255, 255]);
+    unreadable(&[0, 1, 10, 0, 1, 99, 0]); // of one that does not exist
+    unreadable(&[0, 1, 10, 0, 1, 4, 0]); // of a sum of nothing
     unreadable(&[0, 1, 6, 2, 0]); // mist neither on nor off
 }
 
