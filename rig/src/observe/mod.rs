@@ -64,7 +64,6 @@ pub use pause::{PauseEnd, PauseReport};
 pub use summary_file::{ProgramWarning, SummaryError};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;
-pub use unread::SummaryError;
 pub use used::LimitsUsed;
 pub use verdict::PartVerdict;
 pub use work::{AxisUsed, DeviationReport, FeedReport, TraceReport, Traced, TracedPoint, WorkKind};

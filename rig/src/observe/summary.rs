@@ -10,8 +10,8 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    GaugeReport, LimitsUsed, MessageReport, OutputReport, PartReport, PauseReport, ProgramWarning, StockReport,
-    ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
+    GaugeReport, LimitsUsed, MessageReport, OutputReport, PartReport, PauseReport, ProgramWarning,
+    StockReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
