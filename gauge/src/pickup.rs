@@ -13,14 +13,15 @@
 //!
 //! ```text
 //! uᵢ = Cᵢ/360 + kᵢ/n,  kᵢ = round((zᵢ − z₁ − L₀ (Cᵢ − C₁)/360)/P)                                   (M174)
-//! z̄ = mean zᵢ,  L = Σ (uᵢ − ū)(zᵢ − z̄)/S,  S = Σ (uᵢ − ū)²;  ± q(1/m) σ/√m,  ± q(Σ (uᵢ − ū)⁴/S²) σ/√S,
-//!     q(w) = 1.95996 − 0.0825 w                                                                     (M175)
+//! z̄ = mean zᵢ,  L = Σ (uᵢ − ū)(zᵢ − z̄)/S,  S = Σ (uᵢ − ū)²;
+//!     ± q(1/m) σ/√m,  ± q(Σ (uᵢ − ū)⁴/S²) σ/√S,  q(w) = 1.95996 − 0.0825 w                        (M175)
 //! χ² = Σ (zᵢ − z̄ − L (uᵢ − ū))²/σ² ≤ ν (1 − 2/(9ν) + 3.0902 √(2/(9ν)))³,  ν = m − 2                (M176)
 //! ```
-//! q is the quantile of a sum of errors that are anywhere within ±a, by their kurtosis −1.2 w (Cornish and
-//! Fisher), of a normal distribution where w is 0. (M176) is the cube of Wilson and Hilferty: one sound thread in a thousand is refused. Taper is the same
-//! line of x over z. Which turn a touch belongs to is known only if what the lead may be off does not come to
-//! a quarter of P between the first touch and the last.
+//! q is the quantile of a sum of errors that are anywhere within ±a: that of a normal distribution (w = 0),
+//! corrected by their kurtosis −1.2 w (Cornish and Fisher). (M176) is the cube of Wilson and Hilferty: one
+//! sound thread in a thousand is refused. Taper is the same line of x over z. Which turn a touch belongs to
+//! is known only if what the lead may be off does not come to a quarter of P between the first touch and
+//! the last.
 
 /// Fewest touches.
 pub const FEWEST: usize = 3;

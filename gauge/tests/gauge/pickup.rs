@@ -7,7 +7,7 @@ use testing::Seed;
 const SEEDS: u64 = 500;
 const M20: Asked = Asked { lead_mm: -2.0, starts: 1, noise_mm: 0.005, lead_error_mm: 0.01 };
 
-/// Shares of a turn at which a thread is touched: not in even steps, so that another lead does not fit as well.
+/// Shares of a turn at which a thread is touched: not in even steps, or another lead would fit as well.
 const SHARES: [f64; 5] = [0.0, 0.5, 0.2, 0.8, 0.35];
 
 /// Five touches of a thread, four turns or so apart; the probe is off by up to 5 µm.
