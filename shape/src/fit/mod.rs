@@ -16,7 +16,8 @@
 //! S(a, b) = aᵀ H b/(1 + ψ_x² + ψ_y²)^½,  H the second derivatives of ψ, a and b seen from above
 //! T = u uᵀ/c + v vᵀ sin θ/(R − c + c sin θ);  of a ball 1/r in all directions
 //! D positive definite: the tool cuts nothing but the surface beside the place where it touches
-//! k = D_bb − D_tb²/D_tt,  h = k δ²/8, with the height of a circle h = 1/k − (1/k² − δ²/4)^½
+//! k = D_bb − D_tb²/D_tt,  h = k δ²/8; of a ball the height of a circle, h = 1/k − (1/k² − δ²/4)^½; of other
+//! tools that of the edge they sweep over a plane, where its curvature is k₀, at δ (k/k₀)^½ (M177)
 //! δ = p ((1 + ψ_x² + ψ_y²)/(1 + ψ_t²))^½                                                             (M89)
 //! ```
 //! Where rings turn, the place that is farthest from all paths lies on the way from corner to corner, which
@@ -29,8 +30,10 @@
 //!
 //! Source: second fundamental forms, and the envelope of a moving body.
 
+mod swept;
 mod under;
 
+use self::swept::Swept;
 use crate::{Formula, Gradient, Tool};
 
 /// A surface where a tool touches it, or the one on which its tip moves then ([`Touch::under`]).
@@ -53,6 +56,9 @@ pub struct Parting {
     pub mixed: f64,
     /// D_bb.
     pub across: f64,
+    /// What the tool sweeps over a plane of this slope; none of a tool that is as round as a ball across the
+    /// path.
+    swept: Option<Swept>,
 }
 
 impl Touch {
@@ -93,7 +99,24 @@ impl Touch {
         let [t, b] = self.frame(along);
         let [tt, tb, bb] =
             [[t, t], [t, b], [b, b]].map(|[a, b]| self.tool(tool, a, b) - self.curvature(a, b));
-        Parting { along: tt, mixed: tb, across: bb }
+        Parting { along: tt, mixed: tb, across: bb, swept: self.swept(tool, t) }
+    }
+
+    /// What a tool sweeps along a tangent.
+    fn swept(&self, tool: &Tool, t: [f64; 3]) -> Option<Swept> {
+        let (ring, level) = (tool.radius_mm - tool.corner_mm, self.level());
+        let [u, v] = self.steepest();
+        let wide = ring * dot(t, u).abs();
+        // Level across the slope nothing of the ring is seen but its edge.
+        let is_seen = !tool.is_ball() && level > 0.0 && dot(t, v).abs() < 1.0 - 1e-12;
+        let high = ring * (level / (1.0 + level)).sqrt();
+        is_seen.then_some(Swept { wide, high, corner: tool.corner_mm.max(SHARP_MM) })
+    }
+
+    /// u and v; not finite on a level place.
+    fn steepest(&self) -> [[f64; 3]; 2] {
+        let [x, y] = self.slope;
+        [unit([x, y, self.level()]), unit([-y, x, 0.0])]
     }
 
     /// Distance on the surface of two paths that are 1 mm apart, seen from above: δ/p.
@@ -130,13 +153,11 @@ impl Touch {
 
     /// T of two tangents.
     fn tool(&self, tool: &Tool, a: [f64; 3], b: [f64; 3]) -> f64 {
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         if tool.is_ball() {
             return dot(a, b) / tool.radius_mm;
         }
-        let [x, y] = self.slope;
         let level = self.level();
-        let (u, v) = (unit([x, y, level]), unit([-y, x, 0.0]));
+        let [u, v] = self.steepest();
         let sine = (level / (1.0 + level)).sqrt();
         let round = sine / (tool.radius_mm - tool.corner_mm + tool.corner_mm * sine);
         dot(a, u) * dot(b, u) / tool.corner_mm.max(SHARP_MM) + dot(a, v) * dot(b, v) * round
@@ -163,16 +184,22 @@ impl Parting {
     #[must_use]
     pub fn height(&self, delta_mm: f64) -> f64 {
         let (k, half) = (self.ridge(), 0.5 * delta_mm);
-        // 1/k − (1/k² − δ²/4)^½, without the difference of two numbers that are nearly the same.
-        k * half * half / (1.0 + (1.0 - (k * half) * (k * half)).max(0.0).sqrt())
+        match self.swept {
+            Some(swept) if k.is_finite() => swept.height(half * self.bent(&swept)),
+            // 1/k − (1/k² − δ²/4)^½, without the difference of two numbers that are nearly the same.
+            _ => k * half * half / (1.0 + (1.0 - (k * half) * (k * half)).max(0.0).sqrt()),
+        }
     }
 
-    /// Whether a tool on neighbouring paths at the distance δ leaves a ridge between them: with k δ/2 ≥ 1 the
-    /// round that it sweeps does not reach as far. Of what is not finite this is not known, and it says that
-    /// it does.
+    /// Whether a tool on neighbouring paths at the distance δ leaves a ridge between them: otherwise what it
+    /// sweeps does not reach as far. Of what is not finite this is not known, and it says that it does.
     #[must_use]
     pub fn overlaps(&self, delta_mm: f64) -> bool {
-        let share = self.ridge() * 0.5 * delta_mm;
+        let half = 0.5 * delta_mm;
+        let share = match self.swept {
+            Some(swept) => half * self.bent(&swept) / swept.reach(),
+            None => half * self.ridge(),
+        };
         share < 1.0 || !share.is_finite()
     }
 
@@ -180,8 +207,20 @@ impl Parting {
     #[must_use]
     pub fn distance(&self, height_mm: f64) -> f64 {
         let k = self.ridge();
-        2.0 * (height_mm * (2.0 / k - height_mm)).max(0.0).sqrt()
+        match self.swept {
+            Some(swept) if k.is_finite() => 2.0 * swept.half(height_mm) / self.bent(&swept),
+            _ => 2.0 * (height_mm * (2.0 / k - height_mm)).max(0.0).sqrt(),
+        }
     }
+
+    /// How much farther apart paths on a plane are that leave the same ridge: (k/k₀)^½.
+    fn bent(&self, swept: &Swept) -> f64 {
+        (self.ridge() / swept.curvature()).sqrt()
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {
