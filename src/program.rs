@@ -319,6 +319,10 @@ impl Fit<'_> {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
                 return None;
             }
+            Code::Output { number, .. } if machine.output(u32::from(*number)).is_none() => {
+                let remedy = machine::declare(u32::from(*number));
+                return Some(format!("no output {number} (line {line} of the program): {remedy}"));
+            }
             Code::Formula { slot, formula } => {
                 route.set_formula(*slot, *formula);
                 return None;
@@ -388,5 +392,8 @@ mod tests {
         assert_eq!(judged(codes(30.0)), None);
         let refused = judged(codes(10.0)).expect("the circle of 10 mm does not begin there");
         assert!(refused.contains("line 4"), "{refused}");
+        let switched = judged(vec![Item { line: 7, code: Code::Output { number: 3, on: true } }]);
+        let refused = switched.expect("this mill has no outputs");
+        assert!(refused.contains("line 7") && refused.contains("add [outputs.3]"), "{refused}");
     }
 }

@@ -60,11 +60,7 @@ pub(crate) fn switched(number: u32, on: bool, machine: &Machine) -> Result<Code,
         Ok(known) if machine.output(number).is_some() => Ok(Code::Output { number: known, on }),
         _ => {
             let message = format!("output {number} is not in the machine file");
-            let help = match number < machine::OUTPUTS {
-                true => format!("add [outputs.{number}] and below it name = \"what it switches\""),
-                false => "outputs are numbered from 0 to 63".into(),
-            };
-            Err(Problem::error("unknown-output", Blame::Block, message, help))
+            Err(Problem::error("unknown-output", Blame::Block, message, machine::declare(number)))
         }
     }
 }

@@ -4,12 +4,15 @@
 //! path modes count as they do on the machine; a chain ends on an interpolator cycle. The spindle follows its
 //! ramp while rapids move; a feed waits until it is at speed, a pass until it has been so for a while. A pass
 //! begins at an index: the first one half a turn after it was armed, in the mean, the others a whole number
-//! of turns after the one before. A program is over when the spindle stands. How long a pause lasts is up to
-//! the operator; it counts as nothing.
+//! of turns after the one before. Before an output is switched at rest the axes come to where they are led. A
+//! program is over when the spindle stands. How long a pause lasts is up to the operator; it counts as
+//! nothing.
 
 use machine::{Machine, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
-use protocol::{Axis, Code, Feed, PerAxis, Position, SpindleMode, SpindleSpeed, Work, units::AXES};
+use protocol::{
+    Axis, Code, Feed, PerAxis, Position, SpindleMode, SpindleSpeed, Work, frame::SETPOINT_LEAD, units::AXES,
+};
 use route::{Advance, Course, Move, Route, Routed, Unworkable};
 
 /// Interpolator cycles until the drives are on, and setpoints act.
@@ -40,6 +43,8 @@ pub(crate) struct Clock<'m> {
     even: f64,
     /// When the last pass began at its index, s, while the spindle goes on at that speed.
     index: Option<f64>,
+    /// The axes have come to where they are, and rest.
+    settled: bool,
     /// Time of the chain in hand, s.
     moved: f64,
     seconds: f64,
@@ -63,6 +68,7 @@ impl<'m> Clock<'m> {
             rpm: 0.0,
             even: 0.0,
             index: None,
+            settled: false,
             moved: 0.0,
             seconds: START_CYCLES * machine.general.interpolator_cycle_s,
             traced: None,
@@ -80,6 +86,7 @@ impl<'m> Clock<'m> {
     }
 
     pub(crate) fn add(&mut self, line: u32, code: &Code) {
+        self.settled &= !matches!(code, Code::Line { .. } | Code::Arc { .. } | Code::Work(_) | Code::Pass(_));
         match code {
             Code::Line { .. } | Code::Arc { .. } => {
                 if self.traced.is_some() {
@@ -98,6 +105,9 @@ impl<'m> Clock<'m> {
         }
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
+            Code::Output { .. } if !std::mem::replace(&mut self.settled, true) => {
+                self.pass_time(SETPOINT_LEAD as f64 * self.machine.general.interpolator_cycle_s);
+            }
             Code::Spindle { mode, speed } => {
                 if (*mode, *speed) != (self.mode, self.speed) {
                     self.even = 0.0;

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_A_TURN, MOST_COGGING, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
 pub use m_codes::MachineCode;
-pub use outputs::{OUTPUTS, Output};
+pub use outputs::{OUTPUTS, Output, declare};
 pub use part::{Corners, Part, PartError};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};

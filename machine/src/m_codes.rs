@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{MachineError, Output, refuse};
+use crate::{MachineError, Output, outputs::declare, refuse};
 
 /// Codes that the control has for itself.
 const OWN: [u16; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30, 98, 99];
@@ -122,9 +122,7 @@ pub(crate) fn check(
         Some((key, number)) => Err(refuse(
             &format!("m_codes.{key}.number"),
             number,
-            &format!(
-                "there is no such output: add [outputs.{number}] and below it name = \"what it switches\""
-            ),
+            &format!("there is no such output: {}", declare(*number)),
         )),
         None => Ok(()),
     }

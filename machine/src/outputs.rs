@@ -1,5 +1,5 @@
-//! Digital outputs. In: the table `[outputs]` of the machine file. Out: what each of them is at the start and when
-//! the program is over.
+//! Digital outputs. In: the table `[outputs]` of the machine file. Out: what each of them is at the start and
+//! when the program is over.
 
 use std::collections::BTreeMap;
 
@@ -27,6 +27,15 @@ pub struct Output {
 /// The number of an output, if it can be declared.
 pub(crate) fn number(key: &str) -> Option<u32> {
     key.parse().ok().filter(|number: &u32| *number < OUTPUTS && number.to_string() == key)
+}
+
+/// The remedy where an output is not declared.
+pub fn declare(number: u32) -> String {
+    if number < OUTPUTS {
+        format!("add [outputs.{number}] and below it name = \"what it switches\"")
+    } else {
+        format!("outputs are numbered from 0 to {}", OUTPUTS - 1)
+    }
 }
 
 /// Refuses keys that are no numbers of outputs.

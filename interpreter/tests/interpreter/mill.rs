@@ -34,7 +34,7 @@ fn mill_with_c() -> Machine {
     machine
 }
 
-fn good_on(machine: &Machine, source: &str) -> Check {
+pub(crate) fn good_on(machine: &Machine, source: &str) -> Check {
     let check = check("test.ngc", source, machine);
     let said: String = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false)).collect();
     assert!(check.is_good(), "{said}");

@@ -185,7 +185,7 @@ proptest! {
 }
 
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x07\0".to_vec();
+    let mut bytes = b"PLMC\x08\0".to_vec();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -199,11 +199,11 @@ fn each_kind_of_wrong_file_has_its_message() {
     assert!(matches!(foreign, CodeFileError::Foreign), "{foreign}");
 
     let mut later = bytes.clone();
-    later[4] = 8;
+    later[4] = 9;
     let error = read(&later).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "this is machine code of version 8, and version 7 is needed: compile the program again"
+        "this is machine code of version 9, and version 8 is needed: compile the program again"
     );
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
@@ -222,7 +222,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x07\0".to_vec();
+    let mut bytes = b"PLMC\x08\0".to_vec();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

@@ -243,7 +243,7 @@ impl Observer {
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
-        self.outputs.cycle(record);
+        self.outputs.cycle(record.machine);
         self.messages.cycle(record.truth.cycle.0, record.machine);
         self.pending = record.truth.pending;
         self.take_faults(record);

@@ -1,12 +1,11 @@
-//! Digital outputs, and when each of them changed. In: the record of every control cycle. Out: an
+//! Digital outputs, and when each of them changed. In: the machine status of every control cycle. Out: an
 //! [`OutputReport`] of each change.
 
 use std::collections::BTreeMap;
 
 use machine::{Machine, OUTPUTS};
+use protocol::MachineStatus;
 use serde::{Deserialize, Serialize};
-
-use super::Record;
 
 /// A change of a digital output.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,7 +16,8 @@ pub struct OutputReport {
     pub name: String,
     /// Whether it is on from this cycle on.
     pub on: bool,
-    /// Line of the part program; 0 before it begins.
+    /// Line of the part program that is executed in this cycle: that of a move, if it begins with it. 0
+    /// before the program begins.
     pub line: u32,
     /// Control cycle: the tick of the interpolator that switched it.
     pub cycle: u64,
@@ -38,8 +38,8 @@ impl Outputs {
     }
 
     /// Takes one control cycle.
-    pub(super) fn cycle(&mut self, record: &Record) {
-        let (on, line, cycle) = (record.machine.outputs, record.machine.line, record.machine.cycle.0);
+    pub(super) fn cycle(&mut self, status: &MachineStatus) {
+        let (on, line, cycle) = (status.outputs, status.line, status.cycle.0);
         let mut changed = std::mem::replace(&mut self.before, on) ^ on;
         while changed != 0 {
             let number = changed.trailing_zeros();

@@ -251,7 +251,7 @@ fn an_output_is_switched_at_rest_between_the_moves() {
     let codes = [line(50.0, 90.0, FEED), ON, first_off, line(50.0, 80.0, FEED), OFF, Code::End];
     let (changes, observation, seen) = switching(&codes, &[]);
     assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
-    let expected = [(1, true, 0), (3, true, 2), (1, false, 3), (3, false, 5), (1, true, 6)];
+    let expected = [(1, true, 0), (1, false, 4), (3, true, 4), (1, true, 6), (3, false, 6)];
     assert_eq!(changes, expected);
     for (change, z) in [(1, 90.0), (3, 80.0)] {
         let cycle = observation.outputs[change].cycle;
@@ -269,7 +269,7 @@ fn outputs_stay_at_a_hold_and_are_safe_behind_whatever_ends_the_program() {
     let held = [(2000, Request::FeedHold), (4000, Request::CycleStart)];
     let (changes, observation, _) = switching(&codes, &held);
     assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
-    assert_eq!(changes, [(1, true, 0), (3, true, 1), (3, false, 3)]);
+    assert_eq!(changes, [(1, true, 0), (3, true, 2), (3, false, 3)]);
     for request in [Request::Stop, Request::Abort, Request::EmergencyStop] {
         let (changes, observation, seen) = switching(&codes, &[(2000, request)]);
         assert_ne!(observation.outcome, Outcome::Completed);
