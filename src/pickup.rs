@@ -20,6 +20,11 @@ Everything is told with what it may be off, with a confidence of 95 %. docs/pick
 
 Exit status: 0 found; 1 the touches are not those of such a thread; 2 the file or an argument is wrong.";
 
+/// A Z beyond is none, mm.
+const MOST_MM: f64 = 1e5;
+/// A start that may be off by more than this share of the pitch enters no groove.
+const MOST_OF_PITCH: f64 = 0.1;
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PickUpArgs {
     /// The touches.
@@ -55,8 +60,20 @@ pub(crate) fn command(args: &PickUpArgs) -> Result<ExitCode, CliError> {
         noise_mm: 1e-3 * args.noise_um,
         lead_error_mm: 1e-3 * args.lead_error_um,
     };
+    if !args.start.is_finite() || args.start.abs() > MOST_MM {
+        return Err(CliError::Input(format!("--start {}: this is no Z of a machine", args.start)));
+    }
     let found = pick_up(&touches, &asked).map_err(|error| refused(args, &error))?;
     let start = found.start_near(args.start);
+    if start.within > MOST_OF_PITCH * found.pitch_mm {
+        return Err(CliError::Machine(format!(
+            "{}: at Z {:.4} mm the groove may be {:.1} µm off, more than a tenth of the pitch: touch more often or better, \
+             or nearer to --start",
+            args.file.display(),
+            start.value,
+            1e3 * start.within
+        )));
+    }
     screen::print(&if args.json { as_json(&found, start) } else { told(&found, start) });
     Ok(ExitCode::SUCCESS)
 }
@@ -136,7 +153,8 @@ fn told(found: &Found, start: Value) -> String {
     }
     let _ = write!(
         text,
-        "touches   within {:.1} µm of that\nstart     at Z {:.4} mm ± {:.1} µm: a pass from there enters the groove\n",
+        "touches   within {:.1} µm of that\nstart     at Z {:.4} mm ± {:.1} µm: a pass that starts there enters the groove;\n          \
+         a cycle with infeed along the flank has to start K tan Q before it (docs/pick-up.md)\n",
         um(*farthest_mm),
         start.value,
         um(start.within)

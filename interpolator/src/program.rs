@@ -26,7 +26,7 @@ pub(crate) struct Program {
     pub(crate) outputs: u64,
     /// Those that are on once the program is over.
     safe: u64,
-    /// The axes have had time to come to where the last motion leads.
+    /// The axes have had time to come to where the last motion leads, for the output in hand.
     settled: bool,
     /// That time, s.
     settles_s: f64,
@@ -70,7 +70,6 @@ impl Program {
                 return Next::Held;
             }
             self.line = item.line;
-            self.settled &= !(item.is_move() || matches!(item.code, Code::Pass(_)));
             match item.code {
                 Code::Line { feed, .. } | Code::Arc { feed, .. } => return Next::Move(feed),
                 Code::Work(work) => return Next::Work(work),
@@ -95,6 +94,8 @@ impl Program {
                 Code::Output { number, on } => {
                     let bit = 1 << u32::from(number);
                     self.outputs = if on { self.outputs | bit } else { self.outputs & !bit };
+                    // The next one waits as well: a pulse is seen.
+                    self.settled = false;
                 }
                 Code::Formula { slot, formula } => route.set_formula(slot, formula),
             }

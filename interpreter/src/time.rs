@@ -43,8 +43,6 @@ pub(crate) struct Clock<'m> {
     even: f64,
     /// When the last pass began at its index, s, while the spindle goes on at that speed.
     index: Option<f64>,
-    /// The axes have come to where they are, and rest.
-    settled: bool,
     /// Time of the chain in hand, s.
     moved: f64,
     seconds: f64,
@@ -68,7 +66,6 @@ impl<'m> Clock<'m> {
             rpm: 0.0,
             even: 0.0,
             index: None,
-            settled: false,
             moved: 0.0,
             seconds: START_CYCLES * machine.general.interpolator_cycle_s,
             traced: None,
@@ -86,7 +83,6 @@ impl<'m> Clock<'m> {
     }
 
     pub(crate) fn add(&mut self, line: u32, code: &Code) {
-        self.settled &= !matches!(code, Code::Line { .. } | Code::Arc { .. } | Code::Work(_) | Code::Pass(_));
         match code {
             Code::Line { .. } | Code::Arc { .. } => {
                 if self.traced.is_some() {
@@ -105,7 +101,7 @@ impl<'m> Clock<'m> {
         }
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
-            Code::Output { .. } if !std::mem::replace(&mut self.settled, true) => {
+            Code::Output { .. } => {
                 self.pass_time(SETPOINT_LEAD as f64 * self.machine.general.interpolator_cycle_s);
             }
             Code::Spindle { mode, speed } => {

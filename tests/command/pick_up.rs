@@ -48,3 +48,24 @@ fn what_is_no_such_thread_and_no_such_file_is_refused_with_its_reason() {
         assert!(answer.stderr.contains(words), "{file} {lead}: {}", answer.stderr);
     }
 }
+
+#[test]
+fn a_start_that_is_not_known_well_enough_enters_no_groove_and_is_not_told() {
+    let place = Place::new();
+    place.write("touches.txt", TOUCHES);
+    let asked = ["pick-up", "touches.txt", "--lead", "-2"];
+    for (more, status, words) in [
+        (["--start", "nan"], 2, "--start NaN"),
+        (["--start", "1e300"], 2, "--start 1"),
+        (["--start", "50000"], 1, "more than a tenth of the pitch"),
+    ] {
+        let answer = place.ask(&[&asked[..], &more].concat());
+        assert_eq!(
+            (answer.status, answer.stdout.as_str()),
+            (Some(status), ""),
+            "{more:?}: {}",
+            answer.stderr
+        );
+        assert!(answer.stderr.contains(words), "{more:?}: {}", answer.stderr);
+    }
+}

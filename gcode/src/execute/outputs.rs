@@ -59,14 +59,21 @@ pub(super) fn overrides(code: M, block: &Block, state: &mut State, out: &mut Out
 /// M62 to M68.
 pub(super) fn io(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::M(code), "switch outputs or wait for inputs", state)?;
+    if code == M(66) {
+        return wait(code, block, state, out);
+    }
+    let letter = if code.0 < 66 { 'P' } else { 'E' };
+    let index = number(block, letter, code)?;
+    if block.get(letter) != Some(f64::from(index)) {
+        let message = format!("{letter}{} is taken as {index}", short(block.get(letter).unwrap_or(0.0)));
+        let help = "give the number of the output, a whole one";
+        out.warn(Problem::warning("bad-value", Blame::Word(letter), message, help));
+    }
     match code.0 {
-        62 => out.call(Call::SetMotionOutputBit(number(block, 'P', code)?, true)),
-        63 => out.call(Call::SetMotionOutputBit(number(block, 'P', code)?, false)),
-        64 => out.call(Call::SetAuxOutputBit(number(block, 'P', code)?, true)),
-        65 => out.call(Call::SetAuxOutputBit(number(block, 'P', code)?, false)),
-        66 => wait(code, block, state, out),
-        67 => out.call(Call::SetMotionOutputValue(number(block, 'E', code)?, value(block, code)?)),
-        _ => out.call(Call::SetAuxOutputValue(number(block, 'E', code)?, value(block, code)?)),
+        62 | 63 => out.call(Call::SetMotionOutputBit(index, code == M(62))),
+        64 | 65 => out.call(Call::SetAuxOutputBit(index, code == M(64))),
+        67 => out.call(Call::SetMotionOutputValue(index, value(block, code)?)),
+        _ => out.call(Call::SetAuxOutputValue(index, value(block, code)?)),
     }
 }
 

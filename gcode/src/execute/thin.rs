@@ -5,8 +5,8 @@ use super::Output;
 use crate::canon::Units;
 use crate::problem::{Blame, Problem, short};
 
-/// Less than any tool cuts on purpose, mm.
-const THIN_MM: f64 = 0.01;
+/// Less than any tool cuts on purpose, by the unit of the program: mm, inch.
+const THIN: [f64; 2] = [0.01, 0.001];
 
 /// Warns of a depth of cut that is hardly meant; `cuts` is how many it takes, 0 if that is not known yet.
 /// `other` is how else the number can be read, and what to write then.
@@ -18,13 +18,13 @@ pub(crate) fn doubt(
     other: Option<(String, String)>,
     out: &mut Output,
 ) {
-    if depth <= 0.0 || depth * units.mm() > THIN_MM - 1e-9 || cuts == 1.0 {
+    let (unit, thin) = if units == Units::Inch { ("inch", THIN[1]) } else { ("mm", THIN[0]) };
+    if depth <= 0.0 || depth > thin - 1e-9 || cuts == 1.0 {
         return;
     }
-    let unit = if units == Units::Inch { "inch" } else { "mm" };
     let count = if cuts > 0.0 { format!(", {cuts} times") } else { String::new() };
     let mut message = format!("{what} is {} {unit}{count}: thinner than any chip", short(depth));
-    let mut help = format!("give at least {} {unit}", short(THIN_MM / units.mm()));
+    let mut help = format!("give at least {} {unit}", short(thin));
     if let Some((reading, remedy)) = other {
         message += &format!(" ({reading})");
         help = format!("{remedy}, or {help}");
