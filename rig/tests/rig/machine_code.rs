@@ -224,11 +224,11 @@ fn coolant_is_seen_and_ends_with_the_program() {
     assert_eq!(seen, [0, MachineStatus::MIST, MachineStatus::FLOOD, 0]);
 }
 
+/// Number, on or off, line.
+type Change = (u32, bool, u32);
+
 /// Outputs 1, on and safe, and 3: how they change, and how the run ends.
-fn switching(
-    codes: &[Code],
-    requests: &[(u64, Request)],
-) -> (Vec<(u32, bool, u32)>, Observation, Vec<[f64; 3]>) {
+fn switching(codes: &[Code], requests: &[(u64, Request)]) -> (Vec<Change>, Observation, Vec<[f64; 3]>) {
     let mut machine = Machine::plain();
     let output = |safe| machine::Output { name: "a".into(), initial: safe, safe };
     machine.outputs = [("1".into(), output(true)), ("3".into(), output(false))].into();
