@@ -138,6 +138,7 @@ fn described(ini: MachineFile, options: &mut Options) {
         *clearance = given.unwrap_or(*clearance);
     }
     (options.startup, options.named, options.orient_offset) = (ini.startup, ini.named, ini.orient_offset);
+    options.forgets_g92 = ini.forgets_g92;
 }
 
 /// The dialect that a program is read in, and what it looks like by itself ([`gcode::guess`]).

@@ -159,3 +159,20 @@ fn a_comment_that_means_a_gauge_is_not_passed_over() {
         assert_eq!(said(&format!("{comment}\nM2\n")), [], "{comment}");
     }
 }
+
+/// M2 takes G92 back where LinuxCNC's description of the machine says so.
+#[test]
+fn g92_does_not_outlast_a_program_where_the_description_says_so() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let kept = |value: u8| {
+        let (path, ini) = (folder.join("g92.ngc"), folder.join(format!("g92-{value}.ini")));
+        std::fs::write(&path, "G92 X5\nM2\n").expect("a file");
+        std::fs::write(&ini, format!("[RS274NGC]\nDISABLE_G92_PERSISTENCE = {value}\n")).expect("a file");
+        let language = Language { ini: Some(ini), ..Language::default() };
+        let machine = Machine::plain();
+        let program = interpreter::open(&path, &language, &machine).expect("a program");
+        let left = interpreter::check_program(program, &machine, |_| ()).outlasting.parameters;
+        left.values.iter().find(|(number, _)| *number == 5210).map(|(_, value)| *value)
+    };
+    assert_eq!([0, 1].map(kept), [Some(1.0), Some(0.0)]);
+}
