@@ -7,12 +7,16 @@
 //! R turns X and Y by the angle of the coordinate system.
 
 use gcode::canon::{Pose, Units, X, Y};
+use gcode::problem::short;
+
+use crate::thread::Point;
 
 /// Units and offsets in force; offsets in mm and degrees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
-    /// mm in one unit.
-    pub(crate) unit: f64,
+    pub(crate) units: Units,
+    /// Whether the program writes X as a diameter.
+    pub(crate) x_is_diameter: bool,
     /// Offset of the coordinate system.
     pub(crate) system: Pose,
     /// Its rotation about Z, degrees.
@@ -26,13 +30,32 @@ pub(crate) struct Frame {
 impl Frame {
     pub(crate) fn new() -> Frame {
         let zero = [0.0; 6];
-        Frame { unit: Units::Millimetre.mm(), system: zero, rotation_deg: 0.0, shift: zero, tool: zero }
+        Frame {
+            units: Units::Millimetre,
+            x_is_diameter: false,
+            system: zero,
+            rotation_deg: 0.0,
+            shift: zero,
+            tool: zero,
+        }
+    }
+
+    /// mm in one unit.
+    pub(crate) fn unit(&self) -> f64 {
+        self.units.mm()
+    }
+
+    /// X and Z of the part, mm and a radius, as the program writes them.
+    pub(crate) fn place(&self, at: Point) -> String {
+        let (twice, what) = if self.x_is_diameter { (2.0, "diameter") } else { (1.0, "radius") };
+        let [x, z] = [twice * at.x, at.z].map(|mm| short(mm / self.unit()));
+        format!("X{x} Z{z} of the part (X as a {what}, {})", self.units.name())
     }
 
     /// A vector of the program in mm and degrees.
     pub(crate) fn scaled(&self, vector: &Pose) -> Pose {
         let [x, y, z, a, b, c] = *vector;
-        [x * self.unit, y * self.unit, z * self.unit, a, b, c]
+        [x * self.unit(), y * self.unit(), z * self.unit(), a, b, c]
     }
 
     /// A programmed position on the machine.
@@ -53,7 +76,7 @@ impl Frame {
             (from[X], from[Y]) = (from[X] * cos + from[Y] * sin, from[Y] * cos - from[X] * sin);
         }
         let [x, y, z, a, b, c] = std::array::from_fn(|axis| from[axis] - self.shift[axis]);
-        [x / self.unit, y / self.unit, z / self.unit, a, b, c]
+        [x / self.unit(), y / self.unit(), z / self.unit(), a, b, c]
     }
 }
 

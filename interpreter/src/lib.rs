@@ -186,6 +186,7 @@ impl Interpreter {
 
     /// One block of the program.
     fn step(&mut self) {
+        self.translator.writes_x(self.program.x_is_diameter());
         let result = self.program.step(&mut self.translator);
         if matches!(result, Ok(Step::Ended)) {
             self.translator.finish();

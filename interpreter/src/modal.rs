@@ -52,7 +52,7 @@ impl Modal {
     /// A call that changes what is in force.
     pub(crate) fn change(&mut self, call: &Call<'_>, machine: &Machine) -> Done {
         match *call {
-            Call::UseLengthUnits(units) => self.frame.unit = units.mm(),
+            Call::UseLengthUnits(units) => self.frame.units = units,
             Call::SelectPlane(plane) => self.plane = plane,
             Call::SetG5xOffset(_, offset) => self.frame.system = self.offset(&offset, machine)?,
             Call::SetG92Offset(offset) => self.frame.shift = self.offset(&offset, machine)?,
@@ -70,13 +70,13 @@ impl Modal {
             }
             Call::SetFeedRate(feed) => self.set_feed(feed)?,
             Call::SetMotionControlMode(mode) => {
-                self.path = PathAsked::asked(mode, self.frame.unit, machine.path.tolerance_mm)?;
+                self.path = PathAsked::asked(mode, self.frame.units, machine.path.tolerance_mm)?;
             }
             Call::SetNaivecamTolerance { tolerance, programmed: true } => {
-                self.path.merge_within(tolerance * self.frame.unit)?;
+                self.path.merge_within(tolerance * self.frame.unit(), self.frame.units)?;
             }
             Call::StartSpeedFeedSynch { lead, velocity, start_deg } => {
-                let lead_mm = lead * self.frame.unit;
+                let lead_mm = lead * self.frame.unit();
                 self.synchronised = (!velocity).then_some(Synchronised { lead_mm, start_deg });
             }
             Call::StopSpeedFeedSynch => self.synchronised = None,
@@ -97,11 +97,11 @@ impl Modal {
     }
 
     fn set_feed(&mut self, feed: f64) -> Done {
-        let feed = feed * self.frame.unit;
+        let feed = feed * self.frame.unit();
         if !(0.0..=HIGHEST_FEED).contains(&feed) {
             self.feed = HIGHEST_FEED; // one mistake, one message: the moves behind it do not also lack a feed
-            let message = format!("F of {} mm is not a feed", short(feed));
-            let help = format!("give a feed above 0 and up to {} mm", short(HIGHEST_FEED));
+            let message = format!("F of {} is not a feed", self.frame.units.length(feed));
+            let help = format!("give a feed above 0 and up to {}", self.frame.units.length(HIGHEST_FEED));
             return Err(Problem::error("bad-value", Blame::Word('F'), message, help));
         }
         self.feed = feed;
@@ -121,7 +121,7 @@ impl Modal {
     ) -> Result<Feed, Box<Problem>> {
         let is_linear = |axis: &Axis| Axis::METRIC[axis.index()] && from[axis.index()] != to[axis.index()];
         let in_mm = Axis::ALL.iter().any(is_linear);
-        self.checked_feed(if in_mm { self.feed } else { self.feed / self.frame.unit }, spindle)
+        self.checked_feed(if in_mm { self.feed } else { self.feed / self.frame.unit() }, spindle)
     }
 
     /// F of an arc.

@@ -13,6 +13,7 @@ use gcode::problem::{Blame, short};
 use machine::{Machine, Part};
 use protocol::{Axis, PerAxis, Position, ThreadPass};
 
+use crate::frame::Frame;
 use crate::thread::Point;
 
 /// Distance of the nodes, mm, and most of them.
@@ -70,21 +71,27 @@ impl Stock {
 
     /// Takes a straight move; a warning if it should not be. `drill_mm` is the radius of a drill, if the tool
     /// has a width.
-    pub(crate) fn goes(&mut self, [from, to]: [Point; 2], how: Goes, drill_mm: f64) -> Option<Box<Problem>> {
+    pub(crate) fn goes(
+        &mut self,
+        [from, to]: [Point; 2],
+        how: Goes,
+        drill_mm: f64,
+        frame: &Frame,
+    ) -> Option<Box<Problem>> {
         let inside = self.first_inside(&self.nodes, from, to);
         let inside = if how == Goes::Rapid { self.in_both(inside, from, to) } else { inside };
         let warning = match (how, inside) {
             (Goes::Rapid, Some(at)) => Some(warning(
                 "rapid-in-stock",
-                format!("the rapid goes through the stock at {}", place(at)),
+                format!("the rapid goes through the stock at {}", frame.place(at)),
                 "go around it, or cut it off first; is the part as it is said to be, and the offset?",
             )),
             (Goes::CutsAtRest, Some(at)) => Some(warning(
                 "cut-at-rest",
-                format!("the tool cuts into the stock at {}, and the spindle stands", place(at)),
+                format!("the tool cuts into the stock at {}, and the spindle stands", frame.place(at)),
                 "start the spindle before, as in G97 S800 M3",
             )),
-            _ => self.in_chuck(from, to),
+            _ => self.in_chuck(from, to, frame),
         };
         if how != Goes::Rapid && (inside.is_some() || along_the_axis(from, to)) {
             self.cut(from, to, drill_mm);
@@ -93,7 +100,7 @@ impl Stock {
     }
 
     /// Takes a pass of a thread, of which X 0 and Z 0 of the part lie at `origin` on the machine.
-    pub(crate) fn pass(&mut self, pass: &ThreadPass, origin: Point) -> Option<Box<Problem>> {
+    pub(crate) fn pass(&mut self, pass: &ThreadPass, origin: Point, frame: &Frame) -> Option<Box<Problem>> {
         let law = |axis: Axis| (pass.axis(axis).start.mm(), pass.axis(axis).law(pass.s_rpm));
         let ((x0, x), (z0, z)) = (law(Axis::X), law(Axis::Z));
         let at = |c: f64| Point { x: x0 + x.at(c).s - origin.x, z: z0 + z.at(c).s - origin.z };
@@ -108,10 +115,10 @@ impl Stock {
         let warning = match inside {
             Some(at) => Some(warning(
                 "run-in-in-stock",
-                format!("the tool is in the stock at {} before it is on the helix", place(at)),
+                format!("the tool is in the stock at {} before it is on the helix", frame.place(at)),
                 "start further from the part: `pitchlock check` says from which Z on there is full depth",
             )),
-            None => self.in_chuck(at(begins), at(pass.done_deg())),
+            None => self.in_chuck(at(begins), at(pass.done_deg()), frame),
         };
         self.told(warning)
     }
@@ -138,11 +145,12 @@ impl Stock {
     }
 
     /// A move that ends deeper in the chuck than it begins.
-    fn in_chuck(&self, from: Point, to: Point) -> Option<Box<Problem>> {
+    fn in_chuck(&self, from: Point, to: Point, frame: &Frame) -> Option<Box<Problem>> {
         let chuck_mm = self.chuck_mm?;
         (to.z < chuck_mm && to.z < from.z).then(|| {
+            let [to, chuck] = [to.z, chuck_mm].map(|mm| short(mm / frame.unit()));
             let message =
-                format!("the tool goes to Z{}, and the chuck begins at Z{}", short(to.z), short(chuck_mm));
+                format!("the tool goes to Z{to}, and the chuck begins at Z{chuck} ({})", frame.units.name());
             warning("into-chuck", message, "end the move before it, or let more of the stock stand out")
         })
     }
@@ -261,10 +269,6 @@ pub(crate) fn drill_mm(machine: &Machine, tool: Option<u32>) -> f64 {
     0.5 * tool.and_then(|tool| tool.width_mm).unwrap_or(0.0)
 }
 
-fn place(at: Point) -> String {
-    format!("X{} Z{} of the part (X as a radius, mm)", short(at.x), short(at.z))
-}
-
 fn warning(code: &'static str, message: String, help: &str) -> Box<Problem> {
     Problem::warning(code, Blame::Block, message, help)
 }
@@ -285,17 +289,21 @@ mod tests {
         warning.map_or("", |warning| warning.code)
     }
 
+    fn goes(stock: &mut Stock, ends: [Point; 2], how: Goes) -> &'static str {
+        code(stock.goes(ends, how, 0.0, &Frame::new()))
+    }
+
     #[test]
     fn a_rapid_may_go_where_nothing_is_or_is_left() {
         let mut bar = stock("part, bar D40 L60 C-55");
-        let mut rapid = |from, to| code(bar.goes([from, to], Goes::Rapid, 0.0));
+        let mut rapid = |from, to| goes(&mut bar, [from, to], Goes::Rapid);
         assert_eq!(rapid(at(60.0, 100.0), at(20.0, 2.0)), "");
         assert_eq!(rapid(at(20.0, 2.0), at(20.0, -30.0)), "", "along the surface");
         assert_eq!(rapid(at(18.0, 2.0), at(18.0, -0.5)), "rapid-in-stock");
         assert_eq!(rapid(at(30.0, 5.0), at(5.0, -10.0)), "rapid-in-stock");
         assert_eq!(rapid(at(30.0, -20.0), at(30.0, -56.0)), "into-chuck");
-        assert_eq!(code(bar.goes([at(18.0, 2.0), at(18.0, -30.0)], Goes::Cuts, 0.0)), "");
-        let mut rapid = |from, to| code(bar.goes([from, to], Goes::Rapid, 0.0));
+        assert_eq!(goes(&mut bar, [at(18.0, 2.0), at(18.0, -30.0)], Goes::Cuts), "");
+        let mut rapid = |from, to| goes(&mut bar, [from, to], Goes::Rapid);
         assert_eq!(rapid(at(18.0, 2.0), at(18.0, -30.0)), "", "it has been cut off");
         assert_eq!(rapid(at(19.0, -29.0), at(19.0, -31.0)), "rapid-in-stock");
         assert_eq!(rapid(at(17.0, 2.0), at(17.0, -1.0)), "rapid-in-stock");
@@ -304,73 +312,73 @@ mod tests {
     #[test]
     fn a_face_is_gone_when_it_has_been_cut() {
         let mut bar = stock("part, bar D40 L60 Z1");
-        assert_eq!(code(bar.goes([at(22.0, 0.0), at(-0.8, 0.0)], Goes::Cuts, 0.0)), "");
-        assert_eq!(code(bar.goes([at(-0.8, 0.0), at(-0.8, 1.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(bar.goes([at(10.0, 2.0), at(10.0, 0.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(bar.goes([at(10.0, 2.0), at(10.0, -0.2)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        assert_eq!(goes(&mut bar, [at(22.0, 0.0), at(-0.8, 0.0)], Goes::Cuts), "");
+        assert_eq!(goes(&mut bar, [at(-0.8, 0.0), at(-0.8, 1.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut bar, [at(10.0, 2.0), at(10.0, 0.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut bar, [at(10.0, 2.0), at(10.0, -0.2)], Goes::Rapid), "rapid-in-stock");
     }
 
     #[test]
     fn a_bore_is_cut_from_within_and_leaves_the_outside() {
         let mut tube = stock("part, tube D40 I20 L60");
-        assert_eq!(code(tube.goes([at(9.0, 2.0), at(9.0, -50.0)], Goes::Rapid, 0.0)), "", "in the bore");
-        tube.goes([at(12.0, 2.0), at(12.0, -20.0)], Goes::Cuts, 0.0);
-        assert_eq!(code(tube.goes([at(11.5, 2.0), at(11.5, -19.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(tube.goes([at(11.5, 2.0), at(11.5, -21.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
-        assert_eq!(code(tube.goes([at(19.0, 2.0), at(19.0, -1.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        assert_eq!(goes(&mut tube, [at(9.0, 2.0), at(9.0, -50.0)], Goes::Rapid), "", "in the bore");
+        goes(&mut tube, [at(12.0, 2.0), at(12.0, -20.0)], Goes::Cuts);
+        assert_eq!(goes(&mut tube, [at(11.5, 2.0), at(11.5, -19.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut tube, [at(11.5, 2.0), at(11.5, -21.0)], Goes::Rapid), "rapid-in-stock");
+        assert_eq!(goes(&mut tube, [at(19.0, 2.0), at(19.0, -1.0)], Goes::Rapid), "rapid-in-stock");
     }
 
     #[test]
     fn a_tube_is_turned_deeper_than_half_of_its_wall() {
         let turned = || {
             let mut tube = stock("part, tube D40 I20 L60");
-            assert_eq!(code(tube.goes([at(14.0, 2.0), at(14.0, -20.0)], Goes::Cuts, 0.0)), "");
+            assert_eq!(goes(&mut tube, [at(14.0, 2.0), at(14.0, -20.0)], Goes::Cuts), "");
             tube
         };
         // Out and back: the outside was turned, and what is within is there.
         let mut tube = turned();
-        assert_eq!(code(tube.goes([at(14.0, -20.0), at(22.0, -20.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(tube.goes([at(14.5, 2.0), at(14.5, -19.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(tube.goes([at(12.0, 2.0), at(12.0, -19.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        assert_eq!(goes(&mut tube, [at(14.0, -20.0), at(22.0, -20.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut tube, [at(14.5, 2.0), at(14.5, -19.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut tube, [at(12.0, 2.0), at(12.0, -19.0)], Goes::Rapid), "rapid-in-stock");
         // Towards the axis and out: it was bored.
         let mut tube = turned();
-        assert_eq!(code(tube.goes([at(14.0, -20.0), at(9.0, -20.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(tube.goes([at(14.5, 2.0), at(14.5, -19.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        assert_eq!(goes(&mut tube, [at(14.0, -20.0), at(9.0, -20.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut tube, [at(14.5, 2.0), at(14.5, -19.0)], Goes::Rapid), "rapid-in-stock");
         // Through either of them.
         let mut tube = turned();
-        assert_eq!(code(tube.goes([at(22.0, -30.0), at(9.0, -30.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        assert_eq!(goes(&mut tube, [at(22.0, -30.0), at(9.0, -30.0)], Goes::Rapid), "rapid-in-stock");
     }
 
     #[test]
     fn a_tube_is_drilled_as_wide_as_nobody_knows() {
         let mut tube = stock("part, tube D40 I10 L60");
-        tube.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 0.0);
-        assert_eq!(code(tube.goes([at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid, 0.0)), "");
+        goes(&mut tube, [at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts);
+        assert_eq!(goes(&mut tube, [at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid), "");
     }
 
     #[test]
     fn a_drill_leaves_a_hole_of_its_width() {
         let mut bar = stock("part, bar D40 L60");
-        bar.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 6.0);
-        assert_eq!(code(bar.goes([at(5.0, 2.0), at(5.0, -29.0)], Goes::Rapid, 0.0)), "");
-        assert_eq!(code(bar.goes([at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid, 0.0)), "rapid-in-stock");
+        bar.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 6.0, &Frame::new());
+        assert_eq!(goes(&mut bar, [at(5.0, 2.0), at(5.0, -29.0)], Goes::Rapid), "");
+        assert_eq!(goes(&mut bar, [at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid), "rapid-in-stock");
         // Of one whose width nobody knows all of the stock above may be gone.
         let mut bar = stock("part, bar D40 L60");
-        bar.goes([at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts, 0.0);
-        assert_eq!(code(bar.goes([at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid, 0.0)), "");
+        goes(&mut bar, [at(0.0, 2.0), at(0.0, -30.0)], Goes::Cuts);
+        assert_eq!(goes(&mut bar, [at(7.0, 2.0), at(7.0, -29.0)], Goes::Rapid), "");
     }
 
     #[test]
     fn nothing_is_cut_while_the_spindle_stands() {
         let mut bar = stock("part, bar D40 L60");
-        assert_eq!(code(bar.goes([at(21.0, 2.0), at(21.0, -30.0)], Goes::CutsAtRest, 0.0)), "");
-        assert_eq!(code(bar.goes([at(18.0, 2.0), at(18.0, -30.0)], Goes::CutsAtRest, 0.0)), "cut-at-rest");
+        assert_eq!(goes(&mut bar, [at(21.0, 2.0), at(21.0, -30.0)], Goes::CutsAtRest), "");
+        assert_eq!(goes(&mut bar, [at(18.0, 2.0), at(18.0, -30.0)], Goes::CutsAtRest), "cut-at-rest");
     }
 
     #[test]
     fn a_program_is_warned_a_number_of_times_and_no_more() {
         let mut bar = stock("part, bar D40 L60");
-        let mut warned = || bar.goes([at(5.0, 2.0), at(5.0, -30.0)], Goes::Rapid, 0.0).is_some();
+        let mut warned = || !goes(&mut bar, [at(5.0, 2.0), at(5.0, -30.0)], Goes::Rapid).is_empty();
         assert_eq!((0..100).filter(|_| warned()).count(), 20);
     }
 }

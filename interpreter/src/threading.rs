@@ -4,7 +4,7 @@
 //! A G33 waits until it is known what comes next: a G0 that moves only X becomes its retract, made in step
 //! with the spindle.
 
-use gcode::canon::{ThreadCycle, X, Z};
+use gcode::canon::{ThreadCycle, Units, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use machine::Machine;
@@ -137,10 +137,10 @@ impl Threads {
                     // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
                     planned.pass.out.leaves &= !WayOut::ON_HOLD;
                 }
-                Ok(self.number(place.line, planned, &cut, start, rest, machine))
+                Ok(self.number((place.line, single.units), planned, &cut, start, rest, machine))
             }
             Err(why) => {
-                let problem = why.problem(&[cut], 1.0, machine);
+                let problem = why.problem(&[cut], single.units, machine);
                 Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem }))
             }
         };
@@ -173,14 +173,16 @@ impl Threads {
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut, place));
         let passes = cuts.iter().zip(plans);
         Ok(passes
-            .map(|(cut, planned)| (cut.from, self.number(place.line, planned, cut, start, rest, machine)))
+            .map(|(cut, planned)| {
+                (cut.from, self.number((place.line, cycle.units), planned, cut, start, rest, machine))
+            })
             .collect())
     }
 
     /// Gives a pass its number, a law of rest to the axes that it does not move, and a note.
     fn number(
         &mut self,
-        line: u32,
+        (line, units): (u32, Units),
         planned: Plan,
         cut: &Cut,
         start: u32,
@@ -193,7 +195,7 @@ impl Threads {
             let at = rest[axis.index()];
             pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
         }
-        if let Some(doubt) = mostly_shallow(line, cut, planned.full_depth_z_mm) {
+        if let Some(doubt) = mostly_shallow((line, units), cut, planned.full_depth_z_mm) {
             // Of the passes of a cycle the deepest, which comes last, takes the longest way out.
             self.doubts.retain(|other| (other.code, other.blame) != (doubt.code, doubt.blame));
             self.doubts.push(doubt);
@@ -216,14 +218,14 @@ impl Threads {
 }
 
 /// A thread that is at full depth over less than half of its length: run-in and run-out take the rest.
-fn mostly_shallow(line: u32, cut: &Cut, [from, to]: [f64; 2]) -> Option<Problem> {
+fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) -> Option<Problem> {
     const LEAST_SHARE: f64 = 0.5;
     let taper_mm = cut.exit.map_or(0.0, |taper| taper.length_mm);
     let [full, whole] = [to, cut.to_z].map(|end| (end - from).abs());
     let message = format!(
-        "the thread is at full depth over {} mm of {}: then X has to leave, as fast as it is",
-        short(full),
-        short(whole)
+        "the thread is at full depth over {} of {}: then X has to leave, as fast as it is",
+        units.length(full),
+        units.length(whole)
     );
     let help = "a slower spindle leaves over less of it; or cut the thread farther, into a groove";
     (full < LEAST_SHARE * (whole - taper_mm))
@@ -265,7 +267,7 @@ pub(crate) fn single(
     let Synchronised { lead_mm, start_deg } = *synchronised;
     let (from, to) = (in_plane(points.programmed()), in_plane(target));
     let (s_rpm, direction) = turning.at(from.x, machine)?;
-    check_lead(lead_mm, 'K')?;
+    check_lead(lead_mm, 'K', turning.frame.units)?;
     if in_plane_of(target, from) != *points.programmed() {
         return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
     }
@@ -282,6 +284,7 @@ pub(crate) fn single(
     Ok(Single {
         s_rpm,
         direction,
+        units: turning.frame.units,
         from,
         to,
         k_mm: lead_mm,
@@ -298,7 +301,7 @@ pub(crate) fn cycle_on_machine(
     machine: &Machine,
 ) -> Result<Cycle, Box<Problem>> {
     let frame = turning.frame;
-    let unit = frame.unit;
+    let (units, unit) = (frame.units, frame.unit());
     let from = in_plane(&frame.machine(&cycle.from));
     let (s_rpm, direction) = turning.at(from.x + cycle.crest * unit, machine)?;
     let to_z = frame.machine(&in_plane_of(&cycle.from, Point { x: 0.0, z: cycle.end_z }))[Z];
@@ -307,7 +310,7 @@ pub(crate) fn cycle_on_machine(
         return Err(Problem::error("bad-value", Blame::Word('Z'), "the thread has no length", help));
     }
     let lead_mm = cycle.lead * unit;
-    check_lead(lead_mm, 'P')?;
+    check_lead(lead_mm, 'P', units)?;
     let out_of_range = |letter, value: f64, range: &str| {
         let message = format!("{letter}{} is out of range", short(value));
         Err(Problem::error("bad-value", Blame::Word(letter), message, format!("allowed: {range}")))
@@ -323,7 +326,7 @@ pub(crate) fn cycle_on_machine(
         let message = "L asks for a taper that has no length";
         return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
     }
-    Ok(Cycle { s_rpm, direction, from, to_z, unit, lead_mm, words: *cycle })
+    Ok(Cycle { s_rpm, direction, from, to_z, units, lead_mm, words: *cycle })
 }
 
 /// Warns of a spindle encoder that is too coarse for a lead.
@@ -359,14 +362,14 @@ pub(crate) fn in_plane_of(point: &gcode::Pose, Point { x, z }: Point) -> gcode::
     moved
 }
 
-fn check_lead(mm: f64, letter: char) -> Done {
+fn check_lead(mm: f64, letter: char, units: Units) -> Done {
     let [low, high] = LEADS;
     if (low..=high).contains(&mm) {
         return Ok(());
     }
-    let message = format!("{} mm is not a lead", short(mm));
-    let help =
-        format!("a lead lies between {low} and {high} mm; its sign comes from the direction of the move");
+    let message = format!("{} is not a lead", units.length(mm));
+    let [low, high] = [low, high].map(|mm| units.length(mm));
+    let help = format!("a lead lies between {low} and {high}; its sign comes from the direction of the move");
     Err(Problem::error("bad-value", Blame::Word(letter), message, help))
 }
 

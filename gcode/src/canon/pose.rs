@@ -1,5 +1,7 @@
 //! Where the axes stand, units, planes.
 
+use crate::problem::short;
+
 /// X, Y, Z in units of length; A, B, C in degrees.
 pub type Pose = [f64; 6];
 
@@ -32,6 +34,19 @@ impl Units {
             Units::Inch => 25.4,
             Units::Millimetre => 1.0,
         }
+    }
+
+    /// What one is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Units::Inch => "inch",
+            Units::Millimetre => "mm",
+        }
+    }
+
+    /// A length of so many mm with its unit, as a program in these units has it.
+    pub fn length(self, mm: f64) -> String {
+        format!("{} {}", short(mm / self.mm()), self.name())
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::Output;
 use crate::canon::Units;
-use crate::problem::{Blame, Problem, short};
+use crate::problem::{Blame, Problem};
 
 /// Less than any tool cuts on purpose, by the unit of the program: mm, inch.
 const THIN: [f64; 2] = [0.01, 0.001];
@@ -18,13 +18,13 @@ pub(crate) fn doubt(
     other: Option<(String, String)>,
     out: &mut Output,
 ) {
-    let (unit, thin) = if units == Units::Inch { ("inch", THIN[1]) } else { ("mm", THIN[0]) };
+    let thin = THIN[usize::from(units == Units::Inch)];
     if depth <= 0.0 || depth > thin - 1e-9 || cuts == 1.0 {
         return;
     }
     let count = if cuts > 0.0 { format!(", {cuts} times") } else { String::new() };
-    let mut message = format!("{what} is {} {unit}{count}: thinner than any chip", short(depth));
-    let mut help = format!("give at least {} {unit}", short(thin));
+    let mut message = format!("{what} is {}{count}: thinner than any chip", units.length(depth * units.mm()));
+    let mut help = format!("give at least {}", units.length(thin * units.mm()));
     if let Some((reading, remedy)) = other {
         message += &format!(" ({reading})");
         help = format!("{remedy}, or {help}");

@@ -82,7 +82,7 @@ impl Line {
 
     /// The unit of its lengths.
     pub(super) fn unit(&self) -> &'static str {
-        if self.units == Some(Units::Inch) { "inch" } else { "mm" }
+        self.units.unwrap_or(Units::Millimetre).name()
     }
 
     /// Whether the block has the word of a letter.

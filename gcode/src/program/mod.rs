@@ -206,6 +206,11 @@ impl Program {
         &self.state.tools.table
     }
 
+    /// Whether X words are diameters: G7, and the lathes of FANUC.
+    pub fn x_is_diameter(&self) -> bool {
+        self.state.modes.diameter
+    }
+
     /// Whether the `%` that ends the program was met, if only on the search for a subroutine.
     pub fn is_read_to_end(&self) -> bool {
         self.reader.files().get(0).is_some_and(Source::is_closed)

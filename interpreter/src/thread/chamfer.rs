@@ -26,15 +26,15 @@ pub(crate) fn plans(
     let refused = match all(cuts) {
         Ok(plans) => return Ok((plans, None)),
         Err(Refusal::ExitTaper { .. }) if cycle.words.chamfer_yields => highest_speed(cuts, machine),
-        Err(why) => return Err(why.problem(cuts, cycle.unit, machine)),
+        Err(why) => return Err(why.problem(cuts, cycle.units, machine)),
     };
     cuts.iter_mut().for_each(|cut| cut.exit = None);
-    let plans = all(cuts).map_err(|why| why.problem(cuts, cycle.unit, machine))?;
+    let plans = all(cuts).map_err(|why| why.problem(cuts, cycle.units, machine))?;
     let ways = cuts.iter().zip(&plans).map(|(cut, plan)| (cut.to_z - plan.full_depth_z_mm[1]).abs());
     let message = format!(
-        "X cannot leave within the chamfer of {} mm: it leaves as steeply as it can, over {} mm",
-        short(cycle.words.chamfer * cycle.unit),
-        short(ways.fold(0.0, f64::max))
+        "X cannot leave within the chamfer of {}: it leaves as steeply as it can, over {}",
+        cycle.units.length(cycle.words.chamfer * cycle.units.mm()),
+        cycle.units.length(ways.fold(0.0, f64::max))
     );
     let slower = refused.map(|rpm| format!(", or lower S: S{} is slow enough", short(rpm)));
     let help = format!("ask for a longer chamfer{}", slower.unwrap_or_default());

@@ -1,7 +1,7 @@
 //! The cuts of a threading cycle. In: the cycle as the program means it ([`gcode::canon::ThreadCycle`]:
 //! depths, infeed, tapers). Out: one [`Cut`] for each pass.
 
-use gcode::canon::ThreadCycle;
+use gcode::canon::{ThreadCycle, Units};
 
 use super::cut::{Cut, Point, Taper};
 
@@ -14,8 +14,8 @@ pub(crate) struct Cycle {
     pub(crate) from: Point,
     pub(crate) to_z: f64,
     pub(crate) lead_mm: f64,
-    /// mm in one unit of `words`.
-    pub(crate) unit: f64,
+    /// Of `words`.
+    pub(crate) units: Units,
     pub(crate) words: ThreadCycle,
 }
 
@@ -25,22 +25,22 @@ pub(crate) const MOST_PASSES: usize = 1000;
 impl Cycle {
     /// Depths of the passes, mm; one more than [`MOST_PASSES`] if there are too many.
     pub(crate) fn depths(&self) -> Vec<f64> {
-        self.words.depths().take(MOST_PASSES + 1).map(|depth| depth * self.unit).collect()
+        self.words.depths().take(MOST_PASSES + 1).map(|depth| depth * self.units.mm()).collect()
     }
 
     /// The cut of the pass that goes to `depth`, mm.
     pub(crate) fn cut(&self, depth: f64) -> Cut {
         let words = &self.words;
-        let full_mm = words.depth * self.unit;
+        let full_mm = words.depth * self.units.mm();
         let way = self.to_z - self.from.z;
         let towards = way.signum();
         let tan = libm::tan(words.infeed_deg.to_radians());
-        let taper = Taper { length_mm: words.chamfer * self.unit, height_mm: full_mm };
+        let taper = Taper { length_mm: words.chamfer * self.units.mm(), height_mm: full_mm };
         let to_z = self.to_z - towards * (full_mm - depth) * tan;
         let from = Point { x: self.from.x, z: self.from.z + towards * depth * tan };
-        let slope = words.taper_x * self.unit / way;
+        let slope = words.taper_x * self.units.mm() / way;
         let approach_mm =
-            words.crest * self.unit + words.crest.signum() * depth + slope * (from.z - self.from.z);
+            words.crest * self.units.mm() + words.crest.signum() * depth + slope * (from.z - self.from.z);
         let lead_z = towards * self.lead_mm;
         Cut {
             s_rpm: self.s_rpm,

@@ -2,6 +2,7 @@
 //! highest spindle speed that would do, and what else would help.
 
 use gcode::Problem;
+use gcode::canon::Units;
 use gcode::problem::{Blame, short};
 use machine::Machine;
 use protocol::{Axis, Refused};
@@ -96,9 +97,9 @@ fn highest_of_one(cut: &Cut, top: f64, machine: &Machine) -> Option<f64> {
 }
 
 impl Refusal {
-    /// What the user is told: `self` is the refusal of one of the cuts of a block. `unit`: mm in one unit of
-    /// the program.
-    pub(crate) fn problem(self, cuts: &[Cut], unit: f64, machine: &Machine) -> Box<Problem> {
+    /// What the user is told: `self` is the refusal of one of the cuts of a block. `units`: those of the
+    /// program.
+    pub(crate) fn problem(self, cuts: &[Cut], units: Units, machine: &Machine) -> Box<Problem> {
         let s = short(cuts.first().map_or(0.0, |cut| cut.s_rpm));
         let speed = highest_speed(cuts, machine);
         let lower = speed.map(|rpm| format!("the highest spindle speed that would do is S{}", short(rpm)));
@@ -107,20 +108,20 @@ impl Refusal {
             Refusal::TooFast { axis, needs_mm_s, limit_mm_s } => (
                 "pass-not-feasible",
                 format!(
-                    "at S{s} the thread needs {} mm/s of {axis}, which can do {}",
-                    short(needs_mm_s),
-                    short(limit_mm_s)
+                    "at S{s} the thread needs {}/s of {axis}, which can do {}",
+                    units.length(needs_mm_s),
+                    short(limit_mm_s / units.mm())
                 ),
                 format!("{slower}; a smaller lead would help too"),
             ),
             Refusal::NoThread { run_in_mm, run_out_mm, length_mm } => (
                 "pass-not-feasible",
                 format!(
-                    "no thread is left: at S{s} the run-in takes {} mm and the run-out {} mm of the {} mm from \
+                    "no thread is left: at S{s} the run-in takes {} and the run-out {} of the {} from \
                      start to end",
-                    short(run_in_mm),
-                    short(run_out_mm),
-                    short(length_mm)
+                    units.length(run_in_mm),
+                    units.length(run_out_mm),
+                    units.length(length_mm)
                 ),
                 format!(
                     "{slower}; a start further from the part, a smaller lead, or run_out = \"beyond\" would help \
@@ -132,7 +133,7 @@ impl Refusal {
                 (
                     "pass-not-feasible",
                     format!("at S{s} X cannot make the {which} taper in its length E"),
-                    format!("make E at least {}, or lower S: {slower}", short(least_mm / unit + 5e-5)),
+                    format!("make E at least {}, or lower S: {slower}", short(least_mm / units.mm() + 5e-5)),
                 )
             }
             Refusal::Travel { axis, at_mm } => {

@@ -3,6 +3,8 @@
 //! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that
 //! of X K sin φ.
 
+use gcode::canon::Units;
+
 use super::cut::{Cut, Point};
 
 /// A tool that has gone this many leads away from the path is out of any thread profile: those are less than
@@ -14,6 +16,8 @@ const CLEAR_LEADS: f64 = 1.3;
 pub(crate) struct Single {
     pub(crate) s_rpm: f64,
     pub(crate) direction: f64,
+    /// Of the program.
+    pub(crate) units: Units,
     pub(crate) from: Point,
     pub(crate) to: Point,
     pub(crate) k_mm: f64,

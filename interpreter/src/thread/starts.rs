@@ -12,7 +12,8 @@
 //! groove, be it along one flank (0.577 of 30°, 0.268 of 15°) or on both in turns. Of what is left, k grooves
 //! of a thread lie L/k apart; one that is nearer than half of that to another was meant to be in it.
 
-use gcode::problem::{Blame, short};
+use gcode::canon::Units;
+use gcode::problem::Blame;
 use gcode::{Place, Problem};
 
 use super::cut::Cut;
@@ -90,7 +91,7 @@ impl Starts {
     }
 
     /// A warning of each pass that runs beside the groove of another.
-    pub(crate) fn beside(&self) -> Vec<(Place, Box<Problem>)> {
+    pub(crate) fn beside(&self, units: Units) -> Vec<(Place, Box<Problem>)> {
         let mut leads: Vec<Vec<Helix>> = Vec::new();
         for helix in &self.0 {
             match leads.iter_mut().find(|lead| lead[0].is_related(helix)) {
@@ -98,12 +99,12 @@ impl Starts {
                 None => leads.push(vec![*helix]),
             }
         }
-        leads.into_iter().flat_map(beside).collect()
+        leads.into_iter().flat_map(|helices| beside(helices, units)).collect()
     }
 }
 
 /// A warning of each helix of one lead that lies beside another.
-fn beside(helices: Vec<Helix>) -> Vec<(Place, Box<Problem>)> {
+fn beside(helices: Vec<Helix>, units: Units) -> Vec<(Place, Box<Problem>)> {
     // The first pass of each groove.
     let mut grooves: Vec<Helix> = Vec::new();
     for helix in &helices {
@@ -125,7 +126,7 @@ fn beside(helices: Vec<Helix>) -> Vec<(Place, Box<Problem>)> {
             return found;
         };
         let (beside, groove) = (grooves.remove(i).place, grooves[j].place.line);
-        let message = format!("this pass runs {} mm beside the groove of line {groove}", short(mm));
+        let message = format!("this pass runs {} beside the groove of line {groove}", units.length(mm));
         let help = "start it from the same Z and at the same angle (Q); starts of a thread lie evenly apart";
         found.push((beside, Problem::warning("beside-groove", Blame::Line(beside.line), message, help)));
     }

@@ -2,6 +2,7 @@
 //! way round, more than an axis can do. In: moves in feed, mm. Out: a warning each, once until F, its mode or
 //! the spindle changes.
 
+use gcode::canon::Units;
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
 use machine::Kinematics;
@@ -55,6 +56,7 @@ impl Translator {
         let way = |axis: Axis| (to[axis.index()].mm() - rest[axis.index()].mm()).abs();
         let linear = Axis::ALL.into_iter().filter(|axis| Axis::METRIC[axis.index()]);
         let length = linear.map(way).map(|mm| mm * mm).sum::<f64>().sqrt();
+        let units = self.modal.frame.units;
         let turns = self.spindle.turning().map(|(rpm, _)| rpm);
         let (value, per_min, per_rev) = match feed {
             Feed::PerMinute(value) => (value, Some(value), false),
@@ -65,15 +67,15 @@ impl Translator {
             return None; // an F that is none was refused
         }
         if per_rev && value > MOST_PER_REV {
-            let made = per_min.map_or(String::new(), |feed| format!(", {} mm/min", short(feed)));
-            let message = format!("F is {} mm in each turn of the spindle{made}", short(value));
+            let made = per_min.map_or(String::new(), |feed| format!(", {}/min", units.length(feed)));
+            let message = format!("F is {} in each turn of the spindle{made}", units.length(value));
             let help = "a feed per minute is G94 (G98 of FANUC); per revolution, 0.2 is usual";
             return Some(Problem::warning("unlikely-feed", Blame::Block, message, help));
         }
         let per_min = per_min?;
         let seconds = 60.0 * length / per_min;
         if !per_rev && per_min < LEAST_PER_MIN && seconds > LONG_S {
-            let message = format!("at F{} mm/min this takes {} s", short(value), short(seconds.round()));
+            let message = format!("at F{}/min this takes {} s", units.length(value), short(seconds.round()));
             let help = "a feed per revolution is G95 (G99 of FANUC)";
             return Some(Problem::warning("unlikely-feed", Blame::Block, message, help));
         }
@@ -84,12 +86,14 @@ impl Translator {
         let (axis, used) = self.machine.axes().filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1))?;
         (used > 1.0 + 1e-9).then(|| {
             let name = axis.name().to_ascii_uppercase();
-            let held = short((per_min / used).floor());
+            // Rounded down, in the last place that a feed is written with.
+            let step = if units == Units::Inch { 0.1 * units.mm() } else { 1.0 };
+            let held = units.length((per_min / used / step).floor() * step);
             let message = format!(
-                "{} mm/min is more than {name} can do: the feed is held to {held} mm/min",
-                short(per_min)
+                "{}/min is more than {name} can do: the feed is held to {held}/min",
+                units.length(per_min)
             );
-            let help = format!("give F for at most {held} mm/min (axis.{}.velocity_mm_s)", axis.name());
+            let help = format!("give F for at most {held}/min (axis.{}.velocity_mm_s)", axis.name());
             Problem::warning("feed-clipped", Blame::Block, message, help)
         })
     }

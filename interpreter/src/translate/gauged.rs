@@ -187,7 +187,7 @@ impl Translator {
         for (place, problem) in self.gauged.contradictions() {
             self.output.report(place, *problem);
         }
-        for (place, problem) in self.threads.starts.beside() {
+        for (place, problem) in self.threads.starts.beside(self.modal.frame.units) {
             self.output.report(place, *problem);
         }
     }

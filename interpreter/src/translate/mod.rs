@@ -235,7 +235,7 @@ impl Translator {
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,
-            Call::SetSpindleSpeed(s) => self.spindle.set_speed(s, self.modal.frame.unit, machine)?,
+            Call::SetSpindleSpeed(s) => self.spindle.set_speed(s, self.modal.frame.unit(), machine)?,
             Call::StartSpindle(turn) => self.spindle.start(turn, machine)?,
             Call::StopSpindle => self.spindle.stop(),
             Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {

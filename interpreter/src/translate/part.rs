@@ -30,6 +30,11 @@ impl Translator {
         self.part.as_ref()
     }
 
+    /// How the program writes X, for what it is told.
+    pub(crate) fn writes_x(&mut self, as_diameter: bool) {
+        self.modal.frame.x_is_diameter = as_diameter;
+    }
+
     /// A comment may say what the part is.
     pub(super) fn take_part(&mut self, text: &str) -> Done {
         let kinematics = self.machine.general.kinematics;
@@ -37,7 +42,7 @@ impl Translator {
             return Ok(());
         }
         let wrong = |message: String, help: &str| Problem::error("bad-part", Blame::Block, message, help);
-        let part = Part::from_comment(text, self.modal.frame.unit);
+        let part = Part::from_comment(text, self.modal.frame.unit());
         let part = part.and_then(|part| part.map(|part| part.fits(kinematics)).transpose());
         let Some(part) = part.map_err(|error| wrong(error.to_string(), error.help()))? else { return Ok(()) };
         if self.part.is_some() {
@@ -105,7 +110,7 @@ impl Translator {
         let Some(stock) = &mut self.stock else { return };
         for ends in way.windows(2) {
             let line = [&ends[0], &ends[1]].map(|axes| point(axes, origin));
-            if let Some(problem) = stock.goes(line, goes, drill) {
+            if let Some(problem) = stock.goes(line, goes, drill, &self.modal.frame) {
                 self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
             }
         }
@@ -138,7 +143,7 @@ impl Translator {
         let tip = |axes: &PerAxis<Position>| {
             let at = |axis: Axis| axes[axis.index()].mm();
             let [x, y, z, ..] = frame.programmed(&[at(Axis::X), at(Axis::Y), at(Axis::Z), 0.0, 0.0, 0.0]);
-            [x, y, z].map(|given| given * frame.unit)
+            [x, y, z].map(|given| given * frame.unit())
         };
         for ends in way.windows(2) {
             let line = [tip(&ends[0]), tip(&ends[1])];
@@ -159,7 +164,9 @@ impl Translator {
         self.threads.lies_at(pass.pass, origin);
         self.cuts_at(origin);
         self.gauge_sees_pass(place, pass, origin);
-        if let Some(problem) = self.stock.as_mut().and_then(|stock| stock.pass(pass, origin)) {
+        if let Some(problem) =
+            self.stock.as_mut().and_then(|stock| stock.pass(pass, origin, &self.modal.frame))
+        {
             self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
         }
     }

@@ -19,8 +19,8 @@ const MOST_MOVES: usize = 1_000_000;
 
 impl Translator {
     pub(super) fn spline(&mut self, place: Place, curve: &Nurbs) -> Done {
-        let within = SHARE * self.machine.path.exact_mm / self.modal.frame.unit;
-        let largest = LARGEST_MM / self.modal.frame.unit;
+        let within = SHARE * self.machine.path.exact_mm / self.modal.frame.unit();
+        let largest = LARGEST_MM / self.modal.frame.unit();
         let way = curve.follow(within, largest, MOST_MOVES).ok_or_else(|| {
             let message = format!("the curve would be more than {MOST_MOVES} arcs");
             Problem::error("bad-value", Blame::Block, message, "correct its points, or divide it")

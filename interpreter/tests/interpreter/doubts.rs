@@ -30,7 +30,7 @@ fn feeds_of_the_other_mode_are_told_with_what_they_make() {
     for (text, words) in [
         ("G95 G1 Z-10 F200\nM2\n", "F is 200 mm in each turn of the spindle, 100000 mm/min"),
         ("G94 G1 Z-13 F0.2\nM2\n", "at F0.2 mm/min this takes 4500 s"),
-        ("G95 G20 (inch)\nG1 Z-0.4 F0.3\nM2\n", "F is 7.62 mm in each turn"),
+        ("G95 G20 (inch)\nG1 Z-0.4 F0.3\nM2\n", "F is 0.3 inch in each turn of the spindle, 150 inch/min"),
     ] {
         let codes: Vec<_> = said(&format!("{turned}{text}")).into_iter().map(|(_, code)| code).collect();
         assert_eq!(codes, ["unlikely-feed"], "{text}");
@@ -157,6 +157,40 @@ fn a_comment_that_means_a_gauge_is_not_passed_over() {
         ["(thread the hose)", "(threads, two of them)", "(gauge it by hand)", "(thread: see drawing)"]
     {
         assert_eq!(said(&format!("{comment}\nM2\n")), [], "{comment}");
+    }
+}
+
+/// The message at a line of a program.
+fn message_of(program: &str, code: &str) -> String {
+    let found = check("part.ngc", program, &Machine::plain());
+    let told = found.diagnostics.iter().find(|one| one.code == code);
+    told.map_or_else(|| format!("{:#?}", found.diagnostics), |one| format!("{}; {}", one.message, one.help))
+}
+
+/// G20, G7: numbers are those of the program, and say what they are.
+#[test]
+fn what_is_told_is_in_the_units_of_the_program() {
+    let head = "G18 G90 G94 G97 G61 S300 M3\n";
+    for (program, code, part) in [
+        ("G20 G8\n(part, bar D2 L4)\nG0 X0.5 Z-0.5\nM2\n", "rapid-in-stock", "(X as a radius, inch)"),
+        ("G20 G7\n(part, bar D2 L4)\nG0 X1 Z-0.5\nM2\n", "rapid-in-stock", "(X as a diameter, inch)"),
+        ("G21 G7\n(part, bar D40 L60)\nG0 X20 Z-5\nM2\n", "rapid-in-stock", "(X as a diameter, mm)"),
+        (
+            "G20\n(part, bar D2 L4 C-2)\nG0 X1.2 Z-1\nZ-2.5\nM2\n",
+            "into-chuck",
+            "to Z-2.5, and the chuck begins at Z-2 (inch)",
+        ),
+        ("G20 G0 X1 Z0\nG1 Z-1 F5000\nM2\n", "feed-clipped", "5000 inch/min is more than Z can do"),
+        ("G20 G0 X1 Z0\nG33 Z-1 K50\nM2\n", "bad-value", "50 inch is not a lead"),
+        ("G20 G64 P1000\nM2\n", "bad-value", "1000 inch is not a tolerance"),
+        (
+            "G20 S2500 M3\nG0 X0.9 Z0.2\nG76 P0.118 Z-0.8 I-0.04 J0.012 K0.07\nM2\n",
+            "mostly-shallow",
+            "0.2006 inch of 0.6678 inch",
+        ),
+    ] {
+        let told = message_of(&format!("{head}{program}"), code);
+        assert!(told.contains(part), "{program}{told}");
     }
 }
 
