@@ -115,7 +115,10 @@ fn words_that_nobody_reads_hold_up_no_stop_and_no_death() {
         assert!(ends(&mut launcher, 30.0), "{what}: the launcher waits for a reader");
         until("all processes have ended", || !alive(&place));
         if what != "launcher" {
-            assert_eq!(summary(&place.at("run")).outcome, outcome, "{what}");
+            let ended = summary(&place.at("run")).outcome;
+            // In virtual time the stop of the first press may be over before the second comes.
+            let early = what == "INT" && ended == Outcome::Stopped;
+            assert!(ended == outcome || early, "{what}: {ended:?}");
         }
     }
 }

@@ -262,6 +262,16 @@ fn an_output_is_switched_at_rest_between_the_moves() {
     assert_eq!(switching(&codes, &[]).1.trace_hash, observation.trace_hash);
 }
 
+/// On and off again without a move in between is a pulse, three interpolator cycles long.
+#[test]
+fn a_pulse_is_seen() {
+    let (changes, observation, _) = switching(&[line(50.0, 90.0, FEED), ON, OFF, Code::End], &[]);
+    let numbers: Vec<_> = changes.iter().map(|one| (one.0, one.1)).collect();
+    assert_eq!(numbers, [(1, true), (3, true), (3, false)]);
+    let tick = Machine::plain().cycles_per_tick();
+    assert_eq!(observation.outputs[2].cycle - observation.outputs[1].cycle, 3 * tick);
+}
+
 /// A hold leaves outputs as they are; whatever ends the program makes them safe.
 #[test]
 fn outputs_stay_at_a_hold_and_are_safe_behind_whatever_ends_the_program() {
