@@ -251,7 +251,7 @@ fn an_output_is_switched_at_rest_between_the_moves() {
     let codes = [line(50.0, 90.0, FEED), ON, first_off, line(50.0, 80.0, FEED), OFF, Code::End];
     let (changes, observation, seen) = switching(&codes, &[]);
     assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
-    let expected = [(1, true, 0), (1, false, 4), (3, true, 4), (1, true, 6), (3, false, 6)];
+    let expected = [(1, true, 0), (3, true, 3), (1, false, 4), (1, true, 6), (3, false, 6)];
     assert_eq!(changes, expected);
     for (change, z) in [(1, 90.0), (3, 80.0)] {
         let cycle = observation.outputs[change].cycle;
@@ -262,14 +262,14 @@ fn an_output_is_switched_at_rest_between_the_moves() {
     assert_eq!(switching(&codes, &[]).1.trace_hash, observation.trace_hash);
 }
 
-/// On and off again without a move in between is a pulse, three interpolator cycles long.
+/// On and off again without a move in between is a pulse: three interpolator cycles, and the one that begins them.
 #[test]
 fn a_pulse_is_seen() {
     let (changes, observation, _) = switching(&[line(50.0, 90.0, FEED), ON, OFF, Code::End], &[]);
     let numbers: Vec<_> = changes.iter().map(|one| (one.0, one.1)).collect();
     assert_eq!(numbers, [(1, true), (3, true), (3, false)]);
     let tick = Machine::plain().cycles_per_tick();
-    assert_eq!(observation.outputs[2].cycle - observation.outputs[1].cycle, 3 * tick);
+    assert_eq!(observation.outputs[2].cycle - observation.outputs[1].cycle, 4 * tick);
 }
 
 /// A hold leaves outputs as they are; whatever ends the program makes them safe.
