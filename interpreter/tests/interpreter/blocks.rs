@@ -145,7 +145,8 @@ fn time_adds_up() {
     assert!(rapid > 0.5 && rapid < 2.0, "{rapid}");
     let rest = check.time_s - rapid;
     assert!((63.0..63.2).contains(&rest), "{rest}");
-    // Behind a move the axes settle for three cycles of 2 ms; a second output as long again, so that a pulse is seen.
+    // Behind a move the axes settle for three cycles of 2 ms; a second output as long again, so that a
+    // pulse is seen.
     let mut machine = machine::Machine::plain();
     machine.outputs.insert("3".into(), machine::Output::default());
     let time = |text: &str| good_on(&machine, text).time_s;

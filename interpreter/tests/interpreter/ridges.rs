@@ -129,7 +129,8 @@ fn ridge_of_a_plane(surface: &Surface, psi: &Formula) -> f64 {
     left(0.5 * (low + high))
 }
 
-/// A flat end of 6 mm up a slope of 0.5 leaves 3 sin θ (1 − (1 − (4/6)²)^½) = 0.3416 mm: its rim is seen along
+/// A flat end of 6 mm up a slope of 0.5 leaves 3 sin θ (1 − (1 − (4/6)²)^½) = 0.3416 mm: its rim is seen
+/// along
 /// the path as an ellipse, whose circle of curvature stands less high.
 #[test]
 fn ridges_of_a_flat_end_and_wide_ones_of_a_bull_nose_are_those_of_an_ellipse() {

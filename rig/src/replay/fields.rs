@@ -37,7 +37,8 @@ pub fn fields(message: &dyn Debug) -> Vec<(String, String)> {
     fields
 }
 
-/// The first field in which two messages differ, with both values. Checksums differ wherever anything does: one is
+/// The first field in which two messages differ, with both values. Checksums differ wherever anything does:
+/// one is
 /// named only if nothing else is.
 pub fn first_difference(one: &dyn Debug, other: &dyn Debug) -> Option<(String, [String; 2])> {
     let (one, other) = (fields(one), fields(other));

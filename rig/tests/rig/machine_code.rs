@@ -262,7 +262,8 @@ fn an_output_is_switched_at_rest_between_the_moves() {
     assert_eq!(switching(&codes, &[]).1.trace_hash, observation.trace_hash);
 }
 
-/// On and off again without a move in between is a pulse: three interpolator cycles, and the one that begins them.
+/// On and off again without a move in between is a pulse: three interpolator cycles, and the one that
+/// begins them.
 #[test]
 fn a_pulse_is_seen() {
     let (changes, observation, _) = switching(&[line(50.0, 90.0, FEED), ON, OFF, Code::End], &[]);

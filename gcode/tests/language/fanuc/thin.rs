@@ -41,7 +41,7 @@ fn inches_are_told_in_inches_and_what_cuts_is_let_alone() {
     let said = said(&found);
     let [(3, message, help)] = said[..] else { panic!("{said:?}") };
     assert!(message.starts_with("a peck is 0.0003 inch, "), "{message}");
-    assert_eq!(help, "write Q3. for 3 inch, or give at least 0.0004 inch");
+    assert_eq!(help, "write Q3. for 3 inch, or give at least 0.001 inch");
     let good = "G83 Z-20. R1. Q6000 F0.1\nG80\nG00 Z2.\nG75 R0.1\nG75 X30. Z1. P500 Q500 F0.1\n\
                 G76 P021060 Q50 R0.03\nG76 X36. Z-20. P1227 Q350 F2.\nG74 R0.1\nG74 Z1.995 Q20 F0.1\n";
     assert_eq!(self::said(&outcome(&format!("{START}{good}M30\n"))), []);
