@@ -14,8 +14,8 @@
 //! h = H (1 − H/(H² + B² m²)^½) + c (1 − 1/(1 + m²)^½)                                               (M177)
 //! ```
 //! Of a flat end (c = 0) h = H (1 − (1 − δ²/(4 B²))^½): two places of the rim at the same height are
-//! 2 B sin φ apart across the path, whatever the skew of the ellipse. Of a bull nose that is so where the path
-//! climbs or is level.
+//! 2 B sin φ apart across the path, whatever the skew of the ellipse. Of a bull nose that is so where the
+//! path climbs or is level.
 //!
 //! Source: projection of a circle, and the line at the distance c from an ellipse.
 
