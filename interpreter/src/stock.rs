@@ -201,19 +201,15 @@ impl Stock {
 
     /// Takes off what a feed cuts.
     fn cut(&mut self, from: Point, to: Point, drill_mm: f64) {
-        let (way, nodes) = ([from, to], std::mem::take(&mut self.nodes));
-        self.other = match self.other.take() {
+        let way = [from, to];
+        let other = match self.other.take() {
             Some(other) => Some(self.less(other, way, drill_mm, false)),
-            None => {
-                self.nodes = nodes.clone();
-                (!along_the_axis(from, to) && self.begins_in_front(from))
-                    .then(|| self.less(nodes.clone(), way, drill_mm, true))
-            }
+            None => (!along_the_axis(from, to) && self.begins_in_front(from))
+                .then(|| self.less(self.nodes.clone(), way, drill_mm, true)),
         };
+        let nodes = std::mem::take(&mut self.nodes);
         self.nodes = self.less(nodes, way, drill_mm, false);
-        if self.other.as_ref() == Some(&self.nodes) {
-            self.other = None;
-        }
+        self.other = other.filter(|other| *other != self.nodes);
     }
 
     /// What a feed leaves. A cut in a tube is of the surface that it is nearer to, or of the `other` one.

@@ -197,7 +197,7 @@ pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
         place.values[1],
     );
     let page = picture::page(&runs, &place)?;
-    intake::replace(&args.output, page.as_bytes()).map_err(|error| CliError::file(&args.output, error))?;
+    written::put(&args.output, page)?;
     text += &format!("drawn     {}\n", args.output.display());
     screen::print(&text);
     Ok(ExitCode::FAILURE)

@@ -82,6 +82,16 @@ fn a_code_of_the_machine_switches_an_output_as_m64_does() {
     assert_eq!(linuxcnc, ["out 3 true", "out 3 false"]);
 }
 
+/// As LinuxCNC rounds it, and it is said which output that is.
+#[test]
+fn half_an_output_is_told() {
+    let outcome =
+        driven(Program::from_text("A", "M64 P3.5\nM65 P4\nM2\n", &Options::default()), Switches::default());
+    assert_eq!(outcome.sink.0, ["out 4 true", "out 4 false"]);
+    let told: Vec<_> = outcome.warnings.iter().map(|one| (one.code, one.message.as_str())).collect();
+    assert_eq!(told, [("bad-value", "P3.5 is taken as 4")]);
+}
+
 /// Switches and moves in their order.
 #[derive(Default)]
 struct Switches(Vec<String>);

@@ -43,14 +43,14 @@ pub fn fields(message: &dyn Debug) -> Vec<(String, String)> {
 pub fn first_difference(one: &dyn Debug, other: &dyn Debug) -> Option<(String, [String; 2])> {
     let (one, other) = (fields(one), fields(other));
     let mut pairs: Vec<_> = one.into_iter().zip(other).filter(|(one, other)| one != other).collect();
-    let first = pairs.iter().position(|((path, _), _)| !path.ends_with("check")).unwrap_or(0);
+    let first = pairs.iter().position(|((path, _), _)| path.rsplit('.').next() != Some("check")).unwrap_or(0);
     let pair = (first < pairs.len()).then(|| pairs.swap_remove(first))?;
     Some((pair.0.0, [pair.0.1, pair.1.1]))
 }
 
 #[cfg(test)]
 mod tests {
-    use protocol::{Cycle, Truth};
+    use protocol::{Cycle, DriveCommand, Truth};
 
     use super::*;
 
@@ -66,5 +66,15 @@ mod tests {
         assert_eq!(differs(&other), ("axes.2.slide_mm".into(), ["0.0".into(), "-0.0".into()]));
         other.cycle = Cycle(8);
         assert_eq!(differs(&other).0, "cycle");
+    }
+
+    #[test]
+    fn a_checksum_is_named_only_if_nothing_else_differs() {
+        let one = DriveCommand { torque_offset_nm: 1.0, ..DriveCommand::default() }.sealed();
+        let other = DriveCommand { torque_offset_nm: 2.0, ..one }.sealed();
+        assert_ne!(one.check, other.check);
+        assert_eq!(first_difference(&one, &other).expect("it differs").0, "torque_offset_nm");
+        let damaged = DriveCommand { check: one.check ^ 1, ..one };
+        assert_eq!(first_difference(&one, &damaged).expect("it differs").0, "check");
     }
 }
