@@ -81,7 +81,7 @@ pub(crate) enum Command {
     /// Try to break the machine: random programs, machines and faults, judged by the truth.
     #[command(after_help = crate::soak::HELP)]
     Soak(crate::soak::SoakArgs),
-    /// Print the limits of a standard thread, from its name.
+    /// Write a program that cuts a standard thread, from its name; or print its limits.
     #[command(after_help = crate::thread::HELP)]
     Thread(crate::thread::ThreadArgs),
     /// Find where a thread that is there lies, from touches of its groove.

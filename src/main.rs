@@ -76,7 +76,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),
         Command::Soak(args) => soak::soak(args, quiet),
-        Command::Thread(args) => thread::thread(args),
+        Command::Thread(args) => thread::thread(args, quiet),
         Command::PickUp(args) => pickup::command(args),
         Command::Doctor(args) => doctor::doctor(args),
         Command::Interpreter(args) => Ok(process::shell::interpreter::run(args).map(|()| ExitCode::SUCCESS)?),

@@ -19,6 +19,13 @@
 //!        v(x) = ρ − (ρ² − u²)^½,  u = |x| − f/2        u < ρ cos α, on the corner
 //!        v(x) = v_α + (u − ρ cos α)/tan α              above; infinite on a flank across the axis
 //! ```
+//! How deep it has to go for a groove of a width, and what it cuts on its way there:
+//!
+//! ```text
+//! (M200) x₁(v) + x₂(v) = w on both flanks:  v = (w − Σ (f/2 + ρ cos α − v_α tan α))/(tan α₁ + tan α₂)
+//! (M201) A(v) = Σ f v/2 + (ρ² arccos(1 − v/ρ) − (ρ − v)(v (2ρ − v))^½)/2                  v < v_α
+//!        A(v) = A(v_α) + Σ (f/2 + ρ cos α)(v − v_α) + (v − v_α)² tan α/2                  above
+//! ```
 
 /// The edge of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +51,22 @@ impl Edge {
     pub fn height_mm(&self, x_mm: f64) -> f64 {
         let [lower, higher] = self.flanks();
         if x_mm < 0.0 { lower.height_mm(-x_mm) } else { higher.height_mm(x_mm) }
+    }
+
+    /// How far the tip has to stand below a line for the edge to be so wide there, mm (M200); none where its
+    /// corners alone are as wide.
+    #[must_use]
+    pub fn depth_mm(&self, width_mm: f64) -> Option<f64> {
+        let flanks = self.flanks();
+        let at_tip: f64 = flanks.iter().map(|flank| flank.beside_mm - flank.corner_mm * flank.tangent).sum();
+        let depth = (width_mm - at_tip) / flanks.iter().map(|flank| flank.tangent).sum::<f64>();
+        flanks.iter().all(|flank| depth >= flank.corner_mm).then_some(depth)
+    }
+
+    /// Area between the tip and a line across the edge, so far over the tip, mm² (M201).
+    #[must_use]
+    pub fn area_mm2(&self, over_mm: f64) -> f64 {
+        self.flanks().iter().map(|flank| flank.area_mm2(over_mm)).sum()
     }
 
     /// Both flanks, ready to be evaluated.
@@ -83,6 +106,21 @@ impl Flank {
         }
     }
 
+    /// The area beside the middle of the tip, mm² (M201).
+    fn area_mm2(&self, v: f64) -> f64 {
+        let (radius, on_corner) = (self.nose_mm, v.min(self.corner_mm));
+        let segment = match radius > 0.0 {
+            true => {
+                let angle = libm::acos(1.0 - on_corner / radius);
+                let chord = (on_corner * (2.0 * radius - on_corner)).max(0.0).sqrt();
+                0.5 * (radius * radius * angle - (radius - on_corner) * chord)
+            }
+            false => 0.0,
+        };
+        let above = (v - self.corner_mm).max(0.0);
+        self.half_mm * on_corner + segment + (self.beside_mm + 0.5 * above * self.tangent) * above
+    }
+
     /// v(x) for x ≥ 0 (M160).
     fn height_mm(&self, x: f64) -> f64 {
         let corner = x - self.half_mm;
@@ -114,6 +152,26 @@ mod tests {
             }
         }
         let straight = Edge { flank_deg: [0.0; 2], flat_mm: 1.0, nose_mm: 0.0 };
+        assert_eq!(straight.area_mm2(0.5), 0.5);
         assert_eq!([0.4, 0.6].map(|x| straight.height_mm(x)), [0.0, f64::INFINITY]);
+    }
+
+    #[test]
+    fn depth_and_area_are_those_of_the_reach() {
+        for (width_mm, nose_mm) in [(0.0, 0.0), (0.0, 0.2), (0.6, 0.05), (0.3, 0.0)] {
+            let edge = Edge::of_width([30.0, 3.0], width_mm, nose_mm);
+            let wide = |v: f64| edge.flanks().iter().map(|flank| flank.reach_mm(v)).sum::<f64>();
+            let depth = edge.depth_mm(1.7).expect("its corners are smaller");
+            assert!((wide(depth) - 1.7).abs() < 1e-12, "{edge:?}");
+            // The middle of each of many strips.
+            let strips = 200_000;
+            let strip = depth / f64::from(strips);
+            let sum: f64 = (0..strips).map(|n| wide((f64::from(n) + 0.5) * strip) * strip).sum();
+            assert!((edge.area_mm2(depth) - sum).abs() < 1e-6, "{edge:?}: {sum}");
+            assert_eq!(
+                edge.depth_mm(0.5 * wide(0.0).min(nose_mm)),
+                (width_mm + nose_mm == 0.0).then_some(0.0)
+            );
+        }
     }
 }

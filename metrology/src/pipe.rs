@@ -122,8 +122,8 @@ fn whitworth(size: &str, taper: f64) -> Profile {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Parallel {
     pub(crate) size: &'static str,
-    /// Class of the screw: B instead of A.
-    pub(crate) wide: bool,
+    /// Class of the screw, A or B, if the name has one; else A.
+    pub(crate) class: Option<char>,
 }
 
 impl Described for Parallel {
@@ -145,7 +145,7 @@ impl Described for Parallel {
             (Size::MajorMax, d),
             (Size::MajorMin, um(d - 2.0 * t_d2)),
             (Size::PitchMax, d2),
-            (Size::PitchMin, um(d2 - if self.wide { 2.0 * t_d2 } else { t_d2 })),
+            (Size::PitchMin, um(d2 - if self.class == Some('B') { 2.0 * t_d2 } else { t_d2 })),
             (Size::MinorMax, d1),
         ];
         let nut = [
@@ -169,7 +169,7 @@ impl Described for Parallel {
 
 impl fmt::Display for Parallel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "G{}-{}", self.size, if self.wide { 'B' } else { 'A' })
+        write!(f, "G{}-{}", self.size, self.class.unwrap_or('A'))
     }
 }
 

@@ -87,6 +87,21 @@ impl Thread {
         }
     }
 
+    /// The member that its name speaks of, if that is one: by a word, by its class, or as there is no other.
+    #[must_use]
+    pub fn side(&self) -> Option<Side> {
+        let limits = self.limits();
+        match (&limits.external, &limits.internal) {
+            (Some(_), None) => Some(Side::External),
+            (None, Some(_)) => Some(Side::Internal),
+            // Classes of G are those of the screw; a nut has none.
+            _ => match &self.form {
+                Form::Parallel(Parallel { class: Some(_), .. }) => Some(Side::External),
+                _ => None,
+            },
+        }
+    }
+
     /// The nominal profile.
     #[must_use]
     pub fn profile(&self) -> Profile {

@@ -1,4 +1,8 @@
-//! `pitchlock thread NAME --limits`: limits as a table and as a document, refusals with place and remedy.
+//! `pitchlock thread NAME`: programs that cut it, of two hundred names, in both dialects, judged by the
+//! gauge; `--limits`: limits as a table and as a document; refusals with place and remedy.
+
+use machine::{Machine, ProgramDialect};
+use protocol::Code;
 
 use crate::shop::{Place, project};
 use serde_json::Value;
@@ -85,14 +89,15 @@ fn what_is_not_understood_is_shown_with_what_is() {
     }
     let answer = place.ask(&["thread", "M20"]);
     assert_eq!((answer.status, answer.stdout.as_str()), (Some(2), ""));
-    assert!(answer.stderr.contains("add --limits"), "{}", answer.stderr);
+    assert!(answer.stderr.contains("as in M20x2-6g or M20x2-6H"), "{}", answer.stderr);
 }
 
-/// What docs/metrology.md shows is what the command prints.
+/// What docs/metrology.md and docs/recipe.md show is what the command prints.
 #[test]
 fn the_page_shows_what_is_printed() {
     let place = Place::new();
-    let page = std::fs::read_to_string(project().join("docs/metrology.md")).expect("there is a page");
+    let pages = ["docs/metrology.md", "docs/recipe.md"].map(|page| project().join(page));
+    let page = pages.map(|page| std::fs::read_to_string(page).expect("there is a page")).concat();
     let mut shown = 0;
     for block in page.split("\n```text\n$ pitchlock ").skip(1) {
         let (command, rest) = block.split_once('\n').expect("a command and what it prints");
@@ -102,5 +107,141 @@ fn the_page_shows_what_is_printed() {
         assert_eq!(got.trim_end(), printed.trim_end(), "{command}");
         shown += 1;
     }
-    assert!(shown >= 2, "{shown}");
+    assert!(shown >= 4, "{shown}");
+}
+
+/// A line of `names.txt`: name, tool, more arguments.
+fn asked(line: &str) -> Vec<String> {
+    let mut parts = line.split('|').map(str::trim);
+    let mut args = vec![parts.next().expect("a name").to_owned()];
+    if let Some(tool) = parts.next().filter(|tool| !tool.is_empty()) {
+        args.extend(["--tool".to_owned(), tool.to_owned()]);
+    }
+    args.extend(parts.flat_map(str::split_whitespace).map(str::to_owned));
+    args
+}
+
+/// The threads that are written.
+fn names() -> impl Iterator<Item = &'static str> {
+    include_str!("names.txt").lines().filter(|line| !line.starts_with('#'))
+}
+
+/// What is written of a thread in a dialect.
+fn written(place: &Place, line: &str, dialect: &str) -> Value {
+    let mut args = vec!["thread".to_owned(), "--json".into(), "--dialect".into(), dialect.into()];
+    args.extend(asked(line));
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let answer = place.ask(&args);
+    assert_eq!(answer.status, Some(0), "{line}: {}", answer.stderr);
+    serde_json::from_str(&answer.stdout).expect("a document")
+}
+
+/// The machine file with the tools that a recipe is for.
+fn with_its_tools(recipe: &Value) -> String {
+    let tool = &recipe["tool"];
+    let number = |key: &str| tool[key].as_f64().expect("a number");
+    let angle: f64 = tool["flank_deg"].as_array().expect("two").iter().filter_map(Value::as_f64).sum();
+    let [nose, width] = ["nose_mm", "width_mm"].map(number);
+    let width = if width > 0.0 { format!("width_mm = {width}\n") } else { String::new() };
+    format!(
+        "{}\n[tools.1]\nname = \"turning\"\n[tools.2]\nname = \"boring\"\n[tools.3]\nname = \"thread\"\n\
+         angle_deg = {angle}\nnose_mm = {nose}\n{width}",
+        machine::SMALL_LATHE
+    )
+}
+
+/// Whether two passes say the same: a lead in inches, or along a cone, is told with eight places.
+fn same(one: &Code, other: &Code) -> bool {
+    let is_number = |c: char| c.is_ascii_digit() || c == '.' || c == 'e' || c == '-';
+    let [one, other] = [one, other].map(|code| format!("{code:?}"));
+    let [one, other] = [&one, &other].map(|text| text.split(|c: char| !is_number(c)));
+    let close = |(a, b): (&str, &str)| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-6 * a.abs().max(1e-3),
+        _ => a == b,
+    };
+    one.clone().count() == other.clone().count() && one.zip(other).all(close)
+}
+
+/// Both dialects make the same passes, of every thread.
+#[test]
+fn both_dialects_make_the_same_passes() {
+    let place = Place::new();
+    assert!(names().count() >= 200);
+    for line in names() {
+        let recipes = ["linuxcnc", "fanuc"].map(|dialect| written(&place, line, dialect));
+        let passes = [ProgramDialect::Linuxcnc, ProgramDialect::Fanuc].map(|dialect| {
+            let recipe = &recipes[usize::from(dialect == ProgramDialect::Fanuc)];
+            let mut machine = Machine::from_toml(&with_its_tools(recipe)).expect("a machine");
+            machine.general.dialect = dialect;
+            let check = interpreter::check(line, recipe["program"].as_str().expect("a program"), &machine);
+            assert!(check.is_good(), "{line}: {:?}", check.diagnostics);
+            let passes = check.items.into_iter().map(|item| item.code);
+            passes.filter(|code| matches!(code, Code::Pass(_))).collect::<Vec<_>>()
+        });
+        let [one, other] = &passes;
+        assert!(!one.is_empty() && one.len() == other.len(), "{line}: {} {}", one.len(), other.len());
+        let differ = one.iter().zip(other).find(|(one, other)| !same(one, other));
+        assert!(differ.is_none(), "{line}: {differ:#?}");
+    }
+}
+
+/// The threads by name are cut on the machine that is built in, and their gauges find them good: every
+/// eighth of them, or all with `PITCHLOCK_THREADS=all`.
+#[test]
+fn threads_by_name_are_good() {
+    let place = Place::new();
+    let every = if std::env::var_os("PITCHLOCK_THREADS").is_some_and(|all| all == "all") { 1 } else { 8 };
+    for line in names().step_by(every).chain(names().filter(|line| every > 1 && line.contains("--"))) {
+        let recipe = written(&place, line, "linuxcnc");
+        place.write("part.ngc", recipe["program"].as_str().expect("a program"));
+        place.write("tools.toml", with_its_tools(&recipe));
+        place.clear("out");
+        let run =
+            ["run", "part.ngc", "--machine", "tools.toml", "--in-process", "--trace", "none", "--out", "out"];
+        let answer = place.ask(&run);
+        let gauge =
+            answer.stdout.lines().find(|line| line.starts_with("gauge ")).unwrap_or_default().to_owned();
+        assert!(answer.status == Some(0) && gauge.contains(" good: "), "{line}: {gauge}\n{}", answer.stderr);
+    }
+}
+
+/// What is wished wrongly is told with what would be right, and nothing is written.
+#[test]
+fn wishes_out_of_range_are_refused() {
+    let place = Place::new();
+    for (args, told) in [
+        (&["M20x2"][..], "add the class"),
+        (&["M20x2-6g", "--tool", "16ER1.5ISO"], "its pitch is 1.5000 mm"),
+        (&["M20x2-6g", "--tool", "16QQ"], "16ER2.0ISO"),
+        (&["M20x2-6g", "--length", "0"], "length: 0 is not within"),
+        (&["M20x2-6g", "--length", "900"], "this machine cannot cut it"),
+        (&["M20x2-6g", "--passes", "0"], "passes: 0 is not within"),
+        (&["M20x2-6g", "--speed", "90000"], "speed: 90000 is not within"),
+        (&["M20x2-6g", "--off-flank", "2", "--infeed", "radial"], "--infeed modified"),
+        (&["M20x2-6g", "--pitch-diameter", "19..18"], "is not a range"),
+        (&["M20x2-6g", "--tool", "A60 R2"], "its tip is wider"),
+        (&["M20x2-6g", "--tool", "A60 R0.5"], "too blunt"),
+        (&["Tr40x7-7e"], "--tool 22ERTR7"),
+        (&["R1/2"], "--pitch-diameter LEAST..MOST"),
+        (&["M2-6H"], "no way back"),
+    ] {
+        let args: Vec<&str> = ["thread", "-o", "part.ngc"].iter().chain(args).copied().collect();
+        let answer = place.ask(&args);
+        assert_eq!(answer.status, Some(2), "{args:?}: {}", answer.stderr);
+        assert!(answer.stderr.contains(told), "{args:?}: {}", answer.stderr);
+        assert!(!place.at("part.ngc").exists(), "{args:?}");
+    }
+}
+
+/// A program that is there is left alone: somebody may have changed it.
+#[test]
+fn a_program_that_is_there_is_not_overwritten() {
+    let place = Place::new();
+    let first = place.ask(&["thread", "M20x2-6g", "-o", "bolt.ngc"]);
+    assert_eq!(first.status, Some(0), "{}", first.stderr);
+    let text = std::fs::read_to_string(place.at("bolt.ngc")).expect("a program");
+    let second = place.ask(&["thread", "M24x3-6g", "-o", "bolt.ngc"]);
+    assert_eq!(second.status, Some(2));
+    assert_eq!(std::fs::read_to_string(place.at("bolt.ngc")).expect("the same"), text);
+    assert!(first.stderr.contains("outside   19.822 mm"), "{}", first.stderr);
 }

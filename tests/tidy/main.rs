@@ -19,12 +19,13 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 22] = [
+const CRATES: [(&str, &[&str]); 23] = [
     ("intake", &[]),
     ("motion", &[]),
     ("adviser", &[]),
     ("metrology", &[]),
     ("gauge", &["metrology"]),
+    ("recipe", &["metrology", "gauge"]),
     ("shape", &["motion"]),
     ("gcode", &["intake"]),
     ("protocol", &["intake", "motion", "shape"]),

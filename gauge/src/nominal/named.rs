@@ -3,7 +3,7 @@
 //! | what | from |
 //! |---|---|
 //! | pitch diameter, crest | the limits of the class |
-//! | root for GO | d1_max where a flat of the root may reach it, else the minor diameter of the basic profile; of a nut the major diameter |
+//! | root for GO | d1_max where a flat of the root may reach it (of UN d2_max − H/2, the flat form of ASME B1.2), else the minor diameter of the basic profile; of a nut the major diameter |
 //! | length of the GO gauge | the major diameter: what is usually engaged; L1 of a taper |
 //!
 //! Roots of the form of Whitworth are round to the basic profile, so no straight flank of a gauge reaches
@@ -26,12 +26,12 @@ impl Nominal {
     pub fn of(thread: &Thread) -> Result<Nominal, NominalError> {
         let Limits { external, internal, .. } = thread.limits();
         let profile = thread.profile();
-        let (side, member) = match (external, internal) {
-            (Some(screw), None) => (Side::External, screw),
-            (None, Some(nut)) => (Side::Internal, nut),
-            (None, None) => return Err(NominalError::NoLimits),
-            _ => return Err(NominalError::Side),
-        };
+        if external.is_none() && internal.is_none() {
+            return Err(NominalError::NoLimits);
+        }
+        let side = thread.side().ok_or(NominalError::Side)?;
+        let member = if side == Side::External { external } else { internal };
+        let member = member.ok_or(NominalError::NoLimits)?;
         if profile.taper != 0.0 {
             return tapered(thread, side, &member);
         }
@@ -39,7 +39,13 @@ impl Nominal {
         let (least, most) = limits.ok_or(NominalError::NoLimits)?;
         let (root, crest) = match side {
             Side::External => {
-                let root = member.get(Size::FlatMinorMax).unwrap_or(profile.minor_mm);
+                let root = match member.get(Size::FlatMinorMax) {
+                    // Of UN that limit is the root as older tables have it; a GO ring has the flat form.
+                    Some(_) if thread.standard().ends_with(" UN") => {
+                        most - profile.pitch_diameter_mm + profile.minor_mm
+                    }
+                    told => told.unwrap_or(profile.minor_mm),
+                };
                 (root, [Size::MajorMin, Size::MajorMax])
             }
             Side::Internal => (profile.major_mm, [Size::MinorMin, Size::MinorMax]),

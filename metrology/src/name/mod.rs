@@ -56,6 +56,19 @@ const ELSEWHERE: [(&str, &str); 6] = [
 
 /// Reads a whole name.
 pub(crate) fn read(text: &str) -> Result<Thread, Misread> {
+    let read = read_as_it_is(text);
+    let upper = !text.contains(|c: char| c.is_ascii_lowercase());
+    match (read, text.split_once('-')) {
+        // A control that has capitals only writes the class of a screw as that of a nut.
+        (Err(misread), Some((sizes, class))) if upper && text.trim_end().ends_with("EXTERNAL") => {
+            read_as_it_is(&format!("{sizes}-{}", class.to_ascii_lowercase())).map_err(|_| misread)
+        }
+        (read, _) => read,
+    }
+}
+
+/// The same of a name whose letters are what they are.
+fn read_as_it_is(text: &str) -> Result<Thread, Misread> {
     let mut cursor = Cursor::new(text);
     if !cursor.spaces() {
         return Err(cursor.wrong(0, "there is no name", KNOWN));
@@ -83,12 +96,6 @@ pub(crate) fn read(text: &str) -> Result<Thread, Misread> {
     let named = Thread { form, left_hand, only };
     let empty = named.limits().members().next().is_none();
     if empty {
-        // A control that has capitals only writes the class of a screw as that of a nut.
-        let capitals = only == Some(Side::External) && !text.contains(|c: char| c.is_ascii_lowercase());
-        let small = text.split_once('-').filter(|_| capitals);
-        if let Some((sizes, class)) = small {
-            return read(&format!("{sizes}-{}", class.to_ascii_lowercase()));
-        }
         let help = "leave external or internal out, or name a class of that member";
         return Err(cursor.wrong(0, "the class is that of the other member", help));
     }
@@ -150,7 +157,7 @@ fn parallel(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     if class.is_some() {
         *cursor = ahead;
     }
-    Ok(Form::Parallel(Parallel { size, wide: class.is_some_and(|class| "Bb".contains(class)) }))
+    Ok(Form::Parallel(Parallel { size, class: class.map(|class| class.to_ascii_uppercase()) }))
 }
 
 fn jointing(cursor: &mut Cursor<'_>, joint: Joint) -> Result<Form, Misread> {

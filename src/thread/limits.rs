@@ -9,41 +9,10 @@
 //! `ext` and `int` are in mm and have the members that the name has; `inch` holds the same in inches where
 //! the standard is in inches. Keys: docs/metrology.md.
 
-use std::{collections::BTreeMap, process::ExitCode};
+use std::collections::BTreeMap;
 
-use clap::Args;
-use metrology::{Limits, Member, Misread, Side, Size, Thread, UNDERSTOOD, Unit};
+use metrology::{Limits, Member, Side, Size, Thread, Unit};
 use serde::Serialize;
-
-use crate::{error::CliError, screen};
-
-pub(crate) const HELP: &str = "Examples:
-  pitchlock thread M20x2-6g --limits             a screw
-  pitchlock thread M20 --limits                  coarse pitch, 6g/6H: screw and nut
-  pitchlock thread 1/4-20 UNC-2A/2B --limits     in inches, too
-  pitchlock thread Tr40x14P7 LH --limits --json  two starts, left-hand, as one JSON document
-
-Names, with d for external and D for internal threads in the answer:
-  M20, M20x2, M20x2-6g/6H, MJ6x1-4h6h/4H5H, Tr40x7-7e/7H, Tr40x14P7-8e, 1/4-20 UNC-2A, #10-32 UNF-3A/3B, 1 1/8-8 UNR,
-  1/2-10 ACME-2G, 1/2-14 NPT, G1/2-A, R1/2, BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44;
-  behind any of them LH, external or internal; quote what a shell would take for its own, as in '#10-32 UNF'
-
-What each standard sets, where the numbers come from and how well published tables agree: docs/metrology.md.
-
-Exit status: 0 done, 2 the name is not understood or an argument is wrong.";
-
-#[derive(Clone, Debug, Args)]
-pub(crate) struct ThreadArgs {
-    /// Name of the thread, as on a drawing; its words may stand apart.
-    #[arg(required = true, num_args = 1.., value_name = "NAME")]
-    name: Vec<String>,
-    /// Print the limits of its diameters.
-    #[arg(long)]
-    limits: bool,
-    /// Print one JSON document, and nothing else.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
 
 /// Sizes by their keys.
 type Sizes = BTreeMap<&'static str, f64>;
@@ -57,7 +26,7 @@ struct Members {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+pub(super) struct Document<'a> {
     version: u32,
     name: &'a str,
     /// The same with everything that it leaves out.
@@ -86,39 +55,7 @@ struct Profile {
     minor_mm: f64,
 }
 
-/// Prints what was asked of a thread.
-pub(crate) fn thread(args: &ThreadArgs) -> Result<ExitCode, CliError> {
-    let name = args.name.join(" ");
-    let thread: Thread = name.parse().map_err(|misread| refused(&name, &misread))?;
-    if !args.limits {
-        let text =
-            format!("nothing is asked of {name:?}: add --limits, which is all that this command prints");
-        return Err(CliError::Input(text));
-    }
-    if args.json {
-        let json = serde_json::to_string_pretty(&document(&name, &thread));
-        let json = json.map_err(|error| CliError::Machine(error.to_string()))?;
-        screen::print(&format!("{json}\n"));
-    } else {
-        screen::print(&text(&thread));
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-/// Where the name is wrong, and what is understood.
-pub(crate) fn refused(name: &str, misread: &Misread) -> CliError {
-    let Misread { span, message, help } = misread;
-    let letters = |range: &str| range.chars().count();
-    let before = letters(&name[..span.start]);
-    let marks = "^".repeat(letters(&name[span.clone()]).max(1));
-    let understood: String = UNDERSTOOD.lines().map(|line| format!("  {line}\n")).collect();
-    CliError::Input(format!(
-        "{message}\n\n  {name}\n  {:before$}{marks}\n\nhelp: {help}\n\nunderstood are\n{understood}",
-        ""
-    ))
-}
-
-fn document<'a>(name: &'a str, thread: &Thread) -> Document<'a> {
+pub(super) fn document<'a>(name: &'a str, thread: &Thread) -> Document<'a> {
     let (limits, profile) = (thread.limits(), thread.profile());
     let sizes = |side: Side, in_inches: bool| {
         let (_, member) = limits.members().find(|(of, _)| *of == side)?;
@@ -155,7 +92,7 @@ fn document<'a>(name: &'a str, thread: &Thread) -> Document<'a> {
 }
 
 /// Everything for the screen.
-fn text(thread: &Thread) -> String {
+pub(super) fn text(thread: &Thread) -> String {
     let (limits, profile) = (thread.limits(), thread.profile());
     let starts = if profile.starts == 1 { String::new() } else { format!(", {} starts", profile.starts) };
     let hand = if profile.left_hand { "left-hand" } else { "right-hand" };
