@@ -12,6 +12,7 @@ use gauge::Nominal;
 use interpreter::{Language, Severity};
 use machine::Machine;
 use process::shell::LanguageArgs;
+use protocol::Axis;
 
 use crate::{
     args::MachineArgs,
@@ -133,22 +134,32 @@ fn findings(program: &Program) -> String {
         }
     }
     let passes = program.check.as_ref().map_or(&[][..], |check| &check.passes);
-    if !passes.is_empty() {
-        let _ =
-            writeln!(text, "pass  line  depth mm    start Z  full depth from Z     to Z  highest override");
-    }
+    let mut headed = None;
     for pass in passes {
-        let [from, to] = pass.full_depth_z_mm;
-        // Where the program does not say where the crest is, the X of the pass is all that is known.
-        let depth = pass.depth_mm.map_or_else(|| format!("X{:.3}", pass.x_mm), |depth| format!("{depth:.4}"));
+        let [from, to] = pass.full_depth_mm;
+        if headed.replace(pass.along) != Some(pass.along) {
+            let axis = pass.along;
+            let _ = writeln!(
+                text,
+                "pass  line  depth mm    start {axis}  full depth from {axis}     to {axis}  highest override"
+            );
+        }
+        // Where the program does not say where the crest is, where the pass goes is all that is known.
+        let across = if pass.along == Axis::Z { Axis::X } else { Axis::Z };
+        let depth = || format!("{across}{:.3}", pass.across_mm);
+        let depth = pass.depth_mm.map_or_else(depth, |depth| format!("{depth:.4}"));
         let _ = writeln!(
             text,
             "{:>4}  {:>4}  {:>8}  {:>9.4}  {:>17.4}  {:>7.3}  {:>14.0} %",
-            pass.pass, pass.line, depth, pass.start_z_mm, from, to, pass.max_override_pct
+            pass.pass, pass.line, depth, pass.start_mm, from, to, pass.max_override_pct
         );
     }
     if !passes.is_empty() {
-        let _ = writeln!(text, "Z is that of the machine: coordinate system and tool offset are added");
+        let axes = match passes.iter().any(|pass| pass.along == Axis::X) {
+            true => "X (a radius) and Z are those",
+            false => "Z is that",
+        };
+        let _ = writeln!(text, "{axes} of the machine: coordinate system and tool offset are added");
     }
     if let Some(nominal) = &program.gauge {
         let _ = writeln!(text, "gauge {}", gauged::told(nominal));

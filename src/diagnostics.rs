@@ -56,7 +56,10 @@ struct Entry<'a> {
 struct Pass {
     pass: u32,
     line: u32,
+    /// The axis of the places below: Z, or X of a thread on a face.
+    along: &'static str,
     depth_mm: Option<f64>,
+    /// X at full depth; on a face Z.
     x_mm: f64,
     start_z_mm: f64,
     full_depth_z_mm: [f64; 2],
@@ -104,10 +107,11 @@ impl From<&PassNote> for Pass {
         Pass {
             pass: note.pass,
             line: note.line,
+            along: note.along.name(),
             depth_mm: note.depth_mm,
-            x_mm: note.x_mm,
-            start_z_mm: note.start_z_mm,
-            full_depth_z_mm: note.full_depth_z_mm,
+            x_mm: note.across_mm,
+            start_z_mm: note.start_mm,
+            full_depth_z_mm: note.full_depth_mm,
             max_override_pct: note.max_override_pct,
         }
     }

@@ -2,12 +2,13 @@
 //! points of the machine, mm and degrees, X of a lathe a radius; refusals of what lies outside the travel.
 
 use gcode::Problem;
-use gcode::canon::X;
+use gcode::canon::{X, Z};
 use gcode::problem::Blame;
 use machine::{Kinematics, Machine};
 use protocol::{Axis, PerAxis, Position};
 
 use crate::reach::{Done, home, letter, within_travel};
+use crate::thread::Point;
 
 /// The points that a move goes from.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +19,8 @@ pub(crate) struct Points {
     programmed: gcode::Pose,
     rest: gcode::Pose,
     after_thread: bool,
-    /// Against the direction in which X moved last, ±1: out of the material before a thread.
-    outwards: f64,
+    /// Against the directions in which X and Z moved last, ±1: out of the material before a thread.
+    outwards: Point,
 }
 
 impl Points {
@@ -27,7 +28,14 @@ impl Points {
     pub(crate) fn at_home(machine: &Machine) -> Points {
         let home = home(machine);
         let kinematics = machine.general.kinematics;
-        Points { kinematics, asked: home, programmed: home, rest: home, after_thread: false, outwards: 1.0 }
+        Points {
+            kinematics,
+            asked: home,
+            programmed: home,
+            rest: home,
+            after_thread: false,
+            outwards: Point { x: 1.0, z: 1.0 },
+        }
     }
 
     /// The programmed point.
@@ -91,15 +99,19 @@ impl Points {
         Err(Problem::error("cut-after-thread", Blame::Block, message, help))
     }
 
-    /// Direction of X out of the material, against its last infeed, ±1; outwards before there was one.
-    pub(crate) fn outwards(&self) -> f64 {
+    /// Directions of X and Z out of the material, against their last infeeds, ±1; away from the axis and from
+    /// the chuck before there was one.
+    pub(crate) fn outwards(&self) -> Point {
         self.outwards
     }
 
     /// The program is at a point now, by timed motion; the axes get there with the items of the move.
     pub(crate) fn program_goes_to(&mut self, point: gcode::Pose) {
-        let way = self.programmed[X] - point[X];
-        self.outwards = if way == 0.0 { self.outwards } else { way.signum() };
+        let out = |of: usize, before: f64| match self.programmed[of] - point[of] {
+            0.0 => before,
+            way => way.signum(),
+        };
+        self.outwards = Point { x: out(X, self.outwards.x), z: out(Z, self.outwards.z) };
         (self.programmed, self.after_thread) = (point, false);
     }
 

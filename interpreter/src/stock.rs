@@ -106,8 +106,8 @@ impl Stock {
         let at = |c: f64| Point { x: x0 + x.at(c).s - origin.x, z: z0 + z.at(c).s - origin.z };
         // From where the axis along the thread sets off to where it is on its lead.
         let [begins, locked] = {
-            let z = pass.axis(Axis::Z);
-            [z.run_in_c0_deg, z.run_in_c0_deg + z.run_in_dc_deg]
+            let along = pass.axis(pass.along());
+            [along.run_in_c0_deg, along.run_in_c0_deg + along.run_in_dc_deg]
         };
         let looks =
             (0..LOOKS).map(|look| at(begins + (locked - begins) * f64::from(look) / f64::from(LOOKS)));

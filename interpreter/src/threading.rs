@@ -14,7 +14,7 @@ use crate::modal::Synchronised;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
-use crate::thread::{Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
+use crate::thread::{Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 const SAME: f64 = 1e-9;
@@ -40,16 +40,18 @@ pub struct PassNote {
     pub pass: u32,
     /// Line of the program.
     pub line: u32,
+    /// The axis along which it runs: Z, or X of a thread on a face.
+    pub along: Axis,
     /// Depth below the crest, mm, where the program says it: G33 does not, nor G92 of FANUC.
     pub depth_mm: Option<f64>,
-    /// X of the machine at full depth, where the run-in ends, mm.
-    pub x_mm: f64,
-    /// Z at which the pass starts, mm.
-    pub start_z_mm: f64,
-    /// Z at which full depth begins and ends, mm.
-    pub full_depth_z_mm: [f64; 2],
-    /// ΔZ of the run-in and of the run-out, mm.
-    pub delta_z_mm: [f64; 2],
+    /// The other axis of the machine at full depth, where the run-in ends, mm.
+    pub across_mm: f64,
+    /// Where along its axis the pass starts, mm.
+    pub start_mm: f64,
+    /// Where full depth begins and ends, mm.
+    pub full_depth_mm: [f64; 2],
+    /// ΔZ of the run-in and of the run-out (of a face ΔX), mm.
+    pub delta_mm: [f64; 2],
     /// Highest spindle speed that every axis can follow, per cent of the programmed one.
     pub max_override_pct: f64,
     /// Size of the pass on its way to the interpolator, bytes.
@@ -109,6 +111,11 @@ impl Threads {
         self.held.is_some()
     }
 
+    /// Along which axis the one that waits runs.
+    pub(crate) fn waits_along(&self) -> Along {
+        self.held.map_or(Along::Z, |held| held.single.along())
+    }
+
     /// A G33 waits from now on.
     pub(crate) fn hold(&mut self, place: Place, single: Single, origin: Point) {
         self.held = Some(Held { place, single, policy: self.policy, origin });
@@ -165,7 +172,7 @@ impl Threads {
         for cut in &cuts {
             within_travel(machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.from.z, Blame::Block)?;
-            within_travel(machine, Axis::Z, cut.to_z, Blame::Block)?;
+            within_travel(machine, Axis::Z, cut.to_mm, Blame::Block)?;
         }
         let (mut plans, doubt) = plans(cycle, &mut cuts, place.line, machine)?;
         self.doubts.extend(doubt);
@@ -195,20 +202,21 @@ impl Threads {
             let at = rest[axis.index()];
             pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
         }
-        if let Some(doubt) = mostly_shallow((line, units), cut, planned.full_depth_z_mm) {
+        if let Some(doubt) = mostly_shallow((line, units), cut, planned.full_depth_mm) {
             // Of the passes of a cycle the deepest, which comes last, takes the longest way out.
             self.doubts.retain(|other| (other.code, other.blame) != (doubt.code, doubt.blame));
             self.doubts.push(doubt);
         }
-        let x = pass.axis(Axis::X);
+        let across = pass.axis(cut.along.lifts());
         self.notes.push(PassNote {
             pass: pass.pass,
             line,
+            along: cut.along.axis(),
             depth_mm: cut.depth_is_told.then_some(pass.depth_mm),
-            x_mm: x.start.mm() + x.stroke_mm,
-            start_z_mm: pass.axis(Axis::Z).start.mm(),
-            full_depth_z_mm: planned.full_depth_z_mm,
-            delta_z_mm: planned.delta_z_mm,
+            across_mm: across.start.mm() + across.stroke_mm,
+            start_mm: pass.axis(cut.along.axis()).start.mm(),
+            full_depth_mm: planned.full_depth_mm,
+            delta_mm: planned.delta_mm,
             max_override_pct: 100.0 * pass.max_ratio,
             packet_bytes: CodePacket::pack(0, &Item { line, code: Code::Pass(pass) }).as_bytes().len(),
             origin_mm: [0.0; 2],
@@ -221,11 +229,12 @@ impl Threads {
 fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) -> Option<Problem> {
     const LEAST_SHARE: f64 = 0.5;
     let taper_mm = cut.exit.map_or(0.0, |taper| taper.length_mm);
-    let [full, whole] = [to, cut.to_z].map(|end| (end - from).abs());
+    let [full, whole] = [to, cut.to_mm].map(|end| (end - from).abs());
     let message = format!(
-        "the thread is at full depth over {} of {}: then X has to leave, as fast as it is",
+        "the thread is at full depth over {} of {}: then {} has to leave, as fast as it is",
         units.length(full),
-        units.length(whole)
+        units.length(whole),
+        cut.along.lifts()
     );
     let help = "a slower spindle leaves over less of it; or cut the thread farther, into a groove";
     (full < LEAST_SHARE * (whole - taper_mm))
@@ -233,27 +242,37 @@ fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) 
 }
 
 /// The tool stays in the groove at the end of a G33.
-pub(crate) fn no_retract(line: u32, next: Next) -> Option<Box<Problem>> {
+pub(crate) fn no_retract(line: u32, next: Next, along: Along) -> Option<Box<Problem>> {
+    let axis = along.axis();
     let message = match next {
         Next::Retract(_) => return None,
-        Next::Lift(_) => "the tool stays in the groove while Z brakes and marks it",
-        Next::Stays => {
-            "the tool stays in the groove while Z brakes and marks it, and nothing says where it is out of it: \
+        Next::Lift(_) => format!("the tool stays in the groove while {axis} brakes and marks it"),
+        Next::Stays => format!(
+            "the tool stays in the groove while {axis} brakes and marks it, and nothing says where it is out of it: \
              a fault lifts it by threading.lift_mm, a hold waits for the end of the pass"
-        }
+        ),
     };
-    let help = "let a G0 that moves only X follow: it is then made in step with the spindle";
+    let lifts = along.lifts();
+    let help = format!("let a G0 that moves only {lifts} follow: it is then made in step with the spindle");
     Some(Problem::warning("no-retract", Blame::Line(line), message, help))
 }
 
-/// What a move to `to` does with X behind a G33, within its travel: a rapid of X alone is the retract.
-pub(crate) fn next(from: &gcode::Pose, to: &gcode::Pose, rapid: bool, machine: &Machine) -> Next {
+/// What a move to `to` does behind a G33 with the axis that lifts the tool, within its travel: a rapid of it
+/// alone is the retract.
+pub(crate) fn next(
+    from: &gcode::Pose,
+    to: &gcode::Pose,
+    rapid: bool,
+    along: Along,
+    machine: &Machine,
+) -> Next {
+    let lifts = if along == Along::Z { X } else { Z };
     let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
-    if stays(X) || within_travel(machine, Axis::X, to[X], Blame::Block).is_err() {
+    if stays(lifts) || within_travel(machine, along.lifts(), to[lifts], Blame::Block).is_err() {
         return Next::Stays;
     }
-    let alone = (0..to.len()).all(|coordinate| coordinate == X || stays(coordinate));
-    if rapid && alone { Next::Retract(to[X]) } else { Next::Lift(to[X]) }
+    let alone = (0..to.len()).all(|coordinate| coordinate == lifts || stays(coordinate));
+    if rapid && alone { Next::Retract(to[lifts]) } else { Next::Lift(to[lifts]) }
 }
 
 /// G33: one pass along the path to the target.
@@ -271,10 +290,9 @@ pub(crate) fn single(
     if in_plane_of(target, from) != *points.programmed() {
         return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
     }
-    if (to.z - from.z).abs() < SAME {
-        let message = "G33 without a move along Z";
-        let help = "threads along X alone (scrolls) are not available yet: add a Z word";
-        return Err(Problem::error("not-available", Blame::Block, message, help));
+    if (to.z - from.z).abs().max((to.x - from.x).abs()) < SAME {
+        let help = "give X or Z of its end";
+        return Err(Problem::error("bad-value", Blame::Block, "the thread has no length", help));
     }
     if points.after_thread() {
         let message = "threads that follow each other without a pause are not available yet";

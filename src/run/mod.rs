@@ -19,8 +19,11 @@ use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
 
 use machine::Machine;
 use process::shell::Clock;
+use protocol::Axis;
 use rig::journal::{Keeper, Origin};
-use rig::observe::{FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, Summary, WorkKind};
+use rig::observe::{
+    FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, WorkKind,
+};
 
 use crate::{
     args::Shop,
@@ -297,13 +300,22 @@ fn threads(text: &mut String, summary: &Summary) {
         summary.thread.phase_spread_um,
         worst(|pass| pass.lead_error_um_per_rev.abs()),
     );
-    let _ = writeln!(
-        text,
-        "depth (X) servo error in the approach at most {:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
-        worst(|pass| pass.x.approach_max_um.max(-pass.x.approach_min_um)),
-        worst(|pass| pass.x.end_um.abs()),
-        worst(|pass| pass.x.thread_max_abs_um),
-    );
+    // The axis that takes the tool to depth.
+    for axis in [Axis::X, Axis::Z] {
+        let errors = summary.passes.iter().filter(|pass| pass.on_face == (axis == Axis::Z));
+        let errors = errors.map(|pass| if axis == Axis::X { pass.x } else { pass.z });
+        let worst = |of: fn(ServoError) -> f64| errors.clone().map(of).reduce(f64::max);
+        let Some(approach) = worst(|error| error.approach_max_um.max(-error.approach_min_um)) else {
+            continue;
+        };
+        let [end, thread] = [worst(|error| error.end_um.abs()), worst(|error| error.thread_max_abs_um)];
+        let _ = writeln!(
+            text,
+            "depth ({axis}) servo error in the approach at most {approach:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
+            end.unwrap_or_default(),
+            thread.unwrap_or_default()
+        );
+    }
 }
 
 /// What the gauge says.

@@ -158,7 +158,7 @@ fn fitted(mut recipe: Recipe, dialect: Dialect, units: Units, machine: &Machine)
                 return Err(CliError::Input(text));
             }
             None => {
-                let full = check.passes.iter().map(|pass| pass.full_depth_z_mm[1]).fold(f64::MIN, f64::max);
+                let full = check.passes.iter().map(|pass| pass.full_depth_mm[1]).fold(f64::MIN, f64::max);
                 // The gauge needs what was asked for in all passes.
                 let short = full + recipe.length_mm;
                 if short <= 1e-6 {

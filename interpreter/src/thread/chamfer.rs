@@ -30,7 +30,7 @@ pub(crate) fn plans(
     };
     cuts.iter_mut().for_each(|cut| cut.exit = None);
     let plans = all(cuts).map_err(|why| why.problem(cuts, cycle.units, machine))?;
-    let ways = cuts.iter().zip(&plans).map(|(cut, plan)| (cut.to_z - plan.full_depth_z_mm[1]).abs());
+    let ways = cuts.iter().zip(&plans).map(|(cut, plan)| (cut.to_mm - plan.full_depth_mm[1]).abs());
     let message = format!(
         "X cannot leave within the chamfer of {}: it leaves as steeply as it can, over {}",
         cycle.units.length(cycle.words.chamfer * cycle.units.mm()),

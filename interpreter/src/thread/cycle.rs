@@ -3,7 +3,7 @@
 
 use gcode::canon::{ThreadCycle, Units};
 
-use super::cut::{Cut, Point, Taper};
+use super::cut::{Along, Cut, Point, Taper};
 
 /// A threading cycle at its place on the machine; mm, radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,9 +45,10 @@ impl Cycle {
         Cut {
             s_rpm: self.s_rpm,
             direction: self.direction,
+            along: Along::Z,
             lead: Point { x: slope * lead_z, z: lead_z },
             from,
-            to_z,
+            to_mm: to_z,
             start_deg: words.start_deg,
             approach_mm,
             // X goes back to the drive line, however far the cone took it.

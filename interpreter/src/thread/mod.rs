@@ -23,7 +23,7 @@ mod single;
 mod starts;
 
 pub(crate) use chamfer::plans;
-pub use cut::{Cut, Point, Taper};
+pub use cut::{Along, Cut, Point, Taper};
 pub(crate) use cycle::{Cycle, MOST_PASSES};
 pub use plan::{Plan, plan};
 pub(crate) use policy::Policy;

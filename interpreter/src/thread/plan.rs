@@ -25,14 +25,14 @@ use machine::{Machine, RunOut};
 use motion::{Limits, Ramp, Stroke};
 use protocol::{Axis, AxisLaw, Position, ThreadPass, WayOut};
 
-use super::cut::{Cut, Point};
+use super::cut::Cut;
 use super::flank::{largest, least_delay};
 use super::refusal::Refusal;
 
 /// Share of an axis' speed that a thread leaves free at 100 % override, for the ripple of the spindle (M8).
 const VELOCITY_RESERVE: f64 = 0.02;
 
-/// Counts of the spindle encoder that a stroke of X takes at least: made within a few, it would be a jump.
+/// Counts of the spindle encoder that a stroke takes at least: made within a few, it would be a jump.
 const FEWEST_COUNTS: f64 = 100.0;
 
 /// A pass and what a user wants to know about it.
@@ -40,10 +40,10 @@ const FEWEST_COUNTS: f64 = 100.0;
 pub struct Plan {
     /// The pass; its number and start are 0.
     pub pass: ThreadPass,
-    /// Z where full depth begins and where it ends, mm.
-    pub full_depth_z_mm: [f64; 2],
-    /// Way of Z while it reaches the lead, and while it leaves it, mm.
-    pub delta_z_mm: [f64; 2],
+    /// Where full depth begins and where it ends along the thread, mm.
+    pub full_depth_mm: [f64; 2],
+    /// Way along the thread while the lead is reached, and while it is left, mm.
+    pub delta_mm: [f64; 2],
 }
 
 /// What the tool keeps away from the crest before Z may brake, a share of the depth, and of the way out.
@@ -51,7 +51,7 @@ const FREE_SHARE: f64 = 0.05;
 /// No groove is deeper than so many leads.
 const DEEPEST_LEADS: f64 = 1.3;
 
-/// Share of its speed that a stroke of X has at least, however fast X follows a tapered helix.
+/// Share of its speed that a stroke has at least, however fast its axis follows a tapered helix.
 const LEAST_STROKE: f64 = 0.05;
 
 /// A window of spindle angle.
@@ -89,10 +89,10 @@ struct Design {
     /// Ramps along the path at that speed.
     run_in: Ramp,
     brake: Ramp,
-    /// What strokes of X may use.
+    /// What strokes may use.
     approach_limits: Limits,
     retract_limits: Limits,
-    /// Narrowest window of a stroke of X, degrees.
+    /// Narrowest window of a stroke, degrees.
     least_stroke_deg: f64,
     /// Share of the limits that a law may use.
     share: f64,
@@ -104,24 +104,25 @@ struct Design {
 /// [`Refusal`] if the limits of the machine or the length of the thread leave no law.
 ///
 /// # Panics
-/// If the machine has no X or Z, the speed is not positive, or the cut has no lead along Z.
+/// If the machine has no X or Z, the speed is not positive, or the cut has no lead along the thread.
 pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
-    assert!(cut.s_rpm > 0.0 && cut.lead.z != 0.0, "a cut has a speed and a lead");
-    let (x, z) = (axis_limits(machine, Axis::X), axis_limits(machine, Axis::Z));
-    for (axis, lead, limit) in [(Axis::X, cut.lead.x, x.v), (Axis::Z, cut.lead.z, z.v)] {
+    assert!(cut.s_rpm > 0.0 && cut.lead_mm() != 0.0, "a cut has a speed and a lead");
+    let axes = [cut.along.lifts(), cut.along.axis()];
+    let [lift, along] = axes.map(|axis| axis_limits(machine, axis));
+    for (axis, lead, limit) in [(axes[0], cut.rise_mm(), lift.v), (axes[1], cut.lead_mm(), along.v)] {
         let v = lead.abs() * cut.s_rpm / 60.0;
         let limit = limit * (1.0 - VELOCITY_RESERVE);
         if v > limit {
             return Err(Refusal::TooFast { axis, needs_mm_s: v, limit_mm_s: limit });
         }
     }
-    let design = Design::new(cut, machine, x, z);
+    let design = Design::new(cut, machine, lift, along);
     let windows = windows(cut, machine, &design)?;
     let earliest = windows.run_in.c.min(windows.approach.c);
     let margin = design.q * machine.index_margin_cycles() * machine.general.cycle_s;
     let turn = cut.start_deg + 360.0 * ((margin - earliest - cut.start_deg) / 360.0).ceil().max(0.0);
-    let pass = pass(cut, machine, &windows, &design, turn, [x, z])?;
-    for axis in [Axis::X, Axis::Z] {
+    let pass = pass(cut, machine, &windows, &design, turn, [lift, along])?;
+    for axis in axes {
         let end = pass.axis(axis).end.mm();
         let [low, high] = travel(machine, axis);
         if !(low..=high).contains(&end) {
@@ -129,33 +130,34 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
         }
     }
     pass.check().map_err(|refused| Refusal::Extreme { refused })?;
-    let on_helix = |c: f64| cut.from.z + cut.lead.z * c / 360.0;
-    let half_way = |window: Span| cut.lead.z.abs() * window.dc / 720.0;
+    let on_helix = |c: f64| cut.from_mm() + cut.lead_mm() * c / 360.0;
+    let half_way = |window: Span| cut.lead_mm().abs() * window.dc / 720.0;
     Ok(Plan {
         pass,
-        full_depth_z_mm: [on_helix(windows.locked), on_helix(windows.thread_end)],
-        delta_z_mm: [half_way(windows.run_in), half_way(windows.brake)],
+        full_depth_mm: [on_helix(windows.locked), on_helix(windows.thread_end)],
+        delta_mm: [half_way(windows.run_in), half_way(windows.brake)],
     })
 }
 
 impl Design {
-    fn new(cut: &Cut, machine: &Machine, x: Limits, z: Limits) -> Design {
+    fn new(cut: &Cut, machine: &Machine, lift: Limits, along: Limits) -> Design {
         let share = machine.threading.limit_share_pct / 100.0;
-        let (x, z) = (x.share(share), z.share(share));
-        // On a tapered helix strokes of X add to its run-in and its braking: each gets its part of the
-        // limits.
-        let shared = |stroke_mm: f64| cut.lead.x != 0.0 && stroke_mm != 0.0;
-        let path_limits = |stroke_mm| along(cut.lead, if shared(stroke_mm) { x.share(0.5) } else { x }, z);
-        let (in_limits, out_limits) = (path_limits(cut.approach_mm), path_limits(cut.retract_mm));
-        let v = libm::hypot(cut.lead.x, cut.lead.z) * cut.s_rpm / 60.0;
+        let (lift, along) = (lift.share(share), along.share(share));
+        // On a tapered helix strokes of the axis that lifts add to its run-in and its braking: each gets its
+        // part of the limits.
+        let shared = |stroke_mm: f64| cut.rise_mm() != 0.0 && stroke_mm != 0.0;
+        let of_path =
+            |stroke_mm| path_limits(cut, if shared(stroke_mm) { lift.share(0.5) } else { lift }, along);
+        let (in_limits, out_limits) = (of_path(cut.approach_mm), of_path(cut.retract_mm));
+        let v = libm::hypot(cut.rise_mm(), cut.lead_mm()) * cut.s_rpm / 60.0;
         let top = in_limits.v.min(out_limits.v);
         let ratio = (machine.threading.design_override_pct / 100.0).min(top / v).max(1.0);
         let stroke_limits = |stroke_mm| {
             if !shared(stroke_mm) {
-                return x;
+                return lift;
             }
-            let left = x.v - ratio * cut.lead.x.abs() * cut.s_rpm / 60.0;
-            Limits { v: left.max(LEAST_STROKE * x.v), ..x.share(0.5) }
+            let left = lift.v - ratio * cut.rise_mm().abs() * cut.s_rpm / 60.0;
+            Limits { v: left.max(LEAST_STROKE * lift.v), ..lift.share(0.5) }
         };
         Design {
             q: 6.0 * cut.s_rpm * ratio,
@@ -168,7 +170,7 @@ impl Design {
         }
     }
 
-    /// The narrowest window of a stroke of X, degrees; 0 for none.
+    /// The narrowest window of a stroke, degrees; 0 for none.
     fn stroke_deg(&self, stroke_mm: f64, limits: &Limits) -> f64 {
         if stroke_mm == 0.0 {
             return 0.0;
@@ -176,9 +178,9 @@ impl Design {
         (self.q * Stroke::shortest(stroke_mm, limits)).max(self.least_stroke_deg)
     }
 
-    /// The brake as Z makes it, at the design speed.
-    fn axial_brake(&self, lead: Point) -> Ramp {
-        let share = lead.z.abs() / libm::hypot(lead.x, lead.z);
+    /// The brake as the axis along the thread makes it, at the design speed.
+    fn axial_brake(&self, cut: &Cut) -> Ramp {
+        let share = cut.lead_mm().abs() / libm::hypot(cut.rise_mm(), cut.lead_mm());
         Ramp::new(self.brake.dv() * share, self.brake.duration(), self.brake.lambda())
     }
 }
@@ -197,11 +199,11 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
     } else {
         let retract = Stroke::new(cut.retract_mm, retract_dc / design.q);
         let tan_flank = libm::tan(machine.threading.flank_half_angle_deg.to_radians());
-        let flank = least_delay(&design.axial_brake(cut.lead), &retract, cut.clear_mm, tan_flank);
+        let flank = least_delay(&design.axial_brake(cut), &retract, cut.clear_mm, tan_flank);
         exit.max(design.q * flank)
     };
-    let length = cut.to_z - cut.from.z;
-    let c_end = 360.0 * length / cut.lead.z;
+    let length = cut.to_mm - cut.from_mm();
+    let c_end = 360.0 * length / cut.lead_mm();
     let brake_dc = design.q * design.brake.duration();
     let brake_c = match machine.threading.run_out {
         RunOut::Within => c_end - 0.5 * brake_dc,
@@ -211,7 +213,7 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
     let thread_end = brake_c - delay;
     let retract = if cut.retract_mm == 0.0 { brake } else { Span { c: thread_end, dc: retract_dc } };
     if thread_end <= locked {
-        let mm = |c: f64| c * cut.lead.z.abs() / 360.0;
+        let mm = |c: f64| c * cut.lead_mm().abs() / 360.0;
         return Err(Refusal::NoThread {
             run_in_mm: mm(locked),
             run_out_mm: mm(c_end - thread_end),
@@ -224,8 +226,8 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
 /// How far an approach goes beyond its depth, and over which angle it comes back: in the air, so not on a
 /// taper; a cone keeps the guide sliding anyway.
 fn unload(cut: &Cut, machine: &Machine, design: &Design) -> (f64, f64) {
-    let unload_mm = machine.axis.get(&Axis::X).map_or(0.0, |x| x.unload_mm);
-    if unload_mm == 0.0 || cut.approach_mm == 0.0 || cut.entry.is_some() || cut.lead.x != 0.0 {
+    let unload_mm = machine.axis.get(&cut.along.lifts()).map_or(0.0, |lift| lift.unload_mm);
+    if unload_mm == 0.0 || cut.approach_mm == 0.0 || cut.entry.is_some() || cut.rise_mm() != 0.0 {
         return (0.0, 0.0);
     }
     (unload_mm.copysign(cut.approach_mm), design.stroke_deg(unload_mm, &design.approach_limits))
@@ -242,7 +244,7 @@ fn approach(cut: &Cut, design: &Design, unload: (f64, f64), run_in_end: f64) -> 
     let share = time_of(taper.height_mm / stroke);
     let taper_dc = angle(cut, taper.length_mm);
     if taper_dc < least * share {
-        return Err(Refusal::EntryTaper { least_mm: least * share * cut.lead.z.abs() / 360.0 });
+        return Err(Refusal::EntryTaper { least_mm: least * share * cut.lead_mm().abs() / 360.0 });
     }
     let dc = taper_dc / share;
     Ok(Span { c: run_in_end.max(taper_dc) - dc, dc })
@@ -256,14 +258,14 @@ fn retract_window(cut: &Cut, design: &Design) -> Result<f64, Refusal> {
     let share = time_of(taper.height_mm / stroke);
     let taper_dc = angle(cut, taper.length_mm);
     if taper_dc < least * share {
-        return Err(Refusal::ExitTaper { least_mm: least * share * cut.lead.z.abs() / 360.0 });
+        return Err(Refusal::ExitTaper { least_mm: least * share * cut.lead_mm().abs() / 360.0 });
     }
     Ok(taper_dc / share)
 }
 
 /// Spindle angle in which the helix advances by a length in mm.
 fn angle(cut: &Cut, length_mm: f64) -> f64 {
-    360.0 * length_mm / cut.lead.z.abs()
+    360.0 * length_mm / cut.lead_mm().abs()
 }
 
 /// Share of its duration in which a stroke (M2) makes the given share of its way; 1 from the whole way on.
@@ -299,7 +301,7 @@ fn pass(
         retract_mm: cut.retract_mm,
         retract_c_deg: retract.c + turn,
         retract_dc_deg: retract.dc,
-        ..if cut.lead.x == 0.0 { AxisLaw::default() } else { lead(cut.lead.x) }
+        ..if cut.rise_mm() == 0.0 { AxisLaw::default() } else { lead(cut.rise_mm()) }
     };
     if cut.approach_mm != 0.0 {
         x.stroke_mm = cut.approach_mm;
@@ -312,13 +314,14 @@ fn pass(
         s_rpm: cut.s_rpm,
         direction: cut.direction,
         start_angle_deg: cut.start_deg,
-        lead_mm: cut.lead.z,
+        lead_mm: cut.lead_mm(),
         thread_end_deg: thread_end + turn,
         depth_mm: cut.depth_mm,
         max_ratio: f64::INFINITY,
         ..ThreadPass::default()
     };
-    let axes = [(Axis::X, x, cut.from.x), (Axis::Z, lead(cut.lead.z), cut.from.z)];
+    let axes =
+        [(cut.along.lifts(), x, cut.above_mm()), (cut.along.axis(), lead(cut.lead_mm()), cut.from_mm())];
     for ((axis, mut law, from), limits) in axes.into_iter().zip(limits) {
         law.check().map_err(|refused| Refusal::Extreme { refused })?;
         let moves = law.law(cut.s_rpm);
@@ -340,9 +343,9 @@ fn pass(
 /// The way out: to where the retract leads, else to where the approach came from, else to where the program
 /// goes next, else off by the lift of the machine file.
 fn out(cut: &Cut, machine: &Machine) -> WayOut {
-    let surface = cut.from.x + cut.approach_mm;
-    let slope = cut.lead.x / cut.lead.z;
-    let surfaces = [surface, surface + slope * (cut.to_z - cut.from.z)];
+    let surface = cut.above_mm() + cut.approach_mm;
+    let slope = cut.rise_mm() / cut.lead_mm();
+    let surfaces = [surface, surface + slope * (cut.to_mm - cut.from_mm())];
     let lift = match (cut.retract_mm, cut.approach_mm) {
         (0.0, 0.0) if cut.lift_mm != 0.0 => cut.lift_mm,
         (0.0, 0.0) => machine.threading.lift_mm * cut.outwards,
@@ -354,13 +357,13 @@ fn out(cut: &Cut, machine: &Machine) -> WayOut {
         (0.0, 0.0) => outermost(surfaces) + lift,
         _ => surfaces[1] + lift,
     };
-    let [low, high] = travel(machine, Axis::X);
+    let [low, high] = travel(machine, cut.along.lifts());
     let clear = clear.clamp(low, high);
-    let groove = if cut.clear_mm > 0.0 { cut.clear_mm } else { DEEPEST_LEADS * cut.lead.z.abs() };
+    let groove = if cut.clear_mm > 0.0 { cut.clear_mm } else { DEEPEST_LEADS * cut.lead_mm().abs() };
     let most = (clear - outermost(surfaces)).abs() * (1.0 - FREE_SHARE);
     let free = outermost(surfaces) + (groove * (1.0 + FREE_SHARE)).min(most).copysign(lift);
     WayOut {
-        axis: Axis::X.index() as u32,
+        axis: cut.along.lifts().index() as u32,
         leaves: machine.threading.leaves(),
         clear: Position::from_mm(clear),
         free: Position::from_mm(free),
@@ -377,11 +380,17 @@ fn travel(machine: &Machine, axis: Axis) -> [f64; 2] {
 }
 
 /// Limits of the path in the direction of the lead: what both axes can do together.
-fn along(lead: Point, x: Limits, z: Limits) -> Limits {
-    let path = libm::hypot(lead.x, lead.z);
-    let bound = |x: f64, z: f64| {
-        let of_x = if lead.x == 0.0 { f64::INFINITY } else { x * path / lead.x.abs() };
-        of_x.min(z * path / lead.z.abs())
+fn path_limits(cut: &Cut, lift: Limits, along: Limits) -> Limits {
+    let (rise, lead) = (cut.rise_mm().abs(), cut.lead_mm().abs());
+    let path = libm::hypot(rise, lead);
+    let bound = |lift: f64, along: f64| {
+        let of_lift = if rise == 0.0 { f64::INFINITY } else { lift * path / rise };
+        of_lift.min(along * path / lead)
     };
-    Limits { v: bound(x.v, z.v), a: bound(x.a, z.a), j: bound(x.j, z.j), dj: bound(x.dj, z.dj) }
+    Limits {
+        v: bound(lift.v, along.v),
+        a: bound(lift.a, along.a),
+        j: bound(lift.j, along.j),
+        dj: bound(lift.dj, along.dj),
+    }
 }

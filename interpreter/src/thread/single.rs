@@ -1,11 +1,15 @@
-//! The cut of a G33 block. In: the path and K, mm; what the next block does with X. Out: a [`Cut`].
+//! The cut of a G33 block. In: the path and K, mm; what the next block does with the axis that lifts the
+//! tool. Out: a [`Cut`].
 //!
 //! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that
 //! of X K sin φ.
 
 use gcode::canon::Units;
 
-use super::cut::{Cut, Point};
+use super::cut::{Along, Cut, Point};
+
+/// A path that moves Z by less does not move it, mm: the quantum of the wire.
+const SAME: f64 = 1e-9;
 
 /// A tool that has gone this many leads away from the path is out of any thread profile: those are less than
 /// one lead deep.
@@ -23,46 +27,54 @@ pub(crate) struct Single {
     pub(crate) k_mm: f64,
     /// Angle of the spindle at which the path begins, degrees from the index.
     pub(crate) start_deg: f64,
-    /// Direction of X out of the material, as the last infeed tells, ±1.
-    pub(crate) outwards: f64,
+    /// Directions of X and Z out of the material, as their last infeeds tell, ±1.
+    pub(crate) outwards: Point,
     /// What comes next.
     pub(crate) next: Next,
 }
 
-/// What the call behind a G33 does with X.
+/// What the call behind a G33 does with the axis that lifts the tool: X, of a face thread Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Next {
-    /// A rapid takes X alone there, mm: the retract.
+    /// A rapid takes it alone there, mm: the retract.
     Retract(f64),
-    /// Another move takes X there, mm: that is where the tool is out of the groove.
+    /// Another move takes it there, mm: that is where the tool is out of the groove.
     Lift(f64),
     /// Nothing.
     Stays,
 }
 
 impl Single {
+    /// The axis along which it runs: X where the path does not move Z.
+    pub(crate) fn along(&self) -> Along {
+        if (self.to.z - self.from.z).abs() < SAME { Along::X } else { Along::Z }
+    }
+
     /// The cut of the block.
     pub(crate) fn cut(&self) -> Cut {
         let (dx, dz) = (self.to.x - self.from.x, self.to.z - self.from.z);
         let per_mm = self.k_mm / libm::hypot(dx, dz);
         let lead = Point { x: dx * per_mm, z: dz * per_mm };
+        let along = self.along();
+        let end = along.across(self.to);
         let [retract_mm, lift_mm] = match self.next {
-            Next::Retract(x) => [x - self.to.x, 0.0],
-            Next::Lift(x) => [0.0, x - self.to.x],
+            Next::Retract(mm) => [mm - end, 0.0],
+            Next::Lift(mm) => [0.0, mm - end],
             Next::Stays => [0.0; 2],
         };
         Cut {
             s_rpm: self.s_rpm,
             direction: self.direction,
+            along,
             lead,
             from: self.from,
-            to_z: self.to.z,
+            to_mm: along.of(self.to),
             start_deg: self.start_deg,
             approach_mm: 0.0,
             retract_mm,
             lift_mm,
-            outwards: self.outwards,
-            clear_mm: retract_mm.abs().min(CLEAR_LEADS * lead.z.abs()),
+            outwards: along.across(self.outwards),
+            clear_mm: retract_mm.abs().min(CLEAR_LEADS * along.of(lead).abs()),
             depth_mm: 0.0,
             depth_is_told: false,
             entry: None,

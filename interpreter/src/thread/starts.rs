@@ -16,7 +16,7 @@ use gcode::canon::Units;
 use gcode::problem::Blame;
 use gcode::{Place, Problem};
 
-use super::cut::Cut;
+use super::cut::{Along, Cut};
 
 /// Helices closer than this are one, mm.
 const SAME: f64 = 1e-6;
@@ -33,32 +33,36 @@ pub(crate) struct Starts(Vec<Helix>);
 #[derive(Clone, Copy, Debug)]
 struct Helix {
     place: Place,
+    along: Along,
     lead: f64,
     direction: f64,
     z: f64,
     start_deg: f64,
-    /// X at depth, where a cone has it at Z 0.
+    /// X at depth, where a cone has it at Z 0; of a face X and Z are exchanged.
     x: f64,
     number: u32,
 }
 
 impl Helix {
     fn of(cut: &Cut, place: Place) -> Helix {
-        let slope = cut.lead.x / cut.lead.z;
+        let slope = cut.rise_mm() / cut.lead_mm();
         Helix {
             place,
-            lead: cut.lead.z,
+            along: cut.along,
+            lead: cut.lead_mm(),
             direction: cut.direction,
-            z: cut.from.z,
+            z: cut.from_mm(),
             start_deg: cut.start_deg,
-            x: cut.from.x + cut.approach_mm - slope * cut.from.z,
+            x: cut.above_mm() + cut.approach_mm - slope * cut.from_mm(),
             number: 0,
         }
     }
 
     /// Whether they have one lead.
     fn is_related(&self, other: &Helix) -> bool {
-        (self.lead - other.lead).abs() < SAME && self.direction == other.direction
+        self.along == other.along
+            && (self.lead - other.lead).abs() < SAME
+            && self.direction == other.direction
     }
 
     /// d.

@@ -338,17 +338,17 @@ impl Translator {
         Ok(())
     }
 
-    /// What a call does with X behind the G33 that waits.
+    /// What a call does behind the G33 that waits with the axis that lifts the tool.
     fn behind_thread(&self, call: &Call<'_>) -> Next {
         let (Call::StraightTraverse(to) | Call::StraightFeed(to)) = call else { return Next::Stays };
         let rapid = matches!(call, Call::StraightTraverse(_));
         let to = self.modal.frame.machine(to);
-        threading::next(self.points.programmed(), &to, rapid, &self.machine)
+        threading::next(self.points.programmed(), &to, rapid, self.threads.waits_along(), &self.machine)
     }
 
     /// Plans the G33 that waits.
     fn release(&mut self, next: Next) {
-        let rest = self.points.axes_at_rest();
+        let (rest, along) = (self.points.axes_at_rest(), self.threads.waits_along());
         let Some(released) = self.threads.release(next, &rest, &self.machine) else { return };
         let place = released.place;
         let planned = released.pass.map(|pass| self.pass(place, pass, released.origin));
@@ -356,7 +356,7 @@ impl Translator {
         if let Err(problem) = planned {
             return self.output.report(place, *problem);
         }
-        if let Some(problem) = threading::no_retract(place.line, next) {
+        if let Some(problem) = threading::no_retract(place.line, next, along) {
             self.output.report(place, *problem);
         }
     }

@@ -70,7 +70,7 @@ const THREADS: [(&str, u32, u32, &str); 24] = [
     ("G33 Z-20 K1 F100\nG0 X20\n", 2, 13, "feed-in-thread"),
     ("G33 Z-20\nG0 X20\n", 2, 1, "missing-word"),
     ("G33 Z-20 K-1\nG0 X20\n", 2, 10, "bad-value"),
-    ("G33 X20 K1\nG0 X30\n", 2, 1, "not-available"),
+    ("G33 X20 K1\nG33 X30 K1\n", 3, 1, "not-available"),
     ("G33 Z-20 K1\nG0 X20\nG33 Z-40 K1\nZ-60 K1\n", 5, 1, "not-available"),
     ("G33 Z-20 K1 I1\nG0 X20\n", 2, 13, "unused-word"),
     ("G33 Z4.01 K1\nG0 X20\n", 2, 1, "pass-not-feasible"),

@@ -81,7 +81,7 @@ fn the_depth_of_g92_is_not_invented() {
     let language = Language { dialect: Some(ProgramDialect::Fanuc), ..Language::default() };
     let program = interpreter::open(&path, &language, &machine).expect("a program");
     let found = interpreter::check_program(program, &machine, |_| ());
-    let known: Vec<_> = found.passes.iter().map(|pass| (pass.depth_mm, pass.x_mm)).collect();
+    let known: Vec<_> = found.passes.iter().map(|pass| (pass.depth_mm, pass.across_mm)).collect();
     assert_eq!(known, [(None, 11.7), (None, 11.45)]);
 }
 

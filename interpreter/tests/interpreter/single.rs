@@ -2,7 +2,7 @@
 
 use interpreter::check;
 use machine::{Machine, RunOut};
-use protocol::{Axis, WayOut};
+use protocol::{Axis, Code, WayOut};
 
 use crate::{good, listing, passes};
 
@@ -137,7 +137,7 @@ fn beyond_keeps_full_depth_to_the_programmed_end() {
     let source = "S400 M3\nG0 X19.5 Z4\nG33 Z-25 K1.5\nG0 X25\nM2\n";
     let beyond = check("t", source, &machine);
     let pass = passes(&beyond.items)[0];
-    let end = beyond.passes[0].full_depth_z_mm[1];
+    let end = beyond.passes[0].full_depth_mm[1];
     assert!((end + 25.0).abs() < 1e-9, "{end}");
     assert!(pass.axis(Axis::Z).end.mm() < -25.0);
     assert!(
@@ -145,7 +145,7 @@ fn beyond_keeps_full_depth_to_the_programmed_end() {
         "the programmed point stays as programmed"
     );
     let within = check("t", source, &Machine::plain());
-    assert!(within.passes[0].full_depth_z_mm[1] > -25.0);
+    assert!(within.passes[0].full_depth_mm[1] > -25.0);
 }
 
 #[test]
@@ -170,4 +170,41 @@ fn a_run_out_beyond_the_travel_is_refused() {
         refused.diagnostics[0].message
     );
     assert!(check("t", source, &Machine::plain()).is_good(), "within the programmed end it can be cut");
+}
+
+/// On a face the axes change places: X has the lead, Z lifts the tool, in both dialects and both directions.
+#[test]
+fn a_thread_on_a_face_runs_along_x_and_z_lifts() {
+    for (from, to) in [(20.0, 60.0), (60.0, 20.0)] {
+        let linuxcnc = format!(
+            "G18 G21 G90 G7 G94 G97\nS300 M3\nG0 X{from} Z2\nG0 Z-0.8\nG33 X{to} K4\nG0 Z2\nG0 X{from}\nM2\n"
+        );
+        let fanuc = format!(
+            "%\nO1\nG21 G18 G97 G99\nS300 M03\nG00 X{from}. Z2.\nG00 Z-0.8\nG32 X{to}. F4.\nG00 Z2.\nG00 X{from}.\nM30\n%\n"
+        );
+        let mut fanuc_machine = Machine::plain();
+        fanuc_machine.general.dialect = machine::ProgramDialect::Fanuc;
+        let checks =
+            [check("face.ngc", &linuxcnc, &Machine::plain()), check("face.nc", &fanuc, &fanuc_machine)];
+        let passes = checks.map(|check| {
+            assert!(check.diagnostics.is_empty(), "{:?}", check.diagnostics);
+            let [note] = &check.passes[..] else { panic!("one pass: {:?}", check.passes) };
+            assert_eq!((note.along, note.across_mm, note.start_mm), (Axis::X, -0.8, 0.5 * from));
+            let pass = check.items.into_iter().find_map(|item| match item.code {
+                Code::Pass(pass) => Some(pass),
+                _ => None,
+            });
+            pass.expect("a pass")
+        });
+        assert_eq!(passes[0], passes[1]);
+        let (x, z) = (passes[0].axis(Axis::X), passes[0].axis(Axis::Z));
+        assert_eq!((x.lead_mm, z.lead_mm, z.retract_mm), (4.0 * (to - from).signum(), 0.0, 2.8));
+        assert_eq!((passes[0].out.axis, passes[0].out.clear.mm()), (Axis::Z.index() as u32, 2.0));
+        assert_eq!((passes[0].along(), z.end.mm()), (Axis::X, 2.0));
+        // Helix of the axis along the thread: at the programmed start at the start angle (phase rule).
+        let middle = x.run_in_c0_deg + x.run_in_dc_deg;
+        let ran = x.law(300.0).at(middle).s;
+        let helix = x.lead_mm * (middle - (x.run_in_c0_deg + 0.5 * x.run_in_dc_deg)) / 360.0;
+        assert!((ran - helix).abs() < 1e-9, "{ran} {helix}");
+    }
 }

@@ -1,6 +1,6 @@
 //! The law of a pass, for a wide random set of threads: phase, windows, limits, flank, ends.
 
-use interpreter::thread::{Cut, Plan, Point, plan};
+use interpreter::thread::{Along, Cut, Plan, Point, plan};
 use machine::Machine;
 use motion::Limits;
 use proptest::prelude::*;
@@ -31,9 +31,10 @@ prop_compose! {
         Cut {
             s_rpm: libm::exp(log_s),
             direction: 1.0,
+            along: Along::Z,
             lead: Point { x: 0.0, z: z * lead },
             from: Point { x: 30.0, z: -10.0 },
-            to_z: -10.0 + z * length,
+            to_mm: -10.0 + z * length,
             approach_mm,
             retract_mm: -approach_mm,
             lift_mm: 0.0,
@@ -57,9 +58,10 @@ prop_compose! {
         Cut {
             s_rpm: libm::exp(log_s),
             direction: -1.0,
+            along: Along::Z,
             lead: Point { x: slope * lead_z, z: -lead_z },
             from: Point { x: 40.0, z: 5.0 },
-            to_z: 5.0 - length,
+            to_mm: 5.0 - length,
             approach_mm: 0.0,
             retract_mm: retract,
             lift_mm: 0.0,
@@ -155,7 +157,7 @@ proptest! {
         }
         // Where they rest.
         let within = |a: f64, b: f64| (a - b).abs() < 2.1e-9;
-        prop_assert!(x.start == x.end && within(z.end.mm(), cut.to_z));
+        prop_assert!(x.start == x.end && within(z.end.mm(), cut.to_mm));
         prop_assert_eq!(z.start, Position::from_mm(cut.from.z));
         // At depth exactly, from the end of the windows to the end of the thread.
         let depth = x.law(cut.s_rpm);
@@ -176,7 +178,7 @@ proptest! {
         assert_limits(&plan, &machine)?;
         assert_flank(&cut, &plan, &machine)?;
         let x = plan.pass.axis(Axis::X);
-        let end = cut.from.x + cut.lead.x * (cut.to_z - cut.from.z) / cut.lead.z + cut.retract_mm;
+        let end = cut.from.x + cut.lead.x * (cut.to_mm - cut.from.z) / cut.lead.z + cut.retract_mm;
         prop_assert!((x.end.mm() - end).abs() < 3e-9);
     }
 
@@ -217,9 +219,10 @@ fn the_highest_ratio_is_tight() {
         let cut = Cut {
             s_rpm,
             direction: 1.0,
+            along: Along::Z,
             lead: Point { x: 0.0, z: -lead },
             from: Point { x: 20.0, z: 10.0 },
-            to_z: -80.0,
+            to_mm: -80.0,
             approach_mm: -2.0 - depth,
             retract_mm: 2.0 + depth,
             lift_mm: 0.0,
@@ -251,9 +254,10 @@ fn the_run_out_is_delayed_no_more_than_needed() {
     let cut = Cut {
         s_rpm: 600.0,
         direction: 1.0,
+        along: Along::Z,
         lead: Point { x: 0.0, z: -3.0 },
         from: Point { x: 20.0, z: 10.0 },
-        to_z: -40.0,
+        to_mm: -40.0,
         approach_mm: -3.0,
         retract_mm: 3.0,
         lift_mm: 0.0,

@@ -260,6 +260,11 @@ impl ThreadPass {
         &self.axes[axis.index()]
     }
 
+    /// The axis along which the thread runs: Z, on a cone too; X of a thread on a face.
+    pub fn along(&self) -> Axis {
+        if self.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X }
+    }
+
     /// Angle from which every axis is at rest again, degrees.
     pub fn done_deg(&self) -> f64 {
         self.axes.iter().map(AxisLaw::done_deg).fold(0.0, f64::max)

@@ -184,7 +184,7 @@ impl PassObserver {
             left: false,
             end_mm: pass.axis(axis).end.mm(),
         };
-        let along = if pass.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X };
+        let along = pass.along();
         PassObserver {
             pass: *pass,
             line: planned.line,
@@ -289,6 +289,7 @@ impl PassObserver {
             tool_number: self.tool_number,
             origin_mm: self.origin_mm,
             start,
+            on_face: self.along == Axis::X,
             lead_mm: self.pass.lead_mm,
             programmed_rpm: s_rpm,
             rpm_min,

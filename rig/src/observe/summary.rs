@@ -110,6 +110,9 @@ pub struct PassReport {
     /// X and Z of the machine at which X 0 and Z 0 of the program lie in it, where that is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin_mm: Option<[f64; 2]>,
+    /// It lies on a face: it runs along X, and Z takes the tool to depth.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub on_face: bool,
     /// Signed advance per revolution.
     pub lead_mm: f64,
     /// S.

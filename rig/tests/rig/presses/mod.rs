@@ -27,6 +27,9 @@ const CYCLE: &str = "M3 S900\nG0 X12 Z6\nG76 P2 Z0 I-1 J0.4 K0.8 H1\nG0 X14\nG0 
 const STARTS: &str =
     "M3 S400\nG0 X12 Z8\nG0 X9.5\nG33 Z2 K4\nG0 X12\nG0 Z10\nG0 X9.5\nG33 Z4 K4\nG0 X12\nG0 Z10\nM2\n";
 const TAPER: &str = "M4 S500\nG0 X12 Z8\nG0 X9.5\nG33 X9.2 Z2 K2\nG0 X12\nG0 Z8\nM5\nM2\n";
+/// On a face, outwards and inwards: Z takes the tool to depth and lifts it.
+const FACE: &str =
+    "M3 S400\nG0 X12 Z2\nG0 Z-0.4\nG33 X24 K2\nG0 Z2\nG0 X24\nG0 Z-0.4\nG33 X12 K2\nG0 Z2\nG0 X12\nM5\nM2\n";
 const TIMED: &str = "M3 S500\nG0 X20 Z50\nG1 X18 Z30 F2500\nG1 X20 Z20\nG2 X30 Z10 I10 F1500\nG4 P0.1\nG0 X40 Z40\nM0\nG0 Z45\nM2\n";
 
 /// A thread of a kind at a speed, so long that it has one at all.
@@ -266,6 +269,11 @@ fn presses_in_a_thread_of_two_starts() {
 #[test]
 fn presses_in_a_taper() {
     at_random("taper", TAPER, 60);
+}
+
+#[test]
+fn presses_in_a_thread_on_a_face() {
+    at_random("face", FACE, 120);
 }
 
 #[test]

@@ -135,12 +135,13 @@ impl<'a> Watch<'a> {
             moved: false,
         });
         let c = now.pass.direction * (truth.spindle_deg - now.index_deg);
-        let law = now.pass.axis(Axis::Z);
+        let along = now.pass.along();
+        let law = now.pass.axis(along);
         let motion = law.law(now.pass.s_rpm);
-        let z_mm = law.start.mm() + motion.at(c).s;
-        let (tool, slide) = (&truth.axes[Axis::X.index()], &truth.axes[Axis::Z.index()]);
+        let helix_mm = law.start.mm() + motion.at(c).s;
+        let (tool, slide) = (&truth.axes[now.pass.out.axis as usize], &truth.axes[along.index()]);
         let out = &now.pass.out;
-        // The part begins where Z has reached its lead.
+        // The part begins where the axis along the thread has reached its lead.
         let face_mm = law.start.mm() + motion.at(law.locked_deg()).s;
         let inside = (slide.motor_mm - face_mm) * law.lead_mm >= 0.0;
         let in_groove = inside && !out.is_free(protocol::Position::from_mm(tool.motor_mm));
@@ -150,7 +151,7 @@ impl<'a> Watch<'a> {
         }
         let at = format!("{what}, cycle {}", truth.cycle.0);
         if in_groove {
-            let error = (slide.motor_mm - z_mm).abs();
+            let error = (slide.motor_mm - helix_mm).abs();
             self.most_mm = self.most_mm.max(error);
             assert!(error <= GROOVE_MM, "{at}: {error} mm beside its groove");
             if let Some((since, depth_mm)) = now.left {
@@ -164,9 +165,9 @@ impl<'a> Watch<'a> {
             }
         }
         let [low, high] = [law.start.mm().min(law.end.mm()), law.start.mm().max(law.end.mm())];
-        let (_, z) = record.axes.iter().find(|(axis, _)| *axis == Axis::Z).expect("a lathe");
-        let within = (low - BEYOND_MM..=high + BEYOND_MM).contains(&z.commanded_mm);
-        assert!(is(z, AxisState::Fault) || within, "{at}: Z at {}", z.commanded_mm);
+        let (_, led) = record.axes.iter().find(|(axis, _)| *axis == along).expect("a lathe");
+        let within = (low - BEYOND_MM..=high + BEYOND_MM).contains(&led.commanded_mm);
+        assert!(is(led, AxisState::Fault) || within, "{at}: {along} at {}", led.commanded_mm);
         self.in_pass = Some(now);
     }
 
