@@ -229,7 +229,10 @@ impl Spindle {
         }
         // The watch sees single counts; half the speed it must be, or a slow spindle would be at speed
         // standing.
-        let least = STANDSTILL_RPM.min(0.5 * commanded.abs());
+        let least = match commanded {
+            0.0 => STANDSTILL_RPM,
+            _ => STANDSTILL_RPM.min(0.5 * commanded.abs()),
+        };
         let band = (self.at_speed_share * commanded.abs()).max(least);
         let rate = (self.rate * self.override_pct() / 100.0).abs().min(self.ramp_rpm_s);
         (self.observed() - commanded).abs() <= band + rate / (TAU * WATCH_HZ)
