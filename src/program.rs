@@ -319,9 +319,9 @@ impl Fit<'_> {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
                 return None;
             }
-            Code::Output { number, .. } if machine.output(u32::from(*number)).is_none() => {
-                let remedy = machine::declare(u32::from(*number));
-                return Some(format!("no output {number} (line {line} of the program): {remedy}"));
+            Code::Output { number, set, in_step } => {
+                let refused = machine.refuses_output(u32::from(*number), *set, *in_step)?;
+                return Some(format!("line {line} of the program: {}; {}", refused.message, refused.help));
             }
             Code::Formula { slot, formula } => {
                 route.set_formula(*slot, *formula);
@@ -354,7 +354,7 @@ fn changed(what: &str, line: u32) -> String {
 #[cfg(test)]
 mod tests {
     use machine::{Machine, SMALL_MILL};
-    use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, Shape, Work};
+    use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, Set, Shape, Work};
     use shape::{Contour, Correction, Formula, Op, Side};
 
     use super::Fit;
@@ -392,8 +392,8 @@ mod tests {
         assert_eq!(judged(codes(30.0)), None);
         let refused = judged(codes(10.0)).expect("the circle of 10 mm does not begin there");
         assert!(refused.contains("line 4"), "{refused}");
-        let switched = judged(vec![Item { line: 7, code: Code::Output { number: 3, on: true } }]);
-        let refused = switched.expect("this mill has no outputs");
+        let on = Code::Output { number: 3, set: Set::Digital(true), in_step: false };
+        let refused = judged(vec![Item { line: 7, code: on }]).expect("this mill has no outputs");
         assert!(refused.contains("line 7") && refused.contains("add [outputs.3]"), "{refused}");
     }
 }

@@ -2,11 +2,11 @@
 
 use machine::Machine;
 use protocol::{
-    Code, Feed, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Work, frame::SETPOINT_LEAD,
+    Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Work, frame::SETPOINT_LEAD,
 };
 use route::Route;
 
-use crate::{queue::Queue, spindle::Spindle};
+use crate::{outputs::Outputs, queue::Queue, spindle::Spindle};
 
 /// Items without motion that one tick may work off.
 const ITEMS_PER_TICK: usize = 8;
@@ -22,10 +22,8 @@ pub(crate) struct Program {
     pub(crate) tool: u32,
     /// Bits of [`MachineStatus::coolant`].
     pub(crate) coolant: u16,
-    /// The digital outputs that are on, bit by bit.
-    pub(crate) outputs: u64,
-    /// Those that are on once the program is over.
-    safe: u64,
+    /// What it has switched.
+    pub(crate) outputs: Outputs,
     /// The axes have had time to come to where the last motion leads, for the output in hand.
     settled: bool,
     /// That time, s.
@@ -50,6 +48,10 @@ pub(crate) enum Next {
     Dwell(f64),
     /// Cycle start is wanted.
     Pause,
+    /// An output waits for axes and spindle to stand.
+    Standstill,
+    /// An output that needs standstill is to change while something moves.
+    Impossible,
     /// The program is over.
     End,
 }
@@ -57,13 +59,19 @@ pub(crate) enum Next {
 impl Program {
     /// A program that has not begun.
     pub(crate) fn new(machine: &Machine) -> Program {
-        let [outputs, safe] = machine.outputs_on();
         let settles_s = SETPOINT_LEAD as f64 * machine.general.interpolator_cycle_s;
-        Program { outputs, safe, settles_s, ..Program::default() }
+        Program { outputs: Outputs::new(machine), settles_s, ..Program::default() }
     }
 
-    /// Executes what needs no time, as far as one tick goes, and says what is next.
-    pub(crate) fn next(&mut self, held: bool, spindle: &mut Spindle, route: &mut Route) -> Next {
+    /// Executes what needs no time, as far as one tick goes, and says what is next. So many blocks of motion
+    /// have been appended so far, and whether axes and spindle stand.
+    pub(crate) fn next(
+        &mut self,
+        held: bool,
+        spindle: &mut Spindle,
+        route: &mut Route,
+        (blocks, stands): (u64, bool),
+    ) -> Next {
         for _ in 0..ITEMS_PER_TICK {
             let Some(item) = self.queue.head() else { return Next::Nothing };
             if held && (item.is_move() || matches!(item.code, Code::Pass(_))) {
@@ -87,13 +95,22 @@ impl Program {
                 Code::Spindle { mode, speed } => spindle.program(mode, speed),
                 Code::Tool { number } => self.tool = number,
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
+                Code::Output { number, set, in_step } if self.outputs.needs_standstill(number, set) => {
+                    if in_step || spindle.programmed() != 0.0 {
+                        return Next::Impossible;
+                    }
+                    if !stands {
+                        return Next::Standstill;
+                    }
+                    self.outputs.set(number, set);
+                }
+                Code::Output { number, set, in_step: true } => self.outputs.set_with(blocks, number, set),
                 Code::Output { .. } if !self.settled => {
                     self.settled = true;
                     return Next::Dwell(self.settles_s);
                 }
-                Code::Output { number, on } => {
-                    let bit = 1 << u32::from(number);
-                    self.outputs = if on { self.outputs | bit } else { self.outputs & !bit };
+                Code::Output { number, set, in_step: false } => {
+                    self.outputs.set(number, set);
                     // The next one waits as well: a pulse is seen.
                     self.settled = false;
                 }
@@ -104,16 +121,20 @@ impl Program {
         Next::Nothing
     }
 
-    /// Spindle and coolant off, outputs safe, whatever the program said.
+    /// Spindle and coolant off, whatever the program said.
     pub(crate) fn switch_off(&mut self, spindle: &mut Spindle) {
         spindle.program(SpindleMode::Stop, SpindleSpeed::Rpm(0.0));
         self.coolant = 0;
-        self.outputs = self.safe;
     }
 
     /// Whether nothing is left although the program has not ended, and nothing more can come.
     pub(crate) fn is_broken_off(&self) -> bool {
         self.queue.is_dry() && self.queue.failed()
+    }
+
+    /// Whether an output is in hand.
+    pub(crate) fn sets_output(&self) -> bool {
+        matches!(self.queue.in_hand(), Some(Item { code: Code::Output { .. }, .. }))
     }
 
     /// The pass in hand.

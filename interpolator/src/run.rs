@@ -14,11 +14,17 @@ use route::{Move, Route};
 pub(crate) struct Run {
     chain: Chain<AXES, Move>,
     last: Option<Move>,
+    /// Moves appended and completed so far, in all runs.
+    pushed: u64,
+    completed: u64,
 }
+
+/// A move has begun when the machine is so far on it, mm: by rounding alone it is not.
+const BEGUN_MM: f64 = 1e-9;
 
 impl Run {
     pub(crate) fn new(machine: &Machine) -> Run {
-        Run { chain: Chain::new(Route::settings(machine)), last: None }
+        Run { chain: Chain::new(Route::settings(machine)), last: None, pushed: 0, completed: 0 }
     }
 
     /// Moves that are not completed.
@@ -63,6 +69,7 @@ impl Run {
             return false;
         }
         self.last = Some(block.tag);
+        self.pushed += 1;
         self.chain.push(block);
         true
     }
@@ -74,12 +81,25 @@ impl Run {
 
     /// One interpolator cycle; nothing if no move is under way.
     pub(crate) fn tick(&mut self, ask: &Ask) -> Option<Step<AXES, Move>> {
-        self.chain.tick(ask)
+        let step = self.chain.tick(ask)?;
+        self.completed += u64::from(step.completed);
+        Some(step)
+    }
+
+    /// Moves appended so far, in all runs.
+    pub(crate) fn pushed(&self) -> u64 {
+        self.pushed
+    }
+
+    /// How many of them have begun at the end of a step.
+    pub(crate) fn begun(&self, step: &Step<AXES, Move>) -> u64 {
+        self.completed + u64::from(!self.is_over() && step.along.s > BEGUN_MM)
     }
 
     /// Forgets what is left. The machine stands.
     pub(crate) fn clear(&mut self) {
         self.chain.clear();
         self.last = None;
+        self.completed = self.pushed;
     }
 }

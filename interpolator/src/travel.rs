@@ -12,6 +12,8 @@ use protocol::{
 use route::{Move, Route, Routed};
 
 use crate::{
+    outputs::Outputs,
+    program::Program,
     queue::Queue,
     run::Run,
     spindle::Spindle,
@@ -111,6 +113,11 @@ impl Travel {
         &mut self.route
     }
 
+    /// Blocks of motion appended so far.
+    pub(crate) fn blocks(&self) -> u64 {
+        self.run.pushed()
+    }
+
     /// What of the program is in hand, in steps of its progress; `head` waits for it to be over.
     pub(crate) fn pending(&self, head: Option<&Item>) -> u64 {
         let waits = match head {
@@ -175,14 +182,14 @@ impl Travel {
     /// it is another.
     pub(crate) fn tick(
         &mut self,
-        queue: &mut Queue,
+        program: &mut Program,
         hands: &Hands,
         due: Cycle,
     ) -> (PerAxis<Setpoint>, Moved, Option<u32>) {
-        let panel = hands.panel;
+        let (queue, outputs, panel) = (&mut program.queue, &mut program.outputs, hands.panel);
         let ends = panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT);
         let single = panel.pressed(Panel::SINGLE_BLOCK);
-        let taken = if hands.stops { Ok(()) } else { self.take(queue, single) };
+        let taken = if hands.stops { Ok(()) } else { self.take(queue, outputs, single) };
         let mut moved = Moved { wait: hands.wait, fault: taken.err(), ends, stands: false, back: hands.back };
         let last = ends || hands.stops || moved.fault.is_some();
         let feeds = self.run.last().is_some_and(|leg| leg.feed != Feed::Rapid);
@@ -196,6 +203,7 @@ impl Travel {
             self.arrive(panel, &mut moved);
             return (self.rest(due), moved, None);
         };
+        outputs.begun(self.run.begun(&step), due);
         self.motion = if step.tag.feed == Feed::Rapid { Motion::Rapid } else { Motion::Feed };
         if hands.back.is_none() {
             self.count(&step, queue);
@@ -260,7 +268,7 @@ impl Travel {
     }
 
     /// Takes moves out of the queue, or pieces of a work, for as long as they belong to the run.
-    fn take(&mut self, queue: &mut Queue, single: bool) -> Result<(), Fault> {
+    fn take(&mut self, queue: &mut Queue, outputs: &mut Outputs, single: bool) -> Result<(), Fault> {
         if self.working.in_hand() {
             return self.working.fill(&mut self.run, &self.route, queue, single);
         }
@@ -273,6 +281,10 @@ impl Travel {
                 code @ (Code::Line { .. } | Code::Arc { .. }) => self.append(item.line, code)?,
                 Code::PathMode(mode) => {
                     self.route.set_mode(*mode);
+                    true
+                }
+                Code::Output { number, set, in_step: true } if !outputs.needs_standstill(*number, *set) => {
+                    outputs.set_with(self.run.pushed(), *number, *set);
                     true
                 }
                 _ => false,

@@ -2,8 +2,8 @@
 
 use gcode::problem::Blame;
 use gcode::{Call, Problem};
-use machine::Machine;
-use protocol::Code;
+use machine::{Machine, OutputFault, OutputRefused};
+use protocol::{Code, Set};
 
 use crate::reach::Done;
 
@@ -54,13 +54,38 @@ pub(crate) fn find_tool(number: u32, machine: &Machine) -> Done {
     Err(Problem::error("unknown-tool", Blame::Word('T'), message, help))
 }
 
-/// A digital output is switched; one that the machine file does not have is refused.
-pub(crate) fn switched(number: u32, on: bool, machine: &Machine) -> Result<Code, Box<Problem>> {
-    match u8::try_from(number) {
-        Ok(known) if machine.output(number).is_some() => Ok(Code::Output { number: known, on }),
-        _ => {
-            let message = format!("output {number} is not in the machine file");
-            Err(Problem::error("unknown-output", Blame::Block, message, machine::declare(number)))
+/// An output is set, if the call says so. What the machine cannot do is refused, and what waits for
+/// standstill while the spindle turns.
+pub(crate) fn output(
+    call: &Call<'_>,
+    machine: &Machine,
+    spindle_turns: bool,
+) -> Result<Option<Code>, Box<Problem>> {
+    let (number, set, in_step) = match *call {
+        Call::SetAuxOutputBit(number, on) => (number, Set::Digital(on), false),
+        Call::SetMotionOutputBit(number, on) => (number, Set::Digital(on), true),
+        Call::SetAuxOutputValue(number, value) => (number, Set::Analog(value), false),
+        Call::SetMotionOutputValue(number, value) => (number, Set::Analog(value), true),
+        _ => return Ok(None),
+    };
+    if let Some(OutputRefused { fault, message, help }) = machine.refuses_output(number, set, in_step) {
+        let code = match fault {
+            OutputFault::Unknown => "unknown-output",
+            OutputFault::NeedsStandstill => "needs-standstill",
+            OutputFault::OutOfRange => "bad-value",
+        };
+        return Err(Problem::error(code, Blame::Block, message, help));
+    }
+    match (set, machine.output(number)) {
+        (Set::Digital(_), Some(output)) if output.standstill && spindle_turns => {
+            let message = format!(
+                "output {number}, {}, changes at standstill only, and the spindle turns",
+                output.name
+            );
+            let help =
+                "stop it with M5 in a block before; standstill = true in the machine file asks for that";
+            Err(Problem::error("needs-standstill", Blame::Block, message, help))
         }
+        _ => Ok(u8::try_from(number).ok().map(|number| Code::Output { number, set, in_step })),
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
     Problem::error("not-available", Blame::Block, message, help)
 }
 
-/// Refuses what no machine has yet: orientation, probes, rigid taps, inputs, analog outputs.
+/// Refuses what no machine has yet: orientation, probes, rigid taps, inputs.
 pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
     match *call {
         Call::OrientSpindle(..) | Call::WaitSpindleOrient(_) => {
@@ -52,13 +52,6 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
         Call::MoveByHand => Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89")),
         Call::StraightProbe(..) => Err(missing("probing (G38)", "measure by other means")),
         Call::RigidTap(..) => Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76")),
-        Call::SetMotionOutputBit(..) => {
-            let help = "switch it at rest with M64 or M65, before the move";
-            Err(missing("switching an output in step with the motion (M62, M63)", help))
-        }
-        Call::SetMotionOutputValue(..) | Call::SetAuxOutputValue(..) => {
-            Err(missing("analog outputs (M67, M68)", "leave it out; M64 and M65 switch digital outputs"))
-        }
         Call::WaitInput { .. } => {
             Err(missing("inputs (M66)", "leave it out, or wait for cycle start with M0"))
         }

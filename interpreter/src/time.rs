@@ -11,10 +11,14 @@
 use machine::{Machine, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
 use protocol::{
-    Axis, Code, Feed, PerAxis, Position, SpindleMode, SpindleSpeed, Work, frame::SETPOINT_LEAD, units::AXES,
+    Axis, Code, Feed, PerAxis, Position, Set, SpindleMode, SpindleSpeed, Work, frame::SETPOINT_LEAD,
+    units::AXES,
 };
 use route::{Advance, Course, Move, Route, Routed, Unworkable};
 
+/// From there until it is sure that a spindle stands, s: three means of a tenth, and the one that they fall
+/// in.
+const REST_S: f64 = 0.35;
 /// Interpolator cycles until the drives are on, and setpoints act.
 const START_CYCLES: f64 = 7.0;
 /// Interpolator cycles from rest to the first index that counts: in position, armed, looked at, called off in
@@ -101,7 +105,11 @@ impl<'m> Clock<'m> {
         }
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
-            Code::Output { .. } => {
+            Code::Output { number, set: Set::Digital(_), .. } if self.waits_for_rest(*number) => {
+                self.run_down();
+                self.pass_time(REST_S);
+            }
+            Code::Output { in_step: false, .. } => {
                 self.pass_time(SETPOINT_LEAD as f64 * self.machine.general.interpolator_cycle_s);
             }
             Code::Spindle { mode, speed } => {
@@ -135,14 +143,24 @@ impl<'m> Clock<'m> {
             }
             Code::End => {
                 self.mode = SpindleMode::Stop;
-                let ramp = self.machine.spindle.ramp_rpm_s;
-                if self.rpm != 0.0 {
-                    // What the filter still sees when the ramp is over dies away.
-                    let tail = libm::log((ramp / WATCH / SpindleConfig::STANDSTILL_RPM).max(1.0)) / WATCH;
-                    self.pass_time(self.rpm.abs() / ramp + tail.max(SpindleConfig::SETTLES_S));
-                }
+                self.run_down();
             }
             _ => {}
+        }
+    }
+
+    /// Whether an output changes at standstill only.
+    fn waits_for_rest(&self, number: u8) -> bool {
+        self.machine.output(number.into()).is_some_and(|output| output.standstill)
+    }
+
+    /// The spindle, told to stop, comes to a stand.
+    fn run_down(&mut self) {
+        let ramp = self.machine.spindle.ramp_rpm_s;
+        if self.rpm != 0.0 {
+            // What the filter still sees when the ramp is over dies away.
+            let tail = libm::log((ramp / WATCH / SpindleConfig::STANDSTILL_RPM).max(1.0)) / WATCH;
+            self.pass_time(self.rpm.abs() / ramp + tail.max(SpindleConfig::SETTLES_S));
         }
     }
 

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_A_TURN, MOST_COGGING, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
 pub use m_codes::MachineCode;
-pub use outputs::{OUTPUTS, Output, declare};
+pub use outputs::{ANALOG_OUTPUTS, AnalogOutput, OUTPUTS, Output, OutputFault, OutputRefused};
 pub use part::{Corners, Part, PartError};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
@@ -91,6 +91,9 @@ pub struct Machine {
     /// `[outputs]`: number → digital output.
     #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
     pub outputs: std::collections::BTreeMap<String, Output>,
+    /// `[analog_outputs]`: number → analog output.
+    #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
+    pub analog_outputs: std::collections::BTreeMap<String, AnalogOutput>,
     /// `[plant.*]`: the truth about the simulated plant; the controller never reads it.
     #[serde(default)]
     pub plant: toml::Table,
@@ -319,8 +322,8 @@ impl Machine {
         self.check_spindle()?;
         self.path.check()?;
         self.threading.check()?;
-        outputs::check(&self.outputs)?;
-        m_codes::check(&self.m_codes, &self.outputs)?;
+        outputs::check(self)?;
+        m_codes::check(self)?;
         for (number, tool) in &self.tools {
             if number.parse::<u32>().is_err() {
                 return Err(refuse("tools", number, "a tool is named by its number, as in [tools.3]"));

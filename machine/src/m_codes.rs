@@ -1,11 +1,10 @@
 //! M codes of one machine: what a chip conveyor, a door or a chamfer switch is told by part programs. In: the
 //! table `[m_codes]` of the machine file. Out: by number, what the control does with the code.
 
-use std::collections::BTreeMap;
-
+use protocol::Set;
 use serde::{Deserialize, Serialize};
 
-use crate::{MachineError, Output, outputs::declare, refuse};
+use crate::{Machine, MachineError, OutputRefused, ProgramDialect, refuse};
 
 /// Codes that the control has for itself.
 const OWN: [u16; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30, 98, 99];
@@ -98,12 +97,19 @@ pub(crate) fn number(key: &str) -> Option<u16> {
     key.parse().ok().filter(|number| *number <= HIGHEST && !OWN.contains(number))
 }
 
+/// The dialect that has a code for itself, if the machine reads no other.
+fn taken(code: u16, machine: &Machine) -> Option<&'static str> {
+    match (machine.general.dialect, code) {
+        (ProgramDialect::Linuxcnc, 48..=53 | 60..=68 | 70..=73) => Some("LinuxCNC"),
+        (ProgramDialect::Fanuc, 97) => Some("FANUC"),
+        _ => None,
+    }
+}
+
 /// Refuses keys that are no numbers, or those of codes that the control has for itself, and outputs that the
 /// machine lacks.
-pub(crate) fn check(
-    codes: &BTreeMap<String, MachineCode>,
-    outputs: &BTreeMap<String, Output>,
-) -> Result<(), MachineError> {
+pub(crate) fn check(machine: &Machine) -> Result<(), MachineError> {
+    let codes = &machine.m_codes;
     if let Some(key) = codes.keys().find(|key| number(key).is_none()) {
         return Err(refuse(
             "m_codes",
@@ -112,18 +118,26 @@ pub(crate) fn check(
              such as M3, M8, M19, M30, cannot be declared",
         ));
     }
+    if let Some((key, dialect)) = codes.keys().find_map(|key| Some((key, taken(number(key)?, machine)?))) {
+        return Err(refuse(
+            "m_codes",
+            key,
+            &format!(
+                "it would never act: {dialect} has M{key} for itself, and goes first. Leave it out, or set \
+                 machine.dialect to what the programs are written in"
+            ),
+        ));
+    }
     let lacking = codes.iter().find_map(|(key, code)| match code {
-        MachineCode::Output { number, .. } if !outputs.contains_key(&number.to_string()) => {
-            Some((key, number))
+        MachineCode::Output { number, value } => {
+            Some((key, number, machine.refuses_output(*number, Set::Digital(*value), false)?))
         }
         _ => None,
     });
     match lacking {
-        Some((key, number)) => Err(refuse(
-            &format!("m_codes.{key}.number"),
-            number,
-            &format!("there is no such output: {}", declare(*number)),
-        )),
+        Some((key, number, OutputRefused { message, help, .. })) => {
+            Err(refuse(&format!("m_codes.{key}.number"), number, &format!("{message}: {help}")))
+        }
         None => Ok(()),
     }
 }

@@ -166,6 +166,31 @@ impl PathMode {
 /// How many digital outputs there are: one for each bit of [`MachineStatus::outputs`](crate::MachineStatus).
 pub const OUTPUTS: u8 = 64;
 
+/// How many analog outputs there are: one for each value of
+/// [`MachineStatus::analog`](crate::MachineStatus).
+pub const ANALOG_OUTPUTS: u8 = 4;
+
+/// What an output is set to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Set {
+    /// A digital one: whether it is on.
+    Digital(bool),
+    /// An analog one: its value, in the unit of the machine file.
+    Analog(f64),
+}
+
+impl Set {
+    /// Refuses numbers of outputs that there are not, and values that are none.
+    fn check(self, number: u8) -> Result<(), Refused> {
+        let most = if let Set::Digital(_) = self { OUTPUTS } else { ANALOG_OUTPUTS };
+        match self {
+            _ if number >= most => Err(Refused::OutOfRange("number of an output")),
+            Set::Analog(value) if !value.is_finite() => Err(Refused::OutOfRange("value of an output")),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// One instruction of the machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
@@ -211,12 +236,14 @@ pub enum Code {
         /// M8.
         flood: bool,
     },
-    /// A digital output is switched, at rest.
+    /// An output is set.
     Output {
-        /// Its number, below [`OUTPUTS`].
+        /// Its number: below [`OUTPUTS`], or below [`ANALOG_OUTPUTS`] of an analog one.
         number: u8,
-        /// Whether it is on from now on.
-        on: bool,
+        /// What it is from then on.
+        set: Set,
+        /// As the next motion begins; else at rest, now.
+        in_step: bool,
     },
     /// Wait at rest for cycle start (M0, M60, M1 where it counts). Spindle and coolant go on.
     Pause,
@@ -263,12 +290,8 @@ impl Item {
             Code::Formula { slot, .. } if usize::from(*slot) < FORMULAS => Ok(()),
             Code::Formula { .. } => Err(Refused::OutOfRange("number of a formula")),
             Code::Work(trace) => trace.check(),
-            Code::Output { number, .. } if *number >= OUTPUTS => {
-                Err(Refused::OutOfRange("number of an output"))
-            }
-            Code::Output { .. } | Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => {
-                Ok(())
-            }
+            Code::Output { number, set, .. } => set.check(*number),
+            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
         }
     }
 }

@@ -3,6 +3,7 @@
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
+    code::ANALOG_OUTPUTS,
     groove::Groove,
     message::Message,
     refused::{Refused, finite},
@@ -261,10 +262,12 @@ pub struct MachineStatus {
     pub motion: u32,
     /// The digital outputs that are on: bit n is output n.
     pub outputs: u64,
+    /// The analog outputs, by number, in the units of the machine file.
+    pub analog: [f64; ANALOG_OUTPUTS as usize],
 }
 
 impl Message for MachineStatus {
-    const NAME: &str = "pitchlock/machine-status/7";
+    const NAME: &str = "pitchlock/machine-status/8";
 }
 
 impl MachineStatus {

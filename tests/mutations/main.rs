@@ -18,7 +18,7 @@ use corpus::{FANUC, FANUC_MILL};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
-    Arc, Axis, Code, CodePacket, Feed, Item, PathMode, PerAxis, Plane, Position, Shape, SpindleMode,
+    Arc, Axis, Code, CodePacket, Feed, Item, PathMode, PerAxis, Plane, Position, Set, Shape, SpindleMode,
     SpindleSpeed, Work, code_file::CodeFile,
 };
 use shape::{
@@ -158,7 +158,7 @@ fn items() -> [Vec<Item>; 2] {
         Code::Coolant { mist: false, flood: true },
         Code::Line { target: point(10.0, 0.0), feed: Feed::Rapid },
         Code::Line { target: point(18.0, 0.0), feed },
-        Code::Output { number: 5, on: true },
+        Code::Output { number: 5, set: Set::Digital(true), in_step: true },
         Code::Pause,
         Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
         Code::Formula { slot: 0, formula: Formula::new(&wave).expect("it is complete") },

@@ -73,7 +73,8 @@ impl Interpolator {
             work: self.travel.cutting(),
             tool: self.program.tool,
             motion: self.travel.motion() as u32,
-            outputs: self.program.outputs,
+            outputs: self.program.outputs.now().digital,
+            analog: self.program.outputs.now().analog,
         };
         Out { frames, spindle, status }
     }

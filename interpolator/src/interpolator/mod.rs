@@ -4,24 +4,25 @@
 use std::mem::discriminant;
 
 mod answer;
+mod passes;
 mod standing;
 mod supervise;
 
 use machine::Machine;
 use protocol::{
     Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineStatus, Measurement,
-    Panel, PerAxis, Refused, Setpoint, SpindleCommand, ThreadPass, frame::SETPOINT_LEAD,
+    Panel, PerAxis, Refused, Setpoint, SpindleCommand, frame::SETPOINT_LEAD,
 };
 
 use crate::{
     axes::{Axes, Heard},
     guard::Guard,
     interpolator::standing::Standing,
-    pass::{self, Look, Ready, Stand},
+    pass::{self, Look},
     patience::Patience,
     program::{Next, Program},
     spindle::Spindle,
-    task::{Back, Event, Moved, Order, Task, Wait},
+    task::{Back, Event, Order, Task, Wait},
     travel::{Hands, Travel},
 };
 
@@ -136,6 +137,7 @@ impl Interpolator {
         self.ticks = (since / self.machine.cycles_per_tick()).clamp(1, MOST_MADE_UP);
         self.last = Some(measurement.cycle);
         let cycle_starts = self.look(input);
+        self.program.outputs.tick(measurement.cycle);
         self.travel.idle();
         let (task, public) = (discriminant(&self.task), self.task.public());
         if let Some(trouble) = self.trouble(measurement) {
@@ -145,6 +147,7 @@ impl Interpolator {
         let order = self.step(&event);
         let order = self.out_of_pass(order, measurement.cycle);
         self.look_after_spindle();
+        self.end_outputs();
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if (discriminant(&self.task), self.task.public()) != (task, public) {
             self.patience.begin();
@@ -199,7 +202,9 @@ impl Interpolator {
         let order = self.task.step(event);
         match (&order, event) {
             (Order::Arm(arm), _) => self.pass = (arm.pass.pass, arm.pass.depth_mm),
+            (_, Event::Begun) => self.program.outputs.begun(u64::MAX, Cycle(0)),
             (_, Event::Cut(_)) => {
+                self.program.outputs.begun(u64::MAX, Cycle(0));
                 self.spindle.set_ceiling(f64::INFINITY);
                 self.program.queue.done();
             }
@@ -253,9 +258,7 @@ impl Interpolator {
                 event
             }
             Task::Returning { back, .. } => self.lead_back(cycle, back.after(panel)),
-            Task::Ending { stopped } if self.spindle.stands() && (!stopped || self.led_to_rest()) => {
-                Event::Stands
-            }
+            Task::Ending { stopped } if self.is_at_rest(*stopped) => Event::Stands,
             _ => Event::Nothing,
         };
         (self.travel.rest(due), event)
@@ -275,6 +278,13 @@ impl Interpolator {
         Event::Enabled
     }
 
+    /// Whether all rests behind the program: surely, if outputs change then.
+    fn is_at_rest(&self, stopped: bool) -> bool {
+        let outputs = self.program.outputs.are_safe() || self.stands();
+        let rests = self.spindle.stands() && (!stopped || self.led_to_rest());
+        rests && (outputs || self.patience.is_over(&self.spindle))
+    }
+
     /// Whether the axes have reached their last setpoint, which lay ahead when they were told to rest.
     fn led_to_rest(&self) -> bool {
         self.patience.waited() > SETPOINT_LEAD
@@ -290,8 +300,10 @@ impl Interpolator {
             Event::Waits(wait)
         } else {
             let held = panel.pressed(Panel::FEED_HOLD);
-            match self.program.next(held, &mut self.spindle, self.travel.route()) {
-                Next::Nothing => Event::Waits(Wait::No),
+            let known = (self.travel.blocks(), self.stands());
+            match self.program.next(held, &mut self.spindle, self.travel.route(), known) {
+                Next::Nothing | Next::Standstill => Event::Waits(Wait::No),
+                Next::Impossible => Event::refused(Fault::BadMachineCode, cycle),
                 Next::Held => {
                     self.patience.begin();
                     Event::Waits(Wait::No)
@@ -316,55 +328,6 @@ impl Interpolator {
         (self.travel.rest(due), event)
     }
 
-    /// A pass is next: leads the axes to its start, waits for speed and rest, then arms every axis.
-    fn begin_pass(&mut self, cycle: Cycle, pass: &ThreadPass) -> Event {
-        let stand = Stand {
-            machine: &self.machine,
-            here: self.travel.here(),
-            axes: &Axes::new(&self.machine, &self.heard, cycle),
-            cycle,
-            rested: self.patience.waited(),
-        };
-        match pass::prepare(pass, &stand, &mut self.spindle) {
-            Ok(Ready::Arm(arm)) => Event::Pass(arm, cycle),
-            Ok(Ready::Wait) => Event::Waits(Wait::No),
-            Ok(Ready::Lead(start)) => match self.travel.lead_to(self.program.line, &start) {
-                Ok(()) => Event::Moved(Moved::default()),
-                Err(fault) => Event::refused(fault, cycle),
-            },
-            Err(fault) => Event::refused(fault, cycle),
-        }
-    }
-
-    /// A pass was left, the tool is clear: leads the other axes to its start, waits, then leads the tool
-    /// there.
-    fn lead_back(&mut self, cycle: Cycle, back: Back) -> Event {
-        let (here, panel) = (*self.travel.here(), &self.panel);
-        if ends(panel) {
-            return Event::Ends(true);
-        }
-        let Some(pass) = self.program.pass() else { return Event::Returned };
-        let mut start = here;
-        self.machine.axes().for_each(|(axis, _)| start[axis.index()] = pass.axis(axis).start);
-        let mut clear = start;
-        let lifts = pass.out.axis as usize;
-        clear[lifts] = here[lifts];
-        let waits = back != Back::Goes || panel.pressed(Panel::FEED_HOLD);
-        let target = match () {
-            () if here != clear => clear,
-            () if waits => {
-                self.patience.begin();
-                return Event::Waiting(back);
-            }
-            () if here == start => return Event::Returned,
-            () => start,
-        };
-        match self.travel.lead_to(self.program.line, &target) {
-            Ok(()) => Event::Moved(Moved { back: Some(back), ..Moved::default() }),
-            Err(fault) => Event::refused(fault, cycle),
-        }
-    }
-
     /// So many ticks of timed motion up to `due`: one, and those of measurements that did not come. Only the
     /// last setpoint is sent; the axes interpolate over the others.
     fn move_on(
@@ -384,7 +347,7 @@ impl Interpolator {
         loop {
             left -= 1;
             let due = Cycle(due.0 - left * self.machine.cycles_per_tick());
-            let (setpoints, moved, line) = self.travel.tick(&mut self.program.queue, &hands, due);
+            let (setpoints, moved, line) = self.travel.tick(&mut self.program, &hands, due);
             self.program.line = line.unwrap_or(self.program.line);
             if left == 0 || moved.stands || moved.fault.is_some() || moved.wait != wait {
                 return (setpoints, Event::Moved(moved));

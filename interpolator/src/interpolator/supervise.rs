@@ -93,7 +93,7 @@ impl Interpolator {
             Task::Enabling | Task::Starting if in_vain => Some(Fault::DriveFault),
             Task::Ready { .. }
                 if in_vain
-                    && (turning || self.machine.spindle.is_none())
+                    && (turning || self.machine.spindle.is_none() || self.program.sets_output())
                     && self.program.queue.in_hand().is_some() =>
             {
                 Some(if !turning || spindle.at_speed() {
@@ -142,6 +142,26 @@ impl Interpolator {
         if !self.opened {
             self.opened = true;
             self.spindle.wait_anew(unseen);
+        }
+    }
+
+    /// Whether axes and spindle stand beyond doubt, so that what holds the part may let go. An encoder that
+    /// is not believed shows nothing.
+    pub(crate) fn stands(&self) -> bool {
+        let seen = !self.heard.faults().chain(self.task.fault()).any(of_encoder);
+        seen && self.standing.holds() && self.spindle.rests()
+    }
+
+    /// What the end of a program makes of its outputs: safe at once by an abort or a fault, else once all has
+    /// come to rest; those that need standstill never before.
+    pub(crate) fn end_outputs(&mut self) {
+        let at_once = self.task.fault().is_some() || self.panel.pressed(Panel::ABORT);
+        let over = self.task.is_over();
+        if at_once || matches!(self.task, Task::Ended { .. }) {
+            let stands = over && self.stands();
+            self.program.outputs.make_safe(stands);
+        } else if over {
+            self.program.outputs.forget();
         }
     }
 

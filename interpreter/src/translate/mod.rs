@@ -18,7 +18,7 @@ use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::{Machine, Part};
 use protocol::{Axis, Code, Feed, Item, ThreadPass};
 
-use crate::auxiliary::{Auxiliary, find_tool, switched};
+use crate::auxiliary::{self, Auxiliary, find_tool};
 use crate::block::Block;
 use crate::job::{JobNote, Jobs};
 use crate::modal::{Modal, Synchronised};
@@ -248,12 +248,11 @@ impl Translator {
                 let coolant = self.auxiliary.cools(call);
                 self.push_some(line, coolant);
             }
-            Call::SetAuxOutputBit(number, on) => {
-                let code = switched(number, on, machine)?;
-                self.push(line, code);
-            }
             Call::ProgramStop | Call::OptionalProgramStop => self.push(line, Code::Pause),
-            _ => refuse_absent(call)?,
+            _ => {
+                refuse_absent(call)?;
+                self.push_some(line, auxiliary::output(call, &self.machine, self.spindle.turns())?);
+            }
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use super::pages::{cells, examples, page, project, quoted};
 /// Functions that take the code of a diagnostic first.
 const MAKERS: [&str; 4] = ["Problem::error(", "Problem::warning(", "error_here(", "error_from("];
 /// Codes that no short program leads to; what does so is told in words.
-const WITHOUT_EXAMPLE: [&str; 11] = [
+const WITHOUT_EXAMPLE: [&str; 12] = [
     "bad-file",
     "bad-startup",
     "cut-after-thread",
@@ -19,6 +19,7 @@ const WITHOUT_EXAMPLE: [&str; 11] = [
     "endless-program",
     "file-too-large",
     "line-too-long",
+    "needs-standstill",
     "no-spindle",
     "output",
     "stock-unknown",

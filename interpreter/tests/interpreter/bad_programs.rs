@@ -38,7 +38,7 @@ const MEANING: [(&str, u32, u32, &str); 30] = [
     ("G1.55 X1\nM2", 1, 1, "unknown-g-code"),
     ("M44\nM2", 1, 1, "unknown-m-code"),
     ("G17 F60 G2 X60 I5\nM2", 1, 1, "not-available"),
-    ("M62 P1\nM2", 1, 1, "not-available"),
+    ("M62 P1\nM2", 1, 1, "unknown-output"),
     ("M64 P1\nM2", 1, 1, "unknown-output"),
     ("M19 R90\nM2", 1, 1, "not-available"),
     ("F60 G18 G2 X70 I5 Z130\nM2", 1, 16, "arc-radius"),

@@ -150,8 +150,45 @@ fn time_adds_up() {
     let mut machine = machine::Machine::plain();
     machine.outputs.insert("3".into(), machine::Output::default());
     let time = |text: &str| good_on(&machine, text).time_s;
-    for (outputs, cycles) in [("", 0.0), ("M64 P3\n", 3.0), ("M64 P3\nM65 P3\n", 6.0)] {
+    for (outputs, cycles) in [("", 0.0), ("M62 P3\n", 0.0), ("M64 P3\n", 3.0), ("M64 P3\nM65 P3\n", 6.0)] {
         let more = time(&format!("G0 X10 Z0\n{outputs}M2\n")) - rapid;
         assert!((more - 2e-3 * cycles).abs() < 1e-9, "{outputs:?} takes {more} s");
     }
+}
+
+/// Each output by its code, what it is set to, and whether it goes with the move; a chain is not broken by it.
+#[test]
+fn outputs_are_set_as_the_program_says() {
+    let mut machine = machine::Machine::plain();
+    let chuck = machine::Output { name: "chuck".into(), standstill: true, ..Default::default() };
+    machine.outputs = [("3".to_owned(), machine::Output::default()), ("4".to_owned(), chuck)].into();
+    let air = machine::AnalogOutput { name: "air".into(), range: [0.0, 10.0], ..Default::default() };
+    machine.analog_outputs.insert("1".into(), air);
+    let check = good_on(
+        &machine,
+        "M62 P3\nG0 X10\nM63 P3 X20\nM64 P4\nM65 P3\nM67 E1 Q2.5\nM68 E1 Q10\nG0 X30\nM2\n",
+    );
+    let outputs = listing(&check.items);
+    let outputs: Vec<&str> = outputs.lines().filter(|line| line.contains("output")).collect();
+    let expected = [
+        "1 output 3 Digital(true) in step true",
+        "3 output 3 Digital(false) in step true",
+        "4 output 4 Digital(true) in step false",
+        "5 output 3 Digital(false) in step false",
+        "6 output 1 Analog(2.5) in step true",
+        "7 output 1 Analog(10.0) in step false",
+    ];
+    assert_eq!(outputs, expected);
+    for (text, code, said) in [
+        ("M62 P4\nG0 X10\nM2\n", "needs-standstill", "the axes move"),
+        ("S100 M3\nM64 P4\nM2\n", "needs-standstill", "the spindle turns"),
+        ("M67 E1 Q10.5\nG0 X10\nM2\n", "bad-value", "air, cannot be 10.5"),
+        ("M68 E0 Q1\nM2\n", "unknown-output", "analog output 0 is not"),
+        ("M62 P5\nG0 X10\nM2\n", "unknown-output", "output 5 is not"),
+    ] {
+        let found = interpreter::check("test.ngc", text, &machine).diagnostics;
+        let [one] = &found[..] else { panic!("{text}: {found:?}") };
+        assert!(one.code == code && one.message.contains(said), "{text}: {one:?}");
+    }
+    assert!(interpreter::check("test.ngc", "S100 M3\nM5\nM64 P4\nM2\n", &machine).is_good());
 }

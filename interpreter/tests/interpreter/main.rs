@@ -68,7 +68,7 @@ fn text(code: &Code) -> String {
         Code::Arc { arc, .. } => format!("arc {arc:?}"),
         Code::Tool { number } => format!("tool {number}"),
         Code::Coolant { mist, flood } => format!("coolant mist {mist} flood {flood}"),
-        Code::Output { number, on } => format!("output {number} {on}"),
+        Code::Output { number, set, in_step } => format!("output {number} {set:?} in step {in_step}"),
         Code::Pause => "pause".to_owned(),
         Code::Pass(pass) => {
             let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));

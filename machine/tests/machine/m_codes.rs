@@ -34,7 +34,7 @@ fn a_code_may_switch_an_output_that_is_declared() {
         let machine = Machine::from_toml(&file(&deed(written))).unwrap();
         let codes: Vec<_> = machine.machine_codes().collect();
         assert_eq!(codes, [(31, MachineCode::Output { number: 3, value })]);
-        assert_eq!(machine.outputs_on(), [0, 8]);
+        assert_eq!(machine.outputs_with(|output| output.safe), 8);
         let again = Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap();
         assert_eq!(again, machine, "it is written as it is read");
     }
@@ -47,8 +47,51 @@ fn a_code_may_switch_an_output_that_is_declared() {
     for wrong in ["64", "-1", "03", "chuck"] {
         let said = refused(&format!("{PLAIN_LATHE}\n[outputs.{wrong}]\nname = \"a\"\n"));
         assert!(
-            said.starts_with(&format!("outputs = {wrong}: an output is declared by its number")),
+            said.starts_with(&format!("outputs = {wrong}: each is declared by its number, 0 to 63")),
             "{said}"
         );
     }
+    for (names, place) in [(["a", "a"], "outputs.4.name = a: [outputs.3]"), (["a", " "], "outputs.4.name =")]
+    {
+        let [one, other] = names.map(|name| format!("name = {name:?}\n"));
+        let said = refused(&format!("{PLAIN_LATHE}\n[outputs.3]\n{one}[outputs.4]\n{other}"));
+        assert!(said.starts_with(place), "{said}");
+    }
+}
+
+/// What a dialect has for itself goes first: with no other to read, such a code would do nothing.
+#[test]
+fn a_code_that_can_never_act_is_refused() {
+    let file = |dialect: &str, code: u32| {
+        let machine = PLAIN_LATHE.replace("dialect = \"auto\"", &format!("dialect = \"{dialect}\""));
+        format!("{machine}\n[m_codes]\n{code} = \"ignore\"\n")
+    };
+    for (dialect, code) in [("linuxcnc", 68), ("linuxcnc", 70), ("fanuc", 97)] {
+        let said = refused(&file(dialect, code));
+        assert!(said.starts_with(&format!("m_codes = {code}: it would never act")), "{said}");
+    }
+    for (dialect, code) in [("fanuc", 68), ("auto", 68), ("linuxcnc", 97), ("linuxcnc", 69)] {
+        assert!(Machine::from_toml(&file(dialect, code)).is_ok(), "{dialect} M{code}");
+    }
+}
+
+#[test]
+fn analog_outputs_have_a_range() {
+    let file = |keys: &str| format!("{PLAIN_LATHE}\n[analog_outputs.1]\nname = \"air\"\n{keys}\n");
+    let machine = Machine::from_toml(&file("range = [0, 10]\ninitial = 2\nsafe = 0.5")).unwrap();
+    assert_eq!(machine.analog_outputs_at(|output| output.initial), [0.0, 2.0, 0.0, 0.0]);
+    assert_eq!(Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap(), machine);
+    for (keys, place) in [
+        ("range = [10, 0]\ninitial = 2\nsafe = 0", "analog_outputs.1.range"),
+        ("range = [0, inf]\ninitial = 2\nsafe = 0", "analog_outputs.1.range"),
+        ("range = [0, 1]\ninitial = 2\nsafe = 0", "analog_outputs.1.initial = 2"),
+        ("range = [0, 1]\ninitial = 0\nsafe = nan", "analog_outputs.1.safe"),
+    ] {
+        let said = refused(&file(keys));
+        assert!(said.starts_with(place), "{keys}: {said}");
+    }
+    let said = refused(&format!(
+        "{PLAIN_LATHE}\n[analog_outputs.4]\nname = \"a\"\nrange = [0, 1]\ninitial = 0\nsafe = 0\n"
+    ));
+    assert!(said.starts_with("analog_outputs = 4: each is declared by its number, 0 to 3"), "{said}");
 }

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Shape, SpindleMode,
+    Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Set, Shape, SpindleMode,
     SpindleSpeed, ThreadPass, Work,
     code_file::{CodeFile, CodeFileError, CodeReader, Identity},
 };
@@ -136,7 +136,11 @@ fn any_item() -> impl Strategy<Value = Item> {
         (any_arc(), feed_of_arc).prop_map(|(arc, feed)| Code::Arc { arc, feed }),
         any::<u32>().prop_map(|number| Code::Tool { number }),
         any::<(bool, bool)>().prop_map(|(mist, flood)| Code::Coolant { mist, flood }),
-        (0_u8..64, any::<bool>()).prop_map(|(number, on)| Code::Output { number, on }),
+        (0_u8..64, any::<(bool, bool)>())
+            .prop_map(|(number, (on, in_step))| { Code::Output { number, set: Set::Digital(on), in_step } }),
+        (0_u8..4, -1e9..1e9, any::<bool>()).prop_map(|(number, value, in_step)| {
+            Code::Output { number, set: Set::Analog(value), in_step }
+        }),
         Just(Code::Pause),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
         (0_u8..6, any_formula()).prop_map(|(slot, formula)| Code::Formula { slot, formula }),
@@ -185,7 +189,7 @@ proptest! {
 }
 
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x08\0".to_vec();
+    let mut bytes = b"PLMC\x09\0".to_vec();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -199,11 +203,11 @@ fn each_kind_of_wrong_file_has_its_message() {
     assert!(matches!(foreign, CodeFileError::Foreign), "{foreign}");
 
     let mut later = bytes.clone();
-    later[4] = 9;
+    later[4] = 10;
     let error = read(&later).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "this is machine code of version 9, and version 8 is needed: compile the program again"
+        "this is machine code of version 10, and version 9 is needed: compile the program again"
     );
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
@@ -222,7 +226,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x08\0".to_vec();
+    let mut bytes = b"PLMC\x09\0".to_vec();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

@@ -57,10 +57,10 @@ layout!(axis_status: AxisStatus, 120, "pitchlock/axis-status/2", {
     spindle_rpm: 80, control_word: 88, encoder_counts: 92, target_velocity_mm_s: 96,
     velocity_offset_mm_s: 104, torque_offset_nm: 112,
 });
-layout!(machine_status: MachineStatus, 104, "pitchlock/machine-status/7", {
+layout!(machine_status: MachineStatus, 136, "pitchlock/machine-status/8", {
     cycle: 0, state: 8, fault: 12, line: 16, pass: 20, moves: 24, taken: 32, overrides_clamped: 40,
     stopped: 44, fault_axis: 45, coolant: 46, spindle_rpm: 48, spindle_override_pct: 56, feed_override_pct: 64, depth_mm: 72,
-    starved: 80, work: 84, tool: 88, motion: 92, outputs: 96,
+    starved: 80, work: 84, tool: 88, motion: 92, outputs: 96, analog: 104,
 });
 layout!(spindle_command: SpindleCommand, 88, "pitchlock/spindle-command/3", {
     cycle: 0, rpm: 8, finished: 16, line: 20, pass: 24, paused: 28, index_not_before: 32,

@@ -72,7 +72,10 @@ fn every_code_travels() {
     for (mist, flood) in [(false, false), (true, false), (false, true), (true, true)] {
         codes.push(Code::Coolant { mist, flood });
     }
-    codes.extend([true, false].map(|on| Code::Output { number: 63, on }));
+    for (set, in_step) in [(Set::Digital(true), false), (Set::Digital(false), true)] {
+        codes.push(Code::Output { number: 63, set, in_step });
+    }
+    codes.push(Code::Output { number: 3, set: Set::Analog(-2.5), in_step: true });
     codes.push(Code::Pause);
     for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
         let surface = SpindleSpeed::Surface { mm_s: 2500.0, max_rpm: 1800.0, axis_mm: Position(-7) };

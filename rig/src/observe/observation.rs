@@ -6,8 +6,9 @@ use std::collections::BTreeMap;
 use protocol::Axis;
 
 use super::{
-    AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, OutputReport, PassReport,
-    PauseReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION, judged::judged,
+    AnalogReport, AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, OutputReport,
+    PassReport, PauseReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION,
+    judged::judged,
 };
 
 /// What was observed of a run.
@@ -44,6 +45,8 @@ pub struct Observation {
     pub pauses: Vec<PauseReport>,
     /// Changes of digital outputs in the order of their coming.
     pub outputs: Vec<OutputReport>,
+    /// Changes of analog outputs in the order of their coming.
+    pub analog_outputs: Vec<AnalogReport>,
     /// What the program told its operator.
     pub messages: Vec<MessageReport>,
     /// Limits of the axes.
@@ -80,6 +83,7 @@ impl Observation {
             traces_left_out: self.traces_left_out,
             pauses: self.pauses,
             outputs: self.outputs,
+            analog_outputs: self.analog_outputs,
             messages: self.messages,
             limits: self.limits,
             stock: self.stock,

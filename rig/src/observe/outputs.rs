@@ -1,9 +1,9 @@
-//! Digital outputs, and when each of them changed. In: the machine status of every control cycle. Out: an
-//! [`OutputReport`] of each change.
+//! Outputs, and when each of them changed. In: the machine status of every control cycle. Out: an
+//! [`OutputReport`] or an [`AnalogReport`] of each change.
 
 use std::collections::BTreeMap;
 
-use machine::{Machine, OUTPUTS};
+use machine::{ANALOG_OUTPUTS, Machine, OUTPUTS};
 use protocol::MachineStatus;
 use serde::{Deserialize, Serialize};
 
@@ -23,22 +23,58 @@ pub struct OutputReport {
     pub cycle: u64,
 }
 
+/// A change of an analog output.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AnalogReport {
+    /// Its number.
+    pub number: u32,
+    /// What it sets, as the machine file says; empty if it does not.
+    pub name: String,
+    /// Its value from this cycle on, in the unit of the machine file.
+    pub value: f64,
+    /// Line of the part program, as of an [`OutputReport`].
+    pub line: u32,
+    /// Control cycle: the tick of the interpolator that set it.
+    pub cycle: u64,
+}
+
 /// Watches the outputs of a run. Those that are on at the start are its first changes.
 #[derive(Clone, Default)]
 pub(super) struct Outputs {
     names: BTreeMap<u32, String>,
+    analog_names: [String; ANALOG_OUTPUTS],
     before: u64,
     seen: Vec<OutputReport>,
+    analog_before: [f64; ANALOG_OUTPUTS],
+    analog: Vec<AnalogReport>,
 }
 
 impl Outputs {
     pub(super) fn of(machine: &Machine) -> Outputs {
         let name = |number| Some((number, machine.output(number)?.name.clone()));
-        Outputs { names: (0..OUTPUTS).filter_map(name).collect(), ..Outputs::default() }
+        let analog = |number: usize| Some(machine.analog_output(number as u32)?.name.clone());
+        Outputs {
+            names: (0..OUTPUTS).filter_map(name).collect(),
+            analog_names: std::array::from_fn(|number| analog(number).unwrap_or_default()),
+            ..Outputs::default()
+        }
     }
 
     /// Takes one control cycle.
     pub(super) fn cycle(&mut self, status: &MachineStatus) {
+        for (number, value) in status.analog.into_iter().enumerate() {
+            if std::mem::replace(&mut self.analog_before[number], value) != value {
+                let name = self.analog_names[number].clone();
+                let number = number as u32;
+                self.analog.push(AnalogReport {
+                    number,
+                    name,
+                    value,
+                    line: status.line,
+                    cycle: status.cycle.0,
+                });
+            }
+        }
         let (on, line, cycle) = (status.outputs, status.line, status.cycle.0);
         let mut changed = std::mem::replace(&mut self.before, on) ^ on;
         while changed != 0 {
@@ -50,7 +86,7 @@ impl Outputs {
     }
 
     /// The changes in the order of their coming; of one cycle in the order of their numbers.
-    pub(super) fn finish(self) -> Vec<OutputReport> {
-        self.seen
+    pub(super) fn finish(self) -> (Vec<OutputReport>, Vec<AnalogReport>) {
+        (self.seen, self.analog)
     }
 }

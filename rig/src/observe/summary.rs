@@ -10,8 +10,8 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    GaugeReport, LimitsUsed, MessageReport, OutputReport, PartReport, PauseReport, ProgramWarning,
-    StockReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
+    AnalogReport, GaugeReport, LimitsUsed, MessageReport, OutputReport, PartReport, PauseReport,
+    ProgramWarning, StockReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -351,6 +351,9 @@ pub struct Summary {
     /// Changes of digital outputs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outputs: Vec<OutputReport>,
+    /// Changes of analog outputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub analog_outputs: Vec<AnalogReport>,
     /// What the program told its operator.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<MessageReport>,

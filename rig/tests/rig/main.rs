@@ -16,6 +16,7 @@ mod machine_code;
 mod moments;
 mod operator;
 mod orders;
+mod outputs;
 mod poles;
 mod presses;
 mod reactions;

@@ -117,9 +117,7 @@ impl Program<'_> {
             Code::Spindle { mode, speed } => self.lines.spindle(*mode, *speed),
             Code::Tool { number } => self.lines.put(&format!("T{number} M6")),
             Code::Coolant { mist, flood } => self.lines.coolant(*mist, *flood),
-            Code::Output { number, on } => {
-                self.lines.put(&format!("M{} P{number}", if *on { 64 } else { 65 }))
-            }
+            Code::Output { number, set, in_step } => self.lines.output(*number, *set, *in_step),
             Code::Pause => self.lines.put("M0"),
             Code::End => self.lines.put("M2"),
         }

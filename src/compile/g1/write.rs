@@ -2,7 +2,7 @@
 //! changed.
 
 use machine::Kinematics;
-use protocol::{Axis, Feed, PathMode, PerAxis, Position, SpindleMode, SpindleSpeed};
+use protocol::{Axis, Feed, PathMode, PerAxis, Position, Set, SpindleMode, SpindleSpeed};
 
 use super::Size;
 use super::chords::{Chords, Piece};
@@ -119,6 +119,18 @@ impl<'a> Lines<'a> {
                 self.put("M8");
             }
         }
+    }
+
+    /// An output.
+    pub(super) fn output(&mut self, index: u8, set: Set, in_step: bool) {
+        self.put(&match (set, in_step) {
+            (Set::Digital(true), true) => format!("M62 P{index}"),
+            (Set::Digital(false), true) => format!("M63 P{index}"),
+            (Set::Digital(true), false) => format!("M64 P{index}"),
+            (Set::Digital(false), false) => format!("M65 P{index}"),
+            (Set::Analog(value), true) => format!("M67 E{index} Q{value}"),
+            (Set::Analog(value), false) => format!("M68 E{index} Q{value}"),
+        });
     }
 
     /// The first move of a program, if it is rapid, begins with this axis alone.
