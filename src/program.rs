@@ -319,8 +319,8 @@ impl Fit<'_> {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
                 return None;
             }
-            Code::Output { number, set, in_step } => {
-                let refused = machine.refuses_output(u32::from(*number), *set, *in_step)?;
+            Code::Output { .. } | Code::Await { .. } => {
+                let refused = machine.refuses(code)?;
                 return Some(format!("line {line} of the program: {}; {}", refused.message, refused.help));
             }
             Code::Formula { slot, formula } => {

@@ -70,7 +70,7 @@ pub enum DecimalPoint {
 }
 
 /// What is done with an M code that is the machine's own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MachineCode {
     /// Nothing.
     Ignore,
@@ -82,6 +82,15 @@ pub enum MachineCode {
         number: u32,
         /// Whether it is on from then on.
         on: bool,
+    },
+    /// The program waits for a digital input, as by M66.
+    Input {
+        /// Its number.
+        number: u32,
+        /// How, as L of M66 says it: 1 to 4.
+        wait: u8,
+        /// At most, s.
+        timeout: f64,
     },
 }
 

@@ -2,7 +2,7 @@
 
 use machine::Machine;
 use protocol::{
-    Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Work, frame::SETPOINT_LEAD,
+    Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Until, Work, frame::SETPOINT_LEAD,
 };
 use route::Route;
 
@@ -30,7 +30,8 @@ pub(crate) struct Program {
     settles_s: f64,
 }
 
-/// What of a program takes time next. A dwell and a pause are done with that; all others stay in hand.
+/// What of a program takes time next. A dwell, a pause and a wait for an input are done with that; all others
+/// stay in hand.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // lives on the stack for one tick
 pub(crate) enum Next {
@@ -46,6 +47,8 @@ pub(crate) enum Next {
     Pass(ThreadPass),
     /// So many seconds of rest.
     Dwell(f64),
+    /// An input is waited for, so many seconds at most.
+    Await { input: u8, until: Until, within_s: f64 },
     /// Cycle start is wanted.
     Pause,
     /// An output waits for axes and spindle to stand.
@@ -105,7 +108,7 @@ impl Program {
                     self.outputs.set(number, set);
                 }
                 Code::Output { number, set, in_step: true } => self.outputs.set_with(blocks, number, set),
-                Code::Output { .. } if !self.settled => {
+                Code::Output { .. } | Code::Await { .. } if !self.settled => {
                     self.settled = true;
                     return Next::Dwell(self.settles_s);
                 }
@@ -113,6 +116,11 @@ impl Program {
                     self.outputs.set(number, set);
                     // The next one waits as well: a pulse is seen.
                     self.settled = false;
+                }
+                Code::Await { input, until, within_s } => {
+                    self.settled = false;
+                    self.queue.done();
+                    return Next::Await { input, until, within_s };
                 }
                 Code::Formula { slot, formula } => route.set_formula(slot, formula),
             }
@@ -130,6 +138,11 @@ impl Program {
     /// Whether nothing is left although the program has not ended, and nothing more can come.
     pub(crate) fn is_broken_off(&self) -> bool {
         self.queue.is_dry() && self.queue.failed()
+    }
+
+    /// Whether the axes have time to come to where they are led: no block of the program.
+    pub(crate) fn settles(&self) -> bool {
+        self.settled
     }
 
     /// Whether an output is in hand.

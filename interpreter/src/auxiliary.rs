@@ -1,11 +1,11 @@
-//! Tool, coolant, outputs. In: what calls and jobs ask for. Out: a code where something changes.
+//! Tool, coolant, outputs, inputs. In: what calls and jobs ask for. Out: a code where something changes.
 
-use gcode::problem::Blame;
+use gcode::problem::{Blame, short};
 use gcode::{Call, Problem};
-use machine::{Machine, OutputFault, OutputRefused};
-use protocol::{Code, Set};
+use machine::{Machine, SignalFault, SignalRefused};
+use protocol::{Code, Set, Until};
 
-use crate::reach::Done;
+use crate::reach::{Done, LONGEST_DWELL};
 
 /// What is in the spindle and what cools, as it was sent last.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,30 +54,59 @@ pub(crate) fn find_tool(number: u32, machine: &Machine) -> Done {
     Err(Problem::error("unknown-tool", Blame::Word('T'), message, help))
 }
 
-/// An output is set, if the call says so. What the machine cannot do is refused, and what waits for
-/// standstill while the spindle turns.
-pub(crate) fn output(
+/// What M66 waits for by its L.
+const UNTIL: [(u8, Until); 4] = [(1, Until::Rise), (2, Until::Fall), (3, Until::High), (4, Until::Low)];
+
+/// L of M66 for what is waited for.
+pub(crate) fn as_l(until: Until) -> u8 {
+    UNTIL.iter().find(|(_, known)| *known == until).map_or(0, |(l, _)| *l)
+}
+
+/// An output is set or an input waited for, if the call says so. What the machine cannot do is refused, and
+/// an output that waits for standstill while the spindle turns.
+pub(crate) fn signal(
     call: &Call<'_>,
     machine: &Machine,
     spindle_turns: bool,
 ) -> Result<Option<Code>, Box<Problem>> {
-    let (number, set, in_step) = match *call {
-        Call::SetAuxOutputBit(number, on) => (number, Set::Digital(on), false),
-        Call::SetMotionOutputBit(number, on) => (number, Set::Digital(on), true),
-        Call::SetAuxOutputValue(number, value) => (number, Set::Analog(value), false),
-        Call::SetMotionOutputValue(number, value) => (number, Set::Analog(value), true),
+    // Of numbers that no machine has, one stands for all: it is refused by name.
+    let number = |number: u32| u8::try_from(number).unwrap_or(u8::MAX);
+    let code = match *call {
+        Call::SetAuxOutputBit(index, on) => {
+            Code::Output { number: number(index), set: Set::Digital(on), in_step: false }
+        }
+        Call::SetMotionOutputBit(index, on) => {
+            Code::Output { number: number(index), set: Set::Digital(on), in_step: true }
+        }
+        Call::SetAuxOutputValue(index, value) => {
+            Code::Output { number: number(index), set: Set::Analog(value), in_step: false }
+        }
+        Call::SetMotionOutputValue(index, value) => {
+            Code::Output { number: number(index), set: Set::Analog(value), in_step: true }
+        }
+        Call::WaitInput { index, wait, timeout: within_s, .. } => {
+            let Some((_, until)) = UNTIL.iter().find(|(l, _)| *l == wait) else { return Ok(None) };
+            if !(within_s > 0.0 && within_s <= LONGEST_DWELL) {
+                let message = format!("M66 cannot wait {} s", short(within_s));
+                let help = format!("give Q above 0 and up to {LONGEST_DWELL} seconds");
+                return Err(Problem::error("bad-value", Blame::Word('Q'), message, help));
+            }
+            Code::Await { input: number(index), until: *until, within_s }
+        }
         _ => return Ok(None),
     };
-    if let Some(OutputRefused { fault, message, help }) = machine.refuses_output(number, set, in_step) {
-        let code = match fault {
-            OutputFault::Unknown => "unknown-output",
-            OutputFault::NeedsStandstill => "needs-standstill",
-            OutputFault::OutOfRange => "bad-value",
+    if let Some(SignalRefused { fault, message, help }) = machine.refuses(&code) {
+        let name = match (fault, code) {
+            (SignalFault::Unknown, Code::Await { .. }) => "unknown-input",
+            (SignalFault::Unknown, _) => "unknown-output",
+            (SignalFault::NeedsStandstill, _) => "needs-standstill",
+            (SignalFault::OutOfRange, _) => "bad-value",
         };
-        return Err(Problem::error(code, Blame::Block, message, help));
+        return Err(Problem::error(name, Blame::Block, message, help));
     }
-    match (set, machine.output(number)) {
-        (Set::Digital(_), Some(output)) if output.standstill && spindle_turns => {
+    let Code::Output { number, set: Set::Digital(_), .. } = code else { return Ok(Some(code)) };
+    match machine.output(number.into()) {
+        Some(output) if output.standstill && spindle_turns => {
             let message = format!(
                 "output {number}, {}, changes at standstill only, and the spindle turns",
                 output.name
@@ -86,6 +115,6 @@ pub(crate) fn output(
                 "stop it with M5 in a block before; standstill = true in the machine file asks for that";
             Err(Problem::error("needs-standstill", Blame::Block, message, help))
         }
-        _ => Ok(u8::try_from(number).ok().map(|number| Code::Output { number, set, in_step })),
+        _ => Ok(Some(code)),
     }
 }

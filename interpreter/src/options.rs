@@ -10,6 +10,7 @@ use machine::{self, BareNumbers, Machine, Part, PartError, ProgramDialect};
 use protocol::code_file::{CodeFile, MAGIC};
 use serde::{Deserialize, Serialize};
 
+use crate::auxiliary::as_l;
 use crate::reach::{home, plane_of};
 
 /// How far a program is looked at for its dialect, bytes.
@@ -264,6 +265,9 @@ pub(crate) fn options(machine: &Machine) -> Options {
         machine::MachineCode::Ignore => MachineCode::Ignore,
         machine::MachineCode::Wait => MachineCode::Wait,
         machine::MachineCode::Output { number, value } => MachineCode::Output { number, on: value },
+        machine::MachineCode::Input { number, until, within_s } => {
+            MachineCode::Input { number, wait: as_l(until), timeout: within_s }
+        }
     };
     let codes = machine.machine_codes().map(|(number, of_machine)| (number, code(of_machine)));
     options.machine_codes = Arc::new(codes.collect());

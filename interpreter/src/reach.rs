@@ -6,6 +6,9 @@ use gcode::{Call, Problem};
 use machine::{Kinematics, Machine};
 use protocol::{Axis, Position, units::AXES};
 
+/// Longest dwell, and longest wait for an input, s.
+pub(crate) const LONGEST_DWELL: f64 = 86_400.0;
+
 /// What a call comes to.
 pub(crate) type Done = Result<(), Box<Problem>>;
 
@@ -30,7 +33,7 @@ pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
     Problem::error("not-available", Blame::Block, message, help)
 }
 
-/// Refuses what no machine has yet: orientation, probes, rigid taps, inputs.
+/// Refuses what no machine has yet: orientation, probes, rigid taps.
 pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
     match *call {
         Call::OrientSpindle(..) | Call::WaitSpindleOrient(_) => {
@@ -52,9 +55,6 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
         Call::MoveByHand => Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89")),
         Call::StraightProbe(..) => Err(missing("probing (G38)", "measure by other means")),
         Call::RigidTap(..) => Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76")),
-        Call::WaitInput { .. } => {
-            Err(missing("inputs (M66)", "leave it out, or wait for cycle start with M0"))
-        }
         _ => Ok(()),
     }
 }

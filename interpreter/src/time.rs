@@ -109,7 +109,7 @@ impl<'m> Clock<'m> {
                 self.run_down();
                 self.pass_time(REST_S);
             }
-            Code::Output { in_step: false, .. } => {
+            Code::Output { in_step: false, .. } | Code::Await { .. } => {
                 self.pass_time(SETPOINT_LEAD as f64 * self.machine.general.interpolator_cycle_s);
             }
             Code::Spindle { mode, speed } => {

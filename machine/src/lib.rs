@@ -7,6 +7,7 @@
 mod axis;
 mod bus;
 mod feasibility;
+mod inputs;
 pub mod kinematics;
 mod m_codes;
 mod outputs;
@@ -20,8 +21,9 @@ use serde::{Deserialize, Serialize};
 
 pub use axis::{AxisConfig, CLOSEST_MM, Difference, Feedforward, MOST_A_TURN, MOST_COGGING, MOST_ROWS};
 pub use bus::{Bus, LONGEST_CYCLES};
+pub use inputs::{INPUTS, Input};
 pub use m_codes::MachineCode;
-pub use outputs::{ANALOG_OUTPUTS, AnalogOutput, OUTPUTS, Output, OutputFault, OutputRefused};
+pub use outputs::{ANALOG_OUTPUTS, AnalogOutput, OUTPUTS, Output, SignalFault, SignalRefused};
 pub use part::{Corners, Part, PartError};
 pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
@@ -94,6 +96,9 @@ pub struct Machine {
     /// `[analog_outputs]`: number → analog output.
     #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
     pub analog_outputs: std::collections::BTreeMap<String, AnalogOutput>,
+    /// `[inputs]`: number → digital input.
+    #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
+    pub inputs: std::collections::BTreeMap<String, Input>,
     /// `[plant.*]`: the truth about the simulated plant; the controller never reads it.
     #[serde(default)]
     pub plant: toml::Table,
@@ -323,6 +328,7 @@ impl Machine {
         self.path.check()?;
         self.threading.check()?;
         outputs::check(self)?;
+        inputs::check(self)?;
         m_codes::check(self)?;
         for (number, tool) in &self.tools {
             if number.parse::<u32>().is_err() {

@@ -1,18 +1,20 @@
 //! M codes of one machine: what a chip conveyor, a door or a chamfer switch is told by part programs. In: the
 //! table `[m_codes]` of the machine file. Out: by number, what the control does with the code.
 
-use protocol::Set;
+use protocol::{Code, Set, Until};
 use serde::{Deserialize, Serialize};
 
-use crate::{Machine, MachineError, OutputRefused, ProgramDialect, refuse};
+use crate::{Machine, MachineError, ProgramDialect, SignalRefused, refuse};
 
 /// Codes that the control has for itself.
 const OWN: [u16; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30, 98, 99];
+/// Longest wait for an input, s.
+pub(crate) const LONGEST_WAIT_S: f64 = 86_400.0;
 /// Highest number of an M code.
 const HIGHEST: u16 = 999;
 
 /// What the control does with an M code of this machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Written", into = "Written")]
 pub enum MachineCode {
     /// Nothing: what it switches is of no concern to the part.
@@ -26,17 +28,28 @@ pub enum MachineCode {
         /// Whether it is on from then on.
         value: bool,
     },
+    /// Waits for a digital input, as M66 does.
+    Input {
+        /// Its number in `[inputs]`.
+        number: u32,
+        /// For what.
+        until: Until,
+        /// For so long at most, s.
+        within_s: f64,
+    },
 }
 
 /// A code as it stands in the file.
 #[derive(Serialize, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected \"ignore\", \"wait\", or { does = \"output\", number = 3, value = true }"
+    expecting = "expected \"ignore\", \"wait\", { does = \"output\", number = 3, value = true }, or { does = \"wait-input\", \
+                 number = 2, until = \"high\", within_s = 5 }"
 )]
 enum Written {
     Word(Word),
-    Deed { does: Deed, number: u32, value: Value },
+    Output { does: Switches, number: u32, value: Value },
+    Input { does: Waits, number: u32, until: Wanted, within_s: f64 },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -48,9 +61,33 @@ enum Word {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Deed {
+enum Switches {
     Output,
 }
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Waits {
+    WaitInput,
+}
+
+/// [`Until`] as it is written.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Wanted {
+    Rise,
+    Fall,
+    High,
+    Low,
+}
+
+/// Each of them as the machine has it.
+const WANTED: [(Wanted, Until); 4] = [
+    (Wanted::Rise, Until::Rise),
+    (Wanted::Fall, Until::Fall),
+    (Wanted::High, Until::High),
+    (Wanted::Low, Until::Low),
+];
 
 /// `true`, `false`, `"on"`, `"off"`.
 #[derive(Serialize, Deserialize)]
@@ -72,9 +109,12 @@ impl From<Written> for MachineCode {
         match written {
             Written::Word(Word::Ignore) => MachineCode::Ignore,
             Written::Word(Word::Wait) => MachineCode::Wait,
-            Written::Deed { does: Deed::Output, number, value } => {
+            Written::Output { number, value, .. } => {
                 let value = matches!(value, Value::Truth(true) | Value::Word(Switch::On));
                 MachineCode::Output { number, value }
+            }
+            Written::Input { number, until, within_s, .. } => {
+                MachineCode::Input { number, until: WANTED[until as usize].1, within_s }
             }
         }
     }
@@ -86,7 +126,27 @@ impl From<MachineCode> for Written {
             MachineCode::Ignore => Written::Word(Word::Ignore),
             MachineCode::Wait => Written::Word(Word::Wait),
             MachineCode::Output { number, value } => {
-                Written::Deed { does: Deed::Output, number, value: Value::Truth(value) }
+                Written::Output { does: Switches::Output, number, value: Value::Truth(value) }
+            }
+            MachineCode::Input { number, until, within_s } => {
+                let until = WANTED[until as usize].0;
+                Written::Input { does: Waits::WaitInput, number, until, within_s }
+            }
+        }
+    }
+}
+
+impl MachineCode {
+    /// What the machine makes of it, if it is for an output or an input.
+    fn code(self) -> Option<Code> {
+        let number = |number: u32| u8::try_from(number).unwrap_or(u8::MAX);
+        match self {
+            MachineCode::Ignore | MachineCode::Wait => None,
+            MachineCode::Output { number: output, value } => {
+                Some(Code::Output { number: number(output), set: Set::Digital(value), in_step: false })
+            }
+            MachineCode::Input { number: input, until, within_s } => {
+                Some(Code::Await { input: number(input), until, within_s })
             }
         }
     }
@@ -128,16 +188,21 @@ pub(crate) fn check(machine: &Machine) -> Result<(), MachineError> {
             ),
         ));
     }
-    let lacking = codes.iter().find_map(|(key, code)| match code {
-        MachineCode::Output { number, value } => {
-            Some((key, number, machine.refuses_output(*number, Set::Digital(*value), false)?))
+    for (key, code) in codes {
+        if let MachineCode::Input { within_s, .. } = code
+            && !(*within_s > 0.0 && *within_s <= LONGEST_WAIT_S)
+        {
+            let say = format!("give the longest wait in s, above 0 and up to {LONGEST_WAIT_S}");
+            return Err(refuse(&format!("m_codes.{key}.within_s"), within_s, &say));
         }
-        _ => None,
-    });
-    match lacking {
-        Some((key, number, OutputRefused { message, help, .. })) => {
-            Err(refuse(&format!("m_codes.{key}.number"), number, &format!("{message}: {help}")))
+        if let Some(SignalRefused { message, help, .. }) = code.code().and_then(|code| machine.refuses(&code))
+        {
+            let number = match code {
+                MachineCode::Output { number, .. } | MachineCode::Input { number, .. } => *number,
+                MachineCode::Ignore | MachineCode::Wait => 0,
+            };
+            return Err(refuse(&format!("m_codes.{key}.number"), number, &format!("{message}: {help}")));
         }
-        None => Ok(()),
     }
+    Ok(())
 }

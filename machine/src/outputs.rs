@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use protocol::Set;
+use protocol::{Code, Set};
 use serde::{Deserialize, Serialize};
 
-use crate::{Machine, MachineError, refuse};
+use crate::{INPUTS, Machine, MachineError, refuse};
 
 /// How many digital outputs a machine has at most: they are numbered from 0.
 pub const OUTPUTS: u32 = protocol::OUTPUTS as u32;
@@ -59,9 +59,9 @@ pub(crate) fn number(key: &str, most: u32) -> Option<u32> {
     key.parse().ok().filter(|number: &u32| *number < most && number.to_string() == key)
 }
 
-/// What is wrong with setting an output.
+/// What is wrong with setting an output, or with waiting for an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutputFault {
+pub enum SignalFault {
     /// The machine file does not have it.
     Unknown,
     /// It changes at standstill only, and is asked to in step with motion.
@@ -70,24 +70,25 @@ pub enum OutputFault {
     OutOfRange,
 }
 
-/// Why an output cannot be set.
+/// Why an output cannot be set, or an input not be waited for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OutputRefused {
+pub struct SignalRefused {
     /// What kind of refusal it is.
-    pub fault: OutputFault,
+    pub fault: SignalFault,
     /// What is wrong.
     pub message: String,
     /// The remedy.
     pub help: String,
 }
 
-fn unknown(what: &str, table: &str, number: u32, most: u32, keys: &str) -> OutputRefused {
+fn unknown(what: &str, table: &str, number: u8, most: u32, keys: &str) -> SignalRefused {
+    let number = u32::from(number);
     let help = match number < most {
         true => format!("add [{table}.{number}] and below it {keys}"),
         false => format!("they are numbered from 0 to {}", most - 1),
     };
-    OutputRefused {
-        fault: OutputFault::Unknown,
+    SignalRefused {
+        fault: SignalFault::Unknown,
         message: format!("{what} {number} is not in the machine file"),
         help,
     }
@@ -151,9 +152,20 @@ impl Machine {
         self.analog_outputs.get(&wanted.to_string())
     }
 
-    /// Why an output cannot be set so, if it cannot: at rest, or in step with motion.
-    pub fn refuses_output(&self, number: u32, set: Set, in_step: bool) -> Option<OutputRefused> {
-        let (fault, message, help) = match (set, self.output(number), self.analog_output(number)) {
+    /// Why an output cannot be set or an input be waited for, if so it is.
+    pub fn refuses(&self, code: &Code) -> Option<SignalRefused> {
+        let (number, set, in_step) = match *code {
+            Code::Output { number, set, in_step } => (number, set, in_step),
+            Code::Await { input, .. } if self.input(input.into()).is_none() => {
+                return Some(unknown("input", "inputs", input, INPUTS, "name = \"what it tells\""));
+            }
+            _ => return None,
+        };
+        let (fault, message, help) = match (
+            set,
+            self.output(number.into()),
+            self.analog_output(number.into()),
+        ) {
             (Set::Digital(_), None, _) => {
                 return Some(unknown("output", "outputs", number, OUTPUTS, "name = \"what it switches\""));
             }
@@ -162,14 +174,14 @@ impl Machine {
                 return Some(unknown("analog output", "analog_outputs", number, most, keys));
             }
             (Set::Digital(_), Some(output), _) if output.standstill && in_step => (
-                OutputFault::NeedsStandstill,
+                SignalFault::NeedsStandstill,
                 format!("output {number}, {}, changes at standstill only, and the axes move", output.name),
                 "switch it with M64 or M65: standstill = true in the machine file asks for that".into(),
             ),
             (Set::Analog(value), _, Some(output)) if !output.takes(value) => {
                 let [low, high] = output.range;
                 (
-                    OutputFault::OutOfRange,
+                    SignalFault::OutOfRange,
                     format!("analog output {number}, {}, cannot be {value}", output.name),
                     format!(
                         "give {low} to {high}, or change analog_outputs.{number}.range of the machine file"
@@ -178,7 +190,7 @@ impl Machine {
             }
             _ => return None,
         };
-        Some(OutputRefused { fault, message, help })
+        Some(SignalRefused { fault, message, help })
     }
 
     /// The outputs for which something holds: bit n is output n.

@@ -191,6 +191,35 @@ impl Set {
     }
 }
 
+/// How many digital inputs there are: one for each bit of
+/// [`Measurement::inputs`](crate::Measurement).
+pub const INPUTS: u8 = 64;
+
+/// What is waited for at a digital input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Until {
+    /// It goes on (M66 L1).
+    Rise,
+    /// It goes off (L2).
+    Fall,
+    /// It is on (L3).
+    High,
+    /// It is off (L4).
+    Low,
+}
+
+impl Until {
+    /// Whether it has come, from one tick to the next.
+    pub fn has_come(self, before: bool, now: bool) -> bool {
+        match self {
+            Until::Rise => now && !before,
+            Until::Fall => before && !now,
+            Until::High => now,
+            Until::Low => !now,
+        }
+    }
+}
+
 /// One instruction of the machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
@@ -245,6 +274,15 @@ pub enum Code {
         /// As the next motion begins; else at rest, now.
         in_step: bool,
     },
+    /// Wait at rest for a digital input; a fault if it does not come in time.
+    Await {
+        /// Its number, below [`INPUTS`].
+        input: u8,
+        /// For what.
+        until: Until,
+        /// For so long at most, s, > 0.
+        within_s: f64,
+    },
     /// Wait at rest for cycle start (M0, M60, M1 where it counts). Spindle and coolant go on.
     Pause,
     /// A pass of a thread. Every axis rests at the start of its law when it is reached.
@@ -291,6 +329,8 @@ impl Item {
             Code::Formula { .. } => Err(Refused::OutOfRange("number of a formula")),
             Code::Work(trace) => trace.check(),
             Code::Output { number, set, .. } => set.check(*number),
+            Code::Await { input, .. } if *input >= INPUTS => Err(Refused::OutOfRange("number of an input")),
+            Code::Await { within_s, .. } => positive(*within_s, "wait for an input"),
             Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
         }
     }

@@ -119,6 +119,8 @@ pub struct Measurement {
     pub axes: PerAxis<AxisMeasurement>,
     /// The operator's panel.
     pub panel: Panel,
+    /// The digital inputs that are on: bit n is input n.
+    pub inputs: u64,
 }
 
 impl Measurement {
@@ -138,7 +140,7 @@ impl Measurement {
 }
 
 impl Message for Measurement {
-    const NAME: &str = "pitchlock/measurement/5";
+    const NAME: &str = "pitchlock/measurement/6";
 }
 
 /// Where the spindle stands on average while its encoder shows a count: in the middle of it, counts.

@@ -7,7 +7,7 @@
 //! | d_o | cycles | from the cycle in which a regulator commands to that in which the drive takes it |
 //!
 //! Axes, spindle and status words travel together. The loop of speed is in the drive and sees its own encoder
-//! at once. The panel and the command of the spindle do not travel: who presses and who commands does so at
+//! at once. The panel, the inputs and the command of the spindle do not travel: who presses and who commands does so at
 //! any time.
 
 use protocol::{Cycle, DriveCommand, Measurement, PerAxis};
@@ -35,12 +35,12 @@ impl Bus {
 
     /// Sends what is measured in a cycle; what arrives in it, an index in the cycle that shows it.
     pub(crate) fn measured(&mut self, fresh: &Measurement) -> Measurement {
-        let Measurement { cycle, last, panel, .. } = *fresh;
+        let Measurement { cycle, last, panel, inputs, .. } = *fresh;
         let mut arrived = *self.inputs.pass(fresh);
         if arrived.index_number > 0 {
             arrived.index_cycle = Cycle(arrived.index_cycle.0 + self.inputs.cycles as u64);
         }
-        (arrived.cycle, arrived.last, arrived.panel) = (cycle, last, panel);
+        (arrived.cycle, arrived.last, arrived.panel, arrived.inputs) = (cycle, last, panel, inputs);
         arrived
     }
 

@@ -132,7 +132,8 @@ impl Plant {
             axis.scale = steps_mm.map(|steps_mm| Scale::new(steps_mm.into(), homes_mm, seed.fraction()));
         }
         let z_mm = axes.iter().find(|own| own.axis == Axis::Z).map_or(0.0, |z| z.true_home_mm);
-        let timeline = Timeline::new(cycle_s, config.cutting.rise_s, z_mm);
+        let mut timeline = Timeline::new(cycle_s, config.cutting.rise_s, z_mm);
+        timeline.begin_inputs(machine.inputs_with(|_| true), machine.inputs_with(|input| input.initial));
         let cutter = Cutter::new(config.cutting, machine);
         let freshness = Freshness { stale: 4 * machine.cycles_per_tick(), ..Freshness::default() };
         let link_cycles = (config.power.link_hold_s / cycle_s).round() as u64;
@@ -150,11 +151,15 @@ impl Plant {
     /// Plays a scenario from here on; so far there was none. Its events lie behind the present cycle.
     ///
     /// # Errors
-    /// [`PlantError`] if an event is for an axis that there is not.
+    /// [`PlantError`] if an event is for an axis or an input that there is not.
     pub fn play(&mut self, scenario: Scenario) -> Result<(), PlantError> {
         let there = |axis: Axis| self.axes.iter().any(|own| own.axis == axis);
         if let Some((event, axis)) = scenario.axes().find(|(_, axis)| !there(*axis)) {
             return Err(PlantError::NoAxisToActOn { event, axis: axis.name() });
+        }
+        let inputs = self.timeline.known_inputs();
+        if let Some((event, number)) = scenario.inputs().find(|(_, number)| inputs >> number & 1 == 0) {
+            return Err(PlantError::NoInputToActOn { event, number });
         }
         self.timeline.play(scenario);
         Ok(())
@@ -302,6 +307,7 @@ impl Plant {
         };
         self.timeline.advance(&moment, command);
         self.fresh.panel = self.timeline.panel();
+        self.fresh.inputs = self.timeline.inputs();
         self.truth.measurement = self.bus.measured(&self.fresh);
         (self.truth.doom, self.truth.doomed) = match self.timeline.order() {
             Some(Order::Doom(doom, module)) => (doom as u32, module.code()),

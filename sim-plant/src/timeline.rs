@@ -55,6 +55,11 @@ pub(crate) struct Timeline {
     orders: Orders,
     pass: PassInHand,
     z_before: f64,
+    /// The inputs that there are, and those that are on, bit by bit; and what becomes of them later: when,
+    /// which, on or off.
+    known_inputs: u64,
+    inputs: u64,
+    later: Vec<(Cycle, u8, bool)>,
 }
 
 impl Timeline {
@@ -75,6 +80,9 @@ impl Timeline {
             burden_until: [None; 3],
             pass: PassInHand::default(),
             z_before: z_mm,
+            known_inputs: 0,
+            inputs: 0,
+            later: Vec::new(),
         }
     }
 
@@ -84,6 +92,7 @@ impl Timeline {
         self.due = vec![true; self.events.len()];
         self.encoder.make_room(self.events.len());
         self.orders.make_room(self.events.len());
+        self.later = Vec::with_capacity(self.events.len());
     }
 
     /// Numbers, from 1, of the events that did not happen yet.
@@ -100,6 +109,33 @@ impl Timeline {
             rapid_override_pct: rapid.value(),
             ..self.pressed
         }
+    }
+
+    /// There are these inputs, and these of them are on before anything happens, bit by bit.
+    pub(crate) fn begin_inputs(&mut self, known: u64, on: u64) {
+        (self.known_inputs, self.inputs) = (known, on);
+    }
+
+    /// The inputs that there are, bit by bit.
+    pub(crate) fn known_inputs(&self) -> u64 {
+        self.known_inputs
+    }
+
+    /// The inputs that are on, bit by bit.
+    pub(crate) fn inputs(&self) -> u64 {
+        self.inputs
+    }
+
+    /// Inputs change whose time has come.
+    fn change_inputs(&mut self, now: Cycle) {
+        let inputs = &mut self.inputs;
+        self.later.retain(|(due, number, on)| {
+            let bit = 1 << u32::from(*number);
+            if *due <= now {
+                *inputs = if *on { *inputs | bit } else { *inputs & !bit };
+            }
+            *due > now
+        });
     }
 
     /// Torque that holds the spindle back, N·m; force on the slide of Z, of X, N.
@@ -150,6 +186,7 @@ impl Timeline {
                 self.act(action, moment);
             }
         }
+        self.change_inputs(moment.cycle);
         self.orders.advance(moment.cycle.0);
         self.attend(tags);
         self.z_before = moment.z_mm;
@@ -244,6 +281,10 @@ impl Timeline {
                 self.orders.give(Order::Doom(doom, module), self.until(for_s, moment.cycle));
             }
             Action::Packet(packet) => self.orders.give(Order::Packet(packet), None),
+            Action::Input { number, on, after_s } => {
+                let due = moment.cycle.after((after_s / self.cycle_s).round() as u64);
+                self.later.push((due, number, on));
+            }
             encoder => self.disturb(encoder, moment.cycle.after(1)),
         }
     }

@@ -226,7 +226,7 @@ fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
     traces(&mut text, summary);
     moves(&mut text, summary);
     pauses(&mut text, summary);
-    outputs(&mut text, summary);
+    signals(&mut text, summary);
     if let Some(words) = summary.overrides_held() {
         let _ = writeln!(text, "override  {words}");
     }
@@ -255,20 +255,34 @@ fn pauses(text: &mut String, summary: &Summary) {
     }
 }
 
-fn outputs(text: &mut String, summary: &Summary) {
-    for change in summary.outputs.iter().take(SHOWN) {
-        let _ = writeln!(
-            text,
-            "output    {} {} {} at {:.3} s, line {}",
-            change.number,
-            change.name,
-            if change.on { "on" } else { "off" },
-            change.cycle as f64 * summary.cycle_s,
-            change.line
-        );
+fn signals(text: &mut String, summary: &Summary) {
+    for (what, changes) in [("output", &summary.outputs), ("input", &summary.inputs)] {
+        let told = changes.iter().map(|one| {
+            let state = if one.on { "on" } else { "off" }.to_owned();
+            (one.number, &one.name, state, one.cycle, one.line)
+        });
+        changed(text, what, told, summary.cycle_s);
     }
-    if summary.outputs.len() > SHOWN {
-        let _ = writeln!(text, "          and {} more changes of outputs", summary.outputs.len() - SHOWN);
+    let analog = &summary.analog_outputs;
+    let told =
+        analog.iter().map(|one| (one.number, &one.name, format!("= {}", one.value), one.cycle, one.line));
+    changed(text, "analog", told, summary.cycle_s);
+}
+
+/// Changes of outputs or inputs: number, name, state, cycle, line.
+fn changed<'a>(
+    text: &mut String,
+    what: &str,
+    changes: impl ExactSizeIterator<Item = (u32, &'a String, String, u64, u32)>,
+    cycle_s: f64,
+) {
+    let more = changes.len().saturating_sub(SHOWN);
+    for (number, name, state, cycle, line) in changes.take(SHOWN) {
+        let at_s = cycle as f64 * cycle_s;
+        let _ = writeln!(text, "{what:<10}{number} {name} {state} at {at_s:.3} s, line {line}");
+    }
+    if more > 0 {
+        let _ = writeln!(text, "          and {more} more changes of {what}s");
     }
 }
 

@@ -19,7 +19,7 @@ use machine::Machine;
 use mutate::mutation;
 use protocol::{
     Arc, Axis, Code, CodePacket, Feed, Item, PathMode, PerAxis, Plane, Position, Set, Shape, SpindleMode,
-    SpindleSpeed, Work, code_file::CodeFile,
+    SpindleSpeed, Until, Work, code_file::CodeFile,
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -159,6 +159,7 @@ fn items() -> [Vec<Item>; 2] {
         Code::Line { target: point(10.0, 0.0), feed: Feed::Rapid },
         Code::Line { target: point(18.0, 0.0), feed },
         Code::Output { number: 5, set: Set::Digital(true), in_step: true },
+        Code::Await { input: 5, until: Until::High, within_s: 2.0 },
         Code::Pause,
         Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
         Code::Formula { slot: 0, formula: Formula::new(&wave).expect("it is complete") },

@@ -77,17 +77,27 @@ pub(super) fn io(code: M, block: &Block, state: &mut State, out: &mut Output) ->
     }
 }
 
-/// A code of the machine that switches an output.
-pub(super) fn of_machine(code: M, state: &State, out: &mut Output) -> Done {
-    check::compensation_off(Blame::M(code), "switch outputs", state)?;
+/// A code of the machine that switches an output or waits for an input.
+pub(super) fn of_machine(code: M, state: &mut State, out: &mut Output) -> Done {
+    check::compensation_off(Blame::M(code), "switch outputs or wait for inputs", state)?;
     match state.machine_codes.get(&code.0) {
         Some(MachineCode::Output { number, on }) => out.call(Call::SetAuxOutputBit(*number, *on)),
+        Some(&MachineCode::Input { number: index, wait, timeout }) => {
+            state.set_parameter(INPUT, level_behind(wait));
+            out.call(Call::WaitInput { index, analog: false, wait, timeout })
+        }
         _ => Ok(()), // only such codes are of this group
     }
 }
 
+/// What an input shows behind a wait that has ended as it should: who waits in vain goes no further.
+fn level_behind(wait: u8) -> f64 {
+    f64::from(matches!(wait, 1 | 3))
+}
+
 /// M66 P (digital) or E (analog), L (how to wait), Q (at most, s). The input is known when the program runs,
-/// not when it is read: #5399 keeps what it was.
+/// not when it is read: behind a wait it is what was waited for, and nothing else can be known here.
+/// Stand-alone, #5399 keeps what it was.
 fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let analog = block.has('E');
     if analog && block.has('P') {
@@ -115,14 +125,17 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
             "add Q, the longest wait in s, > 0",
         ));
     }
-    if wait == 0.0 {
-        let message =
-            "what M66 reads is known when the machine runs, not when the program is read: #5399 stays";
-        let help = "do not let the program depend on #5399; or wait for the input with L1 to L4 and Q";
-        out.warn(Problem::warning("unknown-input", Blame::M(code), message, help));
+    if state.settings.stand_alone {
+        let last = state.parameter(INPUT);
+        state.set_parameter(INPUT, if analog { last } else { f64::from(last != 0.0) });
+    } else if wait == 0.0 {
+        let message = "what M66 reads is known when the machine runs, not when the program is read";
+        let help =
+            "wait for it: M66 P with L3 (on) or L4 (off) and Q, the longest wait in s; #5399 is 1 or 0 then";
+        return Err(Problem::error("unknown-input", Blame::M(code), message, help));
+    } else {
+        state.set_parameter(INPUT, level_behind(wait as u8));
     }
-    let last = state.parameter(INPUT);
-    state.set_parameter(INPUT, if analog { last } else { f64::from(last != 0.0) });
     out.call(Call::WaitInput { index, analog, wait: wait as u8, timeout })
 }
 

@@ -309,7 +309,7 @@ impl Reading<'_> {
             None => match (self.state.machine_code(value, span), known) {
                 (Ok(MachineCode::Ignore), _) => Ok(()),
                 (Ok(MachineCode::Wait), _) => line.block.add_m(m_group::STOP, M(0), span),
-                (Ok(MachineCode::Output { .. }), _) => {
+                (Ok(MachineCode::Output { .. } | MachineCode::Input { .. }), _) => {
                     line.block.add_m(m_group::MACHINE, M(value as u16), span)
                 }
                 (Err(_), Some(gear)) if codes::GEARS.contains(&gear.0) => {

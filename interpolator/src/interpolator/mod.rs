@@ -22,7 +22,7 @@ use crate::{
     patience::Patience,
     program::{Next, Program},
     spindle::Spindle,
-    task::{Back, Event, Order, Task, Wait},
+    task::{Await, Back, Event, Order, Task, Wait},
     travel::{Hands, Travel},
 };
 
@@ -65,6 +65,8 @@ pub struct Interpolator {
     pub(crate) heard: Heard,
     /// The panel of this tick; stop and abort stay pressed, however short the press.
     panel: Panel,
+    /// The inputs of this tick, bit by bit.
+    inputs: u64,
     /// Cycle of the measurement of the last tick.
     last: Option<Cycle>,
     /// A cycle that lay far ahead.
@@ -92,6 +94,7 @@ impl Interpolator {
             guard: Guard::new(),
             heard: Heard::new(),
             panel: Panel::default(),
+            inputs: 0,
             last: None,
             ahead: None,
             ticks: 1,
@@ -169,6 +172,7 @@ impl Interpolator {
         let (measurement, cycle_starts) = (input.measurement, self.panel.cycle_starts);
         let ended = self.panel.buttons & (Panel::STOP | Panel::ABORT);
         self.panel = measurement.panel;
+        self.inputs = measurement.inputs;
         self.panel.buttons |= ended;
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         let leaves = matches!(self.task, Task::Leaving { .. });
@@ -236,8 +240,10 @@ impl Interpolator {
                 let back = back.map(|back| back.after(panel));
                 return self.move_on(due, self.ticks, wait.after(panel.cycle_starts), fault.is_some(), back);
             }
+            Task::Dwelling { left } if *left <= 1 && self.program.settles() => Event::Over(Wait::No),
             Task::Dwelling { left } if *left <= 1 => Event::Over(Wait::behind_block(panel)),
             Task::Dwelling { .. } if ends(panel) => Event::Over(Wait::No),
+            Task::Awaiting(wait) => self.await_input(*wait, cycle),
             Task::Paused { cycle_starts } if panel.cycle_starts != *cycle_starts || ends(panel) => {
                 Event::Over(Wait::No)
             }
@@ -285,6 +291,18 @@ impl Interpolator {
         rests && (outputs || self.patience.is_over(&self.spindle))
     }
 
+    /// Goes on to wait for an input. Under a feed hold no time passes.
+    fn await_input(&self, wait: Await, cycle: Cycle) -> Event {
+        let (panel, now) = (&self.panel, self.inputs >> wait.input & 1 == 1);
+        let left = wait.left.saturating_sub(u64::from(!panel.pressed(Panel::FEED_HOLD)));
+        match () {
+            () if ends(panel) => Event::Over(Wait::No),
+            () if wait.until.has_come(wait.before, now) => Event::Over(Wait::behind_block(panel)),
+            () if wait.left == 0 => Event::refused(Fault::InputTimedOut, cycle),
+            () => Event::Awaits(Await { before: now, left, ..wait }),
+        }
+    }
+
     /// Whether the axes have reached their last setpoint, which lay ahead when they were told to rest.
     fn led_to_rest(&self) -> bool {
         self.patience.waited() > SETPOINT_LEAD
@@ -320,6 +338,11 @@ impl Interpolator {
                 Next::Pass(pass) => self.begin_pass(cycle, &pass),
                 Next::Dwell(seconds) => {
                     Event::Dwells((seconds / self.machine.general.interpolator_cycle_s).ceil() as u64)
+                }
+                Next::Await { input, until, within_s } => {
+                    let left = (within_s / self.machine.general.interpolator_cycle_s).ceil() as u64;
+                    let before = self.inputs >> input & 1 == 1;
+                    Event::Awaits(Await { input, until, before, left })
                 }
                 Next::Pause => Event::Pauses(panel.cycle_starts),
                 Next::End => Event::Ends(false),

@@ -1,6 +1,6 @@
 //! What a tick finds, and what it carries.
 
-use protocol::{Axis, Cycle, Fault, Panel, ThreadPass};
+use protocol::{Axis, Cycle, Fault, Panel, ThreadPass, Until};
 
 use super::Task;
 
@@ -36,6 +36,19 @@ impl Wait {
     pub(crate) fn after(self, cycle_starts: u32) -> Wait {
         if self == Wait::CycleStart(cycle_starts) { self } else { Wait::No }
     }
+}
+
+/// An input that is waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Await {
+    /// Its number.
+    pub(crate) input: u8,
+    /// For what.
+    pub(crate) until: Until,
+    /// Whether it was on in the tick before.
+    pub(crate) before: bool,
+    /// Ticks left.
+    pub(crate) left: u64,
 }
 
 /// Why the axes leave a pass.
@@ -114,9 +127,11 @@ pub(crate) enum Event {
     Waits(Wait),
     /// The program dwells so many ticks.
     Dwells(u64),
+    /// The program waits for an input, or goes on to do so.
+    Awaits(Await),
     /// The program pauses; cycle start had been pressed so often.
     Pauses(u32),
-    /// A dwell or a pause is over.
+    /// A dwell, a wait for an input or a pause is over.
     Over(Wait),
     /// One tick of timed motion.
     Moved(Moved),

@@ -6,13 +6,14 @@
 //! | Enabling | every drive holds its axis | Starting | hold |
 //! | Starting | every axis streams | Ready | stream |
 //! | Ready | a move is next, and goes | as Moving | stream |
-//! | Ready | a dwell or a pause of the program is next | Dwelling, Paused | stream |
+//! | Ready | a dwell, an input to wait for or a pause of the program is next | Dwelling, Awaiting, Paused | stream |
 //! | Ready | a pass is next, spindle at speed, axes at its start and in position | Arming | **arm** |
 //! | Ready | the program ends, or the operator ends it | Ending | stream |
 //! | Moving | the axes stand, and a fault waited for that | Fault | stream, then as Fault |
 //! | Moving | the axes stand, and the operator ends the program | Ending | stream |
 //! | Moving | the axes stand at the end of the chain | Ready, or Returning to a pass | stream |
-//! | Dwelling, Paused | over, or the operator ends the program | Ready | stream |
+//! | Awaiting | the input is not what is waited for | Awaiting | stream |
+//! | Dwelling, Awaiting, Paused | over, or the operator ends the program | Ready | stream |
 //! | Arming | every axis is armed two ticks later | Armed | hold |
 //! | Arming | one is not: a fault | Leaving for it | **call off**; **leave** once an axis moves |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
@@ -47,7 +48,7 @@ mod order;
 
 use protocol::{Cycle, Fault, MachineState};
 
-pub(crate) use event::{Back, Event, InHand, Moved, Trouble, Wait, Way, Why};
+pub(crate) use event::{Await, Back, Event, InHand, Moved, Trouble, Wait, Way, Why};
 pub(crate) use order::Order;
 
 /// What the interpolator is doing.
@@ -77,6 +78,8 @@ pub(crate) enum Task {
         /// Ticks left.
         left: u64,
     },
+    /// Waits for an input.
+    Awaiting(Await),
     /// Waits for cycle start because the program says so.
     Paused {
         /// How often it had been pressed before.
@@ -170,6 +173,8 @@ impl Task {
                 Task::Ready { wait: *wait }
             }
             (Task::Ready { .. }, Event::Dwells(left)) => Task::Dwelling { left: *left },
+            (Task::Ready { .. }, Event::Awaits(input)) => Task::Awaiting(*input),
+            (Task::Awaiting(before), Event::Awaits(input)) if before != input => Task::Awaiting(*input),
             (Task::Ready { .. }, Event::Pauses(cycle_starts)) => Task::Paused { cycle_starts: *cycle_starts },
             (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass: *pass, sent: *sent },
             (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
@@ -180,7 +185,9 @@ impl Task {
                 return (!as_before).then(|| moved.task(*fault));
             }
             (Task::Dwelling { left }, Event::Nothing) => Task::Dwelling { left: left.saturating_sub(1) },
-            (Task::Dwelling { .. } | Task::Paused { .. }, Event::Over(wait)) => Task::Ready { wait: *wait },
+            (Task::Dwelling { .. } | Task::Awaiting(_) | Task::Paused { .. }, Event::Over(wait)) => {
+                Task::Ready { wait: *wait }
+            }
             (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(*pass),
             (Task::Armed(pass), Event::TakenBack(sent)) => Task::CallingOff { pass: *pass, sent: *sent },
             (Task::Armed(pass) | Task::CallingOff { pass, .. }, Event::Begun) => Task::Cutting(*pass),
@@ -265,7 +272,7 @@ impl Task {
             Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } | Task::Returning { .. } => {
                 MachineState::Paused
             }
-            Task::Dwelling { .. } | Task::Ending { .. } => MachineState::Waiting,
+            Task::Dwelling { .. } | Task::Awaiting(_) | Task::Ending { .. } => MachineState::Waiting,
             Task::Arming { .. }
             | Task::Armed(_)
             | Task::CallingOff { .. }

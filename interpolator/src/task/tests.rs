@@ -1,7 +1,7 @@
 //! Every state and every event: what follows is written down here once more, by name, as a table. What the
 //! table does not name must change nothing.
 
-use protocol::{Axis, AxisCommand, ThreadPass};
+use protocol::{Axis, AxisCommand, ThreadPass, Until};
 
 use super::*;
 
@@ -11,6 +11,10 @@ fn arm() -> InHand {
 
 fn leaving(why: Why, way: Way) -> Task {
     Task::Leaving { pass: arm(), why, way }
+}
+
+fn awaited(left: u64) -> Await {
+    Await { input: 2, until: Until::Rise, before: false, left }
 }
 
 const LEAVE: Way = Way::Leave(Cycle(60));
@@ -29,6 +33,7 @@ fn states() -> Vec<(&'static str, Task)> {
         ("moving back", moving(Wait::No, None, Some(Back::Held))),
         ("braking", moving(Wait::No, Some(Fault::TravelLimit), None)),
         ("dwelling", Task::Dwelling { left: 5 }),
+        ("awaiting", Task::Awaiting(awaited(5))),
         ("paused", Task::Paused { cycle_starts: 3 }),
         ("arming", Task::Arming { pass: arm(), sent: Cycle(20) }),
         ("armed", Task::Armed(arm())),
@@ -64,6 +69,7 @@ fn events() -> Vec<(&'static str, Event)> {
         ("waits", Event::Waits(Wait::No)),
         ("waits for cycle start", Event::Waits(Wait::CycleStart(3))),
         ("dwells", Event::Dwells(5)),
+        ("awaits", Event::Awaits(awaited(4))),
         ("pauses", Event::Pauses(3)),
         ("over", Event::Over(Wait::No)),
         ("over, block done", Event::Over(Wait::CycleStart(3))),
@@ -102,6 +108,7 @@ const TABLE: &[(&str, &str, &str)] = &[
     ("ready", "waits", "ready"),
     ("ready", "waits for cycle start", "ready waiting"),
     ("ready", "dwells", "dwelling"),
+    ("ready", "awaits", "awaiting"),
     ("ready", "pauses", "paused"),
     ("ready", "pass", "arming"),
     ("ready", "ends", "ending"),
@@ -140,6 +147,9 @@ const TABLE: &[(&str, &str, &str)] = &[
     ("dwelling", "nothing", "dwelling"),
     ("dwelling", "over", "ready"),
     ("dwelling", "over, block done", "ready waiting"),
+    ("awaiting", "awaits", "awaiting"),
+    ("awaiting", "over", "ready"),
+    ("awaiting", "over, block done", "ready waiting"),
     ("paused", "over", "ready"),
     ("paused", "over, block done", "ready waiting"),
     ("arming", "armed", "armed"),
@@ -208,6 +218,7 @@ fn name(task: &Task) -> &'static str {
         Task::Moving { wait: Wait::No, .. } => "moving",
         Task::Moving { .. } => "moving waiting",
         Task::Dwelling { .. } => "dwelling",
+        Task::Awaiting(_) => "awaiting",
         Task::Paused { .. } => "paused",
         Task::Arming { .. } => "arming",
         Task::Armed(_) => "armed",

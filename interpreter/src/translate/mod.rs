@@ -24,7 +24,7 @@ use crate::job::{JobNote, Jobs};
 use crate::modal::{Modal, Synchronised};
 use crate::output::Output;
 use crate::points::Points;
-use crate::reach::{Done, refuse_absent};
+use crate::reach::{Done, LONGEST_DWELL, refuse_absent};
 use crate::spindle::{Spindle, Turning};
 use crate::stock::Stock;
 use crate::thread::{Next, Point};
@@ -32,9 +32,6 @@ use crate::threading::{self, PassNote, Threads, coarse_encoder, in_plane_of, is_
 use crate::{MessageNote, arc};
 use doubts::Doubts;
 use gauged::Gauged;
-
-/// Longest dwell, s.
-const LONGEST_DWELL: f64 = 86_400.0;
 
 /// Takes calls, holds items until they are asked for.
 pub(crate) struct Translator {
@@ -251,7 +248,7 @@ impl Translator {
             Call::ProgramStop | Call::OptionalProgramStop => self.push(line, Code::Pause),
             _ => {
                 refuse_absent(call)?;
-                self.push_some(line, auxiliary::output(call, &self.machine, self.spindle.turns())?);
+                self.push_some(line, auxiliary::signal(call, &self.machine, self.spindle.turns())?);
             }
         }
         Ok(())

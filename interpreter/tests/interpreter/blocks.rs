@@ -192,3 +192,23 @@ fn outputs_are_set_as_the_program_says() {
     }
     assert!(interpreter::check("test.ngc", "S100 M3\nM5\nM64 P4\nM2\n", &machine).is_good());
 }
+
+/// M66 becomes a wait; what cannot be waited for is refused with the remedy.
+#[test]
+fn inputs_are_waited_for_as_the_program_says() {
+    let mut machine = machine::Machine::plain();
+    machine.inputs.insert("2".into(), machine::Input::default());
+    let check =
+        good_on(&machine, "M66 P2 L1 Q0.5\nM66 P2 L4 Q5\no1 if [#5399 EQ -1]\nM66 P9 L1 Q1\no1 endif\nM2\n");
+    assert_eq!(listing(&check.items), "1 await 2 Rise 0.5\n2 await 2 Low 5\n6 end\n");
+    for (text, code, said) in [
+        ("M66 P3 L3 Q5\nM2\n", "unknown-input", "input 3 is not"),
+        ("M66 P2 L0\nM2\n", "unknown-input", "known when the machine runs"),
+        ("M66 E2\nM2\n", "unknown-input", "known when the machine runs"),
+        ("M66 P2 L3 Q86401\nM2\n", "bad-value", "cannot wait 86401 s"),
+    ] {
+        let found = interpreter::check("test.ngc", text, &machine).diagnostics;
+        let [one] = &found[..] else { panic!("{text}: {found:?}") };
+        assert!(one.code == code && one.message.contains(said), "{text}: {one:?}");
+    }
+}

@@ -69,6 +69,7 @@ fn text(code: &Code) -> String {
         Code::Tool { number } => format!("tool {number}"),
         Code::Coolant { mist, flood } => format!("coolant mist {mist} flood {flood}"),
         Code::Output { number, set, in_step } => format!("output {number} {set:?} in step {in_step}"),
+        Code::Await { input, until, within_s } => format!("await {input} {until:?} {within_s}"),
         Code::Pause => "pause".to_owned(),
         Code::Pass(pass) => {
             let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));

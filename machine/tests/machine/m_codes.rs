@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use machine::{Machine, MachineCode, PLAIN_LATHE};
+use protocol::Until;
 
 fn refused(text: &str) -> String {
     Machine::from_toml(text).unwrap_err().to_string()
@@ -94,4 +95,34 @@ fn analog_outputs_have_a_range() {
         "{PLAIN_LATHE}\n[analog_outputs.4]\nname = \"a\"\nrange = [0, 1]\ninitial = 0\nsafe = 0\n"
     ));
     assert!(said.starts_with("analog_outputs = 4: each is declared by its number, 0 to 3"), "{said}");
+}
+
+#[test]
+fn a_code_may_wait_for_an_input_that_is_declared() {
+    let file = |deed: &str| {
+        format!("{PLAIN_LATHE}\n[m_codes]\n36 = {{ {deed} }}\n[inputs.2]\nname = \"door\"\ninitial = true\n")
+    };
+    for (written, until) in
+        [("rise", Until::Rise), ("fall", Until::Fall), ("high", Until::High), ("low", Until::Low)]
+    {
+        let deed = format!("does = \"wait-input\", number = 2, until = \"{written}\", within_s = 5");
+        let machine = Machine::from_toml(&file(&deed)).unwrap();
+        let codes: Vec<_> = machine.machine_codes().collect();
+        assert_eq!(codes, [(36, MachineCode::Input { number: 2, until, within_s: 5.0 })]);
+        assert_eq!(machine.inputs_with(|input| input.initial), 4);
+        assert_eq!(Machine::from_toml(&toml::to_string(&machine).unwrap()).unwrap(), machine);
+    }
+    let deed = "does = \"wait-input\", number = 2, until = \"high\", within_s = 5";
+    for (wrong, place) in [
+        (
+            deed.replace("= 2", "= 3"),
+            "m_codes.36.number = 3: input 3 is not in the machine file: add [inputs.3]",
+        ),
+        (deed.replace("= 5", "= 0"), "m_codes.36.within_s = 0: give the longest wait"),
+        (deed.replace("= 5", "= nan"), "m_codes.36.within_s"),
+    ] {
+        let said = refused(&file(&wrong));
+        assert!(said.starts_with(place), "{said}");
+    }
+    assert!(refused(&file(&deed.replace("high", "on"))).contains("wait-input"));
 }

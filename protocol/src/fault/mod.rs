@@ -43,6 +43,7 @@ pub enum Fault {
     OtherAxis = 29,
     InterpolatorSilent = 30,
     ForceTooHigh = 31,
+    InputTimedOut = 32,
 }
 
 /// One row of the table.
@@ -68,8 +69,8 @@ pub struct FaultRow {
 
 impl Fault {
     /// Every fault in the order of its code, which starts at 1.
-    pub const ALL: [Fault; 31] = {
-        let mut all = [Fault::FollowingError; 31];
+    pub const ALL: [Fault; 32] = {
+        let mut all = [Fault::FollowingError; 32];
         let mut i = 0;
         while i < all.len() {
             all[i] = FAULTS[i].fault;

@@ -10,7 +10,7 @@ const fn most(sum: &'static [Span], when: &'static str) -> Within {
 }
 
 /// The table, in the order of the codes.
-pub const FAULTS: [FaultRow; 31] = [
+pub const FAULTS: [FaultRow; 32] = [
     FaultRow {
         fault: Fault::FollowingError,
         code: "following-error",
@@ -323,5 +323,15 @@ pub const FAULTS: [FaultRow; 31] = [
         reaction: "slows the spindle first; then leaves the pass",
         text: "the axis needs more torque than it has although the spindle was slowed down; check depth of cut and tool",
         remedy: "depth of cut, tool",
+    },
+    FaultRow {
+        fault: Fault::InputTimedOut,
+        code: "input-timed-out",
+        source: "interpolator",
+        found: "an input that the program waits for does not come in the time of the program (M66 Q, `within_s`); time under a feed hold does not count",
+        within: &[most(&[Ticks(1)], "behind that time")],
+        reaction: "the axes rest; the program ends",
+        text: "an input that the program waits for did not come in time",
+        remedy: "what the input watches; the line of the wait; Q",
     },
 ];

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use protocol::{
     Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Set, Shape, SpindleMode,
-    SpindleSpeed, ThreadPass, Work,
+    SpindleSpeed, ThreadPass, Until, Work,
     code_file::{CodeFile, CodeFileError, CodeReader, Identity},
 };
 use shape::{
@@ -140,6 +140,11 @@ fn any_item() -> impl Strategy<Value = Item> {
             .prop_map(|(number, (on, in_step))| { Code::Output { number, set: Set::Digital(on), in_step } }),
         (0_u8..4, -1e9..1e9, any::<bool>()).prop_map(|(number, value, in_step)| {
             Code::Output { number, set: Set::Analog(value), in_step }
+        }),
+        (0_u8..64, 1e-3..1e5).prop_map(|(input, within_s)| Code::Await {
+            input,
+            until: Until::Fall,
+            within_s
         }),
         Just(Code::Pause),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),

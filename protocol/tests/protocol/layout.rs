@@ -37,9 +37,9 @@ layout!(way_out: WayOut, 24, {
 layout!(setpoint: Setpoint, 32, {
     cycle: 0, position: 8, velocity_mm_s: 16, acceleration_mm_s2: 24,
 });
-layout!(measurement: Measurement, 336, "pitchlock/measurement/5", {
+layout!(measurement: Measurement, 344, "pitchlock/measurement/6", {
     cycle: 0, spindle_count: 8, index_count: 16, index_number: 24, index_cycle: 32, last: 40,
-    check: 44, axes: 48, panel: 304,
+    check: 44, axes: 48, panel: 304, inputs: 336,
 });
 layout!(axis_measurement: AxisMeasurement, 32, {
     position: 0, scale: 8, torque_nm: 16, status_word: 24, reserved: 28,
@@ -69,9 +69,9 @@ layout!(spindle_command: SpindleCommand, 88, "pitchlock/spindle-command/3", {
 layout!(groove: Groove, 40, {
     start: 0, reserved: 4, lead_mm: 8, crest_mm: 16, slope: 24, into: 32,
 });
-layout!(truth: Truth, 752, "pitchlock/truth/7", {
+layout!(truth: Truth, 760, "pitchlock/truth/8", {
     cycle: 0, spindle_deg: 8, spindle_rpm: 16, spindle_torque_nm: 24, late_answers: 32, cut: 40, axes: 80,
-    measurement: 400, doomed: 736, doom: 740, pending: 744,
+    measurement: 400, doomed: 744, doom: 748, pending: 752,
 });
 layout!(axis_truth: AxisTruth, 40, {
     motor_mm: 0, slide_mm: 8, velocity_mm_s: 16, torque_nm: 24, force_n: 32,

@@ -110,6 +110,7 @@ fn each_kind_of_item_has_its_largest_size() {
         ("coolant", Code::Coolant { mist: true, flood: true }, 17),
         ("output", Code::Output { number: 63, set: Set::Digital(true), in_step: true }, 19),
         ("analog output", Code::Output { number: 3, set: Set::Analog(LONG), in_step: true }, 26),
+        ("wait for an input", Code::Await { input: 63, until: Until::Low, within_s: LONG }, 25),
         ("pause", Code::Pause, 15),
         ("pass", Code::Pass(busy_pass()), 1277),
         ("formula", Code::Formula { slot: u8::MAX, formula: long_formula() }, 370),
@@ -250,12 +251,12 @@ fn what_no_version_writes_cannot_be_read() {
         let packet = CodePacket::from_bytes(bytes).unwrap();
         assert_eq!(packet.unpack(0), Err(Refused::Unreadable("machine code")), "{bytes:?}");
     };
-    unreadable(&[0, 1, 13]); // no such kind
+    unreadable(&[0, 1, 14]); // no such kind
     unreadable(&[0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3]); // a line at no such feed
-    unreadable(&[0, 1, 10, 0, 97]); // a formula of 97 operations
-    unreadable(&[0, 1, 10, 0, 253, 255, 255, 255, 255, 255, 255, 255, 255]);
-    unreadable(&[0, 1, 10, 0, 1, 99, 0]); // of one that does not exist
-    unreadable(&[0, 1, 10, 0, 1, 4, 0]); // of a sum of nothing
+    unreadable(&[0, 1, 11, 0, 97]); // a formula of 97 operations
+    unreadable(&[0, 1, 11, 0, 253, 255, 255, 255, 255, 255, 255, 255, 255]);
+    unreadable(&[0, 1, 11, 0, 1, 99, 0]); // of one that does not exist
+    unreadable(&[0, 1, 11, 0, 1, 4, 0]); // of a sum of nothing
     unreadable(&[0, 1, 6, 2, 0]); // mist neither on nor off
 }
 

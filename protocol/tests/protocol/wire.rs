@@ -76,6 +76,9 @@ fn every_code_travels() {
         codes.push(Code::Output { number: 63, set, in_step });
     }
     codes.push(Code::Output { number: 3, set: Set::Analog(-2.5), in_step: true });
+    for until in [Until::Rise, Until::Fall, Until::High, Until::Low] {
+        codes.push(Code::Await { input: 63, until, within_s: 0.5 });
+    }
     codes.push(Code::Pause);
     for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
         let surface = SpindleSpeed::Surface { mm_s: 2500.0, max_rpm: 1800.0, axis_mm: Position(-7) };

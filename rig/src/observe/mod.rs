@@ -59,7 +59,7 @@ pub use judged::PartReport;
 pub use led::Led;
 pub use messages::{Message, MessageReport};
 pub use observation::Observation;
-pub use outputs::{AnalogReport, OutputReport};
+pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
 pub use summary_file::{ProgramWarning, SummaryError};
 pub use threads::ThreadReport;
@@ -243,7 +243,7 @@ impl Observer {
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
-        self.outputs.cycle(record.machine);
+        self.outputs.cycle(record.machine, &record.truth.measurement);
         self.messages.cycle(record.truth.cycle.0, record.machine);
         self.pending = record.truth.pending;
         self.take_faults(record);
@@ -291,7 +291,7 @@ impl Observer {
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
         self.out.pauses = self.pauses.finish();
-        (self.out.outputs, self.out.analog_outputs) = self.outputs.finish();
+        (self.out.outputs, self.out.analog_outputs, self.out.inputs) = self.outputs.finish();
         self.out.messages = self.messages.told;
         self.out.thread = self.threads.report(&self.out.passes);
         self.out.gauge = self.gauged.as_ref().map(Gauged::report);

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use protocol::Axis;
 
 use super::{
-    AnalogReport, AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, OutputReport,
-    PassReport, PauseReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION,
+    AnalogReport, AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, PassReport,
+    PauseReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION,
     judged::judged,
 };
 
@@ -44,9 +44,11 @@ pub struct Observation {
     /// Pauses of the program in the order of their coming.
     pub pauses: Vec<PauseReport>,
     /// Changes of digital outputs in the order of their coming.
-    pub outputs: Vec<OutputReport>,
+    pub outputs: Vec<SignalReport>,
     /// Changes of analog outputs in the order of their coming.
     pub analog_outputs: Vec<AnalogReport>,
+    /// Changes of digital inputs in the order of their coming.
+    pub inputs: Vec<SignalReport>,
     /// What the program told its operator.
     pub messages: Vec<MessageReport>,
     /// Limits of the axes.
@@ -84,6 +86,7 @@ impl Observation {
             pauses: self.pauses,
             outputs: self.outputs,
             analog_outputs: self.analog_outputs,
+            inputs: self.inputs,
             messages: self.messages,
             limits: self.limits,
             stock: self.stock,

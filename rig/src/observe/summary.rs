@@ -10,8 +10,8 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AnalogReport, GaugeReport, LimitsUsed, MessageReport, OutputReport, PartReport, PauseReport,
-    ProgramWarning, StockReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
+    AnalogReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning,
+    SignalReport, StockReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -350,10 +350,13 @@ pub struct Summary {
     pub pauses: Vec<PauseReport>,
     /// Changes of digital outputs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub outputs: Vec<OutputReport>,
+    pub outputs: Vec<SignalReport>,
     /// Changes of analog outputs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub analog_outputs: Vec<AnalogReport>,
+    /// Changes of digital inputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<SignalReport>,
     /// What the program told its operator.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<MessageReport>,

@@ -8,6 +8,7 @@ mod corrections;
 mod gauge;
 mod held;
 mod hostile;
+mod inputs;
 mod journal;
 mod leaving;
 mod led;

@@ -43,6 +43,17 @@ pub enum PlantError {
         /// Name of the axis.
         axis: &'static str,
     },
+    /// An event of the scenario for an input that the machine does not have.
+    #[error(
+        "event {event} of the scenario acts on input {number}: the machine has no [inputs.{number}]; add it, and below \
+         it name = \"what it tells\""
+    )]
+    NoInputToActOn {
+        /// Which event, from 1.
+        event: usize,
+        /// Number of the input.
+        number: u32,
+    },
 }
 
 /// `[plant]`

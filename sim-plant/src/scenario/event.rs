@@ -5,8 +5,8 @@ use protocol::operator::Request;
 use serde::Deserialize;
 
 use super::faults::{
-    RawDriveFault, RawFreeze, RawGlitch, RawJump, RawPacket, RawPassing, RawSpindleFault, eccentricity,
-    module, noise,
+    RawDriveFault, RawFreeze, RawGlitch, RawInput, RawJump, RawPacket, RawPassing, RawSpindleFault,
+    eccentricity, module, noise,
 };
 use super::loads::{RawForce, RawLoad, RawSpike};
 use super::trigger::{RawTrigger, TRIGGERS};
@@ -43,6 +43,7 @@ pub(super) struct RawEvent {
     kill: Option<String>,
     freeze: Option<RawFreeze>,
     packet: Option<RawPacket>,
+    input: Option<RawInput>,
 }
 
 impl RawEvent {
@@ -148,6 +149,7 @@ impl RawEvent {
             self.kill.as_ref().map(kill),
             self.freeze.as_ref().map(RawFreeze::check),
             self.packet.as_ref().map(RawPacket::check),
+            self.input.as_ref().map(RawInput::check),
         ];
         all.into_iter().flatten().collect()
     }

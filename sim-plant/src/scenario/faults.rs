@@ -1,7 +1,7 @@
-//! What breaks: the spindle encoder, drives, modules, messages. In: the values of an event. Out: checked
+//! What breaks, and what inputs show: the spindle encoder, drives, modules, messages, inputs. In: the values of an event. Out: checked
 //! actions.
 
-use protocol::{Axis, Doom, Module};
+use protocol::{Axis, Doom, INPUTS, Module};
 use serde::Deserialize;
 
 use super::{Action, SpindleFault, check_duration, range};
@@ -246,5 +246,23 @@ impl RawPacket {
         let count = self.count.unwrap_or(1);
         range("packet.count", f64::from(count), 1.0, MOST_MESSAGES)?;
         Ok(Action::Packet(Packet { channel, tampering, count }))
+    }
+}
+
+/// `input`
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawInput {
+    number: u32,
+    on: bool,
+    #[serde(default)]
+    after_s: f64,
+}
+
+impl RawInput {
+    pub(super) fn check(&self) -> Result<Action, String> {
+        range("input.number", f64::from(self.number), 0.0, f64::from(INPUTS - 1))?;
+        range("input.after_s", self.after_s, 0.0, 1e4)?;
+        Ok(Action::Input { number: self.number as u8, on: self.on, after_s: self.after_s })
     }
 }

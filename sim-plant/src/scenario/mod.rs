@@ -156,6 +156,12 @@ pub(crate) enum Action {
         for_s: Option<f64>,
     },
     Packet(Packet),
+    /// An input goes on or off, so much later.
+    Input {
+        number: u8,
+        on: bool,
+        after_s: f64,
+    },
 }
 
 impl Action {
@@ -237,6 +243,14 @@ impl Scenario {
             _ => 0,
         };
         self.events.iter().map(cycle).max().unwrap_or(0)
+    }
+
+    /// The inputs that events act on, with the number of the event, from 1.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = (usize, u32)> {
+        self.events.iter().zip(1..).filter_map(|(event, index)| match event.action {
+            Action::Input { number, .. } => Some((index, u32::from(number))),
+            _ => None,
+        })
     }
 
     /// The axes that events act on, with the number of the event, from 1.

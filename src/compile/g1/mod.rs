@@ -118,6 +118,7 @@ impl Program<'_> {
             Code::Tool { number } => self.lines.put(&format!("T{number} M6")),
             Code::Coolant { mist, flood } => self.lines.coolant(*mist, *flood),
             Code::Output { number, set, in_step } => self.lines.output(*number, *set, *in_step),
+            Code::Await { input, until, within_s } => self.lines.wait(*input, *until, *within_s),
             Code::Pause => self.lines.put("M0"),
             Code::End => self.lines.put("M2"),
         }

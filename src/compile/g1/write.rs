@@ -2,7 +2,7 @@
 //! changed.
 
 use machine::Kinematics;
-use protocol::{Axis, Feed, PathMode, PerAxis, Position, Set, SpindleMode, SpindleSpeed};
+use protocol::{Axis, Feed, PathMode, PerAxis, Position, Set, SpindleMode, SpindleSpeed, Until};
 
 use super::Size;
 use super::chords::{Chords, Piece};
@@ -131,6 +131,17 @@ impl<'a> Lines<'a> {
             (Set::Analog(value), true) => format!("M67 E{index} Q{value}"),
             (Set::Analog(value), false) => format!("M68 E{index} Q{value}"),
         });
+    }
+
+    /// A wait for an input.
+    pub(super) fn wait(&mut self, input: u8, until: Until, within_s: f64) {
+        let l = match until {
+            Until::Rise => 1,
+            Until::Fall => 2,
+            Until::High => 3,
+            Until::Low => 4,
+        };
+        self.put(&format!("M66 P{input} L{l} Q{within_s}"));
     }
 
     /// The first move of a program, if it is rapid, begins with this axis alone.

@@ -245,7 +245,9 @@ pub(super) fn add_m(value: f64, span: Span, state: &State, block: &mut Block) ->
         None => match state.machine_code(value, span)? {
             MachineCode::Ignore => Ok(()),
             MachineCode::Wait => block.add_m(m_group::STOP, M(0), span),
-            MachineCode::Output { .. } => block.add_m(m_group::MACHINE, M(value as u16), span),
+            MachineCode::Output { .. } | MachineCode::Input { .. } => {
+                block.add_m(m_group::MACHINE, M(value as u16), span)
+            }
         },
     }
 }

@@ -73,7 +73,6 @@ fn what_is_probably_wrong_is_a_warning() {
     assert_eq!(codes("T5\nM2\n"), [""; 0], "without a table there is no tool to miss");
     assert_eq!(codes("G95 F0.1 S100\nG1 X1\nM2\n"), ["spindle-not-turning"]);
     assert_eq!(codes("G95 F0.1 S100 M3\nG1 X1\nX2\nM2\n"), [""; 0]);
-    assert_eq!(codes("M66 P1 L0\nM2\n"), ["unknown-input"]);
     assert_eq!(codes("M73\nM2\n"), ["no-effect"]);
 }
 
@@ -81,6 +80,8 @@ fn what_is_probably_wrong_is_a_warning() {
 fn inputs_need_a_number_a_way_and_a_time() {
     for bad in [
         "M66",
+        "M66 P1 L0",
+        "M66 E1",
         "M66 P1 E1",
         "M66 P1 L1",
         "M66 P1 L5 Q1",
@@ -94,6 +95,11 @@ fn inputs_need_a_number_a_way_and_a_time() {
     }
     let wait = "WaitInput { index: 2, analog: false, wait: 3, timeout: 1.5 }";
     assert_eq!(calls("M66 P2 L3 Q1.5"), [wait]);
+    // Behind a wait the input is what was waited for.
+    for (l, level) in [(1, 1.0), (2, 0.0), (3, 1.0), (4, 0.0)] {
+        let told = calls(&format!("#5399=7\nM66 P2 L{l} Q1.5\nG4 P#5399"));
+        assert_eq!(told.last().map(String::as_str), Some(format!("Dwell({level:?})").as_str()), "L{l}");
+    }
 }
 
 #[test]

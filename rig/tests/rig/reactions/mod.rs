@@ -22,7 +22,7 @@ use crate::stand::compiled;
 const PAGE: &str = include_str!("../../../../docs/faults.md");
 
 /// What neither plant nor wires nor a module can cause, and the test that has it: its file and its name.
-const ELSEWHERE: [(Fault, &str, &str); 3] = [
+const ELSEWHERE: [(Fault, &str, &str); 4] = [
     (
         Fault::PassNotFeasible,
         include_str!("mod.rs"),
@@ -33,6 +33,7 @@ const ELSEWHERE: [(Fault, &str, &str); 3] = [
         include_str!("../machine_code.rs"),
         "arcs_that_cannot_be_are_faults_and_move_nothing",
     ),
+    (Fault::InputTimedOut, include_str!("../inputs.rs"), "an_input_that_does_not_come_in_time_is_a_fault"),
     // Nobody has ever seen one: this test plans at random, and none comes.
     (
         Fault::PlanRejected,
