@@ -1,5 +1,5 @@
-//! Digital inputs. In: the table `[inputs]` of the machine file. Out: which there are, and what each of them shows
-//! before anything happens.
+//! Digital inputs. In: the table `[inputs]` of the machine file. Out: which there are, and what each of them
+//! shows before anything happens.
 
 use serde::{Deserialize, Serialize};
 

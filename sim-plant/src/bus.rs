@@ -7,8 +7,8 @@
 //! | d_o | cycles | from the cycle in which a regulator commands to that in which the drive takes it |
 //!
 //! Axes, spindle and status words travel together. The loop of speed is in the drive and sees its own encoder
-//! at once. The panel, the inputs and the command of the spindle do not travel: who presses and who commands does so at
-//! any time.
+//! at once. The panel, the inputs and the command of the spindle do not travel: who presses and who commands
+//! does so at any time.
 
 use protocol::{Cycle, DriveCommand, Measurement, PerAxis};
 

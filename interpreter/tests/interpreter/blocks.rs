@@ -156,7 +156,8 @@ fn time_adds_up() {
     }
 }
 
-/// Each output by its code, what it is set to, and whether it goes with the move; a chain is not broken by it.
+/// Each output by its code, what it is set to, and whether it goes with the move; a chain is not broken by
+/// it.
 #[test]
 fn outputs_are_set_as_the_program_says() {
     let mut machine = machine::Machine::plain();

@@ -1,5 +1,5 @@
-//! Outputs and inputs, and when each of them changed. In: the machine status and the measurement of every control
-//! cycle. Out: a [`SignalReport`] or an [`AnalogReport`] of each change.
+//! Outputs and inputs, and when each of them changed. In: the machine status and the measurement of every
+//! control cycle. Out: a [`SignalReport`] or an [`AnalogReport`] of each change.
 
 use std::collections::BTreeMap;
 

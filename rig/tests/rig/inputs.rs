@@ -111,8 +111,8 @@ fn an_input_that_does_not_come_in_time_is_a_fault() {
     }
 }
 
-/// Time does not count under a feed hold; a stop, an abort and an emergency stop end the wait; behind single block
-/// cycle start is wanted.
+/// Time does not count under a feed hold; a stop, an abort and an emergency stop end the wait; behind single
+/// block cycle start is wanted.
 #[test]
 fn whatever_is_pressed_while_a_program_waits() {
     let at = 3000;
