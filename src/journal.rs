@@ -85,6 +85,11 @@ fn buttons(bits: u32) -> String {
     if pressed.is_empty() { "all released".into() } else { pressed.join(", ") }
 }
 
+/// The numbers of the bits that are set.
+fn on(bits: u64) -> Vec<u32> {
+    (0..u64::BITS).filter(|number| bits >> number & 1 == 1).collect()
+}
+
 fn told(record: u64, state: &State) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "known     up to control cycle {} (record {record})", state.cycle);
@@ -111,6 +116,16 @@ fn told(record: u64, state: &State) -> String {
     let [x_mm, z_mm] = state.origin_mm;
     let _ = writeln!(text, "zero      of the program at X {x_mm:.4} Z {z_mm:.4} mm of the machine");
     let _ = writeln!(text, "tool      {}, coolant {}", state.tool, state.coolant);
+    let signals = [("outputs", state.outputs), ("inputs", state.inputs)];
+    for (what, bits) in signals.into_iter().filter(|(_, bits)| *bits != 0) {
+        let numbers: Vec<String> = on(bits).iter().map(u32::to_string).collect();
+        let _ = writeln!(text, "{what:<9} on: {}", numbers.join(", "));
+    }
+    if state.analog.iter().any(|value| *value != 0.0) {
+        let values: Vec<String> =
+            (0..).zip(state.analog).map(|(number, value)| format!("{number} at {value}")).collect();
+        let _ = writeln!(text, "analog    {}", values.join(", "));
+    }
     let _ = match state.index_number {
         0 => writeln!(text, "spindle   {:.1} 1/min commanded; no index has been seen", state.spindle_rpm),
         number => writeln!(
@@ -159,6 +174,9 @@ fn as_json(record: u64, state: &State) -> Value {
         "origin_mm": state.origin_mm,
         "tool": state.tool,
         "coolant": state.coolant,
+        "outputs": on(state.outputs),
+        "analog_outputs": state.analog,
+        "inputs": on(state.inputs),
         "spindle": {
             "commanded_rpm": state.spindle_rpm,
             "count": state.spindle_count,

@@ -16,6 +16,8 @@ use protocol::{
 };
 use route::{Advance, Course, Move, Route, Routed, Unworkable};
 
+/// Until it is sure that axes stand, s.
+const STOOD_S: f64 = 0.05;
 /// From there until it is sure that a spindle stands, s: three means of a tenth, and the one that they fall
 /// in.
 const REST_S: f64 = 0.35;
@@ -106,8 +108,9 @@ impl<'m> Clock<'m> {
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
             Code::Output { number, set: Set::Digital(_), .. } if self.waits_for_rest(*number) => {
+                let turned = self.rpm != 0.0;
                 self.run_down();
-                self.pass_time(REST_S);
+                self.pass_time(if turned { REST_S } else { STOOD_S });
             }
             Code::Output { in_step: false, .. } | Code::Await { .. } => {
                 self.pass_time(SETPOINT_LEAD as f64 * self.machine.general.interpolator_cycle_s);

@@ -15,7 +15,8 @@ fn project() -> PathBuf {
 
 /// Every program of the project, with its dialect.
 fn programs() -> Vec<(PathBuf, Dialect)> {
-    let folders = ["tests/conformance/programs", "examples", "examples/fanuc", "examples/shape"];
+    let folders =
+        ["tests/conformance/programs", "examples", "examples/fanuc", "examples/shape", "examples/bar-feeder"];
     let entries =
         folders.iter().flat_map(|folder| std::fs::read_dir(project().join(folder)).expect("a folder"));
     let paths = entries.map(|entry| entry.expect("an entry").path());

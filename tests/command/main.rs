@@ -27,6 +27,7 @@ mod pick_up;
 mod processes;
 mod replay;
 mod resolution;
+mod signals;
 mod straight_lines;
 mod strangers;
 mod thread;

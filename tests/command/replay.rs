@@ -33,7 +33,7 @@ fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// Examples besides those that `determinism` runs, each with its machine.
-const MORE: [(&str, &str); 9] = [
+const MORE: [(&str, &str); 10] = [
     ("fanuc/shaft-m24.nc", "small-lathe"),
     ("mill/contour.ngc", "small-mill"),
     ("positioner/points.toml", "positioner"),
@@ -43,12 +43,13 @@ const MORE: [(&str, &str); 9] = [
     ("mill/circle.ngc", "small-mill"),
     ("positioner/cylinders.toml", "positioner"),
     ("shape/contour.toml", "small-mill"),
+    ("bar-feeder/pin.ngc", "../bar-feeder/lathe"),
 ];
 
 #[test]
 fn examples_are_the_same_again() {
     let place = Place::new();
-    let count = testing::count("PITCHLOCK_REPLAYS", 3).min(9) as usize;
+    let count = testing::count("PITCHLOCK_REPLAYS", 3).min(10) as usize;
     for (program, machine) in &MORE[..count] {
         let machine = project().join("examples/machines").join(machine).with_extension("toml");
         let machine = machine.display().to_string();

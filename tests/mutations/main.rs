@@ -49,6 +49,7 @@ fn programs(folder: &str, ending: &str) -> Vec<Vec<u8>> {
 fn all_programs() -> Vec<Vec<u8>> {
     let mut all = programs("tests/conformance/programs", "ngc");
     all.extend(programs("examples", "ngc"));
+    all.extend(programs("examples/bar-feeder", "ngc"));
     all.extend(fanuc_programs());
     all.extend(mill_programs());
     all
@@ -283,6 +284,7 @@ fn machine_files() -> Vec<Vec<u8>> {
 /// Scenarios that are shipped, and one of everything.
 fn scenarios() -> Vec<Vec<u8>> {
     let mut all = programs("examples/scenarios", "toml");
+    all.push(include_bytes!("../../examples/bar-feeder/answers.toml").to_vec());
     all.push(EVENTS.into());
     all
 }

@@ -134,6 +134,12 @@ fn every_example_can_be_read() {
     for path in of_folder("examples/scenarios", ".toml") {
         Scenario::from_toml(&read(&path)).unwrap_or_else(|error| panic!("{path:?}: {error}"));
     }
+    let cell = |name: &str| read(Path::new("examples/bar-feeder").join(name));
+    let machine = Machine::from_toml(&cell("lathe.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let answers = Scenario::from_toml(&cell("answers.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert!(sim_plant::Plant::new(&machine, answers, 1).is_ok());
+    let check = interpreter::check("pin.ngc", &cell("pin.ngc"), &machine);
+    assert!(check.diagnostics.is_empty(), "{:?}", check.diagnostics);
     for (folder, kinematics) in [("examples", Kinematics::Lathe), ("examples/mill", Kinematics::Mill)] {
         let machine = Machine::from_toml(kinematics.example()).expect("the shipped machines are tested");
         for path in of_folder(folder, ".ngc") {

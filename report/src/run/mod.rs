@@ -18,6 +18,7 @@ mod page;
 mod part;
 mod passes;
 mod path;
+mod signals;
 #[cfg(test)]
 mod tests;
 mod tools;

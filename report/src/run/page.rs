@@ -7,6 +7,7 @@ use super::Run;
 use super::cutting;
 use super::gauge;
 use super::passes;
+use super::signals;
 use super::traces;
 use super::verdict::{self, um};
 use crate::page::{document, pictures};
@@ -28,6 +29,7 @@ pub(super) fn html(run: &Run) -> String {
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
         @for table in &drawn.tables { (section(table)) }
+        @if let Some(table) = signals::table(summary) { (section(&table)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&drawn.figures, 1 + usize::from(drawn.part.is_some())))
         (details(summary))

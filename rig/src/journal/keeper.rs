@@ -127,6 +127,9 @@ impl Keeper {
             stopped: u32::from(machine.stopped),
             tool: machine.tool,
             coolant: u32::from(machine.coolant),
+            outputs: machine.outputs,
+            analog: machine.analog,
+            inputs: measurement.inputs,
             buttons: panel.buttons,
             cycle_starts: panel.cycle_starts,
             ..before
@@ -190,7 +193,7 @@ impl Keeper {
 fn is_event(written: &State, state: &State) -> bool {
     let of = |state: &State| {
         let State { open, passes, fault, stopped, tool, coolant, acted, axes, .. } = *state;
-        (open, passes, fault, stopped, tool, coolant, acted, axes)
+        ((open, passes, fault, stopped, tool, coolant, acted, axes), state.outputs, state.inputs)
     };
     let over = |state: &State| state.machine == MachineState::Ended as u32;
     of(written) != of(state) || over(written) != over(state)

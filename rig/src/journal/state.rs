@@ -1,12 +1,12 @@
 //! What is kept of a control.
 
-use protocol::{MachineState, PerAxis, Position};
+use protocol::{ANALOG_OUTPUTS, MachineState, PerAxis, Position};
 use zerocopy::{FromBytes, FromZeros as _, Immutable, IntoBytes};
 
 use super::sheet::Kept;
 
 /// Actions of the operator that every record holds: the last ones.
-pub const ACTIONS: usize = 8;
+pub const ACTIONS: usize = 6;
 
 /// What an operator did at the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +78,12 @@ pub struct State {
     pub actions: [Action; ACTIONS],
     /// How many there were in all.
     pub acted: u64,
+    /// The digital outputs that are on, bit by bit, as they were commanded last; the analog ones.
+    pub outputs: u64,
+    /// See there.
+    pub analog: [f64; ANALOG_OUTPUTS as usize],
+    /// The digital inputs that were on, bit by bit.
+    pub inputs: u64,
     /// State of every axis, by its code.
     pub axes: PerAxis<u8>,
     /// Line of the program.
@@ -119,5 +125,5 @@ impl State {
 }
 
 impl Kept for State {
-    const MAGIC: [u8; 8] = *b"PITCHJ\0\x01";
+    const MAGIC: [u8; 8] = *b"PITCHJ\0\x02";
 }

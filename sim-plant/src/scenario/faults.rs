@@ -1,5 +1,5 @@
-//! What breaks, and what inputs show: the spindle encoder, drives, modules, messages, inputs. In: the values of an event. Out: checked
-//! actions.
+//! What breaks, and what inputs show: the spindle encoder, drives, modules, messages, inputs. In: the values
+//! of an event. Out: checked actions.
 
 use protocol::{Axis, Doom, INPUTS, Module};
 use serde::Deserialize;
