@@ -272,11 +272,11 @@ impl Travel {
         if self.working.in_hand() {
             return self.working.fill(&mut self.run, &self.route, queue, single);
         }
-        for _ in 0..MOVES_PER_TICK {
-            if !self.run.has_room() {
-                return Ok(());
-            }
+        let mut moves = 0;
+        while moves < MOVES_PER_TICK && self.run.has_room() {
+            // What stands between the moves costs next to nothing, and the queue is short.
             let Some(item) = queue.head() else { return Ok(()) };
+            moves += usize::from(item.is_move());
             let taken = match &item.code {
                 code @ (Code::Line { .. } | Code::Arc { .. }) => self.append(item.line, code)?,
                 Code::PathMode(mode) => {

@@ -8,7 +8,7 @@ use protocol::{
 };
 use rig::observe::{Observation, Outcome, Record};
 
-use crate::stand::{Stand, pressed};
+use crate::stand::{Stand, compiled, pressed};
 
 const FEED: Feed = Feed::PerMinute(600.0);
 
@@ -231,6 +231,62 @@ fn in_step_with_motion_whatever_is_pressed_and_when() {
     }
 }
 
+/// In the middle of the blend of a right angle, without a stop.
+#[test]
+fn in_step_with_motion_an_output_changes_within_a_blend() {
+    let corner = |x: f64, z: f64| {
+        let mut target = [Position(0); 8];
+        (target[0], target[2]) = (Position::from_mm(x), Position::from_mm(z));
+        Code::Line { target, feed: FEED }
+    };
+    let blend = Code::PathMode(PathMode::Blend { tolerance_mm: 0.2, merge_mm: 0.0 });
+    let codes = [blend, corner(60.0, 95.0), output(3, true, true), corner(55.0, 95.0), Code::End];
+    let (seen, observation) = run(&codes, &[], "");
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    let at = seen.iter().find(|moment| moment.is_on(3)).unwrap();
+    // The middle of the blend is 0.2 mm from the corner, 0.14 mm in Z; the way of a tick is 0.02 mm.
+    assert!((at.z - 95.0).abs() < 0.2 && at.z > 95.05 && at.mm_s > 4.0, "{at:?}");
+}
+
+/// More outputs than a chain has blocks, in lines of which several pass in a tick: none is lost, nothing is
+/// slower.
+#[test]
+fn in_step_with_motion_every_short_line_may_have_an_output() {
+    let feed = Feed::PerMinute(6000.0);
+    let lines: Vec<Code> = (0..1500).map(|number| line(98.0 - 0.01 * f64::from(number), feed)).collect();
+    let with = lines.iter().zip(0..).flat_map(|(line, number)| [output(3, number % 3 == 2, true), *line]);
+    let with: Vec<Code> = with.chain([Code::End]).collect();
+    let (seen, observation) = run(&with, &[], "");
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    assert!(observation.outputs.len() > 30 && observation.moves.starved == 0, "{observation:?}");
+    assert!(seen.iter().any(|moment| moment.z < 83.013 && moment.is_on(3)), "the last one is on");
+    let (without, _) = run(&[lines, vec![Code::End]].concat(), &[], "");
+    let arrives = |seen: &[Moment]| seen.iter().position(|moment| moment.z < 83.1).unwrap();
+    assert_eq!(arrives(&seen), arrives(&without), "the look-ahead is as long");
+}
+
+/// With a pass of a thread it changes with the index, and back with the move behind it.
+#[test]
+fn in_step_with_a_pass_an_output_changes_with_its_index() {
+    let program =
+        "G18 G21 G90 G8\nM3 S600\nG0 X12 Z8\nG0 X9.5\nM62 P3\nG33 Z-6 K2\nG0 X12\nM63 P3\nG0 Z8\nM5\nM2\n";
+    let (machine, mut seen) = (machine(), Vec::new());
+    let items = compiled(&machine, program);
+    let stand = Stand { machine: &machine, items: &items, scenario: "", seed: 5 };
+    let observation = stand.run(|record: &Record| {
+        let begun = record.axes.iter().any(|(_, axis)| axis.state().has_begun());
+        seen.push((record.truth.cycle.0, begun, record.machine.outputs >> 3 & 1 == 1, record.machine.line));
+        None
+    });
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    let index = seen.iter().find(|(_, begun, ..)| *begun).unwrap().0;
+    let on = seen.iter().find(|(.., on, _)| *on).unwrap().0;
+    // The tick that hears of it, and the one before.
+    assert!((index..=index + 8).contains(&on), "on in {on}, index in {index}");
+    let off = seen.iter().rfind(|(.., on, _)| *on).unwrap();
+    assert_eq!(off.3, 9, "it goes off with the move in line 9: {off:?}");
+}
+
 /// The spindle turns, the axes move, and the program ends so, as M30 without M5 does.
 fn turning() -> Vec<Code> {
     let speed = SpindleSpeed::Rpm(600.0);
@@ -264,7 +320,7 @@ fn a_chuck_opens_at_standstill_whatever_ends_the_program_and_when() {
     let at = calm.iter().find(|moment| moment.cycle == off.cycle).unwrap();
     assert!(at.rpm.abs() < 1.0 && at.mm_s < 0.2, "{at:?}");
     let ends = calm.len() as u64;
-    for at in (100..ends).step_by(397).chain((ends - 60..ends).step_by(13)) {
+    for at in (100..ends).step_by(797).chain((ends - 60..ends).step_by(13)) {
         for request in [Request::FeedHold, Request::Stop, Request::Abort, Request::EmergencyStop] {
             let more = (request == Request::FeedHold).then_some((at + 500, Request::CycleStart));
             let requests: Vec<_> = [(at, request)].into_iter().chain(more).collect();
