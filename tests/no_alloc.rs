@@ -90,16 +90,31 @@ fn work_from_formulas_allocates_nothing() {
     }
 }
 
-/// Look-ahead, blends, overrides and holds: a contour of short lines under an operator who does not leave it
-/// alone.
+/// Outputs at rest and in step with motion, waits for inputs, and what answers them.
+#[test]
+fn outputs_and_inputs_allocate_nothing() {
+    let [machine, program, answers] = ["lathe.toml", "pin.ngc", "answers.toml"].map(|name| {
+        fs::read_to_string(shop::project().join("examples/bar-feeder").join(name)).expect("it is shipped")
+    });
+    let machine = Machine::from_toml(&machine).expect("it is right");
+    let check = interpreter::check("pin.ngc", &program, &machine);
+    let answers = Scenario::from_toml(&answers).expect("it is right");
+    let mut rig = Rig::new(&machine, check.items.into_iter(), answers, 1).expect("it can be built");
+    let cycles = cycles_without_allocation(&mut rig, "the bar feeder");
+    assert!(cycles > 50_000, "it ended after {cycles} cycles");
+}
+
+/// Look-ahead, blends, overrides and holds: a contour of short lines, each with an output, under an operator
+/// who does not leave it alone.
 #[test]
 fn a_contour_under_overrides_allocates_nothing() {
     let mill = fs::read_to_string(shop::project().join("examples/machines/small-mill.toml"));
-    let machine = Machine::from_toml(&mill.expect("examples are shipped")).expect("it is right");
+    let mill = mill.expect("examples are shipped") + "\n[outputs.3]\nname = \"air\"\n";
+    let machine = Machine::from_toml(&mill).expect("it is right");
     let mut text = "G21 G64 P0.01 Q0 F3000\nG0 X0 Y0\n".to_owned();
     for i in 1..4000 {
         let (s, c) = libm::sincos(f64::from(i) / 150.0);
-        text += &format!("G1 X{:.6} Y{:.6}\n", 30.0 * s, 30.0 - 30.0 * c);
+        text += &format!("M{} P3\nG1 X{:.6} Y{:.6}\n", 62 + i % 2, 30.0 * s, 30.0 - 30.0 * c);
     }
     let check = interpreter::check("contour", &(text + "M2\n"), &machine);
     let mut rig = Rig::new(&machine, check.items.into_iter(), restless(), 1).expect("it can be built");

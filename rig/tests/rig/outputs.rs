@@ -7,6 +7,7 @@ use protocol::{
     Code, Feed, Item, MachineState, PathMode, Position, Set, SpindleMode, SpindleSpeed, operator::Request,
 };
 use rig::observe::{Observation, Outcome, Record};
+use testing::{Seed, count};
 
 use crate::stand::{Stand, compiled, pressed};
 
@@ -320,7 +321,12 @@ fn a_chuck_opens_at_standstill_whatever_ends_the_program_and_when() {
     let at = calm.iter().find(|moment| moment.cycle == off.cycle).unwrap();
     assert!(at.rpm.abs() < 1.0 && at.mm_s < 0.2, "{at:?}");
     let ends = calm.len() as u64;
-    for at in (100..ends).step_by(797).chain((ends - 60..ends).step_by(13)) {
+    let mut random = Seed::new(16);
+    let moments = count("PITCHLOCK_ENDS", 12);
+    // Two in three around the end: the last 60 cycles, those in which the spindle runs down, all of it.
+    for moment in 0..moments {
+        let before = [60, 1500, ends - 100][moment as usize % 3];
+        let at = ends - 1 - random.below(before as usize) as u64;
         for request in [Request::FeedHold, Request::Stop, Request::Abort, Request::EmergencyStop] {
             let more = (request == Request::FeedHold).then_some((at + 500, Request::CycleStart));
             let requests: Vec<_> = [(at, request)].into_iter().chain(more).collect();

@@ -279,3 +279,28 @@ fn a_thread_is_refused_with_its_line() {
     let error = super::write(&thread, &machine, &mut |_| {}).expect_err("a thread follows the spindle");
     assert_eq!((error.line, error.reason.as_str()), (4, "a pass of a thread is not said in lines"));
 }
+
+#[test]
+fn outputs_and_inputs_are_the_codes_that_they_came_from() {
+    let mut machine = mill();
+    machine.outputs.insert("3".into(), machine::Output::default());
+    machine.inputs.insert("2".into(), machine::Input::default());
+    let air = machine::AnalogOutput { range: [0.0, 10.0], ..Default::default() };
+    machine.analog_outputs.insert("1".into(), air);
+    let codes = [
+        "M62 P3",
+        "M63 P3",
+        "M64 P3",
+        "M65 P3",
+        "M67 E1 Q2.5",
+        "M68 E1 Q10",
+        "M66 P2 L1 Q0.5",
+        "M66 P2 L2 Q1",
+        "M66 P2 L3 Q2",
+        "M66 P2 L4 Q3",
+    ];
+    let program = format!("F1000\nG1 X10\n{}\nG1 X20\nM2\n", codes.join("\n"));
+    let (lines, _) = lines(&items(&program, &machine), &machine);
+    let said: Vec<&String> = lines.iter().filter(|line| line.starts_with("M6")).collect();
+    assert_eq!(said, codes);
+}
