@@ -224,6 +224,30 @@ fn coolant_is_seen_and_ends_with_the_program() {
     assert_eq!(seen, [0, MachineStatus::MIST, MachineStatus::FLOOD, 0]);
 }
 
+/// A spindle that was told to stop is at its speed once it stands: a feed behind M5 waits for that, and no
+/// longer.
+#[test]
+fn a_feed_behind_m5_begins_once_the_spindle_stands() {
+    let turns = |mode, rpm| Code::Spindle { mode, speed: SpindleSpeed::Rpm(rpm) };
+    let codes = [
+        turns(SpindleMode::Clockwise, 600.0),
+        line(50.0, 98.0, FEED),
+        turns(SpindleMode::Stop, 0.0),
+        line(50.0, 96.0, FEED),
+        Code::End,
+    ];
+    let mut behind = None;
+    let observation = run(&codes, &[], |record| {
+        if behind.is_none() && motors(record)[1] < 97.99 {
+            behind = Some((record.truth.cycle.0, record.truth.spindle_rpm));
+        }
+    });
+    assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    let (cycle, rpm) = behind.unwrap();
+    // At speed after 0.75 s, at Z 98 after a few tenths more, at rest 0.75 s later.
+    assert!(rpm.abs() < 2.0 && cycle < 8000, "at {rpm} 1/min in cycle {cycle}");
+}
+
 /// Measured it stands beside it, by a count or because it sagged when its brake let go.
 #[test]
 fn an_axis_whose_home_is_the_end_of_its_travel_comes_away() {
