@@ -11,7 +11,9 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{MachineFile, ParameterFile, ToolTable};
-use gcode::{Call, Diagnostic, Dialect, Job, Options, Place, Pose, Problem, Program, Severity, Sink, Step};
+use gcode::{
+    Call, Diagnostic, Dialect, Job, Options, Place, Pose, Problem, Program, Severity, Sink, Skips, Step,
+};
 
 use crate::{
     changes::wrong,
@@ -59,9 +61,10 @@ pub(crate) struct CanonArgs {
     /// Folder with subroutine files, besides that of the program; may be given several times.
     #[arg(long, value_name = "DIR")]
     subroutines: Vec<PathBuf>,
-    /// Leave out lines that begin with `/`.
-    #[arg(short, long)]
-    block_delete: bool,
+    /// Leave out lines that begin with `/`, which is `/1`; `=1,2` those that begin with `/1` or `/2`.
+    #[arg(short, long, value_name = "N", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
+    #[arg(default_missing_value = "1", value_parser = clap::value_parser!(u8).range(1..=9))]
+    block_delete: Vec<u8>,
     /// After an error: 0 go on with the next line, 2 stop.
     #[arg(short = 'n', long, value_name = "N", value_parser = on_error, default_value = "2")]
     on_error: OnError,
@@ -165,7 +168,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<Options, CliError> {
     }
     let mut options = Options {
         dialect: args.dialect,
-        block_delete: args.block_delete,
+        skips: Skips::of(args.block_delete.iter().copied()),
         stand_alone: args.format == Format::Linuxcnc && args.dialect == Dialect::Linuxcnc,
         subroutine_folders: args
             .subroutines

@@ -17,35 +17,17 @@ pub struct Guess {
     pub why: &'static str,
 }
 
-/// The language of another control, by how its programs begin: its name; `None` if it is none that is known.
-pub fn foreign(text: &[u8]) -> Option<&'static str> {
-    let text = readable(text);
-    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty()).take(3);
-    lines.find_map(|line| {
-        let line = line.to_ascii_uppercase();
-        let words: Vec<&str> = line.split_whitespace().collect();
-        match words.as_slice() {
-            [one] if one.starts_with('$') && one.ends_with('%') => Some("Okuma OSP"),
-            [first, ..] if first.starts_with("%_N_") || first.starts_with(";$PATH=") => Some("Sinumerik"),
-            ["%MPF" | "%SPF" | "MPF" | "SPF", ..] => Some("Sinumerik"),
-            ["BEGIN" | "0", "PGM", ..] | ["0", "BEGIN", "PGM", ..] => Some("Heidenhain"),
-            ["%PM", ..] => Some("Philips"),
-            _ => None,
-        }
-    })
-}
-
 /// What a line has if no comment is looked at.
-struct Words<'a> {
+pub(crate) struct Words<'a> {
     /// In lower case, without blanks and comments.
-    text: &'a [u8],
+    pub(crate) text: &'a [u8],
     /// Whether a line before it moves at a feed.
-    feeds: bool,
+    pub(crate) feeds: bool,
 }
 
 type Sign = (Dialect, &'static str, fn(&Words) -> bool);
 
-const SIGNS: [Sign; 17] = [
+const SIGNS: [Sign; 18] = [
     (Dialect::Linuxcnc, "a named parameter, #<...>", |words| words.has(b"#<")),
     (Dialect::Linuxcnc, "an O word with what it does", |words| {
         words.text.starts_with(b"o<")
@@ -72,13 +54,14 @@ const SIGNS: [Sign; 17] = [
     }),
     (Dialect::Fanuc, "a T word of four digits", |words| words.has_tool_and_offset()),
     (Dialect::Fanuc, "U or W", |words| words.has_word(b'u') || words.has_word(b'w')),
+    (Dialect::Fanuc, "[BILLET", |words| words.text.starts_with(b"[billet")),
     (Dialect::Fanuc, "G71 or G72 without Q", |words| {
         words.has_code(b'g', &[71, 72]) && !words.has_word(b'q') && !words.has(b"q[") && !words.has(b"q#")
     }),
 ];
 
 /// What tells programs of mills apart. Either of the two has M6 there.
-const SIGNS_OF_MILL: [Sign; 11] = [
+const SIGNS_OF_MILL: [Sign; 12] = [
     SIGNS[0],
     SIGNS[1],
     SIGNS[2],
@@ -93,6 +76,7 @@ const SIGNS_OF_MILL: [Sign; 11] = [
         words.values(b'g').any(|digits| matches!(digits, b"54.1" | b"154"))
     }),
     (Dialect::FanucMill, "G65 or G66", |words| words.has_code(b'g', &[65, 66])),
+    (Dialect::FanucMill, "[BILLET", |words| words.text.starts_with(b"[billet")),
     (Dialect::FanucMill, "M97", |words| words.has_code(b'm', &[97])),
 ];
 
@@ -123,7 +107,7 @@ fn by(signs: &[Sign], text: &[u8]) -> Option<Guess> {
 }
 
 /// A line in lower case, without blanks, comments, N, and the slash of an optional block.
-fn without_comments(line: &[u8], bare: &mut Vec<u8>) {
+pub(crate) fn without_comments(line: &[u8], bare: &mut Vec<u8>) {
     bare.clear();
     let mut depth = 0;
     for byte in line {
@@ -146,7 +130,7 @@ fn without_comments(line: &[u8], bare: &mut Vec<u8>) {
 }
 
 impl<'a> Words<'a> {
-    fn has(&self, part: &[u8]) -> bool {
+    pub(crate) fn has(&self, part: &[u8]) -> bool {
         self.text.windows(part.len()).any(|window| window == part)
     }
 
@@ -163,7 +147,7 @@ impl<'a> Words<'a> {
 
     /// The numbers, as written, of the words of a letter. Letters inside of names and expressions do not
     /// begin words.
-    fn values(&self, letter: u8) -> impl Iterator<Item = &'a [u8]> {
+    pub(crate) fn values(&self, letter: u8) -> impl Iterator<Item = &'a [u8]> {
         let text = self.text;
         let begins = move |at: usize| {
             let before = at.checked_sub(1).map_or(b'0', |before| text[before]);
@@ -236,24 +220,12 @@ mod tests {
     }
 
     #[test]
-    fn programs_of_mills_and_of_other_controls() {
+    fn programs_of_mills() {
         let of_mill = |text: &str| guess_of_mill(text.as_bytes()).map(|guess| guess.dialect);
         assert_eq!(of_mill("%\nO1000\nT1 M06\nT2 M06\n"), Some(Dialect::FanucMill));
         assert_eq!(of_mill("T1 M6\nG54.1 P2\n"), Some(Dialect::FanucMill));
         assert_eq!(of_mill("T1 M6\nG64 P0.01\n"), Some(Dialect::Linuxcnc));
         assert_eq!(of_mill("T1 M6\nG0 X1\n"), None);
-        for (text, control) in [
-            ("$SHAFT.MIN%\n(X)\n", Some("Okuma OSP")),
-            ("%_N_SHAFT_MPF\n;$PATH=/_N_MPF_DIR\n", Some("Sinumerik")),
-            ("%MPF  90\n", Some("Sinumerik")),
-            ("BEGIN PGM 1 MM\n", Some("Heidenhain")),
-            ("0  BEGIN PGM 1 MM\n", Some("Heidenhain")),
-            ("%PM\n\nN9000\n", Some("Philips")),
-            ("%\nO1000\nG0 X1\n", None),
-            ("", None),
-        ] {
-            assert_eq!(foreign(text.as_bytes()), control, "{text}");
-        }
     }
 
     #[test]

@@ -144,8 +144,8 @@ pub struct Options {
     pub decimal_point: Option<DecimalPoint>,
     /// M codes of the machine: those that the dialect itself has go before them.
     pub machine_codes: Arc<BTreeMap<u16, MachineCode>>,
-    /// Lines that begin with `/` are left out.
-    pub block_delete: bool,
+    /// Switches of optional blocks that are on.
+    pub skips: Skips,
     /// Tools.
     pub tools: ToolTable,
     /// Numbered parameters that are set at the start.
@@ -184,7 +184,7 @@ impl Default for Options {
             position: [0.0; 6],
             decimal_point: None,
             machine_codes: Arc::default(),
-            block_delete: false,
+            skips: Skips::default(),
             tools: ToolTable::default(),
             parameters: Vec::new(),
             named: Vec::new(),
@@ -196,5 +196,21 @@ impl Default for Options {
             subroutine_folders: Vec::new(),
             limits: Limits::default(),
         }
+    }
+}
+
+/// Switches of optional blocks that are on: lines that begin with `/`, which is `/1`, to `/9` are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Skips(u16);
+
+impl Skips {
+    /// Switches by their numbers; 1 is that of `/` alone.
+    pub fn of(switches: impl IntoIterator<Item = u8>) -> Skips {
+        Skips(switches.into_iter().filter(|switch| *switch < 10).fold(0, |on, switch| on | 1 << switch))
+    }
+
+    /// Whether a switch is on.
+    pub fn is_on(self, switch: u8) -> bool {
+        switch < 10 && self.0 & 1 << switch != 0
     }
 }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gcode::files::{FileError, MachineFile, ParameterFile, ToolTable};
-use gcode::{DecimalPoint, Dialect, Guess, MachineCode, Options, Program};
+use gcode::{DecimalPoint, Dialect, Guess, MachineCode, Options, Program, Skips};
 use machine::{self, BareNumbers, Machine, Part, PartError, ProgramDialect};
 use protocol::code_file::{CodeFile, MAGIC};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::auxiliary::as_l;
 use crate::reach::{home, plane_of};
@@ -24,9 +24,9 @@ pub struct Language {
     /// Dialect of the part program; without it that of the machine file.
     #[serde(default)]
     pub dialect: Option<ProgramDialect>,
-    /// Leave out lines that begin with `/`.
-    #[serde(default)]
-    pub block_delete: bool,
+    /// Switches of optional blocks that are on: 1 leaves out lines that begin with `/`, 2 those with `/2`.
+    #[serde(default, deserialize_with = "switches")]
+    pub block_delete: Vec<u8>,
     /// A warning is as bad as an error.
     #[serde(default)]
     pub strict: bool,
@@ -40,6 +40,20 @@ pub struct Language {
     /// Folder with subroutine files, besides that of the program; may be given several times.
     #[serde(default)]
     pub subroutines: Vec<PathBuf>,
+}
+
+/// Reads switches of optional blocks; folders of runs of old have a yes or no.
+fn switches<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        On(bool),
+        Numbers(Vec<u8>),
+    }
+    Ok(match Written::deserialize(deserializer)? {
+        Written::On(on) => on.then_some(1).into_iter().collect(),
+        Written::Numbers(switches) => switches,
+    })
 }
 
 /// Why a program cannot be opened.
@@ -105,6 +119,7 @@ pub fn open_text(
     machine: &Machine,
 ) -> Result<Program, OpenError> {
     check_folders(&language.subroutines)?;
+    no_foreign(Path::new(name), &text[..text.len().min(LOOKED_AT)])?;
     let options = asked(dialect_of_text(&text, language, machine).0, language, machine)?;
     Ok(Program::from_text(name, text, &options))
 }
@@ -117,7 +132,7 @@ fn asked(dialect: Dialect, language: &Language, machine: &Machine) -> Result<Opt
     if options.dialect != Dialect::Linuxcnc && kinematics == machine::Kinematics::Positioner {
         return Err(OpenError::Dialect);
     }
-    options.block_delete = language.block_delete;
+    options.skips = Skips::of(language.block_delete.iter().copied());
     options.subroutine_folders.clone_from(&language.subroutines);
     let beside = |error: FileError| OpenError::Beside(error.to_string());
     let ini = language.ini.as_deref().map_or_else(|| Ok(MachineFile::default()), MachineFile::read);
@@ -223,10 +238,8 @@ pub fn no_other(path: &Path) -> Result<(), OpenError> {
             name.display()
         ));
     }
-    if let Some(control) = gcode::foreign(&beginning).filter(|_| !is_job(path)) {
-        return other(format!(
-            "is a program of {control}, a language that is not read here: have it posted for FANUC or LinuxCNC"
-        ));
+    if !is_job(path) {
+        no_foreign(path, &beginning)?;
     }
     let kind =
         |line: &str| line.trim_start().strip_prefix("kind")?.trim_start().strip_prefix('=').map(|_| ());
@@ -238,6 +251,15 @@ pub fn no_other(path: &Path) -> Result<(), OpenError> {
         ));
     }
     Ok(())
+}
+
+/// Refuses the language of another control.
+fn no_foreign(path: &Path, beginning: &[u8]) -> Result<(), OpenError> {
+    let Some(control) = gcode::foreign(beginning) else { return Ok(()) };
+    let reason = format!(
+        "is a program of {control}, a language that is not read here: have it posted for FANUC or LinuxCNC"
+    );
+    Err(OpenError::Other { path: path.to_owned(), reason })
 }
 
 /// Refuses folders of subroutines that are not there.

@@ -212,9 +212,7 @@ impl RunFolder {
         if let Some(dialect) = dialect {
             args.extend(["--dialect".into(), dialect.into()]);
         }
-        if *block_delete {
-            args.push("--block-delete".into());
-        }
+        args.extend(block_delete.iter().map(|switch| format!("--block-delete={switch}").into()));
         for (switch, file) in [("--tools", tools), ("--parameters", parameters), ("--ini", ini)] {
             if let Some(file) = file {
                 args.extend([switch.into(), file.into()]);
@@ -247,7 +245,7 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         let text = intake::text(&kept, intake::SETTINGS).map_err(|error| CliError::file(&kept, error))?;
         let kept: Language = toml::from_str(&text).map_err(|error| CliError::file(&kept, error))?;
         repeated.language.dialect = args.language.dialect.or(kept.dialect);
-        repeated.language.block_delete |= kept.block_delete;
+        repeated.language.block_delete.extend(kept.block_delete);
         repeated.language.strict |= kept.strict;
     }
     repeated.scenario = args.scenario.clone().or_else(|| there(SCENARIO));

@@ -38,6 +38,34 @@ fn standard_input_is_a_program() {
     assert_eq!((fanuc.status, json(&fanuc.stdout)["dialect"].as_str()), (Some(0), Some("fanuc")));
 }
 
+/// Fifty lines of it would be fifty errors.
+#[test]
+fn a_program_of_another_control_is_refused_once_by_its_name() {
+    let place = Place::new();
+    let okuma = "OPULL (A PULL OF THE BAR)\nNB1 VZOFZ=0\nCALL OO30 LENG=2\nRTS\n";
+    place.write("pull.min", okuma);
+    for answer in [place.ask(&["check", "pull.min"]), place.tell(&["check", "-"], okuma)] {
+        assert_eq!((answer.status, answer.stderr.lines().count()), (Some(2), 1), "{}", answer.stderr);
+        assert!(answer.stderr.contains("Okuma OSP"), "{}", answer.stderr);
+    }
+}
+
+#[test]
+fn switches_of_optional_blocks_have_numbers() {
+    let place = Place::new();
+    place.write("O1.nc", "O1000\n/ G00 X1A\n/2 G00 X1B\nG00 X40. Z2.\nM30\n");
+    let refused = |switch: &str| {
+        let answer = place.ask(&["check", "O1.nc", switch]);
+        (2..=3).filter(|line| answer.stderr.contains(&format!("O1.nc:{line}:"))).collect::<Vec<_>>()
+    };
+    assert_eq!(refused("-q"), [2, 3]);
+    assert_eq!(refused("--block-delete"), [3]);
+    assert_eq!(refused("--block-delete=2"), [2]);
+    assert_eq!(refused("--block-delete=1,2"), [0; 0]);
+    let none = place.ask(&["check", "O1.nc", "--block-delete=10"]);
+    assert!(none.status == Some(2) && none.stderr.contains("1..=9"), "{}", none.stderr);
+}
+
 #[test]
 fn json_is_json_whatever_happens() {
     let place = Place::new();

@@ -47,11 +47,20 @@ const REFUSED: &[(&[u16], (&str, &str))] = &[
 ];
 
 /// Codes that switch look-ahead and smoothing.
-pub(super) const SMOOTHING: [u16; 6] = [50, 51, 61, 80, 81, 1870];
-/// Words of those.
-pub(super) const OF_SMOOTHING: u32 = bits("PQRE");
+const SMOOTHING: [u16; 6] = [50, 51, 61, 80, 81, 1870];
 /// M codes that choose a gear of the spindle.
 pub(super) const GEARS: std::ops::RangeInclusive<u16> = 40..=44;
+
+/// Why a code may stand in any block and does nothing, and the words that it takes with it.
+pub(super) fn does_nothing(code: G, mill: bool) -> Option<(&'static str, u32)> {
+    match code.0 {
+        tenths if SMOOTHING.contains(&tenths) => {
+            Some(("look-ahead and smoothing are always on", bits("PQRE")))
+        }
+        490 if !mill => Some(("the offset of a tool comes with its T and ends with T00", 0)),
+        _ => None,
+    }
+}
 
 /// The group of a G code.
 ///
@@ -193,6 +202,7 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     };
     let idle = line.idle.as_ref().map_or(0, |idle| idle.words);
     match letters_of(block.present() & !(ALWAYS | used | idle)).next() {
+        Some('P') if line.has('S') => Err(of_another_spindle()),
         Some(letter) => Err(unused(letter, deed)),
         None => Ok(deed),
     }
@@ -206,6 +216,13 @@ pub(super) fn is_idle(code: G, line: &Line) -> bool {
 fn both(code: G, call: M) -> Box<Problem> {
     let message = format!("{code} and {call} both act in this block");
     Problem::error("modal-group", Blame::M(call), message, "put them in different blocks")
+}
+
+/// `S1200 M03 P11`.
+fn of_another_spindle() -> Box<Problem> {
+    let message = "P beside S chooses one of several spindles, and this machine has one";
+    let help = "leave P out where the block means the main spindle; what the others do cannot be done here";
+    Problem::error("not-available", Blame::Word('P'), message, help)
 }
 
 fn unused(letter: char, deed: Deed) -> Box<Problem> {

@@ -1,6 +1,7 @@
 //! What lines are found by: N of a block, O of a program, the number of a loop. In: the beginning of a line.
 //! Out: the numbers.
 
+use super::line::{Idle, Line};
 use crate::bounds::LAST_NUMBER;
 use crate::problem::Problem;
 use crate::text::{Cursor, number};
@@ -71,6 +72,16 @@ pub(super) fn sequence_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Prob
         return Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help));
     }
     Ok((value as u32, digits))
+}
+
+/// N behind other words, where a line break was lost: it numbers the block, and no GOTO finds it.
+pub(super) fn behind(cursor: &mut Cursor, line: &mut Line) -> Result<(), Box<Problem>> {
+    let start = cursor.mark();
+    let (number, digits) = sequence_number(cursor)?;
+    (line.block.n, line.block.n_digits) = (Some(number), digits);
+    let message = format!("N{number} stands behind other words: nothing finds this block by its number");
+    line.idle = Some(Idle { span: cursor.span(start), message, words: 0 });
+    Ok(())
 }
 
 pub(super) fn program_number(cursor: &mut Cursor) -> Result<u32, Box<Problem>> {

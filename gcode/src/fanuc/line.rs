@@ -1,6 +1,7 @@
 //! What a line asks for, and the words of a block. Lengths know whether they were written with a decimal
 //! point.
 
+use super::simulator::SimulatorLine;
 use super::variables::Locals;
 use crate::block::{Block, letter_bit};
 use crate::canon::Units;
@@ -25,6 +26,8 @@ pub(super) enum Statement {
     Program(u32),
     /// #3000: an alarm of this number.
     Alarm(f64),
+    /// `[`: what the simulator is told that the program was written with.
+    Simulator(SimulatorLine),
     /// #3006: the message in the comment is shown and the program waits.
     Message,
 }

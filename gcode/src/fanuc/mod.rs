@@ -39,7 +39,9 @@ mod points;
 mod rates;
 mod reading;
 mod shape;
+mod simulator;
 mod single;
+mod skip;
 mod stops;
 mod threads;
 mod tool;
@@ -49,7 +51,7 @@ use crate::block::{Block, letter_bit, letter_bits};
 use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M, group};
 use crate::execute::{Done, Output};
-use crate::options::{DecimalPoint, Dialect, Options};
+use crate::options::{DecimalPoint, Dialect, Options, Skips};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
 use crate::text::{Cursor, Depth, Files};
@@ -63,6 +65,7 @@ use line::{Line, Statement};
 use modal::Modal;
 use points::Points;
 use reading::Reading;
+use simulator::Simulator;
 use variables::Variables;
 
 /// A FANUC program that is being run.
@@ -73,12 +76,13 @@ pub(crate) struct Control {
     modal: Modal,
     /// The block of RS274/NGC that is executed in place of this one.
     equivalent: Block,
-    block_delete: bool,
+    skips: Skips,
     deepest: u32,
     decimal_point: Option<DecimalPoint>,
     /// G66: what is called behind each move.
     behind: Option<Behind>,
     points: Points,
+    simulator: Simulator,
     started: bool,
     /// Nothing of the program was executed so far: its O may come.
     fresh: bool,
@@ -93,8 +97,8 @@ pub(crate) fn line_alone(text: &[u8], state: &State, options: &Options) -> Resul
         Line::new(options.decimal_point, options.dialect == Dialect::FanucMill),
         Variables::new(&options.parameters),
     );
-    let (block_delete, deepest) = (options.block_delete, options.limits.expression_depth);
-    let mut reading = Reading { text, variables: &mut variables, state, block_delete, deepest };
+    let (skips, deepest) = (options.skips, options.limits.expression_depth);
+    let mut reading = Reading { text, variables: &mut variables, state, skips, deepest };
     reading.statement(0, 1, &mut line)?;
     Ok(line.block)
 }
@@ -122,10 +126,11 @@ impl Control {
             flow: Flow::new(files, options.limits.call_depth),
             modal: Modal::default(),
             equivalent: Block::default(),
-            block_delete: options.block_delete,
+            skips: options.skips,
             deepest: options.limits.expression_depth,
             decimal_point: options.decimal_point,
             points: Points::default(),
+            simulator: Simulator::default(),
             behind: None,
             started: false,
             fresh: true,
@@ -178,12 +183,14 @@ impl Control {
         let at = self.flow.files.mark();
         let Some(statement) = self.read(state, out)? else { return self.end_of_text(state) };
         let fresh = self.fresh;
-        self.fresh &= statement == Statement::Nothing;
+        self.fresh &= matches!(statement, Statement::Nothing | Statement::Simulator(_));
         match statement {
             Statement::Nothing => self.comment(out),
             Statement::Program(_) if fresh => self.comment(out),
             Statement::Program(_) => self.end_of_text(state),
+            Statement::Simulator(line) => self.simulator.take(line, &self.line, out),
             Statement::Block => {
+                self.simulator.stock(&self.line, out)?;
                 self.points.see(self.decimal_point, &self.line, out)?;
                 if let Some(idle) = &self.line.idle {
                     let (blame, message) = (Blame::Span(idle.span), idle.message.as_str());
@@ -256,7 +263,7 @@ impl Control {
             text: self.flow.files.bytes(&line),
             variables: &mut self.variables,
             state,
-            block_delete: self.block_delete,
+            skips: self.skips,
             deepest: self.deepest,
         };
         let statement = reading.statement(file, line.number(), &mut self.line);

@@ -12,13 +12,13 @@ use super::expression::Values;
 use super::labels::{self, loop_number, program_number, sequence_number};
 use super::line::{Idle, Kind, Line, Statement};
 use super::variables::Variables;
-use super::{codes, mill};
+use super::{codes, mill, simulator, skip};
 use crate::block::{Comment, CommentKind};
 use crate::bounds::LAST_NUMBER;
 use crate::canon::Units;
 use crate::codes::{G, M, m_group};
 use crate::execute::Done;
-use crate::options::MachineCode;
+use crate::options::{MachineCode, Skips};
 use crate::problem::{Blame, Problem, Span};
 use crate::state::State;
 use crate::text::{Cursor, Depth, parentheses, pointed_number, whole};
@@ -28,8 +28,8 @@ pub(super) struct Reading<'a> {
     pub(super) text: &'a [u8],
     pub(super) variables: &'a mut Variables,
     pub(super) state: &'a State,
-    /// The switch for `/` is on.
-    pub(super) block_delete: bool,
+    /// Switches for `/` that are on.
+    pub(super) skips: Skips,
     pub(super) deepest: u32,
 }
 
@@ -64,7 +64,7 @@ impl Reading<'_> {
         line.clear(file, number, self.state.units.program());
         let mut cursor = Cursor::new(self.text);
         labels::leader(number, &mut cursor);
-        let optional = self.optional(&mut cursor)?;
+        let optional = skip::is_left_out(self.skips, &mut cursor);
         if cursor.peek() == Some(b'n') {
             let (number, digits) = sequence_number(&mut cursor)?;
             (line.block.n, line.block.n_digits) = (Some(number), digits);
@@ -77,31 +77,12 @@ impl Reading<'_> {
             None => match cursor.peek() {
                 Some(b'o' | b':') => Statement::Program(program_number(&mut cursor)?),
                 Some(b'#') => self.assignments(&mut cursor)?,
+                Some(b'[') => return Ok(Statement::Simulator(simulator::line(&mut cursor))),
                 _ => return self.block(&mut cursor, line),
             },
         };
         self.end(&mut cursor, line)?;
         Ok(statement)
-    }
-
-    /// `/` and `/1`: whether the line is left out.
-    fn optional(&self, cursor: &mut Cursor) -> Result<bool, Box<Problem>> {
-        let start = cursor.mark();
-        if !cursor.take_if(b'/') {
-            return Ok(false);
-        }
-        if matches!(cursor.peek(), Some(b'2'..=b'9')) {
-            cursor.skip();
-            let help = "write / alone";
-            return Err(cursor.error_from(
-                start,
-                "not-available",
-                "there is one switch for optional blocks",
-                help,
-            ));
-        }
-        cursor.take_if(b'1');
-        Ok(self.block_delete)
     }
 
     fn keyword(&mut self, keyword: Keyword, cursor: &mut Cursor) -> Result<Statement, Box<Problem>> {
@@ -198,7 +179,9 @@ impl Reading<'_> {
         let mut last = None;
         while let Some(first) = cursor.peek() {
             match first {
+                b'n' if line.block.n.is_none() && !line.block.is_empty() => labels::behind(cursor, line)?,
                 b'n' | b'o' => return Err(misplaced(cursor)),
+                b'%' if skip::is_end_of_tape(&line.block, cursor) => return Ok(()),
                 b'a'..=b'z' if line.arguments.is_some() && !matches!(first, b'g' | b'p' | b'l') => {
                     last = self.argument(first, last, cursor, line)?;
                 }
@@ -277,9 +260,9 @@ impl Reading<'_> {
         let (value, span) = self.code(cursor)?;
         let code = whole(10.0 * value).and_then(|code| u16::try_from(code).ok()).map(G);
         let Some(code) = code else { return Err(codes::unknown(value, span, codes::SYSTEM_A)) };
-        if codes::SMOOTHING.contains(&code.0) {
-            let message = format!("{code} does nothing here: look-ahead and smoothing are always on");
-            line.idle = Some(Idle { span, message, words: codes::OF_SMOOTHING });
+        if let Some((why, words)) = codes::does_nothing(code, line.mill) {
+            let message = format!("{code} does nothing here: {why}");
+            line.idle = Some(Idle { span, message, words });
             return Ok(());
         }
         let group = match line.mill {

@@ -1,5 +1,5 @@
-//! T: tool and offset. In: `T0102`, tool 1 with offset 2. Out: the change and the offset in force. The turret
-//! turns without stopping the spindle.
+//! T: tool and offset. In: `T0102`, tool 1 with offset 2, or `T01102` with offset 102. Out: the change and
+//! the offset in force. The turret turns without stopping the spindle.
 
 use super::line::Line;
 use crate::canon::Call;
@@ -12,14 +12,17 @@ use crate::state::State;
 /// T, if the line has it.
 ///
 /// # Errors
-/// It is not a whole number of up to four digits, or the nose of the tool is being compensated.
+/// It is not a whole number of up to five digits, or the nose of the tool is being compensated.
 pub(super) fn call(line: &Line, state: &mut State, out: &mut Output) -> Done {
     let Some(word) = line.whole('T')? else { return Ok(()) };
     let (tool, offset) = match word {
         0..=9999 => ((word / 100) as i32, (word % 100) as i32),
+        // Controls with a hundred offsets or more have three digits for them.
+        10_000..=99_999 => ((word / 1000) as i32, (word % 1000) as i32),
         _ => {
             let message = format!("T{word} does not name a tool and its offset");
-            let help = "write two digits for the tool and two for the offset, such as T0101";
+            let help =
+                "write two digits for the tool and two or three for the offset, such as T0101 or T01001";
             return Err(Problem::error("bad-value", Blame::Word('T'), message, help));
         }
     };

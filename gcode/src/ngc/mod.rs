@@ -72,10 +72,10 @@ impl Control {
     /// At the beginning of a program.
     pub(crate) fn new(files: Files, options: &Options) -> Control {
         Control {
-            flow: Flow::new(files, options.block_delete, options.limits.call_depth),
+            flow: Flow::new(files, options.skips.is_on(1), options.limits.call_depth),
             words: LineReader::new(options.limits.expression_depth),
             block: Block::default(),
-            block_delete: options.block_delete,
+            block_delete: options.skips.is_on(1),
         }
     }
 

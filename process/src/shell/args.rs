@@ -31,9 +31,10 @@ pub struct LanguageArgs {
     /// Dialect of the part program; without it that of the machine file, which is auto unless it says so.
     #[arg(long, value_name = "DIALECT", value_parser = dialect())]
     pub dialect: Option<ProgramDialect>,
-    /// Leave out lines that begin with `/`.
-    #[arg(long)]
-    pub block_delete: bool,
+    /// Leave out lines that begin with `/`, which is `/1`; `=1,2` those that begin with `/1` or `/2`.
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
+    #[arg(default_missing_value = "1", value_parser = clap::value_parser!(u8).range(1..=9))]
+    pub block_delete: Vec<u8>,
     /// Take warnings for errors: a program that has any is not run.
     #[arg(long)]
     pub strict: bool,

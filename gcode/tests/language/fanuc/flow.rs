@@ -1,7 +1,7 @@
 //! GOTO, WHILE, M98, G65, M99.
 
 use super::recorded::{errors, fanuc, moves, outcome, run};
-use gcode::{Options, Program};
+use gcode::{Options, Program, Skips};
 
 #[test]
 fn goto_looks_forward_then_from_the_top() {
@@ -96,9 +96,32 @@ fn a_program_needs_its_end() {
 }
 
 #[test]
-fn optional_blocks() {
-    assert_eq!(moves("/G04 U1.\n/1 G04 U2."), ["dwell 1", "dwell 2"]);
-    let options = Options { block_delete: true, ..fanuc() };
-    let outcome = run(Program::from_text("O1", "/G04 U1.\n/N5 G04 U2.\nG04 U3.\nM30\n", &options));
-    assert_eq!(outcome.sink.moves, ["dwell 3"]);
+fn optional_blocks_have_nine_switches() {
+    let text = "/G04 U1.\n/1 G04 U2.\n/2N5 G04 U3.\n/9 G04 U4.\nG04 U5.\nM30\n";
+    let moves = |switches: &[u8]| {
+        let options = Options { skips: Skips::of(switches.iter().copied()), ..fanuc() };
+        run(Program::from_text("O1", text, &options)).sink.moves
+    };
+    assert_eq!(moves(&[]), ["dwell 1", "dwell 2", "dwell 3", "dwell 4", "dwell 5"]);
+    assert_eq!(moves(&[1]), ["dwell 3", "dwell 4", "dwell 5"]);
+    assert_eq!(moves(&[2, 9]), ["dwell 1", "dwell 2", "dwell 5"]);
+    assert_eq!(moves(&[0, 10]).len(), 5);
+}
+
+#[test]
+fn the_last_line_of_a_tape_may_lack_its_end() {
+    for end in ["M30%", "M30 %", "M98 P2\nM30\nO2\nM99%"] {
+        let outcome = outcome(&format!("O1\nG00 X1.\n{end}"));
+        assert!(outcome.errors.is_empty(), "{end}: {:?}", outcome.errors);
+    }
+    assert_eq!(errors("G00 X1.%\n"), [(1, "bad-character")]);
+    assert_eq!(errors("M30%X1.\n"), [(1, "bad-character")]);
+}
+
+#[test]
+fn a_number_behind_other_words_numbers_the_block_and_nothing_finds_it() {
+    let outcome = outcome("O1\nG04 U1. N20\nGOTO 20\nM30\n");
+    assert_eq!(outcome.warnings.iter().map(|warning| warning.code).collect::<Vec<_>>(), ["no-effect"]);
+    assert_eq!(outcome.errors[0].code, "unknown-label");
+    assert_eq!(errors("N10 G04 U1. N20\n"), [(1, "misplaced-line-number")]);
 }

@@ -12,6 +12,7 @@ mod order;
 mod points;
 pub(crate) mod recorded;
 mod refusals;
+mod simulator;
 mod thin;
 mod threads;
 mod tools;

@@ -90,3 +90,28 @@ fn g09_stops_its_own_move_of_a_compensated_contour() {
     expected.insert(3, "ExactStop".into());
     assert_eq!(contour("G09 "), expected);
 }
+
+/// Controls with more than 99 offsets have three digits for them.
+#[test]
+fn an_offset_may_have_three_digits() {
+    let table = ToolTable::parse("tools", "T1 Z0\nT13 Z-5\nT2 Z-1\n").expect("a table");
+    let at = |text: &str| {
+        let options = Options { tools: table.clone(), ..fanuc() };
+        let outcome = run(Program::from_text("O1", text, &options));
+        let errors: Vec<_> = outcome.errors.iter().map(|error| (error.line, error.code)).collect();
+        (outcome.sink.moves, errors)
+    };
+    let (long, short) = (at("T13002\nG00 Z10.\nM30\n"), at("T1302\nG00 Z10.\nM30\n"));
+    assert_eq!(long, short);
+    assert_eq!(long.1, []);
+    assert_eq!(at("T130020\nM30\n").1, [(1, "bad-value")]);
+    assert_eq!(at("G97 S500 M03 P11\nM30\n").1, [(1, "not-available")], "another spindle");
+}
+
+#[test]
+fn g49_of_a_line_of_safe_codes_does_nothing() {
+    let outcome = run(Program::from_text("O1", "G21 G40 G49 G80 G99\nG00 X40. Z2.\nM30\n", &fanuc()));
+    assert_eq!(outcome.sink.moves, ["G0 20 2"]);
+    let told: Vec<_> = outcome.warnings.iter().map(|warning| (warning.line, warning.code)).collect();
+    assert_eq!(told, [(1, "no-effect")]);
+}

@@ -1,7 +1,7 @@
 //! Words, comments, N, block delete, and what cannot be read.
 
 use super::recorded::{blamed, calls, errors, messages, outcome, run};
-use gcode::{Options, Program};
+use gcode::{Options, Program, Skips};
 
 const TRAVERSE: &str = "StraightTraverse([1.0, -2.5, 0.0, 0.0, 0.0, 0.0])";
 
@@ -18,7 +18,8 @@ fn words_may_be_written_in_many_ways() {
 fn optional_lines_are_left_out_if_they_are_switched_off() {
     let text = "/G0 X9\n / N5 G0 X8\nG0 X1 Y-2.5\nM2\n";
     let moves = |block_delete: bool| {
-        let options = Options { block_delete, ..Options::default() };
+        let skips = Skips::of(block_delete.then_some(1));
+        let options = Options { skips, ..Options::default() };
         let calls = run(Program::from_text("t", text, &options)).sink.calls;
         calls.iter().filter(|call| call.starts_with("StraightTraverse")).count()
     };

@@ -1,0 +1,111 @@
+//! Languages of other controls, which are not read here.
+//!
+//! In: the beginning of a text. Out: the name of the control, by how its programs begin, or by a line that
+//! none of the dialects has. Such a program is refused once, by that name, and not word by word.
+
+use crate::guess::{Words, without_comments};
+use crate::text::readable;
+
+/// Lines at the beginning of a program that may tell its language.
+const FIRST: usize = 3;
+
+/// Whether a line can only be of another control.
+type Sign = (&'static str, fn(&Words) -> bool);
+
+const SIGNS: [Sign; 9] = [
+    ("Okuma OSP", |words| words.text.starts_with(b"callo")),
+    ("Okuma OSP", |words| words.text == b"rts"),
+    // NLAP: N is taken for that of a number.
+    ("Okuma OSP", |words| words.text.starts_with(b"lap")),
+    ("Okuma OSP", |words| words.has(b"vzof") || words.has(b"vuacm[") || words.has(b"vdout[")),
+    ("Sinumerik", |words| words.has(b"diamon") || words.has(b"lims=") || words.has(b"t=\"")),
+    ("Sinumerik", |words| words.text.starts_with(b"workpiece") || words.text.starts_with(b"cycle9")),
+    ("Heidenhain", |words| words.has(b"toolcall")),
+    ("Fagor", |words| words.values(b't').any(|digits| has_point_inside(digits))),
+    ("Mazatrol", |words| words.text.starts_with(b"mazatrol")),
+];
+
+/// Its name; `None` if it is none that is known.
+pub fn foreign(text: &[u8]) -> Option<&'static str> {
+    let text = readable(text);
+    let mut first = text.lines().map(str::trim).filter(|line| !line.is_empty()).take(FIRST);
+    first.by_ref().find_map(begins).or_else(|| okuma_name(&text)).or_else(|| {
+        let mut bare = Vec::new();
+        text.lines().find_map(|line| {
+            without_comments(line.as_bytes(), &mut bare);
+            // Names may contain anything.
+            let words = Words { text: if bare.contains(&b'<') { b"" } else { &bare }, feeds: false };
+            SIGNS.iter().find(|(_, is_there)| is_there(&words)).map(|(control, _)| *control)
+        })
+    })
+}
+
+/// How programs begin.
+fn begins(line: &str) -> Option<&'static str> {
+    let line = line.to_ascii_uppercase();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    match words.as_slice() {
+        [one] if one.starts_with('$') && one.ends_with('%') => Some("Okuma OSP"),
+        [first, ..] if first.starts_with("%_N_") || first.starts_with(";$PATH=") => Some("Sinumerik"),
+        ["%MPF" | "%SPF" | "MPF" | "SPF", ..] => Some("Sinumerik"),
+        ["BEGIN" | "0", "PGM", ..] | ["0", "BEGIN", "PGM", ..] => Some("Heidenhain"),
+        ["%PM", ..] => Some("Philips"),
+        [first, ..] if is_numbered(first) => Some("Fagor, NUM or HNC (% with a number)"),
+        _ => None,
+    }
+}
+
+/// `%00042`: a number behind the sign that begins a tape, which stands alone in the dialects.
+fn is_numbered(word: &str) -> bool {
+    let number = word.strip_prefix('%').map(|rest| rest.split(',').next().unwrap_or_default());
+    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// `OPULL` in the first line: programs of the dialects have numbers there, those of LinuxCNC names in `< >`.
+fn okuma_name(text: &str) -> Option<&'static str> {
+    let first = text.lines().map(str::trim).find(|line| !line.is_empty() && *line != "%")?;
+    let name = first.split('(').next().unwrap_or_default().trim_end();
+    let rest = name.strip_prefix(['O', 'o'])?;
+    let letters = rest.starts_with(|c: char| c.is_ascii_alphabetic());
+    (letters && rest.len() <= 4 && rest.bytes().all(|byte| byte.is_ascii_alphanumeric()))
+        .then_some("Okuma OSP")
+}
+
+/// `T1.1`: a tool and its offset.
+fn has_point_inside(digits: &[u8]) -> bool {
+    let point = digits.iter().position(|byte| *byte == b'.');
+    point.is_some_and(|at| at > 0 && at + 1 < digits.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_of_other_controls_are_known() {
+        for (text, control) in [
+            ("$SHAFT.MIN%\n(X)\n", Some("Okuma OSP")),
+            ("OTURN (A PULL OF THE BAR)\nG0 X20. Z20.\n", Some("Okuma OSP")),
+            ("G0 X2\nCALL O100 LENG=3\nM2\n", Some("Okuma OSP")),
+            ("G0 X2\nNLAP1 G81\nG0 X10\n", Some("Okuma OSP")),
+            ("%_N_SHAFT_MPF\n;$PATH=/_N_MPF_DIR\n", Some("Sinumerik")),
+            ("%MPF  90\n", Some("Sinumerik")),
+            ("N10 G18 G90 DIAMON\nN20 G96 S200 LIMS=3000 M4\n", Some("Sinumerik")),
+            ("N10 T=\"FINISHER\" D1\n", Some("Sinumerik")),
+            ("BEGIN PGM 1 MM\n", Some("Heidenhain")),
+            ("0  BEGIN PGM 1 MM\n", Some("Heidenhain")),
+            ("%PM\n\nN9000\n", Some("Philips")),
+            ("%00042\nN0010 G53 X0 Z50\n", Some("Fagor, NUM or HNC (% with a number)")),
+            ("%1234\nT0101\n", Some("Fagor, NUM or HNC (% with a number)")),
+            ("N10 G90 G95\nN20 T2.2\n", Some("Fagor")),
+            ("%\nO1000\nG0 X1\n", None),
+            ("%\nO1000 (T1.1 CALL OUT, DIAMOND TOOL)\nT0101\nG0 X1.5\n", None),
+            ("o<turn> sub\nT1 M6\n", None),
+            ("Only a remark\n", None),
+            ("#<diamond> = 2\no<toolcall> call\n#<vzofs> = 1\n", None),
+            ("", None),
+        ] {
+            assert_eq!(foreign(text.as_bytes()), control, "{text}");
+        }
+    }
+}
