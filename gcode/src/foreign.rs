@@ -21,7 +21,7 @@ const SIGNS: [Sign; 9] = [
     ("Sinumerik", |words| words.has(b"diamon") || words.has(b"lims=") || words.has(b"t=\"")),
     ("Sinumerik", |words| words.text.starts_with(b"workpiece") || words.text.starts_with(b"cycle9")),
     ("Heidenhain", |words| words.has(b"toolcall")),
-    ("Fagor", |words| words.values(b't').any(|digits| has_point_inside(digits))),
+    ("Fagor", |words| words.values(b't').any(has_point_inside)),
     ("Mazatrol", |words| words.text.starts_with(b"mazatrol")),
 ];
 
