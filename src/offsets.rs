@@ -15,6 +15,8 @@
 //!   { "number": 3, "pocket": 3, "X": -12.4, "Z": 3.1, "D": 0.8, "comment": "boring bar" } ] }
 //! ```
 
+mod said;
+
 use std::{
     collections::BTreeMap,
     fmt::Write as _,
@@ -26,6 +28,7 @@ use clap::{Args, Subcommand};
 use gcode::canon::Units;
 use gcode::files::{Changes, MachineFile, ParameterFile, Tool, ToolTable};
 use process::shell::LanguageArgs;
+use said::{OF_SYSTEM, SYSTEMS, Set, Target};
 use serde::Serialize;
 
 use crate::{
@@ -103,26 +106,8 @@ struct Files {
     ini: Option<PathBuf>,
 }
 
-/// Coordinate systems in the order of their parameters.
-const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
-/// Words of a system: the first ones are its zero, the last one turns it.
-const OF_SYSTEM: [char; 7] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'R'];
 /// The coordinate system in force; the first parameter of the first system follows it.
 const IN_FORCE: u32 = 5220;
-
-/// What a line sets.
-#[derive(Clone, Copy, Debug)]
-enum Target {
-    System(usize),
-    Tool(i32),
-}
-
-/// One word of a line.
-struct Set {
-    target: Target,
-    letter: char,
-    value: f64,
-}
 
 /// The files, read.
 struct Table {
@@ -139,10 +124,10 @@ pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliEr
             screen::print(&if *json { table.document()? } else { table.lines() });
         }
         What::Set { target, words, add, files } => {
-            let sets = line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
+            let sets = said::line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
             change(files, quiet, sets, *add)?;
         }
-        What::Load { from, files } => change(files, quiet, loaded(from)?, false)?,
+        What::Load { from, files } => change(files, quiet, said::loaded(from)?, false)?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -150,62 +135,10 @@ pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliEr
 /// Sets words. What is there is read when nobody else changes it.
 fn change(files: &Files, quiet: bool, sets: Vec<Set>, add: bool) -> Result<(), CliError> {
     let mut changes = Changes::default();
+    said::can_be(&sets, add).map_err(CliError::Input)?;
     let table = Table::read(files, quiet, Some(&mut changes))?;
     table.set(sets, add, &mut changes)?;
     changes.put().map_err(wrong)
-}
-
-/// What the lines of a file set.
-fn loaded(from: &Path) -> Result<Vec<Set>, CliError> {
-    let text = intake::bytes(from, intake::TABLE).map_err(|error| CliError::file(from, error))?;
-    let mut sets = Vec::new();
-    for (n, text) in gcode::readable(&text).lines().enumerate() {
-        let mut words = text.split(';').next().unwrap_or_default().split_whitespace();
-        let Some(target) = words.next() else { continue };
-        let place = |error| CliError::Input(format!("{}:{}: {error}", from.display(), n + 1));
-        sets.extend(line(target, words).map_err(place)?);
-    }
-    if sets.is_empty() {
-        return Err(CliError::file(
-            from,
-            "sets nothing: its lines are as `G54 X0 Z-112.4` or `T3 X-12.4 D0.8`",
-        ));
-    }
-    Ok(sets)
-}
-
-/// What a line sets.
-fn line<'a>(name: &str, words: impl Iterator<Item = &'a str>) -> Result<Vec<Set>, String> {
-    let upper = name.to_ascii_uppercase();
-    let number = upper.strip_prefix('T').and_then(|number| number.parse().ok()).filter(|number| *number > 0);
-    let target = match (SYSTEMS.iter().position(|system| *system == upper), number) {
-        (Some(system), _) => Target::System(system),
-        (None, Some(number)) => Target::Tool(number),
-        (None, None) => {
-            return Err(format!("`{name}` is neither a coordinate system, G54 to G59.3, nor a tool, as T3"));
-        }
-    };
-    words.map(|word| one(target, name, word)).collect()
-}
-
-fn one(target: Target, name: &str, word: &str) -> Result<Set, String> {
-    let mut characters = word.chars();
-    let letter = characters.next().unwrap_or(' ').to_ascii_uppercase();
-    let known = match target {
-        Target::System(_) => OF_SYSTEM.contains(&letter),
-        Target::Tool(_) => Tool::default().words().iter().any(|(known, _)| *known == letter),
-    };
-    if !known {
-        let has =
-            if matches!(target, Target::System(_)) { "X Y Z A B C R" } else { "X Y Z A B C U V W D I J Q" };
-        return Err(format!("{name} has no word `{word}`: its words are {has}, as in Z-112.4"));
-    }
-    match characters.as_str().parse::<f64>() {
-        Ok(value) if value.abs() <= 1e6 => Ok(Set { target, letter, value }),
-        _ => Err(format!(
-            "`{word}` of {name} is not a word: write a number of at most 1000000 behind {letter}"
-        )),
-    }
 }
 
 fn parameter(system: usize, letter: char) -> u32 {
@@ -266,7 +199,12 @@ impl Table {
                         return Err(CliError::Input(text));
                     }
                     let before = tool.map_or(0.0, |tool| word(tool, letter));
-                    words.push((number, letter, if add { before + value } else { value }));
+                    let value = if add { before + value } else { value };
+                    if letter == 'D' && value < 0.0 {
+                        let text = format!("D of T{number} would be {value}: a diameter is 0 or more");
+                        return Err(CliError::Input(text));
+                    }
+                    words.push((number, letter, value));
                 }
             }
         }

@@ -3,12 +3,12 @@
 
 use interpreter::Diagnostic;
 
-/// They come again in every block until the spindle is told something else.
-const OF_THE_SPINDLE: [&str; 2] = ["spindle-not-turning", "constant-surface-thread"];
+/// They come again in every block until the spindle, or how feeds count, is told something else.
+const UNTIL_TOLD: [&str; 3] = ["spindle-not-turning", "constant-surface-thread", "unlikely-feed"];
 
 /// Whether the second says the same as the first.
 fn is_same(first: &Diagnostic, second: &Diagnostic) -> bool {
-    let alike = OF_THE_SPINDLE.contains(&first.code)
+    let alike = UNTIL_TOLD.contains(&first.code) && first.help == second.help
         || first.code == "modal-group" && first.message == second.message;
     alike
         && (&first.file, first.code, first.severity) == (&second.file, second.code, second.severity)

@@ -12,7 +12,7 @@ const FIRST: usize = 3;
 /// Whether a line can only be of another control.
 type Sign = (&'static str, fn(&Words) -> bool);
 
-const SIGNS: [Sign; 9] = [
+const SIGNS: [Sign; 11] = [
     ("Okuma OSP", |words| words.text.starts_with(b"callo")),
     ("Okuma OSP", |words| words.text == b"rts"),
     // NLAP: N is taken for that of a number.
@@ -20,6 +20,8 @@ const SIGNS: [Sign; 9] = [
     ("Okuma OSP", |words| words.has(b"vzof") || words.has(b"vuacm[") || words.has(b"vdout[")),
     ("Sinumerik", |words| words.has(b"diamon") || words.has(b"lims=") || words.has(b"t=\"")),
     ("Sinumerik", |words| words.text.starts_with(b"workpiece") || words.text.starts_with(b"cycle9")),
+    ("Sinumerik", |words| words.text == b"msg" || words.text.starts_with(b"proc") || words.has(b"gotof")),
+    ("Sinumerik or Okuma OSP", |words| sets_a_name(words.text)),
     ("Heidenhain", |words| words.has(b"toolcall")),
     ("Fagor", |words| words.values(b't').any(has_point_inside)),
     ("Mazatrol", |words| words.text.starts_with(b"mazatrol")),
@@ -71,6 +73,14 @@ fn okuma_name(text: &str) -> Option<&'static str> {
         .then_some("Okuma OSP")
 }
 
+/// `TEST=1`: variables of the dialects are `#`, and a letter may stand in front of a value.
+fn sets_a_name(text: &[u8]) -> bool {
+    let letters = text.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    let name = |byte: &&u8| byte.is_ascii_alphanumeric() || **byte == b'_';
+    let end = letters + text[letters..].iter().take_while(name).count();
+    letters > 1 && text.get(end) == Some(&b'=') && text.get(end + 1) != Some(&b'=')
+}
+
 /// `T1.1`: a tool and its offset.
 fn has_point_inside(digits: &[u8]) -> bool {
     let point = digits.iter().position(|byte| *byte == b'.');
@@ -92,6 +102,9 @@ mod tests {
             ("%MPF  90\n", Some("Sinumerik")),
             ("N10 G18 G90 DIAMON\nN20 G96 S200 LIMS=3000 M4\n", Some("Sinumerik")),
             ("N10 T=\"FINISHER\" D1\n", Some("Sinumerik")),
+            ("MSG(\"TURN\")\n", Some("Sinumerik")),
+            ("TEST=1\n", Some("Sinumerik or Okuma OSP")),
+            ("N30 SB=1500 M13\n", Some("Sinumerik or Okuma OSP")),
             ("BEGIN PGM 1 MM\n", Some("Heidenhain")),
             ("0  BEGIN PGM 1 MM\n", Some("Heidenhain")),
             ("%PM\n\nN9000\n", Some("Philips")),
@@ -102,6 +115,7 @@ mod tests {
             ("%\nO1000 (T1.1 CALL OUT, DIAMOND TOOL)\nT0101\nG0 X1.5\n", None),
             ("o<turn> sub\nT1 M6\n", None),
             ("Only a remark\n", None),
+            ("#1=2 #2=3\nIF [#1 EQ 2] THEN #3=4\nG1 X=5\n(MSG=5)\n", None),
             ("#<diamond> = 2\no<toolcall> call\n#<vzofs> = 1\n", None),
             ("", None),
         ] {

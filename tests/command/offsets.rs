@@ -189,6 +189,29 @@ fn offsets_are_listed_set_and_loaded() {
     assert!(nothing.status == Some(2) && nothing.stderr.contains("--parameters FILE"), "{}", nothing.stderr);
 }
 
+#[test]
+fn words_that_cannot_be_are_refused_and_nothing_is_written() {
+    let place = Place::new();
+    place.write("tool.tbl", "T3 D0.8 Q2\n");
+    place.write("lathe.var", "5221 1.0\n");
+    place.write("twice.txt", "G54 X0\nT3 X1\nG54 X2\n");
+    let files = ["--tools", "tool.tbl", "--parameters", "lathe.var"];
+    for (words, told) in [
+        (&["set", "G54", "X1", "Z2", "X3"][..], "X of G54 stands twice"),
+        (&["set", "T3", "--add", "Q1"], "cannot be added to"),
+        (&["set", "T3", "D-0.8"], "a diameter is 0 or more"),
+        (&["set", "T3", "--add", "D-0.9"], "a diameter is 0 or more"),
+        (&["set", "G55", "R361"], "more than a turn"),
+        (&["set", "T3", "I-400"], "more than a turn"),
+        (&["load", "twice.txt"], "X of G54 stands twice"),
+    ] {
+        let answer = place.ask(&[&["offsets"], words, &files].concat());
+        assert!(answer.status == Some(2) && answer.stderr.contains(told), "{words:?}: {}", answer.stderr);
+    }
+    let read = |name: &str| std::fs::read_to_string(place.at(name)).expect("it is there");
+    assert_eq!((read("tool.tbl").as_str(), read("lathe.var").as_str()), ("T3 D0.8 Q2\n", "5221 1.0\n"));
+}
+
 /// Three who set offsets at once: nothing of what any of them has set is lost, and what is added is added.
 #[test]
 fn changes_at_the_same_time_are_all_kept() {

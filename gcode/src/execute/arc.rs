@@ -66,7 +66,8 @@ fn programmed(code: G, block: &Block, state: &State, out: &mut Output) -> Result
         (false, false) => {
             let [one, other] = [CENTERS[first], CENTERS[second]];
             let message = format!("{code} has neither a centre ({one}, {other}) nor a radius (R)");
-            return Err(Problem::error("missing-word", Blame::G(code), message, "add the one or the other"));
+            let help = "add the one or the other; write G1 for a straight move";
+            return Err(Problem::error("missing-word", Blame::G(code), message, help));
         }
         (true, true) => {
             let message = format!("{code} has a centre and a radius");

@@ -13,10 +13,8 @@
 use super::codes::{self, Deed};
 use super::execution::Execution;
 use super::line::{Line, Statement};
-use super::modal::Modal;
-use super::points::doubt_cut;
 use super::shape::Shape;
-use super::{Control, block, corner, one_block};
+use super::{Control, block, corner, first_line, one_block};
 use crate::bounds::{MOST_BLOCKS, MOST_PASSES};
 use crate::canon::{Place, X, Z};
 use crate::codes::{G, group, m_group};
@@ -43,10 +41,16 @@ impl Control {
     /// A word is missing, there is no such contour, or it cannot be cut like that.
     pub(super) fn contour_cycle(&mut self, code: G, state: &mut State, out: &mut Output) -> Done {
         if code != G(700) && !self.line.has_any("PQ") {
-            return first_line(code, &self.line, &mut self.modal, out);
+            let done = first_line::take(code, &self.line, &mut self.modal, out);
+            self.modal.first.refused = done.is_err().then_some(code);
+            return done;
         }
         let cycle = self.line.clone();
         let range = self.range(code)?;
+        if self.modal.first.refused == Some(code) && !cycle.has('D') {
+            self.pass_contour(range.first, range.last);
+            return Ok(());
+        }
         let behind = self.flow.files.mark();
         let done = match code {
             G(700) => self.finish(&range, state, out),
@@ -231,7 +235,7 @@ impl Control {
         let depth = one_block::depth(cycle, out)?.or(first.rough[usize::from(facing)]);
         let pattern = first.pattern;
         let missing = if code == G(730) { pattern.is_none() } else { depth.is_none() };
-        can_rough(code, cycle, missing)?;
+        first_line::can_rough(code, cycle, missing)?;
         let mut contour = self.shape(range, state)?;
         without_way_back(&mut contour, facing);
         let contour: Vec<Segment> = contour.into_iter().map(|(segment, _)| segment).collect();
@@ -276,24 +280,6 @@ impl Control {
     }
 }
 
-/// Whether G71, G72 or G73 may cut now; `missing`: its first line was not written.
-fn can_rough(code: G, cycle: &Line, missing: bool) -> Done {
-    if missing {
-        let message = format!("the first line of {code} is missing");
-        let help = match code.0 {
-            710 => "write it first: G71 U2. R0.5 (depth of cut, retract)",
-            720 => "write it first: G72 W2. R0.5 (depth of cut, retract)",
-            _ => "write it first: G73 U8. W2. R4 (way in X and Z, number of passes)",
-        };
-        return Err(Problem::error("missing-word", Blame::G(code), message, help));
-    }
-    if cycle.has('R') {
-        let message = format!("R belongs to the first line of {code}");
-        return Err(Problem::error("unused-word", Blame::Word('R'), message, "leave it out here"));
-    }
-    Ok(())
-}
-
 /// The contour with its allowance, in the frame of its cuts.
 fn framed(contour: &[Segment], allowance: Point, frame: &Frame) -> Result<Vec<Segment>, Box<Problem>> {
     let framed: Vec<Segment> =
@@ -320,57 +306,6 @@ fn without_way_back(contour: &mut Vec<(Segment, bool)>, facing: bool) {
         }
         contour.pop();
     }
-}
-
-/// `G71 U R`, `G72 W R`, `G73 U W R`.
-fn first_line(code: G, line: &Line, modal: &mut Modal, out: &mut Output) -> Done {
-    let bad = |letter, message: String, help: &str| {
-        Err(Problem::error("bad-value", Blame::Word(letter), message, help))
-    };
-    if code == G(730) {
-        let passes = line.plain('R').unwrap_or(0.0);
-        if passes.fract() != 0.0 || !(1.0..=1000.0).contains(&passes) {
-            return bad(
-                'R',
-                format!("R{} cannot be a number of passes", short(passes)),
-                "give a whole number from 1 to 1000",
-            );
-        }
-        let way = |letter| line.length(letter).unwrap_or(0.0);
-        let (x, z) = (way('U'), way('W'));
-        let letter = if x.abs() < z.abs() { 'W' } else { 'U' };
-        let cut = x.abs().max(z.abs()) / (passes - 1.0).max(1.0);
-        doubt_cut(("a pass", letter, false), cut, passes, line, out);
-        modal.first.pattern = Some((x, z, passes as u32));
-        return Ok(());
-    }
-    let facing = code == G(720);
-    let (letter, other) = if facing { ('W', 'U') } else { ('U', 'W') };
-    if line.has(other) {
-        let message = format!("the first line of {code} does not use {other}");
-        return Err(Problem::error(
-            "unused-word",
-            Blame::Word(other),
-            message,
-            format!("{letter} is the depth of cut"),
-        ));
-    }
-    let slot = &mut modal.first.rough[usize::from(facing)];
-    let (depth, retract) = slot.unwrap_or((0.0, 0.0));
-    let (depth, retract) = (line.length(letter).unwrap_or(depth), line.length('R').unwrap_or(retract));
-    if depth <= 0.0 {
-        return bad(
-            letter,
-            format!("the depth of cut is {}", short(depth)),
-            "give a radius greater than 0, such as 2.",
-        );
-    }
-    if retract < 0.0 {
-        return bad('R', format!("the retract is {}", short(retract)), "give 0 or more, such as R0.5");
-    }
-    doubt_cut(("the depth of cut", letter, false), depth, 0.0, line, out);
-    *slot = Some((depth, retract));
-    Ok(())
 }
 
 fn point(state: &State) -> Point {

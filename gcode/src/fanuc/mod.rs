@@ -27,6 +27,7 @@ mod corner;
 mod drilling;
 mod execution;
 mod expression;
+mod first_line;
 mod flow;
 mod labels;
 mod line;

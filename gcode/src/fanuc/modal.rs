@@ -44,6 +44,8 @@ pub(super) struct Modal {
 pub(super) struct FirstLines {
     /// G71, G72: depth of cut (U, W) and retract (R).
     pub(super) rough: [Option<(f64, f64)>; 2],
+    /// One that was refused: what it belongs to is not cut, and was told.
+    pub(super) refused: Option<G>,
     /// G73: U, W, R.
     pub(super) pattern: Option<(f64, f64, u32)>,
     /// G74 and G75: R.

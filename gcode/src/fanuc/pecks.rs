@@ -108,13 +108,14 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
         let help = format!("write {letter} in place of {bare}");
         return Err(Problem::error("unused-word", Blame::Word(bare), message, help));
     }
-    let one = in_one_block.then(|| BACK[usize::from(run.line.unit() == "inch")]);
-    let Some(back) = one.or(run.modal.first.retract) else {
-        let message = format!("the first line of {code} is missing");
-        let help =
-            format!("write {code} R0.5 before it, how far a peck goes back; in one block write I and K");
-        return Err(Problem::error("missing-word", Blame::G(code), message, help));
-    };
+    let usual = BACK[usize::from(run.line.unit() == "inch")];
+    let told = if in_one_block { Some(usual) } else { run.modal.first.retract };
+    let back = told.unwrap_or(usual);
+    if told.is_none() && run.line.has_any("PQ") {
+        let message = format!("no {code} R was before this: a peck goes back by {usual} {}", run.line.unit());
+        let help = format!("write {code} R0.5 before it, or what the parameter of the control says");
+        run.out.warn(Problem::warning("no-first-line", Blame::G(code), message, help));
+    }
     let along_z = code == G(740);
     let (cut, beside) = ways(code, run.line, run.state, run.out)?;
     let (axes, step, help) = match along_z {

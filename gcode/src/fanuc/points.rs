@@ -5,6 +5,7 @@
 //! of the two is a slip.
 
 use super::line::Line;
+use super::mill;
 use crate::block::{letter_bits, letters_of};
 use crate::canon::{Place, Units};
 use crate::codes::{G, group};
@@ -41,8 +42,9 @@ impl Points {
             return Ok(());
         }
         let coordinates = match line.block.g(group::ONCE) {
-            Some(G(40 | 100)) if line.mill => 0,
-            _ if line.mill => AXES_OF_MILL | letter_bits("IJKR") & !of_holes(line),
+            Some(G(40)) if line.mill => 0,
+            Some(G(100)) if line.mill => AXES_OF_MILL | letter_bits("R"),
+            _ if line.mill => AXES_OF_MILL | letter_bits("IJKR") & !of_no_length(line),
             Some(G(40)) => 0,
             Some(G(700..=760)) => AXES,
             _ => AXES | BESIDE,
@@ -72,9 +74,10 @@ impl Points {
     }
 }
 
-/// K is a number of holes there.
-fn of_holes(line: &Line) -> u32 {
-    if matches!(line.block.g(group::MOTION), Some(G(20 | 30))) { 0 } else { letter_bits("K") }
+/// K is a number of holes, and R of G68 an angle.
+fn of_no_length(line: &Line) -> u32 {
+    let holes = if matches!(line.block.g(group::MOTION), Some(G(20 | 30))) { 0 } else { letter_bits("K") };
+    if mill::codes::turns(line) { holes | letter_bits("R") } else { holes }
 }
 
 /// Warns of a depth of cut that is thinner than any chip, with the other reading of its word. `counts`: it

@@ -64,12 +64,10 @@ fn words(code: G, block: &Block, state: &State, before: Sticky) -> Result<Sticky
     let sticks = before.code.is_some();
     let missing = |letter: char, what: &str| {
         let message = format!("{code} lacks {letter}, {what}");
-        Problem::error(
-            "missing-word",
-            Blame::G(code),
-            message,
-            format!("add {letter}; it stays for the holes that follow"),
-        )
+        // G18 is the plane of lathes, whose holes are along Z.
+        let plane = if letter == 'Y' { "; for a hole along Z write G17 before it" } else { "" };
+        let help = format!("add {letter}; it stays for the holes that follow{plane}");
+        Problem::error("missing-word", Blame::G(code), message, help)
     };
     let pick = |letter: char, stuck: f64, what: &str| match straight::word(letter, block, state) {
         Some(value) => Ok(value),

@@ -133,7 +133,8 @@ fn arc(code: G, start: Point, end: Point, block: &Block, state: &State) -> Resul
     }
     if i.is_none() && k.is_none() {
         let message = format!("{code} has neither a centre (I, K) nor a radius (R)");
-        return Err(Problem::error("missing-word", Blame::G(code), message, "add the one or the other"));
+        let help = "add the one or the other; write G1 for a straight move";
+        return Err(Problem::error("missing-word", Blame::G(code), message, help));
     }
     let words = Point::new(k.unwrap_or(0.0), i.unwrap_or(0.0));
     let center = if state.modes.absolute_centers { words } else { start + words };

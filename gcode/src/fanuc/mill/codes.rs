@@ -101,6 +101,11 @@ fn words_of_g(code: G, line: &Line) -> u32 {
     }
 }
 
+/// Whether G68 turns in a block.
+pub(in super::super) fn turns(line: &Line) -> bool {
+    line.block.g(ROTATION) == Some(G(680))
+}
+
 /// What a block does; `motion` is what moves words without a code.
 ///
 /// # Errors

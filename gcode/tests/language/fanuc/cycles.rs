@@ -61,6 +61,30 @@ fn g75_cuts_grooves_side_by_side() {
     assert_eq!(moves(text)[1..], wanted);
 }
 
+/// A control has what the first line says in a parameter.
+#[test]
+fn g74_and_g75_without_a_first_line_go_back_by_what_the_one_line_form_does() {
+    let text = "S500 M03\nG00 X42. Z-10.\nG75 X30. Z-14. P3000 Q3000 F0.08\nM30\n";
+    let found = outcome(text);
+    let told: Vec<_> = found.warnings.iter().map(|one| (one.line, one.code)).collect();
+    assert_eq!((found.errors.len(), told), (0, vec![(3, "no-first-line")]));
+    let (first, second) = text.split_at(text.find("G75").expect("it has one"));
+    assert_eq!(found.sink.moves, outcome(&format!("{first}G75 R0.1\n{second}")).sink.moves);
+    assert!(outcome("S500 M03\nG00 X42. Z-10.\nG75 X30. F0.08\nM30\n").warnings.is_empty(), "no pecks");
+}
+
+#[test]
+fn what_belongs_to_a_first_line_that_is_refused_is_not_blamed() {
+    for first in ["G71 U0. R0.5", "G72 W-1. R0.5", "G73 U3. W1."] {
+        let code = &first[..3];
+        let text = format!("S500 M03\nG00 X42. Z2.\n{first}\n{code} P10 Q50 U1. W0.2 F0.3\n{SHAFT}G00 X60.");
+        assert_eq!(errors(&text), [(3, "bad-value")], "{first}");
+        let again = format!("{text}\nG71 U4. R1.\nG71 P10 Q50 U1. F0.3\nG71 U0.\nG71 P10 Q50\nG72 P10 Q50");
+        // The last one that was refused is that of G71 then.
+        assert_eq!(errors(&again), [(3, "bad-value"), (13, "bad-value"), (15, "missing-word")], "{first}");
+    }
+}
+
 /// A stepped shaft: 20 to Z-10, 30 to Z-20.
 const SHAFT: &str = "N10 G00 X20.\nN20 G01 Z-10. F0.1\nN30 X30.\nN40 Z-20.\nN50 X42.\n";
 
@@ -188,7 +212,6 @@ fn cycles_that_make_no_sense_are_refused() {
     assert_eq!(errors(&format!("G73 P10 Q30 U1. D2. F0.3\n{contour}")), [(3, "unused-word")]);
     assert_eq!(errors("G75 X20. I1. Q1000 F0.1"), [(3, "unused-word")]);
     assert_eq!(errors("G75 X20. I-1. F0.1"), [(3, "bad-value")]);
-    assert_eq!(errors("G75 X20. P1000 F0.1"), [(3, "missing-word")]);
     assert_eq!(errors("G74 R1.\nG74 Z-10. Q1.5 F0.1"), [(4, "bad-value")]);
     assert_eq!(errors("G90 X30. F0.2"), [(3, "missing-word")]);
 }

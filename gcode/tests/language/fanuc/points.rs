@@ -68,3 +68,17 @@ fn the_machine_settles_it() {
     let calculator = read(DecimalPoint::PocketCalculator, steps);
     assert_eq!(calculator.sink.moves, read(DecimalPoint::Conventional, pointed).sink.moves);
 }
+
+/// G10 of a mill sets a zero as a move goes to one; R of G68 is an angle.
+#[test]
+fn zeros_of_mills_are_asked_and_angles_are_not() {
+    let mill = |text: &str| {
+        let options = Options { dialect: gcode::Dialect::FanucMill, ..fanuc() };
+        run(Program::from_text("O1", format!("G90\n{text}\nM30\n"), &options))
+    };
+    for text in ["G10 L2 P1 X1 Y2. Z3.", "G00 X5. Y5.\nG10 L2 P1 Z3", "G00 X5.\nG10 L12 P1 R4"] {
+        let found = mill(text);
+        assert_eq!(said(&found).last().map(|one| one.1), Some(Severity::Error), "{text}");
+    }
+    assert_eq!(said(&mill("G00 X5. Y5.\nG68 X0. Y0. R45\nG69")), []);
+}
