@@ -12,7 +12,7 @@ const FIRST: usize = 3;
 /// Whether a line can only be of another control.
 type Sign = (&'static str, fn(&Words) -> bool);
 
-const SIGNS: [Sign; 11] = [
+const SIGNS: [Sign; 12] = [
     ("Okuma OSP", |words| words.text.starts_with(b"callo")),
     ("Okuma OSP", |words| words.text == b"rts"),
     // NLAP: N is taken for that of a number.
@@ -21,6 +21,7 @@ const SIGNS: [Sign; 11] = [
     ("Sinumerik", |words| words.has(b"diamon") || words.has(b"lims=") || words.has(b"t=\"")),
     ("Sinumerik", |words| words.text.starts_with(b"workpiece") || words.text.starts_with(b"cycle9")),
     ("Sinumerik", |words| words.text == b"msg" || words.text.starts_with(b"proc") || words.has(b"gotof")),
+    ("Sinumerik", |words| words.text.starts_with(b"_") || words.text.starts_with(b"$a")),
     ("Sinumerik or Okuma OSP", |words| sets_a_name(words.text)),
     ("Heidenhain", |words| words.has(b"toolcall")),
     ("Fagor", |words| words.values(b't').any(has_point_inside)),
@@ -103,6 +104,7 @@ mod tests {
             ("N10 G18 G90 DIAMON\nN20 G96 S200 LIMS=3000 M4\n", Some("Sinumerik")),
             ("N10 T=\"FINISHER\" D1\n", Some("Sinumerik")),
             ("MSG(\"TURN\")\n", Some("Sinumerik")),
+            ("N10 _DRESS_SETUP(\"N_20\",1)\n", Some("Sinumerik")),
             ("TEST=1\n", Some("Sinumerik or Okuma OSP")),
             ("N30 SB=1500 M13\n", Some("Sinumerik or Okuma OSP")),
             ("BEGIN PGM 1 MM\n", Some("Heidenhain")),

@@ -145,8 +145,12 @@ impl<W: Write> LinuxcncPrinter<W> {
             }
             Call::SetSpindleSpeed(speed) => self.one_number("SET_SPINDLE_SPEED(0, ", speed),
             Call::NurbsFeed(curve) => {
-                self.lines.text("NURBS_G5_FEED(");
-                self.lines.integer(curve.points.len() as u32);
+                let (name, count) = match curve.named {
+                    true => ("saicanon NURBS_G6_FEED_(", curve.knots.len()),
+                    false => ("NURBS_G5_FEED(", curve.points.len()),
+                };
+                self.lines.text(name);
+                self.lines.integer(count as u32);
                 self.lines.text(", ...)");
             }
             Call::SetPlannerMode(smooth) => {

@@ -40,6 +40,8 @@ pub struct Nurbs {
     pub points: Vec<[f64; 3]>,
     /// t, as many as points and order together.
     pub knots: Vec<f64>,
+    /// The program says its knots (G6.2).
+    pub named: bool,
 }
 
 /// A piece of the way along a curve.
@@ -67,7 +69,7 @@ impl Nurbs {
         let inner = (1..spans).map(|knot| knot as f64);
         let ends = |knot: f64| std::iter::repeat_n(knot, order);
         let knots = ends(0.0).chain(inner).chain(ends(spans as f64)).collect();
-        Nurbs { order, points, knots }
+        Nurbs { order, points, knots, named: false }
     }
 
     /// Lines and arcs, of radii up to `largest`, that follow the curve within a distance. `None` if more than

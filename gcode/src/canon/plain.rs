@@ -209,6 +209,10 @@ impl<W: Write> PlainPrinter<W> {
                     self.lines.text(", ");
                     self.lines.fours(&[first * self.mm, second * self.mm, *weight], ", ");
                 }
+                for knot in curve.knots.iter().filter(|_| curve.named) {
+                    self.lines.text(", ");
+                    self.lines.four(*knot);
+                }
                 self.lines.text(")");
             }
             Call::SetPlannerMode(Some(scale)) => {

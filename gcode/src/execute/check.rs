@@ -112,8 +112,9 @@ fn words_used(block: &Block, motion: Option<G>) -> Done {
 fn unused(letter: char, motion: Option<G>) -> Box<Problem> {
     let blame = Blame::Word(letter);
     if letter_bit(letter) & UVW != 0 {
-        let message = format!("the axis {letter} is not available");
-        return Problem::error("not-available", blame, message, "axes are X, Y, Z, A, B and C");
+        let message = format!("the axis {letter} is not available: no machine here has secondary axes");
+        let help = "axes are X, Y, Z, A, B and C; under G91 X, Y and Z count from where the tool stands";
+        return Problem::error("not-available", blame, message, help);
     }
     if let (Some(code), 'A' | 'B' | 'C') = (motion.filter(|code| CYCLES.contains(&code.0)), letter) {
         let message = format!("{code} does not move {letter}");

@@ -16,6 +16,7 @@
 //! | `coordinates.rs` | G10 L2 L20, G28 G30, G52, G54-G59.3, G92 |
 //! | `straight.rs`, `arc.rs`, `feed.rs` | G0 G1 G53 polar points; G2 G3; the F they need |
 //! | `spline.rs` | G5 G5.1 G5.2 G5.3 |
+//! | `knots.rs` | G6.2 |
 //! | `threading.rs` | G33 G33.1 G76 |
 //! | `probe.rs` | G38.2 to G38.5 |
 //! | `cycles/` | G73 G74 G80 to G89 |
@@ -33,6 +34,7 @@ mod cycles;
 mod feed;
 mod job;
 mod kind;
+mod knots;
 mod modes;
 pub(crate) mod output;
 mod outputs;
@@ -82,6 +84,9 @@ pub(crate) fn execute(block: &Block, state: &mut State, out: &mut Output) -> Don
     }
     if state.spline.open.is_some() {
         spline::only_points(block, state)?;
+    }
+    if state.spline.knotted.is_some() {
+        knots::only_blocks(block, state)?;
     }
     let motion = check::check(block, state)?;
     if let Some(comment) = block.comment.as_ref().filter(|comment| !comment.text.is_empty()) {
@@ -243,7 +248,7 @@ fn run_motion(code: G, block: &Block, state: &mut State, out: &mut Output) -> Do
     match code.0 {
         0 | 10 => straight::straight(code, block, state, out),
         20 | 30 => arc::arc(code, block, state, out),
-        50..=53 => spline::spline(code, block, state, out),
+        50..=53 | 62 => spline::spline(code, block, state, out),
         330 | 331 | 760 => threading::threading(code, block, state, out),
         382..=385 => probe::probe(code, block, state, out),
         700..=722 => roughing::begin(code, block, state, out),

@@ -43,6 +43,7 @@ pub(super) fn spline(code: G, block: &Block, state: &mut State, out: &mut Output
             done
         }
         53 => close(state, out),
+        62 => super::knots::block(block, state, out),
         _ => one_block(code, block, state, out),
     }
 }
@@ -87,7 +88,7 @@ fn missing(code: G, what: &str) -> Box<Problem> {
 }
 
 /// Axis words of other axes than those of the plane.
-fn only_in_plane(code: G, block: &Block, state: &State) -> Done {
+pub(super) fn only_in_plane(code: G, block: &Block, state: &State) -> Done {
     let (first, second, _) = state.modes.plane.axes();
     let other = (0..6).filter(|axis| ![first, second].contains(axis)).find(|axis| block.has(AXES[*axis]));
     match other {

@@ -31,7 +31,7 @@ pub(crate) use modes::{Coolant, Modes, Overrides, Spindle};
 pub(crate) use recorder::{Cycle, Piece, Recorder};
 pub(crate) use saved::{Context, Contexts, Saved};
 pub(crate) use scale::Scale;
-pub(crate) use spline::{OpenCurve, Spline};
+pub(crate) use spline::{KnottedCurve, OpenCurve, Spline};
 pub(crate) use sticky::Sticky;
 
 use std::collections::BTreeMap;

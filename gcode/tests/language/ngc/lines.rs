@@ -89,8 +89,6 @@ fn probing_is_shown_and_leaves_the_tool_short_of_the_point() {
 }
 
 #[test]
-fn curves_with_knots_are_refused_by_name() {
-    for (code, words) in [("G6.2", "P4 K0 X1 Y1 R1 Q1"), ("G6.3", "")] {
-        refused(&format!("F1\n{code} {words}"), "not-available", &[code]);
-    }
+fn g6_3_is_refused_by_name() {
+    refused("F1\nG6.3", "not-available", &["G6.3"]);
 }

@@ -1,4 +1,4 @@
-//! G5, G5.1, G5.2 and G5.3.
+//! G5, G5.1, G5.2 and G5.3, G6.2.
 
 use gcode::canon::{Follows, Nurbs};
 use gcode::{Call, Options, Place, Problem, Program, Sink};
@@ -108,6 +108,87 @@ fn what_is_not_a_curve_is_refused() {
     refused("F100\nG5.2\nX1 Y1 P0", "bad-value", &["P0"]);
     refused("F100\nG5.2 L2.5", "bad-value", &["L2.5"]);
     refused("F1\nG41.1 D1\nG5.1 X9 I5 J1", "compensation-on", &["spline"]);
+}
+
+/// A curve of order 4 with knots that are not evenly spaced.
+const KNOTTED: &str = "G6.2 P4 Q1 X10 Y0 R1 K0\nX12 Y8 R2 K0\nX20 Y9 R0.5 K0\nX26 Y2 R1 K0\n\
+                       X33 Y-4 R3 K0.7\nX40 Y5 R1 K2.2\nG6.2 K5\nG6.2 K5\nG6.2 K5\nG6.2 K5";
+
+/// N of order k by the recursion of its definition.
+fn basis(knots: &[f64], i: usize, k: usize, u: f64) -> f64 {
+    if k == 1 {
+        return f64::from(u8::from(knots[i] <= u && u < knots[i + 1]));
+    }
+    let part = |of: f64, whole: f64| if whole > 0.0 { of / whole } else { 0.0 };
+    let (rises, falls) = (knots[i + k - 1] - knots[i], knots[i + k] - knots[i + 1]);
+    part(u - knots[i], rises) * basis(knots, i, k - 1, u)
+        + part(knots[i + k] - u, falls) * basis(knots, i + 1, k - 1, u)
+}
+
+/// A point of a curve as the sum of its points.
+fn at(curve: &Nurbs, u: f64) -> [f64; 2] {
+    let mut sum = [0.0; 3];
+    for (i, [x, y, weight]) in curve.points.iter().enumerate() {
+        let share = weight * basis(&curve.knots, i, curve.order, u);
+        sum = [sum[0] + share * x, sum[1] + share * y, sum[2] + share];
+    }
+    [sum[0] / sum[2], sum[1] / sum[2]]
+}
+
+#[test]
+fn a_curve_with_knots_is_the_sum_of_its_points() {
+    let curve = &curves(&format!("F100\nG0 X10 Y0\n{KNOTTED}"))[0];
+    assert_eq!(curve.knots, [0.0, 0.0, 0.0, 0.0, 0.7, 2.2, 5.0, 5.0, 5.0, 5.0]);
+    let within = 1e-4;
+    let way = points([10.0, 0.0], &curve.follow(within, 1e6, 10_000).expect("it can be followed"));
+    for n in 0..500 {
+        let there = at(curve, 5.0 * f64::from(n) / 500.0);
+        assert!(off(there, &way) < 2.0 * within, "{there:?} is {} off", off(there, &way));
+    }
+    let end = way.last().expect("it ends");
+    assert!(libm::hypot(end[0] - 40.0, end[1] - 5.0) < 1e-9, "at its last point: {end:?}");
+    let after = messages(&format!("F100\nG0 X10 Y0\n{KNOTTED}\n(debug,#<_x> #<_y>)"));
+    assert_eq!(after, ["40.000000 5.000000"]);
+    let calls = printed(&format!("F100\nG0 X10 Y0\n{KNOTTED}"));
+    assert!(calls.last().is_some_and(|call| call.contains("NURBS_G6_FEED_")), "{calls:?}");
+}
+
+#[test]
+fn a_quarter_of_a_circle_with_knots_is_one_in_every_plane() {
+    let text = "F100\nG0 Z10 X0\nG18 G6.2 P3 Q2 Z10 X0 R1 K2\nZ10 X10 R0.70710678118654752 K2\n\
+                Z0 X10 R1 K2\nG6.2 K9\nG6.2 K9\nG6.2 K9";
+    let curve = &curves(text)[0];
+    let way = points([10.0, 0.0], &curve.follow(1e-6, 1e6, 1000).expect("it can be followed"));
+    assert!(way.iter().all(|[z, x]| (libm::hypot(*z, *x) - 10.0).abs() < 2e-6));
+}
+
+#[test]
+fn what_is_not_a_curve_with_knots_is_refused() {
+    let broken = |from: &str, to: &str| format!("F100\nG0 X10 Y0\n{}", KNOTTED.replacen(from, to, 1));
+    refused("F100\nG6.2 Q1 X0 Y0 R1 K0", "missing-word", &["P"]);
+    refused("F100\nG6.2 P2 Q1 X0 Y0 R1 K0", "bad-value", &["P2"]);
+    refused("F100\nG6.2 P3 X0 Y0 R1 K0", "missing-word", &["Q"]);
+    refused("G6.2 P3 Q1 X0 Y0 R1 K0", "no-feed", &[]);
+    refused("F100 G93\nG6.2 P3 Q1 X0 Y0 R1 K0", "bad-value", &["G93"]);
+    refused(&broken("K2.2", "K0.2"), "bad-value", &["K0.2"]);
+    refused(&broken(" K2.2", ""), "missing-word", &["K"]);
+    refused(&broken("R3", "R0"), "missing-word", &["R"]);
+    refused(&broken("X33 Y-4", "X33"), "missing-word", &["Y"]);
+    refused(&broken("X10 Y0 R1", "X11 Y0 R1"), "bad-value", &["1 from where the tool stands"]);
+    refused(&broken("K0\nX12", "K-1\nX12"), "bad-value", &["knots"]);
+    refused(
+        &broken("R3 K0.7\nX40 Y5 R1 K2.2", "R3 K2\nX39 Y5 R1 K2\nX40 Y5 R1 K2"),
+        "bad-value",
+        &["corner"],
+    );
+    refused(&broken("G6.2 K5", "G0 X3"), "modal-group", &["G0"]);
+    refused(&format!("{}\nF100\nG0 X10 Y0\n{KNOTTED}", broken("G6.2 K5", "M9")), "modal-group", &["M9"]);
+    refused("F100\nG6.2 P3 Q1 X0 Y0 R1 K0\nG6.2 K1\nX1 Y1 R1 K1", "bad-value", &["behind a knot"]);
+    refused(
+        "F100\nG6.2 P3 Q1 X0 Y0 R1 K0\nX1 Y1 R1 K0\nG6.2 K1\nG6.2 K1\nG6.2 K1",
+        "bad-value",
+        &["this one has 2"],
+    );
 }
 
 #[test]
