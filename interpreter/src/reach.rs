@@ -106,7 +106,7 @@ pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
         Kinematics::Positioner => "positioner",
     };
     let axes: Vec<String> = machine.axes().map(|(axis, _)| axis.to_string()).collect();
-    let message = format!("this {kind} has no axis {axis} (it would be at {})", short(at));
+    let message = format!("this {kind} has no axis {axis} (it would be at {} {})", short(at), axis.unit());
     let help = format!("its axes are {}: leave the word out", axes.join(", "));
     Problem::error("no-such-axis", Blame::Word(letter(axis)), message, help)
 }

@@ -24,7 +24,7 @@ use crate::state::{KnottedCurve, State};
 
 const CODE: G = G(62);
 /// Orders of curves.
-const ORDERS: std::ops::RangeInclusive<i64> = 3..=20;
+const ORDERS: std::ops::RangeInclusive<i64> = 2..=20;
 /// Most knots of a curve.
 const MOST_KNOTS: usize = 100_000;
 /// Letters of the axes.
@@ -134,11 +134,11 @@ fn make(curve: KnottedCurve, state: &mut State, out: &mut Output) -> Done {
         return bad(message, "repeat the first and the last knot: the curve begins and ends at a point then");
     }
     if knots[1..knots.len() - 1]
-        .windows(order - 1)
+        .windows(order)
         .any(|same| same[0] == same[same.len() - 1] && same[0] != from && same[0] != to)
     {
-        let message = "a knot within the curve is there so often that it has a corner";
-        return bad(message.to_owned(), "end the curve there, and begin another");
+        let message = format!("a knot within the curve is there {order} times: the curve is torn");
+        return bad(message, "end the curve there, and begin another");
     }
     let (one, other, _) = state.modes.plane.axes();
     let at = [state.axes.position[one], state.axes.position[other]];

@@ -163,10 +163,27 @@ fn a_quarter_of_a_circle_with_knots_is_one_in_every_plane() {
 }
 
 #[test]
+fn corners_of_a_curve_with_knots_are_corners_of_its_way() {
+    let lines = "F100\nG6.2 P2 Q1 X0 Y0 R1 K0\nX10 Y0 R1 K0\nX10 Y10 R1 K1\nG6.2 K2\nG6.2 K2";
+    let way = curves(lines)[0].follow(1e-5, 1e6, 100).expect("it can be followed");
+    assert!(way.iter().all(|follows| follows.arc.is_none()), "{way:?}");
+    let near = |[x, y]: [f64; 2], to: [f64; 2]| libm::hypot(x - to[0], y - to[1]) < 1e-9;
+    let through = |to| way.iter().any(|follows| near(follows.end, to));
+    assert!(through([10.0, 0.0]) && through([10.0, 10.0]), "{way:?}");
+    // The knot 1 is there twice in a curve of order 3: it goes through the point (4, 4), with a corner.
+    let text = "F100\nG6.2 P3 Q1 X0 Y0 R1 K0\nX2 Y4 R1 K0\nX4 Y4 R1 K0\nX4 Y0 R1 K1\nX8 Y0 R1 K1\n\
+                G6.2 K2\nG6.2 K2\nG6.2 K2";
+    let curve = &curves(text)[0];
+    let way = points([0.0, 0.0], &curve.follow(1e-5, 1e6, 1000).expect("it can be followed"));
+    assert!((0..200).all(|n| off(at(curve, f64::from(n) / 100.0), &way) < 2e-5));
+    assert!(way.iter().any(|there| near(*there, [4.0, 4.0])), "{way:?}");
+}
+
+#[test]
 fn what_is_not_a_curve_with_knots_is_refused() {
     let broken = |from: &str, to: &str| format!("F100\nG0 X10 Y0\n{}", KNOTTED.replacen(from, to, 1));
     refused("F100\nG6.2 Q1 X0 Y0 R1 K0", "missing-word", &["P"]);
-    refused("F100\nG6.2 P2 Q1 X0 Y0 R1 K0", "bad-value", &["P2"]);
+    refused("F100\nG6.2 P1 Q1 X0 Y0 R1 K0", "bad-value", &["P1"]);
     refused("F100\nG6.2 P3 X0 Y0 R1 K0", "missing-word", &["Q"]);
     refused("G6.2 P3 Q1 X0 Y0 R1 K0", "no-feed", &[]);
     refused("F100 G93\nG6.2 P3 Q1 X0 Y0 R1 K0", "bad-value", &["G93"]);
@@ -177,9 +194,9 @@ fn what_is_not_a_curve_with_knots_is_refused() {
     refused(&broken("X10 Y0 R1", "X11 Y0 R1"), "bad-value", &["1 from where the tool stands"]);
     refused(&broken("K0\nX12", "K-1\nX12"), "bad-value", &["knots"]);
     refused(
-        &broken("R3 K0.7\nX40 Y5 R1 K2.2", "R3 K2\nX39 Y5 R1 K2\nX40 Y5 R1 K2"),
+        &broken("R3 K0.7\nX40 Y5 R1 K2.2", "R3 K2\nX37 Y5 R1 K2\nX38 Y5 R1 K2\nX39 Y5 R1 K2\nX40 Y5 R1 K3"),
         "bad-value",
-        &["corner"],
+        &["torn"],
     );
     refused(&broken("G6.2 K5", "G0 X3"), "modal-group", &["G0"]);
     refused(&format!("{}\nF100\nG0 X10 Y0\n{KNOTTED}", broken("G6.2 K5", "M9")), "modal-group", &["M9"]);
