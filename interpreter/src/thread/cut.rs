@@ -117,7 +117,7 @@ impl Cut {
     }
 
     /// Where the axes rest before the pass: along the thread.
-    pub(crate) fn from_mm(&self) -> f64 {
+    pub(crate) fn starts_mm(&self) -> f64 {
         self.along.of(self.from)
     }
 

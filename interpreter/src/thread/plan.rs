@@ -130,7 +130,7 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
         }
     }
     pass.check().map_err(|refused| Refusal::Extreme { refused })?;
-    let on_helix = |c: f64| cut.from_mm() + cut.lead_mm() * c / 360.0;
+    let on_helix = |c: f64| cut.starts_mm() + cut.lead_mm() * c / 360.0;
     let half_way = |window: Span| cut.lead_mm().abs() * window.dc / 720.0;
     Ok(Plan {
         pass,
@@ -202,7 +202,7 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
         let flank = least_delay(&design.axial_brake(cut), &retract, cut.clear_mm, tan_flank);
         exit.max(design.q * flank)
     };
-    let length = cut.to_mm - cut.from_mm();
+    let length = cut.to_mm - cut.starts_mm();
     let c_end = 360.0 * length / cut.lead_mm();
     let brake_dc = design.q * design.brake.duration();
     let brake_c = match machine.threading.run_out {
@@ -321,7 +321,7 @@ fn pass(
         ..ThreadPass::default()
     };
     let axes =
-        [(cut.along.lifts(), x, cut.above_mm()), (cut.along.axis(), lead(cut.lead_mm()), cut.from_mm())];
+        [(cut.along.lifts(), x, cut.above_mm()), (cut.along.axis(), lead(cut.lead_mm()), cut.starts_mm())];
     for ((axis, mut law, from), limits) in axes.into_iter().zip(limits) {
         law.check().map_err(|refused| Refusal::Extreme { refused })?;
         let moves = law.law(cut.s_rpm);
@@ -345,7 +345,7 @@ fn pass(
 fn out(cut: &Cut, machine: &Machine) -> WayOut {
     let surface = cut.above_mm() + cut.approach_mm;
     let slope = cut.rise_mm() / cut.lead_mm();
-    let surfaces = [surface, surface + slope * (cut.to_mm - cut.from_mm())];
+    let surfaces = [surface, surface + slope * (cut.to_mm - cut.starts_mm())];
     let lift = match (cut.retract_mm, cut.approach_mm) {
         (0.0, 0.0) if cut.lift_mm != 0.0 => cut.lift_mm,
         (0.0, 0.0) => machine.threading.lift_mm * cut.outwards,

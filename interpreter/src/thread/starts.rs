@@ -51,9 +51,9 @@ impl Helix {
             along: cut.along,
             lead: cut.lead_mm(),
             direction: cut.direction,
-            z: cut.from_mm(),
+            z: cut.starts_mm(),
             start_deg: cut.start_deg,
-            x: cut.above_mm() + cut.approach_mm - slope * cut.from_mm(),
+            x: cut.above_mm() + cut.approach_mm - slope * cut.starts_mm(),
             number: 0,
         }
     }
