@@ -50,6 +50,19 @@ fn a_program_of_another_control_is_refused_once_by_its_name() {
     }
 }
 
+/// G95 that was forgotten is one slip, not one in every line.
+#[test]
+fn feeds_of_the_other_mode_are_told_once_for_each_mode() {
+    let place = Place::new();
+    let minute = "G94\nG1 Z1 F0.1\nZ0 F0.2\nZ-1 F0.15\n";
+    let turn = "G95\nZ-2 F100\nZ-3 F150\n";
+    let answer = place.tell(&["check", "-"], &format!("S800 M3\nG0 X20 Z2\n{minute}{turn}M2\n"));
+    let told: Vec<&str> = answer.stderr.lines().filter(|line| line.contains("unlikely-feed")).collect();
+    assert_eq!(told.len(), 2, "{}", answer.stderr);
+    assert!(told[0].contains("(and 2 times more, up to line 6)"), "{}", told[0]);
+    assert!(told[1].contains("(and again in line 9)"), "{}", told[1]);
+}
+
 #[test]
 fn switches_of_optional_blocks_have_numbers() {
     let place = Place::new();

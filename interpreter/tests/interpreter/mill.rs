@@ -259,6 +259,9 @@ fn a_spline_takes_no_longer_than_an_arc_of_its_length() {
     let arc = time("G3 X0 Y40 I-40");
     let curve = time("G5.2 P1 L3\nX40 Y40 P0.707106781\nX0 Y40\nG5.3");
     assert!((curve / arc - 1.0).abs() < 0.01, "{curve} s, and {arc} s for the arc");
+    let knotted =
+        time("G6.2 P3 Q1 X40 Y0 R1 K0\nX40 Y40 R0.707106781 K0\nX0 Y40 R1 K0\nG6.2 K3\nG6.2 K3\nG6.2 K3");
+    assert!((knotted / curve - 1.0).abs() < 1e-6, "the same curve: {knotted} s, and {curve} s by G5.2");
     // one whose curvature changes all the time
     let wavy = time("G5 X0 Y40 I0 J25 P30 Q5");
     assert!(wavy < 1.1 * arc, "{wavy} s, and {arc} s for the arc");

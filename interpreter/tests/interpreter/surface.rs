@@ -144,3 +144,22 @@ fn fanuc_programs_say_it_with_g50() {
     let stop = Code::PathMode(protocol::PathMode::ExactStop);
     assert!(check.items.iter().any(|item| item.line == 7 && item.code == stop));
 }
+
+/// What the threading macros of controls with a button for it ask for: an own state (M73), a tool by its
+/// number, G76 under G96 with words that are computed, a lead in threads per inch, a taper at the end.
+#[test]
+fn a_threading_macro_is_cut() {
+    let text = "o<thread> sub\nM73\nG7 G18 G21 G90\nM6 T#3 G43\n#14=[#<_x> * 2] #13=#<_z>\n\
+                o90 if [#4 LT 0]\n#4=ABS[25.4 / #4]\no90 endif\n#<minor>=[#1 - 1.2 * #4]\n\
+                G96 D600 S#2\nM3\nG95 F0.25\nG4 P1\n\
+                G0 X[#1 + 4] Z#13\nG76 P#4 Z#5 I-2 J0.2 K[#1 - #<minor>] R1.5 Q29.5 H1 E[2 * #4] L2\n\
+                G0 X#14\nG0 Z#13\nM5\no<thread> endsub\n\
+                S300 M3\nG7 G18 G0 X60 Z8\no<thread> call [30] [40] [3] [-16] [-20]\nM2\n";
+    let checked = check("thread.ngc", text, &Machine::plain());
+    let said: Vec<_> = checked.diagnostics.iter().map(|one| (one.line, one.code)).collect();
+    assert_eq!(said, [(4, "unknown-tool"), (15, "constant-surface-thread")], "there is no tool table");
+    let depths: Vec<f64> = checked.passes.iter().filter_map(|pass| pass.depth_mm).collect();
+    let height = 0.6 * 25.4 / 16.0;
+    assert!(depths.len() > 5 && (depths[0] - 0.1).abs() < 1e-6, "J is a diameter: {depths:?}");
+    assert!(depths.iter().rev().take(2).all(|depth| (depth - height).abs() < 1e-6), "{depths:?}");
+}
