@@ -238,19 +238,33 @@ pub fn no_other(path: &Path) -> Result<(), OpenError> {
             name.display()
         ));
     }
-    if !is_job(path) {
-        no_foreign(path, &beginning)?;
+    if is_job(path) {
+        return Ok(());
     }
     let kind =
         |line: &str| line.trim_start().strip_prefix("kind")?.trim_start().strip_prefix('=').map(|_| ());
-    if !is_job(path) && String::from_utf8_lossy(&beginning).lines().any(|line| kind(line).is_some()) {
+    let text = String::from_utf8_lossy(&beginning);
+    if text.lines().any(|line| kind(line).is_some()) {
         let name = path.with_extension("toml");
         return other(format!(
             "looks like a job, and jobs are named *.toml: rename it to {}",
             name.display()
         ));
     }
-    Ok(())
+    if text.lines().any(is_section) {
+        return other("is a file of settings (TOML), not a part program".to_owned());
+    }
+    no_foreign(path, &beginning)
+}
+
+/// Whether a line begins a section of TOML: `[axis.x]`.
+fn is_section(line: &str) -> bool {
+    let name = line.trim().strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+    let name = name.map(|name| name.trim_start_matches('[').trim_end_matches(']'));
+    name.is_some_and(|name| {
+        name.starts_with(|c: char| c.is_ascii_lowercase())
+            && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b"._-".contains(&b))
+    })
 }
 
 /// Refuses the language of another control.

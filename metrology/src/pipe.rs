@@ -119,11 +119,19 @@ fn whitworth(size: &str, taper: f64) -> Profile {
 }
 
 /// G, ISO 228-1.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Parallel {
     pub(crate) size: &'static str,
     /// Class of the screw, A or B, if the name has one; else A.
     pub(crate) class: Option<char>,
+}
+
+/// G1/2 and G1/2-A are one thread, though the second name speaks of the screw.
+impl PartialEq for Parallel {
+    fn eq(&self, other: &Parallel) -> bool {
+        let class = |thread: &Parallel| thread.class.unwrap_or('A');
+        self.size == other.size && class(self) == class(other)
+    }
 }
 
 impl Described for Parallel {

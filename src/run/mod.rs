@@ -13,17 +13,15 @@ mod keeps;
 mod processes;
 mod progress;
 mod recorder;
+mod summed;
 mod watchdog;
 
-use std::{collections::BTreeSet, fmt::Write as _, process::ExitCode};
+use std::process::ExitCode;
 
 use machine::Machine;
 use process::shell::Clock;
-use protocol::Axis;
 use rig::journal::{Keeper, Origin};
-use rig::observe::{
-    FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, WorkKind,
-};
+use rig::observe::{Outcome, Summary};
 
 use crate::{
     args::Shop,
@@ -40,6 +38,7 @@ use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
 use keeps::Keeps;
 pub(crate) use recorder::axes;
+use summed::{summed_up, told};
 
 /// Everything a run depends on.
 pub(crate) struct Setup {
@@ -180,228 +179,4 @@ pub(crate) fn read_scenario(
     // Alone the machine can be built: its file has been read.
     sim_plant::Plant::new(machine, scenario.clone(), 1).map_err(|error| wrong(&error))?;
     Ok((scenario, text))
-}
-
-/// Pauses and circles that are named.
-const SHOWN: usize = 10;
-
-/// A fault or a warning in a line.
-fn told(report: &FaultReport) -> String {
-    let FaultReport { source, code, cycle, text } = report;
-    format!("{source} {code} (cycle {cycle}): {text}")
-}
-
-/// What a person wants to know first.
-fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> String {
-    let mut text = String::new();
-    for fault in &summary.faults {
-        let _ = writeln!(text, "fault     {}", told(fault));
-    }
-    for warning in &summary.warnings {
-        let _ = writeln!(text, "warning   {}", told(warning));
-    }
-    for ProgramWarning { file, line, code, text: what, .. } in summary.program_warnings.iter().take(SHOWN) {
-        let _ = writeln!(text, "checked   {file}:{line}: {code}: {what}");
-    }
-    if summary.program_warnings.len() > SHOWN {
-        let _ = writeln!(text, "          and {} more warnings", summary.program_warnings.len() - SHOWN);
-    }
-    let outcome = match summary.outcome {
-        Outcome::Completed => "completed",
-        Outcome::Faulted => "FAULTED",
-        Outcome::Stopped => "stopped by the operator",
-    };
-    // One that was left and taken up again is one pass.
-    let passes: BTreeSet<u32> = summary.passes.iter().map(|pass| pass.pass).collect();
-    let _ = writeln!(
-        text,
-        "{outcome}: {} passes, {} moves, {:.1} s on the machine in {:.1} s",
-        passes.len(),
-        summary.moves.count,
-        summary.simulated_s,
-        summary.wall_s
-    );
-    threads(&mut text, summary);
-    gauged(&mut text, summary);
-    traces(&mut text, summary);
-    moves(&mut text, summary);
-    pauses(&mut text, summary);
-    signals(&mut text, summary);
-    if let Some(words) = summary.overrides_held() {
-        let _ = writeln!(text, "override  {words}");
-    }
-    if summary.deadline_misses > 0 && summary.clock == "real" {
-        let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
-    }
-    let _ = writeln!(text, "trace     {}", summary.trace_hash);
-    if let Some(report) = report {
-        let _ = writeln!(text, "report    {}", report.display());
-    }
-    text
-}
-
-fn pauses(text: &mut String, summary: &Summary) {
-    for pause in summary.pauses.iter().take(SHOWN) {
-        let _ = writeln!(
-            text,
-            "pause     line {}: {} after {:.1} s",
-            pause.line,
-            pause.ended_by.text(),
-            pause.waited_s
-        );
-    }
-    if summary.pauses.len() > SHOWN {
-        let _ = writeln!(text, "          and {} more pauses", summary.pauses.len() - SHOWN);
-    }
-}
-
-fn signals(text: &mut String, summary: &Summary) {
-    for (what, changes) in [("output", &summary.outputs), ("input", &summary.inputs)] {
-        let told = changes.iter().map(|one| {
-            let state = if one.on { "on" } else { "off" }.to_owned();
-            (one.number, &one.name, state, one.cycle, one.line)
-        });
-        changed(text, what, told, summary.cycle_s);
-    }
-    let analog = &summary.analog_outputs;
-    let told =
-        analog.iter().map(|one| (one.number, &one.name, format!("= {}", one.value), one.cycle, one.line));
-    changed(text, "analog", told, summary.cycle_s);
-}
-
-/// Changes of outputs or inputs: number, name, state, cycle, line.
-fn changed<'a>(
-    text: &mut String,
-    what: &str,
-    changes: impl ExactSizeIterator<Item = (u32, &'a String, String, u64, u32)>,
-    cycle_s: f64,
-) {
-    let more = changes.len().saturating_sub(SHOWN);
-    for (number, name, state, cycle, line) in changes.take(SHOWN) {
-        let at_s = cycle as f64 * cycle_s;
-        let _ = writeln!(text, "{what:<10}{number} {name} {state} at {at_s:.3} s, line {line}");
-    }
-    if more > 0 {
-        let _ = writeln!(text, "          and {more} more changes of {what}s");
-    }
-}
-
-fn threads(text: &mut String, summary: &Summary) {
-    for last in summary.interrupted().take(SHOWN) {
-        let words = match last.end {
-            PassEnd::Complete => "was left, entered again and cut to its end",
-            PassEnd::Left => "was left before its end",
-            PassEnd::CutOff => "was cut off before its end",
-        };
-        let _ = writeln!(text, "pass      {} {words}", last.pass);
-    }
-    if summary.passes.is_empty() {
-        return;
-    }
-    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
-    let [helix, passes, depth, ends] = summary.at_the_tool();
-    let _ = match summary.touched().next() {
-        None => writeln!(text, "thread    the tool touched no material: nothing of it is judged"),
-        Some(_) => writeln!(
-            text,
-            "thread    at the tool: helix error at most {helix:.2} µm about its mean, from pass to pass {passes:.2} µm, depth off by {depth:.2} µm, from end to end {ends:.2} µm"
-        ),
-    };
-    let _ = writeln!(
-        text,
-        "nut       helix error at most {:.2} µm, phase spread from pass to pass {:.2} µm, lead error at most {:.3} µm/rev",
-        worst(|pass| pass.helix_max_abs_um),
-        summary.thread.phase_spread_um,
-        worst(|pass| pass.lead_error_um_per_rev.abs()),
-    );
-    // The axis that takes the tool to depth.
-    for axis in [Axis::X, Axis::Z] {
-        let errors = summary.passes.iter().filter(|pass| pass.on_face == (axis == Axis::Z));
-        let errors = errors.map(|pass| if axis == Axis::X { pass.x } else { pass.z });
-        let worst = |of: fn(ServoError) -> f64| errors.clone().map(of).reduce(f64::max);
-        let Some(approach) = worst(|error| error.approach_max_um.max(-error.approach_min_um)) else {
-            continue;
-        };
-        let [end, thread] = [worst(|error| error.end_um.abs()), worst(|error| error.thread_max_abs_um)];
-        let _ = writeln!(
-            text,
-            "depth ({axis}) servo error in the approach at most {approach:.2} µm, at its end {:.2} µm, in the thread {:.2} µm",
-            end.unwrap_or_default(),
-            thread.unwrap_or_default()
-        );
-    }
-}
-
-/// What the gauge says.
-fn gauged(text: &mut String, summary: &Summary) {
-    let Some(gauge) = &summary.gauge else { return };
-    let _ = writeln!(text, "gauge     {}", gauge.sentence());
-    for note in &gauge.notes {
-        let _ = writeln!(text, "          {note}");
-    }
-}
-
-fn traces(text: &mut String, summary: &Summary) {
-    let mut shown: Vec<_> = summary.traces.iter().collect();
-    if shown.len() > SHOWN {
-        shown.sort_by(|a, b| b.slide.max_abs_um().total_cmp(&a.slide.max_abs_um()));
-        shown.truncate(SHOWN);
-    }
-    for trace in &shown {
-        let (name, turned) = match trace.kind {
-            WorkKind::Contour => ("contour  ", String::new()),
-            WorkKind::Surface => ("surface  ", String::new()),
-            WorkKind::Seam => ("seam     ", format!(", direction within {:.5}°", trace.slide.angle_max_deg)),
-        };
-        let _ = writeln!(
-            text,
-            "{name} line {}: true within {:.2} µm, commanded within {:.3} µm{turned}; {:.0} mm/min held {:.1} % of the time",
-            trace.line,
-            trace.slide.max_abs_um(),
-            trace.commanded.max_abs_um(),
-            trace.feed.programmed_mm_min,
-            trace.feed.held_pct
-        );
-    }
-    for trace in summary.traces.iter().filter(|trace| trace.is_wrong()).take(SHOWN) {
-        let _ = writeln!(
-            text,
-            "WRONG     line {}: commanded {:.3} µm off, more than the chord error of {:.3} µm: the part is not what the formula says",
-            trace.line,
-            trace.commanded.max_abs_um(),
-            trace.most_um.unwrap_or(0.0)
-        );
-    }
-    let more = (summary.traces.len() - shown.len()) as u64 + summary.traces_left_out;
-    if more > 0 {
-        let _ = writeln!(text, "          and {more} more contours, surfaces and seams, each of them truer");
-    }
-}
-
-fn moves(text: &mut String, summary: &Summary) {
-    if summary.moves.contour_max_um > 0.0 {
-        let moves = &summary.moves;
-        let _ = writeln!(
-            text,
-            "contour   at most {:.2} µm from the path (line {} at {:.3} s), rms {:.2} µm",
-            moves.contour_max_um, moves.contour_line, moves.contour_t_s, moves.contour_rms_um
-        );
-        for circle in moves.circles.iter().take(SHOWN) {
-            let _ = writeln!(
-                text,
-                "circle    line {}: radius {:.3} mm at {:.0} mm/min round within {:.2} µm",
-                circle.line, circle.radius_mm, circle.feed_mm_min, circle.round_max_um
-            );
-        }
-    }
-    if summary.moves.limit_violations > 0 {
-        let _ = writeln!(
-            text,
-            "limits    {} cycles beyond the limit of an axis: docs/run-folder.md says how that is judged",
-            summary.moves.limit_violations
-        );
-    }
-    if summary.moves.starved > 0 {
-        let _ = writeln!(text, "starved   stopped {} times to wait for machine code", summary.moves.starved);
-    }
 }
