@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! (M202) beside the groove, along a flank:  (h − dₙ) tan γ,  0 ≤ γ ≤ α
-//!        on both flanks in turns:           ± min(½ (dₙ − dₙ₋₁), h − dₙ) tan α
+//!        on both flanks in turns:           ± min(½ (dₙ − dₙ₋₁), h − dₙ) tan α, of the last but one (h − dₙ) tan α
 //! ```
 //! α is the flank on the side to which the pass is moved. γ = α goes along that flank, so only the other one
 //! cuts. In turns, the flank that does not cut stays clear where cuts grow no deeper. No pass cuts beyond the
@@ -94,12 +94,12 @@ fn of_area(edge: &Edge, full_mm: f64, share: f64) -> f64 {
 }
 
 impl Infeed {
-    /// How far towards higher Z the pass of number `n` (from 0) stands beside the groove, mm (M202). It goes
+    /// How far towards higher Z the pass of number `n` (from 0) of `count` stands beside the groove, mm (M202). It goes
     /// from depth `before_mm` to `depth_mm` of `full_mm`, `towards` is the direction of the cut along Z,
     /// `flank_deg` are the flanks towards lower and higher Z.
     pub(crate) fn beside_mm(
         self,
-        n: usize,
+        (n, count): (usize, usize),
         [before_mm, depth_mm, full_mm]: [f64; 3],
         flank_deg: [f64; 2],
         towards: f64,
@@ -116,7 +116,9 @@ impl Infeed {
             Infeed::Alternating => {
                 let side = if n.is_multiple_of(2) { side } else { -side };
                 let deg = if side > 0.0 { higher } else { lower };
-                side * (0.5 * (depth_mm - before_mm)).min(left_mm) * tangent(deg)
+                // The last pass runs in the middle: the one before it leaves it one flank.
+                let half_mm = if n + 2 == count { left_mm } else { 0.5 * (depth_mm - before_mm) };
+                side * half_mm.min(left_mm) * tangent(deg)
             }
         }
     }
@@ -220,7 +222,7 @@ mod tests {
                 let depths = Law::Root.depths_mm(&SHARP, 1.2, 6, 0.0);
                 let mut before = 0.0;
                 for (n, depth) in depths.into_iter().enumerate() {
-                    let beside = infeed.beside_mm(n, [before, depth, 1.2], [3.0, 30.0], towards);
+                    let beside = infeed.beside_mm((n, 6), [before, depth, 1.2], [3.0, 30.0], towards);
                     let room = [3.0_f64, 30.0].map(|deg| (1.2 - depth) * libm::tan(deg.to_radians()));
                     assert!(
                         -room[0] - 1e-12 <= beside && beside <= room[1] + 1e-12,
@@ -230,22 +232,23 @@ mod tests {
                 }
             }
         }
-        let beside = Infeed::Flank.beside_mm(0, [0.0, 0.5, 1.5], [0.0, 45.0], -1.0);
+        let beside = Infeed::Flank.beside_mm((0, 3), [0.0, 0.5, 1.5], [0.0, 45.0], -1.0);
         assert_eq!(beside, libm::tan(45.0_f64.to_radians()));
     }
 
-    /// In turns, one flank of each pass but the first and the last touches nothing that is left.
+    /// In turns, one flank of each pass but the first touches nothing that is left.
     #[test]
     fn in_turns_one_flank_cuts() {
         let depths = Law::Root.depths_mm(&SHARP, 1.5, 10, 0.0);
         let tangent = libm::tan(30.0_f64.to_radians());
         let (mut before, mut reached) = (0.0, [0.0; 2]);
         for (n, depth) in depths.iter().copied().enumerate() {
-            let beside = Infeed::Alternating.beside_mm(n, [before, depth, 1.5], [30.0; 2], -1.0);
+            let beside =
+                Infeed::Alternating.beside_mm((n, depths.len()), [before, depth, 1.5], [30.0; 2], -1.0);
             // Where its flanks cross the crest.
             let crosses = [depth * tangent - beside, depth * tangent + beside];
             let cuts = [0, 1].map(|side| crosses[side] > reached[side] + 1e-9);
-            assert!(n == 0 || n + 1 == depths.len() || cuts[0] != cuts[1], "{n}: {crosses:?} {reached:?}");
+            assert!(n == 0 || cuts[0] != cuts[1], "{n}: {crosses:?} {reached:?}");
             reached = [0, 1].map(|side| crosses[side].max(reached[side]));
             before = depth;
         }

@@ -39,6 +39,9 @@ pub enum Refused {
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Refused::Thread(NominalError::Side) => {
+                f.write_str("the screw or the nut? add the class of one of them, as in M20x2-6g or M20x2-6H, or external or internal")
+            }
             Refused::Thread(why) => write!(f, "{why}: {}", why.help()),
             Refused::Tool { tool, text } => write!(f, "tool {tool} does not cut this thread: {text}"),
             Refused::Wish { what, text } => write!(f, "{what}: {text}"),
@@ -203,6 +206,7 @@ impl Recipe {
             }
         };
         let (mut before, mut last) = (0.0, 0.0);
+        let count = depths.len();
         let pass = |(n, depth): (usize, f64)| {
             // Up to the last one, so that a cycle that begins with the first ends in as many.
             let depth_mm =
@@ -210,7 +214,7 @@ impl Recipe {
             let area = self.edge.area_mm2(depth_mm);
             let area_mm2 = area - std::mem::replace(&mut before, area);
             let depths = [std::mem::replace(&mut last, depth_mm), depth_mm, self.depth_mm];
-            let beside_mm = self.infeed.beside_mm(n, depths, self.edge.flank_deg, -1.0);
+            let beside_mm = self.infeed.beside_mm((n, count), depths, self.edge.flank_deg, -1.0);
             Pass { depth_mm, beside_mm, area_mm2 }
         };
         depths.iter().copied().enumerate().map(pass).collect()

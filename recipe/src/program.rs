@@ -122,6 +122,9 @@ impl Writer<'_> {
         );
         self.remark(&text);
         self.remark(&format!("thread, {}", self.name()));
+        if self.words.dialect == Dialect::Linuxcnc {
+            self.remark("where a tool table holds the offsets, write G43 behind each M6");
+        }
         let unit = if self.words.units == Units::Mm { "G21" } else { "G20" };
         self.line(&match self.words.dialect {
             Dialect::Linuxcnc => format!("{unit} G18 G90 G7 G40 G97 G95"),
@@ -147,9 +150,12 @@ impl Writer<'_> {
         let turn = if is_left { 4 } else { 3 };
         let speed = self.recipe.s_rpm;
         let text = match self.words.dialect {
-            Dialect::Linuxcnc => format!("\nT{number} ({what})\nS{speed} M{turn}"),
+            Dialect::Linuxcnc => format!("\nM5\nT{number} M6 ({what})\nS{speed} M{turn}"),
             Dialect::Fanuc => {
-                format!("\nT{number:02}{number:02} ({})\nG97 S{speed} M{turn:02}", what.to_ascii_uppercase())
+                format!(
+                    "\nM05\nT{number:02}{number:02} ({})\nG97 S{speed} M{turn:02}",
+                    what.to_ascii_uppercase()
+                )
             }
         };
         self.line(&text);
@@ -179,6 +185,12 @@ impl Writer<'_> {
     fn crest(&mut self) {
         let (number, what) = self.recipe.turning_tool();
         self.tool(number, false, &format!("{what}: the crest in one cut"));
+        let near = if self.recipe.side() == Side::External {
+            "the bar is a little larger"
+        } else {
+            "the bore is a little smaller"
+        };
+        self.remark(&format!("{near}, by no more than this tool takes off in one cut"));
         let before = self.words.units.of(BEFORE_MM);
         let feed = format!(" F{}", self.words.number(TURN_FEED_MM / self.words.units.mm(), 4));
         let (clear, end, rapid) = (self.at.clear, self.at.end, self.rapid());
@@ -203,7 +215,8 @@ impl Writer<'_> {
             format!(" in each of {} starts", recipe.starts())
         };
         let unit = recipe.speed_m_min();
-        self.remark(&format!("{count} passes and {springs} at full depth{starts}, {unit:.0} m/min"));
+        let passes = if count == 1 { "pass" } else { "passes" };
+        self.remark(&format!("{count} {passes} and {springs} at full depth{starts}, {unit:.0} m/min"));
         if is_cycle(recipe, self.words.dialect) {
             self.cycles();
         } else {

@@ -22,6 +22,8 @@ const MOST_TRIES: u32 = 200;
 const SLOWER: f64 = 0.95;
 /// Threads with less between their flanks are cut with a flat tip, degrees.
 const LEAST_SHARP_DEG: f64 = 50.0;
+/// A share of the speed that was meant below which a longer way before the face helps more.
+const SLOWEST: f64 = 0.1;
 /// Diagnostics that a lower speed helps against.
 const TOO_FAST: [&str; 2] = ["pass-not-feasible", "too-fast"];
 
@@ -98,8 +100,9 @@ fn order(asked: &WriteArgs, thread: &Thread, machine: &Machine) -> Result<Order,
         }
         (None, None) if thread.profile().flank_deg.iter().sum::<f64>() < LEAST_SHARP_DEG => {
             let text = format!(
-                "{thread}: a sharp tool would go very deep\nhelp: name the insert, as in --tool 22ERTR7, or its shape, as in \
-                 --tool 'A30 W1.9'; or --tool sharp"
+                "{thread}: a sharp tool would go very deep\nhelp: name the insert, as in --tool {}, or its shape, as in \
+                 --tool 'A30 W1.9'; or --tool sharp",
+                an_insert(thread)
             );
             return Err(CliError::Input(text));
         }
@@ -134,6 +137,20 @@ fn order(asked: &WriteArgs, thread: &Thread, machine: &Machine) -> Result<Order,
     })
 }
 
+/// The designation of an insert that would do, or nearly.
+fn an_insert(thread: &Thread) -> String {
+    let profile = thread.profile();
+    let side = if thread.side() == Some(gauge::Side::Internal) { 'I' } else { 'E' };
+    let hand = if profile.left_hand { 'L' } else { 'R' };
+    match thread.to_string() {
+        name if name.contains("ACME") => format!("16{side}{hand}{:.0}ACME", 25.4 / profile.pitch_mm),
+        name if name.starts_with("module") => {
+            format!("27{side}{hand}MOD{}", profile.pitch_mm / std::f64::consts::PI)
+        }
+        _ => format!("22{side}{hand}TR{}", profile.pitch_mm),
+    }
+}
+
 /// The recipe as the machine can cut it.
 fn fitted(mut recipe: Recipe, dialect: Dialect, units: Units, machine: &Machine) -> Result<Fitted, CliError> {
     let language = Language {
@@ -156,6 +173,18 @@ fn fitted(mut recipe: Recipe, dialect: Dialect, units: Units, machine: &Machine)
             Some(error) => {
                 let text = format!("this machine cannot cut it:\n{}", error.render(false));
                 return Err(CliError::Input(text));
+            }
+            // The run-in takes more than the way before the face.
+            None if check.passes.iter().any(|pass| pass.full_depth_mm[0] < 0.0) => {
+                let slower = SLOWER * recipe.s_rpm;
+                if slower < SLOWEST * meant_rpm {
+                    let start = recipe.start_mm;
+                    let text = format!(
+                        "the run-in takes more than the {start} mm before the face\nhelp: start farther off, by --start"
+                    );
+                    return Err(CliError::Input(text));
+                }
+                recipe = recipe.at_rpm(slower);
             }
             None => {
                 let full = check.passes.iter().map(|pass| pass.full_depth_mm[1]).fold(f64::MIN, f64::max);

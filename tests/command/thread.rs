@@ -210,11 +210,12 @@ fn threads_by_name_are_good() {
 fn wishes_out_of_range_are_refused() {
     let place = Place::new();
     for (args, told) in [
-        (&["M20x2"][..], "add the class"),
+        (&["M20x2"][..], "the screw or the nut?"),
         (&["M20x2-6g", "--tool", "16ER1.5ISO"], "its pitch is 1.5000 mm"),
         (&["M20x2-6g", "--tool", "16QQ"], "16ER2.0ISO"),
         (&["M20x2-6g", "--length", "0"], "length: 0 is not within"),
         (&["M20x2-6g", "--length", "900"], "this machine cannot cut it"),
+        (&["M20x2-6g", "--start", "0.1"], "start farther off"),
         (&["M20x2-6g", "--passes", "0"], "passes: 0 is not within"),
         (&["M20x2-6g", "--speed", "90000"], "speed: 90000 is not within"),
         (&["M20x2-6g", "--off-flank", "2", "--infeed", "radial"], "--infeed modified"),
@@ -222,6 +223,7 @@ fn wishes_out_of_range_are_refused() {
         (&["M20x2-6g", "--tool", "A60 R2"], "its tip is wider"),
         (&["M20x2-6g", "--tool", "A60 R0.5"], "too blunt"),
         (&["Tr40x7-7e"], "--tool 22ERTR7"),
+        (&["Tr40x14P7-7H", "LH"], "--tool 22ILTR7"),
         (&["R1/2"], "--pitch-diameter LEAST..MOST"),
         (&["M2-6H"], "no way back"),
     ] {
