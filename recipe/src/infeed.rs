@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! (M202) beside the groove, along a flank:  (h − dₙ) tan γ,  0 ≤ γ ≤ α
-//!        on both flanks in turns:           ± min(½ (dₙ − dₙ₋₁), h − dₙ) tan α, of the last but one (h − dₙ) tan α
+//!        on both flanks in turns:           ± min(½ (dₙ − dₙ₋₁), h − dₙ) tan α; last but one: (h − dₙ) tan α
 //! ```
 //! α is the flank on the side to which the pass is moved. γ = α goes along that flank, so only the other one
 //! cuts. In turns, the flank that does not cut stays clear where cuts grow no deeper. No pass cuts beyond the
@@ -94,9 +94,9 @@ fn of_area(edge: &Edge, full_mm: f64, share: f64) -> f64 {
 }
 
 impl Infeed {
-    /// How far towards higher Z the pass of number `n` (from 0) of `count` stands beside the groove, mm (M202). It goes
-    /// from depth `before_mm` to `depth_mm` of `full_mm`, `towards` is the direction of the cut along Z,
-    /// `flank_deg` are the flanks towards lower and higher Z.
+    /// How far towards higher Z the pass of number `n` (from 0) of `count` stands beside the groove, mm
+    /// (M202). It goes from depth `before_mm` to `depth_mm` of `full_mm`, `towards` is the direction of the
+    /// cut along Z, `flank_deg` are the flanks towards lower and higher Z.
     pub(crate) fn beside_mm(
         self,
         (n, count): (usize, usize),
