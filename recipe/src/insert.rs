@@ -22,7 +22,7 @@
 
 use std::{fmt, str::FromStr};
 
-use gauge::{Edge, Side};
+use gauge::Side;
 use metrology::{Misread, Profile, Thread};
 
 use crate::Refused;
@@ -142,11 +142,12 @@ impl Tool {
         Tool { nose_mm: Some(nose_mm), ..self }
     }
 
-    /// Its edge in a thread.
+    /// Width of its tip as a machine file has it, corners and all (0 of a round one), and radius of its nose
+    /// or of its corners, in a thread, mm.
     ///
     /// # Errors
     /// It is not for this thread.
-    pub fn edge(&self, thread: &Thread, side: Side) -> Result<Edge, Refused> {
+    pub fn tip_mm(&self, thread: &Thread, side: Side) -> Result<[f64; 2], Refused> {
         let profile = thread.profile();
         let angle: f64 = profile.flank_deg.iter().sum();
         let refused = |text: String| Err(Refused::Tool { tool: self.name.clone(), text });
@@ -162,17 +163,15 @@ impl Tool {
             };
             return refused(format!("for a {hand} behind E or I"));
         }
-        let of = |flank_deg, width_mm, nose_mm| {
-            Edge::of_width(flank_deg, width_mm, self.nose_mm.unwrap_or(nose_mm))
-        };
+        let of = |[width_mm, nose_mm]: [f64; 2]| [width_mm, self.nose_mm.unwrap_or(nose_mm)];
         match self.form {
-            Form::Sharp => Ok(of(profile.flank_deg, 0.0, 0.0)),
+            Form::Sharp => Ok(of([0.0, 0.0])),
             Form::Shape { angle_deg, .. } | Form::Partial { angle_deg, .. }
                 if (angle_deg - angle).abs() > 0.01 =>
             {
                 refused(format!("it has {angle_deg}°, the thread {angle}°"))
             }
-            Form::Shape { width_mm, .. } => Ok(of(profile.flank_deg, width_mm, 0.0)),
+            Form::Shape { width_mm, .. } => Ok(of([width_mm, 0.0])),
             Form::Partial { pitches_mm: [least, most], .. } => {
                 if !(least - SAME_MM..=most + SAME_MM).contains(&profile.pitch_mm) {
                     return refused(format!(
@@ -180,7 +179,7 @@ impl Tool {
                         profile.pitch_mm
                     ));
                 }
-                Ok(of(profile.flank_deg, 0.0, PARTIAL_NOSE * least))
+                Ok(of([0.0, PARTIAL_NOSE * least]))
             }
             Form::Full { pitch_mm, family } => {
                 if (pitch_mm - profile.pitch_mm).abs() > SAME_MM {
@@ -199,8 +198,7 @@ impl Tool {
                 if family.is_some_and(|family| family != own) {
                     return refused(format!("its profile is not that of {}", thread.standard()));
                 }
-                let [width, nose] = own.tip_mm(&profile, side);
-                Ok(of(profile.flank_deg, width, nose))
+                Ok(of(own.tip_mm(&profile, side)))
             }
         }
     }
@@ -331,11 +329,13 @@ fn shape(text: &str, name: &str) -> Result<Tool, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gauge::Edge;
 
     fn edge(tool: &str, thread: &str, side: Side) -> Result<Edge, String> {
         let thread: Thread = thread.parse().expect("a thread");
         let tool: Tool = tool.parse().map_err(|misread: Misread| misread.message)?;
-        tool.edge(&thread, side).map_err(|refused| refused.to_string())
+        let [width_mm, nose_mm] = tool.tip_mm(&thread, side).map_err(|refused| refused.to_string())?;
+        Ok(Edge::of_width(thread.profile().flank_deg, width_mm, nose_mm))
     }
 
     #[test]

@@ -73,6 +73,8 @@ pub struct Recipe {
     pub tool: Tool,
     /// The edge of that in this thread.
     pub edge: Edge,
+    /// Width of its tip as a machine file has it, corners and all; 0 of a round one, mm.
+    pub width_mm: f64,
     /// Its number.
     pub tool_number: u32,
     /// Material.
@@ -131,7 +133,8 @@ impl Recipe {
         let nominal = nominal(thread, order)?;
         let profile = thread.profile();
         let side = nominal.side;
-        let edge = order.tool.edge(thread, side)?;
+        let [width_mm, nose_mm] = order.tool.tip_mm(thread, side)?;
+        let edge = Edge::of_width(profile.flank_deg, width_mm, nose_mm);
         // Towards and away from the axis: the tool goes into a screw inwards.
         let inwards = if side == Side::External { -1.0 } else { 1.0 };
         let slope = 0.5 * nominal.taper;
@@ -139,7 +142,7 @@ impl Recipe {
         let pitch_diameter = at_face(middle(nominal.pitch_diameter_mm));
         let crest_mm = 2.0 * rounded(0.5 * crest(thread, &nominal, pitch_diameter));
         let below = edge
-            .depth_mm(width_mm(&nominal))
+            .depth_mm(groove_mm(&nominal))
             .ok_or_else(|| blunt(order, "its tip is wider than the groove"))?;
         let depth_mm = rounded(inwards * (0.5 * pitch_diameter + inwards * below - 0.5 * crest_mm));
         let root_mm = crest_mm + 2.0 * inwards * depth_mm;
@@ -166,6 +169,7 @@ impl Recipe {
             thread: thread.clone(),
             tool: order.tool.clone(),
             edge,
+            width_mm,
             tool_number: order.tool_number,
             material: order.material,
             crest_mm,
@@ -275,7 +279,7 @@ fn middle([least, most]: [f64; 2]) -> f64 {
 }
 
 /// Width of the groove at the pitch line, mm (M150).
-fn width_mm(nominal: &Nominal) -> f64 {
+fn groove_mm(nominal: &Nominal) -> f64 {
     let tangents = nominal.flank_deg.map(|deg| libm::tan(deg.to_radians()));
     let slope = 0.5 * nominal.taper;
     0.5 * nominal.pitch_mm * (1.0 - slope * slope * tangents[0] * tangents[1])

@@ -24,8 +24,8 @@ const SLOWER: f64 = 0.95;
 const LEAST_SHARP_DEG: f64 = 50.0;
 /// A share of the speed that was meant below which a longer way before the face helps more.
 const SLOWEST: f64 = 0.1;
-/// Diagnostics that a lower speed helps against.
-const TOO_FAST: [&str; 2] = ["pass-not-feasible", "too-fast"];
+/// The diagnostic that a lower speed helps against.
+const TOO_FAST: &str = "pass-not-feasible";
 
 /// A recipe that a machine can cut.
 struct Fitted {
@@ -166,7 +166,7 @@ fn fitted(mut recipe: Recipe, dialect: Dialect, units: Units, machine: &Machine)
         let check = checked(&program, &language, machine)?;
         let error = check.diagnostics.iter().find(|found| found.severity == Severity::Error);
         match error {
-            Some(error) if TOO_FAST.contains(&error.code) && recipe.s_rpm > 1.0 => {
+            Some(error) if error.code == TOO_FAST && recipe.s_rpm > 1.0 => {
                 let slower = SLOWER * recipe.s_rpm;
                 recipe = recipe.at_rpm(slower);
             }
@@ -222,8 +222,8 @@ fn tool_lines(recipe: &Recipe, machine: &Machine) -> String {
     if edge.nose_mm > 0.0 {
         let _ = writeln!(lines, "nose_mm = {:.4}", edge.nose_mm);
     }
-    if edge.flat_mm > 0.0 {
-        let _ = writeln!(lines, "width_mm = {:.4}", edge.flat_mm);
+    if recipe.width_mm > 0.0 {
+        let _ = writeln!(lines, "width_mm = {:.4}", recipe.width_mm);
     }
     lines
 }
@@ -232,12 +232,12 @@ fn tool_lines(recipe: &Recipe, machine: &Machine) -> String {
 fn is_known(recipe: &Recipe, machine: &Machine) -> bool {
     let edge = recipe.edge;
     let Some(tool) = machine.tool(recipe.tool_number).filter(|tool| tool.angle_deg.is_some()) else {
-        return edge.nose_mm == 0.0 && edge.flat_mm == 0.0;
+        return edge.nose_mm == 0.0 && recipe.width_mm == 0.0;
     };
     let [width, nose] = [tool.width_mm, tool.nose_mm].map(Option::unwrap_or_default);
     let same = |a: f64, b: f64| (a - b).abs() < 1e-3;
     let angle: f64 = edge.flank_deg.iter().sum();
-    same(tool.angle_deg.unwrap_or(angle), angle) && same(width, edge.flat_mm) && same(nose, edge.nose_mm)
+    same(tool.angle_deg.unwrap_or(angle), angle) && same(width, recipe.width_mm) && same(nose, edge.nose_mm)
 }
 
 /// What people are told.
@@ -321,7 +321,7 @@ fn document(name: &str, fitted: &Fitted, asked: &WriteArgs) -> serde_json::Value
         "standard": recipe.thread.standard(),
         "tool": {
             "name": recipe.tool.name, "number": recipe.tool_number, "flank_deg": recipe.edge.flank_deg,
-            "nose_mm": recipe.edge.nose_mm, "width_mm": recipe.edge.flat_mm,
+            "nose_mm": recipe.edge.nose_mm, "width_mm": recipe.width_mm,
         },
         "material": recipe.material.name(),
         "crest_mm": recipe.crest_mm,
