@@ -27,8 +27,6 @@ const CODE: G = G(62);
 const ORDERS: std::ops::RangeInclusive<i64> = 2..=20;
 /// Most knots of a curve.
 const MOST_KNOTS: usize = 100_000;
-/// Letters of the axes.
-const AXES: [char; 3] = ['X', 'Y', 'Z'];
 /// How far the first point may be from the tool, mm and inch.
 const NEAR: [f64; 2] = [1e-3, 1e-4];
 
@@ -75,14 +73,7 @@ fn take(first: bool, block: &Block, state: &State, curve: &mut KnottedCurve) -> 
     }
     let (one, other, _) = state.modes.plane.axes();
     super::spline::only_in_plane(CODE, block, state)?;
-    let point = match [one, other].map(|axis| block.has(AXES[axis])) {
-        [true, true] => true,
-        [false, false] => false,
-        _ => {
-            let message = format!("a point of the curve needs {} and {}", AXES[one], AXES[other]);
-            return Err(Problem::error("missing-word", Blame::Block, message, "add the other one"));
-        }
-    };
+    let point = super::spline::has_point(block, [one, other])?;
     if point && curve.knots.len() > curve.points.len() {
         let help = format!("the last {} blocks of the curve have K alone", curve.order);
         let message = "a point stands behind a knot without one";

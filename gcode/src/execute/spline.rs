@@ -87,6 +87,19 @@ fn missing(code: G, what: &str) -> Box<Problem> {
     Problem::error("missing-word", Blame::G(code), format!("{code} needs {what}"), "add the words")
 }
 
+/// Whether a block has a point of the curve: both of its coordinates, or none of them.
+pub(super) fn has_point(block: &Block, axes: [usize; 2]) -> Result<bool, Box<Problem>> {
+    match axes.map(|axis| block.has(AXES[axis])) {
+        [true, true] => Ok(true),
+        [false, false] => Ok(false),
+        _ => {
+            let [first, second] = axes.map(|axis| AXES[axis]);
+            let message = format!("a point of the curve needs {first} and {second}");
+            Err(Problem::error("missing-word", Blame::Block, message, "add the other one"))
+        }
+    }
+}
+
 /// Axis words of other axes than those of the plane.
 pub(super) fn only_in_plane(code: G, block: &Block, state: &State) -> Done {
     let (first, second, _) = state.modes.plane.axes();
@@ -122,14 +135,7 @@ fn control_point(block: &Block, state: &mut State) -> Done {
             }
         },
     };
-    let has_point = match [first, second].map(|axis| block.has(AXES[axis])) {
-        [true, true] => true,
-        [false, false] => false,
-        _ => {
-            let message = format!("a point of the curve needs {} and {}", AXES[first], AXES[second]);
-            return Err(Problem::error("missing-word", Blame::Block, message, "add the other one"));
-        }
-    };
+    let has_point = has_point(block, [first, second])?;
     let target = straight::target(block, state)?;
     let start = [state.axes.position[first], state.axes.position[second]];
     let begins = state.spline.open.is_none();
