@@ -16,11 +16,13 @@ use protocol::Axis;
 
 use crate::{
     args::MachineArgs,
+    certificate::{self, Certificate},
     diagnostics::Document,
     error::CliError,
     gauged::{self, GaugeArgs},
     program::Program,
     screen, words,
+    written::{self, Made},
 };
 
 /// What stands for standard input.
@@ -37,16 +39,37 @@ pub(crate) struct CheckArgs {
     pub(crate) machine: MachineArgs,
     #[command(flatten)]
     pub(crate) gauge: GaugeArgs,
+    #[command(flatten)]
+    pub(crate) certify: CertifyArgs,
     /// Print one JSON document, for editors, and nothing else; of several programs an array of them.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
+/// What threads will be, before they are cut.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CertifyArgs {
+    /// Cut the threads once on the simulated machine and tell what each pass takes and is off by.
+    #[arg(long)]
+    certify: bool,
+    /// Write that as a page (HTML) as well; of one program.
+    #[arg(long, value_name = "FILE", requires = "certify")]
+    page: Option<PathBuf>,
+    /// Of everything random about the simulated machine.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "certify")]
+    seed: u64,
+}
+
 /// Reports every diagnostic, every pass, and the time each program takes.
 pub(crate) fn check(args: &CheckArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let judged = match judges(args, quiet) {
+    args.can_be()?;
+    let judged: Vec<_> = match judges(args, quiet) {
         Ok((machine, language, gauge)) => {
-            let judge = |path: &PathBuf| judge(path, &language, &machine, gauge.clone());
+            let judge = |path: &PathBuf| {
+                let program = judge(path, &language, &machine, gauge.clone())?;
+                let certificate = args.certify.certificate(&program, path, &language, &machine)?;
+                Ok((program, certificate))
+            };
             args.programs.iter().map(judge).collect()
         }
         // JSON tells that of the programs, and it is the same of all.
@@ -65,12 +88,63 @@ pub(crate) fn check(args: &CheckArgs, quiet: bool) -> Result<ExitCode, CliError>
     } else {
         tell(args, &judged, quiet);
     }
-    let worst = judged.iter().map(|one| match one {
-        Ok(program) if program.found(Severity::Error) == 0 => 0,
-        Ok(_) | Err(CliError::Input(_)) => 2,
+    if let (Some(page), [Ok((_, Some(certificate)))]) = (&args.certify.page, &judged[..]) {
+        args.write(page, certificate)?;
+    }
+    Ok(ExitCode::from(judged.iter().map(status).max().unwrap_or(0)))
+}
+
+/// A program, and what its threads will be if somebody asked for that.
+type Judged = Result<(Program, Option<Certificate>), CliError>;
+
+/// 0 good; 3 the part would not be; 2 the program is not; 1 the computer failed.
+fn status(one: &Judged) -> u8 {
+    match one {
+        Ok((program, _)) if program.found(Severity::Error) > 0 => 2,
+        Ok((_, Some(certificate))) if !certificate.is_good() => 3,
+        Ok(_) => 0,
+        Err(CliError::Input(_)) => 2,
         Err(CliError::Machine(_)) => 1,
-    });
-    Ok(ExitCode::from(worst.max().unwrap_or(0)))
+    }
+}
+
+impl CertifyArgs {
+    /// The certificate of a program, if it is asked for, and there is one to be had.
+    fn certificate(
+        &self,
+        program: &Program,
+        path: &Path,
+        language: &Language,
+        machine: &Machine,
+    ) -> Result<Option<Certificate>, CliError> {
+        if !self.certify || program.found(Severity::Error) > 0 {
+            return Ok(None);
+        }
+        certificate::certify(program, path, language, machine, self.seed)
+    }
+}
+
+impl CheckArgs {
+    /// Whether what is asked for goes together.
+    fn can_be(&self) -> Result<(), CliError> {
+        let refused = |text: &str| Err(CliError::Input(text.into()));
+        if self.certify.page.is_some() && self.programs.len() > 1 {
+            return refused("--page is for one program: name one, or leave --page out");
+        }
+        if self.certify.certify && self.programs.iter().any(|path| path == Path::new(PIPE)) {
+            return refused("--certify reads a program twice, and standard input is read once: name a file");
+        }
+        Ok(())
+    }
+
+    /// Writes the page.
+    fn write(&self, page: &Path, certificate: &Certificate) -> Result<(), CliError> {
+        let program = self.programs.first().map_or_else(String::new, |path| path.display().to_string());
+        let machine = self.machine.machine.as_ref();
+        let machine = machine.map_or_else(String::new, |path| format!(" --machine {}", path.display()));
+        let again = format!("pitchlock check {program}{machine} --certify --seed {}", self.certify.seed);
+        written::write(page, Made::Page, certificate::html(certificate, &program, &again))
+    }
 }
 
 /// What all programs are judged with.
@@ -95,16 +169,19 @@ fn judge(
 }
 
 /// What people see: each program under its name if there are several, and how many are good.
-fn tell(args: &CheckArgs, judged: &[Result<Program, CliError>], quiet: bool) {
+fn tell(args: &CheckArgs, judged: &[Judged], quiet: bool) {
     let several = args.programs.len() > 1;
     for (path, one) in args.programs.iter().zip(judged) {
         match one {
-            Ok(program) => {
+            Ok((program, certificate)) => {
                 words::say(&program.messages);
                 let head = if several { format!("{}: ", path.display()) } else { String::new() };
                 if !quiet {
                     words::flush(false);
-                    screen::print(&(head + &findings(program)));
+                    let certified = certificate.as_ref().map(Certificate::text).unwrap_or_default();
+                    let none = args.certify.certify && certified.is_empty();
+                    let none = if none { "certificate: none, there is no thread to cut\n" } else { "" };
+                    screen::print(&(head + &findings(program) + &certified + none));
                 }
             }
             Err(error) => {
@@ -113,8 +190,7 @@ fn tell(args: &CheckArgs, judged: &[Result<Program, CliError>], quiet: bool) {
         }
     }
     if several && !quiet {
-        let good = |one: &&_| matches!(one, Ok(program) if Program::found(program, Severity::Error) == 0);
-        let good = judged.iter().filter(good).count();
+        let good = judged.iter().filter(|one| status(one) == 0).count();
         words::flush(false);
         screen::print(&format!("{} of {} are good\n", good, counted(judged.len() as u64, "program")));
     }

@@ -14,7 +14,8 @@
 //! judge, null without one. `time_s` is the time the program takes at 100 % override, s, to the microsecond;
 //! null where an error keeps it from running. Lines and columns count from 1, columns in characters;
 //! `end_column` is that of the character behind the last. X is a radius; `depth_mm` is null where the program
-//! does not say where the crest is.
+//! does not say where the crest is. `certificate` is there with `--certify` alone, and where there is a
+//! thread (docs/certificate.md).
 
 use std::path::Path;
 
@@ -22,7 +23,7 @@ use gcode::{Diagnostic, Severity};
 use interpreter::PassNote;
 use serde::Serialize;
 
-use crate::{error::CliError, program::Program};
+use crate::{certificate::Certificate, error::CliError, program::Program};
 
 /// The document.
 #[derive(Debug, Serialize)]
@@ -38,6 +39,8 @@ pub(crate) struct Document<'a> {
     error: Option<String>,
     diagnostics: Vec<Entry<'a>>,
     passes: Vec<Pass>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certificate: Option<&'a Certificate>,
 }
 
 #[derive(Debug, Serialize)]
@@ -68,7 +71,10 @@ struct Pass {
 
 impl<'a> Document<'a> {
     /// The document of everything that was found in a program, or of why nothing was.
-    pub(crate) fn of(path: &Path, judged: &'a Result<Program, CliError>) -> Document<'a> {
+    pub(crate) fn of(
+        path: &Path,
+        judged: &'a Result<(Program, Option<Certificate>), CliError>,
+    ) -> Document<'a> {
         let program = path.display().to_string();
         let empty = Document {
             version: 1,
@@ -82,9 +88,10 @@ impl<'a> Document<'a> {
             error: None,
             diagnostics: Vec::new(),
             passes: Vec::new(),
+            certificate: None,
         };
-        let judged = match judged {
-            Ok(judged) => judged,
+        let (judged, certificate) = match judged {
+            Ok((judged, certificate)) => (judged, certificate.as_ref()),
             Err(error) => return Document { error: Some(error.to_string()), ..empty },
         };
         let (errors, warnings) = (judged.found(Severity::Error), judged.found(Severity::Warning));
@@ -97,6 +104,7 @@ impl<'a> Document<'a> {
             gauge: judged.gauge.as_ref().map(|nominal| nominal.name.as_str()),
             diagnostics: judged.diagnostics().iter().map(Entry::from).collect(),
             passes: judged.check.iter().flat_map(|check| &check.passes).map(Pass::from).collect(),
+            certificate,
             ..empty
         }
     }

@@ -2,6 +2,7 @@
 
 mod args;
 mod canon;
+mod certificate;
 mod changes;
 mod check;
 mod cli;

@@ -7,6 +7,7 @@ mod shop;
 mod always_true;
 mod bounds;
 mod canon;
+mod certify;
 mod check;
 mod command_line;
 mod computer;
