@@ -14,12 +14,14 @@
 //! |---|---|
 //! | `insert.rs` | the edge of a tool, from the designation of an insert |
 //! | `material.rs` | cutting speeds |
+//! | `force.rs` | what a pass asks of the machine |
 //! | `infeed.rs` | depths of the passes, and where beside the groove each of them runs |
 //! | `order.rs` | what is wished |
 //! | `plan.rs` | from a thread and wishes to the numbers of a recipe |
 //! | `program.rs`, `words.rs` | that as a part program; numbers and comments in a dialect |
 #![forbid(unsafe_code)]
 
+mod force;
 mod infeed;
 mod insert;
 mod material;

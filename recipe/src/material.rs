@@ -78,6 +78,19 @@ impl Material {
         }
     }
 
+    /// k_c1, N/mm², and m_c of Kienzle's law, for a rake of 0 (Iscar, turning catalogue 2017, page 558: groups
+    /// 2, 8, 14, 18, 16, 22, 27).
+    pub(crate) fn kienzle(self) -> [f64; 2] {
+        match self {
+            Material::Steel => [1500.0, 0.22],
+            Material::AlloySteel => [1725.0, 0.24],
+            Material::Stainless => [2150.0, 0.20],
+            Material::CastIron | Material::Nodular => [1350.0, 0.28],
+            Material::Aluminium => [800.0, 0.25],
+            Material::Brass => [700.0, 0.27],
+        }
+    }
+
     /// Spindle speed of its lowest speed at a diameter, 1/min.
     #[must_use]
     pub(crate) fn rpm(self, diameter_mm: f64) -> f64 {

@@ -37,6 +37,10 @@ pub struct Order {
     pub law: Option<Law>,
     /// How many of them, springs not counted; none: by pitch and depth.
     pub passes: Option<u32>,
+    /// The highest tangential force of a pass, N, and the highest power, kW: more passes until they are kept.
+    pub most_force_n: Option<f64>,
+    /// See `most_force_n`.
+    pub most_power_kw: Option<f64>,
     /// How often the full depth is cut again.
     pub springs: u32,
     /// Depth of the least cut, mm of radius.
@@ -63,6 +67,8 @@ impl Default for Order {
             infeed: None,
             law: None,
             passes: None,
+            most_force_n: None,
+            most_power_kw: None,
             springs: 2,
             least_mm: 0.02,
             sequence: Sequence::default(),

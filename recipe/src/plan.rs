@@ -12,6 +12,7 @@ use std::fmt;
 use gauge::{Edge, Nominal, NominalError, Side};
 use metrology::{Size, Thread};
 
+use crate::force::tangential_n;
 use crate::infeed::{DEEPEST_CUT_MM, MOST, passes};
 use crate::{Infeed, Law, Material, Order, Sequence, Tool};
 
@@ -60,6 +61,8 @@ pub struct Pass {
     pub beside_mm: f64,
     /// What it takes, mm².
     pub area_mm2: f64,
+    /// Its tangential force, N (M209).
+    pub force_n: f64,
 }
 
 /// How a thread is cut.
@@ -194,21 +197,46 @@ impl Recipe {
         if side == Side::Internal {
             recipe.clear_mm = clear_mm.floor().max(0.5 * clear_mm);
         }
-        recipe.passes = recipe.cut(order);
+        recipe.passes = recipe.cut(order)?;
         Ok(recipe)
     }
 
-    /// The passes.
-    fn cut(&self, order: &Order) -> Vec<Pass> {
-        let depths = |passes| self.law.depths_mm(&self.edge, self.depth_mm, passes, order.least_mm);
-        let depths = match order.passes {
-            Some(passes) => depths(passes),
-            None => {
-                let counts = passes(self.nominal.pitch_mm)..=MOST;
-                let mut cut = counts.map(depths).skip_while(|depths| depths[0] > DEEPEST_CUT_MM);
-                cut.next().unwrap_or_else(|| depths(MOST))
+    /// The passes: as many as are wished, else as many as keep the first cut, force and power within what is
+    /// allowed.
+    fn cut(&self, order: &Order) -> Result<Vec<Pass>, Refused> {
+        let limit_n = order.most_force_n.unwrap_or(f64::INFINITY).min(
+            // P = F v, v in m/min.
+            order.most_power_kw.map_or(f64::INFINITY, |kw| 60e3 * kw / self.speed_m_min()),
+        );
+        let of = |passes| self.passes_of(passes, order.least_mm);
+        if let Some(passes) = order.passes {
+            return Ok(of(passes));
+        }
+        let least = passes(self.nominal.pitch_mm);
+        let mut cut = (least..=MOST).map(of).filter(|cut| cut[0].depth_mm <= DEEPEST_CUT_MM + STEP_MM);
+        let heaviest = |cut: &Vec<Pass>| cut.iter().map(|pass| pass.force_n).fold(0.0, f64::max);
+        if limit_n == f64::INFINITY {
+            return Ok(cut.next().unwrap_or_else(|| of(MOST)));
+        }
+        let mut lightest = f64::INFINITY;
+        for cut in cut {
+            let force = heaviest(&cut);
+            if force <= limit_n {
+                return Ok(cut);
             }
-        };
+            lightest = lightest.min(force);
+        }
+        let text = format!(
+            "{lightest:.0} N is the least that {MOST} passes come to with cuts of {} mm at least, {limit_n:.0} N are allowed: \
+             lower the least cut, take another law or infeed, or allow more",
+            order.least_mm
+        );
+        Err(Refused::Wish { what: "force", text })
+    }
+
+    /// So many passes, or fewer where cuts would be shallower than `least_mm`.
+    fn passes_of(&self, passes: u32, least_mm: f64) -> Vec<Pass> {
+        let depths = self.law.depths_mm(&self.edge, self.depth_mm, passes, least_mm);
         let (mut before, mut last) = (0.0, 0.0);
         let count = depths.len();
         let pass = |(n, depth): (usize, f64)| {
@@ -219,7 +247,9 @@ impl Recipe {
             let area_mm2 = area - std::mem::replace(&mut before, area);
             let depths = [std::mem::replace(&mut last, depth_mm), depth_mm, self.depth_mm];
             let beside_mm = self.infeed.beside_mm((n, count), depths, self.edge.flank_deg, -1.0);
-            Pass { depth_mm, beside_mm, area_mm2 }
+            let cut = [depth_mm, area_mm2];
+            let force_n = tangential_n(self.material, &self.edge, self.infeed, n == 0, cut);
+            Pass { depth_mm, beside_mm, area_mm2, force_n }
         };
         depths.iter().copied().enumerate().map(pass).collect()
     }
@@ -249,6 +279,19 @@ impl Recipe {
     #[must_use]
     pub fn speed_m_min(&self) -> f64 {
         std::f64::consts::PI * self.crest_mm * self.s_rpm / 1000.0
+    }
+
+    /// Torque of a pass at the crest, N·m.
+    #[must_use]
+    pub fn torque_nm(&self, pass: &Pass) -> f64 {
+        0.5e-3 * self.crest_mm * pass.force_n
+    }
+
+    /// Power of the pass that takes most, kW: its force times the cutting speed.
+    #[must_use]
+    pub fn power_kw(&self) -> f64 {
+        let most = self.passes.iter().map(|pass| pass.force_n).fold(0.0, f64::max);
+        most * self.speed_m_min() / 60e3
     }
 
     /// The same at another speed of the spindle, 1/min.
@@ -344,6 +387,8 @@ fn wishes(order: &Order) -> Result<(), Refused> {
     range("start", order.start_mm, [0.1, 500.0])?;
     range("speed", order.s_rpm, [1.0, order.most_rpm])?;
     range("passes", order.passes.map(f64::from), [1.0, f64::from(MOST)])?;
+    range("force", order.most_force_n, [1.0, 1e6])?;
+    range("power", order.most_power_kw, [0.001, 1000.0])?;
     range("springs", Some(f64::from(order.springs)), [0.0, 20.0])?;
     range("least cut", Some(order.least_mm), [0.001, 0.5])?;
     range("tool number", Some(f64::from(order.tool_number)), [1.0, 99.0])?;

@@ -126,6 +126,12 @@ pub(crate) struct WriteArgs {
     /// Number of passes, springs not counted; without it by pitch and depth.
     #[arg(long, value_name = "N")]
     passes: Option<u32>,
+    /// As many passes as keep the cutting force below this, N.
+    #[arg(long, value_name = "N", conflicts_with = "passes")]
+    most_force: Option<f64>,
+    /// As many passes as keep the power of the cut below this, kW.
+    #[arg(long, value_name = "KW", conflicts_with = "passes")]
+    most_power: Option<f64>,
     /// How often the full depth is cut again.
     #[arg(long, value_name = "N", default_value_t = 2)]
     springs: u32,

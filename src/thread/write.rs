@@ -129,6 +129,8 @@ fn order(asked: &WriteArgs, thread: &Thread, machine: &Machine) -> Result<Order,
         infeed,
         law: asked.law,
         passes: asked.passes,
+        most_force_n: asked.most_force,
+        most_power_kw: asked.most_power,
         springs: asked.springs,
         least_mm: asked.least_cut,
         sequence: asked.starts_by,
@@ -283,20 +285,27 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
         recipe.end_mm,
         -recipe.end_mm - recipe.length_mm
     );
-    text += "\n  pass   depth     cut    area\n";
+    text += "\n  pass   depth     cut    area   force  torque\n";
     let mut before = 0.0;
     for (n, pass) in recipe.passes.iter().enumerate() {
         let _ = writeln!(
             text,
-            "  {:>4}{:>8.3}{:>8.3}{:>8.3}",
+            "  {:>4}{:>8.3}{:>8.3}{:>8.3}{:>8.0}{:>8.2}",
             n + 1,
             pass.depth_mm,
             pass.depth_mm - before,
-            pass.area_mm2
+            pass.area_mm2,
+            pass.force_n,
+            recipe.torque_nm(pass)
         );
         before = pass.depth_mm;
     }
-    let _ = writeln!(text, "        mm      mm     mm²\n\ntime      {:.0} s", check.time_s);
+    let _ = writeln!(
+        text,
+        "        mm      mm     mm²       N     N·m\n\npower     {:.2} kW at most\ntime      {:.0} s",
+        recipe.power_kw(),
+        check.time_s
+    );
     if !is_known(recipe, machine) {
         let lines = tool_lines(recipe, machine);
         let _ = writeln!(
@@ -313,7 +322,7 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
 /// The same for programs.
 fn document(name: &str, fitted: &Fitted, asked: &WriteArgs) -> serde_json::Value {
     let Fitted { recipe, check, program, meant_rpm } = fitted;
-    let pass = |pass: &recipe::Pass| json!({ "depth_mm": pass.depth_mm, "beside_mm": pass.beside_mm, "area_mm2": pass.area_mm2 });
+    let pass = |pass: &recipe::Pass| json!({ "depth_mm": pass.depth_mm, "beside_mm": pass.beside_mm, "area_mm2": pass.area_mm2, "force_n": pass.force_n, "torque_nm": recipe.torque_nm(pass) });
     json!({
         "version": 1,
         "name": name,
@@ -338,6 +347,7 @@ fn document(name: &str, fitted: &Fitted, asked: &WriteArgs) -> serde_json::Value
         "infeed": recipe.infeed.text(),
         "passes": recipe.passes.iter().map(pass).collect::<Vec<_>>(),
         "springs": recipe.springs,
+        "power_kw": recipe.power_kw(),
         "time_s": check.time_s,
         "file": asked.output,
         "program": program,

@@ -217,6 +217,10 @@ fn wishes_out_of_range_are_refused() {
         (&["M20x2-6g", "--length", "900"], "this machine cannot cut it"),
         (&["M20x2-6g", "--start", "0.1"], "start farther off"),
         (&["M20x2-6g", "--passes", "0"], "passes: 0 is not within"),
+        (&["M20x2-6g", "--most-force", "0"], "force: 0 is not within"),
+        (&["M20x2-6g", "--most-power", "1e9"], "power: 1000000000 is not within"),
+        (&["M20x2-6g", "--most-force", "20"], "lower the least cut"),
+        (&["M20x2-6g", "--most-force", "200", "--passes", "9"], "cannot be used with"),
         (&["M20x2-6g", "--speed", "90000"], "speed: 90000 is not within"),
         (&["M20x2-6g", "--off-flank", "2", "--infeed", "radial"], "--infeed modified"),
         (&["M20x2-6g", "--pitch-diameter", "19..18"], "is not a range"),
@@ -236,6 +240,44 @@ fn wishes_out_of_range_are_refused() {
 }
 
 /// A program that is there is left alone: somebody may have changed it.
+/// No pass takes more than is allowed, one pass fewer would, and every force is that of Kienzle's law.
+#[test]
+fn force_and_power_set_the_number_of_passes() {
+    let place = Place::new();
+    let of = |more: &str| {
+        let mut args = vec!["thread", "--json", "M20x2-6g", "--infeed", "radial", "--law", "depth"];
+        args.extend(more.split_whitespace());
+        let answer = place.ask(&args);
+        let written: Value = serde_json::from_str(&answer.stdout).expect("a document");
+        let passes = written["passes"].as_array().expect("passes").clone();
+        let most = passes.iter().filter_map(|pass| pass["force_n"].as_f64()).fold(0.0, f64::max);
+        (written, passes, most)
+    };
+    let (_, by_pitch, most) = of("");
+    assert!(most > 400.0, "{most}");
+    let (document, passes, most) = of("--most-force 300");
+    assert!(most <= 300.0 && passes.len() > by_pitch.len(), "{most}");
+    let (.., one_fewer) = of(&format!("--passes {}", passes.len() - 1));
+    assert!(one_fewer > 300.0, "{one_fewer}");
+    let mut before = 0.0;
+    for pass in &passes {
+        let [depth, area, force] =
+            ["depth_mm", "area_mm2", "force_n"].map(|key| pass[key].as_f64().expect(key));
+        // A sharp tool of 60°, straight in: both flanks.
+        let tangent = libm::tan(30f64.to_radians());
+        assert!((area - tangent * (depth * depth - before * before)).abs() < 1e-9, "{pass}");
+        let edge = 2.0 * depth / libm::cos(30f64.to_radians());
+        let told = 1500.0 * area * libm::pow(area / edge, -0.22);
+        assert!((force - told).abs() < 1e-6, "{force} {told}");
+        before = depth;
+    }
+    let speed = document["speed_m_min"].as_f64().expect("a speed");
+    let power = document["power_kw"].as_f64().expect("a power");
+    assert!((power - most * speed / 60e3).abs() < 1e-9, "{power}");
+    let (document, ..) = of("--most-power 0.5");
+    assert!(document["power_kw"].as_f64().expect("a power") <= 0.5, "{document}");
+}
+
 #[test]
 fn a_program_that_is_there_is_not_overwritten() {
     let place = Place::new();
