@@ -1,9 +1,10 @@
-//! What a pass asks of the machine. In: material, edge, depth in mm, area in mm². Out: the tangential force, N.
+//! What a pass asks of the machine. In: material, edge, depth in mm, area in mm². Out: the tangential
+//! force, N.
 //!
 //! ```text
 //! (M209) F = k_c1 h^(−m_c) A     Kienzle, k_c1 in N/mm² for a chip of 1 mm, h in mm
-//!        h = A/ℓ,  ℓ = w + Σ d/cos α    mean thickness over the edge that cuts: its flat w, and of every flank
-//!                                     that cuts its length at depth d
+//!        h = A/ℓ,  ℓ = w + Σ d/cos α    mean thickness over the edge that cuts: its flat w,
+//!                                     and of every flank that cuts its length at depth d
 //! ```
 //! A first pass cuts with both flanks, whatever the infeed; behind it infeed along a flank, or in turns, with
 //! one. The figures are those of a sharp edge without rake; wear adds a third and more.

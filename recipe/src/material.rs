@@ -78,8 +78,8 @@ impl Material {
         }
     }
 
-    /// k_c1, N/mm², and m_c of Kienzle's law, for a rake of 0 (Iscar, turning catalogue 2017, page 558: groups
-    /// 2, 8, 14, 18, 16, 22, 27).
+    /// k_c1, N/mm², and m_c of Kienzle's law, for a rake of 0 (Iscar, turning catalogue 2017, page 558:
+    /// groups 2, 8, 14, 18, 16, 22, 27).
     pub(crate) fn kienzle(self) -> [f64; 2] {
         match self {
             Material::Steel => [1500.0, 0.22],

@@ -285,7 +285,25 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
         recipe.end_mm,
         -recipe.end_mm - recipe.length_mm
     );
-    text += "\n  pass   depth     cut    area   force  torque\n";
+    text += &passes_told(recipe);
+    let _ =
+        writeln!(text, "\npower     {:.2} kW at most\ntime      {:.0} s", recipe.power_kw(), check.time_s);
+    if !is_known(recipe, machine) {
+        let lines = tool_lines(recipe, machine);
+        let _ = writeln!(
+            text,
+            "\nthe depth is that of this tool: write it into the machine file that you cut and run with\n\n{lines}"
+        );
+    }
+    if let Some(path) = &asked.output {
+        let _ = writeln!(text, "written   {}", path.display());
+    }
+    text
+}
+
+/// The table of the passes.
+fn passes_told(recipe: &Recipe) -> String {
+    let mut text = String::from("\n  pass   depth     cut    area   force  torque\n");
     let mut before = 0.0;
     for (n, pass) in recipe.passes.iter().enumerate() {
         let _ = writeln!(
@@ -300,23 +318,7 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
         );
         before = pass.depth_mm;
     }
-    let _ = writeln!(
-        text,
-        "        mm      mm     mm²       N     N·m\n\npower     {:.2} kW at most\ntime      {:.0} s",
-        recipe.power_kw(),
-        check.time_s
-    );
-    if !is_known(recipe, machine) {
-        let lines = tool_lines(recipe, machine);
-        let _ = writeln!(
-            text,
-            "\nthe depth is that of this tool: write it into the machine file that you cut and run with\n\n{lines}"
-        );
-    }
-    if let Some(path) = &asked.output {
-        let _ = writeln!(text, "written   {}", path.display());
-    }
-    text
+    text + "        mm      mm     mm²       N     N·m\n"
 }
 
 /// The same for programs.

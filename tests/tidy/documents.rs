@@ -149,28 +149,30 @@ fn every_example_can_be_read() {
     }
 }
 
-/// Every row of the tables in `docs/trust.md` names tests that there are.
+/// Every row of the tables that promise something names tests that there are.
 #[test]
-fn every_test_that_the_page_of_trust_names_exists() {
+fn every_test_that_a_page_names_exists() {
     let sources: Vec<String> = files(&[".rs"]).iter().map(read).collect();
-    let text = read(Path::new("docs/trust.md"));
-    let rows = text.lines().filter(|line| line.starts_with('|') && !line.starts_with("|---"));
-    let last = |row: &str| row.trim_end_matches('|').rsplit('|').next().unwrap_or_default().to_owned();
-    let mut count = 0;
     let mut findings = Vec::new();
-    for cell in rows.map(last) {
-        let names = between_backticks(&cell);
-        let is_empty = names.is_empty() && !["test", "–"].contains(&cell.trim());
-        findings.extend(is_empty.then(|| format!("docs/trust.md: {cell} is not the name of a test")));
-        for name in names {
-            count += 1;
-            let head = format!("fn {name}()");
-            if !sources.iter().any(|source| source.contains(&head)) {
-                findings.push(format!("docs/trust.md: there is no test {name}"));
+    for page in ["docs/trust.md", "docs/comparison.md"] {
+        let text = read(Path::new(page));
+        let rows = text.lines().filter(|line| line.starts_with('|') && !line.starts_with("|---"));
+        let last = |row: &str| row.trim_end_matches('|').rsplit('|').next().unwrap_or_default().to_owned();
+        let mut count = 0;
+        for cell in rows.map(last) {
+            let names = between_backticks(&cell);
+            let is_empty = names.is_empty() && !["test", "–"].contains(&cell.trim());
+            findings.extend(is_empty.then(|| format!("{page}: {cell} is not the name of a test")));
+            for name in names {
+                count += 1;
+                let head = format!("fn {name}()");
+                if !sources.iter().any(|source| source.contains(&head)) {
+                    findings.push(format!("{page}: there is no test {name}"));
+                }
             }
         }
+        assert!(count > 4, "{page}: only {count} tests are named");
     }
-    assert!(count > 4, "only {count} tests are named");
     none(&findings);
 }
 
