@@ -38,6 +38,7 @@ mod block;
 mod check;
 pub mod formula;
 mod frame;
+mod in_step;
 mod job;
 mod merge;
 mod modal;

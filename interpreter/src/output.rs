@@ -10,6 +10,7 @@ use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use protocol::{Code, Item, PathMode, PerAxis, Position};
 
+use crate::in_step::InStep;
 use crate::merge::Merger;
 use crate::path_mode::PathAsked;
 
@@ -20,6 +21,7 @@ pub(crate) struct Output {
     /// What was sent of it last.
     path_mode: PathMode,
     merger: Merger,
+    in_step: InStep,
     items: VecDeque<Item>,
     problems: Vec<(Place, Problem)>,
     /// Steps of progress that have left.
@@ -48,6 +50,7 @@ impl Output {
             place: Place { line: 1, ..Place::default() },
             path_mode,
             merger: Merger::default(),
+            in_step: InStep::default(),
             items: VecDeque::new(),
             problems: Vec::new(),
             steps: 0,
@@ -67,6 +70,7 @@ impl Output {
 
     /// An item, behind the path mode that it needs; `rest` is where the axes are before it.
     pub(crate) fn push(&mut self, item: Item, rest: PerAxis<Position>, path: &PathAsked) {
+        self.problems.extend(self.in_step.item(self.place, &item.code));
         if matches!(item.code, Code::Line { .. } | Code::Arc { .. }) && path.mode != self.path_mode {
             self.path_mode = path.mode;
             let mode = Item { line: item.line, code: Code::PathMode(path.mode) };

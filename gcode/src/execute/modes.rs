@@ -115,6 +115,12 @@ fn units(code: G, state: &mut State, out: &mut Output) -> Done {
 /// G61, G61.1, G64 P Q R.
 fn path(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
     check::compensation_off(Blame::G(code), "change the path mode", state)?;
+    let negative = ['P', 'Q'].into_iter().find(|letter| block.get(*letter).is_some_and(|value| value < 0.0));
+    if let Some(letter) = negative.filter(|_| !state.settings.stand_alone) {
+        let message = format!("{letter}{} is not a tolerance", short(block.get(letter).unwrap_or(0.0)));
+        let help = "give a length, 0 or greater; without P and Q the path may be left by as much as the machine allows";
+        return Err(Problem::error("bad-value", Blame::Word(letter), message, help));
+    }
     let given = |letter| block.get(letter).filter(|value| *value >= 0.0);
     let mode = match code.0 {
         610 => PathMode::ExactPath,

@@ -64,11 +64,7 @@ pub(super) fn io(code: M, block: &Block, state: &mut State, out: &mut Output) ->
     }
     let letter = if code.0 < 66 { 'P' } else { 'E' };
     let index = number(block, letter, code)?;
-    if block.get(letter) != Some(f64::from(index)) {
-        let message = format!("{letter}{} is taken as {index}", short(block.get(letter).unwrap_or(0.0)));
-        let help = "give the number of the output, a whole one";
-        out.warn(Problem::warning("bad-value", Blame::Word(letter), message, help));
-    }
+    whole(block, letter, state)?;
     match code.0 {
         62 | 63 => out.call(Call::SetMotionOutputBit(index, code == M(62))),
         64 | 65 => out.call(Call::SetAuxOutputBit(index, code == M(64))),
@@ -105,6 +101,8 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
         return Err(Problem::error("bad-value", Blame::Word('E'), message, "leave one of the two out"));
     }
     let index = number(block, if analog { 'E' } else { 'P' }, code)?;
+    whole(block, if analog { 'E' } else { 'P' }, state)?;
+    whole(block, 'L', state)?;
     let wait = block.get('L').unwrap_or(0.0).round();
     if !(0.0..=4.0).contains(&wait) {
         let message = format!("L{} is not a way to wait", short(wait));
@@ -137,6 +135,15 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
         state.set_parameter(INPUT, level_behind(wait as u8));
     }
     out.call(Call::WaitInput { index, analog, wait: wait as u8, timeout })
+}
+
+/// A number of an output, an input, a way to wait is a whole one; the stand-alone interpreter rounds it.
+fn whole(block: &Block, letter: char, state: &State) -> Done {
+    let value = block.get(letter).filter(|value| *value != value.round() && !state.settings.stand_alone);
+    value.map_or(Ok(()), |value| {
+        let message = format!("{letter}{} is not a whole number", short(value));
+        Err(Problem::error("bad-value", Blame::Word(letter), message, "give a whole one"))
+    })
 }
 
 fn number(block: &Block, letter: char, code: M) -> Result<u32, Box<Problem>> {

@@ -82,14 +82,35 @@ fn a_code_of_the_machine_switches_an_output_as_m64_does() {
     assert_eq!(linuxcnc, ["out 3 true", "out 3 false"]);
 }
 
-/// As LinuxCNC rounds it, and it is said which output that is.
+/// LinuxCNC rounds it: another output than the one that was meant.
 #[test]
-fn half_an_output_is_told() {
-    let outcome =
-        driven(Program::from_text("A", "M64 P3.5\nM65 P4\nM2\n", &Options::default()), Switches::default());
-    assert_eq!(outcome.sink.0, ["out 4 true", "out 4 false"]);
-    let told: Vec<_> = outcome.warnings.iter().map(|one| (one.code, one.message.as_str())).collect();
-    assert_eq!(told, [("bad-value", "P3.5 is taken as 4")]);
+fn half_an_output_is_refused() {
+    for (text, word) in [
+        ("M64 P3.5", "P3.5"),
+        ("M62 P2.5", "P2.5"),
+        ("M63 P0.2", "P0.2"),
+        ("M66 E0.5 L0", "E0.5"),
+        ("M68 E1.5 Q2", "E1.5"),
+        ("M66 P1.5 L3 Q1", "P1.5"),
+        ("M66 P1 L3.2 Q1", "L3.2"),
+    ] {
+        let text = format!("{text}\nM65 P4\nM2\n");
+        let outcome = driven(Program::from_text("A", &*text, &Options::default()), Switches::default());
+        let told: Vec<_> = outcome.errors.iter().map(|one| (one.code, one.message.as_str())).collect();
+        assert_eq!(told, [("bad-value", &*format!("{word} is not a whole number"))], "{text}");
+        assert_eq!(outcome.sink.0, ["out 4 false"], "the rest is read");
+    }
+}
+
+/// A tolerance below 0 is none: LinuxCNC takes the block as if the word were not there.
+#[test]
+fn a_negative_tolerance_is_refused() {
+    for (text, word) in [("G64 P-1", "P-1"), ("G64 P0.1 Q-0.2", "Q-0.2")] {
+        let text = format!("{text}\nM2\n");
+        let outcome = driven(Program::from_text("A", &*text, &Options::default()), Switches::default());
+        let told: Vec<_> = outcome.errors.iter().map(|one| (one.code, one.message.as_str())).collect();
+        assert_eq!(told, [("bad-value", &*format!("{word} is not a tolerance"))], "{text}");
+    }
 }
 
 /// Switches and moves in their order.

@@ -210,3 +210,26 @@ fn g92_does_not_outlast_a_program_where_the_description_says_so() {
     };
     assert_eq!([0, 1].map(kept), [Some(1.0), Some(0.0)]);
 }
+
+/// An output that waits for a motion changes with one, or somebody is told that it does not.
+#[test]
+fn an_output_that_no_motion_follows_is_told() {
+    let outputs = "\n[outputs.1]\nname = \"air\"\n[analog_outputs.1]\nname = \"valve\"\nrange = [0.0, 10.0]\ninitial = 0.0\nsafe = 0.0\n";
+    let machine = Machine::from_toml(&format!("{}{outputs}", machine::SMALL_LATHE)).expect("a machine");
+    let said = |text: &str| {
+        let found = check("part.ngc", &format!("S500 M3\n{text}M2\n"), &machine);
+        found.diagnostics.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>()
+    };
+    assert_eq!(said("M62 P1\nG0 X40\nM63 P1\nG0 X30\n"), []);
+    assert_eq!(said("M62 P1\n"), [(2, "no-effect")], "the program ends before");
+    assert_eq!(
+        said("G0 X40\nM62 P1\nG4 P1\nG0 X40\n"),
+        [(3, "no-effect")],
+        "a move to where it stands is none"
+    );
+    assert_eq!(said("M62 P1\nM63 P1\nG0 X40\n"), [(2, "no-effect")], "the second one counts");
+    assert_eq!(said("M62 P1\nM64 P1\nG0 X40\n"), [(2, "no-effect")], "the first one would undo it");
+    assert_eq!(said("M67 E1 Q2\nM62 P1\nG0 X40\n"), [], "they are two outputs");
+    assert_eq!(said("M67 E1 Q2\nM67 E1 Q3\nG0 X40\n"), [(2, "no-effect")]);
+    assert_eq!(said("M62 P1\nG0 X22 Z8\nG76 P2 Z-10 I-1 J0.3 K1 R2\nM63 P1\nG0 X40\n"), []);
+}
