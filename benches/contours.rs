@@ -5,19 +5,35 @@
 //! The contours are made here, so anybody can make them again: circles in chords of equal and unequal
 //! lengths, a Lissajous curve in space, an involute gear, a trochoid, lines over a triangle mesh, strokes
 //! like letters, a zigzag. Chords lie within so many micrometres of their curve.
+//!
+//! A second table has the least time within the same limits on the very path that the chain makes of the
+//! lines (`optimum/mod.rs`), from grids of two steps, and how many times longer the chain takes.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 use machine::Machine;
+use motion::chain::{Ask, Block, Chain, Corner, Feed, Ratios, Settings};
+use motion::{Limits, Path};
 use testing::Seed;
+
+use optimum::{Caps, least_time, places};
+
+mod optimum;
 
 const FEED_MM_MIN: f64 = 6000.0;
 /// Travel of every axis, so that all contours fit, mm.
 const TRAVEL_MM: [f64; 2] = [-2000.0, 2000.0];
 /// Words of G64 that are compared.
 const MODES: [&str; 5] = ["P0.005", "P0.01", "P0.02", "P0.05", "P0.01 Q0.05"];
+
+/// What G64 P0.01 comes to at a corner, mm.
+const CORNER: Corner = Corner::Curve { corner: 0.008, flat: 0.009, tip: 0.002 };
+/// Step of the grid on which the least time is sought, mm, and that for contours with sharp corners.
+const GRID_MM: f64 = 0.01;
+const SHARP_MM: f64 = 0.0025;
+const SHARP: [&str; 4] = ["gear, 2 um", "triangle mesh", "letters, 2 um", "zigzag"];
 
 type Point = [f64; 3];
 
@@ -189,6 +205,53 @@ fn time(machine: &Machine, points: &[Point], mode: &str, decimals: usize) -> f64
     whole - start
 }
 
+/// The lines between points with five decimals, none merged.
+fn lines(points: &[Point], machine: &Machine) -> Vec<Block<3, ()>> {
+    let mut points: Vec<Point> = points.iter().map(|point| point.map(|x| (x * 1e5).round() / 1e5)).collect();
+    points.dedup();
+    let block = |pair: &[Point]| {
+        let path = Path::line(less(&pair[1], &pair[0]), &[true; 3]).unwrap();
+        let feed = Feed::PerSecond(FEED_MM_MIN / 60.0);
+        Block { path, feed, corner: CORNER, room: TRAVEL_MM[1], chord_mm: machine.path.chord_mm, tag: () }
+    };
+    points.windows(2).map(block).collect()
+}
+
+/// Seconds that the chain alone takes over them.
+fn planned(blocks: &[Block<3, ()>], axes: [Limits; 3], cycle_s: f64) -> f64 {
+    let mut chain = Chain::growing(Settings { axes, cycle_s });
+    let (mut blocks, mut time) = (blocks.iter().copied().peekable(), 0.0);
+    loop {
+        while chain.has_room() && blocks.peek().is_some() {
+            chain.push(blocks.next().unwrap());
+        }
+        if chain.has_room() {
+            chain.close();
+        }
+        let ask =
+            Ask { ratios: Ratios::full(0.0), hold: false, single: false, more: blocks.peek().is_some() };
+        match chain.skip(&ask) {
+            Some(more) => time += more,
+            None => return time,
+        }
+    }
+}
+
+/// Prints how much of the time the limits of the axes ask for on the very path that the chain goes.
+fn beside_the_least(name: &str, points: &[Point], machine: &Machine) {
+    let limits = machine.limits();
+    let axes = [protocol::Axis::X, protocol::Axis::Y, protocol::Axis::Z].map(|axis| limits[axis.index()]);
+    let cycle_s = machine.general.interpolator_cycle_s;
+    // Of the zigzag the first hundred lines, for the sake of time.
+    let points = if name == "zigzag" { &points[..101] } else { points };
+    let blocks = lines(points, machine);
+    let caps = Caps { feed: FEED_MM_MIN / 60.0, chord_v2: 8.0 * machine.path.chord_mm / (cycle_s * cycle_s) };
+    let planned = planned(&blocks, axes, cycle_s);
+    let step = if SHARP.contains(&name) { SHARP_MM } else { GRID_MM };
+    let [coarse, fine] = [2.0 * step, step].map(|h| least_time(&places(&blocks, h), h, &axes, caps));
+    println!("{name:<20} {planned:>8.2} {coarse:>8.2} {fine:>8.2} {:>6.2}", planned / fine);
+}
+
 fn main() {
     let mut machine = Machine::from_toml(machine::SMALL_MILL).unwrap();
     machine.axis.values_mut().for_each(|axis| axis.travel_mm = TRAVEL_MM);
@@ -211,10 +274,14 @@ fn main() {
     print!("{:<20} {:>6} {:>8}", "contour", "lines", "way/feed");
     MODES.iter().for_each(|mode| print!(" {mode:>12}"));
     println!(" {:>14}", "P0.01, 3 dec.");
-    for (name, points) in contours {
+    for (name, points) in &contours {
         let way: f64 = points.windows(2).map(|pair| norm(&less(&pair[1], &pair[0]))).sum();
         print!("{name:<20} {:>6} {:>8.2}", points.len() - 1, 60.0 * way / FEED_MM_MIN);
-        MODES.iter().for_each(|mode| print!(" {:>12.2}", time(&machine, &points, mode, 5)));
-        println!(" {:>14.2}", time(&machine, &points, "P0.01", 3));
+        MODES.iter().for_each(|mode| print!(" {:>12.2}", time(&machine, points, mode, 5)));
+        println!(" {:>14.2}", time(&machine, points, "P0.01", 3));
     }
+    println!("\n{:<20} {:>8} {:>8} {:>8} {:>6}", "P0.01, not merged", "planned", "2 h", "h", "ratio");
+    // Known: 20/F + F/A + A/J + J/D of the X axis, 0.268 s.
+    beside_the_least("a line of 20 mm", &[[0.0; 3], [20.0, 0.0, 0.0]], &machine);
+    contours.iter().for_each(|(name, points)| beside_the_least(name, points, &machine));
 }
