@@ -28,7 +28,12 @@ pub(crate) struct JournalArgs {
 /// Prints what is known of a run.
 pub(crate) fn journal(args: &JournalArgs) -> Result<ExitCode, CliError> {
     let path = args.run_dir.join(JOURNAL);
-    let bytes = intake::bytes(&path, MOST).map_err(|error| CliError::file(&path, error))?;
+    let bytes = intake::bytes(&path, MOST).map_err(|error| {
+        CliError::file(
+            &path,
+            format!("{error}\nhelp: name the folder of a run, as in runs/m20x2-1: it has a {JOURNAL}"),
+        )
+    })?;
     let Some((record, state)) = latest::<State>(&bytes) else {
         return Err(CliError::file(&path, "holds no whole record: nothing is known of this run"));
     };

@@ -25,7 +25,7 @@ const SIGNS: [Sign; 12] = [
     ("Sinumerik or Okuma OSP", |words| sets_a_name(words.text)),
     ("Heidenhain", |words| words.has(b"toolcall")),
     ("Fagor", |words| words.values(b't').any(has_point_inside)),
-    ("Mazatrol", |words| words.text.starts_with(b"mazatrol")),
+    ("Mazatrol", |words| words.text.starts_with(b"mazatrol") || words.text.starts_with(b"unounit")),
 ];
 
 /// Its name; `None` if it is none that is known.
@@ -53,6 +53,7 @@ fn begins(line: &str) -> Option<&'static str> {
         ["%MPF" | "%SPF" | "MPF" | "SPF", ..] => Some("Sinumerik"),
         ["BEGIN" | "0", "PGM", ..] | ["0", "BEGIN", "PGM", ..] => Some("Heidenhain"),
         ["%PM", ..] => Some("Philips"),
+        [first, ..] if names_a_part(first) => Some("Fagor"),
         [first, ..] if is_numbered(first) => Some("Fagor, NUM or HNC (% with a number)"),
         _ => None,
     }
@@ -62,6 +63,16 @@ fn begins(line: &str) -> Option<&'static str> {
 fn is_numbered(word: &str) -> bool {
     let number = word.strip_prefix('%').map(|rest| rest.split(',').next().unwrap_or_default());
     number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// `%SHAFT,MX,`: the name of a part, and what may be done with it.
+fn names_a_part(word: &str) -> bool {
+    let mut parts = word.strip_prefix('%').unwrap_or_default().split(',');
+    let name = parts.next().unwrap_or_default();
+    let rights = parts.next().unwrap_or_default();
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && !rights.is_empty()
+        && rights.bytes().all(|c| c.is_ascii_alphabetic())
 }
 
 /// `OPULL` in the first line: programs of the dialects have numbers there, those of LinuxCNC names in `< >`.
@@ -113,6 +124,8 @@ mod tests {
             ("%00042\nN0010 G53 X0 Z50\n", Some("Fagor, NUM or HNC (% with a number)")),
             ("%1234\nT0101\n", Some("Fagor, NUM or HNC (% with a number)")),
             ("N10 G90 G95\nN20 T2.2\n", Some("Fagor")),
+            ("%SHAFT,MX,\nN10 G54\nG0 X10\n", Some("Fagor")),
+            ("UNo UNIT ADD IN/OUT\n", Some("Mazatrol")),
             ("%\nO1000\nG0 X1\n", None),
             ("%\nO1000 (T1.1 CALL OUT, DIAMOND TOOL)\nT0101\nG0 X1.5\n", None),
             ("o<turn> sub\nT1 M6\n", None),

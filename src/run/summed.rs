@@ -40,9 +40,9 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
     let passes: BTreeSet<u32> = summary.passes.iter().map(|pass| pass.pass).collect();
     let _ = writeln!(
         text,
-        "{outcome}: {} passes, {} moves, {:.1} s on the machine in {:.1} s",
-        passes.len(),
-        summary.moves.count,
+        "{outcome}: {}, {}, {:.1} s on the machine in {:.1} s",
+        counted(passes.len() as u64, "pass", "passes"),
+        counted(summary.moves.count, "move", "moves"),
         summary.simulated_s,
         summary.wall_s
     );
@@ -63,6 +63,11 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
         let _ = writeln!(text, "report    {}", report.display());
     }
     text
+}
+
+/// A number of things: "1 pass", "2 passes".
+fn counted(number: u64, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 fn pauses(text: &mut String, summary: &Summary) {

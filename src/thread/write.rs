@@ -273,10 +273,12 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
         if recipe.starts() == 1 { String::new() } else { format!(" in each of {} starts", recipe.starts()) };
     let _ = writeln!(
         text,
-        "infeed    {}, {} passes and {} springs{starts}",
+        "infeed    {}, {} {} and {} {}{starts}",
         recipe.infeed.text(),
         recipe.passes.len(),
-        recipe.springs
+        if recipe.passes.len() == 1 { "pass" } else { "passes" },
+        recipe.springs,
+        if recipe.springs == 1 { "spring" } else { "springs" }
     );
     let _ = writeln!(
         text,
