@@ -21,7 +21,8 @@ use crate::{
     error::CliError,
     gauged::{self, GaugeArgs},
     program::Program,
-    screen, words,
+    screen,
+    words::{self, counted},
     written::{self, Made},
 };
 
@@ -192,7 +193,11 @@ fn tell(args: &CheckArgs, judged: &[Judged], quiet: bool) {
     if several && !quiet {
         let good = judged.iter().filter(|one| status(one) == 0).count();
         words::flush(false);
-        screen::print(&format!("{} of {} are good\n", good, counted(judged.len() as u64, "program")));
+        screen::print(&format!(
+            "{} of {} are good\n",
+            good,
+            counted(judged.len() as u64, "program", "programs")
+        ));
     }
 }
 
@@ -201,8 +206,8 @@ fn findings(program: &Program) -> String {
     let moves = program.moves;
     let (errors, warnings) = (program.found(Severity::Error), program.found(Severity::Warning));
     let (errors_found, warnings_found) =
-        (counted(errors as u64, "error"), counted(warnings as u64, "warning"));
-    let _ = writeln!(text, "{errors_found}, {warnings_found}, {}", counted(moves, "move"));
+        (counted(errors as u64, "error", "errors"), counted(warnings as u64, "warning", "warnings"));
+    let _ = writeln!(text, "{errors_found}, {warnings_found}, {}", counted(moves, "move", "moves"));
     for job in program.check.iter().flat_map(|check| &check.jobs) {
         let _ = writeln!(text, "job       line {}", job.line);
         for (what, value) in &job.facts {
@@ -244,9 +249,4 @@ fn findings(program: &Program) -> String {
         let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", program.time_s);
     }
     text
-}
-
-/// A number of things: "1 error", "2 errors".
-fn counted(number: u64, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }

@@ -147,6 +147,11 @@ pub(crate) fn show_bar(steps: u64) -> bool {
     shows
 }
 
+/// A number of things: "1 pass", "2 passes".
+pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
 /// Sets the bar to a step.
 pub(crate) fn step(position: u64, message: String) {
     send(Word::Step(position, message));

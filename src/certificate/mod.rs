@@ -144,7 +144,10 @@ fn cut(
     seed: u64,
 ) -> Result<(Summary, bool), CliError> {
     let _shown = Phase::begin("cutting it on the simulated machine");
-    let items = program.items(path, language, machine)?.map_while(Result::ok).fuse();
+    let mut unread = None;
+    let items = program.items(path, language, machine)?;
+    // What stands behind an error is not cut.
+    let items = items.map_while(|item| item.map_err(|text| unread = Some(text)).ok()).fuse();
     let scenario = sim_plant::Scenario::default();
     let mut rig =
         Rig::new(machine, items, scenario, seed).map_err(|error| CliError::Input(error.to_string()))?;
@@ -161,6 +164,11 @@ fn cut(
         if !goes_on {
             break;
         }
+    }
+    drop(rig);
+    // It was good when it was checked: it has changed since.
+    if let Some(text) = unread {
+        return Err(CliError::file(path, text));
     }
     Ok((observer.finish().summary(&path.display().to_string(), "virtual"), goes_on))
 }

@@ -7,6 +7,8 @@ use rig::observe::{
     FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, WorkKind,
 };
 
+use crate::words::counted;
+
 /// Pauses and circles that are named.
 const SHOWN: usize = 10;
 
@@ -63,11 +65,6 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
         let _ = writeln!(text, "report    {}", report.display());
     }
     text
-}
-
-/// A number of things: "1 pass", "2 passes".
-fn counted(number: u64, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 fn pauses(text: &mut String, summary: &Summary) {

@@ -273,12 +273,10 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
         if recipe.starts() == 1 { String::new() } else { format!(" in each of {} starts", recipe.starts()) };
     let _ = writeln!(
         text,
-        "infeed    {}, {} {} and {} {}{starts}",
+        "infeed    {}, {} and {}{starts}",
         recipe.infeed.text(),
-        recipe.passes.len(),
-        if recipe.passes.len() == 1 { "pass" } else { "passes" },
-        recipe.springs,
-        if recipe.springs == 1 { "spring" } else { "springs" }
+        words::counted(recipe.passes.len() as u64, "pass", "passes"),
+        words::counted(recipe.springs.into(), "spring", "springs")
     );
     let _ = writeln!(
         text,

@@ -100,8 +100,9 @@ fn wait(code: M, block: &Block, state: &mut State, out: &mut Output) -> Done {
         let message = "M66 has both P (a digital input) and E (an analog one)";
         return Err(Problem::error("bad-value", Blame::Word('E'), message, "leave one of the two out"));
     }
-    let index = number(block, if analog { 'E' } else { 'P' }, code)?;
-    whole(block, if analog { 'E' } else { 'P' }, state)?;
+    let letter = if analog { 'E' } else { 'P' };
+    let index = number(block, letter, code)?;
+    whole(block, letter, state)?;
     whole(block, 'L', state)?;
     let wait = block.get('L').unwrap_or(0.0).round();
     if !(0.0..=4.0).contains(&wait) {
