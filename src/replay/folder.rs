@@ -4,7 +4,7 @@
 use std::{collections::VecDeque, path::Path};
 
 use machine::Machine;
-use process::shell::{Clock, LanguageArgs};
+use process::shell::{Clock, LanguageArgs, Pace};
 use protocol::{Input, Item, Module, OperatorRequest, Taken, operator::Request};
 use rig::{
     Exchange, Rig,
@@ -120,6 +120,7 @@ fn of_folder(dir: &Path) -> RunArgs {
         machine: MachineArgs { machine: None },
         gauge: GaugeArgs { gauge: None },
         clock: Clock::default(),
+        pace: Pace::MAX,
         in_process: false,
         scenario: None,
         single_block: false,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use process::{
     ipc::Process,
-    shell::{Clock, LanguageArgs},
+    shell::{Clock, LanguageArgs, Pace},
 };
 use protocol::Doom;
 
@@ -16,6 +16,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock run part.ngc --machine my-lathe.toml --scenario examples/scenarios/override-in-pass.toml
   pitchlock run part.ngc --gauge M20x2-6g
   pitchlock run runs/m20x2-1          the same run again, from its folder
+  pitchlock run part.ngc --pace 1     as fast as the machine would be, to watch it
 
 The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
 browser, no network), and the program, machine file and scenario that were used.
@@ -44,6 +45,10 @@ pub(crate) struct RunArgs {
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) clock: Clock,
+    /// In lock step, time on the machine for each second on the wall, 0.05 to 1000: 1 is as fast as the
+    /// machine would be, 0.2 five times slower; max does not wait. The same numbers at any pace.
+    #[arg(long, value_name = "PACE", default_value_t)]
+    pub(crate) pace: Pace,
     /// The same machine in one process, without iceoryx2; same numbers, as long as no process dies or
     /// freezes.
     #[arg(long)]

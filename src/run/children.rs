@@ -48,6 +48,7 @@ impl Started {
             Process::Interpolator => command.arg("interpolator"),
             Process::Plant => {
                 command.arg("sim-plant").arg("--seed").arg(setup.seed.to_string());
+                command.arg("--pace").arg(setup.pace.to_string());
                 if let Some(scenario) = &setup.folder.scenario {
                     command.arg("--scenario").arg(scenario);
                 }

@@ -2,7 +2,10 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use process::ipc::{Process, time::Moment};
+use process::{
+    ipc::{Process, time::Moment},
+    shell::Beat,
+};
 use protocol::{Doom, Module, operator::Request};
 use rig::{Rig, observe::Record, standstill::Standstill, supervisor::Supervisor};
 
@@ -16,7 +19,7 @@ use super::{
 };
 use crate::error::CliError;
 
-/// Control cycles between two looks at the keyboard.
+/// Control cycles between two looks at the keyboard, while nobody waits for the wall.
 const LOOK_EVERY: u64 = 256;
 
 /// Runs the machine to its end. Ctrl-C does what it does to processes.
@@ -39,7 +42,10 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let mut doomed = Doomed::new(setup);
     let (mut cycle, mut wish) = (0, Wish::None);
     let mut request = None;
+    let mut beat = Beat::new(setup.clock, setup.pace, setup.machine.general.cycle_s);
+    let look_every = if setup.pace.waits() { 1 } else { LOOK_EVERY };
     loop {
+        beat.wait();
         let asked = request.take();
         recorder.arrivals.asked(cycle, asked);
         let (mut wanted, mut dead) = (None, Vec::new());
@@ -68,7 +74,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         }
         request = wanted;
         cycle += 1;
-        if cycle % LOOK_EVERY == 0 && interrupts.wish() != wish {
+        if cycle % look_every == 0 && interrupts.wish() != wish {
             let before = std::mem::replace(&mut wish, interrupts.wish());
             request = match wish {
                 Wish::EmergencyStop => supervisor.emergency_stop(),

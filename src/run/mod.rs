@@ -19,7 +19,7 @@ mod watchdog;
 use std::process::ExitCode;
 
 use machine::Machine;
-use process::shell::Clock;
+use process::shell::{Clock, Pace};
 use rig::journal::{Keeper, Origin};
 use rig::observe::{Outcome, Summary};
 
@@ -52,6 +52,8 @@ pub(crate) struct Setup {
     pub(crate) seed: u64,
     /// How processes wait for each other.
     pub(crate) clock: Clock,
+    /// How their time keeps to the wall.
+    pub(crate) pace: Pace,
     /// Where everything is written.
     pub(crate) folder: RunFolder,
     /// Whether progress is shown.
@@ -94,12 +96,18 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if args.in_process && args.clock == Clock::Real {
         return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
     }
+    if args.clock == Clock::Real && args.pace.waits() {
+        return Err(CliError::Input(
+            "--pace is of virtual time; in real time the pace is 1: leave out --pace, or --clock real".into(),
+        ));
+    }
     can_be_played(&scenario, args)?;
     let mut interrupts = Interrupts::catch()?;
     let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref(), &seen)?;
     let progress = !quiet && !args.json;
-    let (clock, watchdog_s, fell) = (args.clock, args.watchdog_s, args.fell.clone());
-    let setup = Setup { machine, program, scenario, seed, clock, folder, progress, quiet, watchdog_s, fell };
+    let (clock, pace, watchdog_s, fell) = (args.clock, args.pace, args.watchdog_s, args.fell.clone());
+    let setup =
+        Setup { machine, program, scenario, seed, clock, pace, folder, progress, quiet, watchdog_s, fell };
 
     let run = if args.in_process { in_process::run } else { processes::run };
     let (mut summary, unrecorded) = run(&setup, &mut interrupts)?;

@@ -23,6 +23,7 @@ mod jobs;
 mod journal;
 mod memory;
 mod offsets;
+mod pace;
 mod part;
 mod pick_up;
 mod processes;

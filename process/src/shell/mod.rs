@@ -7,6 +7,7 @@ mod args;
 pub mod interpolator;
 pub mod interpreter;
 mod notes;
+mod pace;
 pub mod plant;
 pub mod regulator;
 mod spindle;
@@ -16,6 +17,7 @@ use std::{path::PathBuf, time::Duration};
 
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
 pub(crate) use notes::Notes;
+pub use pace::{Beat, Pace};
 pub(crate) use wait::Wait;
 
 use machine::{Machine, MachineError};

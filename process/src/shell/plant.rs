@@ -4,7 +4,7 @@
 //! clock, and what has not come by then is a late answer: the drive holds the command before, and trips at
 //! the third in a row.
 
-use std::{path::PathBuf, time::Duration};
+use std::path::PathBuf;
 
 use machine::{Machine, SpindleConfig};
 use protocol::{
@@ -20,7 +20,7 @@ use crate::{
         time::{Moment, lock_memory, sleep_until},
     },
     shell::{
-        Clock, Notes, PAUSE, ProcessArgs, START_S, ShellError, Wait, deliver, read_text,
+        Beat, Clock, Notes, PAUSE, Pace, ProcessArgs, START_S, ShellError, Wait, deliver, read_text,
         spindle::SpindleCommands,
     },
 };
@@ -39,6 +39,9 @@ pub struct PlantArgs {
     /// Seed of everything random: encoder phases, spindle ripple.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Time on the machine for each second on the wall, or max.
+    #[arg(long, default_value_t)]
+    pub pace: Pace,
     /// In these control cycles nothing goes on before the launcher says so: it kills or stops somebody.
     #[arg(long, value_name = "CYCLE", hide = true)]
     pub stand_at: Vec<u64>,
@@ -110,7 +113,7 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         tracing::warn!(%error, "memory is not locked");
     }
 
-    let mut beat = Beat::new(clock, machine.general.cycle_s);
+    let mut beat = Beat::new(clock, args.pace, machine.general.cycle_s);
     let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
     let mut in_force = SpindleCommand::default();
     let mut refused = 0;
@@ -125,7 +128,11 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
             member.stand()?;
         }
         ports.publish(&measurement, tick)?;
-        beat.wait(&mut member)?;
+        beat.wait();
+        if beat.is_real() {
+            // Nobody sleeps for an event, so the launcher is heard here.
+            member.look()?;
+        }
         let mut since = None;
         for from in &mut ports.axes {
             let command = &mut drives[from.axis.index()];
@@ -305,29 +312,6 @@ impl Forsaken {
             (_, 0) => tracing::warn!("the machine has not come to rest by cycle {}", now.0),
             _ => tracing::warn!("the machine is at rest in cycle {}", now.0),
         }
-    }
-}
-
-/// The beat of real time; in lock step there is none.
-struct Beat {
-    period: Option<Duration>,
-    next: Moment,
-}
-
-impl Beat {
-    fn new(clock: Clock, cycle_s: f64) -> Beat {
-        let period = Duration::from_secs_f64(cycle_s);
-        let period = Some(period).filter(|_| clock == Clock::Real);
-        Beat { period, next: Moment::now().after(period.unwrap_or_default()) }
-    }
-
-    /// Sleeps to the end of the cycle. If this process was itself held up, the next cycle keeps at least half
-    /// of its length: the regulators need it. Then the launcher is heard, since nobody sleeps for an event.
-    fn wait(&mut self, member: &mut Member) -> Result<(), ShellError> {
-        let Some(period) = self.period else { return Ok(()) };
-        sleep_until(self.next);
-        self.next = self.next.after(period).max(Moment::now().after(period / 2));
-        Ok(member.look()?)
     }
 }
 

@@ -1,0 +1,165 @@
+//! How time on the machine keeps to the clock of the wall. In: once a control cycle, before it is over. Out:
+//! nothing but a wait: no number of a run depends on it.
+//!
+//! In real time a cycle lasts until its moment has come, whoever has answered or not. At a pace it lasts
+//! until its moment has come *and* everybody has answered, as in lock step: the machine does the same, bit
+//! for bit, and somebody can watch it.
+
+use std::time::Duration;
+
+use super::Clock;
+use crate::ipc::time::{Moment, sleep_until};
+
+/// What a machine at a pace has lost against the wall is made up for by shorter waits as long as it is no more
+/// than this; what is more is given up, so that nobody sees it race.
+const CATCH_UP: Duration = Duration::from_millis(20);
+
+/// Time on the machine for each second on the wall: [`Pace::SLOWEST`] to [`Pace::FASTEST`]; or as fast as the
+/// computer can.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pace(Option<f64>);
+
+impl Pace {
+    /// As fast as the computer can.
+    pub const MAX: Pace = Pace(None);
+    /// The slowest. A cycle is still short beside the patience of whoever watches over the processes.
+    pub const SLOWEST: f64 = 0.05;
+    /// The fastest that has a number.
+    pub const FASTEST: f64 = 1000.0;
+
+    /// Whether anything is waited for.
+    pub fn waits(self) -> bool {
+        self.0.is_some()
+    }
+
+    /// How long a cycle of the machine lasts on the wall at least, s, if it has to last.
+    fn period(self, cycle_s: f64) -> Option<Duration> {
+        self.0.map(|pace| Duration::from_secs_f64(cycle_s / pace))
+    }
+}
+
+impl std::fmt::Display for Pace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.map_or_else(|| f.write_str("max"), |pace| pace.fmt(f))
+    }
+}
+
+impl std::str::FromStr for Pace {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Pace, String> {
+        match text.parse::<f64>() {
+            _ if text == "max" => Ok(Pace::MAX),
+            Ok(pace) if (Pace::SLOWEST..=Pace::FASTEST).contains(&pace) => Ok(Pace(Some(pace))),
+            _ => Err(format!(
+                "seconds on the machine for each second on the wall, {} to {}, or max",
+                Pace::SLOWEST,
+                Pace::FASTEST
+            )),
+        }
+    }
+}
+
+/// The beat of a machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Beat {
+    rule: Rule,
+    next: Moment,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Rule {
+    /// Nobody waits for the wall.
+    Free,
+    /// The next cycle begins when its moment has come, and lasts half of its length at least.
+    Real(Duration),
+    /// The next cycle does not begin before its moment has come.
+    Paced(Duration),
+}
+
+impl Beat {
+    /// Of a machine whose control cycle is so long, s; it begins now.
+    pub fn new(clock: Clock, pace: Pace, cycle_s: f64) -> Beat {
+        let rule = match (clock, pace.period(cycle_s)) {
+            (Clock::Real, _) => Rule::Real(Duration::from_secs_f64(cycle_s)),
+            (Clock::Virtual, Some(period)) => Rule::Paced(period),
+            (Clock::Virtual, None) => Rule::Free,
+        };
+        let first = match rule {
+            Rule::Free => Duration::ZERO,
+            Rule::Real(period) | Rule::Paced(period) => period,
+        };
+        Beat { rule, next: Moment::now().after(first) }
+    }
+
+    /// Sleeps to the end of the cycle.
+    pub fn wait(&mut self) {
+        if !matches!(self.rule, Rule::Free) {
+            sleep_until(self.next);
+            self.next = self.after(Moment::now());
+        }
+    }
+
+    /// When the next cycle is over, if this one is so now.
+    fn after(&self, now: Moment) -> Moment {
+        match self.rule {
+            Rule::Free => self.next,
+            // If this process was itself held up, the regulators still need half of a cycle.
+            Rule::Real(period) => self.next.after(period).max(now.after(period / 2)),
+            Rule::Paced(period) if now > self.next.after(CATCH_UP) => now.after(period),
+            Rule::Paced(period) => self.next.after(period),
+        }
+    }
+
+    /// Whether cycles end by the clock alone.
+    pub fn is_real(&self) -> bool {
+        matches!(self.rule, Rule::Real(_))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pace_is_read_as_it_is_written() {
+        for text in ["max", "1", "0.2", "5", "0.05", "1000"] {
+            assert_eq!(text.parse::<Pace>().map(|pace| pace.to_string()), Ok(text.to_owned()));
+        }
+        for text in ["", "0", "-1", "0.049", "1001", "inf", "NaN", "MAX", "1x", "1,5"] {
+            let refused = text.parse::<Pace>().expect_err(text);
+            assert!(refused.contains("0.05 to 1000, or max"), "{refused}");
+        }
+    }
+
+    fn beat(pace: &str, cycle_s: f64) -> Beat {
+        Beat::new(Clock::Virtual, pace.parse().expect("a pace"), cycle_s)
+    }
+
+    /// However late a cycle ends, and at any pace, the moments of the cycles are a period apart at least,
+    /// but for what is made up for.
+    #[test]
+    fn what_was_lost_for_long_is_not_made_up_for() {
+        for (pace, period_us) in [("1", 500), ("0.2", 2500), ("5", 100), ("50", 10)] {
+            let (beat, period) = (beat(pace, 0.0005), Duration::from_micros(period_us));
+            for late in [Duration::ZERO, period, CATCH_UP] {
+                assert_eq!(beat.after(beat.next.after(late)), beat.next.after(period), "{pace}, {late:?}");
+            }
+            for late in [CATCH_UP + Duration::from_nanos(1), CATCH_UP * 5, Duration::from_secs(3600)] {
+                let now = beat.next.after(late);
+                assert_eq!(beat.after(now), now.after(period), "{pace}, {late:?}: it begins anew");
+            }
+        }
+    }
+
+    #[test]
+    fn cycles_at_a_pace_take_their_time_on_the_wall() {
+        let mut paced = beat("2", 0.004);
+        let begun = paced.next;
+        (0..10).for_each(|_| paced.wait());
+        assert!(begun.elapsed() >= Duration::from_millis(2) * 9, "nine periods behind the first");
+        let mut free = beat("max", 1e9);
+        (0..1000).for_each(|_| free.wait());
+        assert!(!free.is_real() && Beat::new(Clock::Real, Pace::MAX, 1.0).is_real());
+    }
+}
