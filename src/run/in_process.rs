@@ -6,7 +6,7 @@ use process::{
     ipc::{Process, time::Moment},
     shell::Beat,
 };
-use protocol::{Doom, Module, operator::Request};
+use protocol::{Doom, Item, Module, operator::Request};
 use rig::{Rig, observe::Record, standstill::Standstill, supervisor::Supervisor};
 
 use super::{
@@ -25,14 +25,8 @@ const LOOK_EVERY: u64 = 256;
 /// Runs the machine to its end. Ctrl-C does what it does to processes.
 pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded, CliError> {
     let begun = Moment::now();
-    let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
     let unreadable = Rc::<RefCell<Option<String>>>::default();
-    let items = items.map_while({
-        let unreadable = Rc::clone(&unreadable);
-        move |item| item.map_err(|text| *unreadable.borrow_mut() = Some(text)).ok()
-    });
-    // What stands behind an error is not run.
-    let items = items.fuse();
+    let items = items(setup, Rc::clone(&unreadable))?;
     let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
         .map_err(|error| CliError::Input(error.to_string()))?;
     let mut recorder = Recorder::new(setup, true)?;
@@ -94,6 +88,18 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
     endings.tell(&mut summary);
     Ok((complete(summary, setup, begun), failed))
+}
+
+/// The machine code of the program; what cannot be read any more is left in `unreadable`, and nothing that
+/// stands behind it is run.
+fn items(
+    setup: &Setup,
+    unreadable: Rc<RefCell<Option<String>>>,
+) -> Result<impl Iterator<Item = Item> + use<>, CliError> {
+    let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
+    let read =
+        move |item: Result<Item, String>| item.map_err(|text| *unreadable.borrow_mut() = Some(text)).ok();
+    Ok(items.map_while(read).fuse())
 }
 
 /// The interpreter as it ends when it meets an error in a program that was good.

@@ -10,8 +10,8 @@ use std::time::Duration;
 use super::Clock;
 use crate::ipc::time::{Moment, sleep_until};
 
-/// What a machine at a pace has lost against the wall is made up for by shorter waits as long as it is no more
-/// than this; what is more is given up, so that nobody sees it race.
+/// What a machine at a pace has lost against the wall is made up for by shorter waits as long as it is no
+/// more than this; what is more is given up, so that nobody sees it race.
 const CATCH_UP: Duration = Duration::from_millis(20);
 
 /// Time on the machine for each second on the wall: [`Pace::SLOWEST`] to [`Pace::FASTEST`]; or as fast as the
@@ -40,7 +40,10 @@ impl Pace {
 
 impl std::fmt::Display for Pace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.map_or_else(|| f.write_str("max"), |pace| pace.fmt(f))
+        match self.0 {
+            None => f.write_str("max"),
+            Some(pace) => pace.fmt(f),
+        }
     }
 }
 
@@ -145,7 +148,7 @@ mod tests {
             for late in [Duration::ZERO, period, CATCH_UP] {
                 assert_eq!(beat.after(beat.next.after(late)), beat.next.after(period), "{pace}, {late:?}");
             }
-            for late in [CATCH_UP + Duration::from_nanos(1), CATCH_UP * 5, Duration::from_secs(3600)] {
+            for late in [CATCH_UP + Duration::from_nanos(1), CATCH_UP * 5, CATCH_UP * 100_000] {
                 let now = beat.next.after(late);
                 assert_eq!(beat.after(now), now.after(period), "{pace}, {late:?}: it begins anew");
             }
@@ -157,7 +160,7 @@ mod tests {
         let mut paced = beat("2", 0.004);
         let begun = paced.next;
         (0..10).for_each(|_| paced.wait());
-        assert!(begun.elapsed() >= Duration::from_millis(2) * 9, "nine periods behind the first");
+        assert!(begun.elapsed() >= Duration::from_micros(2000) * 9, "nine periods behind the first");
         let mut free = beat("max", 1e9);
         (0..1000).for_each(|_| free.wait());
         assert!(!free.is_real() && Beat::new(Clock::Real, Pace::MAX, 1.0).is_real());

@@ -96,13 +96,7 @@ impl FromAxis {
 pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     let machine = args.process.read_machine()?;
     let clock = args.process.clock;
-    let scenario = match &args.scenario {
-        None => Scenario::none(),
-        Some(path) => Scenario::from_toml(&read_text(path)?)
-            .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?,
-    };
-    let mut plant = Plant::new(&machine, scenario, args.seed)
-        .map_err(|error| ShellError::Input(format!("machine file: {error}")))?;
+    let mut plant = plant(args, &machine)?;
 
     let mut member = args.process.join(Process::Plant)?;
     let mut ports = Ports::open(&member, &machine, &args.process)?;
@@ -165,6 +159,17 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     forsaken.tell(plant.truth().cycle);
     ports.notes.finish()?;
     Ok(member.finish(&ports.counts())?)
+}
+
+/// The plant, and what happens to it.
+fn plant(args: &PlantArgs, machine: &Machine) -> Result<Plant, ShellError> {
+    let scenario = match &args.scenario {
+        None => Scenario::none(),
+        Some(path) => Scenario::from_toml(&read_text(path)?)
+            .map_err(|error| ShellError::Input(format!("{}: {error}", path.display())))?,
+    };
+    let plant = Plant::new(machine, scenario, args.seed);
+    plant.map_err(|error| ShellError::Input(format!("machine file: {error}")))
 }
 
 /// What the operator asks for; what cannot be unpacked is counted and said.
