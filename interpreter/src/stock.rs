@@ -1,6 +1,6 @@
 //! What is left of the part while a program cuts it, and what no program should do with it: go through it, or
-//! into the chuck, in rapid motion; begin a run-in inside it; cut while the spindle stands. In: moves in the
-//! coordinates of the part, mm, X a radius. Out: warnings.
+//! into the chuck, in rapid motion; begin a run-in or end a retract inside it; cut while the spindle stands.
+//! In: moves in the coordinates of the part, mm, X a radius. Out: warnings.
 //!
 //! The stock is kept as a bore and an outer radius at nodes along Z. A feed takes off what lies beyond its
 //! point on the side of the free end: `|x| ≥ x_tool, z ≥ z_tool` from outside, `|x| ≤ x_tool, z ≥ z_tool` in
@@ -112,13 +112,20 @@ impl Stock {
         let looks =
             (0..LOOKS).map(|look| at(begins + (locked - begins) * f64::from(look) / f64::from(LOOKS)));
         let inside = looks.into_iter().find(|point| self.is_inside(*point));
+        let end = at(pass.done_deg());
+        let retracts = pass.axes.iter().any(|law| law.retract_mm != 0.0);
         let warning = match inside {
+            None if retracts && self.is_inside(end) => Some(warning(
+                "retract-in-stock",
+                format!("the tool is retracted into the stock, to {}", frame.place(end)),
+                "retract it further, or end the thread where the tool has room: in front of a shoulder, in an undercut",
+            )),
             Some(at) => Some(warning(
                 "run-in-in-stock",
                 format!("the tool is in the stock at {} before it is on the helix", frame.place(at)),
                 "start further from the part: `pitchlock check` says from which Z on there is full depth",
             )),
-            None => self.in_chuck(at(begins), at(pass.done_deg()), frame),
+            None => self.in_chuck(at(begins), end, frame),
         };
         self.told(warning)
     }

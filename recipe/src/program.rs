@@ -106,19 +106,23 @@ impl Writer<'_> {
         self.remark(&format!("{}, written by pitchlock thread", recipe.thread));
         let edge = recipe.edge;
         let angle: f64 = edge.flank_deg.iter().sum();
+        let words = self.words;
+        let [flat, nose] = [edge.flat_mm, edge.nose_mm].map(|mm| words.told_with_unit(mm));
         let tip = match (edge.flat_mm > 0.0, edge.nose_mm > 0.0) {
             (false, false) => "a sharp point".into(),
-            (false, true) => format!("a nose of {:.3} mm", edge.nose_mm),
-            (true, false) => format!("a flat of {:.3} mm", edge.flat_mm),
-            (true, true) => {
-                format!("a flat of {:.3} mm between noses of {:.3} mm", edge.flat_mm, edge.nose_mm)
-            }
+            (false, true) => format!("a nose of {nose}"),
+            (true, false) => format!("a flat of {flat}"),
+            (true, true) => format!("a flat of {flat} between noses of {nose}"),
         };
         self.remark(&format!("T{}: {}, {angle} degrees, {tip}", recipe.tool_number, recipe.tool));
         let [least, most] = recipe.nominal.pitch_diameter_mm;
         let text = format!(
-            "pitch diameter {least:.3} to {most:.3} mm, so the tip ends at {:.3}, {:.3} below the crest at {:.3}",
-            recipe.root_mm, recipe.depth_mm, recipe.crest_mm
+            "pitch diameter {} to {}, so the tip ends at {}, {} below the crest at {}",
+            words.told(least),
+            words.told_with_unit(most),
+            words.told(recipe.root_mm),
+            words.told(recipe.depth_mm),
+            words.told(recipe.crest_mm)
         );
         self.remark(&text);
         self.remark(&format!("thread, {}", self.name()));
@@ -130,6 +134,20 @@ impl Writer<'_> {
             Dialect::Linuxcnc => format!("{unit} G18 G90 G7 G40 G97 G95"),
             Dialect::Fanuc => format!("{unit} G18 G40 G97 G99"),
         });
+        // In the unit that is in force now.
+        self.remark(&format!("thread_insert, {}", self.insert()));
+    }
+
+    /// The words of its tip, by which a check finds that the machine has another one.
+    fn insert(&self) -> String {
+        let Recipe { edge, width_mm, .. } = self.recipe;
+        let mut text = format!("A{}", edge.flank_deg.iter().sum::<f64>());
+        for (letter, mm) in [('R', edge.nose_mm), ('W', *width_mm)] {
+            if mm > 0.0 {
+                text += &format!(" {letter}{}", self.words.told(mm));
+            }
+        }
+        text
     }
 
     /// The name as the gauge understands it, in capitals too.
@@ -312,7 +330,11 @@ impl Writer<'_> {
         let tip = self.at.crest + 2 * inwards * units.of(pass.depth_mm);
         let [x_from, x_end] = [from, end].map(|z| self.along(tip, z));
         let number = if recipe.starts() == 1 { String::new() } else { format!(" of start {}", start + 1) };
-        self.remark(&format!("pass {}{number} of {of}: {:.3} mm deep", n + 1, pass.depth_mm));
+        self.remark(&format!(
+            "pass {}{number} of {of}: {} deep",
+            n + 1,
+            self.words.told_with_unit(pass.depth_mm)
+        ));
         let (rapid, clear) = (self.rapid(), self.at.clear);
         self.go(rapid, Some(clear), Some(from), "");
         self.go(rapid, Some(x_from), None, "");

@@ -63,6 +63,15 @@ impl Words {
         self.number(steps as f64 / self.units.steps(), self.units.places())
     }
 
+    /// A length in a comment, without and with its unit.
+    pub(crate) fn told(self, mm: f64) -> String {
+        format!("{:.*}", self.units.places(), mm / self.units.mm())
+    }
+
+    pub(crate) fn told_with_unit(self, mm: f64) -> String {
+        format!("{} {}", self.told(mm), if self.units == Units::Mm { "mm" } else { "inch" })
+    }
+
     /// A lead, given in mm: with as many places as it needs.
     pub(crate) fn lead(self, mm: f64) -> String {
         self.number(mm / self.units.mm(), 8)

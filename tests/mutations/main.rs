@@ -25,6 +25,8 @@ use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
 };
 
+/// What a job may take beside its longest line, bytes: the places of its surface, those of the path on it.
+const JOB_MEMORY: u64 = 96 << 20;
 /// Mutations of each target in a run of the tests.
 const MUTATIONS: u64 = 10_000;
 /// What reading may take beside the input, bytes, and how often the input.
@@ -351,7 +353,7 @@ fn tables_of_linuxcnc() {
 #[test]
 fn job() {
     // The longest line that a job may have is provided for at its beginning.
-    mutate_within(32 << 20, MUTATIONS / 20, targets::job, &jobs());
+    mutate_within(JOB_MEMORY, MUTATIONS / 20, targets::job, &jobs());
 }
 
 #[test]
@@ -385,4 +387,14 @@ fn the_length_of_a_name_is_no_promise_that_memory_is_taken_for() {
     content.extend(b"mutated.ngc");
     let memory = allocation_counter::measure(|| targets::code_file(&content));
     assert!(memory.bytes_max < 10_000, "{} bytes", memory.bytes_max);
+}
+
+/// A small tool on a large surface: more places than are looked at, and more of its path than are kept.
+#[test]
+fn a_job_of_very_many_places_takes_no_more_memory_than_the_page_says() {
+    let job = "[job]\nkind = \"surface\"\norigin_mm = [-50, -40, -170]\nz = \"x/50\"\nx = [0, 100]\ny = [0, 80]\n\
+               tool = { kind = \"ball\", diameter_mm = 0.4 }\n\
+               path = { pattern = \"lines\", along = \"x\", step_mm = 0.1 }\nfeed_mm_min = 1000\n";
+    let memory = allocation_counter::measure(|| targets::job(job.as_bytes()));
+    assert!((40 << 20..JOB_MEMORY).contains(&memory.bytes_max), "{} bytes", memory.bytes_max);
 }

@@ -64,10 +64,11 @@ impl Reading<'_> {
         line.clear(file, number, self.state.units.program());
         let mut cursor = Cursor::new(self.text);
         labels::leader(number, &mut cursor);
-        let optional = skip::is_left_out(self.skips, &mut cursor);
+        let mut optional = skip::is_left_out(self.skips, &mut cursor)?;
         if cursor.peek() == Some(b'n') {
             let (number, digits) = sequence_number(&mut cursor)?;
             (line.block.n, line.block.n_digits) = (Some(number), digits);
+            optional |= skip::is_left_out(self.skips, &mut cursor)?;
         }
         if optional {
             return Ok(Statement::Nothing);
@@ -181,6 +182,7 @@ impl Reading<'_> {
             match first {
                 b'n' if line.block.n.is_none() && !line.block.is_empty() => labels::behind(cursor, line)?,
                 b'n' | b'o' => return Err(misplaced(cursor)),
+                b'/' => skip::rest(self.skips, cursor)?,
                 b'%' if skip::is_end_of_tape(&line.block, cursor) => return Ok(()),
                 b'a'..=b'z' if line.arguments.is_some() && !matches!(first, b'g' | b'p' | b'l') => {
                     last = self.argument(first, last, cursor, line)?;

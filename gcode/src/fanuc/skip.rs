@@ -3,21 +3,48 @@
 use crate::block::Block;
 use crate::codes::{M, m_group};
 use crate::options::Skips;
+use crate::problem::Problem;
 use crate::text::Cursor;
 
 /// `/`, which is `/1`, to `/9` at the cursor: whether its switch is on and the rest of the line is left out.
-pub(super) fn is_left_out(skips: Skips, cursor: &mut Cursor) -> bool {
+/// It stands at the head of a block, before or behind its number.
+///
+/// # Errors
+/// No switch has the number.
+pub(super) fn is_left_out(skips: Skips, cursor: &mut Cursor) -> Result<bool, Box<Problem>> {
+    let start = cursor.mark();
     if !cursor.take_if(b'/') {
-        return false;
+        return Ok(false);
     }
     let switch = match cursor.peek() {
-        Some(digit @ b'1'..=b'9') => {
+        Some(digit @ b'0'..=b'9') => {
             cursor.skip();
             digit - b'0'
         }
         _ => 1,
     };
-    skips.is_on(switch)
+    if switch == 0 || matches!(cursor.peek(), Some(b'0'..=b'9')) {
+        let help = "the switches of block delete are / (which is /1) to /9";
+        return Err(cursor.error_from(start, "bad-value", "no switch of block delete has this number", help));
+    }
+    Ok(skips.is_on(switch))
+}
+
+/// `G01 X10. /2 M08`: in the middle of a block the switch leaves out what follows.
+///
+/// # Errors
+/// No switch has the number; nothing follows that could be left out.
+pub(super) fn rest(skips: Skips, cursor: &mut Cursor) -> Result<(), Box<Problem>> {
+    let start = cursor.mark();
+    let optional = is_left_out(skips, cursor)?;
+    if matches!(cursor.peek(), None | Some(b'(' | b';')) {
+        let help = "/ leaves out what follows it in the block; a division needs brackets, as in X[10/2]";
+        return Err(cursor.error_from(start, "bad-character", "nothing follows this /", help));
+    }
+    if optional {
+        cursor.take_rest();
+    }
+    Ok(())
 }
 
 /// `M30%`: the last line of a tape lost its end.

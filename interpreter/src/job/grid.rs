@@ -59,7 +59,7 @@ pub(super) struct Grid {
     surface: Surface,
     /// Cells along X and Y.
     cells: [usize; 2],
-    nodes: Vec<([f64; 2], Touch)>,
+    nodes: Vec<Touch>,
 }
 
 impl Grid {
@@ -69,26 +69,33 @@ impl Grid {
     /// A place where it, a slope or a curvature does not exist.
     pub(super) fn new(surface: &Surface, formula: &Formula) -> Result<Grid, Fault> {
         let cells = cells(surface);
-        let share = |n: usize, cells: usize, [low, high]: [f64; 2]| {
-            let share = n as f64 / cells as f64;
-            low * (1.0 - share) + high * share
-        };
-        let places = (0..=cells[1]).flat_map(|row| (0..=cells[0]).map(move |column| (row, column)));
-        let place = |(row, column)| [share(column, cells[0], surface.x), share(row, cells[1], surface.y)];
-        let nodes: Vec<_> = places.map(place).map(|at| (at, Touch::at(formula, at))).collect();
+        let mut grid = Grid { surface: *surface, cells, nodes: Vec::new() };
+        grid.nodes.reserve_exact((cells[0] + 1) * (cells[1] + 1));
+        for row in 0..=cells[1] {
+            grid.nodes.extend(
+                (0..=cells[0]).map(|column| Touch::at(formula, place(surface, cells, [column, row]))),
+            );
+        }
         let upright = |touch: &Touch| touch.slope.iter().any(|one| one.abs() > STEEPEST);
-        if let Some(([x, y], _)) = nodes.iter().find(|(_, touch)| touch.is_finite() && upright(touch)) {
-            let message = format!("the surface is as good as upright at {}", here(*x, *y));
+        if let Some(n) = grid.nodes.iter().position(|touch| touch.is_finite() && upright(touch)) {
+            let [x, y] = grid.at(n);
+            let message = format!("the surface is as good as upright at {}", here(x, y));
             return Err(Fault::new("z", message, "choose x and y without that place"));
         }
-        match nodes.iter().find(|(_, touch)| !touch.is_finite()) {
-            None => Ok(Grid { surface: *surface, cells, nodes }),
-            Some(([x, y], _)) => Err(Fault::new(
+        match grid.nodes.iter().position(|touch| !touch.is_finite()).map(|n| grid.at(n)) {
+            None => Ok(grid),
+            Some([x, y]) => Err(Fault::new(
                 "z",
-                format!("the surface, its slope or its curvature does not exist at {}", here(*x, *y)),
+                format!("the surface, its slope or its curvature does not exist at {}", here(x, y)),
                 "choose x and y so that the formula is smooth all over them",
             )),
         }
+    }
+
+    /// Where a node is, mm.
+    fn at(&self, n: usize) -> [f64; 2] {
+        let columns = self.cells[0] + 1;
+        place(&self.surface, self.cells, [n % columns, n / columns])
     }
 
     /// What was looked at, in words.
@@ -101,15 +108,15 @@ impl Grid {
 
     /// Z of its highest node, mm.
     pub(super) fn top(&self) -> f64 {
-        self.nodes.iter().map(|(_, touch)| touch.z).fold(f64::NEG_INFINITY, f64::max)
+        self.nodes.iter().map(|touch| touch.z).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Refuses a tool that cuts into the surface beside the place where it touches (M89).
     pub(super) fn fits(&self) -> Result<(), Fault> {
         let tool = &self.surface.tool;
-        let worst = self.nodes.iter().filter(|(_, touch)| cuts(tool, touch));
+        let worst = self.nodes.iter().enumerate().filter(|(_, touch)| cuts(tool, touch));
         match worst.max_by(|(_, a), (_, b)| a.hollow().total_cmp(&b.hollow())) {
-            Some((at, touch)) => Err(hollow(*at, touch)),
+            Some((n, touch)) => Err(hollow(self.at(n), touch)),
             None => Ok(()),
         }
     }
@@ -146,7 +153,7 @@ impl Grid {
     fn partings(&self, lay: Lay) -> impl Iterator<Item = (Parting, f64)> {
         let tool = &self.surface.tool;
         lay.directions().into_iter().flat_map(move |along| {
-            self.nodes.iter().map(move |(_, touch)| {
+            self.nodes.iter().map(move |touch| {
                 let spread =
                     if lay == Lay::Rings { touch.spread_in_corners(along) } else { touch.spread(along) };
                 (touch.parting(tool, along), spread)
@@ -164,12 +171,11 @@ impl Grid {
         for (contact, tip) in tips.iter().step_by(stride) {
             for row in rows.near(tip[1]) {
                 for column in columns.near(tip[0]) {
-                    let Some((at, touch)) = self.nodes.get(row * (self.cells[0] + 1) + column) else {
-                        continue;
-                    };
-                    let depth = depth(tool, tip, at, touch.z);
+                    let Some(touch) = self.nodes.get(row * (self.cells[0] + 1) + column) else { continue };
+                    let at = place(&self.surface, self.cells, [column, row]);
+                    let depth = depth(tool, tip, &at, touch.z);
                     if depth > TOUCHES_MM {
-                        return Err(elsewhere(contact, at, depth));
+                        return Err(elsewhere(contact, &at, depth));
                     }
                 }
             }
@@ -183,7 +189,16 @@ fn cells(surface: &Surface) -> [usize; 2] {
     let wanted = [surface.x, surface.y]
         .map(|[low, high]| (ALONG_RADIUS * (high - low) / surface.tool.radius_mm).ceil().max(LEAST));
     let less = (MOST / (wanted[0] * wanted[1])).sqrt().min(1.0);
-    wanted.map(|cells| (cells * less).max(LEAST) as usize)
+    wanted.map(|cells| (cells * less).clamp(LEAST, MOST / LEAST) as usize)
+}
+
+/// Where the node in a column and a row is, mm.
+fn place(surface: &Surface, cells: [usize; 2], node: [usize; 2]) -> [f64; 2] {
+    let share = |side: usize, [low, high]: [f64; 2]| {
+        let share = node[side] as f64 / cells[side] as f64;
+        low * (1.0 - share) + high * share
+    };
+    [share(0, surface.x), share(1, surface.y)]
 }
 
 /// Nodes along a side, and how many of them are near a place.

@@ -11,8 +11,10 @@ use super::{Fault, Job};
 
 /// Places in a path are this share of the larger side of the domain apart, or less.
 const APART: f64 = 1.0 / 400.0;
-/// Most places.
+/// Most places that are looked at,
 const PLACES: usize = 2_000_000;
+/// and most that are kept, evenly, to see what else the tool touches there.
+const KEPT: usize = 1 << 18;
 /// They lie so far into their shares of a piece: beside the places where its maker compared it with its
 /// curve.
 pub(super) const BESIDE: f64 = 0.382;
@@ -25,8 +27,10 @@ const TURNS: f64 = 0.5;
 /// What was seen on the way.
 #[derive(Clone, Debug)]
 pub(super) struct Walk {
-    /// Point of contact seen from above, and tip of the tool, mm.
+    /// Point of contact seen from above, and tip of the tool, mm, at every so many places.
     pub(super) tips: Vec<([f64; 2], [f64; 3])>,
+    every: usize,
+    places: usize,
     /// Lowest and highest tip, mm.
     pub(super) bounds: [[f64; 3]; 2],
     /// The tip at the start,
@@ -48,6 +52,8 @@ pub(super) struct Walk {
 pub(super) fn walk(surface: &Surface, formulas: [&Formula; 3], job: &Job) -> Result<Walk, Fault> {
     let mut walk = Walk {
         tips: Vec::new(),
+        every: 1,
+        places: 0,
         bounds: [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]],
         start: [f64::NAN; 3],
         end: [f64::NAN; 3],
@@ -84,7 +90,7 @@ impl Walk {
             self.cut_mm += piece.path.length();
             self.pace.goes_along(&piece.path);
             let places = (piece.path.length() / apart).ceil().max(1.0);
-            if self.tips.len() as f64 + places > PLACES as f64 {
+            if self.places as f64 + places > PLACES as f64 {
                 return Err(too_long(plan));
             }
             for n in 0..places as usize {
@@ -97,10 +103,28 @@ impl Walk {
                 if !is_near(piece.from, gone, tip) {
                     return Err(too_fine(plan, contact));
                 }
-                self.tips.push((contact, tip));
+                self.keep((contact, tip));
             }
             inside(surface, piece.t[1], curve.contact(piece.t[1]).map(|axis| axis.value()))?;
         }
+    }
+
+    /// Keeps a place, and half of all as soon as they are too many.
+    fn keep(&mut self, place: ([f64; 2], [f64; 3])) {
+        if self.places.is_multiple_of(self.every) {
+            if self.tips.len() == KEPT {
+                let mut n = 0;
+                self.tips.retain(|_| {
+                    n += 1;
+                    n % 2 == 1
+                });
+                self.every *= 2;
+            }
+            if self.places.is_multiple_of(self.every) {
+                self.tips.push(place);
+            }
+        }
+        self.places += 1;
     }
 }
 

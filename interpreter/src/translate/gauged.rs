@@ -17,6 +17,7 @@ use machine::Kinematics;
 use protocol::ThreadPass;
 
 use super::Translator;
+use super::insert::Written;
 use crate::reach::Done;
 use crate::thread::Point;
 
@@ -45,6 +46,8 @@ pub(crate) struct Gauged {
     asked: Option<Nominal>,
     said: Option<(Nominal, Place)>,
     kinds: Vec<Kind>,
+    /// The insert that the program was written for.
+    pub(super) written: Written,
 }
 
 impl Gauged {
@@ -169,11 +172,12 @@ impl Translator {
         self.gauged.ask(nominal);
     }
 
-    /// A comment may name the thread of a lathe.
+    /// A comment may name the thread of a lathe, or describe its insert.
     pub(super) fn take_thread(&mut self, text: &str) -> Done {
         if self.machine.general.kinematics != Kinematics::Lathe {
             return Ok(());
         }
+        self.take_insert(text)?;
         self.gauged.comment(text, self.place())
     }
 

@@ -164,6 +164,7 @@ impl Translator {
         self.threads.lies_at(pass.pass, origin);
         self.cuts_at(origin);
         self.gauge_sees_pass(place, pass, origin);
+        self.insert_cuts(place);
         if let Some(problem) =
             self.stock.as_mut().and_then(|stock| stock.pass(pass, origin, &self.modal.frame))
         {

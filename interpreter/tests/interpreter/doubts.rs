@@ -1,7 +1,7 @@
 //! Warnings of what can be meant, but hardly is.
 
 use interpreter::{Language, check};
-use machine::{Machine, ProgramDialect};
+use machine::{Machine, ProgramDialect, Tool};
 
 /// Line and code of what is said of a program.
 fn said(text: &str) -> Vec<(u32, &'static str)> {
@@ -138,6 +138,53 @@ fn a_gauge_without_a_thread_is_warned_of_where_it_is_asked_for() {
     assert!(message(text).contains("for M20x2-6g, and the program cuts no thread"), "{}", message(text));
     let wrong = "(thread, M20x2-6g)\nG18 G0 X12 Z5\nG33 Z-30 K2\nM2\n";
     assert_eq!(said(wrong), [(3, "spindle-not-turning")], "one that could not be cut is not missed");
+}
+
+#[test]
+fn another_insert_than_the_program_was_written_for_is_told_once_for_each_tool() {
+    let pass = "G0 X12 Z5\nG33 Z-30 K2\nG0 X40\nZ5\n";
+    let text = |units: &str, insert: &str| {
+        format!("G18 {units} G8\n(thread_insert, {insert})\nT3 M6\nS400 M3\n{pass}{pass}M2\n")
+    };
+    let found = |machine: &Machine, text: &str| -> Vec<(u32, String)> {
+        let check = interpreter::check("insert.ngc", text, machine);
+        check.diagnostics.into_iter().map(|one| (one.line, one.message)).collect()
+    };
+    let mut nosed = Machine::plain();
+    let (angle_deg, nose_mm) = (Some(60.0), Some(0.144));
+    nosed.tools.insert("3".into(), Tool { name: "16ER".into(), angle_deg, nose_mm, width_mm: None });
+    assert_eq!(found(&nosed, &text("G21", "A60 R0.144")), []);
+    assert_eq!(found(&nosed, &text("G21", "A60 R0.145")), [], "as near as words of inch programs are");
+    let others = found(&nosed, &text("G21", "A55 W0.3"));
+    let [(6, message)] = others.as_slice() else { panic!("{others:?}") };
+    for part in [
+        "tool 3",
+        "60 degrees",
+        "not 55",
+        "a nose of 0.144 mm, not 0.000",
+        "a flat tip of 0.000 mm, not 0.300",
+    ] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    // Who does not describe a tool is taken to have a sharp one.
+    let plain = Machine::plain();
+    assert_eq!(found(&plain, &text("G21", "A60")), []);
+    assert_eq!(found(&plain, &text("G21", "A60 R0.1")).len(), 1);
+}
+
+#[test]
+fn an_insert_is_described_in_the_units_of_its_program_or_not_at_all() {
+    let read = |text: &str, unit_mm: f64| machine::Insert::from_comment(text, unit_mm);
+    let inch = read("THREAD_INSERT, A60 R0.01 W.02", 25.4).expect("it is right").expect("an insert");
+    assert_eq!([inch.angle_deg, inch.nose_mm, inch.width_mm], [60.0, 0.254, 0.508]);
+    assert_eq!(read("insert, VNMG 160404", 1.0), Ok(None));
+    assert_eq!(read("thread_insert", 1.0), Err(machine::InsertError::Angle));
+    for (words, wrong) in
+        [("A60 A55", "A55"), ("A60 Rx", "Rx"), ("A60 Q1", "Q1"), ("A60 R-1", "R-1"), ("A200", "A200")]
+    {
+        let refused = read(&format!("thread_insert, {words}"), 1.0);
+        assert_eq!(refused, Err(machine::InsertError::Word(wrong.into())), "{words}");
+    }
 }
 
 #[test]

@@ -31,6 +31,10 @@ fn each_warning_has_its_line() {
         ("(part, bar D40 L60 C-50)\nG0 X30 Z-40\nG0 Z-55\n", ("into-chuck", 4)),
         ("(part, bar D40 L60 C-50)\nF100 S300 M3\nG0 X30 Z-40\nG1 Z-55\n", ("into-chuck", 5)),
         ("(part, bar D40 L60 Z7.9)\nS600 M3\nG0 X12 Z8\nG33 Z-20 K2\nG0 X40\n", ("run-in-in-stock", 5)),
+        (
+            "(part, bar D60 L60 Z-12)\nS600 M3\nG0 X28 Z5\nG76 P2 Z-20 I-1.5 J0.3 K1.2\n",
+            ("retract-in-stock", 5),
+        ),
         ("(part, bar D40 L60 C-10)\nS600 M3\nG0 X12 Z8\nG33 Z-20 K2\nG0 X40\n", ("into-chuck", 5)),
     ] {
         assert_eq!(found(&format!("{HEAD}{program}M2\n")), [expected], "{program}");

@@ -109,6 +109,25 @@ fn optional_blocks_have_nine_switches() {
 }
 
 #[test]
+fn a_switch_in_the_middle_of_a_block_leaves_out_what_follows() {
+    let text = "N1 /G04 U1.\nG04 /2 U2. (and a remark)\nG04 U3. /3 M08\nM30\n";
+    let calls = |switches: &[u8]| {
+        let options = Options { skips: Skips::of(switches.iter().copied()), ..fanuc() };
+        let outcome = run(Program::from_text("O1", text, &options));
+        (outcome.sink.moves, outcome.errors.len())
+    };
+    assert_eq!(calls(&[]), (vec!["dwell 1".into(), "dwell 2".into(), "dwell 3".into()], 0));
+    assert_eq!(calls(&[1, 3]).0, ["dwell 2", "dwell 3"]);
+    assert_eq!(calls(&[2]).1, 1, "G04 without a time");
+    for line in ["/0 G04 U1.", "/12 G04 U1.", "N5 /0 G04 U1.", "G04 U1. /0 M08"] {
+        assert_eq!(errors(&format!("{line}\n")), [(1, "bad-value")], "{line}");
+    }
+    for line in ["G00 X10/2", "G00 X10. /", "G00 X10. / (nothing)"] {
+        assert_eq!(errors(&format!("{line}\n")), [(1, "bad-character")], "{line}");
+    }
+}
+
+#[test]
 fn the_last_line_of_a_tape_may_lack_its_end() {
     for end in ["M30%", "M30 %", "M98 P2\nM30\nO2\nM99%"] {
         let outcome = outcome(&format!("O1\nG00 X1.\n{end}"));

@@ -30,6 +30,7 @@ const TAPER: &str = "M4 S500\nG0 X12 Z8\nG0 X9.5\nG33 X9.2 Z2 K2\nG0 X12\nG0 Z8\
 /// On a face, outwards and inwards: Z takes the tool to depth and lifts it.
 const FACE: &str =
     "M3 S400\nG0 X12 Z2\nG0 Z-0.4\nG33 X24 K2\nG0 Z2\nG0 X24\nG0 Z-0.4\nG33 X12 K2\nG0 Z2\nG0 X12\nM5\nM2\n";
+const SHORT_FACE: &str = "M3 S300\nG0 X12 Z0.8\nG0 Z0\nG33 X12.95 K0.25\nG0 Z0.8\nG0 X12\nM2\n";
 const TIMED: &str = "M3 S500\nG0 X20 Z50\nG1 X18 Z30 F2500\nG1 X20 Z20\nG2 X30 Z10 I10 F1500\nG4 P0.1\nG0 X40 Z40\nM0\nG0 Z45\nM2\n";
 
 /// A thread of a kind at a speed, so long that it has one at all.
@@ -283,10 +284,9 @@ fn presses_in_timed_motion() {
 
 /// One press at every cycle around each border, released while it counts and long after it, where it
 /// makes the axes leave and where the pass is finished.
-#[test]
-fn a_press_at_every_cycle_around_each_border_of_a_pass() {
+fn at_each_border(program: &str) {
     for policy in [POLICIES[1], POLICIES[3]] {
-        let job = Job::new(SHORT, with(policy));
+        let job = Job::new(program, with(policy));
         let around = |border: &u64| border.saturating_sub(9)..border + 3;
         for at in job.borders.iter().flat_map(around).collect::<BTreeSet<u64>>() {
             for button in [Request::FeedHold, Request::Stop, Request::Abort, Request::EmergencyStop] {
@@ -297,6 +297,16 @@ fn a_press_at_every_cycle_around_each_border_of_a_pass() {
             }
         }
     }
+}
+
+#[test]
+fn a_press_at_every_cycle_around_each_border_of_a_pass() {
+    at_each_border(SHORT);
+}
+
+#[test]
+fn a_press_at_every_cycle_around_each_border_of_a_pass_on_a_face() {
+    at_each_border(SHORT_FACE);
 }
 
 /// Interpolator cycles from the shortest to the longest that the file of a lathe allows: a hold just before
