@@ -27,6 +27,8 @@ use shape::{
 
 /// What a job may take beside its longest line, bytes: the places of its surface, those of the path on it.
 const JOB_MEMORY: u64 = 96 << 20;
+/// What a plant that cuts keeps of its part, bytes: 18 numbers at each of 50 001 places of Z.
+const PLANT_MEMORY: u64 = 18 * 50_001 * 8;
 /// Mutations of each target in a run of the tests.
 const MUTATIONS: u64 = 10_000;
 /// What reading may take beside the input, bytes, and how often the input.
@@ -332,7 +334,7 @@ fn summaries() -> Vec<Vec<u8>> {
 
 #[test]
 fn machine_file() {
-    mutate(targets::machine_file, &machine_files());
+    mutate_within(MEMORY + PLANT_MEMORY, MUTATIONS, targets::machine_file, &machine_files());
 }
 
 #[test]
