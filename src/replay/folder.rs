@@ -20,9 +20,10 @@ use crate::{
     program::Program,
     run::{
         RunArgs, Trace,
-        folder::{ARRIVALS, repeated},
+        folder::{ARRIVALS, changed, repeated},
         read_scenario,
     },
+    words,
 };
 
 /// What a run was made of, and what is known of it.
@@ -54,6 +55,9 @@ impl Recorded {
         let refused =
             |text: String| CliError::Input(format!("{}: cannot be made again: {text}", dir.display()));
         let summary = Summary::read(&dir.join("summary.json")).map_err(|error| refused(error.to_string()))?;
+        for name in changed(dir, &summary) {
+            words::say(&format!("note: {name} is not what it was when the run was made\n"));
+        }
         let path = dir.join(ARRIVALS);
         let text = intake::text(&path, MOST_BYTES).map_err(|error| {
             refused(format!(

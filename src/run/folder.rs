@@ -1,5 +1,6 @@
 //! The run folder: everything that a run was made of, and everything it left.
 
+use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::io::Read as _;
@@ -34,6 +35,8 @@ pub(crate) struct RunFolder {
     pub(crate) every_cycle: bool,
     /// Hash of all that decides what the program does.
     pub(crate) input: [u8; 16],
+    /// BLAKE3 of each of these and of the scenario, in hex, by its name.
+    pub(crate) hashes: BTreeMap<String, String>,
     /// What the copy of the program held before the run.
     stamp: Option<u64>,
     /// Held as long as the run writes into the folder.
@@ -117,15 +120,18 @@ impl RunFolder {
         };
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
+        let deciding = deciding(&path, judged, name);
         Ok(RunFolder {
             named,
             program,
             language,
             machine,
-            scenario,
+            scenario: scenario.clone(),
             trace,
             every_cycle,
-            input: input_of(&path, judged, name).map_err(|error| CliError::file(&path, error))?,
+            input: rig::journal::fingerprint(deciding.clone())
+                .map_err(|error| CliError::file(&path, error))?,
+            hashes: hashes(deciding.into_iter().chain(scenario))?,
             path,
             stamp: seen.0[0],
             _claim: claim,
@@ -138,13 +144,27 @@ impl RunFolder {
     }
 }
 
-/// Hash of the files in a run folder that decide what its program does.
-fn input_of(folder: &Path, judged: &Program, name: &OsStr) -> std::io::Result<[u8; 16]> {
+/// The files in a run folder that decide what its program does.
+fn deciding(folder: &Path, judged: &Program, name: &OsStr) -> Vec<PathBuf> {
     let part = judged.part_file.as_ref().map(|_| Path::new(name).with_extension("toml").into_os_string());
     let subroutines = judged.subroutine_files().filter_map(|file| file.file_name().map(OsStr::to_owned));
     let kept = [MACHINE, LANGUAGE, TOOLS, PARAMETERS, INI].map(OsString::from);
     let names = std::iter::once(name.to_owned()).chain(part).chain(subroutines).chain(kept);
-    rig::journal::fingerprint(names.map(|name| folder.join(name)).filter(|path| path.exists()))
+    names.map(|name| folder.join(name)).filter(|path| path.exists()).collect()
+}
+
+/// The hash of each file by its name.
+fn hashes(files: impl Iterator<Item = PathBuf>) -> Result<BTreeMap<String, String>, CliError> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    files.map(|path| Ok((name(&path), trace::hash_of(&path)?))).collect()
+}
+
+/// The files of a run that hold something else now than they did in it, or cannot be read any more.
+pub(crate) fn changed(folder: &Path, summary: &Summary) -> Vec<String> {
+    let other = |(name, was): &(&String, &String)| {
+        trace::hash_of(&folder.join(name)).map_or(true, |hash| hash != **was)
+    };
+    summary.files.iter().filter(other).map(|(name, _)| name.clone()).collect()
 }
 
 /// What the program and the tables beside it held when they were read: what is run is what was judged.

@@ -111,6 +111,7 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
 
     let run = if args.in_process { in_process::run } else { processes::run };
     let (mut summary, unrecorded) = run(&setup, &mut interrupts)?;
+    summary.files.clone_from(&setup.folder.hashes);
     summary.program_warnings = setup.program.warnings();
     if !setup.folder.is_as_it_was() {
         endings::program_changed(&mut summary);

@@ -184,6 +184,14 @@ fn a_run_that_is_another_one_is_told_where_and_one_without_its_record_is_refused
     let arguments = ["--in-process", "--out", "run"];
     place.ask(&[&["run", &program.display().to_string(), "--quiet"], &arguments[..]].concat());
     is_the_same_again(&place, "run");
+    // A file that was changed is named, even where it makes no difference.
+    let kept = place.at("run/machine.toml");
+    let machine = std::fs::read_to_string(&kept).expect("it is there");
+    std::fs::write(&kept, format!("{machine}# seen by somebody\n")).expect("room");
+    let answer = place.ask(&["replay", "run"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    assert_eq!(answer.stderr, "note: machine.toml is not what it was when the run was made\n");
+    std::fs::write(&kept, machine).expect("room");
     let path = place.at("run/summary.json");
     let summary = std::fs::read_to_string(&path).expect("it is there");
     std::fs::write(&path, summary.replace("\"seed\": 1,", "\"seed\": 2,")).expect("room");

@@ -311,6 +311,9 @@ pub struct Summary {
     /// BLAKE3 of the file of the trace, in hex.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trace_file_hash: Option<String>,
+    /// BLAKE3 of every file in the run folder that decided what was run, in hex, by its name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
     /// The processes of the run.
     pub processes: Vec<Process>,
     /// The channels of the run.
