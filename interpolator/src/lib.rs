@@ -18,6 +18,7 @@
 //! | `supervise` | what ends every task: axes, drives, spindle, panel, waits that are too long |
 //! | `guard` | slows the spindle where an axis comes near its limits in a thread |
 //! | [`spindle`] | programmed speed, override and its ceiling, at speed; whether it does what it is told |
+//! | `tap` | turns the spindle round in a tap |
 //! | `patience` | waits that are too long |
 #![forbid(unsafe_code)]
 
@@ -31,6 +32,7 @@ mod program;
 pub mod queue;
 mod run;
 pub mod spindle;
+mod tap;
 mod task;
 mod travel;
 mod working;

@@ -104,6 +104,8 @@ pub(crate) struct Look<'a> {
     pub(crate) leave_at: Cycle,
     /// Nobody waits for the axes any longer.
     pub(crate) in_vain: bool,
+    /// A tap that is at its start has been at its depth: it begins where it ends.
+    pub(crate) returned: bool,
 }
 
 impl Look<'_> {
@@ -129,6 +131,11 @@ impl Look<'_> {
         if self.ends() { Why::Stopped } else { Why::Held(held) }
     }
 
+    /// Whether a pass whose axes rest where it ends has been cut.
+    fn is_cut(&self, pass: &ThreadPass) -> bool {
+        self.axes.at_end_of(pass) && (self.returned || !pass.returns())
+    }
+
     fn answered(&self, sent: Cycle) -> bool {
         self.cycle >= sent.after(ANSWER_TICKS * self.tick)
     }
@@ -149,7 +156,7 @@ pub(crate) fn watch(task: &Task, look: &Look) -> Event {
             let calling_off = matches!(task, Task::CallingOff { .. });
             match () {
                 () if calling_off && axes.at_start_of(&pass.pass) => Event::CalledOff,
-                () if axes.at_end_of(&pass.pass) => Event::Cut(Wait::behind_block(panel)),
+                () if look.is_cut(&pass.pass) => Event::Cut(Wait::behind_block(panel)),
                 // They have left it within one tick.
                 () if look.pressed() => Event::Leaves(look.why(), look.leave_at),
                 () => called_off(look, None),
@@ -170,7 +177,7 @@ fn leaving(pass: &InHand, why: Why, way: Way, look: &Look) -> Event {
     let axes = look.axes;
     match why {
         _ if way == Way::CallOff && (axes.under_law() || axes.leave()) => Event::Leaves(why, look.leave_at),
-        _ if axes.stream() && axes.rest() && axes.at_end_of(&pass.pass) => {
+        _ if axes.stream() && axes.rest() && look.is_cut(&pass.pass) => {
             Event::Cut(Wait::behind_block(look.panel))
         }
         _ if axes.rest() || look.in_vain => Event::Left,

@@ -48,20 +48,26 @@ impl Machine {
         let free_deg = 6.0 * pass.s_rpm * self.call_off_s();
         self.axes().all(|(axis, _)| {
             let law = pass.axis(axis);
+            if pass.returns() {
+                return law.run_in_c0_deg >= free_deg;
+            }
             let moves = law.stroke_mm != 0.0 || law.lead_mm != 0.0;
             !moves || law.begins_deg() >= free_deg
         })
     }
 
     /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its
-    /// travel, to the end the law names, which is not its start, and begins late enough to be called off. The
-    /// pass has been checked.
+    /// travel, to the end the law names, which is not its start, and begins late enough to be called off. Of a
+    /// pass that returns: whether the spindle can turn round for it, and the law stays within the travel even
+    /// if it did not. The pass has been checked.
     pub fn can_follow(&self, pass: &ThreadPass) -> bool {
-        let lathe = self.general.kinematics == Kinematics::Lathe; // only a lathe cuts threads
+        let taps = pass.returns() && self.general.kinematics != Kinematics::Positioner;
+        let lathe = self.general.kinematics == Kinematics::Lathe; // only a lathe cuts other threads
         let ends_elsewhere = |law: &AxisLaw| (law.end.mm() - law.start.mm()).abs() > SAME_MM;
-        lathe
+        (lathe || taps)
             && self.can_call_off(pass)
-            && self.axes().any(|(axis, _)| ends_elsewhere(pass.axis(axis)))
+            && self.can_turn_round(pass)
+            && (taps || self.axes().any(|(axis, _)| ends_elsewhere(pass.axis(axis))))
             && self.axes().all(|(axis, config)| {
                 let law = pass.axis(axis);
                 let (start, way) = (law.start.mm(), law.law(pass.s_rpm));
@@ -69,7 +75,7 @@ impl Machine {
                 let end = start + way.at(law.done_deg()).s;
                 let travel = config.travel_mm[0]..=config.travel_mm[1];
                 top >= pass.max_ratio * (1.0 - 1e-9)
-                    && (end - law.end.mm()).abs() < SAME_MM
+                    && (taps || (end - law.end.mm()).abs() < SAME_MM)
                     && [start, start + law.stroke_mm, end].iter().all(|mm| travel.contains(mm))
             })
     }

@@ -16,6 +16,7 @@ mod part;
 mod path;
 mod positioner;
 mod spindle;
+mod tapping;
 mod tool;
 
 use serde::{Deserialize, Serialize};

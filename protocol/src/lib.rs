@@ -42,7 +42,7 @@ pub use measurement::{AxisMeasurement, Measurement, Panel};
 pub use message::{Message, Payload};
 pub use module::{Doom, Module};
 pub use operator::{OperatorRequest, Request};
-pub use pass::{AxisLaw, ThreadPass, WayOut};
+pub use pass::{AxisLaw, Returning, ThreadPass, WayOut};
 pub use refused::Refused;
 pub use status::{AxisState, AxisStatus, MachineState, MachineStatus, Motion, SpindleCommand};
 pub use truth::{AxisTruth, CutTruth, Truth};

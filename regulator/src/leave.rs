@@ -11,6 +11,8 @@
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
 //! | every other one, in the run-in, if the lift is long, or nobody lifts, and it can come to rest in front of the part | timed: by (M100) | where it stands |
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
+//! | any, in a tap that has not moved yet | timed: where it stands | there |
+//! | any, in a tap | along the law of the pass, in or out, as the spindle turns; timed: by (M100) once the spindle has stood for long | at the start of the pass, else where it stands |
 //! | any, in timed motion | dry: by (M101) on the tangent, all axes in the same time | where it stands |
 //!
 //! The way out is a law of time: a spindle that stands, turns back, or whose encoder is dead does not keep
@@ -29,6 +31,9 @@ const STANDS_S: f64 = 0.1;
 /// One on the helix of a spindle whose angle nobody has known for so long, too: the axis that lifts the tool
 /// has left by then, or cannot.
 const LOST_S: f64 = 0.5;
+/// A tap is led on along the helix of a spindle that stands for so long, s: it may turn back yet, and who
+/// turns it gives up before. Not behind an emergency stop or without mains.
+const TAP_STANDS_S: f64 = 1.0;
 /// A way out that goes deeper than the pass by more than this is not taken yet, mm.
 const TOO_DEEP_MM: f64 = 0.02;
 /// A way out that goes farther beyond where the tool is clear than this is not taken if there is another, mm.
@@ -83,6 +88,10 @@ pub(crate) fn way_out(reference: &Reference, axis: usize, lift_mm: f64, limits: 
     let State::InPass { pass, stage } = reference.state else { return None };
     match stage {
         Stage::Armed => Some(Way::Along(*stage)),
+        Stage::WaitingForC0 if pass.returns() => {
+            Some(Way::Timed { exit: Exit::stop(&reference.now(), limits), from: reference.cycle })
+        }
+        _ if pass.returns() => Some(Way::Along(*stage)),
         _ if pass.lifts(axis) => Some(lift(reference, pass, *stage, limits)),
         Stage::WaitingForC0 | Stage::RunIn if lift_mm > LONG_MM => {
             Some(in_front(reference, pass, limits).unwrap_or(Way::Along(*stage)))
@@ -169,16 +178,18 @@ fn no_deeper(now: &Sample, pass: &Pass, begins: bool, hard: bool, limits: &Limit
 
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
 /// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands or is
-/// lost. Where a spindle turns out to have jammed that was taken to turn on, every axis goes from where it
+/// lost; in a tap once the spindle has stood, `young` telling whether it leaves for fewer cycles yet, or is
+/// taken to have been braked to rest. Where a spindle turns out to have jammed that was taken to turn on, every axis goes from where it
 /// was led `last` to where it belongs.
 pub(crate) fn brake(
     reference: &Reference,
     last: &Sample,
     axis: usize,
     free: bool,
+    young: impl Fn(u64) -> bool,
     limits: &Limits,
 ) -> Option<Way> {
-    let State::Leaving(Leaving { pass: Some(pass), way: Way::Along(stage), .. }) = reference.state else {
+    let State::Leaving(Leaving { pass: Some(pass), way: Way::Along(stage), fault }) = reference.state else {
         return None;
     };
     if reference.spindle.is_back() {
@@ -194,9 +205,13 @@ pub(crate) fn brake(
         return matches!(way, Way::Timed { .. }).then_some(way);
     }
     let cycles = |s: f64| (s / reference.cycle_s) as u64;
-    let stands =
-        reference.spindle.stands_for(cycles(STANDS_S)) || reference.spindle.is_lost_for(cycles(LOST_S));
-    if !(free || stands) {
+    let dead = matches!(fault, Some(Fault::EmergencyStop | Fault::PowerLost));
+    let stands_s = if pass.returns() && !dead { TAP_STANDS_S } else { STANDS_S };
+    let waits = pass.returns() && young(cycles(stands_s));
+    let stood = reference.spindle.stands_for(cycles(stands_s)) && !waits;
+    let lost = reference.spindle.is_lost_for(cycles(LOST_S)) && !pass.returns();
+    let stands = stood || lost || pass.returns() && reference.spindle.has_coasted();
+    if !(free && !pass.returns() || stands) {
         return None;
     }
     let exit = Exit::stop(&reference.now(), limits);

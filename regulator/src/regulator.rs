@@ -297,12 +297,13 @@ impl Regulator {
             may_call_off: self.state.pass().is_some_and(|pass| {
                 self.spindle.counted_since(pass) < pass.programmed_deg_s * self.call_off_s
             }),
+            turns_back: self.state.pass().is_some_and(|pass| self.spindle.turns_back(pass)),
         };
         if leaves {
             event.way = leave::way_out(&reference, self.axis, lift.mm, &self.limits);
         }
         if matches!(self.state, State::Leaving(_)) {
-            event.brake = leave::brake(&reference, &self.last, self.axis, lift.is_free, &self.limits);
+            event.brake = leave::brake(&reference, &self.last, self.axis, lift.is_free, young, &self.limits);
         }
         let (rest, public) = (leave::rest_of(&self.state), self.state.public());
         let refused = self.state.step(&event);

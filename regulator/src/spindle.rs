@@ -79,6 +79,11 @@ pub struct Spindle {
     blind: u64,
     coasts: bool,
     is_back: bool,
+    /// What a drive brakes with, count/s², and cycles of a tick: behind a fault of the encoder in a tap.
+    ramp: f64,
+    tick: u64,
+    /// Cycle in which such a fault was found, and the speed that the spindle is taken to have since, count/s.
+    unseen: Option<(Cycle, f64)>,
     /// The farthest count of the pass in hand, in its direction; none without one.
     farthest: Option<i64>,
     /// How far back from there a spindle has turned round, count.
@@ -114,6 +119,9 @@ impl Spindle {
             blind: 0,
             coasts: false,
             is_back: false,
+            ramp: config.ramp_rpm_s / 60.0 * machine.spindle_counts(),
+            tick: machine.cycles_per_tick(),
+            unseen: None,
             farthest: None,
             round: (ROUND_SHARE * machine.spindle_counts()).max(ROUND_COUNTS) as i64,
             resting: RESTING_RPM / 60.0 * machine.spindle_counts(),
@@ -135,8 +143,10 @@ impl Spindle {
         self.encoder.update(measurement, self.tolerated(lead_mm), pass.is_some());
         if self.encoder.is_blind() {
             (self.blind, self.coasts) = (self.blind + 1, true);
-            return self.coast();
+            let taps = pass.is_some_and(Pass::returns);
+            return if taps { self.brakes(measurement.cycle) } else { self.coast() };
         }
+        self.unseen = None;
         self.count = self.encoder.count(measurement);
         let angle = self.encoder.angle(measurement);
         // Only a spindle that has jammed is believed again: it stands.
@@ -195,9 +205,35 @@ impl Spindle {
 
     /// The slow observer knows the speed best: the ripple of the spindle hardly moves it; the fast one, if it
     /// is being stopped.
-    fn coast(&mut self) {
+    fn last_speed(&self) -> f64 {
         let (steady, fast) = (self.stroking.at(0.0).speed, self.leading.at(0.0).speed);
-        let speed = if (fast - steady).abs() > STEADY * steady.abs() { fast } else { steady };
+        if (fast - steady).abs() > STEADY * steady.abs() { fast } else { steady }
+    }
+
+    /// A tap has no way out beside its helix. So the interpolator, which hears of the fault at its next tick,
+    /// stops the spindle a tick later, and the angle is taken to be that of its ramp (M213).
+    fn brakes(&mut self, cycle: Cycle) {
+        let (found, mut speed) = self.unseen.unwrap_or_else(|| (cycle, self.last_speed()));
+        let heard = (found.0 / self.tick + 1) * self.tick;
+        if cycle.0 > heard + self.tick {
+            let step = self.ramp * self.cycle_s;
+            speed -= speed.clamp(-step, step);
+        }
+        self.unseen = Some((found, speed));
+        self.turn_on(speed);
+    }
+
+    /// Whether a spindle that nobody sees is taken to have come to rest.
+    pub fn has_coasted(&self) -> bool {
+        self.unseen.is_some_and(|(_, speed)| speed == 0.0)
+    }
+
+    fn coast(&mut self) {
+        self.turn_on(self.last_speed());
+    }
+
+    /// A cycle without a count, at this speed, count/s.
+    fn turn_on(&mut self, speed: f64) {
         self.leading.coast(speed);
         self.stroking.coast(speed);
         self.ripple.skip();

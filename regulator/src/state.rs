@@ -11,6 +11,7 @@
 //! | RunIn | C at the end of approach and run-in | Locked |
 //! | Locked | C where braking or retract begins | RunOut |
 //! | RunOut | C where the law ends | Streaming, at rest at the end of the law |
+//! | RunIn … RunOut of a tap | C back at the start, the spindle turned round | Streaming, at rest there |
 //! | WaitingForC0 … RunOut | something makes the axes leave | Leaving |
 //! | Streaming | a fault, a stop, emergency stop, a stream that runs dry | Leaving |
 //! | Leaving | at rest, no fault | Streaming, at rest where it stands |
@@ -23,10 +24,10 @@
 //! then. How an axis leaves is the matter of `leave.rs`.
 //!
 //! Fault is latched. A pass goes forward only; if the spindle turns back, the axis follows its law backwards
-//! in the state it is in.
+//! in the state it is in. A pass that returns (a tap) goes back as well: its state is that of its place.
 
 use motion::{PassLaw, Sample};
-use protocol::{AxisCommand, AxisLaw, AxisState, ControlWord, Cycle, Fault, WayOut};
+use protocol::{AxisCommand, AxisLaw, AxisState, ControlWord, Cycle, Fault, Returning, WayOut};
 
 use crate::leave::{Cause, Leaving, Way};
 use crate::spindle::Index;
@@ -44,6 +45,8 @@ pub struct Pass {
     pub not_before: Cycle,
     /// Count of the index C is counted from; valid from WaitingForC0 on.
     pub index_count: i64,
+    /// Of one that returns: the spindle has turned round.
+    pub turned: bool,
     /// The way out of it.
     pub out: WayOut,
     /// The law as it came.
@@ -118,12 +121,19 @@ pub struct Event<'a> {
     pub angle_deg: f64,
     /// The spindle has not turned too far since the index for the pass in hand to be called off.
     pub may_call_off: bool,
+    /// The spindle turns against the direction of the pass in hand.
+    pub turns_back: bool,
 }
 
 impl Pass {
-    /// Whether this axis lifts the tool off.
+    /// Whether this axis lifts the tool off. None does in a pass that returns.
     pub fn lifts(&self, axis: usize) -> bool {
-        self.out.axis as usize == axis
+        self.out.axis as usize == axis && !self.returns()
+    }
+
+    /// Whether it is a tap.
+    pub fn returns(&self) -> bool {
+        self.out.on(WayOut::RETURNS)
     }
 
     /// Where the law has the axis at an angle since the index, mm.
@@ -261,7 +271,8 @@ fn in_pass(pass: &mut Pass, stage: &mut Stage, event: &Event) -> Option<State> {
         }
         return None;
     }
-    match stage.next(&pass.law, event.angle_deg) {
+    pass.turned |= event.turns_back;
+    match stage.next(pass, event.angle_deg) {
         Some(next) => *stage = next,
         None => return Some(State::Streaming),
     }
@@ -270,7 +281,11 @@ fn in_pass(pass: &mut Pass, stage: &mut Stage, event: &Event) -> Option<State> {
 
 impl Stage {
     /// The stage at an angle; nothing once the law is over.
-    fn next(self, law: &AxisLaw, c: f64) -> Option<Stage> {
+    fn next(self, pass: &Pass, c: f64) -> Option<Stage> {
+        let law = &pass.law;
+        if pass.returns() {
+            return self.returning(law.returning(c, pass.turned), pass.turned);
+        }
         Some(match self {
             Stage::WaitingForC0 if c >= law.begins_deg() => Stage::RunIn,
             Stage::RunIn if c >= law.locked_deg() => Stage::Locked,
@@ -279,13 +294,27 @@ impl Stage {
             unchanged => unchanged,
         })
     }
+
+    /// The same of a pass that returns, by the place that it is at.
+    fn returning(self, place: Returning, turned: bool) -> Option<Stage> {
+        match place {
+            Returning::AtStart if turned && self != Stage::WaitingForC0 => None,
+            Returning::AtStart => Some(self),
+            Returning::RunsIn => Some(Stage::RunIn),
+            Returning::OnHelix => Some(Stage::Locked),
+            Returning::Beyond | Returning::RunsOut => Some(Stage::RunOut),
+        }
+    }
 }
 
 impl Leaving {
     /// Goes on for a cycle on the way; the state behind it, if it is over.
     fn step(&mut self, event: &Event) -> Option<State> {
-        let along = match (self.way, &self.pass) {
-            (Way::Along(stage), Some(pass)) => stage.next(&pass.law, event.angle_deg).map(Way::Along),
+        let along = match (self.way, &mut self.pass) {
+            (Way::Along(stage), Some(pass)) => {
+                pass.turned |= event.turns_back;
+                stage.next(pass, event.angle_deg).map(Way::Along)
+            }
             _ => (!event.rests).then_some(self.way),
         };
         let way = match along {
@@ -316,6 +345,7 @@ fn arm(event: &Event) -> Option<State> {
         direction: *direction,
         not_before: *not_before,
         index_count: 0,
+        turned: false,
         out: *out,
         law: *law,
         motion: law.law(*s_rpm),

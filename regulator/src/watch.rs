@@ -10,6 +10,7 @@
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
 //!          or 2π L/t² > 7/4 A on a stroke L that takes t at n                                      (M2)
 //! reversed C more than 0.36° back from its farthest, n < −5 % of S, in a pass (`spindle.rs`)    (M106)
+//!          of a tap it is what shall be
 //! ```
 
 use machine::{AxisConfig, Machine};
@@ -211,7 +212,7 @@ impl Watch {
         if fails {
             return Some(Cause::Leave(Some(Fault::OtherAxis)));
         }
-        if known.spindle.turns_back(pass) {
+        if known.spindle.turns_back(pass) && !pass.returns() {
             return Some(Cause::Leave(Some(Fault::SpindleReversed)));
         }
         // Nobody is there who would turn it on again, or could find out that its encoder is dead.

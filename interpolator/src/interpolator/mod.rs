@@ -7,6 +7,7 @@ mod answer;
 mod passes;
 mod standing;
 mod supervise;
+mod taps;
 
 use machine::Machine;
 use protocol::{
@@ -22,6 +23,7 @@ use crate::{
     patience::Patience,
     program::{Next, Program},
     spindle::Spindle,
+    tap::Tap,
     task::{Await, Back, Event, Order, Task, Wait},
     travel::{Hands, Travel},
 };
@@ -61,6 +63,8 @@ pub struct Interpolator {
     pub(crate) spindle: Spindle,
     pub(crate) patience: Patience,
     pub(crate) guard: Guard,
+    /// The spindle of a pass that returns.
+    pub(crate) tap: Tap,
     /// What the regulators said last.
     pub(crate) heard: Heard,
     /// The panel of this tick; stop and abort stay pressed, however short the press.
@@ -92,6 +96,7 @@ impl Interpolator {
             spindle: Spindle::new(machine),
             patience: Patience::new(machine.general.interpolator_cycle_s),
             guard: Guard::new(),
+            tap: Tap::new(machine),
             heard: Heard::new(),
             panel: Panel::default(),
             inputs: 0,
@@ -150,6 +155,7 @@ impl Interpolator {
         let order = self.step(&event);
         let order = self.out_of_pass(order, measurement.cycle);
         self.look_after_spindle();
+        self.turn_tap(measurement);
         self.end_outputs();
         self.spindle.at_x(self.travel.here()[Axis::X.index()]);
         if (discriminant(&self.task), self.task.public()) != (task, public) {
@@ -176,7 +182,7 @@ impl Interpolator {
         self.panel.buttons |= ended;
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         let leaves = matches!(self.task, Task::Leaving { .. });
-        self.spindle.update(measurement, self.task.pass().map(|arm| arm.pass.direction), leaves);
+        self.spindle.update(measurement, self.turns_towards(), leaves);
         let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
         self.standing.update(measurement, axes.rest());
         match self.task {
@@ -190,7 +196,9 @@ impl Interpolator {
         // Nobody waits in vain for a spindle that the operator holds at 0, or while a pass is cut slowly.
         let for_spindle = matches!(self.task, Task::Ready { .. } | Task::Armed(_));
         let cutting = matches!(self.task, Task::Cutting(_));
-        self.patience.tick(&self.spindle, !(cutting || for_spindle && self.spindle.held()));
+        let turning = self.taps() && self.tap.goes_on();
+        let counts = !(cutting || turning || for_spindle && self.spindle.held());
+        self.patience.tick(&self.spindle, counts);
         cycle_starts
     }
 
@@ -256,6 +264,7 @@ impl Interpolator {
                     cycle_starts,
                     leave_at: self.leave_at(cycle),
                     in_vain: self.patience.is_over(&self.spindle),
+                    returned: self.tap.has_turned(),
                 };
                 let event = pass::watch(task, &look);
                 if event == Event::Left {

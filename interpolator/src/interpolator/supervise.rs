@@ -106,6 +106,7 @@ impl Interpolator {
             Task::CallingOff { .. } if in_vain => Some(Fault::PassCalledOff),
             Task::Leaving { .. } if in_vain => Some(Fault::AxisNotInPosition),
             Task::Cutting(_) if self.guard.in_vain() => Some(Fault::ForceTooHigh),
+            _ if self.taps() && self.tap.is_stuck() => Some(Fault::SpindleNotAtSpeed),
             _ if self.patience.stalled(spindle) => Some(Fault::SpindleNotAtSpeed),
             _ => None,
         }
@@ -115,7 +116,7 @@ impl Interpolator {
     /// angle but the one that its speed foretells.
     pub(crate) fn stops_spindle(&self) -> bool {
         let Task::Leaving { why: Why::Fault(fault), .. } = self.task else { return false };
-        let by_angle = of_encoder(fault);
+        let by_angle = of_encoder(fault) && !self.taps();
         !by_angle
     }
 
@@ -127,7 +128,7 @@ impl Interpolator {
     pub(crate) fn look_after_spindle(&mut self) {
         let Some(fault) = self.task.fault() else { return };
         let out = matches!(self.task, Task::Fault { .. });
-        if of_encoder(fault) && !out {
+        if of_encoder(fault) && !out && !self.taps() {
             return;
         }
         let doubtful = |fault| matches!(fault, Fault::EncoderStands | Fault::SpindleRunaway);

@@ -54,6 +54,8 @@ pub struct Spindle {
     leads: bool,
     /// A tool leaves a pass: the speed commanded stays what it is.
     kept: bool,
+    /// What a tap asks for instead, 1/min, signed.
+    tap_rpm: Option<f64>,
     override_max_pct: f64,
     at_speed_share: f64,
     ceiling_pct: f64,
@@ -87,6 +89,7 @@ impl Spindle {
             ease: Ease::new(machine.general.interpolator_cycle_s),
             leads: false,
             kept: false,
+            tap_rpm: None,
             override_max_pct: machine.spindle.override_max_pct,
             at_speed_share: machine.spindle.at_speed_pct / 100.0,
             ceiling_pct: f64::INFINITY,
@@ -205,8 +208,18 @@ impl Spindle {
         self.grant();
     }
 
+    /// Turns as a tap asks for, 1/min, signed; `None`: as program and override say.
+    pub(crate) fn tap(&mut self, rpm: Option<f64>) {
+        self.tap_rpm = rpm;
+    }
+
     /// Speed for the drive.
     pub fn commanded(&self) -> f64 {
+        self.tap_rpm.map_or_else(|| self.asked(), |rpm| rpm.clamp(-self.max_rpm, self.max_rpm))
+    }
+
+    /// What program and override ask for.
+    pub(crate) fn asked(&self) -> f64 {
         self.mode.sign() * (self.programmed * self.override_pct() / 100.0).min(self.max_rpm)
     }
 

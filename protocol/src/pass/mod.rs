@@ -88,6 +88,19 @@ impl AxisLaw {
         brake.max(self.retract_c_deg + self.retract_dc_deg).max(self.locked_deg())
     }
 
+    /// Where an axis of a pass that returns is at an angle (degrees), and whether the spindle has turned
+    /// round: it goes out by the way that it came in.
+    pub fn returning(&self, angle_deg: f64, turned: bool) -> Returning {
+        let locked_deg = self.run_in_c0_deg + self.run_in_dc_deg;
+        match angle_deg {
+            c if c < self.run_in_c0_deg => Returning::AtStart,
+            c if c < locked_deg && turned => Returning::RunsOut,
+            c if c < locked_deg => Returning::RunsIn,
+            c if c < self.brake_c_deg => Returning::OnHelix,
+            _ => Returning::Beyond,
+        }
+    }
+
     /// The law as a function of the spindle angle, relative to `start`. S in 1/min.
     ///
     /// # Panics
@@ -160,16 +173,32 @@ impl AxisLaw {
     }
 }
 
+/// Where an axis is in a pass that returns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Returning {
+    /// At rest where the pass starts and ends.
+    AtStart,
+    /// On its way to the lead.
+    RunsIn,
+    /// On the helix, inwards or outwards.
+    OnHelix,
+    /// Farther in than any spindle that obeys gets: the law brakes there.
+    Beyond,
+    /// On its way from the lead to rest, with the spindle turned round.
+    RunsOut,
+}
+
 /// The way out of a pass, the same for every axis: which axis lifts the tool off, and where it is out of the
 /// part. Whoever leaves a thread early needs no more than this and the law of its own axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct WayOut {
-    /// Index of the axis that lifts the tool off ([`Axis::index`]); X of a thread on a cylinder.
+    /// Index of the axis that lifts the tool off ([`Axis::index`]); X of a thread on a cylinder. Of a pass
+    /// that returns the one along the helix: nothing else takes a tap out.
     pub axis: u32,
     /// Sum of [`WayOut::ON_HOLD`], [`WayOut::ON_STOP`], [`WayOut::ON_FAULT`]: what makes the axes leave at
     /// once; for the rest the pass is finished. Emergency stop, loss of power and a drive that fails always
-    /// do.
+    /// do. And [`WayOut::RETURNS`].
     pub leaves: u32,
     /// Where that axis rests when it has left.
     pub clear: Position,
@@ -185,6 +214,9 @@ impl WayOut {
     pub const ON_STOP: u32 = 2;
     /// So do faults that would let the pass be finished.
     pub const ON_FAULT: u32 = 4;
+    /// A tap: the axes follow the spindle in and, once it has turned round, out again on the same helix, to
+    /// where the pass started. Nobody lifts the tool; `axis` is the one along the helix, `clear` its start.
+    pub const RETURNS: u32 = 8;
 
     /// Whether something that the packet may say makes the axes leave.
     pub fn on(&self, what: u32) -> bool {
@@ -204,7 +236,7 @@ impl WayOut {
     /// # Errors
     /// The axis or a bit of `leaves` is unknown, or a place lies beyond every machine.
     pub fn check(&self) -> Result<(), Refused> {
-        let known = WayOut::ON_HOLD | WayOut::ON_STOP | WayOut::ON_FAULT;
+        let known = WayOut::ON_HOLD | WayOut::ON_STOP | WayOut::ON_FAULT | WayOut::RETURNS;
         let near = |place: Position| place.0.unsigned_abs() <= WayOut::FARTHEST;
         match () {
             () if self.axis as usize >= crate::units::AXES => Err(Refused::OutOfRange("axis of the way out")),
@@ -242,7 +274,8 @@ pub struct ThreadPass {
     pub start_angle_deg: f64,
     /// Lead along the thread axis, mm/rev, signed by direction of motion.
     pub lead_mm: f64,
-    /// Angle at which the thread ends: the first run-out of any axis begins.
+    /// Angle at which the thread ends: the first run-out of any axis begins; of a pass that returns, the
+    /// programmed depth, which the spindle turns round at.
     pub thread_end_deg: f64,
     /// Highest actual speed as a multiple of S that every axis can follow (M7, M11).
     pub max_ratio: f64,
@@ -250,6 +283,10 @@ pub struct ThreadPass {
     pub depth_mm: f64,
     /// How the tool leaves before the end.
     pub out: WayOut,
+    /// Of a pass that returns: speed of the way out as a multiple of S, 0.1 to 10; else 0.
+    pub return_ratio: f64,
+    /// Of a pass that returns: how long the spindle stands at the depth, s, 0 to 1000.
+    pub dwell_s: f64,
     /// The law of each axis; axes that do not exist stay zero.
     pub axes: PerAxis<AxisLaw>,
 }
@@ -265,7 +302,13 @@ impl ThreadPass {
         if self.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X }
     }
 
-    /// Angle from which every axis is at rest again, degrees.
+    /// Whether it is a tap: in and out again on one helix, through the reversal of the spindle.
+    pub fn returns(&self) -> bool {
+        self.out.on(WayOut::RETURNS)
+    }
+
+    /// Angle from which every axis is at rest again, degrees; of a pass that returns, where its law would be
+    /// over if the spindle did not turn round.
     pub fn done_deg(&self) -> f64 {
         self.axes.iter().map(AxisLaw::done_deg).fold(0.0, f64::max)
     }
@@ -296,6 +339,33 @@ impl ThreadPass {
             return Err(Refused::OutOfRange("highest ratio"));
         }
         self.out.check()?;
-        self.axes.iter().try_for_each(AxisLaw::check)
+        self.axes.iter().try_for_each(AxisLaw::check)?;
+        self.check_return()
+    }
+
+    /// Refuses a pass that returns where its windows, its turn or its way out are none of one helix.
+    fn check_return(&self) -> Result<(), Refused> {
+        let (ratio, dwell) = (finite(self.return_ratio, "return")?, finite(self.dwell_s, "dwell")?);
+        if !self.returns() {
+            return if (ratio, dwell) == (0.0, 0.0) { Ok(()) } else { Err(Refused::OutOfRange("return")) };
+        }
+        let along = self.axes.iter().position(|law| law.lead_mm != 0.0).unwrap_or(crate::units::AXES);
+        let Some(lead) = self.axes.get(along) else { return Err(Refused::OutOfRange("lead")) };
+        let windows = |law: &AxisLaw| [law.run_in_c0_deg, law.run_in_dc_deg, law.brake_c_deg];
+        let alone = self.axes.iter().enumerate().all(|(axis, law)| {
+            let follows = axis == along || law.lead_mm == 0.0 && law.start == law.end;
+            let apart = *law != AxisLaw::default() && windows(law) != windows(lead);
+            follows && !apart && law.stroke_mm == 0.0 && law.retract_mm == 0.0
+        });
+        let on_helix = lead.run_in_c0_deg + lead.run_in_dc_deg..=lead.brake_c_deg;
+        match () {
+            () if !(0.1..=10.0).contains(&ratio) => Err(Refused::OutOfRange("speed of the way out")),
+            () if !(0.0..=1000.0).contains(&dwell) => Err(Refused::OutOfRange("dwell")),
+            () if !on_helix.contains(&self.thread_end_deg) => Err(Refused::OutOfRange("turn of the spindle")),
+            () if !alone || self.out.axis as usize != along || lead.start != lead.end => {
+                Err(Refused::OutOfRange("way back"))
+            }
+            () => Ok(()),
+        }
     }
 }

@@ -30,6 +30,8 @@ pub(super) struct Stored {
     /// Axis, what leaves; where it is clear, seen from the end of its law, and how much before that it is
     /// free.
     out: (u8, u8, i64, i64),
+    /// Of a pass that returns: speed of the way out, dwell.
+    back: Option<[Short; 2]>,
     helix: Option<Helix>,
     laws: Laws,
 }
@@ -295,6 +297,9 @@ impl From<ThreadPass> for Stored {
             max_ratio: pass.max_ratio,
             depth_mm: pass.depth_mm,
             out: out_of(&pass.out, &pass.axes),
+            back: (pass.return_ratio.to_bits(), pass.dwell_s.to_bits())
+                .ne(&(0, 0))
+                .then_some([Short(pass.return_ratio), Short(pass.dwell_s)]),
             helix: common,
             laws: Laws(pass.axes.map(|law| Law::new(&law, common))),
         }
@@ -306,6 +311,7 @@ impl From<Stored> for ThreadPass {
         let Laws(laws) = stored.laws;
         let axis_law = |law: Law| law.axis_law(stored.helix);
         let axes = laws.map(|law| law.map_or_else(AxisLaw::default, axis_law));
+        let [Short(return_ratio), Short(dwell_s)] = stored.back.unwrap_or([Short(0.0); 2]);
         ThreadPass {
             pass: stored.pass,
             start: stored.start,
@@ -319,6 +325,8 @@ impl From<Stored> for ThreadPass {
             max_ratio: stored.max_ratio,
             depth_mm: stored.depth_mm,
             out: way_out(stored.out, &axes),
+            return_ratio,
+            dwell_s,
             axes,
         }
     }

@@ -58,6 +58,8 @@ fn busy_pass() -> ThreadPass {
         thread_end_deg: LONG,
         max_ratio: LONG,
         depth_mm: LONG,
+        return_ratio: LONG,
+        dwell_s: LONG,
         axes: std::array::from_fn(busy_law),
     }
 }
@@ -185,7 +187,7 @@ fn pass() -> impl Strategy<Value = ThreadPass> {
     (any::<[u32; 2]>(), prop::array::uniform7(number()), out, laws).prop_map(
         |(
             [pass, start],
-            [s_rpm, direction, start_angle_deg, lead_mm, end, max_ratio, depth_mm],
+            [s_rpm, direction, start_angle_deg, lead_mm, end, max_ratio, depth_mm, dwell_s],
             out,
             laws,
         )| {
@@ -201,6 +203,8 @@ fn pass() -> impl Strategy<Value = ThreadPass> {
                 thread_end_deg,
                 max_ratio,
                 depth_mm,
+                return_ratio: dwell_s / 2.0,
+                dwell_s,
                 axes,
             }
         },
