@@ -27,6 +27,7 @@
 //! | `reach` | a machine | what it does not have, by name |
 //! | `stock`, `block` | moves, the part of a lathe, of a mill | what is left of it, and warnings |
 //! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
+//! | `tapping` | a tap | the pass that it is, proved feasible |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
 //! | [`formula`] | the text of a formula | a formula of machine code |
 //! | `check` | a program | every diagnostic, every pass, the time it takes |
@@ -49,6 +50,7 @@ mod points;
 mod reach;
 mod spindle;
 mod stock;
+mod tapping;
 pub mod thread;
 mod threading;
 mod time;
@@ -72,6 +74,7 @@ pub use options::{
     part_beside, reference_points,
 };
 pub use output::MessageNote;
+pub use tapping::TapNote;
 pub use threading::PassNote;
 use translate::Translator;
 

@@ -33,7 +33,7 @@ pub(crate) fn missing(what: &str, help: &str) -> Box<Problem> {
     Problem::error("not-available", Blame::Block, message, help)
 }
 
-/// Refuses what no machine has yet: orientation, probes, rigid taps.
+/// Refuses what no machine has yet: orientation, probes.
 pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
     match *call {
         Call::OrientSpindle(..) | Call::WaitSpindleOrient(_) => {
@@ -54,7 +54,6 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
         }
         Call::MoveByHand => Err(missing("moving the tool out by hand (G88)", "bore with G85, G86 or G89")),
         Call::StraightProbe(..) => Err(missing("probing (G38)", "measure by other means")),
-        Call::RigidTap(..) => Err(missing("rigid tapping (G33.1)", "cut the thread with G33 or G76")),
         _ => Ok(()),
     }
 }

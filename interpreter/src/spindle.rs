@@ -171,6 +171,18 @@ pub(crate) struct Turning<'a> {
 }
 
 impl Turning<'_> {
+    /// Speed and direction of a tap: of a spindle with one speed.
+    pub(crate) fn taps(self, machine: &Machine) -> Result<(f64, f64), Box<Problem>> {
+        needs_spindle(machine, "a tap", Blame::Block)?;
+        self.spindle.turning().ok_or_else(|| {
+            let (message, help) = match self.spindle.is_surface() {
+                true => ("a tap has no surface speed (G96)", "select G97 and S in 1/min before it"),
+                false => ("a tap needs a turning spindle", "start it before, as in S400 M3"),
+            };
+            Problem::error("spindle-not-turning", Blame::Block, message, help)
+        })
+    }
+
     /// Speed and direction through a thread on a lathe; under G96 those at X of the machine: the crest of a
     /// cycle, or where a single pass begins.
     pub(crate) fn at(self, x_mm: f64, machine: &Machine) -> Result<(f64, f64), Box<Problem>> {

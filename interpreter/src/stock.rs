@@ -112,7 +112,7 @@ impl Stock {
         let looks =
             (0..LOOKS).map(|look| at(begins + (locked - begins) * f64::from(look) / f64::from(LOOKS)));
         let inside = looks.into_iter().find(|point| self.is_inside(*point));
-        let end = at(pass.done_deg());
+        let end = at(if pass.returns() { pass.thread_end_deg } else { pass.done_deg() });
         let retracts = pass.axes.iter().any(|law| law.retract_mm != 0.0);
         let warning = match inside {
             None if retracts && self.is_inside(end) => Some(warning(

@@ -14,6 +14,7 @@ use crate::modal::Synchronised;
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
+use crate::tapping::{self, TapNote};
 use crate::thread::{Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
@@ -58,6 +59,8 @@ pub struct PassNote {
     pub packet_bytes: usize,
     /// X and Z of the machine at which X 0 and Z 0 of the program lie in it, tool and offsets included, mm.
     pub origin_mm: [f64; 2],
+    /// Of a tap: where it brakes and how it comes out.
+    pub tap: Option<TapNote>,
 }
 
 /// A G33 that waits for its retract.
@@ -218,11 +221,45 @@ impl Threads {
             full_depth_mm: planned.full_depth_mm,
             delta_mm: planned.delta_mm,
             max_override_pct: 100.0 * pass.max_ratio,
-            packet_bytes: CodePacket::pack(0, &Item { line, code: Code::Pass(pass) }).as_bytes().len(),
+            packet_bytes: bytes_of(line, pass),
             origin_mm: [0.0; 2],
+            tap: None,
         });
         pass
     }
+
+    /// What makes the axes leave a pass, if the machine file says `otherwise` of what the program does not.
+    pub(crate) fn leaves(&self, otherwise: u32) -> u32 {
+        self.policy.leaves(otherwise)
+    }
+
+    /// Gives a tap its number and a note; `across_mm` is X.
+    pub(crate) fn tap(&mut self, place: Place, planned: tapping::Planned, across_mm: f64) -> ThreadPass {
+        self.passes += 1;
+        let pass = ThreadPass { pass: self.passes, ..planned.pass };
+        let law = pass.axis(Axis::Z);
+        let depth_deg = pass.thread_end_deg - law.run_in_c0_deg - 0.5 * law.run_in_dc_deg;
+        self.notes.push(PassNote {
+            pass: pass.pass,
+            line: place.line,
+            along: Axis::Z,
+            depth_mm: None,
+            across_mm,
+            start_mm: law.start.mm(),
+            full_depth_mm: [planned.on_helix_mm, law.start.mm() + law.lead_mm * depth_deg / 360.0],
+            delta_mm: [planned.run_in_mm; 2],
+            max_override_pct: 100.0 * pass.max_ratio,
+            packet_bytes: bytes_of(place.line, pass),
+            origin_mm: [0.0; 2],
+            tap: Some(planned.note),
+        });
+        pass
+    }
+}
+
+/// What a pass takes on its way to the interpolator, bytes.
+fn bytes_of(line: u32, pass: ThreadPass) -> usize {
+    CodePacket::pack(0, &Item { line, code: Code::Pass(pass) }).as_bytes().len()
 }
 
 /// A thread that is at full depth over less than half of its length: run-in and run-out take the rest.
@@ -380,7 +417,7 @@ pub(crate) fn in_plane_of(point: &gcode::Pose, Point { x, z }: Point) -> gcode::
     moved
 }
 
-fn check_lead(mm: f64, letter: char, units: Units) -> Done {
+pub(crate) fn check_lead(mm: f64, letter: char, units: Units) -> Done {
     let [low, high] = LEADS;
     if (low..=high).contains(&mm) {
         return Ok(());

@@ -135,7 +135,14 @@ impl<'m> Clock<'m> {
                     None => armed + 0.5 * turn,
                 };
                 self.index = Some(index);
-                self.pass_time(index - self.seconds + pass.done_deg() / (6.0 * pass.s_rpm));
+                self.pass_time(index - self.seconds);
+                if pass.returns() {
+                    self.seconds += self.machine.tap_s(pass);
+                    (self.rpm, self.even) = (-self.wanted() * pass.return_ratio, 0.0);
+                    self.index = None;
+                } else {
+                    self.pass_time(pass.done_deg() / (6.0 * pass.s_rpm));
+                }
             }
             Code::Formula { slot, formula } => self.route.set_formula(*slot, *formula),
             Code::Work(trace) => {

@@ -9,6 +9,7 @@ mod insert;
 mod jobs;
 mod part;
 mod splines;
+mod taps;
 
 use std::collections::BTreeMap;
 
@@ -230,6 +231,7 @@ impl Translator {
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::NurbsFeed(curve) => self.spline(place, curve)?,
+            Call::RigidTap(to, faster) => self.rigid_tap(place, &to, faster)?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,

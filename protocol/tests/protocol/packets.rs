@@ -184,7 +184,7 @@ fn law() -> impl Strategy<Value = AxisLaw> {
 fn pass() -> impl Strategy<Value = ThreadPass> {
     let laws = prop::collection::vec(prop_oneof![Just(AxisLaw::default()), law()].boxed(), 8);
     let out = (0u32..8, 0u32..8, position(), position());
-    (any::<[u32; 2]>(), prop::array::uniform7(number()), out, laws).prop_map(
+    (any::<[u32; 2]>(), prop::array::uniform8(number()), out, laws).prop_map(
         |(
             [pass, start],
             [s_rpm, direction, start_angle_deg, lead_mm, end, max_ratio, depth_mm, dwell_s],

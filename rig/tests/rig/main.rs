@@ -25,6 +25,7 @@ mod rotary;
 mod stand;
 mod standstill;
 mod supervisor;
+mod tapping;
 mod traces;
 mod trial;
 mod turned;

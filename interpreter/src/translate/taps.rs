@@ -1,0 +1,69 @@
+//! Rigid taps. In: calls of them, what is in force. Out: passes that return, and notes of them.
+
+use gcode::canon::Z;
+use gcode::problem::Blame;
+use gcode::{Place, Pose, Problem};
+use protocol::{Axis, WayOut};
+
+use super::Translator;
+use crate::reach::Done;
+use crate::spindle::Turning;
+use crate::tapping::{self, Tap};
+use crate::threading::check_lead;
+
+/// Coordinates that are one, mm or degrees: the quantum of the wire.
+const SAME: f64 = 1e-9;
+
+impl Translator {
+    /// G33.1: in along Z to the target, and back to where the tool stands, so many times as fast. The spindle
+    /// turns as before then.
+    pub(super) fn rigid_tap(&mut self, place: Place, to: &Pose, faster: f64) -> Done {
+        let Some(synchronised) = self.modal.synchronised else {
+            let help = "G33.1 gives it with K";
+            return Err(Problem::error("bad-value", Blame::Block, "the tap has no lead", help));
+        };
+        let (from, to) = (*self.points.programmed(), self.modal.frame.machine(to));
+        let moved = |coordinate: &usize| (to[*coordinate] - from[*coordinate]).abs() > SAME;
+        if let Some(letter) = (0..to.len()).filter(|coordinate| *coordinate != Z).find(moved) {
+            let word = ['X', 'Y', 'Z', 'A', 'B', 'C'].get(letter).copied().unwrap_or('X');
+            let message = format!("{word} of a tap: it goes in along Z, where the tool stands");
+            let help = format!("move {word} in a block before");
+            return Err(Problem::error("unused-word", Blame::Word(word), message, help));
+        }
+        if (to[Z] - from[Z]).abs() < SAME {
+            let help = "give Z of its depth";
+            return Err(Problem::error("bad-value", Blame::Block, "the tap has no depth", help));
+        }
+        self.points.target(to, &self.machine)?;
+        self.points.at_programmed_point()?;
+        let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
+        let (s_rpm, direction) = turning.taps(&self.machine)?;
+        let ratio = tapping::return_ratio(faster, 'I')?;
+        let tap = Tap {
+            s_rpm,
+            direction,
+            units: self.modal.frame.units,
+            from_mm: from[Z],
+            to_mm: to[Z],
+            lead_mm: synchronised.lead_mm,
+            return_ratio: ratio,
+            dwell_s: 0.0,
+            leaves: 0,
+        };
+        self.tap(place, tap)
+    }
+
+    /// One tap from where the tool rests, which it comes back to.
+    fn tap(&mut self, place: Place, tap: Tap) -> Done {
+        check_lead(tap.lead_mm, 'K', tap.units)?;
+        self.warn_of_encoder(place, tap.lead_mm);
+        let rest = self.points.axes_at_rest();
+        let leaves = self.threads.leaves(self.machine.threading.leaves()) & !WayOut::RETURNS;
+        let planned = tapping::plan(&Tap { leaves, ..tap }, &rest, &self.machine)?;
+        let pass = self.threads.tap(place, planned, rest[Axis::X.index()].mm());
+        self.pass(place, pass, self.origin());
+        let back = *self.points.rest();
+        self.points.program_goes_to(back);
+        Ok(())
+    }
+}
