@@ -10,7 +10,7 @@ use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
-use crate::threading::PassNote;
+use crate::pass_note::PassNote;
 use crate::time::{Clock, LONGEST_S};
 use crate::{Interpreter, JobNote, MessageNote, options};
 

@@ -45,6 +45,7 @@ mod merge;
 mod modal;
 mod options;
 mod output;
+mod pass_note;
 mod path_mode;
 mod points;
 mod reach;
@@ -74,8 +75,8 @@ pub use options::{
     part_beside, reference_points,
 };
 pub use output::MessageNote;
+pub use pass_note::PassNote;
 pub use tapping::TapNote;
-pub use threading::PassNote;
 use translate::Translator;
 
 /// Reads a part program and yields machine code, one item at a time.

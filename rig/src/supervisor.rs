@@ -7,7 +7,7 @@
 //! | dead | then |
 //! |---|---|
 //! | interpreter | what was sent is executed; the interpolator faults if that was not the whole program |
-//! | interpolator | a pass in hand is cut to its end by the regulators; then emergency stop |
+//! | interpolator | a pass in hand is cut to its end by the regulators; then emergency stop; in a tap at once, dead or silent for four ticks: nobody else turns the spindle round |
 //! | interpolator, dead or silent for four ticks, and an axis is in fault | emergency stop at once: nobody else stops the spindle |
 //! | nobody, but for a second the plant does not hear that the run is over, or the emergency stop that a spindle needs that does not stop | emergency stop at the panel |
 //! | regulator | emergency stop at once: its drive brakes by its own watchdog, the other axes leave the thread |
@@ -18,7 +18,7 @@
 //! speed the wait begins anew. A wait that is longer than three times the ramp of the spindle and the slowest
 //! stop of an axis ends with [`End::NoRest`].
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use machine::{AxisConfig, Machine, SpindleConfig};
 use protocol::{
@@ -115,6 +115,8 @@ pub struct Supervisor {
     phase: Phase,
     /// Angle at which each pass is over, degrees since its index.
     passes: BTreeMap<u32, f64>,
+    /// The taps among them: nobody but the interpolator takes them out.
+    taps: BTreeSet<u32>,
     longest_wait: u64,
     /// An interpolator that has said nothing for so many control cycles is silent.
     silent: u64,
@@ -135,6 +137,10 @@ impl Supervisor {
             Code::Pass(pass) => Some((pass.pass, over_deg(pass))),
             _ => None,
         };
+        let tap = |item: &Item| match &item.code {
+            Code::Pass(pass) if pass.returns() => Some(pass.pass),
+            _ => None,
+        };
         let stops = machine.axes().map(|(_, axis)| slowest_stop_s(axis));
         let ramp_s = machine.spindle.max_rpm / machine.spindle.ramp_rpm_s;
         let wait_s = RAMPS * (ramp_s + stops.fold(0.0, f64::max)) + SETTLING_S;
@@ -143,6 +149,7 @@ impl Supervisor {
             dead: Vec::new(),
             phase: Phase::Watching,
             passes: items.iter().filter_map(pass).collect(),
+            taps: items.iter().filter_map(tap).collect(),
             longest_wait: (wait_s / machine.general.cycle_s).ceil() as u64,
             silent: SILENT_TICKS * machine.cycles_per_tick(),
             unheard: 0,
@@ -187,7 +194,9 @@ impl Supervisor {
         self.spindle_deg = record.truth.spindle_deg;
         self.unheard = if is_unheard(record) { self.unheard + 1 } else { 0 };
         match self.phase {
-            Phase::Watching if self.is_silent(record) && faults(record) => return self.emergency_stop(),
+            Phase::Watching if self.is_silent(record) && (faults(record) || self.is_tapping(record)) => {
+                return self.emergency_stop();
+            }
             Phase::Watching if self.unheard > self.deaf => return self.emergency_stop(),
             Phase::Watching | Phase::Over(_) => {}
             Phase::Finishing { from, .. } if record.truth.cycle.0 < from => {}
@@ -221,12 +230,17 @@ impl Supervisor {
         record.truth.cycle.0 > record.machine.cycle.0 + self.silent
     }
 
+    /// Whether an axis is in a tap.
+    fn is_tapping(&self, record: &Record) -> bool {
+        record.axes.iter().any(|(_, status)| status.state().is_in_pass() && self.taps.contains(&status.pass))
+    }
+
     /// Regulators cut a pass to its end without anybody above: what the spindle may still turn for it, and
     /// for how many cycles it has stood. `None` when that is over, or cannot be.
     fn finish(&self, record: &Record, turned: f64, left_deg: Option<f64>, stood: u64) -> Option<(f64, u64)> {
         let living = |axis: &Axis| !self.dead.contains(&Module::Regulator(*axis));
         let mut axes = record.axes.iter().filter(|(axis, _)| living(axis));
-        if faults(record) {
+        if faults(record) || self.is_tapping(record) {
             return None;
         }
         let (_, cutting) = axes.find(|(_, status)| status.state().is_in_pass())?;

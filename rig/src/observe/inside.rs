@@ -5,7 +5,7 @@
 //! stands at a machine has no more.
 
 use machine::Machine;
-use protocol::{Cycle, Measurement, PerAxis, Position, ThreadPass, units::AXES};
+use protocol::{Axis, Cycle, Measurement, PerAxis, Position, ThreadPass, units::AXES};
 
 use super::{FaultReport, Outcome};
 
@@ -58,6 +58,17 @@ impl Inside {
         let linear = machine.axes().filter(|(axis, _)| !axis.is_rotary());
         let places: Vec<String> =
             linear.map(|(axis, _)| format!("{axis} {:.3}", self.at[axis.index()].mm())).collect();
+        if pass.returns() {
+            let text = format!(
+                "the tap stands in the hole of pass {}, at {} (mm of the machine, X as a radius); do not start the \
+                 spindle, and move no axis: open the tap holder and turn the tap out by hand, or turn the spindle \
+                 backwards by hand a turn for every {:.3} mm that {lifts} goes out, then start again",
+                pass.pass,
+                places.join(" "),
+                pass.lead_mm.abs(),
+            );
+            return Some(self.told(lifts, text));
+        }
         let text = format!(
             "the tool stands in the thread of pass {}, at {} (mm of the machine, X as a radius); do not start the \
              spindle, and move no other axis: move {lifts} by hand to {:.3}, out of the groove, then start again",
@@ -65,7 +76,11 @@ impl Inside {
             places.join(" "),
             pass.out.clear.mm(),
         );
+        Some(self.told(lifts, text))
+    }
+
+    fn told(&self, lifts: Axis, text: String) -> FaultReport {
         let (source, code) = (format!("axis-{}", lifts.name()), TOOL_IN_THREAD.into());
-        Some(FaultReport { cycle: self.cycle.0, source, code, text })
+        FaultReport { cycle: self.cycle.0, source, code, text }
     }
 }

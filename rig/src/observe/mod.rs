@@ -29,6 +29,7 @@ mod span;
 mod summary;
 mod summary_file;
 mod swing;
+mod tap;
 #[cfg(test)]
 pub(crate) mod tests;
 mod threads;
@@ -61,6 +62,7 @@ pub use messages::{Message, MessageReport};
 pub use observation::Observation;
 pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
+pub use tap::TapReport;
 pub use summary_file::{ProgramWarning, SummaryError};
 pub use threads::ThreadReport;
 pub use tool::ToolReport;

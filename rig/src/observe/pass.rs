@@ -23,6 +23,7 @@ use super::helix::{Helix, LineFit};
 use super::planned::Planned;
 use super::span::Span;
 use super::summary::{PassEnd, PassReport, ServoError};
+use super::tap::Tapped;
 use super::tool::{Finish, Tool};
 use super::used::{LimitsUsed, Used, limits_of};
 
@@ -152,6 +153,7 @@ pub(super) struct PassObserver {
     motor: LineFit,
     slide: LineFit,
     tool: Tool,
+    tap: Option<Tapped>,
     cutting: Option<CuttingReport>,
     rpm: Span,
     override_pct: Span,
@@ -196,6 +198,7 @@ impl PassObserver {
             motor: LineFit::default(),
             slide: LineFit::default(),
             tool: Tool::new(machine, planned, along),
+            tap: Tapped::of(pass),
             cutting: None,
             rpm: Span::default(),
             override_pct: Span::default(),
@@ -247,7 +250,9 @@ impl PassObserver {
         }
         if self.track(self.along).is_some_and(|track| track.index_deg.is_some()) {
             let led = !self.axes.iter().any(|track| track.left || track.state == AxisState::Fault);
-            self.tool.cycle(self.angle_deg(self.along, truth.spindle_deg), truth, led);
+            let c_deg = self.angle_deg(self.along, truth.spindle_deg);
+            self.tool.cycle(c_deg, truth, led);
+            self.tap.iter_mut().for_each(|tap| tap.cycle(c_deg, truth));
         }
         waiting
     }
@@ -316,6 +321,7 @@ impl PassObserver {
             slide_helix_max_abs_um: self.slide.max_abs(),
             slide_phase_um: self.slide.mean(),
             tool: self.tool.report(),
+            tap: self.tap.as_ref().map(Tapped::report),
             cutting: self.cutting,
             direction,
             index_deg,
@@ -335,7 +341,8 @@ impl PassObserver {
 
     /// How the pass ended.
     fn end(&self) -> PassEnd {
-        if self.axes.iter().all(|track| track.done) {
+        let at_depth = self.tap.as_ref().is_none_or(Tapped::was_at_depth);
+        if at_depth && self.axes.iter().all(|track| track.done) {
             return PassEnd::Complete;
         }
         let rests = |track: &AxisTrack| track.done || track.left && track.state != AxisState::Leaving;

@@ -16,6 +16,11 @@ impl Span {
         self.0.unwrap_or_default()
     }
 
+    /// The same; nothing if nothing was seen.
+    pub(super) fn seen(self) -> Option<(f64, f64)> {
+        self.0
+    }
+
     /// How far they are apart.
     pub(super) fn width(self) -> f64 {
         let (low, high) = self.ends();

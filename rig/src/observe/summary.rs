@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     AnalogReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning,
-    SignalReport, StockReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
+    SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -170,6 +170,9 @@ pub struct PassReport {
     /// What the tool did in the material: what the part is judged by.
     #[serde(default)]
     pub tool: ToolReport,
+    /// What a tap did; absent of other passes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tap: Option<TapReport>,
     /// What cutting took; absent if nothing was cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cutting: Option<CuttingReport>,

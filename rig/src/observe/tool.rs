@@ -15,7 +15,7 @@
 //! | e, ē | µm | error along the thread, its mean over the angle |
 //!
 //! ```text
-//! (M120) contact: d > 0 and z_b ≤ z ≤ z_f, or within the part if it is known
+//! (M120) contact: d > 0 and z_b ≤ z ≤ z_f, or within the part if it is known; of a tap until it is free
 //! (M121) e = a − h(C)  as long as that law asks for the helix;   phase = ē,   helix = max |e − ē|
 //! (M122) behind that: |e − ē| − max(0, s (b − x_full(a))) tan α, if positive: what is taken from the flank
 //! (M123) s (b − x(C)): positive where the groove is too shallow
@@ -26,7 +26,7 @@
 
 use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, Groove, Truth};
+use protocol::{Axis, Groove, Position, Truth, WayOut};
 use serde::{Deserialize, Serialize};
 
 use super::helix::Helix;
@@ -79,6 +79,8 @@ pub(super) struct Tool {
     full: [f64; 2],
     slope: f64,
     groove: Groove,
+    /// How a tap comes out; it is in the material until it is free.
+    taps: Option<WayOut>,
     /// Depth of a groove that the pass does not tell, mm.
     deepest_mm: f64,
     outwards: f64,
@@ -145,6 +147,7 @@ impl Tool {
             full: [lead.start.mm() + lead.stroke_mm, bottom_mm],
             slope,
             groove,
+            taps: pass.returns().then_some(pass.out),
             deepest_mm: (outwards * (pass.out.free.mm() - bottom_mm) - grows_mm) / (1.0 + WAY_OUT_MARGIN),
             outwards,
             clear_mm: pass.out.clear.mm(),
@@ -198,6 +201,9 @@ impl Tool {
 
     /// Whether the point of the tool is in the material (M120).
     fn is_in_material(&self, a: f64, b: f64) -> bool {
+        if let Some(out) = &self.taps {
+            return !out.is_free(Position::from_mm(a));
+        }
         let (x, z) = if self.along == Axis::Z { (b, a) } else { (a, b) };
         let deep = match self.groove.into {
             0.0 => self.way_out_mm(a, b) < self.deepest_mm,
