@@ -13,6 +13,7 @@
 //! r = C_t − b δ²/2 − C                             what is left until the tool shall rest
 //! w = √(2 b r), 0 from r = 0 on                    inwards                                        (M212)
 //! |dw/dt| ≤ 6/5 b                                  inwards, through rest, and outwards
+//! ∫ |w| − 10 |ΔC_counted| ≤ 15°, never below 0        else it is stopped                        (M213)
 //! ```
 //! So the spindle is braked by where it *is*: one that is braked late or lags is braked harder, as long as its
 //! ramp has more to give, and comes to rest in front of the depth, not behind it. While it turns round it is
@@ -28,9 +29,12 @@ use protocol::{Cycle, ThreadPass};
 const BEHIND_TICKS: f64 = 4.0;
 /// How much faster than planned the speed may change.
 const FASTER: f64 = 1.2;
-/// A spindle that is told to turn and is slower than this, deg/s, for so long, s, does not turn.
+/// A spindle that is slower than this does not turn outwards yet, deg/s.
 const STANDS_DEG_S: f64 = 6.0;
-const STUCK_S: f64 = 0.5;
+/// A spindle that was told to turn so far, degrees, and whose count says less than a tenth of it, does not turn,
+/// or its encoder is dead: at the turn nobody else can tell (M213).
+const STUCK_DEG: f64 = 15.0;
+const STUCK_SHARE: f64 = 0.1;
 
 /// How far the spindle is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +60,8 @@ pub(crate) struct Turning {
     pub(crate) of: Cycle,
     /// The tick.
     pub(crate) tick: Cycle,
+    /// Its count.
+    pub(crate) count: i64,
     /// What program and override ask for, 1/min, positive.
     pub(crate) asked_rpm: f64,
     /// The axes leave the pass.
@@ -70,7 +76,10 @@ pub(crate) struct Tap {
     phase: Phase,
     /// Commanded speed, inwards, deg/s.
     command: f64,
-    stuck_s: f64,
+    /// What it was told to turn beyond ten times what it did, degrees; the last count, and a count, degrees.
+    missing_deg: f64,
+    count: Option<i64>,
+    count_deg: f64,
     brake: f64,
     tick_s: f64,
     cycle_s: f64,
@@ -81,7 +90,9 @@ impl Tap {
         Tap {
             phase: Phase::In,
             command: 0.0,
-            stuck_s: 0.0,
+            missing_deg: 0.0,
+            count: None,
+            count_deg: 360.0 / machine.spindle_counts(),
             brake: 6.0 * machine.tap_ramp_rpm_s(),
             tick_s: machine.general.interpolator_cycle_s,
             cycle_s: machine.general.cycle_s,
@@ -90,7 +101,7 @@ impl Tap {
 
     /// A pass that returns was armed, or none is in hand.
     pub(crate) fn reset(&mut self) {
-        (self.phase, self.command, self.stuck_s) = (Phase::In, 0.0, 0.0);
+        (self.phase, self.command, self.missing_deg, self.count) = (Phase::In, 0.0, 0.0, None);
     }
 
     /// Whether the tool was at the programmed depth and is on its way out, or out.
@@ -101,12 +112,12 @@ impl Tap {
     /// Whether the spindle is told to turn, and does: nobody waits in vain meanwhile.
     pub(crate) fn goes_on(&self) -> bool {
         matches!(self.phase, Phase::Brakes { .. } | Phase::Rests { .. } | Phase::Out { .. })
-            && self.stuck_s < STUCK_S
+            && !self.is_stuck()
     }
 
-    /// Whether the spindle was told to turn outwards and does not.
+    /// Whether the spindle was told to turn and does not, as far as its encoder shows.
     pub(crate) fn is_stuck(&self) -> bool {
-        self.stuck_s >= STUCK_S
+        self.missing_deg > STUCK_DEG
     }
 
     /// The direction in which the spindle should turn by now, inwards positive; none while it turns round.
@@ -124,7 +135,7 @@ impl Tap {
         let begins_deg = pass.axis(pass.along()).run_in_c0_deg;
         match self.phase {
             Phase::Stopped => {}
-            _ if turning.leaves && !turning.reversible => self.phase = Phase::Stopped,
+            _ if turning.leaves && !turning.reversible || self.is_stuck() => self.phase = Phase::Stopped,
             Phase::In if turning.leaves && turning.angle_deg >= begins_deg => {
                 (self.phase, self.command) = (Phase::Brakes { leaves: true }, 6.0 * turning.asked_rpm);
             }
@@ -137,6 +148,7 @@ impl Tap {
             _ => {}
         }
         self.turn(pass, turning);
+        self.compare(turning.count);
         (self.phase != Phase::In).then_some(self.command / 6.0)
     }
 
@@ -161,8 +173,17 @@ impl Tap {
             Phase::Out { .. } => self.command = out.max(self.command - self.brake * self.tick_s),
             Phase::Stopped => self.command = 0.0,
         }
-        let stands = matches!(self.phase, Phase::Out { .. }) && turning.speed.abs() < STANDS_DEG_S;
-        self.stuck_s = if stands { self.stuck_s + self.tick_s } else { 0.0 };
+    }
+
+    /// (M213)
+    fn compare(&mut self, count: i64) {
+        let before = self.count.replace(count).unwrap_or(count);
+        if !matches!(self.phase, Phase::Brakes { .. } | Phase::Out { .. }) || self.is_stuck() {
+            return;
+        }
+        let turned = count.saturating_sub(before).unsigned_abs() as f64 * self.count_deg;
+        let told = self.command.abs() * self.tick_s;
+        self.missing_deg = (self.missing_deg + told - turned / STUCK_SHARE).max(0.0);
     }
 
     /// (M212)

@@ -211,7 +211,7 @@ impl Spindle {
     }
 
     /// A tap has no way out beside its helix. So the interpolator, which hears of the fault at its next tick,
-    /// stops the spindle a tick later, and the angle is taken to be that of its ramp (M213).
+    /// stops the spindle a tick later, and the angle is taken to be that of its ramp (M224).
     fn brakes(&mut self, cycle: Cycle) {
         let (found, mut speed) = self.unseen.unwrap_or_else(|| (cycle, self.last_speed()));
         let heard = (found.0 / self.tick + 1) * self.tick;

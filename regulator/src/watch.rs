@@ -8,6 +8,7 @@
 //! ```text
 //! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
 //! runaway  n > 1.15 m S + 2 % of the highest speed, in a pass; m the highest override           (M103)
+//!          of a tap, whose way out may be faster, n > 1.15 times the highest speed
 //!          or 2π L/t² > 7/4 A on a stroke L that takes t at n                                      (M2)
 //! reversed C more than 0.36° back from its farthest, n < −5 % of S, in a pass (`spindle.rs`)    (M106)
 //!          of a tap it is what shall be
@@ -57,6 +58,8 @@ pub(crate) struct Watch {
     tick: u64,
     /// What of its programmed speed a spindle may reach, a share, and 1/min besides.
     fastest: (f64, f64),
+    /// What one may reach in a tap, whose way out may be faster, 1/min.
+    fastest_tap: f64,
     /// The highest acceleration that a spindle may ask of the axis on a stroke, mm/s².
     hardest: f64,
     /// Measurements that are missing, beyond that share.
@@ -103,6 +106,7 @@ impl Watch {
                 FASTER * machine.spindle.override_max_pct / 100.0,
                 FASTER_SHARE * machine.spindle.max_rpm,
             ),
+            fastest_tap: FASTER * machine.spindle.max_rpm,
             hardest: HARDEST * config.limits().a,
             lost: 0.0,
             jumps: Jumps::of(config, cycle_s),
@@ -222,7 +226,10 @@ impl Watch {
             return Some(Cause::Leave(Some(Fault::EncoderStands)));
         }
         let (share, besides) = self.fastest;
-        let most = share * pass.programmed_deg_s / 6.0 + besides;
+        let most = match pass.returns() {
+            true => self.fastest_tap,
+            false => share * pass.programmed_deg_s / 6.0 + besides,
+        };
         let (rpm, now_rpm) = (known.spindle.steady_rpm().abs(), known.spindle.rpm().abs());
         let drives = matches!(stage, Stage::RunIn | Stage::RunOut)
             && pass.hardest(stage, 6.0 * now_rpm) > self.hardest;

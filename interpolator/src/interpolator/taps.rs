@@ -48,6 +48,7 @@ impl Interpolator {
             speed: 6.0 * status.spindle_rpm * pass.direction,
             of: status.cycle,
             tick: measurement.cycle,
+            count: measurement.spindle_count,
             asked_rpm: self.spindle.asked().abs(),
             leaves: matches!(self.task, Task::Leaving { .. }),
             reversible: self.may_reverse(pass.along(), measurement),
