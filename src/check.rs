@@ -9,7 +9,7 @@ use std::{
 
 use clap::Args;
 use gauge::Nominal;
-use interpreter::{Language, Severity};
+use interpreter::{Language, PassNote, Severity};
 use machine::Machine;
 use process::shell::LanguageArgs;
 use protocol::Axis;
@@ -201,6 +201,25 @@ fn tell(args: &CheckArgs, judged: &[Judged], quiet: bool) {
     }
 }
 
+/// The taps of a program: where they go, where the spindle brakes, how fast it may turn at most.
+fn taps(text: &mut String, passes: &[PassNote]) {
+    let taps = passes.iter().filter_map(|pass| Some((pass, pass.tap?)));
+    for (at, (pass, tap)) in taps.enumerate() {
+        if at == 0 {
+            let _ = writeln!(
+                text,
+                "tap   line    start Z  on the helix from Z  depth Z  brakes before mm  highest 1/min  out times  takes s"
+            );
+        }
+        let [from, to] = pass.full_depth_mm;
+        let _ = writeln!(
+            text,
+            "{:>3}  {:>5}  {:>9.4}  {:>19.4}  {:>7.3}  {:>16.3}  {:>13.0}  {:>9.2}  {:>7.2}",
+            pass.pass, pass.line, pass.start_mm, from, to, tap.brakes_mm, tap.top_rpm, tap.return_ratio, tap.seconds
+        );
+    }
+}
+
 fn findings(program: &Program) -> String {
     let mut text = String::new();
     let moves = program.moves;
@@ -216,7 +235,7 @@ fn findings(program: &Program) -> String {
     }
     let passes = program.check.as_ref().map_or(&[][..], |check| &check.passes);
     let mut headed = None;
-    for pass in passes {
+    for pass in passes.iter().filter(|pass| pass.tap.is_none()) {
         let [from, to] = pass.full_depth_mm;
         if headed.replace(pass.along) != Some(pass.along) {
             let axis = pass.along;
@@ -235,6 +254,7 @@ fn findings(program: &Program) -> String {
             pass.pass, pass.line, depth, pass.start_mm, from, to, pass.max_override_pct
         );
     }
+    taps(&mut text, passes);
     if !passes.is_empty() {
         let axes = match passes.iter().any(|pass| pass.along == Axis::X) {
             true => "X (a radius) and Z are those",

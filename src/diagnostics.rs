@@ -67,6 +67,19 @@ struct Pass {
     start_z_mm: f64,
     full_depth_z_mm: [f64; 2],
     max_override_pct: f64,
+    /// Of a tap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tap: Option<Tap>,
+}
+
+/// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out as a
+/// multiple of S; what it takes, s.
+#[derive(Serialize)]
+struct Tap {
+    brakes_mm: f64,
+    top_rpm: f64,
+    return_ratio: f64,
+    seconds: f64,
 }
 
 impl<'a> Document<'a> {
@@ -121,6 +134,12 @@ impl From<&PassNote> for Pass {
             start_z_mm: note.start_mm,
             full_depth_z_mm: note.full_depth_mm,
             max_override_pct: note.max_override_pct,
+            tap: note.tap.map(|tap| Tap {
+                brakes_mm: tap.brakes_mm,
+                top_rpm: tap.top_rpm,
+                return_ratio: tap.return_ratio,
+                seconds: tap.seconds,
+            }),
         }
     }
 }

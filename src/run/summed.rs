@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, fmt::Write as _};
 
 use protocol::Axis;
 use rig::observe::{
-    FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, WorkKind,
+    FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, TapReport, WorkKind,
 };
 
 use crate::words::counted;
@@ -113,6 +113,25 @@ fn changed<'a>(
     }
 }
 
+/// Taps by their farthest error on each part of the way.
+fn taps(text: &mut String, summary: &Summary) {
+    let taps: Vec<TapReport> = summary.passes.iter().filter_map(|pass| pass.tap).collect();
+    if taps.is_empty() {
+        return;
+    }
+    let worst = |of: fn(&TapReport) -> f64| taps.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    let _ = writeln!(
+        text,
+        "tap       {}: off the helix at most {:.2} µm on the way in, {:.2} µm while the spindle turns round, {:.2} µm on the way out; {:.1} to {:.1} µm short of the depth",
+        counted(taps.len() as u64, "tap", "taps"),
+        worst(|tap| tap.in_um),
+        worst(|tap| tap.turn_um),
+        worst(|tap| tap.out_um),
+        -worst(|tap| -tap.short_um),
+        worst(|tap| tap.short_um),
+    );
+}
+
 fn threads(text: &mut String, summary: &Summary) {
     for last in summary.interrupted().take(SHOWN) {
         let words = match last.end {
@@ -122,7 +141,8 @@ fn threads(text: &mut String, summary: &Summary) {
         };
         let _ = writeln!(text, "pass      {} {words}", last.pass);
     }
-    if summary.passes.is_empty() {
+    taps(text, summary);
+    if summary.passes.iter().all(|pass| pass.tap.is_some()) {
         return;
     }
     let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);

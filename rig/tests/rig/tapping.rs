@@ -3,7 +3,7 @@
 //! lead a turn, wherever it lies. `cargo test -p rig tapping -- --nocapture` prints the figures.
 
 use machine::{Machine, Reaction};
-use protocol::{Fault, Item, MachineState, Module};
+use protocol::{DriveState, Fault, Item, MachineState, Module};
 use rig::Rig;
 use rig::observe::{Observation, Observer, Outcome, Record, TOOL_IN_THREAD};
 use rig::supervisor::Supervisor;
@@ -71,6 +71,7 @@ impl Seen {
 /// Moments of a tap, control cycles.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moments {
+    /// The axes have seen the index; the spindle slows down; it turns outwards; the axes are back.
     index: u64,
     brakes: u64,
     turns: u64,
@@ -239,7 +240,7 @@ fn two_hundred_taps_stay_on_their_helix_and_above_their_depth() {
         assert!(seen.short_um > -1.0 && !seen.inside, "seed {seed}: {seen:?} {tap:?}");
     }
     println!("worst of 200: {worst:.2?} µm, without and with overrides");
-    assert!(worst[0] <= 8.0 && worst[1] <= 12.0, "{worst:?}");
+    assert!(worst[0] <= 5.0 && worst[1] <= 6.0, "{worst:?}");
 }
 
 /// How a run ends after something has happened in the hole.
@@ -251,19 +252,19 @@ enum Ends {
     Anywhere,
 }
 
-/// What is done or fails: its name, the action, how it ends, how far the tool may be off, µm.
-const ACTIONS: [(&str, &str, Ends, f64); 12] = [
-    ("hold", "feed_hold = true", Ends::Out, 10.0),
-    ("stop", "stop = true", Ends::Out, 10.0),
-    ("abort", "abort = true", Ends::Out, 10.0),
-    ("emergency stop", "emergency_stop = true", Ends::Anywhere, 10.0),
-    ("power lost", "power_lost = true", Ends::Anywhere, 10.0),
-    ("interpolator dead", "kill = \"interpolator\"", Ends::Anywhere, 10.0),
-    ("interpolator hangs", "freeze = \"interpolator\"", Ends::Anywhere, 10.0),
-    ("drive of X", "drive_fault = \"x\"", Ends::Anywhere, 10.0),
+/// What is done or fails: its name, the action, how it ends, how far the tool may be off, µm. Where the encoder
+/// fails nobody knows the angle: the bound is what the ramp of the drive is believed to a hundredth of a lead or so.
+const ACTIONS: [(&str, &str, Ends, f64); 11] = [
+    ("hold", "feed_hold = true", Ends::Out, 5.0),
+    ("stop", "stop = true", Ends::Out, 5.0),
+    ("abort", "abort = true", Ends::Out, 5.0),
+    ("emergency stop", "emergency_stop = true", Ends::Anywhere, 5.0),
+    ("interpolator dead", "kill = \"interpolator\"", Ends::Anywhere, 5.0),
+    ("interpolator hangs", "freeze = \"interpolator\"", Ends::Anywhere, 5.0),
+    ("drive of X", "drive_fault = \"x\"", Ends::Anywhere, 5.0),
     ("counts lost", "encoder_glitch_counts = -40", Ends::Anywhere, 200.0),
     ("encoder dead", "encoder_stands = true", Ends::Anywhere, 200.0),
-    ("spindle without torque", "spindle_fault = \"stall\"", Ends::Anywhere, 10.0),
+    ("spindle without torque", "spindle_fault = \"stall\"", Ends::Anywhere, 5.0),
     ("spindle jams", "spindle_fault = \"jam\"", Ends::Anywhere, 200.0),
 ];
 
@@ -278,7 +279,7 @@ fn whatever_happens_the_tool_stays_on_its_helix() {
     machine.threading.on_hold = Reaction::Leave;
     let items = compiled(&machine, &M8.program());
     let borders = borders(&machine, M8, &items, 3);
-    for (name, action, ends, most_um) in ACTIONS.into_iter().filter(|a| std::env::var("ONLY").map_or(true, |o| a.0.contains(&o))) {
+    for (name, action, ends, most_um) in ACTIONS {
         let mut worst = [0.0_f64, f64::INFINITY];
         for border in borders {
             for near in [-40, -9, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 9, 40_i64] {
@@ -290,16 +291,69 @@ fn whatever_happens_the_tool_stays_on_its_helix() {
                 let (observation, seen, _) = run(&machine, M8, &items, &scenario, 3);
                 let said = observation.warnings.iter().any(|warning| warning.code == TOOL_IN_THREAD);
                 worst = [worst[0].max(seen.most_um()), worst[1].min(seen.short_um)];
-                let fine = seen.most_um() <= most_um && (!seen.inside || ends == Ends::Anywhere && said);
-                if !fine {
-                    println!(
-                        "BAD {name} at {at} ({near} of {border}): {seen:?} said {said} {:?} {:?}",
-                        observation.outcome, observation.faults
-                    );
-                }
+                let at = format!("{name} at {at}, {near} of {border}: {seen:?}, {:?}", observation.faults);
+                assert!(seen.most_um() <= most_um, "{at}");
+                assert!(!seen.inside || ends == Ends::Anywhere && said, "{at}");
+                assert!(ends == Ends::Anywhere || seen.fault == 0 && seen.short_um > 0.0, "{at}");
             }
         }
         println!("{name}: {:.2} µm off at most, {:.1} µm deeper at most", worst[0], -worst[1]);
     }
-    let _ = Fault::Stopped;
+}
+
+/// A drive that is a fifth weaker than it is believed to be still turns round in front of the depth; one that has
+/// half of its ramp goes deeper, on its helix.
+#[test]
+fn a_weak_drive_of_the_spindle_goes_deeper_on_its_helix() {
+    for (truly, deeper_mm) in [(5000.0, 0.0), (4100.0, 0.0), (2500.0, 5.0)] {
+        let machine = turning(5000.0, truly);
+        let items = compiled(&machine, &M8.program());
+        let (observation, seen, _) = run(&machine, M8, &items, "", 5);
+        println!("{truly} 1/min per s: {seen:?}");
+        assert!(seen.most_um() <= 5.0 && seen.short_um > -1e3 * deeper_mm, "{seen:?}");
+        assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+    }
+}
+
+/// Without mains Z follows as long as its drive has energy; then the spindle runs out, and nobody can help it.
+#[test]
+fn without_mains_z_follows_as_long_as_its_drive_can() {
+    let machine = lathe();
+    let items = compiled(&machine, &M8.program());
+    let [_, inside, ..] = borders(&machine, M8, &items, 3);
+    let scenario = format!("[[event]]\nat = {{ cycle = {inside} }}\npower_lost = true\n");
+    let (mut watch, mut led_um) = (Watch::new(M8), 0.0_f64);
+    let stand = crate::stand::Stand { machine: &machine, items: &items, scenario: &scenario, seed: 3 };
+    let observation = stand.run(|record| {
+        watch.look(record);
+        let enabled = record.truth.measurement.axes[2].drive().state() == Some(DriveState::OperationEnabled);
+        led_um = if enabled { watch.seen().most_um() } else { led_um };
+        None
+    });
+    println!("led: {led_um:.2} µm, {:?}", watch.seen());
+    assert!(led_um > 0.0 && led_um <= 5.0, "{led_um}");
+    assert!(observation.warnings.iter().any(|warning| warning.code == TOOL_IN_THREAD), "it is told");
+    assert_eq!(watch.seen().fault, Fault::PowerLost as u32);
+}
+
+/// A drive of Z that fails leaves nobody on the helix: the spindle is stopped at once, and it is told.
+#[test]
+fn a_dead_drive_of_z_stops_the_spindle() {
+    let machine = lathe();
+    let items = compiled(&machine, &M8.program());
+    let [_, inside, ..] = borders(&machine, M8, &items, 3);
+    let scenario = format!("[[event]]\nat = {{ cycle = {inside} }}\ndrive_fault = \"z\"\n");
+    let (mut stood, stand) =
+        (None, crate::stand::Stand { machine: &machine, items: &items, scenario: &scenario, seed: 3 });
+    let observation = stand.run(|record| {
+        let cycle = record.truth.cycle.0;
+        if cycle > inside && stood.is_none() && record.truth.spindle_rpm.abs() < 1.0 {
+            stood = Some(cycle - inside);
+        }
+        None
+    });
+    let ramp_cycles = (M8.s_rpm / RAMP / machine.general.cycle_s) as u64;
+    println!("stands {stood:?} cycles later, by its ramp {ramp_cycles}");
+    assert!(stood.is_some_and(|cycles| cycles < ramp_cycles + 60), "{stood:?}");
+    assert!(observation.warnings.iter().any(|warning| warning.code == TOOL_IN_THREAD), "it is told");
 }
