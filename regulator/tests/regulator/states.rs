@@ -42,6 +42,7 @@ fn pass(index_count: i64) -> Pass {
         direction: 1.0,
         not_before: Cycle(100),
         index_count,
+        turned: false,
         out: WayOut::default(),
         law,
         motion: law.law(600.0),
@@ -94,6 +95,7 @@ fn quiet() -> Event<'static> {
         index: None,
         angle_deg: 0.0,
         may_call_off: false,
+        turns_back: false,
     }
 }
 

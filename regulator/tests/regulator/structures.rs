@@ -45,6 +45,7 @@ impl Course {
             direction: 1.0,
             not_before: Cycle(0),
             index_count: index,
+            turned: false,
             law: law(),
             motion: law().law(300.0),
         };

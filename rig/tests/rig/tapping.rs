@@ -352,7 +352,7 @@ fn a_dead_drive_of_z_stops_the_spindle() {
         }
         None
     });
-    let ramp_cycles = (M8.s_rpm / RAMP / machine.general.cycle_s) as u64;
+    let ramp_cycles = (M8.s_rpm / machine.spindle.ramp_rpm_s / machine.general.cycle_s) as u64;
     println!("stands {stood:?} cycles later, by its ramp {ramp_cycles}");
     assert!(stood.is_some_and(|cycles| cycles < ramp_cycles + 60), "{stood:?}");
     assert!(observation.warnings.iter().any(|warning| warning.code == TOOL_IN_THREAD), "it is told");
