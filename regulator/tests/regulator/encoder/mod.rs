@@ -353,7 +353,6 @@ fn any_counts_are_taken() {
         let shown = Measurement {
             spindle_count: count,
             index_count: count,
-            turned: false,
             index_number: number as u64 + 1,
             ..Measurement::default()
         };
