@@ -215,7 +215,15 @@ fn taps(text: &mut String, passes: &[PassNote]) {
         let _ = writeln!(
             text,
             "{:>3}  {:>5}  {:>9.4}  {:>19.4}  {:>7.3}  {:>16.3}  {:>13.0}  {:>9.2}  {:>7.2}",
-            pass.pass, pass.line, pass.start_mm, from, to, tap.brakes_mm, tap.top_rpm, tap.return_ratio, tap.seconds
+            pass.pass,
+            pass.line,
+            pass.start_mm,
+            from,
+            to,
+            tap.brakes_mm,
+            tap.top_rpm,
+            tap.return_ratio,
+            tap.seconds
         );
     }
 }

@@ -72,8 +72,8 @@ struct Pass {
     tap: Option<Tap>,
 }
 
-/// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out as a
-/// multiple of S; what it takes, s.
+/// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out
+/// as a multiple of S; what it takes, s.
 #[derive(Serialize)]
 struct Tap {
     brakes_mm: f64,

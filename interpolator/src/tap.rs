@@ -1,6 +1,6 @@
-//! Turns the spindle round in a tap. In: a pass that returns, once a tick the angle and the speed that the axis
-//! along it has been led by, degrees since the index and degrees/s, growing inwards. Out: the speed for the
-//! spindle, 1/min, signed; nothing as long as program and override say it.
+//! Turns the spindle round in a tap. In: a pass that returns, once a tick the angle and the speed that the
+//! axis along it has been led by, degrees since the index and degrees/s, growing inwards. Out: the speed for
+//! the spindle, 1/min, signed; nothing as long as program and override say it.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -15,9 +15,9 @@
 //! |dw/dt| ≤ 6/5 b                                  inwards, through rest, and outwards
 //! ∫ |w| − 10 |ΔC_counted| ≤ 15°, never below 0        else it is stopped                        (M213)
 //! ```
-//! So the spindle is braked by where it *is*: one that is braked late or lags is braked harder, as long as its
-//! ramp has more to give, and comes to rest in front of the depth, not behind it. While it turns round it is
-//! not overridden. A tool that leaves is braked at once and taken out likewise, from wherever it is.
+//! So the spindle is braked by where it *is*: one that is braked late or lags is braked harder, as long as
+//! its ramp has more to give, and comes to rest in front of the depth, not behind it. While it turns round it
+//! is not overridden. A tool that leaves is braked at once and taken out likewise, from wherever it is.
 //!
 //! Where nobody may turn the spindle round, or it does not turn, it is stopped and stays so; the axes stay on
 //! the helix until it rests.
@@ -31,8 +31,8 @@ const BEHIND_TICKS: f64 = 4.0;
 const FASTER: f64 = 1.2;
 /// A spindle that is slower than this does not turn outwards yet, deg/s.
 const STANDS_DEG_S: f64 = 6.0;
-/// A spindle that was told to turn so far, degrees, and whose count says less than a tenth of it, does not turn,
-/// or its encoder is dead: at the turn nobody else can tell (M213).
+/// A spindle that was told to turn so far, degrees, and whose count says less than a tenth of it, does not
+/// turn, or its encoder is dead: at the turn nobody else can tell (M213).
 const STUCK_DEG: f64 = 15.0;
 const STUCK_SHARE: f64 = 0.1;
 

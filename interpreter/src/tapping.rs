@@ -1,5 +1,6 @@
-//! The law of a tap: in along the helix, through the reversal of the spindle, and out again. In: a [`Tap`] in mm
-//! and 1/min, the machine. Out: a pass that returns, angles in degrees since the index; or why there is none.
+//! The law of a tap: in along the helix, through the reversal of the spindle, and out again. In: a [`Tap`] in
+//! mm and 1/min, the machine. Out: a pass that returns, angles in degrees since the index; or why there is
+//! none.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -14,12 +15,12 @@
 //! brake    360 L_m/F − ΔC/2: a spindle that does not obey takes the tool along its helix as far as Z goes
 //! S R_max  at most what comes to rest between run-in and depth                                      (M211)
 //! ```
-//! The way out is the way in: the law is one of the angle. So passes of one start point follow one helix, and a
-//! tap that pecks finds its thread again.
+//! The way out is the way in: the law is one of the angle. So passes of one start point follow one helix, and
+//! a tap that pecks finds its thread again.
 
+use gcode::Problem;
 use gcode::canon::Units;
 use gcode::problem::{Blame, short};
-use gcode::Problem;
 use machine::Machine;
 use motion::Ramp;
 use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass, WayOut};
@@ -89,11 +90,7 @@ impl Tap {
 ///
 /// # Errors
 /// Says what is too fast, too short or out of travel, and the highest speed that would do.
-pub(crate) fn plan(
-    tap: &Tap,
-    rest: &PerAxis<Position>,
-    machine: &Machine,
-) -> Result<Planned, Box<Problem>> {
+pub(crate) fn plan(tap: &Tap, rest: &PerAxis<Position>, machine: &Machine) -> Result<Planned, Box<Problem>> {
     can_tap(machine)?;
     within_travel(machine, Axis::Z, tap.from_mm, Blame::Block)?;
     within_travel(machine, Axis::Z, tap.to_mm, Blame::Word('Z'))?;
@@ -248,7 +245,11 @@ impl Refusal {
         };
         let (message, help) = match self {
             Refusal::TooFast { needs_mm_s, limit_mm_s, ratio } => {
-                let out = if ratio > 1.0 { format!(" on the way out, {} times as fast", short(ratio)) } else { String::new() };
+                let out = if ratio > 1.0 {
+                    format!(" on the way out, {} times as fast", short(ratio))
+                } else {
+                    String::new()
+                };
                 let (needs, limit) = (units.length(needs_mm_s), short(limit_mm_s / units.mm()));
                 (format!("at S{s} the tap needs {needs}/s of Z{out}, which can do {limit}"), slower)
             }
@@ -265,7 +266,12 @@ impl Refusal {
                     "at S{s} the spindle needs {needs:.1} turns to stop, and there are {has:.1} from the start to the \
                      depth"
                 );
-                (message, format!("{slower}; a start farther away, or a spindle with a steeper ramp_rpm_s, would help too"))
+                (
+                    message,
+                    format!(
+                        "{slower}; a start farther away, or a spindle with a steeper ramp_rpm_s, would help too"
+                    ),
+                )
             }
             Refusal::Return => {
                 let message = format!(
@@ -296,5 +302,10 @@ pub(crate) fn return_ratio(ratio: f64, letter: char) -> Result<f64, Box<Problem>
 
 fn extreme(why: &str) -> Box<Problem> {
     let message = format!("the tap is beyond what a regulator takes: {why}");
-    Problem::error("tap-not-feasible", Blame::Block, message, "use a lead, a speed and a depth that a machine can have")
+    Problem::error(
+        "tap-not-feasible",
+        Blame::Block,
+        message,
+        "use a lead, a speed and a depth that a machine can have",
+    )
 }

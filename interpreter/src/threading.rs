@@ -11,10 +11,10 @@ use machine::Machine;
 use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass, WayOut};
 
 use crate::modal::Synchronised;
+use crate::pass_note::{PassNote, bytes_of};
 use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
-use crate::pass_note::{PassNote, bytes_of};
 use crate::tapping;
 use crate::thread::{Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
 

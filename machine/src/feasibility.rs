@@ -57,9 +57,9 @@ impl Machine {
     }
 
     /// Feasibility rule: whether every axis can follow a pass up to the ratio it claims (M7, M11), within its
-    /// travel, to the end the law names, which is not its start, and begins late enough to be called off. Of a
-    /// pass that returns: whether the spindle can turn round for it, and the law stays within the travel even
-    /// if it did not. The pass has been checked.
+    /// travel, to the end the law names, which is not its start, and begins late enough to be called off. Of
+    /// a pass that returns: whether the spindle can turn round for it, and the law stays within the travel
+    /// even if it did not. The pass has been checked.
     pub fn can_follow(&self, pass: &ThreadPass) -> bool {
         let taps = pass.returns() && self.general.kinematics != Kinematics::Positioner;
         let lathe = self.general.kinematics == Kinematics::Lathe; // only a lathe cuts other threads

@@ -1,6 +1,6 @@
-//! What a tap asks of the spindle: where it has to begin to brake so that it turns round at the depth, and how
-//! fast it may turn for that. In: what the controller believes of the spindle, a pass that returns. Out: angles
-//! in degrees, speeds in 1/min.
+//! What a tap asks of the spindle: where it has to begin to brake so that it turns round at the depth, and
+//! how fast it may turn for that. In: what the controller believes of the spindle, a pass that returns. Out:
+//! angles in degrees, speeds in 1/min.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -41,8 +41,8 @@ impl Machine {
         (late * late + ramp * deg.max(0.0) / 3.0).sqrt() - late
     }
 
-    /// Whether the spindle can turn round where a pass that returns says, at the highest ratio that it claims,
-    /// and turn as fast on the way out. True of every other pass.
+    /// Whether the spindle can turn round where a pass that returns says, at the highest ratio that it
+    /// claims, and turn as fast on the way out. True of every other pass.
     pub fn can_turn_round(&self, pass: &ThreadPass) -> bool {
         if !pass.returns() {
             return true;

@@ -179,8 +179,8 @@ fn no_deeper(now: &Sample, pass: &Pass, begins: bool, hard: bool, limits: &Limit
 /// How an axis that follows the law of a pass it leaves goes on by time: the one that lifts the tool when its
 /// retract gets slow, any other once the tool is out of the groove (`free`), or the spindle stands or is
 /// lost; in a tap once the spindle has stood, `young` telling whether it leaves for fewer cycles yet, or is
-/// taken to have been braked to rest. Where a spindle turns out to have jammed that was taken to turn on, every axis goes from where it
-/// was led `last` to where it belongs.
+/// taken to have been braked to rest. Where a spindle turns out to have jammed that was taken to turn on,
+/// every axis goes from where it was led `last` to where it belongs.
 pub(crate) fn brake(
     reference: &Reference,
     last: &Sample,

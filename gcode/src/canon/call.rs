@@ -108,8 +108,9 @@ pub enum Call<'a> {
     },
     /// Motion is free of the spindle again.
     StopSpeedFeedSynch,
-    /// G33.1: bottom, and the factor of the speed of the way out.
-    RigidTap(Pose, f64),
+    /// G33.1, and G84 of FANUC: bottom, the factor of the speed of the way out, and the dwell at the bottom,
+    /// s.
+    RigidTap(Pose, f64, f64),
     /// A multi-pass threading cycle. [`ThreadCycle::expand`] gives the moves it stands for.
     ThreadCycle(&'a ThreadCycle),
     /// T.

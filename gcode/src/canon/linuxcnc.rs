@@ -217,7 +217,7 @@ impl<W: Write> Sink for LinuxcncPrinter<W> {
                 self.head(place);
                 self.lines.text("TURN_PROBE_OFF()");
             }
-            Call::RigidTap(bottom, _) => {
+            Call::RigidTap(bottom, ..) => {
                 self.lines.text("RIGID_TAP(");
                 self.lines.fours(bottom.split_at(3).0, ", ");
                 self.lines.text(")");

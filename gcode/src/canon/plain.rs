@@ -271,7 +271,7 @@ impl<W: Write> PlainPrinter<W> {
             Call::StraightTraverse(end) => self.position("STRAIGHT_TRAVERSE(", &end),
             Call::ArcFeed(arc) => self.arc(&arc),
             Call::StraightProbe(_, end) => self.position("STRAIGHT_PROBE(", &end),
-            Call::RigidTap(bottom, _) => self.position("RIGID_TAP(", &bottom),
+            Call::RigidTap(bottom, ..) => self.position("RIGID_TAP(", &bottom),
             Call::SetFeedRate(feed) => {
                 let mm = if self.feed_mode == FeedMode::InverseTime { 1.0 } else { self.mm };
                 self.numbers("SET_FEED_RATE", &[feed * mm]);

@@ -101,7 +101,7 @@ fn tap(target: Pose, block: &Block, out: &mut Output) -> Done {
         ));
     }
     out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
-    out.call(Call::RigidTap(target, faster.max(1.0)))?;
+    out.call(Call::RigidTap(target, faster.max(1.0), 0.0))?;
     out.call(Call::StopSpeedFeedSynch)
 }
 

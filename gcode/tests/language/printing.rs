@@ -85,7 +85,7 @@ fn every_call_has_the_arguments_of_rs274() {
         ),
         (Call::StraightFeed(at), "STRAIGHT_FEED(1.0000, -2.5000, 0.0000, 0.0000, 0.0000, -0.0000)"),
         (Call::ArcFeed(arc), "ARC_FEED(2.0000, 0.0000, 1.0000, 0.0000, -1, 5.0000, 0.0000, 0.0000, 0.0000)"),
-        (Call::RigidTap(at, 1.0), "RIGID_TAP(1.0000, -2.5000, 0.0000)"),
+        (Call::RigidTap(at, 1.0, 0.0), "RIGID_TAP(1.0000, -2.5000, 0.0000)"),
         (Call::SelectPlane(Plane::Xz), "SELECT_PLANE(CANON_PLANE_XZ)"),
         (Call::SetFeedMode(FeedMode::PerRevolution), "SET_FEED_MODE(0, 1)"),
         (Call::SetSpindleMode(f64::INFINITY), "SET_SPINDLE_MODE(0 1000000000000000019884624838656.0000)"),

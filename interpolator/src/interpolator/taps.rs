@@ -1,5 +1,5 @@
-//! A tap in hand: what the spindle is told meanwhile. In: the task, what axes and spindle say. Out: a speed of
-//! the spindle besides that of the program.
+//! A tap in hand: what the spindle is told meanwhile. In: the task, what axes and spindle say. Out: a speed
+//! of the spindle besides that of the program.
 
 use protocol::{Axis, DriveState, Fault, Measurement, ThreadPass};
 
@@ -57,8 +57,8 @@ impl Interpolator {
         self.spindle.tap(rpm.map(|rpm| rpm * pass.direction));
     }
 
-    /// Whether the spindle may take the tool out of its hole: it obeys, its angle is known, and the axis along
-    /// the helix has torque and is led by it.
+    /// Whether the spindle may take the tool out of its hole: it obeys, its angle is known, and the axis
+    /// along the helix has torque and is led by it.
     fn may_reverse(&self, along: Axis, measurement: &Measurement) -> bool {
         let found = match self.task {
             Task::Leaving { why: Why::Fault(fault), .. } => Some(fault),
@@ -70,8 +70,8 @@ impl Interpolator {
     }
 }
 
-/// Faults behind which the spindle stops in the hole: it is stopped by others, does not do what it is told, or
-/// nobody knows its angle.
+/// Faults behind which the spindle stops in the hole: it is stopped by others, does not do what it is told,
+/// or nobody knows its angle.
 fn stops(fault: Fault) -> bool {
     use Fault::{
         EmergencyStop, EncoderGlitch, EncoderPlausibility, EncoderStands, PowerLost, SpindleDoesNotStop,

@@ -25,12 +25,12 @@ use crate::block::Block;
 use crate::job::{JobNote, Jobs};
 use crate::modal::{Modal, Synchronised};
 use crate::output::Output;
+use crate::pass_note::{PassNote, coarse_encoder};
 use crate::points::Points;
 use crate::reach::{Done, LONGEST_DWELL, refuse_absent};
 use crate::spindle::{Spindle, Turning};
 use crate::stock::Stock;
 use crate::thread::{Next, Point};
-use crate::pass_note::{PassNote, coarse_encoder};
 use crate::threading::{self, Threads, in_plane_of, is_apart};
 use crate::{MessageNote, arc};
 use doubts::Doubts;
@@ -232,7 +232,7 @@ impl Translator {
             Call::StraightFeed(to) => self.straight(place, &to, false)?,
             Call::ArcFeed(arc) => self.arc(place, &arc)?,
             Call::NurbsFeed(curve) => self.spline(place, curve)?,
-            Call::RigidTap(to, faster) => self.rigid_tap(place, &to, faster)?,
+            Call::RigidTap(to, faster, dwell_s) => self.rigid_tap(place, &to, [faster, dwell_s])?,
             Call::ThreadCycle(cycle) => self.thread_cycle(place, cycle)?,
             Call::Dwell(seconds) => self.dwell(line, seconds)?,
             Call::SetSpindleMode(highest) => self.spindle.set_mode(highest, machine)?,

@@ -1,7 +1,7 @@
 //! Rigid taps. In: calls of them, what is in force. Out: passes that return, and notes of them.
 
 use gcode::canon::Z;
-use gcode::problem::Blame;
+use gcode::problem::{Blame, short};
 use gcode::{Place, Pose, Problem};
 use protocol::{Axis, WayOut};
 
@@ -13,11 +13,13 @@ use crate::threading::check_lead;
 
 /// Coordinates that are one, mm or degrees: the quantum of the wire.
 const SAME: f64 = 1e-9;
+/// Longest dwell at the depth, s.
+const LONGEST_S: f64 = 1000.0;
 
 impl Translator {
-    /// G33.1: in along Z to the target, and back to where the tool stands, so many times as fast. The spindle
-    /// turns as before then.
-    pub(super) fn rigid_tap(&mut self, place: Place, to: &Pose, faster: f64) -> Done {
+    /// In along Z to the target, so many s there, and back to where the tool stands, so many times as fast.
+    /// The spindle turns as before then.
+    pub(super) fn rigid_tap(&mut self, place: Place, to: &Pose, [faster, dwell_s]: [f64; 2]) -> Done {
         let Some(synchronised) = self.modal.synchronised else {
             let help = "G33.1 gives it with K";
             return Err(Problem::error("bad-value", Blame::Block, "the tap has no lead", help));
@@ -39,6 +41,11 @@ impl Translator {
         let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
         let (s_rpm, direction) = turning.taps(&self.machine)?;
         let ratio = tapping::return_ratio(faster, 'I')?;
+        if !(0.0..=LONGEST_S).contains(&dwell_s) {
+            let message = format!("a tap cannot dwell {} s", short(dwell_s));
+            let help = format!("give 0 to {LONGEST_S} s");
+            return Err(Problem::error("bad-value", Blame::Word('P'), message, help));
+        }
         let tap = Tap {
             s_rpm,
             direction,
@@ -47,7 +54,7 @@ impl Translator {
             to_mm: to[Z],
             lead_mm: synchronised.lead_mm,
             return_ratio: ratio,
-            dwell_s: 0.0,
+            dwell_s,
             leaves: 0,
         };
         self.tap(place, tap)

@@ -18,6 +18,7 @@ mod ridges;
 mod seams;
 mod single;
 mod surface;
+mod tapping;
 mod threads;
 mod with_c;
 

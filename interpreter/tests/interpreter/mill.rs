@@ -171,7 +171,7 @@ fn lengths_offsets_and_rotation_shift_the_program() {
 
 #[test]
 fn threads_need_a_lathe() {
-    for thread in ["G33 Z-60 K1", "G33.1 Z-60 K1", "G76 P1 Z-60 I-1 J0.1 K0.5"] {
+    for thread in ["G33 Z-60 K1", "G76 P1 Z-60 I-1 J0.1 K0.5"] {
         let check = check("test.ngc", &format!("G18 S500 M3\n{thread}\nM2\n"), &mill());
         let errors: Vec<_> =
             check.diagnostics.iter().filter(|one| one.severity == interpreter::Severity::Error).collect();

@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     AnalogReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning,
-    SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport, TraceReport, cutting::CuttingReport,
+    SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport, TraceReport,
+    cutting::CuttingReport,
 };
 
 /// Version of the layout; fields may be added without a new one.

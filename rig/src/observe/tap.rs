@@ -1,8 +1,8 @@
-//! What a tap did in its hole. In: every control cycle the true place of the slide along it, mm, the true angle
-//! since the index, degrees, and the true speed, 1/min. Out: a [`TapReport`].
+//! What a tap did in its hole. In: every control cycle the true place of the slide along it, mm, the true
+//! angle since the index, degrees, and the true speed, 1/min. Out: a [`TapReport`].
 //!
-//! The tool is in the hole from where the axis along it is on the helix. What counts is how far it strays from
-//! its own mean: where along the hole the whole thread lies is given by the programmed depth.
+//! The tool is in the hole from where the axis along it is on the helix. What counts is how far it strays
+//! from its own mean: where along the hole the whole thread lies is given by the programmed depth.
 
 use protocol::{Axis, Position, ThreadPass, Truth};
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,9 @@ impl Tapped {
             return;
         }
         let inwards = self.pass.lead_mm.signum();
-        let deepest = self.deepest_mm.map_or(slide_mm, |mm| if (slide_mm - mm) * inwards > 0.0 { slide_mm } else { mm });
+        let deepest = self
+            .deepest_mm
+            .map_or(slide_mm, |mm| if (slide_mm - mm) * inwards > 0.0 { slide_mm } else { mm });
         self.deepest_mm = Some(deepest);
         let e = self.helix.error_um(c_deg, slide_mm);
         let rpm = truth.spindle_rpm * self.pass.direction;
@@ -90,9 +92,8 @@ impl Tapped {
 
     pub(super) fn report(&self) -> TapReport {
         let mean = if self.sum.0 > 0.0 { self.sum.1 / self.sum.0 } else { 0.0 };
-        let off = |span: &Span| {
-            span.seen().map_or(0.0, |(low, high)| (high - mean).abs().max((low - mean).abs()))
-        };
+        let off =
+            |span: &Span| span.seen().map_or(0.0, |(low, high)| (high - mean).abs().max((low - mean).abs()));
         let [in_um, turn_um, out_um] = [&self.parts[0], &self.parts[1], &self.parts[2]].map(off);
         let law = self.pass.axis(self.along);
         let middle = law.run_in_c0_deg + 0.5 * law.run_in_dc_deg;

@@ -1,6 +1,6 @@
 //! Rigid taps as an outside observer sees them: how far the tool is off its helix on the way in, while the
-//! spindle turns round and on the way out, whatever is pressed or fails. The helix is that of the program: one
-//! lead a turn, wherever it lies. `cargo test -p rig tapping -- --nocapture` prints the figures.
+//! spindle turns round and on the way out, whatever is pressed or fails. The helix is that of the program:
+//! one lead a turn, wherever it lies. `cargo test -p rig tapping -- --nocapture` prints the figures.
 
 use machine::{Machine, Reaction};
 use protocol::{DriveState, Fault, Item, MachineState, Module};
@@ -37,7 +37,8 @@ impl Tap {
     }
 }
 
-/// The built-in lathe with a spindle that takes 0.4 s from 800 1/min to 800 the other way, by its drive's ramp.
+/// The built-in lathe with a spindle that takes 0.4 s from 800 1/min to 800 the other way, by its drive's
+/// ramp.
 fn lathe() -> Machine {
     turning(5000.0, 5000.0)
 }
@@ -146,7 +147,9 @@ impl Watch {
             (low.min(*one), high.max(*other))
         });
         let off = |span: &Option<[f64; 2]>| {
-            span.map_or(0.0, |ends| ends.map(|e| (e - 0.5 * (low + high)).abs()).into_iter().fold(0.0, f64::max))
+            span.map_or(0.0, |ends| {
+                ends.map(|e| (e - 0.5 * (low + high)).abs()).into_iter().fold(0.0, f64::max)
+            })
         };
         Seen {
             off_um: [off(&self.spans[0]), off(&self.spans[1]), off(&self.spans[2])],
@@ -157,7 +160,13 @@ impl Watch {
 }
 
 /// Runs to the end, with somebody who watches over it as the launcher does.
-fn run(machine: &Machine, tap: Tap, items: &[Item], scenario: &str, seed: u64) -> (Observation, Seen, Moments) {
+fn run(
+    machine: &Machine,
+    tap: Tap,
+    items: &[Item],
+    scenario: &str,
+    seed: u64,
+) -> (Observation, Seen, Moments) {
     let mut watch = Watch::new(tap);
     let scenario = Scenario::from_toml(scenario).expect("a scenario");
     let mut rig = Rig::new(machine, items.iter().copied(), scenario, seed).expect("a machine");
@@ -198,7 +207,10 @@ fn an_m8_is_tapped_within_five_micrometres_through_the_turn() {
         worst.1 = [worst.1[0].min(seen.short_um), worst.1[1].max(seen.short_um)];
         let told = observation.passes[0].tap.expect("it is told what the tap did");
         let parts = [told.in_um, told.turn_um, told.out_um].into_iter().fold(0.0, f64::max);
-        assert!((parts - seen.most_um()).abs() < 1.0 && (told.short_um - seen.short_um).abs() < 0.1, "{told:?}");
+        assert!(
+            (parts - seen.most_um()).abs() < 1.0 && (told.short_um - seen.short_um).abs() < 0.1,
+            "{told:?}"
+        );
     }
     println!("worst of ten: in, turn, out {:.2?} µm; short of the depth {:.1?} µm", worst.0, worst.1);
     assert!(worst.0.iter().all(|um| *um <= 5.0), "{worst:?}");
@@ -229,7 +241,8 @@ fn two_hundred_taps_stay_on_their_helix_and_above_their_depth() {
         if overridden {
             for _ in 0..3 {
                 let (at, pct) = (1.0 + 6.0 * random.unit(), 40 + random.below(81));
-                scenario += &format!("[[event]]\nat = {{ time_s = {at:.4} }}\nspindle_override_pct = {pct}\n");
+                scenario +=
+                    &format!("[[event]]\nat = {{ time_s = {at:.4} }}\nspindle_override_pct = {pct}\n");
             }
         }
         let (observation, seen, _) = run(&machine, tap, &items, &scenario, seed);
@@ -252,8 +265,9 @@ enum Ends {
     Anywhere,
 }
 
-/// What is done or fails: its name, the action, how it ends, how far the tool may be off, µm. Where the encoder
-/// fails nobody knows the angle: the bound is what the ramp of the drive is believed to a hundredth of a lead or so.
+/// What is done or fails: its name, the action, how it ends, how far the tool may be off, µm. Where the
+/// encoder fails nobody knows the angle: the bound is what the ramp of the drive is believed to a hundredth
+/// of a lead or so.
 const ACTIONS: [(&str, &str, Ends, f64); 11] = [
     ("hold", "feed_hold = true", Ends::Out, 5.0),
     ("stop", "stop = true", Ends::Out, 5.0),
@@ -301,8 +315,8 @@ fn whatever_happens_the_tool_stays_on_its_helix() {
     }
 }
 
-/// A drive that is a fifth weaker than it is believed to be still turns round in front of the depth; one that has
-/// half of its ramp goes deeper, on its helix.
+/// A drive that is a fifth weaker than it is believed to be still turns round in front of the depth; one that
+/// has half of its ramp goes deeper, on its helix.
 #[test]
 fn a_weak_drive_of_the_spindle_goes_deeper_on_its_helix() {
     for (truly, deeper_mm) in [(5000.0, 0.0), (4100.0, 0.0), (2500.0, 5.0)] {
@@ -315,7 +329,8 @@ fn a_weak_drive_of_the_spindle_goes_deeper_on_its_helix() {
     }
 }
 
-/// Without mains Z follows as long as its drive has energy; then the spindle runs out, and nobody can help it.
+/// Without mains Z follows as long as its drive has energy; then the spindle runs out, and nobody can help
+/// it.
 #[test]
 fn without_mains_z_follows_as_long_as_its_drive_can() {
     let machine = lathe();
