@@ -74,7 +74,7 @@ struct Pass {
 
 /// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out
 /// as a multiple of S; what it takes, s.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Tap {
     brakes_mm: f64,
     top_rpm: f64,

@@ -156,7 +156,7 @@ impl Tap {
         let out = -6.0 * pass.s_rpm * pass.return_ratio;
         let step = FASTER * self.brake * self.tick_s;
         match self.phase {
-            Phase::In => return,
+            Phase::In => {}
             Phase::Brakes { leaves } => {
                 let wanted = if leaves { 0.0 } else { self.wanted(pass, turning) };
                 self.command = wanted.clamp(self.command - step, self.command).max(0.0);
