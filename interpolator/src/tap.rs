@@ -13,7 +13,8 @@
 //! r = C_t − b δ²/2 − C                             what is left until the tool shall rest
 //! w = √(2 b r), 0 from r = 0 on                    inwards                                        (M212)
 //! |dw/dt| ≤ 6/5 b                                  inwards, through rest, and outwards
-//! ∫ |w| − 10 |ΔC_counted| ≤ 15°, never below 0        else it is stopped                        (M213)
+//! ∫ w_e − 10 |ΔC_counted| ≤ 15°, never below 0         else it is stopped                        (M213)
+//!     w_e = |w|, but no more than what it was counted to be last, and b from there
 //! ```
 //! So the spindle is braked by where it *is*: one that is braked late or lags is braked harder, as long as
 //! its ramp has more to give, and comes to rest in front of the depth, not behind it. While it turns round it
@@ -78,6 +79,8 @@ pub(crate) struct Tap {
     command: f64,
     /// What it was told to turn beyond ten times what it did, degrees; the last count, and a count, degrees.
     missing_deg: f64,
+    /// How fast it should be by now, deg/s.
+    expected: f64,
     count: Option<i64>,
     count_deg: f64,
     brake: f64,
@@ -91,6 +94,7 @@ impl Tap {
             phase: Phase::In,
             command: 0.0,
             missing_deg: 0.0,
+            expected: 0.0,
             count: None,
             count_deg: 360.0 / machine.spindle_counts(),
             brake: 6.0 * machine.tap_ramp_rpm_s(),
@@ -101,7 +105,8 @@ impl Tap {
 
     /// A pass that returns was armed, or none is in hand.
     pub(crate) fn reset(&mut self) {
-        (self.phase, self.command, self.missing_deg, self.count) = (Phase::In, 0.0, 0.0, None);
+        (self.phase, self.command, self.count) = (Phase::In, 0.0, None);
+        (self.missing_deg, self.expected) = (0.0, 0.0);
     }
 
     /// Whether the tool was at the programmed depth and is on its way out, or out.
@@ -182,8 +187,11 @@ impl Tap {
             return;
         }
         let turned = count.saturating_sub(before).unsigned_abs() as f64 * self.count_deg;
-        let told = self.command.abs() * self.tick_s;
-        self.missing_deg = (self.missing_deg + told - turned / STUCK_SHARE).max(0.0);
+        // From where it is now it gets faster by its ramp at most: a drive that is late comes through rest late.
+        let before = if turned > 0.0 { turned / self.tick_s } else { self.expected };
+        self.expected = (before + self.brake * self.tick_s).min(self.command.abs());
+        let missing = self.expected * self.tick_s - turned / STUCK_SHARE;
+        self.missing_deg = (self.missing_deg + missing).max(0.0);
     }
 
     /// (M212)
