@@ -8,7 +8,7 @@
 //! have sent is missing then, and the others go on.
 
 use machine::Machine;
-use protocol::{AxisFrame, Doom, DriveCommand, Item, Module, PerAxis, SpindleCommand, operator::Request};
+use protocol::{AxisFrame, Doom, DriveCommand, Item, Module, PerAxis, SpindleCommand, Truth, operator::Request};
 use sim_plant::{Plant, PlantError, Scenario};
 
 use crate::lives::Life;
@@ -61,6 +61,20 @@ impl<I: Iterator<Item = Item>, W: Wires> Rig<I, W> {
         wires: W,
     ) -> Result<Rig<I, W>, PlantError> {
         Ok(Rig { plant: Plant::new(machine, scenario, seed)?, modules: Modules::new(machine, code, wires) })
+    }
+
+    /// New controls, which know nothing of what was, on a plant that has been switched on again
+    /// ([`Plant::switch_on`]); wires between its modules.
+    pub fn on_plant(machine: &Machine, plant: Plant, code: I, wires: W) -> Rig<I, W> {
+        Rig { plant, modules: Modules::new(machine, code, wires) }
+    }
+
+    /// Mains and controls fail behind the cycle that was last, in whatever happens then: the plant at rest.
+    /// `see` is shown every cycle on its way there.
+    pub fn lose_power(self, see: impl FnMut(&Truth)) -> Plant {
+        let Rig { mut plant, modules } = self;
+        plant.lose_power(&modules.drives, &modules.spindle, see);
+        plant
     }
 
     /// A machine to which nothing has happened yet plays a scenario from here on, as if it had played it from

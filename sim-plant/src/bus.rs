@@ -49,6 +49,11 @@ impl Bus {
         self.outputs.pass(drives)
     }
 
+    /// Cycles for which measurements and commands are under way.
+    pub(crate) fn cycles(&self) -> [u32; 2] {
+        [self.inputs.cycles, self.outputs.cycles].map(|cycles| cycles as u32)
+    }
+
     /// Cycles for which a command is under way.
     pub(crate) fn output_cycles(&self) -> u64 {
         self.outputs.cycles as u64

@@ -80,6 +80,12 @@ impl Drive {
         }
     }
 
+    /// As it is when it is switched on again: before its first command, without a fault.
+    pub(crate) fn switch_on(&mut self) {
+        (self.machine, self.calls, self.trip) = (StateMachine::new(), false, None);
+        (self.integral_nm, self.braking_mm_s) = (0.0, 0.0);
+    }
+
     /// The state, and what the regulator wants the others to see.
     pub(crate) fn status_word(&self) -> StatusWord {
         let StatusWord(word) = StatusWord::of(self.machine.state());

@@ -20,6 +20,7 @@
 //! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
 //! | `scenario`, `timeline` | what happens, and when |
 //! | `plant` | one control cycle of all of it |
+//! | `outage` | what becomes of it without its controls and without mains, and when it is switched on again |
 //!
 //! The same machine, scenario, seed and commands give the same numbers on every computer.
 #![forbid(unsafe_code)]
@@ -37,6 +38,7 @@ mod friction;
 mod grooves;
 mod meter;
 mod orders;
+mod outage;
 mod plant;
 mod ramped;
 mod reading;

@@ -24,16 +24,16 @@ use crate::timeline::{Moment, Timeline};
 
 /// One axis: drive, mechanics, encoder at the motor, perhaps a scale at the slide.
 #[derive(Clone, Debug)]
-struct AxisPlant {
+pub(crate) struct AxisPlant {
     axis: Axis,
     /// Where the axis was referenced, as the controller believes and as it is.
     home_mm: f64,
     true_home_mm: f64,
-    drive: Drive,
+    pub(crate) drive: Drive,
     train: DriveTrain,
     meter: Meter,
     /// Torque command computed in the cycle before; `None` without power.
-    torque_nm: Option<f64>,
+    pub(crate) torque_nm: Option<f64>,
     /// A count, as the controller believes and as it is.
     quantum_mm: f64,
     true_quantum_mm: f64,
@@ -41,15 +41,15 @@ struct AxisPlant {
     /// Where home lies within its count, a share of one.
     encoder_phase: f64,
     /// Counts that the counter has jumped by.
-    jumped: f64,
-    count: f64,
-    count_before: f64,
+    pub(crate) jumped: f64,
+    pub(crate) count: f64,
+    pub(crate) count_before: f64,
     scale: Option<Scale>,
 }
 
 /// How fresh the spindle command is.
 #[derive(Clone, Copy, Debug, Default)]
-struct Freshness {
+pub(crate) struct Freshness {
     /// Cycle of the command in force, and for how many control cycles it has been there.
     cycle: Cycle,
     age: u64,
@@ -76,18 +76,18 @@ struct Freshness {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Plant {
-    axes: Vec<AxisPlant>,
-    spindle: Spindle,
-    timeline: Timeline,
+    pub(crate) axes: Vec<AxisPlant>,
+    pub(crate) spindle: Spindle,
+    pub(crate) timeline: Timeline,
     cutter: Cutter,
-    freshness: Freshness,
+    pub(crate) freshness: Freshness,
     /// Control cycles for which the mains have been off, and for which the drives have torque then.
-    outage: u64,
+    pub(crate) outage: u64,
     link_cycles: u64,
-    bus: Bus,
+    pub(crate) bus: Bus,
     /// What is measured in the present cycle; regulators see of it what the bus has brought.
-    fresh: Measurement,
-    truth: Truth,
+    pub(crate) fresh: Measurement,
+    pub(crate) truth: Truth,
 }
 
 impl Plant {
@@ -270,7 +270,7 @@ impl Plant {
     }
 
     /// Writes the truth of a cycle, and what is measured of it.
-    fn sample(&mut self, now: Cycle, command: &SpindleCommand) {
+    pub(crate) fn sample(&mut self, now: Cycle, command: &SpindleCommand) {
         self.truth.cycle = now;
         self.truth.spindle_deg = 360.0 * self.spindle.turns();
         self.truth.spindle_rpm = self.spindle.rpm();
@@ -338,6 +338,11 @@ impl Plant {
 }
 
 impl Freshness {
+    /// Before the first command.
+    pub(crate) fn anew(self) -> Freshness {
+        Freshness { stale: self.stale, ..Freshness::default() }
+    }
+
     /// Whether the command in force has not been followed by another for too long. Asked once a cycle.
     fn is_stale(&mut self, command: &SpindleCommand) -> bool {
         self.come |= command.cycle != self.cycle;
@@ -366,7 +371,7 @@ impl AxisPlant {
     }
 
     /// The encoder counts on to where the motor has come.
-    fn count(&mut self) {
+    pub(crate) fn count(&mut self) {
         self.count_before = self.count;
         let motor_mm = 1e3 * self.train.motion().motor_m;
         self.count = (motor_mm / self.true_quantum_mm + self.encoder_phase).floor();

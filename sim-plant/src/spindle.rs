@@ -154,6 +154,17 @@ impl Spindle {
         self.index_turn
     }
 
+    /// Its drive is switched on again: it gives no torque yet, and the encoder counts from where the spindle
+    /// stands. Lines and index of its disc are where they were, so the count at an index is another one by
+    /// whole counts only.
+    pub(crate) fn switch_on(&mut self) {
+        (self.set, self.integral_nm, self.torque_nm) = (self.speed, 0.0, 0.0);
+        self.sampled_before = self.sampled;
+        let at = self.sampled;
+        let shown = (at * self.counts_per_turn + self.count_offset + self.reading.ahead(at)).floor();
+        self.count_offset -= shown;
+    }
+
     /// What holds the spindle back when it jams, N·m.
     pub(crate) fn jam_nm(&self) -> f64 {
         JAM * self.train.peak_torque_nm

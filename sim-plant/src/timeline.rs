@@ -41,7 +41,7 @@ struct PassInHand {
 pub(crate) struct Timeline {
     events: Vec<Event>,
     due: Vec<bool>,
-    cycle_s: f64,
+    pub(crate) cycle_s: f64,
     rise_cycles: f64,
     knobs: [Ramped; 3],
     /// Buttons; its overrides mean nothing.
@@ -93,6 +93,25 @@ impl Timeline {
         self.encoder.make_room(self.events.len());
         self.orders.make_room(self.events.len());
         self.later = Vec::with_capacity(self.events.len());
+    }
+
+    /// The mains fail, and nobody does anything any more.
+    pub(crate) fn lose_power(&mut self) {
+        self.events.clear();
+        self.due.clear();
+        self.pressed.press(Panel::POWER_LOST, true);
+    }
+
+    /// The machine is switched on again: knobs and inputs are as they were left, buttons are released, and
+    /// what was broken is mended.
+    pub(crate) fn switch_on(&mut self) {
+        *self = Timeline {
+            knobs: self.knobs.map(|knob| Ramped::at(knob.value())),
+            known_inputs: self.known_inputs,
+            inputs: self.inputs,
+            rise_cycles: self.rise_cycles,
+            ..Timeline::new(self.cycle_s, 0.0, self.z_before)
+        };
     }
 
     /// Numbers, from 1, of the events that did not happen yet.

@@ -28,6 +28,8 @@ pub struct Origin {
     pub begun_at: u64,
     /// Steps of this run before it got there.
     pub before: u64,
+    /// Passes of the program before that place.
+    pub passes: u32,
 }
 
 /// Watches a run for what its journal has to know. Give it every control cycle in order.
@@ -101,6 +103,7 @@ impl Keeper {
             input: self.run.input,
             seed: self.run.seed,
             step: self.run.begun_at,
+            passes: self.run.passes,
             ..State::nothing()
         });
         // What was still to come is thrown away when a program is ended, and would count as taken.

@@ -94,7 +94,7 @@ pub struct State {
     pub open: u32,
     /// Whether the operator ended the program, 1 if so.
     pub stopped: u32,
-    /// Passes cut to their end in this run.
+    /// Passes of the program cut to their end, in this run and in those that it goes on with.
     pub passes: u32,
     /// State of the interpolator, and its fault, by their codes.
     pub machine: u32,

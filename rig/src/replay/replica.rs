@@ -170,6 +170,13 @@ impl<I: Iterator<Item = Item>> Replica<I> {
         Ok(!last)
     }
 
+    /// Mains and controls fail behind the cycle that was last: the plant at rest.
+    pub fn lose_power(self) -> Plant {
+        let Replica { mut plant, drives, spindle, .. } = self;
+        plant.lose_power(&drives, &spindle, |_| {});
+        plant
+    }
+
     /// What is taken for an input where something is due.
     fn takes(&self, input: Input, due: Option<u64>) -> Option<u64> {
         self.modes.get(&input).copied().unwrap_or_default().or(due)

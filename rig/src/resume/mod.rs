@@ -1,0 +1,319 @@
+//! How a program that was broken off is gone on with. In: its machine code, what the journal knows of the run,
+//! where the axes are measured now. Out: a [`Plan`]: where it begins again, what is in force there, the way to
+//! get there; or a [`Refusal`].
+//!
+//! | rule | why |
+//! |---|---|
+//! | it begins at the first pass that the journal does not know as cut, or at the first move that is not done | what is not known to be done is done again: in a groove that is there a pass takes nothing |
+//! | a pass is cut again whole, from its start | same index, same angles: the same helix |
+//! | a contour that was broken off is begun where its first feed began | there the tool came to it through the air |
+//! | everything before is read and not executed | what is in force follows from the program, not from a guess |
+//! | the way there begins where the tool is *measured*: straight out of a groove, back on a contour (`route`) | the tool has been there |
+//!
+//! Outputs, tool and path are as the program has them there before anything moves; spindle and coolant go on
+//! where the tool has come to the start.
+
+mod reader;
+mod route;
+
+use machine::{Kinematics, Machine};
+use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, Set};
+
+use crate::journal::State;
+pub use reader::Modal;
+use reader::end;
+use route::{Step, moves, stands_on, way_back};
+
+/// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
+const MOST: usize = 1 << 14;
+
+/// How a program is gone on with.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What is in force at the item at which it begins again; [`Modal::items`] of the program are left out.
+    pub modal: Modal,
+    /// The item at which it begins again: its line, and its number if it is a pass.
+    pub line: u32,
+    /// See there.
+    pub pass: Option<u32>,
+    /// Where the tool stands now.
+    pub stands: Stands,
+    /// The moves from where the axes are measured to where it begins.
+    pub way: Vec<Item>,
+    /// What is executed before the rest of the program: `way` is part of it.
+    pub before: Vec<Item>,
+}
+
+/// Where the tool of a run that was broken off stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stands {
+    /// Where a pass leads it, perhaps in its groove.
+    InPass(u32),
+    /// On a rapid of a line.
+    OnRapid(u32),
+    /// On a contour, in a line.
+    OnContour(u32),
+    /// Where the program has left it: nothing moves any more.
+    AtRest,
+}
+
+/// Why a program is not gone on with.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// Nothing is left of it.
+    #[error("its program came to its end: there is nothing to go on with")]
+    Complete,
+    /// The kinematics are not those of a lathe.
+    #[error("only a lathe can go on with a program: start it again, or a part of it as a program of its own")]
+    NoLathe,
+    /// It was broken off in a work.
+    #[error(
+        "it was broken off at the contour, surface or seam of line {line}, which can only be begun anew: start that job \
+         again"
+    )]
+    Work {
+        /// Line of the program.
+        line: u32,
+    },
+    /// The journal is of another program.
+    #[error("the journal knows more of it than it has: the program is not the one that was run")]
+    OtherProgram,
+    /// The pass that is open is another one.
+    #[error("the journal has pass {open} open, the program {next} next: the program is not the one that was run")]
+    OtherPass {
+        /// By the journal.
+        open: u32,
+        /// By the program.
+        next: u32,
+    },
+    /// The axes stand where the program does not lead.
+    #[error(
+        "the axes stand at X {x_mm:.3} Z {z_mm:.3} mm, where the program does not lead from line {line} on: bring the tool \
+         by hand to where it begins there, X {to_x_mm:.3} Z {to_z_mm:.3} mm of the machine"
+    )]
+    Elsewhere {
+        /// Measured X.
+        x_mm: f64,
+        /// Measured Z.
+        z_mm: f64,
+        /// Line at which the program would begin.
+        line: u32,
+        /// Where it begins there.
+        to_x_mm: f64,
+        /// See there.
+        to_z_mm: f64,
+    },
+    /// The contour is too long.
+    #[error(
+        "the contour that begins in line {line} has more than {MOST} moves before the one that was broken off: begin \
+         in it with a program of its own"
+    )]
+    TooLong {
+        /// Line of its first move.
+        line: u32,
+    },
+}
+
+/// Finds how a program is gone on with, by what the journal knows and where the axes are measured. The program
+/// is read twice at most.
+///
+/// # Errors
+/// [`Refusal`] says why it is not, and what to do.
+pub fn plan<I: Iterator<Item = Item>>(
+    machine: &Machine,
+    program: impl Fn() -> I,
+    state: &State,
+    here: &PerAxis<Position>,
+) -> Result<Plan, Refusal> {
+    if machine.general.kinematics != Kinematics::Lathe {
+        return Err(Refusal::NoLathe);
+    }
+    if state.is_complete() {
+        return Err(Refusal::Complete);
+    }
+    // A move that was taken last counts before it is done: it is, if the tool stands on a later one.
+    let in_hand = attempt(machine, program(), state, here, Last::InHand);
+    match in_hand {
+        Ok((plan, true)) => Ok(plan),
+        _ => attempt(machine, program(), state, here, Last::Done).map(|(plan, _)| plan),
+    }
+}
+
+/// The move that was taken last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Last {
+    InHand,
+    Done,
+}
+
+/// A plan, and whether the tool stands on the first move that is not done.
+fn attempt(
+    machine: &Machine,
+    program: impl Iterator<Item = Item>,
+    state: &State,
+    here: &PerAxis<Position>,
+    last_move: Last,
+) -> Result<(Plan, bool), Refusal> {
+    let mut program = program.fuse();
+    let Found { mut begin, mut steps, known } = find(machine, &mut program, state, last_move)?;
+    look_ahead(&mut steps, &mut program);
+    let stood = stands_on(&steps, known, here);
+    let first = steps.iter().skip(known).position(|step| moves(&step.0)).map(|first| known + first);
+    let Some(first) = first else {
+        // Nothing moves any more.
+        return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true));
+    };
+    let to = steps[..=stood.unwrap_or(first)].iter().map(|step| step.0).find(is_work);
+    if let Some(Item { line, .. }) = to {
+        return Err(Refusal::Work { line });
+    }
+    let last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
+    let Item { line, code } = steps[last].0;
+    let stands = match code {
+        Code::Pass(pass) => Stands::InPass(pass.pass),
+        Code::Line { feed: Feed::Rapid, .. } => Stands::OnRapid(line),
+        _ => Stands::OnContour(line),
+    };
+    if first == last && matches!(stands, Stands::OnRapid(_)) {
+        // Forward, on the way on which it was.
+        steps.drain(..=first).for_each(|(item, _)| begin.take(&item));
+        return Ok((Plan::new(begin, &steps, stands, vec![Item { line, code }]), true));
+    }
+    let way = way_back(&steps[..=last], here);
+    Ok((Plan::new(begin, &steps, stands, way), first == last))
+}
+
+/// Where a program begins again.
+struct Found {
+    /// What is in force there.
+    begin: Modal,
+    /// Items from there on, with the places before them.
+    steps: Vec<Step>,
+    /// How many of them are known to be done.
+    known: usize,
+}
+
+/// Reads a program up to what is not done.
+fn find(
+    machine: &Machine,
+    program: &mut impl Iterator<Item = Item>,
+    state: &State,
+    last_move: Last,
+) -> Result<Found, Refusal> {
+    let mut modal = Modal::new(machine);
+    // The contour in hand: what was in force before its first feed, and all since.
+    let mut contour: Option<(Modal, Vec<Step>)> = None;
+    loop {
+        let item = program.next().ok_or(Refusal::OtherProgram)?;
+        if is_not_done(&modal, &item, state, last_move) {
+            if let Code::Pass(pass) = item.code
+                && state.open != 0
+                && pass.pass != state.open
+            {
+                return Err(Refusal::OtherPass { open: state.open, next: pass.pass });
+            }
+            return Ok(begins_at(modal, contour, item, program));
+        }
+        match item.code {
+            Code::Line { feed: Feed::Rapid, .. } | Code::Pass(_) => contour = None,
+            _ if item.is_move() || contour.is_some() => {
+                let (_, steps) = contour.get_or_insert_with(|| (modal.clone(), Vec::new()));
+                steps.push((item, modal.at));
+                if steps.len() > MOST {
+                    return Err(Refusal::TooLong { line: steps[0].0.line });
+                }
+            }
+            _ => {}
+        }
+        modal.take(&item);
+    }
+}
+
+/// Whether an item is the first that the journal does not know as done. A pass in hand counts as taken while
+/// it still waits for its spindle, so passes are counted by themselves; what needs no motion is done again.
+fn is_not_done(modal: &Modal, item: &Item, state: &State, last_move: Last) -> bool {
+    let steps = modal.steps + item.steps();
+    match item.code {
+        Code::Pass(_) => modal.passes >= state.passes,
+        Code::End => true,
+        _ if item.is_move() && last_move == Last::Done => steps > state.step,
+        _ => steps >= state.step,
+    }
+}
+
+/// A contour goes on if a feed is what comes next; else it is over.
+fn begins_at(
+    modal: Modal,
+    contour: Option<(Modal, Vec<Step>)>,
+    item: Item,
+    program: &mut impl Iterator<Item = Item>,
+) -> Found {
+    let mut steps = vec![(item, modal.at)];
+    while let Some((last, from)) = steps.last()
+        && !(moves(last) || matches!(last.code, Code::End))
+    {
+        let at = end(last, from);
+        let Some(item) = program.next() else { break };
+        steps.push((item, at));
+    }
+    let feeds = steps.last().is_some_and(|(item, _)| {
+        item.is_move() && !matches!(item.code, Code::Line { feed: Feed::Rapid, .. })
+    });
+    match contour {
+        Some((begin, mut done)) if feeds => {
+            let known = done.len();
+            done.append(&mut steps);
+            Found { begin, steps: done, known }
+        }
+        _ => Found { begin: modal, steps, known: 0 },
+    }
+}
+
+/// Reads on: the tool can have come farther than the journal knows.
+fn look_ahead(steps: &mut Vec<Step>, program: &mut impl Iterator<Item = Item>) {
+    let most = steps.len() + MOST;
+    while let Some((last, from)) = steps.last()
+        && steps.len() < most
+        && !matches!(last.code, Code::End)
+    {
+        let at = end(last, from);
+        let Some(item) = program.next() else { break };
+        steps.push((item, at));
+    }
+}
+
+fn is_work(item: &Item) -> bool {
+    matches!(item.code, Code::Work(_))
+}
+
+fn elsewhere((item, from): &Step, here: &PerAxis<Position>) -> Refusal {
+    let [[x_mm, z_mm], [to_x_mm, to_z_mm]] =
+        [here, from].map(|place| [Axis::X, Axis::Z].map(|axis| place[axis.index()].mm()));
+    Refusal::Elsewhere { x_mm, z_mm, line: item.line, to_x_mm, to_z_mm }
+}
+
+impl Plan {
+    /// A plan that begins at the first of these steps.
+    fn new(modal: Modal, steps: &[Step], stands: Stands, way: Vec<Item>) -> Plan {
+        let first = steps.first().map_or(Item { line: 0, code: Code::End }, |step| step.0);
+        let next = steps.iter().map(|step| &step.0).find(|item| moves(item)).unwrap_or(&first);
+        let pass = if let Code::Pass(pass) = next.code { Some(pass.pass) } else { None };
+        let line = next.line;
+        let before = before(&modal, &way, first.line);
+        Plan { modal, line, pass, stands, way, before }
+    }
+}
+
+/// What is executed before the rest of a program.
+fn before(modal: &Modal, way: &[Item], line: u32) -> Vec<Item> {
+    let item = |code| Item { line, code };
+    let mut before = vec![item(Code::PathMode(PathMode::ExactStop))];
+    before.extend(modal.tool.map(|number| item(Code::Tool { number })));
+    let output = |(number, set): &(u8, Set)| Code::Output { number: *number, set: *set, in_step: false };
+    before.extend(modal.outputs.iter().map(output).map(item));
+    before.extend(way);
+    before.extend(modal.spindle.into_iter().chain(modal.coolant).map(item));
+    before.push(item(Code::PathMode(modal.path)));
+    before.extend(modal.formulas.values().copied().map(item));
+    before
+}

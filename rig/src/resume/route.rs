@@ -1,0 +1,184 @@
+//! Where the tool stands on a program that was broken off, and how it gets back from there. In: items of the
+//! program, the places before them, the measured places of the axes. Out: moves that lead over nothing but
+//! what the tool has been over, or straight out of its groove.
+//!
+//! | the tool stands | it goes |
+//! |---|---|
+//! | in the box of a pass | along the axis that lifts it, to where it is clear; along the thread; then to the start |
+//! | on a line or an arc | back on it, to its begin |
+//!
+//! A line and an arc are followed backwards exactly, so what the tool has cut is free for it.
+
+use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Position, ThreadPass};
+
+use super::reader::apart_mm;
+
+/// An axis that was braked stands so far beside its way at most, mm: on a rapid, where axes brake from speeds
+/// of their own, and on a feed.
+const BESIDE_RAPID_MM: f64 = 6.0;
+const BESIDE_FEED_MM: f64 = 0.5;
+/// Nearer than this it is on it, mm.
+const ON_MM: f64 = 0.1;
+/// So many moves are next: what was in hand when the journal was written, and what has come since.
+const NEXT: usize = 3;
+/// How far an axis goes beyond the box of a pass while it brakes, along the thread and across it, mm.
+const BEYOND_MM: [f64; 2] = [8.0, 0.5];
+/// Back over what was cut at this feed, in mm/min.
+const BACK: Feed = Feed::PerMinute(400.0);
+/// An arc shorter than this is left on a line: its angle would not be known, mm.
+const SHORT_MM: f64 = 0.1;
+
+/// One item of the program and where the axes are before it.
+pub(super) type Step = (Item, PerAxis<Position>);
+
+/// The step on which the tool stands: of the next moves behind `known` the one that it is on, or beside which
+/// it may have been braked; else a later one that it is on.
+pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) -> Option<usize> {
+    let moves = || steps.iter().enumerate().skip(known).filter(|(_, step)| moves(&step.0));
+    let is_on = |(_, step): &(usize, &Step)| off(step, here).is_some_and(|[mm, _]| mm < ON_MM);
+    let beside = || {
+        let share = |(index, step): (usize, &Step)| {
+            let [mm, most_mm] = off(step, here)?;
+            (mm < most_mm).then_some((index, mm / most_mm))
+        };
+        let nearest = moves().take(NEXT).filter_map(share).min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map(|(index, _)| index)
+    };
+    let near = moves().take(NEXT).find(is_on).map(|(index, _)| index);
+    near.or_else(beside).or_else(|| moves().skip(NEXT).find(is_on).map(|(index, _)| index))
+}
+
+/// Whether an item moves the axes.
+pub(super) fn moves(item: &Item) -> bool {
+    item.is_move() || matches!(item.code, Code::Pass(_))
+}
+
+/// How far a tool that stands here is off a step, and how far it may be if it was braked there, mm.
+fn off((item, from): &Step, here: &PerAxis<Position>) -> Option<[f64; 2]> {
+    match &item.code {
+        Code::Line { target, feed: Feed::Rapid } => {
+            Some([beside_line_mm(from, target, here), BESIDE_RAPID_MM])
+        }
+        Code::Line { target, .. } => Some([beside_line_mm(from, target, here), BESIDE_FEED_MM]),
+        Code::Arc { arc, .. } => Some([beside_arc_mm(from, arc, here), BESIDE_FEED_MM]),
+        Code::Pass(pass) => is_in_box(pass, here).then_some([0.0, BESIDE_FEED_MM]),
+        _ => None,
+    }
+}
+
+/// The axis that lifts the tool off a pass, and the one along the thread.
+fn across_and_along(pass: &ThreadPass) -> [Axis; 2] {
+    let across = Axis::ALL[pass.out.axis as usize];
+    [across, if across == Axis::X { Axis::Z } else { Axis::X }]
+}
+
+/// Whether a tool stands where a pass leads it.
+fn is_in_box(pass: &ThreadPass, here: &PerAxis<Position>) -> bool {
+    let [across, along] = across_and_along(pass);
+    [(along, BEYOND_MM[0]), (across, BEYOND_MM[1])].into_iter().all(|(axis, beyond_mm)| {
+        let (law, mm) = (pass.axis(axis), here[axis.index()].mm());
+        let start_mm = law.start.mm();
+        let mut ends = vec![start_mm, start_mm + law.stroke_mm, law.end.mm()];
+        if axis == across {
+            let lead = pass.axis(along);
+            let cone_mm = if lead.lead_mm == 0.0 {
+                0.0
+            } else {
+                law.lead_mm / lead.lead_mm * lead.end.mm_from(lead.start)
+            };
+            ends.extend([pass.out.clear.mm(), start_mm + law.stroke_mm + law.unload_mm]);
+            ends.push(start_mm + law.stroke_mm + cone_mm);
+        }
+        let [low, high] = ends
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], end| [low.min(*end), high.max(*end)]);
+        (low - beyond_mm..=high + beyond_mm).contains(&mm)
+    })
+}
+
+/// How far a place lies beside a straight way, mm.
+fn beside_line_mm(from: &PerAxis<Position>, to: &PerAxis<Position>, here: &PerAxis<Position>) -> f64 {
+    let seen = |place: &PerAxis<Position>| {
+        [Axis::X, Axis::Z].map(|axis| place[axis.index()].mm_from(from[axis.index()]))
+    };
+    let ([dx, dz], [px, pz]) = (seen(to), seen(here));
+    let length = dx * dx + dz * dz;
+    let share = if length > 0.0 { ((px * dx + pz * dz) / length).clamp(0.0, 1.0) } else { 0.0 };
+    libm::hypot(px - share * dx, pz - share * dz)
+}
+
+/// How far a place lies beside an arc: as far as its distance from the centre, where it is within the arc.
+fn beside_arc_mm(from: &PerAxis<Position>, arc: &Arc, here: &PerAxis<Position>) -> f64 {
+    let [first, second] = arc.plane.axes();
+    let seen = |place: &PerAxis<Position>| {
+        let a = place[first.index()].mm_from(arc.center[0]);
+        let b = place[second.index()].mm_from(arc.center[1]);
+        (libm::hypot(a, b), libm::atan2(b, a))
+    };
+    let ((radius, start), (_, stop), (away, angle)) = (seen(from), seen(&arc.target), seen(here));
+    let sign = f64::from(arc.turns.signum());
+    let turned = |to: f64| (sign * (to - start)).rem_euclid(core::f64::consts::TAU);
+    let whole = apart_mm(from, &arc.target) < 1e-6;
+    if whole || turned(angle) <= turned(stop) {
+        return (away - radius).abs();
+    }
+    apart_mm(from, here).min(apart_mm(&arc.target, here))
+}
+
+/// A way that is being found.
+struct Way {
+    items: Vec<Item>,
+    at: PerAxis<Position>,
+    line: u32,
+}
+
+impl Way {
+    fn go(&mut self, target: PerAxis<Position>, feed: Feed) {
+        if target != self.at {
+            self.items.push(Item { line: self.line, code: Code::Line { target, feed } });
+            self.at = target;
+        }
+    }
+
+    /// Straight out of the groove of a pass, along the thread, to its start.
+    fn out_of(&mut self, pass: &ThreadPass) {
+        let across = pass.out.axis as usize;
+        let out = if pass.out.clear >= pass.out.free { 1.0 } else { -1.0 };
+        if out * pass.out.clear.mm_from(self.at[across]) > 0.0 {
+            let mut clear = self.at;
+            clear[across] = pass.out.clear;
+            self.go(clear, Feed::Rapid);
+        }
+        let start = pass.axes.map(|law| law.start);
+        let mut before = start;
+        before[across] = self.at[across];
+        self.go(before, Feed::Rapid);
+        self.go(start, Feed::Rapid);
+    }
+
+    /// Back on an arc to where it begins.
+    fn back_on(&mut self, arc: &Arc, from: &PerAxis<Position>) {
+        if apart_mm(&self.at, from) < SHORT_MM {
+            return self.go(*from, BACK);
+        }
+        let arc = Arc { target: *from, turns: -arc.turns.signum(), ..*arc };
+        self.items.push(Item { line: self.line, code: Code::Arc { arc, feed: BACK } });
+        self.at = *from;
+    }
+}
+
+/// The moves from where the tool stands on the last of these steps to where it was before the first.
+pub(super) fn way_back(steps: &[Step], here: &PerAxis<Position>) -> Vec<Item> {
+    let mut way = Way { items: Vec::new(), at: *here, line: 0 };
+    for (item, from) in steps.iter().rev() {
+        way.line = item.line;
+        match &item.code {
+            Code::Pass(pass) => way.out_of(pass),
+            Code::Line { feed: Feed::Rapid, .. } => way.go(*from, Feed::Rapid),
+            Code::Line { .. } => way.go(*from, BACK),
+            Code::Arc { arc, .. } => way.back_on(arc, from),
+            _ => {}
+        }
+    }
+    way.items
+}
