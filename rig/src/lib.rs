@@ -2,7 +2,7 @@
 //! plant and measures every pass, [`trace`] writes and reads what happened in every control cycle, [`trial`]
 //! makes passes to be measured, [`mod@bench`] tunes its axes. What lies between the modules are [`wires`],
 //! which a test can disturb. A [`supervisor`] brings it to rest when a part of it has died; [`standstill`]
-//! finds one that waits for nobody. A program that was broken off is gone on with by a plan of [`mod@resume`].
+//! finds one that waits for nobody. [`mod@resume`] plans how a program that was broken off is gone on with.
 
 pub mod bench;
 pub mod journal;

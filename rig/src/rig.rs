@@ -8,7 +8,9 @@
 //! have sent is missing then, and the others go on.
 
 use machine::Machine;
-use protocol::{AxisFrame, Doom, DriveCommand, Item, Module, PerAxis, SpindleCommand, Truth, operator::Request};
+use protocol::{
+    AxisFrame, Doom, DriveCommand, Item, Module, PerAxis, SpindleCommand, Truth, operator::Request,
+};
 use sim_plant::{Plant, PlantError, Scenario};
 
 use crate::lives::Life;

@@ -19,8 +19,7 @@
 //! | `orders` | what it wants of whoever runs the machine: modules killed, messages tampered with |
 //! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
 //! | `scenario`, `timeline` | what happens, and when |
-//! | `plant` | one control cycle of all of it |
-//! | `outage` | what becomes of it without its controls and without mains, and when it is switched on again |
+//! | `plant` | one control cycle of all of it; what becomes of it without controls and mains, and behind that |
 //!
 //! The same machine, scenario, seed and commands give the same numbers on every computer.
 #![forbid(unsafe_code)]
@@ -38,7 +37,6 @@ mod friction;
 mod grooves;
 mod meter;
 mod orders;
-mod outage;
 mod plant;
 mod ramped;
 mod reading;

@@ -1,6 +1,6 @@
-//! How a program that was broken off is gone on with. In: its machine code, what the journal knows of the run,
-//! where the axes are measured now. Out: a [`Plan`]: where it begins again, what is in force there, the way to
-//! get there; or a [`Refusal`].
+//! How a program that was broken off is gone on with. In: its machine code, what the journal knows of the
+//! run, where the axes are measured now. Out: a [`Plan`]: where it begins again, what is in force there, the
+//! way to get there; or a [`Refusal`].
 //!
 //! | rule | why |
 //! |---|---|
@@ -79,7 +79,9 @@ pub enum Refusal {
     #[error("the journal knows more of it than it has: the program is not the one that was run")]
     OtherProgram,
     /// The pass that is open is another one.
-    #[error("the journal has pass {open} open, the program {next} next: the program is not the one that was run")]
+    #[error(
+        "the journal has pass {open} open, the program {next} next: the program is not the one that was run"
+    )]
     OtherPass {
         /// By the journal.
         open: u32,
@@ -114,8 +116,8 @@ pub enum Refusal {
     },
 }
 
-/// Finds how a program is gone on with, by what the journal knows and where the axes are measured. The program
-/// is read twice at most.
+/// Finds how a program is gone on with, by what the journal knows and where the axes are measured. The
+/// program is read twice at most.
 ///
 /// # Errors
 /// [`Refusal`] says why it is not, and what to do.
@@ -206,6 +208,10 @@ fn find(
     loop {
         let item = program.next().ok_or(Refusal::OtherProgram)?;
         if is_not_done(&modal, &item, state, last_move) {
+            let at_end = matches!(item.code, Code::End) && state.step > modal.steps + 1;
+            if at_end || state.passes > modal.passes {
+                return Err(Refusal::OtherProgram);
+            }
             if let Code::Pass(pass) = item.code
                 && state.open != 0
                 && pass.pass != state.open

@@ -13,10 +13,11 @@ use testing::Seed;
 
 use crate::stand::compiled;
 
-const PROGRAM: &str = "G18 G21 G90 G8 G94 G97\nM3 S600\nG0 X12 Z8\nG76 P2 Z-12 I-1 J0.3 K1.2 R1.5 Q29.5\nM5\nM2\n";
+const PROGRAM: &str =
+    "G18 G21 G90 G8 G94 G97\nM3 S600\nG0 X12 Z8\nG76 P2 Z-12 I-1 J0.3 K1.2 R1.5 Q29.5\nM5\nM2\n";
 
 /// Runs machine code for so many cycles, or to its end.
-fn run(rig: &mut Rig<std::vec::IntoIter<Item>>, observer: &mut Observer, cycles: u64) {
+fn run(rig: &mut Rig<impl Iterator<Item = Item>>, observer: &mut Observer, cycles: u64) {
     for _ in 0..cycles {
         if !rig.cycle(None, |record| observer.cycle(record)) {
             return;
@@ -26,7 +27,7 @@ fn run(rig: &mut Rig<std::vec::IntoIter<Item>>, observer: &mut Observer, cycles:
 
 fn observed(machine: &Machine, items: &[Item], plant: Plant) -> (Outcome, Vec<PassReport>, u64) {
     let mut observer = Observer::new(machine, items);
-    let mut rig = Rig::on_plant(machine, plant, items.to_vec().into_iter(), Straight);
+    let mut rig = Rig::on_plant(machine, plant, items.iter().copied(), Straight);
     run(&mut rig, &mut observer, 2_000_000);
     let seen = observer.finish();
     assert!(seen.faults.is_empty(), "{:?}", seen.faults);
@@ -57,7 +58,8 @@ fn a_machine_that_is_switched_on_again_stands_where_it_stood() {
         let mut random = Seed::of_case(seed);
         for _ in 0..3 {
             let at = random.within(1..cycles);
-            let mut first = Rig::new(&machine, items.clone().into_iter(), Scenario::none(), seed).expect("a rig");
+            let mut first =
+                Rig::new(&machine, items.clone().into_iter(), Scenario::none(), seed).expect("a rig");
             let mut last = None;
             (0..at).for_each(|_| {
                 first.cycle(None, |record| last = Some(*record.truth));
@@ -65,7 +67,7 @@ fn a_machine_that_is_switched_on_again_stands_where_it_stood() {
             let mut last: Truth = last.expect("a cycle");
             let begun = last;
             let mut plant = first.lose_power(|truth| {
-                // The cycle behind the last record is not shown: two of them at the highest speed are no jump.
+                // The cycle behind the last record is not shown: two at the highest speed are no jump.
                 for axis in [Axis::X, Axis::Z] {
                     let most = 2.1 * machine.axis[&axis].velocity_mm_s * machine.general.cycle_s;
                     assert!(moved(&last, truth, axis) < most, "{axis} jumps in {at}");
@@ -74,7 +76,11 @@ fn a_machine_that_is_switched_on_again_stands_where_it_stood() {
             });
             assert!(last.spindle_rpm.abs() < 0.01, "the spindle stands: {}", last.spindle_rpm);
             for (axis, most_mm) in [(Axis::X, 4.0), (Axis::Z, 6.0)] {
-                assert!(moved(&begun, &last, axis) < most_mm, "{axis} brakes over {} mm", moved(&begun, &last, axis));
+                assert!(
+                    moved(&begun, &last, axis) < most_mm,
+                    "{axis} brakes over {} mm",
+                    moved(&begun, &last, axis)
+                );
             }
             plant.switch_on(Scenario::none()).expect("it is the same machine");
             let again = *plant.truth();
@@ -84,7 +90,10 @@ fn a_machine_that_is_switched_on_again_stands_where_it_stood() {
             for (axis, _) in machine.axes() {
                 let i = axis.index();
                 let measured = [&again, &last].map(|truth| truth.measurement.axes[i].position);
-                assert!((measured[0].mm() - measured[1].mm()).abs() < 1e-9, "{axis}: the encoder is absolute");
+                assert!(
+                    (measured[0].mm() - measured[1].mm()).abs() < 1e-9,
+                    "{axis}: the encoder is absolute"
+                );
             }
             let mut second = vec![lifts(&plant, 12.0)];
             second.extend(&items);

@@ -2,6 +2,8 @@
 //! spindle command in force, perhaps what the operator does. Out: the next measurement, and the truth behind
 //! it. A torque computed in cycle n − 1 acts from t_n to t_{n+1}.
 
+mod outage;
+
 use machine::Machine;
 use protocol::operator::Request;
 use protocol::{
@@ -24,16 +26,16 @@ use crate::timeline::{Moment, Timeline};
 
 /// One axis: drive, mechanics, encoder at the motor, perhaps a scale at the slide.
 #[derive(Clone, Debug)]
-pub(crate) struct AxisPlant {
+struct AxisPlant {
     axis: Axis,
     /// Where the axis was referenced, as the controller believes and as it is.
     home_mm: f64,
     true_home_mm: f64,
-    pub(crate) drive: Drive,
+    drive: Drive,
     train: DriveTrain,
     meter: Meter,
     /// Torque command computed in the cycle before; `None` without power.
-    pub(crate) torque_nm: Option<f64>,
+    torque_nm: Option<f64>,
     /// A count, as the controller believes and as it is.
     quantum_mm: f64,
     true_quantum_mm: f64,
@@ -41,15 +43,15 @@ pub(crate) struct AxisPlant {
     /// Where home lies within its count, a share of one.
     encoder_phase: f64,
     /// Counts that the counter has jumped by.
-    pub(crate) jumped: f64,
-    pub(crate) count: f64,
-    pub(crate) count_before: f64,
+    jumped: f64,
+    count: f64,
+    count_before: f64,
     scale: Option<Scale>,
 }
 
 /// How fresh the spindle command is.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Freshness {
+struct Freshness {
     /// Cycle of the command in force, and for how many control cycles it has been there.
     cycle: Cycle,
     age: u64,
@@ -76,18 +78,18 @@ pub(crate) struct Freshness {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Plant {
-    pub(crate) axes: Vec<AxisPlant>,
-    pub(crate) spindle: Spindle,
-    pub(crate) timeline: Timeline,
+    axes: Vec<AxisPlant>,
+    spindle: Spindle,
+    timeline: Timeline,
     cutter: Cutter,
-    pub(crate) freshness: Freshness,
+    freshness: Freshness,
     /// Control cycles for which the mains have been off, and for which the drives have torque then.
-    pub(crate) outage: u64,
+    outage: u64,
     link_cycles: u64,
-    pub(crate) bus: Bus,
+    bus: Bus,
     /// What is measured in the present cycle; regulators see of it what the bus has brought.
-    pub(crate) fresh: Measurement,
-    pub(crate) truth: Truth,
+    fresh: Measurement,
+    truth: Truth,
 }
 
 impl Plant {
@@ -270,7 +272,7 @@ impl Plant {
     }
 
     /// Writes the truth of a cycle, and what is measured of it.
-    pub(crate) fn sample(&mut self, now: Cycle, command: &SpindleCommand) {
+    fn sample(&mut self, now: Cycle, command: &SpindleCommand) {
         self.truth.cycle = now;
         self.truth.spindle_deg = 360.0 * self.spindle.turns();
         self.truth.spindle_rpm = self.spindle.rpm();
@@ -339,7 +341,7 @@ impl Plant {
 
 impl Freshness {
     /// Before the first command.
-    pub(crate) fn anew(self) -> Freshness {
+    fn anew(self) -> Freshness {
         Freshness { stale: self.stale, ..Freshness::default() }
     }
 
@@ -371,7 +373,7 @@ impl AxisPlant {
     }
 
     /// The encoder counts on to where the motor has come.
-    pub(crate) fn count(&mut self) {
+    fn count(&mut self) {
         self.count_before = self.count;
         let motor_mm = 1e3 * self.train.motion().motor_m;
         self.count = (motor_mm / self.true_quantum_mm + self.encoder_phase).floor();

@@ -1,5 +1,5 @@
-//! What becomes of a machine whose controls and whose mains are gone at once, and how it is when it is switched
-//! on again. In: the last commands. Out: the machine at rest; then before its first cycle.
+//! What becomes of a machine whose controls and whose mains are gone at once, and how it is when it is
+//! switched on again. In: the last commands. Out: the machine at rest; then before its first cycle.
 //!
 //! Drives that are not commanded any more brake as long as their link holds, then brakes hold the axes. The
 //! spindle coasts. Nothing lifts a tool out of the thread in which it stands.
@@ -14,10 +14,10 @@
 
 use protocol::{Cycle, DriveCommand, Measurement, PerAxis, SpindleCommand, Truth};
 
-use crate::bus::Bus;
-use crate::plant::{AxisPlant, Plant};
-use crate::scenario::Scenario;
+use super::{AxisPlant, Plant};
 use crate::PlantError;
+use crate::bus::Bus;
+use crate::scenario::Scenario;
 
 /// Slower than this nothing moves, 1/min and mm/s.
 const STANDS: f64 = 0.01;
@@ -27,8 +27,8 @@ const FOR_CYCLES: u64 = 200;
 const LONGEST_S: f64 = 1800.0;
 
 impl Plant {
-    /// Mains and controls fail in this cycle, behind these commands: goes on until nothing moves any more. Each
-    /// cycle is shown. The control cycles that it took.
+    /// Mains and controls fail in this cycle, behind these commands: goes on until nothing moves any more.
+    /// Each cycle is shown. The control cycles that it took.
     pub fn lose_power(
         &mut self,
         drives: &PerAxis<DriveCommand>,
