@@ -21,8 +21,8 @@ use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, Set};
 
 use crate::journal::State;
 pub use reader::Modal;
-use reader::end;
-use route::{Step, moves, stands_on, way_back};
+use reader::{apart_mm, end};
+use route::{ON_MM, Step, moves, stands_on, way_back};
 
 /// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
 const MOST: usize = 1 << 14;
@@ -72,6 +72,15 @@ pub enum Refusal {
          again"
     )]
     Work {
+        /// Line of the program.
+        line: u32,
+    },
+    /// A tap stands in its hole.
+    #[error(
+        "the tap of line {line} may stand in its hole: turn it out by hand together with the spindle, bring it to where it \
+         starts, then try again"
+    )]
+    Tap {
         /// Line of the program.
         line: u32,
     },
@@ -171,6 +180,12 @@ fn attempt(
     }
     let last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
     let Item { line, code } = steps[last].0;
+    if let Code::Pass(pass) = code
+        && pass.returns()
+        && apart_mm(here, &pass.axes.map(|law| law.start)) > ON_MM
+    {
+        return Err(Refusal::Tap { line });
+    }
     let stands = match code {
         Code::Pass(pass) => Stands::InPass(pass.pass),
         Code::Line { feed: Feed::Rapid, .. } => Stands::OnRapid(line),

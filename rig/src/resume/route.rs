@@ -18,7 +18,7 @@ use super::reader::apart_mm;
 const BESIDE_RAPID_MM: f64 = 6.0;
 const BESIDE_FEED_MM: f64 = 0.5;
 /// Nearer than this it is on it, mm.
-const ON_MM: f64 = 0.1;
+pub(super) const ON_MM: f64 = 0.1;
 /// So many moves are next: what was in hand when the journal was written, and what has come since.
 const NEXT: usize = 3;
 /// How far an axis goes beyond the box of a pass while it brakes, along the thread and across it, mm.
@@ -79,7 +79,9 @@ fn is_in_box(pass: &ThreadPass, here: &PerAxis<Position>) -> bool {
         let (law, mm) = (pass.axis(axis), here[axis.index()].mm());
         let start_mm = law.start.mm();
         let mut ends = vec![start_mm, start_mm + law.stroke_mm, law.end.mm()];
-        if axis == across {
+        if pass.returns() {
+            ends.push(start_mm + law.lead_mm * pass.done_deg() / 360.0);
+        } else if axis == across {
             let lead = pass.axis(along);
             let cone_mm = if lead.lead_mm == 0.0 {
                 0.0

@@ -230,6 +230,12 @@ fn what_does_not_fit_is_refused_by_its_name() {
     assert_eq!(refused(&machine, other, home), Refusal::OtherPass { open: 7, next: 2 });
     let mill = Machine::from_toml(machine::SMALL_MILL).expect("a mill");
     assert_eq!(refused(&mill, nothing, home), Refusal::NoLathe);
+    let tap = compiled(&machine, "G18 G21 G90 G8 G94 G97\nM3 S300\nG0 X0 Z5\nG33.1 Z-12 K1.5\nM5\nM2\n");
+    let mut hole = [protocol::Position(0); protocol::units::AXES];
+    hole[Axis::Z.index()] = protocol::Position::from_mm(-7.0);
+    let open = State { open: 1, step: 3, ..nothing };
+    let refused_tap = plan(&machine, || tap.iter().copied(), &open, &hole).expect_err("a tap in its hole");
+    assert_eq!(refused_tap, Refusal::Tap { line: 4 });
     let mut moved = home;
     moved[Axis::X.index()] = protocol::Position::from_mm(-3.0);
     moved[Axis::Z.index()] = protocol::Position::from_mm(50.0);
