@@ -187,7 +187,7 @@ impl Tap {
             return;
         }
         let turned = count.saturating_sub(before).unsigned_abs() as f64 * self.count_deg;
-        // From where it is now it gets faster by its ramp at most: a drive that is late comes through rest late.
+        // From where it is it gets faster by its ramp at most: a drive that is late comes through rest late.
         let before = if turned > 0.0 { turned / self.tick_s } else { self.expected };
         self.expected = (before + self.brake * self.tick_s).min(self.command.abs());
         let missing = self.expected * self.tick_s - turned / STUCK_SHARE;

@@ -35,13 +35,7 @@ const REFUSED: &[(&[u16], (&str, &str))] = &[
     (&[661], ("G66 calls a macro behind each move", "use G66")),
     (&[680], ("there is one turret", "write the blocks for it alone")),
     (&[170, 190], ("a lathe works in the plane of X and Z", "use G18")),
-    (
-        &[840, 880],
-        (
-            "the spindle of this machine does not reverse in step with Z to tap",
-            "cut the thread with G92 or G76",
-        ),
-    ),
+    (&[880], ("there are no driven tools to tap along X", "holes are along Z: use G84")),
     (&[870], ("there are no driven tools to drill along X", "holes are along Z: use G83")),
     (&[502, 512], ("tools do not turn in step with the part", "write the corners of the polygon as moves")),
 ];
@@ -72,7 +66,7 @@ pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
         0 | 10 | 20 | 30 | 320 | 900 | 920 | 940 => group::MOTION,
         180 => group::PLANE,
         650 | 660 | 670 => MACRO,
-        800 | 810 | 820 | 830 | 850 | 860 | 890 => DRILLING,
+        800 | 810 | 820 | 830 | 840 | 850 | 860 | 890 => DRILLING,
         90 => EXACT_STOP,
         610 | 640 => group::PATH,
         960 | 970 => group::SPINDLE_MODE,

@@ -1,6 +1,6 @@
 //! Holes along Z: G81 and G83 drill, in one go or in pecks of Q; G82 and P wait at the bottom; G85 and G89
 //! come back at the feed, G86 with the spindle at rest. They are in force until G80 or a code such as G00; X
-//! or Z alone makes another hole.
+//! or Z alone makes another hole. G84 taps ([`taps`]).
 //!
 //! In: `G83 X Z R Q P F`. R is where the feed begins: a distance from where the tool stands (FANUC) or a Z
 //! (Haas). Of the two readings those count that lie between the tool and the bottom, of these the one farther
@@ -14,6 +14,7 @@ use super::execution::{Execution, target};
 use super::line::Line;
 use super::once;
 use super::points::doubt_cut;
+use super::taps;
 use crate::bounds::MOST_PECKS;
 use crate::canon::{Call, Units, X, Z};
 use crate::codes::G;
@@ -37,7 +38,7 @@ pub(super) struct Drill {
     dwell_s: f64,
 }
 
-/// G81, G82, G83, G85, G86, G89.
+/// G81, G82, G83, G84, G85, G86, G89.
 ///
 /// # Errors
 /// There is no depth, or words make no sense; what the moves refuse.
@@ -65,6 +66,10 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     let (rapid, feed) = (G(0), G(10));
     run.go(rapid, [drill.level, x], None, place)?;
     run.go(rapid, [drill.r, x], None, place)?;
+    if code == G(840) {
+        taps::lathe(code, [drill.r, drill.bottom, drill.peck, drill.dwell_s], run)?;
+        return run.go(rapid, [drill.level, x], None, place);
+    }
     let mut n = 1.0;
     while n < pecks {
         let at = drill.r + way.signum() * drill.peck * n;
@@ -107,9 +112,9 @@ fn drill(code: G, line: &Line, here: f64, before: Option<Drill>) -> Result<Drill
         (None, None) => level,
     };
     let peck = line.length('Q').or(before.map(|drill| drill.peck)).unwrap_or(0.0);
-    if peck < 0.0 || line.has('Q') && code != G(830) {
+    if peck < 0.0 || line.has('Q') && !matches!(code, G(830 | 840)) {
         let message = format!("Q{} cannot be the depth of a peck of {code}", short(peck));
-        let help = "only G83 has pecks, and Q is greater than 0";
+        let help = "only G83 and G84 have pecks, and Q is greater than 0";
         return Err(Problem::error("bad-value", Blame::Word('Q'), message, help));
     }
     let dwell_s = once::milliseconds(line)?.or(before.map(|drill| drill.dwell_s)).unwrap_or(0.0);

@@ -60,6 +60,8 @@ pub(super) struct Line {
     pub(super) units: Option<Units>,
     /// The last code without effect.
     pub(super) idle: Option<Idle>,
+    /// M29.
+    pub(super) rigid: bool,
 }
 
 impl Line {
@@ -172,6 +174,7 @@ impl Line {
         self.block.clear(file, line);
         (self.bare, self.computed, self.arguments, self.units) = (0, 0, None, Some(units));
         self.idle = None;
+        self.rigid = false;
     }
 
     /// Adds the word of a letter.

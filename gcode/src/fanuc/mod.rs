@@ -44,6 +44,7 @@ mod simulator;
 mod single;
 mod skip;
 mod stops;
+mod taps;
 mod threads;
 mod tool;
 mod variables;
@@ -191,6 +192,7 @@ impl Control {
             Statement::Program(_) => self.end_of_text(state),
             Statement::Simulator(line) => self.simulator.take(line, &self.line, out),
             Statement::Block => {
+                self.modal.rigid |= self.line.rigid;
                 self.simulator.stock(&self.line, out)?;
                 self.points.see(self.decimal_point, &self.line, out)?;
                 if let Some(idle) = &self.line.idle {

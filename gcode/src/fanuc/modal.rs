@@ -23,6 +23,8 @@ pub(super) struct Modal {
     pub(super) preset: bool,
     /// G81 to G85, until G80 or a code of group 01.
     pub(super) drill: Option<Drill>,
+    /// M29: taps are rigid, until G80 or a code of group 01.
+    pub(super) rigid: bool,
     /// On a mill: the cycle for holes in force.
     pub(super) held: Option<Held>,
     /// On a mill: H, D, G54.1.
@@ -63,6 +65,7 @@ impl Default for Modal {
             lead: None,
             preset: false,
             drill: None,
+            rigid: false,
             held: None,
             offsets: Offsets::default(),
             straight: None,
@@ -81,12 +84,12 @@ impl Modal {
         let home = matches!(line.block.g(group::ONCE), Some(G(280 | 300 | 530)));
         if line.mill {
             if home || line.block.g(HOLES) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
-                self.held = None;
+                (self.held, self.rigid) = (None, false);
             }
             return self.held.map_or(self.motion, |held| held.code);
         }
         if home || line.block.g(DRILLING) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
-            self.drill = None;
+            (self.drill, self.rigid) = (None, false);
         }
         self.drill.map_or(self.motion, |drill| drill.code)
     }

@@ -303,9 +303,8 @@ impl Reading<'_> {
                     Ok(())
                 }
                 (Err(_), Some(M(29))) => {
-                    let message = "M29 announces rigid tapping, and the spindle of this machine does not tap";
-                    let help = "cut the thread with G92 or G76, or say in [m_codes] of the machine file what M29 does";
-                    Err(Problem::error("not-available", Blame::Span(span), message, help))
+                    line.rigid = true;
+                    Ok(())
                 }
                 (Err(problem), _) => Err(problem),
             },

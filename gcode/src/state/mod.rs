@@ -11,6 +11,7 @@
 //! | `axes.rs` | the programmed point, and the offsets between it and the machine |
 //! | `compensation.rs` | G41, G42: tool and side, where the centre of the tool is |
 //! | `sticky.rs`, `recorder.rs` | words of canned cycles; the contour of G70, G71, G72 |
+//! | `tap.rs` | how G84 of FANUC taps |
 //! | `saved.rs` | what M70 and M73 saved |
 //! | `memory.rs` | parameters |
 
@@ -23,6 +24,7 @@ mod saved;
 mod scale;
 mod spline;
 mod sticky;
+mod tap;
 
 pub(crate) use axes::{Axes, turn};
 pub(crate) use compensation::{Compensation, Cutter};
@@ -33,6 +35,7 @@ pub(crate) use saved::{Context, Contexts, Saved};
 pub(crate) use scale::Scale;
 pub(crate) use spline::{KnottedCurve, OpenCurve, Spline};
 pub(crate) use sticky::Sticky;
+pub(crate) use tap::{Rigid, depths};
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -120,6 +123,8 @@ pub(crate) struct State {
     pub(crate) spline: Spline,
     /// What canned cycles keep from block to block.
     pub(crate) cycle: Sticky,
+    /// FANUC: how G84 and G74 of the block tap; none: in a floating holder.
+    pub(crate) rigid: Option<Rigid>,
     /// G70, G71, G72: the contour that is being read.
     pub(crate) recorder: Recorder,
     /// What M70 and M73 saved.
@@ -165,6 +170,7 @@ impl State {
             compensation: Compensation::default(),
             spline: Spline::default(),
             cycle: Sticky::default(),
+            rigid: None,
             recorder: Recorder::default(),
             contexts: Contexts::default(),
             memory,

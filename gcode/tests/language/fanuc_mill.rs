@@ -105,7 +105,6 @@ fn holes_have_the_moves_of_the_other_dialect() {
         ("G82 X10. Z-8. R2. P500 F80.", "G82 X10 Z-8 R2 P0.5 F80"),
         ("G83 X10. Z-8. R2. Q3. F80.\nG80", "G83 X10 Z-8 R2 Q3 F80\nG80"),
         ("G73 X10. Z-8. R2. Q3. F80.", "G73 X10 Z-8 R2 Q3 F80"),
-        ("G84 X10. Z-8. R2. F80.", "G84 X10 Z-8 R2 F80"),
         ("G85 X10. Z-8. R2. F80.", "G85 X10 Z-8 R2 F80"),
         ("G86 X10. Z-8. R2. F80.", "G86 X10 Z-8 R2 P0 F80"),
         ("G89 X10. Z-8. R2. P200 F80.", "G89 X10 Z-8 R2 P0.2 F80"),
@@ -258,6 +257,6 @@ fn what_does_nothing_and_what_is_refused_by_name() {
     assert_eq!(kept.warnings.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>(), [(1, "no-effect")]);
     assert_eq!(errors("G81 X1. Z-5. R2. G00"), [(1, "modal-group")]);
     assert_eq!(errors("G54.1 G04 P500"), [(1, "modal-group")]);
-    assert_eq!(errors("M29 S500\nM12"), [(1, "not-available"), (2, "unknown-m-code")]);
+    assert_eq!(errors("M29 S500\nM12"), [(2, "unknown-m-code")]);
     assert_eq!(errors("S100 M03\nG01 X5. F80.\nX40"), [(3, "no-decimal-point")]);
 }

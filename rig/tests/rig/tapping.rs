@@ -315,6 +315,22 @@ fn whatever_happens_the_tool_stays_on_its_helix() {
     }
 }
 
+/// Three pecks of a FANUC program, with a dwell at each depth: one helix for all of them.
+#[test]
+fn pecks_find_their_thread_again() {
+    let mut machine = lathe();
+    machine.general.dialect = machine::ProgramDialect::Fanuc;
+    let program = "G97 M05\nG00 X0. Z5.\nM29 S800\nG84 Z-20. R5. Q9. P200 F1.25\nG80\nG00 Z20.\nM30\n";
+    let items = compiled(&machine, program);
+    let (observation, seen, _) = run(&machine, M8, &items, "", 7);
+    println!("{seen:?}");
+    assert_eq!((observation.outcome, observation.passes.len()), (Outcome::Completed, 3));
+    assert!(seen.most_um() <= 5.0 && (0.0..20.0).contains(&seen.short_um), "{seen:?}");
+    let depths: Vec<f64> =
+        observation.passes.iter().map(|pass| pass.tap.map_or(0.0, |tap| tap.short_um)).collect();
+    assert!(depths.iter().all(|um| (0.0..20.0).contains(um)), "{depths:?}");
+}
+
 /// A drive that is a fifth weaker than it is believed to be still turns round in front of the depth; one that
 /// has half of its ramp goes deeper, on its helix.
 #[test]

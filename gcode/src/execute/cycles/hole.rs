@@ -10,6 +10,7 @@
 //! | G73 | pecks of Q, back a little after each | | rapid to clear |
 //! | G83 | pecks of Q, back to R after each and down to a little above | | rapid to clear |
 //! | G84, G74 | feed, overrides off | reverse, dwell | feed to clear, reverse |
+//! | the same of FANUC | in step with the spindle, deeper by Q each time | dwell, reverse | in step to R, rapid to clear |
 //! | G85 | feed | | feed to R, rapid to clear |
 //! | G86 | feed | dwell, stop the spindle | rapid to clear, start |
 //! | G87 | bar beside the hole, oriented; to the axis, start | feed to the shoulder, back | beside, rapid |
@@ -21,6 +22,7 @@ use crate::canon::{Call, Plane, Pose, Turn};
 use crate::codes::G;
 use crate::problem::{Blame, Problem};
 use crate::state::{Overrides, State};
+use crate::state::{Rigid, depths};
 
 /// G87: the boring bar passes the hole beside its axis.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +66,8 @@ pub(super) struct Hole {
     pub(super) turning: Option<Turn>,
     /// The overrides before.
     pub(super) overrides: Overrides,
+    /// G84 and G74 tap in step with the spindle.
+    pub(super) rigid: Option<Rigid>,
 }
 
 /// Moves of a hole.
@@ -121,6 +125,7 @@ impl Hole {
         let refuse =
             |kind, message: String, help: &str| Err(Problem::error(kind, Blame::G(code), message, help));
         match (code.0, self.turning) {
+            (740 | 840, None) if self.rigid.is_some() => {}
             (740 | 840 | 860 | 870 | 880, None) => {
                 return refuse(
                     "spindle-not-turning",
@@ -210,6 +215,9 @@ impl Hole {
             740 => (Turn::Counterclockwise, Turn::Clockwise),
             _ => (Turn::Clockwise, Turn::Counterclockwise),
         };
+        if let Some(rigid) = self.rigid {
+            return self.tap_rigidly(rigid, turn, strokes);
+        }
         strokes.out.call(Call::EnableFeedOverride(false))?;
         strokes.out.call(Call::EnableSpeedOverride(false))?;
         strokes.feed(self.bottom)?;
@@ -226,6 +234,23 @@ impl Hole {
             strokes.out.call(Call::EnableSpeedOverride(true))?;
         }
         Ok(())
+    }
+
+    /// The same in step with the spindle, which stands behind it if it stood before.
+    fn tap_rigidly(&self, Rigid { lead, peck }: Rigid, turn: Turn, strokes: &mut Strokes) -> Done {
+        if self.turning.is_none() {
+            strokes.start(turn)?;
+        }
+        for depth in depths(self.r, self.bottom, peck) {
+            let bottom = strokes.point(strokes.at, depth);
+            strokes.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
+            strokes.out.call(Call::RigidTap(bottom, 1.0, self.dwell))?;
+            strokes.out.call(Call::StopSpeedFeedSynch)?;
+        }
+        if self.turning.is_none() {
+            strokes.stop()?;
+        }
+        strokes.rapid(self.clear)
     }
 
     /// G86 and G88.

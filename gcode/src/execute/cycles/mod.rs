@@ -174,6 +174,7 @@ impl Pattern {
                 bar: Bar::new(words.offset, bottom, state),
                 turning: state.spindle.turning,
                 overrides: state.overrides,
+                rigid: state.rigid,
             },
             plane: state.modes.plane,
             level,

@@ -7,6 +7,7 @@ use super::super::execution::Execution;
 use super::super::modal::Held;
 use super::super::once;
 use super::super::points::doubt_cut;
+use super::super::taps;
 use crate::codes::{G, group};
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
@@ -55,8 +56,9 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
         doubt_cut(("a peck", 'Q', false), peck, 0.0, run.line, run.out);
     }
     let dwell = held.dwell_s.or(Some(0.0)).filter(|_| waits);
-    let idle =
-        [('Q', pecks), ('P', waits)].into_iter().filter(|(letter, used)| !used && run.line.has(*letter));
+    let idle = [('Q', pecks || matches!(code.0, 740 | 840)), ('P', waits)]
+        .into_iter()
+        .filter(|(letter, used)| !used && run.line.has(*letter));
     let idle: Vec<char> = idle.map(|(letter, _)| letter).collect();
     if let Some(letter) = idle.first() {
         let (those, does) =
@@ -73,7 +75,15 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     if times != 1.0 {
         run.equivalent.add('L', times, blame)?;
     }
-    run.execute()
+    if matches!(code.0, 740 | 840) {
+        let way =
+            held.r.zip(held.bottom).map_or(0.0, |(r, bottom)| if incremental { bottom } else { bottom - r });
+        let own = run.line.length('Q').or(before.filter(|held| held.code == code).and_then(|held| held.peck));
+        run.state.rigid = Some(taps::rigid(code, way, own.unwrap_or(0.0), run)?);
+    }
+    let done = run.execute();
+    run.state.rigid = None;
+    done
 }
 
 /// K or L.

@@ -71,7 +71,7 @@ fn holes_that_make_no_sense_are_refused() {
     assert_eq!(errors("G83 Z5. F0.1"), [(3, "bad-value")]);
     assert_eq!(errors("G83 W-10. F0.1"), [(3, "not-available")]);
     assert_eq!(errors("G83 G01 Z-10. F0.1"), [(3, "modal-group")]);
-    assert_eq!(errors("G84 Z-10. R2. F1."), [(3, "not-available")]);
+    assert_eq!(errors("G88 Z-10. R2. F1."), [(3, "not-available")]);
     assert_eq!(errors("G83 Z-10. K2. F0.1"), [(3, "unused-word")]);
 }
 

@@ -25,7 +25,7 @@ fn a_refused_roughing_makes_one_error() {
 fn the_feed_of_a_refused_block_counts_for_those_after_it() {
     assert_eq!(errors("S500 M03\nG00 X44. Z3.\nG01 X40. Q3. F0.2\nZ-5.\nX44."), [(3, "unused-word")]);
     assert_eq!(errors("S500 M03\nG00 X44. Z3.\nM58 G01 X40. F0.2\nZ-5."), [(3, "unknown-m-code")]);
-    assert_eq!(errors("S500 M03\nG84 Z-5. R2. F1.\nG01 Z-5."), [(2, "not-available")]);
+    assert_eq!(errors("S500 M03\nG88 Z-5. R2. F1.\nG01 Z-5."), [(2, "not-available")]);
 }
 
 #[test]
@@ -34,11 +34,9 @@ fn a_missing_feed_is_missed_once() {
 }
 
 #[test]
-fn taps_and_changing_leads_are_refused_with_the_reason() {
+fn driven_tools_and_changing_leads_are_refused_with_the_reason() {
     for (text, reason) in [
-        ("G84 Z-10. R2. F1.5", "reverse in step"),
-        ("G88 X-10. R2. F1.5", "reverse in step"),
-        ("M29 S300", "does not tap"),
+        ("G88 X-10. R2. F1.5", "driven tools"),
         ("G34 Z-20. F1. K0.1", "one lead"),
         ("G87 X10. R2. F0.1", "driven tools"),
     ] {
