@@ -219,12 +219,12 @@ fn an_m8_is_tapped_within_five_micrometres_through_the_turn() {
 
 /// A drawn tap on a drawn spindle that can make it.
 fn drawn(random: &mut Seed) -> (Machine, Tap) {
-    let ramp = 300.0 * 20.0_f64.powf(random.unit());
+    let ramp = random.scale(300.0, 6000.0);
     let machine = turning(ramp, ramp);
     let lead_mm = 0.25 + 2.75 * random.unit();
     let (start_mm, depth_mm) = (3.0 + 3.0 * lead_mm, lead_mm * (2.0 + 10.0 * random.unit()));
     let top = machine.tap_top_rpm(360.0 * (start_mm + depth_mm) / lead_mm) / 1.25;
-    let s_rpm = (50.0 * 40.0_f64.powf(random.unit())).min(top);
+    let s_rpm = random.scale(50.0, 2000.0).min(top);
     let faster = if random.below(3) == 0 { 1.0 + random.unit() } else { 1.0 };
     (machine, Tap { s_rpm, lead_mm, start_mm, depth_mm, faster, left: random.below(2) == 0 })
 }
