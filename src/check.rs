@@ -21,7 +21,7 @@ use crate::{
     error::CliError,
     gauged::{self, GaugeArgs},
     program::Program,
-    screen,
+    screen, varied,
     words::{self, counted},
     written::{self, Made},
 };
@@ -269,6 +269,9 @@ fn findings(program: &Program) -> String {
             false => "Z is that",
         };
         let _ = writeln!(text, "{axes} of the machine: coordinate system and tool offset are added");
+    }
+    for line in varied::lines(passes) {
+        let _ = writeln!(text, "{line}");
     }
     if let Some(nominal) = &program.gauge {
         let _ = writeln!(text, "gauge {}", gauged::told(nominal));

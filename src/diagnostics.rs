@@ -15,7 +15,8 @@
 //! null where an error keeps it from running. Lines and columns count from 1, columns in characters;
 //! `end_column` is that of the character behind the last. X is a radius; `depth_mm` is null where the program
 //! does not say where the crest is. `certificate` is there with `--certify` alone, and where there is a
-//! thread (docs/certificate.md).
+//! thread (docs/certificate.md). `speed_variation` of a pass is there where its speed is varied
+//! (docs/speed-variation.md).
 
 use std::path::Path;
 
@@ -23,7 +24,7 @@ use gcode::{Diagnostic, Severity};
 use interpreter::PassNote;
 use serde::Serialize;
 
-use crate::{certificate::Certificate, error::CliError, program::Program};
+use crate::{certificate::Certificate, error::CliError, program::Program, varied::SpeedVariation};
 
 /// The document.
 #[derive(Debug, Serialize)]
@@ -70,6 +71,8 @@ struct Pass {
     /// Of a tap.
     #[serde(skip_serializing_if = "Option::is_none")]
     tap: Option<Tap>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed_variation: Option<SpeedVariation>,
 }
 
 /// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out
@@ -140,6 +143,7 @@ impl From<&PassNote> for Pass {
                 return_ratio: tap.return_ratio,
                 seconds: tap.seconds,
             }),
+            speed_variation: SpeedVariation::of(note),
         }
     }
 }

@@ -27,6 +27,7 @@ mod screen;
 mod soak;
 mod thread;
 mod tune;
+mod varied;
 mod words;
 mod written;
 

@@ -49,6 +49,26 @@ fn a_whole_program_allocates_nothing() {
     }
 }
 
+/// A varied spindle, and a tool that chatters.
+#[test]
+fn a_thread_at_a_varied_speed_with_a_tool_that_gives_way_allocates_nothing() {
+    let lathe = fs::read_to_string(shop::project().join("examples/machines/small-lathe.toml"));
+    let steel = lathe.expect("it is shipped").replace("force_n_mm2 = 0.0", "force_n_mm2 = 2000.0");
+    let machine = Machine::from_toml(&(steel + "\n[plant.chatter]\nstiffness_n_mm = 20000.0\n"));
+    let machine = machine.expect("it is right");
+    for how in ["sine, 30, 3", "triangle, 30, 3", "random, 30, 3"] {
+        let text = format!(
+            "G18 G8 G94\n(speed_variation, {how})\nM3 S240\nG0 X12 Z8\nG76 P2 Z-20 I-2 J0.5 K1.5\nM2\n"
+        );
+        let check = interpreter::check(how, &text, &machine);
+        assert!(check.is_good(), "{:?}", check.diagnostics);
+        let mut rig =
+            Rig::new(&machine, check.items.into_iter(), Scenario::none(), 1).expect("it can be built");
+        let cycles = cycles_without_allocation(&mut rig, how);
+        assert!(cycles > 20_000, "{how} ended after {cycles} cycles");
+    }
+}
+
 /// An operator who leaves the feed alone for no second: new overrides, holds, cycle starts.
 fn restless() -> Scenario {
     let mut scenario = String::new();

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod approach;
+mod chatter;
 mod feed;
 mod findings;
 mod observer;
@@ -37,6 +38,8 @@ const VERSION: u32 = 1;
 pub enum Name {
     /// X moves to depth in step with the spindle: servo errors of six structures of feedforward.
     Approach,
+    /// What a varied spindle speed does against chatter: a stability chart, and threads.
+    Chatter,
     /// Feed with a smooth jerk: the examples of the published method with their figures put right, and whole
     /// blocks.
     Feed,
@@ -61,6 +64,7 @@ impl Name {
     pub fn text(self) -> &'static str {
         match self {
             Name::Approach => "approach",
+            Name::Chatter => "chatter",
             Name::Feed => "feed",
             Name::Observer => "observer",
             Name::Surface => "surface",
@@ -76,7 +80,9 @@ impl Name {
     /// `surface` is the small mill.
     pub fn moves(self) -> Option<Kinematics> {
         match self {
-            Name::Approach | Name::Observer | Name::Resolution | Name::Sweep => Some(Kinematics::Lathe),
+            Name::Approach | Name::Chatter | Name::Observer | Name::Resolution | Name::Sweep => {
+                Some(Kinematics::Lathe)
+            }
             Name::Positioner => Some(Kinematics::Positioner),
             Name::Feed | Name::Profiles | Name::Reference | Name::Surface => None,
         }
@@ -110,6 +116,7 @@ impl Name {
     pub fn make(self, stand: &Stand, again: &str) -> Result<Made, ExperimentError> {
         match self {
             Name::Approach => shown(self, stand, again, &approach::findings(stand)?),
+            Name::Chatter => shown(self, stand, again, &chatter::findings(stand)?),
             Name::Feed => shown(self, stand, again, &feed::findings()?),
             Name::Observer => shown(self, stand, again, &observer::findings(stand)?),
             Name::Surface => shown(self, stand, again, &surface::findings(stand)?),

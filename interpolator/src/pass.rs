@@ -8,7 +8,7 @@
 //! it.
 
 use machine::Machine;
-use protocol::{Axis, Cycle, Fault, Panel, PerAxis, Position, ThreadPass, frame::SETPOINT_LEAD};
+use protocol::{Axis, Cycle, Fault, Panel, PerAxis, Position, ThreadPass, Variation, frame::SETPOINT_LEAD};
 use route::START_REACH_MM;
 
 use crate::{
@@ -52,6 +52,8 @@ pub(crate) struct Stand<'a> {
     pub(crate) cycle: Cycle,
     /// For how many ticks the axes have been told to rest.
     pub(crate) rested: u64,
+    /// How the speed is varied in it.
+    pub(crate) variation: Option<Variation>,
 }
 
 /// What becomes of a pass that is next. From here on the spindle keeps below its ceiling.
@@ -59,7 +61,7 @@ pub(crate) struct Stand<'a> {
 /// # Errors
 /// The fault, if it cannot be cut from here.
 pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -> Result<Ready, Fault> {
-    let Stand { machine, here, axes, cycle, rested } = stand;
+    let Stand { machine, here, axes, cycle, rested, variation } = stand;
     let mut start = **here;
     machine.axes().for_each(|(axis, _)| start[axis.index()] = pass.axis(axis).start);
     let beside_mm = |axis: Axis| start[axis.index()].mm_from(here[axis.index()]).abs();
@@ -75,8 +77,13 @@ pub(crate) fn prepare(pass: &ThreadPass, stand: &Stand, spindle: &mut Spindle) -
     if (pass.direction * pass.s_rpm - spindle.programmed()).abs() > 1e-9 * pass.s_rpm {
         return Err(Fault::BadMachineCode);
     }
-    // The ceiling of this pass holds from here on, so that the spindle settles below it before arming.
-    spindle.set_ceiling(pass.max_ratio * 100.0);
+    // The ceiling of this pass holds from here on, so that the spindle settles below it before arming. Under
+    // a variation it is that at which its peaks are followed (M233).
+    let ceiling = match variation.as_ref().filter(|_| !pass.returns()) {
+        None => pass.max_ratio,
+        Some(variation) => machine.varied(pass, variation).map_err(|_| Fault::PassNotFeasible)?.max_ratio,
+    };
+    spindle.set_ceiling(ceiling * 100.0);
     // A status tells of rest only when the last setpoint, which lies ahead, has been reached.
     let at_rest = *rested > SETPOINT_LEAD && axes.in_position();
     let watched_s = cycle.0 as f64 * machine.general.cycle_s;

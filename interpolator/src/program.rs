@@ -2,7 +2,8 @@
 
 use machine::Machine;
 use protocol::{
-    Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Until, Work, frame::SETPOINT_LEAD,
+    Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, Work,
+    frame::SETPOINT_LEAD,
 };
 use route::Route;
 
@@ -22,6 +23,8 @@ pub(crate) struct Program {
     pub(crate) tool: u32,
     /// Bits of [`MachineStatus::coolant`].
     pub(crate) coolant: u16,
+    /// How the speed of the spindle is varied in the passes that follow.
+    pub(crate) variation: Option<Variation>,
     /// What it has switched.
     pub(crate) outputs: Outputs,
     /// The axes have had time to come to where the last motion leads, for the output in hand.
@@ -96,6 +99,7 @@ impl Program {
                 }
                 Code::PathMode(mode) => route.set_mode(mode),
                 Code::Spindle { mode, speed } => spindle.program(mode, speed),
+                Code::Variation(variation) => self.variation = variation,
                 Code::Tool { number } => self.tool = number,
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
                 Code::Output { number, set, in_step } if self.outputs.needs_standstill(number, set) => {

@@ -3,8 +3,8 @@
 
 use gcode::Problem;
 use gcode::problem::{Blame, short};
-use machine::Machine;
-use protocol::{Axis, Code, CodePacket, Item, ThreadPass};
+use machine::{Machine, Varied};
+use protocol::{Axis, Code, CodePacket, Item, ThreadPass, Variation};
 
 use crate::tapping::TapNote;
 
@@ -44,6 +44,8 @@ pub struct PassNote {
     pub origin_mm: [f64; 2],
     /// Of a tap: where it brakes and how it comes out.
     pub tap: Option<TapNote>,
+    /// How the speed of the spindle is varied in it, and what comes of that.
+    pub varied: Option<(Variation, Varied)>,
 }
 
 /// What a pass takes on its way to the interpolator, bytes.

@@ -7,8 +7,8 @@
 use gcode::canon::{ThreadCycle, Units, X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Problem};
-use machine::Machine;
-use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass, WayOut};
+use machine::{Machine, Varied};
+use protocol::{Axis, AxisLaw, Code, PerAxis, Position, ThreadPass, Variation, WayOut};
 
 use crate::modal::Synchronised;
 use crate::pass_note::{PassNote, bytes_of};
@@ -16,7 +16,10 @@ use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
 use crate::tapping;
-use crate::thread::{Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Single, Starts, plan, plans};
+use crate::thread::{
+    Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, plan, plans, top_share,
+    varied,
+};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 const SAME: f64 = 1e-9;
@@ -35,6 +38,7 @@ struct Held {
     place: Place,
     single: Single,
     policy: Policy,
+    variation: Option<Variation>,
     origin: Point,
 }
 
@@ -43,6 +47,9 @@ struct Held {
 pub(crate) struct Threads {
     held: Option<Held>,
     policy: Policy,
+    said: Said,
+    /// The variation that machine code has told so far.
+    told: Option<Variation>,
     passes: u32,
     pub(crate) starts: Starts,
     notes: Vec<PassNote>,
@@ -65,9 +72,21 @@ impl Threads {
         &self.notes
     }
 
-    /// A comment may say what makes the tool leave the threads that follow.
+    /// A comment may say what makes the tool leave the threads that follow, or how the speed is varied in
+    /// them.
     pub(crate) fn comment(&mut self, text: &str) -> Done {
-        self.policy.comment(text)
+        self.policy.comment(text)?;
+        self.said.comment(text)
+    }
+
+    /// What machine code has to tell of the speed before a pass.
+    pub(crate) fn tells(&mut self, pass: u32) -> Option<Code> {
+        let note = self.notes.iter().rfind(|note| note.pass == pass)?;
+        let variation = note.varied.map(|(variation, _)| variation);
+        (variation != self.told).then(|| {
+            self.told = variation;
+            Code::Variation(variation)
+        })
     }
 
     /// What is wrong with passes that can be cut, since it was asked last.
@@ -86,8 +105,9 @@ impl Threads {
     }
 
     /// A G33 waits from now on.
-    pub(crate) fn hold(&mut self, place: Place, single: Single, origin: Point) {
-        self.held = Some(Held { place, single, policy: self.policy, origin });
+    pub(crate) fn hold(&mut self, place: Place, single: Single, origin: Point, machine: &Machine) {
+        let variation = self.said.variation(machine);
+        self.held = Some(Held { place, single, policy: self.policy, variation, origin });
     }
 
     /// Where zero of the program lies in a pass.
@@ -103,22 +123,22 @@ impl Threads {
         rest: &PerAxis<Position>,
         machine: &Machine,
     ) -> Option<Released> {
-        let Held { place, single, policy, origin } = self.held.take()?;
-        let cut = Single { next, ..single }.cut();
-        let pass = match plan(&cut, machine) {
-            Ok(mut planned) => {
+        let Held { place, single, policy, variation, origin } = self.held.take()?;
+        let cut = Cut { top_share: top_share(variation), ..Single { next, ..single }.cut() };
+        let planned = plan(&cut, machine).map_err(|why| why.problem(&[cut], single.units, machine));
+        let planned = planned.and_then(|plan| Ok((plan, varied(&plan.pass, variation, machine)?)));
+        let pass = match planned {
+            Ok((mut planned, varied)) => {
                 let start = self.starts.number(&cut, place);
                 planned.pass.out.leaves = policy.leaves(planned.pass.out.leaves);
                 if next == Next::Stays {
                     // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
                     planned.pass.out.leaves &= !WayOut::ON_HOLD;
                 }
-                Ok(self.number((place.line, single.units), planned, &cut, start, rest, machine))
+                let said = (place.line, single.units);
+                Ok(self.number(said, (planned, varied), &cut, start, rest, machine))
             }
-            Err(why) => {
-                let problem = why.problem(&[cut], single.units, machine);
-                Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem }))
-            }
+            Err(problem) => Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem })),
         };
         Some(Released { place, origin, pass })
     }
@@ -137,17 +157,21 @@ impl Threads {
             let help = "raise the depth of the first pass, or lower the degression";
             return Err(Problem::error("bad-value", Blame::Block, message, help));
         }
-        let mut cuts: Vec<Cut> = depths.into_iter().map(|depth| cycle.cut(depth)).collect();
+        let variation = self.said.variation(machine);
+        let cut = |depth| Cut { top_share: top_share(variation), ..cycle.cut(depth) };
+        let mut cuts: Vec<Cut> = depths.into_iter().map(cut).collect();
         for cut in &cuts {
             within_travel(machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.from.z, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.to_mm, Blame::Block)?;
         }
         let (mut plans, doubt) = plans(cycle, &mut cuts, place.line, machine)?;
+        let varied = plans.iter().map(|plan| varied(&plan.pass, variation, machine));
+        let varied = varied.collect::<Result<Vec<_>, _>>()?;
         self.doubts.extend(doubt);
         plans.iter_mut().for_each(|plan| plan.pass.out.leaves = self.policy.leaves(plan.pass.out.leaves));
         let start = cuts.first().map_or(0, |cut| self.starts.number(cut, place));
-        let passes = cuts.iter().zip(plans);
+        let passes = cuts.iter().zip(plans.into_iter().zip(varied));
         Ok(passes
             .map(|(cut, planned)| {
                 (cut.from, self.number((place.line, cycle.units), planned, cut, start, rest, machine))
@@ -159,7 +183,7 @@ impl Threads {
     fn number(
         &mut self,
         (line, units): (u32, Units),
-        planned: Plan,
+        (planned, varied): (Plan, Option<(Variation, Varied)>),
         cut: &Cut,
         start: u32,
         rest: &PerAxis<Position>,
@@ -186,10 +210,11 @@ impl Threads {
             start_mm: pass.axis(cut.along.axis()).start.mm(),
             full_depth_mm: planned.full_depth_mm,
             delta_mm: planned.delta_mm,
-            max_override_pct: 100.0 * pass.max_ratio,
+            max_override_pct: 100.0 * varied.map_or(pass.max_ratio, |(_, varied)| varied.max_ratio),
             packet_bytes: bytes_of(line, pass),
             origin_mm: [0.0; 2],
             tap: None,
+            varied,
         });
         pass
     }
@@ -218,6 +243,7 @@ impl Threads {
             packet_bytes: bytes_of(place.line, pass),
             origin_mm: [0.0; 2],
             tap: Some(planned.note),
+            varied: None,
         });
         pass
     }

@@ -8,11 +8,11 @@
 //! program is over when the spindle stands. How long a pause lasts is up to the operator; it counts as
 //! nothing.
 
-use machine::{Machine, SpindleConfig};
+use machine::{Machine, SpeedLaw, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
 use protocol::{
-    Axis, Code, Feed, PerAxis, Position, Set, SpindleMode, SpindleSpeed, Work, frame::SETPOINT_LEAD,
-    units::AXES,
+    Axis, Code, Feed, PerAxis, Position, Set, SpindleMode, SpindleSpeed, ThreadPass, Variation, Work,
+    frame::SETPOINT_LEAD, units::AXES,
 };
 use route::{Advance, Course, Move, Route, Routed, Unworkable};
 
@@ -32,6 +32,20 @@ const WATCH: f64 = SpindleConfig::WATCH_HZ * core::f64::consts::TAU;
 /// A program that takes longer on the machine than this, s, is taken for one without end: thirty days.
 pub(crate) const LONGEST_S: f64 = 30.0 * 86_400.0;
 
+/// How long a pass takes from its index, s: at an even speed, or by its law (M230).
+fn pass_s(pass: &ThreadPass, variation: Option<Variation>) -> f64 {
+    /// Steps of the sum in a turn.
+    const STEPS: f64 = 64.0;
+    let even = pass.done_deg() / (6.0 * pass.s_rpm);
+    let Some(variation) = variation else { return even };
+    let law = SpeedLaw::new(variation, u64::from(pass.pass));
+    let (turns, turn_s) = (pass.done_deg() / 360.0, 60.0 / pass.s_rpm);
+    let steps = (turns * STEPS).ceil().clamp(1.0, 1e6);
+    let step = turns / steps;
+    let slower = (0..steps as u32).map(|n| 1.0 / law.share((f64::from(n) + 0.5) * step));
+    slower.sum::<f64>() * step * turn_s
+}
+
 /// Adds up time.
 pub(crate) struct Clock<'m> {
     machine: &'m Machine,
@@ -49,6 +63,8 @@ pub(crate) struct Clock<'m> {
     even: f64,
     /// When the last pass began at its index, s, while the spindle goes on at that speed.
     index: Option<f64>,
+    /// How the speed is varied in passes.
+    variation: Option<Variation>,
     /// Time of the chain in hand, s.
     moved: f64,
     seconds: f64,
@@ -72,6 +88,7 @@ impl<'m> Clock<'m> {
             rpm: 0.0,
             even: 0.0,
             index: None,
+            variation: None,
             moved: 0.0,
             seconds: START_CYCLES * machine.general.interpolator_cycle_s,
             traced: None,
@@ -121,29 +138,8 @@ impl<'m> Clock<'m> {
                 }
                 (self.mode, self.speed, self.index) = (*mode, *speed, None);
             }
-            Code::Pass(pass) => {
-                self.wait_for_spindle();
-                let (turns, known_s) = SpindleConfig::KNOWN;
-                self.pass_time(((turns * 60.0 / pass.s_rpm).min(known_s) - self.even).max(0.0));
-                for (axis, _) in self.machine.axes() {
-                    self.at[axis.index()] = pass.axis(axis).end;
-                }
-                let turn = 60.0 / pass.s_rpm;
-                let armed = self.seconds + ARMING_CYCLES * self.machine.general.interpolator_cycle_s;
-                let index = match self.index {
-                    Some(before) => before + ((armed - before) / turn).ceil() * turn,
-                    None => armed + 0.5 * turn,
-                };
-                self.index = Some(index);
-                self.pass_time(index - self.seconds);
-                if pass.returns() {
-                    self.seconds += self.machine.tap_s(pass);
-                    (self.rpm, self.even) = (-self.wanted() * pass.return_ratio, 0.0);
-                    self.index = None;
-                } else {
-                    self.pass_time(pass.done_deg() / (6.0 * pass.s_rpm));
-                }
-            }
+            Code::Pass(pass) => self.pass(pass),
+            Code::Variation(variation) => self.variation = *variation,
             Code::Formula { slot, formula } => self.route.set_formula(*slot, *formula),
             Code::Work(trace) => {
                 if let Err(reason) = self.follow(line, trace) {
@@ -156,6 +152,35 @@ impl<'m> Clock<'m> {
                 self.run_down();
             }
             _ => {}
+        }
+    }
+
+    /// A pass, from the wait for its spindle to where its axes rest.
+    fn pass(&mut self, pass: &ThreadPass) {
+        self.wait_for_spindle();
+        let (turns, known_s) = SpindleConfig::KNOWN;
+        self.pass_time(((turns * 60.0 / pass.s_rpm).min(known_s) - self.even).max(0.0));
+        for (axis, _) in self.machine.axes() {
+            self.at[axis.index()] = pass.axis(axis).end;
+        }
+        let turn = 60.0 / pass.s_rpm;
+        let armed = self.seconds + ARMING_CYCLES * self.machine.general.interpolator_cycle_s;
+        let index = match self.index {
+            Some(before) => before + ((armed - before) / turn).ceil() * turn,
+            None => armed + 0.5 * turn,
+        };
+        self.index = Some(index);
+        self.pass_time(index - self.seconds);
+        if pass.returns() {
+            self.seconds += self.machine.tap_s(pass);
+            (self.rpm, self.even) = (-self.wanted() * pass.return_ratio, 0.0);
+            self.index = None;
+        } else {
+            self.pass_time(pass_s(pass, self.variation));
+            if self.variation.is_some() {
+                // Where the spindle will be then is not known to a turn, and its speed has to settle.
+                (self.index, self.even) = (None, 0.0);
+            }
         }
     }
 

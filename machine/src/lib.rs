@@ -18,6 +18,7 @@ mod positioner;
 mod spindle;
 mod tapping;
 mod tool;
+mod variation;
 
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,7 @@ pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
 pub use spindle::{Reaction, RunOut, SpindleConfig, Threading};
 pub use tool::Tool;
+pub use variation::{NotVaried, SpeedLaw, VariationConfig, Varied};
 
 /// What a machine file that cannot be used has wrong.
 #[derive(Debug, thiserror::Error)]

@@ -4,7 +4,7 @@
 use protocol::WayOut;
 use serde::{Deserialize, Serialize};
 
-use super::{Kinematics, Machine, MachineError, range, refuse};
+use super::{Kinematics, Machine, MachineError, VariationConfig, range, refuse};
 
 /// `[spindle]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,6 +71,9 @@ pub struct Threading {
     /// What a thread may be off at the tool before the part counts as not good, µm: the swing of each pass
     /// about its mean, passes and starts against each other, the depth, and that from end to end.
     pub part_error_um: f64,
+    /// `[threading.variation]`: how the speed of the spindle is varied in a thread.
+    #[serde(skip_serializing_if = "VariationConfig::is_default")]
+    pub variation: VariationConfig,
 }
 
 /// What becomes of a pass that is interrupted.
@@ -97,6 +100,7 @@ impl Default for Threading {
             lost_counts_um: 5.0,
             index_lost_turns: 3.0,
             part_error_um: 10.0,
+            variation: VariationConfig::default(),
         }
     }
 }
@@ -121,6 +125,10 @@ impl SpindleConfig {
     /// Time in which the loop of its speed settles behind its ramp, s: an encoder that shows it standing
     /// sooner is not believed.
     pub const SETTLES_S: f64 = 0.2;
+
+    /// A spindle that turns in a pass so many times as fast as the highest override makes it, and a share of
+    /// its highest speed on top, is taken by the axes for one that has run away (M103).
+    pub const RUNAWAY: [f64; 2] = [1.15, 0.02];
 
     /// Turns at a new speed, or time if that is shorter, s, after which it has settled and regulators know
     /// what repeats with every turn (M130): a pass waits for it.
@@ -191,7 +199,8 @@ impl Threading {
         range("threading.lift_mm", self.lift_mm, 0.01, 100.0)?;
         range("threading.lost_counts_um", self.lost_counts_um, 0.0, 1000.0)?;
         range("threading.index_lost_turns", self.index_lost_turns, 1.0, 100.0)?;
-        range("threading.part_error_um", self.part_error_um, 0.1, 1000.0)
+        range("threading.part_error_um", self.part_error_um, 0.1, 1000.0)?;
+        self.variation.check()
     }
 
     /// What makes the axes leave a pass ([`WayOut::leaves`](protocol::WayOut::leaves)).

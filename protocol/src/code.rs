@@ -15,6 +15,7 @@ use crate::{
     pass::ThreadPass,
     refused::{Refused, not_negative, positive},
     units::{PerAxis, Position},
+    variation::Variation,
     work::{FORMULAS, Work},
 };
 
@@ -298,6 +299,9 @@ pub enum Code {
     Work(Work),
     /// The program is over.
     End,
+    /// How the speed of the spindle is varied in the passes that follow; nothing: it is not. A program begins
+    /// without.
+    Variation(Option<Variation>),
 }
 
 impl Item {
@@ -325,6 +329,7 @@ impl Item {
             Code::PathMode(mode) => mode.check(),
             Code::Spindle { speed, .. } => speed.check(),
             Code::Pass(pass) => pass.check(),
+            Code::Variation(variation) => variation.map_or(Ok(()), |variation| variation.check()),
             Code::Formula { slot, .. } if usize::from(*slot) < FORMULAS => Ok(()),
             Code::Formula { .. } => Err(Refused::OutOfRange("number of a formula")),
             Code::Work(trace) => trace.check(),

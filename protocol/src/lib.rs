@@ -26,6 +26,7 @@ mod seal;
 pub mod status;
 pub mod truth;
 pub mod units;
+pub mod variation;
 pub mod work;
 
 pub use arc::{Arc, Plane};
@@ -47,4 +48,5 @@ pub use refused::Refused;
 pub use status::{AxisState, AxisStatus, MachineState, MachineStatus, Motion, SpindleCommand};
 pub use truth::{AxisTruth, CutTruth, Truth};
 pub use units::{Axis, Cycle, PerAxis, Position};
+pub use variation::{Variation, VariationShape};
 pub use work::{FORMULAS, Shape, Work};

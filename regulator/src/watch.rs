@@ -14,7 +14,7 @@
 //!          of a tap it is what shall be
 //! ```
 
-use machine::{AxisConfig, Machine};
+use machine::{AxisConfig, Machine, SpindleConfig};
 use motion::Sample;
 use protocol::{Axis, Cycle, DriveState, Fault, Measurement, Panel, WayOut, units::AXES};
 
@@ -39,8 +39,8 @@ const REST_S: f64 = 1.0;
 /// A spindle that turns faster than the highest override of its programmed speed, by this factor and this
 /// share of its highest speed, has run away: the interpolator lets it turn on for longer, an axis on its law
 /// cannot.
-const FASTER: f64 = 1.15;
-const FASTER_SHARE: f64 = 0.02;
+const FASTER: f64 = SpindleConfig::RUNAWAY[0];
+const FASTER_SHARE: f64 = SpindleConfig::RUNAWAY[1];
 /// And so has one that drives a stroke so many times as hard as the axis may be accelerated: the share above
 /// is many times the speed of a slow thread.
 const HARDEST: f64 = 1.75;

@@ -24,8 +24,8 @@
 //!
 //! Source: k_c times chip area is the law of Kienzle (VDI-Z 94, 1952) without its dependence on the thickness
 //! of the chip; areas are geometry. Not modelled: a nose, and what a turn leaves for the next one
-//! (regeneration, chatter); earlier passes are taken to have their points below each other, which flank
-//! infeed does within its flank.
+//! (`chatter` has that, for tools that meet it); earlier passes are taken to have their points below each
+//! other, which flank infeed does within its flank.
 //!
 //! The depth is that of the true slide, so a slide that gives way takes less, and a later pass finds what is
 //! left. It is taken in the middle of the cycle in which the force acts: half a cycle late it would take
@@ -34,6 +34,7 @@
 use machine::Machine;
 use protocol::{CutTruth, Groove, SpindleCommand};
 
+use crate::chatter::{Chatter, ChatterMode, Chip};
 use crate::config::Cutting;
 use crate::grooves::Grooves;
 
@@ -45,37 +46,41 @@ pub(crate) struct Cutter {
     /// The pass in hand, or the one before as long as its tool is in the material.
     pass: Option<(u32, Groove)>,
     grooves: Option<Grooves>,
+    /// The tool, if it gives way (M234).
+    chatter: Option<Chatter>,
 }
 
 impl Cutter {
     /// A part that nothing was cut into. Without a specific force there is none.
-    pub(crate) fn new(config: Cutting, machine: &Machine) -> Cutter {
+    pub(crate) fn new(config: Cutting, mode: Option<ChatterMode>, machine: &Machine) -> Cutter {
         let cuts = config.specific_force_n_mm2 > 0.0;
         Cutter {
             config,
             tan_flank: libm::tan(config.flank_half_angle_deg.to_radians()),
             pass: None,
             grooves: cuts.then(|| Grooves::new(machine)),
+            chatter: mode.map(|mode| Chatter::new(mode, machine.general.cycle_s)),
         }
     }
 
-    /// What is cut with the point of the tool at (x, z), mm, by the pass that `tags` name.
-    pub(crate) fn cut(&mut self, tags: &SpindleCommand, x_mm: f64, z_mm: f64) -> CutTruth {
-        let Cutter { config, tan_flank, pass, grooves: Some(grooves) } = self else {
-            return CutTruth::default();
-        };
-        let groove = in_hand(pass, grooves, tags, x_mm, z_mm);
-        let Some(groove) = groove else { return CutTruth::default() };
-        let (reach, crest) = (groove.reach_mm(x_mm, z_mm), groove.into * groove.crest_mm);
-        let earlier = grooves.earlier_mm(z_mm, crest);
-        grooves.pass_by(z_mm, reach);
-        let stock = [config.back_mm - z_mm, config.face_mm - z_mm];
-        let v = |reach: f64| v_area(reach - crest, *tan_flank, stock);
-        let area_mm2 = (v(reach) - v(earlier)).max(0.0);
+    /// What is cut until the next cycle with the point of the tool at (x, z), mm, by the pass that `tags`
+    /// name, while the spindle turns by so many turns. A tool that gives way is where its slide holds it but
+    /// for [`Cutter::bent_mm`].
+    pub(crate) fn cut(&mut self, tags: &SpindleCommand, x_mm: f64, z_mm: f64, turned: f64) -> CutTruth {
+        let bent_mm = self.chatter.as_ref().map_or(0.0, Chatter::place_mm);
+        let [area_mm2, thickness_mm] = self.chip(tags, x_mm, z_mm, bent_mm);
+        let config = &self.config;
+        let specific = config.specific_force_n_mm2 * config.form_factor;
+        let mut area_mm2 = area_mm2;
+        if let Some(chatter) = &mut self.chatter {
+            let width_mm = if area_mm2 > 0.0 { area_mm2 / thickness_mm } else { 0.0 };
+            let stiffness_n_mm = specific * config.radial_share * width_mm;
+            area_mm2 = width_mm * chatter.advance(&Chip { stiffness_n_mm, thickness_mm }, turned, |_| ());
+        }
         if area_mm2 == 0.0 {
             return CutTruth::default();
         }
-        let force_n = config.specific_force_n_mm2 * config.form_factor * area_mm2;
+        let force_n = specific * area_mm2;
         CutTruth {
             area_mm2,
             force_n,
@@ -83,6 +88,25 @@ impl Cutter {
             axial_n: config.axial_share * force_n,
             torque_nm: 1e-3 * x_mm.abs() * force_n,
         }
+    }
+
+    /// Area and thickness of the chip of a tool that does not swing, mm² and mm (M74).
+    fn chip(&mut self, tags: &SpindleCommand, x_mm: f64, z_mm: f64, bent_mm: f64) -> [f64; 2] {
+        let Cutter { config, tan_flank, pass, grooves: Some(grooves), .. } = self else { return [0.0; 2] };
+        let groove = in_hand(pass, grooves, tags, x_mm, z_mm);
+        let Some(groove) = groove else { return [0.0; 2] };
+        let (reach, crest) = (groove.reach_mm(x_mm, z_mm), groove.into * groove.crest_mm);
+        let earlier = grooves.earlier_mm(z_mm, crest);
+        grooves.pass_by(z_mm, reach + bent_mm);
+        let stock = [config.back_mm - z_mm, config.face_mm - z_mm];
+        let v = |reach: f64| v_area(reach - crest, *tan_flank, stock);
+        [(v(reach) - v(earlier)).max(0.0), reach - earlier]
+    }
+
+    /// How far the point of a tool that gives way is from where its slide holds it, along X, mm.
+    pub(crate) fn bent_mm(&self) -> Option<f64> {
+        let into = self.pass.map_or(0.0, |(_, groove)| groove.into);
+        self.chatter.as_ref().map(|chatter| into * chatter.place_mm())
     }
 
     /// The directions in which `radial_n` and `axial_n` act on X and Z.
@@ -140,7 +164,7 @@ mod tests {
 
     fn cutter() -> Cutter {
         let config = Cutting { specific_force_n_mm2: 2000.0, back_mm: -30.0, ..Cutting::default() };
-        Cutter::new(config, &Machine::plain())
+        Cutter::new(config, None, &Machine::plain())
     }
 
     fn tags(pass: u32, groove: Groove) -> SpindleCommand {
@@ -158,7 +182,7 @@ mod tests {
         let steps = ((to - from).abs() * 100.0).round() as i32;
         let at = |step: i32| from + (to - from) * f64::from(step) / f64::from(steps);
         let x = |z: f64| groove.crest_mm + groove.slope * z + groove.into * depth(z);
-        (0..=steps).map(at).map(|z| (z, cutter.cut(&tags(pass, groove), x(z), z))).collect()
+        (0..=steps).map(at).map(|z| (z, cutter.cut(&tags(pass, groove), x(z), z, 0.001))).collect()
     }
 
     /// What is cut well within the stock, at -10.
@@ -276,7 +300,7 @@ mod tests {
 
     #[test]
     fn nothing_is_cut_without_force_without_a_pass_and_without_a_groove() {
-        let air = Cutter::new(Cutting::default(), &Machine::plain());
+        let air = Cutter::new(Cutting::default(), None, &Machine::plain());
         assert!(
             go(&mut air.clone(), 1, OUTSIDE, [5.0, -20.0], |_| 1.0).iter().all(|(_, cut)| cut.force_n == 0.0)
         );
@@ -284,7 +308,7 @@ mod tests {
             let cuts = go(&mut cutter(), pass, groove, [5.0, -20.0], |_| 1.0);
             assert!(cuts.iter().all(|(_, cut)| *cut == CutTruth::default()));
         }
-        let cut = cutter().cut(&tags(1, OUTSIDE), f64::NAN, f64::NAN);
+        let cut = cutter().cut(&tags(1, OUTSIDE), f64::NAN, f64::NAN, 0.001);
         assert_eq!(cut, CutTruth::default());
     }
 
@@ -293,10 +317,10 @@ mod tests {
         let mut cutter = cutter();
         let in_cut = amid(&go(&mut cutter, 1, OUTSIDE, [5.0, -10.0], |_| 0.5));
         let ended = SpindleCommand::default();
-        assert_eq!(cutter.cut(&ended, 9.5, -10.0), in_cut);
-        assert!(cutter.cut(&ended, 9.7, -10.0).force_n > 0.0);
-        assert_eq!(cutter.cut(&ended, 10.1, -10.0), CutTruth::default());
-        assert_eq!(cutter.cut(&ended, 9.5, -10.0), CutTruth::default(), "timed motion does not cut");
+        assert_eq!(cutter.cut(&ended, 9.5, -10.0, 0.001), in_cut);
+        assert!(cutter.cut(&ended, 9.7, -10.0, 0.001).force_n > 0.0);
+        assert_eq!(cutter.cut(&ended, 10.1, -10.0, 0.001), CutTruth::default());
+        assert_eq!(cutter.cut(&ended, 9.5, -10.0, 0.001), CutTruth::default(), "timed motion does not cut");
         assert_eq!(cutter.directions(), [0.0; 2]);
     }
 }

@@ -18,6 +18,7 @@
 //! | `breakages` | what else it breaks: drives, counters of the axes, the drive of the spindle |
 //! | `orders` | what it wants of whoever runs the machine: modules killed, messages tampered with |
 //! | `cutting`, `grooves` | what cutting a thread costs; what earlier passes left in the part |
+//! | `chatter` | a tool that gives way, and meets what a turn before left |
 //! | `scenario`, `timeline` | what happens, and when |
 //! | `plant` | one control cycle of all of it; what becomes of it without controls and mains, and behind that |
 //!
@@ -27,6 +28,7 @@
 mod belief;
 mod breakages;
 mod bus;
+mod chatter;
 mod config;
 mod cutting;
 mod drive;
@@ -48,6 +50,7 @@ mod spindle;
 mod timeline;
 
 pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2, stock_mm};
+pub use chatter::{Chatter, ChatterMode, Chip};
 pub use config::PlantError;
 pub use orders::{Channel, Packet, Tampering};
 pub use plant::Plant;

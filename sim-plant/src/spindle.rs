@@ -144,6 +144,11 @@ impl Spindle {
         self.rpm
     }
 
+    /// Control cycle, s.
+    pub(crate) fn cycle_s(&self) -> f64 {
+        self.cycle_s
+    }
+
     /// True torque of the motor at the spindle, N·m.
     pub(crate) fn torque_nm(&self) -> f64 {
         self.torque_nm

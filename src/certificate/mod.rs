@@ -26,7 +26,7 @@ use rig::{
 };
 use serde::Serialize;
 
-use crate::{error::CliError, program::Program, words::Phase};
+use crate::{error::CliError, program::Program, varied, words::Phase};
 
 pub(crate) use page::html;
 
@@ -108,6 +108,7 @@ pub(crate) fn certify(
                 .into(),
         );
     }
+    remarks.extend(varied::lines(notes));
     remarks.extend(summary.faults.iter().map(|fault| format!("fault {}: {}", fault.code, fault.text)));
     if passes.iter().all(|row| row.force_n.is_none()) {
         let text = "no forces: the tool cuts air (plant.cutting.specific_force_n_mm2 is about 2000 for steel), or a G33 does \

@@ -7,8 +7,18 @@ use std::sync::OnceLock;
 use crate::shop::{Place, project};
 use serde_json::Value;
 
-const NAMES: [&str; 9] =
-    ["approach", "feed", "observer", "positioner", "profiles", "reference", "resolution", "surface", "sweep"];
+const NAMES: [&str; 10] = [
+    "approach",
+    "chatter",
+    "feed",
+    "observer",
+    "positioner",
+    "profiles",
+    "reference",
+    "resolution",
+    "surface",
+    "sweep",
+];
 /// Those that take less than a second.
 const SHORT: [&str; 3] = ["feed", "positioner", "profiles"];
 
@@ -119,6 +129,24 @@ fn a_row_of_reference_has_its_inputs_and_figures() {
     assert!(agree >= 24, "{agree} of 27 rows agree: {rows:?}");
     let refused = Place::new().ask(&["experiment", "reference", "--machine", "lathe.toml"]);
     assert_eq!(refused.status, Some(2), "it has a machine of its own: {}", refused.stderr);
+}
+
+#[test]
+fn a_row_of_chatter_has_its_inputs_and_figures() {
+    let document = document("chatter");
+    let rows = document["rows"].as_array().expect("rows");
+    let keys = "rpm waves lobes_mm even_mm percent revolutions sine_mm triangle_mm random_mm gain";
+    assert!(rows.iter().all(|row| keys.split(' ').all(|key| row[key].is_f64())));
+    let number = |row: &Value, key: &str| row[key].as_f64().expect("a number");
+    for row in rows {
+        let (even, lobes) = (number(row, "even_mm"), number(row, "lobes_mm"));
+        assert!((even / lobes - 1.0).abs() < 0.03, "{row}");
+    }
+    let named = rows.iter().find(|row| number(row, "rpm") == 240.0).expect("the speed that is named");
+    assert!(number(named, "gain") >= 1.3, "{named}");
+    assert!(rows.iter().any(|row| number(row, "gain") < 1.02), "it does not help everywhere");
+    let page = &ran("chatter").page;
+    assert!(page.contains("It does not help everywhere") && page.contains("Stability chart"));
 }
 
 #[test]

@@ -182,6 +182,7 @@ impl Interpolator {
         self.panel.buttons |= ended;
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         let leaves = matches!(self.task, Task::Leaving { .. });
+        self.vary(leaves);
         self.spindle.update(measurement, self.turns_towards(), leaves);
         let axes = Axes::new(&self.machine, &self.heard, measurement.cycle);
         self.standing.update(measurement, axes.rest());

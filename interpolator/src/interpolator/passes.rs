@@ -7,7 +7,7 @@ use crate::{
     axes::Axes,
     interpolator::{Interpolator, ends},
     pass::{self, Ready, Stand},
-    task::{Back, Event, Moved, Wait},
+    task::{Back, Event, Moved, Task, Wait},
 };
 
 impl Interpolator {
@@ -19,6 +19,7 @@ impl Interpolator {
             axes: &Axes::new(&self.machine, &self.heard, cycle),
             cycle,
             rested: self.patience.waited(),
+            variation: self.program.variation,
         };
         match pass::prepare(pass, &stand, &mut self.spindle) {
             Ok(Ready::Arm(arm)) => Event::Pass(arm, cycle),
@@ -28,6 +29,17 @@ impl Interpolator {
                 Err(fault) => Event::refused(fault, cycle),
             },
             Err(fault) => Event::refused(fault, cycle),
+        }
+    }
+
+    /// The speed is varied while a pass is cut, but for a tap; while the tool leaves, it stays what it is.
+    pub(super) fn vary(&mut self, leaves: bool) {
+        match (&self.task, self.program.variation) {
+            (Task::Cutting(arm), Some(variation)) if !arm.pass.returns() => {
+                self.spindle.vary(variation, arm.pass.pass);
+            }
+            _ if leaves => {}
+            _ => self.spindle.turn_evenly(),
         }
     }
 

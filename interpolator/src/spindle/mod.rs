@@ -16,9 +16,11 @@ mod watch;
 
 use std::f64::consts::TAU;
 
-use machine::{Machine, SpindleConfig};
+use machine::{Machine, SpeedLaw, SpindleConfig};
 use motion::SpindleObserver;
-use protocol::{Fault, Feed, Measurement, Position, SpindleMode, SpindleSpeed, measurement::middle_of};
+use protocol::{
+    Fault, Feed, Measurement, Position, SpindleMode, SpindleSpeed, Variation, measurement::middle_of,
+};
 
 use ease::Ease;
 use watch::Watch;
@@ -56,6 +58,9 @@ pub struct Spindle {
     kept: bool,
     /// What a tap asks for instead, 1/min, signed.
     tap_rpm: Option<f64>,
+    /// How the speed is varied in the pass that is cut, and how far the spindle was told to turn since that
+    /// began, turns.
+    varied: Option<(SpeedLaw, f64)>,
     override_max_pct: f64,
     at_speed_share: f64,
     ceiling_pct: f64,
@@ -90,6 +95,7 @@ impl Spindle {
             leads: false,
             kept: false,
             tap_rpm: None,
+            varied: None,
             override_max_pct: machine.spindle.override_max_pct,
             at_speed_share: machine.spindle.at_speed_pct / 100.0,
             ceiling_pct: f64::INFINITY,
@@ -117,6 +123,26 @@ impl Spindle {
         self.clamped += u32::from(share < 1.0 && self.guarded == 1.0);
         self.guarded = share;
         self.grant();
+    }
+
+    /// A pass is cut under a variation: from the programmed speed on, by the angle commanded (M230). While a
+    /// tool leaves, the speed stays what it is.
+    pub(crate) fn vary(&mut self, variation: Variation, pass: u32) {
+        if self.varied.is_none() {
+            self.varied = Some((SpeedLaw::new(variation, pass.into()), 0.0));
+        }
+    }
+
+    /// No pass is cut. Behind a variation the speed has to settle again.
+    pub(crate) fn turn_evenly(&mut self) {
+        if self.varied.take().is_some() {
+            self.even = (0.0, 0.0);
+        }
+    }
+
+    /// What the variation makes of the speed, a share.
+    fn varied_share(&self) -> f64 {
+        self.varied.map_or(1.0, |(law, turns)| law.share(turns))
     }
 
     /// What was asked for, as far as it is allowed; in force at once, unless it is eased.
@@ -149,6 +175,10 @@ impl Spindle {
         self.leads = pass.is_some() && self.programmed > 0.0;
         self.kept = leaves;
         self.grant();
+        if !leaves {
+            let turned = self.commanded().abs() / 60.0 * self.tick_s;
+            self.varied.iter_mut().for_each(|(_, turns)| *turns += turned);
+        }
         if self.leads && !leaves {
             self.ease.tick(self.granted_pct, 100.0 * self.ramp_rpm_s * self.tick_s / self.programmed);
         }
@@ -218,9 +248,10 @@ impl Spindle {
         self.tap_rpm.map_or_else(|| self.asked(), |rpm| rpm.clamp(-self.max_rpm, self.max_rpm))
     }
 
-    /// What program and override ask for.
+    /// What program and override ask for, and a variation makes of it.
     pub(crate) fn asked(&self) -> f64 {
-        self.mode.sign() * (self.programmed * self.override_pct() / 100.0).min(self.max_rpm)
+        let asked = self.programmed * self.override_pct() / 100.0 * self.varied_share();
+        self.mode.sign() * asked.min(self.max_rpm)
     }
 
     /// Programmed speed without override.

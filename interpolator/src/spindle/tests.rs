@@ -188,3 +188,32 @@ fn an_override_that_is_held_counts_once() {
     knob(&mut spindle, 110.0, false);
     assert_eq!(spindle.clamped(), 2);
 }
+
+#[test]
+fn a_variation_goes_about_the_speed_asked_and_stays_where_it_is_while_a_tool_leaves() {
+    let (mut spindle, variation) =
+        (spindle(), Variation { shape: protocol::VariationShape::Sine, share: 0.2, revolutions: 4.0 });
+    spindle.program(SpindleMode::Counterclockwise, SpindleSpeed::Rpm(300.0));
+    assert_eq!(knob(&mut spindle, 100.0, false), -300.0);
+    // By its own law, and by the angle that is commanded: 0 to the first peak in two turns.
+    let law = SpeedLaw::new(variation, 5);
+    let mut turns = 0.0;
+    spindle.vary(variation, 5);
+    for tick in 0..4000 {
+        let before = spindle.commanded();
+        turns += before.abs() / 60.0 * spindle.tick_s;
+        let now = knob(&mut spindle, 100.0, false);
+        assert!((now + 300.0 * law.share(turns)).abs() < 1e-6, "tick {tick}: {now}");
+        spindle.vary(variation, 5);
+    }
+    let lowest = (0..4000).map(|_| knob(&mut spindle, 50.0, false).abs()).fold(f64::INFINITY, f64::min);
+    assert!((lowest - 120.0).abs() < 0.1, "the override scales it: {lowest}");
+    let kept = spindle.commanded();
+    (0..100).for_each(|_| assert_eq!(knob(&mut spindle, 120.0, true), kept));
+    spindle.even = (3.0, 9.0);
+    spindle.turn_evenly();
+    assert_eq!(spindle.even, (0.0, 0.0), "its speed has to settle");
+    spindle.turn_evenly();
+    assert_eq!(knob(&mut spindle, 50.0, false), spindle.commanded());
+    assert!((spindle.commanded().abs() - 150.0).abs() < 1.0, "{}", spindle.commanded());
+}

@@ -72,6 +72,8 @@ pub struct Taper {
 pub struct Cut {
     /// S: programmed spindle speed, 1/min, positive.
     pub s_rpm: f64,
+    /// Highest speed in the pass at 100 % override as a multiple of S: 1, or more where it is varied.
+    pub top_share: f64,
     /// +1 clockwise, -1 counterclockwise.
     pub direction: f64,
     /// Along which axis it runs.

@@ -44,6 +44,7 @@ impl Cycle {
         let lead_z = towards * self.lead_mm;
         Cut {
             s_rpm: self.s_rpm,
+            top_share: 1.0,
             direction: self.direction,
             along: Along::Z,
             lead: Point { x: slope * lead_z, z: lead_z },

@@ -11,6 +11,7 @@
 //! | `policy.rs` | what makes the tool leave a thread, as the program says it |
 //! | `refusal.rs` | why a cut has no law, and which speed would give it one |
 //! | `starts.rs` | which start of a multi-start thread a pass belongs to |
+//! | `varied.rs` | how the speed of the spindle is varied in a pass, as the program says it |
 
 mod chamfer;
 mod cut;
@@ -21,6 +22,7 @@ mod policy;
 mod refusal;
 mod single;
 mod starts;
+mod varied;
 
 pub(crate) use chamfer::plans;
 pub use cut::{Along, Cut, Point, Taper};
@@ -30,3 +32,4 @@ pub(crate) use policy::Policy;
 pub use refusal::Refusal;
 pub(crate) use single::{Next, Single};
 pub(crate) use starts::Starts;
+pub(crate) use varied::{Said, top_share, varied};

@@ -4,7 +4,7 @@
 //! | symbol | unit | meaning |
 //! |---|---|---|
 //! | S, F | 1/min, mm/rev | programmed speed, lead along the thread axis (signed) |
-//! | R | – | actual over programmed speed that the windows are laid out for, ≥ 1 |
+//! | R | – | actual over programmed speed that the windows are laid out for, ≥ 1; more where it is varied |
 //! | q = 6 S R | deg/s | spindle angle per second at that speed (M1) |
 //! | T | s | duration of a ramp or stroke at that speed |
 //! | ΔC = q T | deg | its window |
@@ -151,7 +151,8 @@ impl Design {
         let (in_limits, out_limits) = (of_path(cut.approach_mm), of_path(cut.retract_mm));
         let v = libm::hypot(cut.rise_mm(), cut.lead_mm()) * cut.s_rpm / 60.0;
         let top = in_limits.v.min(out_limits.v);
-        let ratio = (machine.threading.design_override_pct / 100.0).min(top / v).max(1.0);
+        let asked = cut.top_share * machine.threading.design_override_pct / 100.0;
+        let ratio = asked.min(top / v).max(1.0);
         let stroke_limits = |stroke_mm| {
             if !shared(stroke_mm) {
                 return lift;

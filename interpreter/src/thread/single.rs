@@ -64,6 +64,7 @@ impl Single {
         };
         Cut {
             s_rpm: self.s_rpm,
+            top_share: 1.0,
             direction: self.direction,
             along,
             lead,

@@ -334,7 +334,7 @@ impl Translator {
         self.spindle.hold(single.s_rpm);
         self.warn_of_encoder(place, synchronised.lead_mm);
         self.points.thread_goes_to(*target);
-        self.threads.hold(place, single, self.origin());
+        self.threads.hold(place, single, self.origin(), &self.machine);
         Ok(())
     }
 
@@ -383,12 +383,12 @@ impl Translator {
     }
 
     fn pass(&mut self, place: Place, pass: ThreadPass, origin: Point) {
-        for problem in self.threads.take_doubts() {
-            self.output.report(place, problem);
-        }
+        self.threads.take_doubts().into_iter().for_each(|problem| self.output.report(place, problem));
         self.part_sees_pass(place, &pass, origin);
         let end = Point { x: pass.axis(Axis::X).end.mm(), z: pass.axis(Axis::Z).end.mm() };
         self.points.axes_go_to(in_plane_of(self.points.rest(), end));
+        let tells = self.threads.tells(pass.pass);
+        self.push_some(place.line, tells);
         self.push(place.line, Code::Pass(pass));
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use machine::Kinematics;
 
 /// The pages that describe the language.
-pub(crate) const PAGES: [&str; 7] = [
+pub(crate) const PAGES: [&str; 8] = [
     "gcode.md",
     "gcode-parameters.md",
     "gcode-cycles.md",
@@ -13,6 +13,7 @@ pub(crate) const PAGES: [&str; 7] = [
     "gcode-fanuc.md",
     "gcode-fanuc-mill.md",
     "diagnostics.md",
+    "speed-variation.md",
 ];
 
 /// A program and what it must lead to.

@@ -20,6 +20,7 @@ mod single;
 mod surface;
 mod tapping;
 mod threads;
+mod varied;
 mod with_c;
 
 use interpreter::{Check, check};
@@ -78,6 +79,7 @@ fn text(code: &Code) -> String {
         }
         Code::Formula { slot, .. } => format!("formula {slot}"),
         Code::Work(trace) => format!("trace at {}/min", trace.feed_mm_min),
+        Code::Variation(variation) => format!("variation {variation:?}"),
         Code::End => "end".to_owned(),
     }
 }

@@ -30,6 +30,7 @@ prop_compose! {
         let approach_mm = x * (crest + depth);
         Cut {
             s_rpm: libm::exp(log_s),
+            top_share: 1.0,
             direction: 1.0,
             along: Along::Z,
             lead: Point { x: 0.0, z: z * lead },
@@ -57,6 +58,7 @@ prop_compose! {
     ) -> Cut {
         Cut {
             s_rpm: libm::exp(log_s),
+            top_share: 1.0,
             direction: -1.0,
             along: Along::Z,
             lead: Point { x: slope * lead_z, z: -lead_z },
@@ -218,6 +220,7 @@ fn the_highest_ratio_is_tight() {
     {
         let cut = Cut {
             s_rpm,
+            top_share: 1.0,
             direction: 1.0,
             along: Along::Z,
             lead: Point { x: 0.0, z: -lead },
@@ -253,6 +256,7 @@ fn the_run_out_is_delayed_no_more_than_needed() {
     let machine = machine();
     let cut = Cut {
         s_rpm: 600.0,
+        top_share: 1.0,
         direction: 1.0,
         along: Along::Z,
         lead: Point { x: 0.0, z: -3.0 },

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use protocol::{
     Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Set, Shape, SpindleMode,
-    SpindleSpeed, ThreadPass, Until, Work,
+    SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
     code_file::{CodeFile, CodeFileError, CodeReader, Identity},
 };
 use shape::{
@@ -147,6 +147,10 @@ fn any_item() -> impl Strategy<Value = Item> {
             within_s
         }),
         Just(Code::Pause),
+        (0.001..0.5, 0.25..1000.0).prop_map(|(share, revolutions)| {
+            Code::Variation(Some(Variation { shape: VariationShape::Random, share, revolutions }))
+        }),
+        Just(Code::Variation(None)),
         (1e-3..1e5).prop_map(|s_rpm| Code::Pass(ThreadPass { s_rpm, ..pass() })),
         (0_u8..6, any_formula()).prop_map(|(slot, formula)| Code::Formula { slot, formula }),
         any_trace().prop_map(Code::Work),
@@ -194,7 +198,7 @@ proptest! {
 }
 
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x09\0".to_vec();
+    let mut bytes = b"PLMC\x0b\0".to_vec();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -208,11 +212,11 @@ fn each_kind_of_wrong_file_has_its_message() {
     assert!(matches!(foreign, CodeFileError::Foreign), "{foreign}");
 
     let mut later = bytes.clone();
-    later[4] = 10;
+    later[4] = 12;
     let error = read(&later).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "this is machine code of version 10, and version 9 is needed: compile the program again"
+        "this is machine code of version 12, and version 11 is needed: compile the program again"
     );
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
@@ -231,7 +235,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x09\0".to_vec();
+    let mut bytes = b"PLMC\x0b\0".to_vec();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

@@ -102,12 +102,14 @@ fn each_kind_of_item_has_its_largest_size() {
     let surface_speed = SpindleSpeed::Surface { mm_s: LONG, max_rpm: LONG, axis_mm: FAR };
     let contour = Contour { x: [LONG; 2], radius_mm: LONG, side: Side::Left };
     let lines = Pattern::Lines { along_y: true, count: u32::MAX, zigzag: true };
+    let variation = Variation { shape: VariationShape::Random, share: LONG, revolutions: LONG };
     let table = [
         ("line", Code::Line { target, feed }, 96),
         ("arc", Code::Arc { arc, feed }, 120),
         ("path mode", Code::PathMode(PathMode::Blend { tolerance_mm: LONG, merge_mm: LONG }), 32),
         ("dwell", Code::Dwell { seconds: LONG }, 23),
         ("spindle", Code::Spindle { mode: SpindleMode::Counterclockwise, speed: surface_speed }, 42),
+        ("variation", Code::Variation(Some(variation)), 33),
         ("tool", Code::Tool { number: u32::MAX }, 20),
         ("coolant", Code::Coolant { mist: true, flood: true }, 17),
         ("output", Code::Output { number: 63, set: Set::Digital(true), in_step: true }, 19),
@@ -255,13 +257,14 @@ fn what_no_version_writes_cannot_be_read() {
         let packet = CodePacket::from_bytes(bytes).unwrap();
         assert_eq!(packet.unpack(0), Err(Refused::Unreadable("machine code")), "{bytes:?}");
     };
-    unreadable(&[0, 1, 14]); // no such kind
+    unreadable(&[0, 1, 15]); // no such kind
     unreadable(&[0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3]); // a line at no such feed
     unreadable(&[0, 1, 11, 0, 97]); // a formula of 97 operations
     unreadable(&[0, 1, 11, 0, 253, 255, 255, 255, 255, 255, 255, 255, 255]);
     unreadable(&[0, 1, 11, 0, 1, 99, 0]); // of one that does not exist
     unreadable(&[0, 1, 11, 0, 1, 4, 0]); // of a sum of nothing
     unreadable(&[0, 1, 6, 2, 0]); // mist neither on nor off
+    unreadable(&[0, 1, 14, 1, 3]); // a variation of no such shape
 }
 
 proptest! {

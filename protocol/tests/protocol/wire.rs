@@ -80,6 +80,8 @@ fn every_code_travels() {
         codes.push(Code::Await { input: 63, until, within_s: 0.5 });
     }
     codes.push(Code::Pause);
+    let variation = Variation { shape: VariationShape::Triangle, share: 0.3, revolutions: 4.0 };
+    codes.extend([Some(variation), None].map(Code::Variation));
     for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
         let surface = SpindleSpeed::Surface { mm_s: 2500.0, max_rpm: 1800.0, axis_mm: Position(-7) };
         codes.extend([SpindleSpeed::Rpm(600.0), surface].map(|speed| Code::Spindle { mode, speed }));
@@ -114,6 +116,15 @@ fn machine_code_that_no_interpreter_sends_is_refused() {
     assert_eq!(unpack(blend(10.1, 0.0)), Refused::OutOfRange("tolerance of the path"));
     assert_eq!(unpack(blend(f64::NAN, 0.0)), Refused::NotFinite("tolerance of the path"));
     assert_eq!(unpack(blend(0.0, 10.1)), Refused::OutOfRange("tolerance of merging"));
+    let varied = |share, revolutions| {
+        Code::Variation(Some(Variation { shape: VariationShape::Sine, share, revolutions }))
+    };
+    for share in [0.0, -0.1, 0.51, f64::NAN] {
+        assert_eq!(unpack(varied(share, 4.0)), Refused::OutOfRange("share of a speed variation"));
+    }
+    for revolutions in [0.24, 1001.0, f64::NAN] {
+        assert_eq!(unpack(varied(0.3, revolutions)), Refused::OutOfRange("period of a speed variation"));
+    }
     assert_eq!(unpack(Code::Pass(ThreadPass::default())), Refused::OutOfRange("S"));
 }
 

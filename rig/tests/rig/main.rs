@@ -31,4 +31,5 @@ mod tapping;
 mod traces;
 mod trial;
 mod turned;
+mod varied;
 mod wires;

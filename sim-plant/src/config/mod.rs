@@ -13,6 +13,8 @@ use machine::Machine;
 use protocol::Axis;
 use serde::Deserialize;
 
+use crate::chatter::ChatterMode;
+
 pub(crate) use axis::{AxisTrain, Facts};
 pub(crate) use spindle::SpindleTrain;
 
@@ -66,6 +68,8 @@ pub(crate) struct PlantConfig {
     pub(crate) spindle: SpindleTrain,
     /// `[plant.cutting]`
     pub(crate) cutting: Cutting,
+    /// `[plant.chatter]`
+    pub(crate) chatter: ChatterConfig,
     /// `[plant.power]`
     pub(crate) power: Power,
     /// `[plant.bus]`
@@ -107,6 +111,23 @@ impl Default for Cutting {
     }
 }
 
+/// `[plant.chatter]`
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct ChatterConfig {
+    /// Stiffness of the tool across the groove (M234), N/mm; 0: it does not give way.
+    pub(crate) stiffness_n_mm: f64,
+    /// Frequency of its mode, Hz, and its damping.
+    pub(crate) mode_hz: f64,
+    pub(crate) damping: f64,
+}
+
+impl Default for ChatterConfig {
+    fn default() -> Self {
+        ChatterConfig { stiffness_n_mm: 0.0, mode_hz: 120.0, damping: 0.04 }
+    }
+}
+
 /// `[plant.power]`
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -145,11 +166,32 @@ impl PlantConfig {
         }
         config.spindle.check()?;
         config.cutting.check()?;
+        config.chatter.check(&config.cutting)?;
         range("plant.power.link_hold_s", config.power.link_hold_s, 0.0, 10.0)?;
         let (longest, bus) = (f64::from(machine::LONGEST_CYCLES), config.bus);
         range("plant.bus.input_cycles", f64::from(bus.input_cycles), 0.0, longest)?;
         range("plant.bus.output_cycles", f64::from(bus.output_cycles), 0.0, longest)?;
         Ok(config)
+    }
+}
+
+impl ChatterConfig {
+    /// The mode, if the tool gives way.
+    pub(crate) fn mode(&self) -> Option<ChatterMode> {
+        let ChatterConfig { stiffness_n_mm, mode_hz: hz, damping } = *self;
+        (stiffness_n_mm > 0.0).then_some(ChatterMode { stiffness_n_mm, hz, damping })
+    }
+
+    fn check(&self, cutting: &Cutting) -> Result<(), PlantError> {
+        range("plant.chatter.stiffness_n_mm", self.stiffness_n_mm, 0.0, 1e7)?;
+        range("plant.chatter.mode_hz", self.mode_hz, 5.0, 5000.0)?;
+        range("plant.chatter.damping", self.damping, 1e-4, 0.5)?;
+        if self.mode().is_some() && cutting.specific_force_n_mm2 == 0.0 {
+            let reason = "nothing is cut without a force: give plant.cutting.specific_force_n_mm2, about 2000 for steel";
+            let key = "plant.chatter.stiffness_n_mm".into();
+            return Err(PlantError::Value { key, value: self.stiffness_n_mm, reason: reason.into() });
+        }
+        Ok(())
     }
 }
 

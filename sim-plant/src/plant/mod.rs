@@ -136,7 +136,7 @@ impl Plant {
         let z_mm = axes.iter().find(|own| own.axis == Axis::Z).map_or(0.0, |z| z.true_home_mm);
         let mut timeline = Timeline::new(cycle_s, config.cutting.rise_s, z_mm);
         timeline.begin_inputs(machine.inputs_with(|_| true), machine.inputs_with(|input| input.initial));
-        let cutter = Cutter::new(config.cutting, machine);
+        let cutter = Cutter::new(config.cutting, config.chatter.mode(), machine);
         let freshness = Freshness { stale: 4 * machine.cycles_per_tick(), ..Freshness::default() };
         let link_cycles = (config.power.link_hold_s / cycle_s).round() as u64;
         let (fresh, truth) = (Measurement::default(), Truth::default());
@@ -295,6 +295,10 @@ impl Plant {
             let truth = &mut self.truth.axes[index];
             truth.motor_mm = axis.true_home_mm + 1e3 * nut_m;
             truth.slide_mm = slide_mm;
+            // With a tool that gives way, where the tool is.
+            if let (Axis::X, Some(bent_mm)) = (axis.axis, self.cutter.bent_mm()) {
+                truth.slide_mm += bent_mm;
+            }
             truth.velocity_mm_s = 1e3 * nut_m_s;
             truth.torque_nm = axis.train.torque_nm();
         }
@@ -324,7 +328,8 @@ impl Plant {
     fn cut(&mut self, command: &SpindleCommand) {
         let place =
             |axis| self.axes.iter().find(|own| own.axis == axis).map_or(0.0, AxisPlant::slide_ahead_mm);
-        self.truth.cut = self.cutter.cut(command, place(Axis::X), place(Axis::Z));
+        let turned = self.spindle.rpm() / 60.0 * self.spindle.cycle_s();
+        self.truth.cut = self.cutter.cut(command, place(Axis::X), place(Axis::Z), turned);
         let [_, axial_n, radial_n] = self.timeline.burdens();
         let [out, against] = self.cutter.directions();
         self.truth.axes[Axis::X.index()].force_n = radial_n + out * self.truth.cut.radial_n;

@@ -113,6 +113,8 @@ impl Program<'_> {
                 self.mode = *mode;
                 self.lines.mode(*mode);
             }
+            // Without passes it is about nothing.
+            Code::Variation(_) => {}
             Code::Dwell { seconds } => self.lines.put(&format!("G4 P{seconds}")),
             Code::Spindle { mode, speed } => self.lines.spindle(*mode, *speed),
             Code::Tool { number } => self.lines.put(&format!("T{number} M6")),

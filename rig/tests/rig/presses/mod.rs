@@ -278,6 +278,14 @@ fn presses_in_a_thread_on_a_face() {
 }
 
 #[test]
+fn presses_in_threads_at_a_varied_speed() {
+    let varied = |how: &str, s_rpm| format!("({how})\n{}", thread(Kind::Outside, s_rpm));
+    at_random("sine", &varied("speed_variation, sine, 30, 1", 100), 24);
+    at_random("triangle", &varied("speed_variation, triangle, 20, 6", 400), 24);
+    at_random("random", &format!("(speed_variation, random, 30, 2)\n{}", CYCLE.replace("S900", "S180")), 24);
+}
+
+#[test]
 fn presses_in_timed_motion() {
     at_random("timed", TIMED, 60);
 }
