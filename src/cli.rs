@@ -26,6 +26,9 @@ pub(crate) enum Command {
     /// Start the machine, run a program, write the run folder.
     #[command(after_help = crate::run::HELP)]
     Run(crate::run::RunArgs),
+    /// Stand at the machine: a panel in the browser that shows it and lets you press.
+    #[command(after_help = crate::panel::HELP)]
+    Panel(Box<crate::panel::PanelCommandArgs>),
     /// Read a program: every diagnostic, every pass, the time it takes. Moves nothing.
     #[command(
         after_help = "Examples:\n  pitchlock check examples/m20x2.ngc\n  pitchlock check part.ngc --json      for editors\n  pitchlock check *.nc                 each of them, and how many are good\n  sed s/F0.2/F0.3/ part.ngc | pitchlock check -"
@@ -90,6 +93,9 @@ pub(crate) enum Command {
     /// Say whether this computer can run the machine, and what to change if not.
     #[command(after_help = "Example:\n  pitchlock doctor")]
     Doctor(crate::doctor::DoctorArgs),
+    /// The process of the panel, as `panel` starts it.
+    #[command(hide = true)]
+    PanelServer,
     /// The interpreter process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
     Interpreter(process::shell::interpreter::InterpreterArgs),
@@ -124,6 +130,7 @@ impl Command {
     pub(crate) fn prints_json(&self) -> bool {
         match self {
             Command::Run(args) => args.json,
+            Command::Panel(args) => args.run.json,
             Command::Check(args) => args.json,
             Command::Journal(args) => args.json,
             Command::Experiment(args) => args.json,
@@ -138,8 +145,8 @@ impl Command {
 
     /// Whether somebody waits for this process, or for the processes that it has started.
     pub(crate) fn is_of_a_machine(&self) -> bool {
-        use Command::{Interpolator, Interpreter, Regulator, Run, SimPlant};
-        matches!(self, Run(_) | Interpreter(_) | Interpolator(_) | Regulator(_) | SimPlant(_))
+        use Command::{Interpolator, Interpreter, Panel, Regulator, Run, SimPlant};
+        matches!(self, Run(_) | Panel(_) | Interpreter(_) | Interpolator(_) | Regulator(_) | SimPlant(_))
     }
 }
 

@@ -16,6 +16,7 @@ mod ini;
 mod journal;
 mod lsp;
 mod offsets;
+mod panel;
 mod pickup;
 mod program;
 mod repeated;
@@ -61,6 +62,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
     let quiet = cli.log.quiet;
     match &cli.command {
         Command::Run(args) => run::run(args, quiet),
+        Command::Panel(args) => panel::panel(args, quiet),
+        Command::PanelServer => panel::server(),
         Command::Check(args) => check::check(args, quiet),
         Command::Compile(args) => compile::compile(args, quiet),
         Command::Lsp(args) => lsp::lsp(args),

@@ -205,6 +205,18 @@ pub fn arrivals(bytes: &[u8]) {
     }
 }
 
+/// The bytes as a document of somebody at the panel: a request that the plant takes, or refused by name.
+pub fn press(bytes: &[u8]) {
+    match panel::pressed(bytes) {
+        Ok(Some(request)) => assert!(request.unpack().is_ok(), "{request:?}"),
+        Ok(None) => {}
+        Err(panel::Refusal { code, why }) => {
+            let codes = ["bad-request", "bad-value", "unknown", "not-there-yet"];
+            assert!(codes.contains(&code) && !why.is_empty(), "{code}: {why}");
+        }
+    }
+}
+
 /// The bytes as a packet of machine code: refused, or an item that travels again. Nothing is allocated.
 pub fn code_packet(bytes: &[u8]) {
     let Ok(packet) = CodePacket::from_bytes(bytes) else { return };

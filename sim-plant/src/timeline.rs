@@ -41,6 +41,8 @@ struct PassInHand {
 pub(crate) struct Timeline {
     events: Vec<Event>,
     due: Vec<bool>,
+    /// A person stands at the panel.
+    attended: bool,
     pub(crate) cycle_s: f64,
     rise_cycles: f64,
     knobs: [Ramped; 3],
@@ -67,6 +69,7 @@ impl Timeline {
     pub(crate) fn new(cycle_s: f64, rise_s: f64, z_mm: f64) -> Timeline {
         Timeline {
             due: Vec::new(),
+            attended: false,
             encoder: Disturbance::none(),
             breakages: Breakages::default(),
             orders: Orders::none(),
@@ -89,6 +92,7 @@ impl Timeline {
     /// These events happen; so far there were none.
     pub(crate) fn play(&mut self, scenario: Scenario) {
         self.events = scenario.events;
+        self.attended = scenario.attended;
         self.due = vec![true; self.events.len()];
         self.encoder.make_room(self.events.len());
         self.orders.make_room(self.events.len());
@@ -223,7 +227,7 @@ impl Timeline {
     /// hold is not a pause: whoever pressed it has a reason, and releases it.
     fn attend(&mut self, tags: &SpindleCommand) {
         let held = self.pressed.pressed(Panel::FEED_HOLD);
-        if tags.paused == 0 || held || self.somebody_will_come() {
+        if tags.paused == 0 || held || self.attended || self.somebody_will_come() {
             self.unattended = 0;
             return;
         }

@@ -4,7 +4,7 @@
 use std::{collections::VecDeque, path::Path};
 
 use machine::Machine;
-use process::shell::{Clock, LanguageArgs, Pace};
+use process::shell::{Clock, LanguageArgs};
 use protocol::{Input, Item, Module, OperatorRequest, Taken, operator::Request};
 use rig::{
     Exchange, Rig,
@@ -17,6 +17,7 @@ use crate::{
     args::{MachineArgs, Shop},
     error::CliError,
     gauged::GaugeArgs,
+    panel::PanelArgs,
     program::Program,
     run::{
         RunArgs, Trace,
@@ -51,7 +52,8 @@ impl Recorded {
     /// What it lacks, by name.
     pub(super) fn open(dir: &Path) -> Result<Recorded, CliError> {
         let asked = of_folder(dir);
-        let mut args = repeated(&asked)?;
+        // What was pressed is in its arrivals.
+        let mut args = RunArgs { presses: None, ..repeated(&asked)? };
         let refused =
             |text: String| CliError::Input(format!("{}: cannot be made again: {text}", dir.display()));
         let summary = Summary::read(&dir.join("summary.json")).map_err(|error| refused(error.to_string()))?;
@@ -124,7 +126,10 @@ fn of_folder(dir: &Path) -> RunArgs {
         machine: MachineArgs { machine: None },
         gauge: GaugeArgs { gauge: None },
         clock: Clock::default(),
-        pace: Pace::MAX,
+        pace: None,
+        with_panel: false,
+        panel: PanelArgs::default(),
+        presses: None,
         in_process: false,
         scenario: None,
         single_block: false,

@@ -9,7 +9,7 @@ use process::{
 };
 use protocol::Doom;
 
-use crate::{args::MachineArgs, gauged::GaugeArgs};
+use crate::{args::MachineArgs, gauged::GaugeArgs, panel::PanelArgs};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock run examples/m20x2.ngc
@@ -47,8 +47,9 @@ pub(crate) struct RunArgs {
     pub(crate) clock: Clock,
     /// In lock step, time on the machine for each second on the wall, 0.05 to 1000: 1 is as fast as the
     /// machine would be, 0.2 five times slower; max does not wait. The same numbers at any pace.
-    #[arg(long, value_name = "PACE", default_value_t)]
-    pub(crate) pace: Pace,
+    /// [default: max; with a panel 1]
+    #[arg(long, value_name = "PACE")]
+    pub(crate) pace: Option<Pace>,
     /// The same machine in one process, without iceoryx2; same numbers, as long as no process dies or
     /// freezes.
     #[arg(long)]
@@ -70,6 +71,14 @@ pub(crate) struct RunArgs {
     /// twenty.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) trace: Trace,
+    /// Show the run in a browser, and let whoever has its address press (`pitchlock panel --help`).
+    #[arg(long = "panel")]
+    pub(crate) with_panel: bool,
+    #[command(flatten)]
+    pub(crate) panel: PanelArgs,
+    /// What somebody has pressed in the run that is repeated.
+    #[arg(skip)]
+    pub(crate) presses: Option<PathBuf>,
     /// If nothing has happened for so long, the process that all others wait for is taken for dead; 0 waits
     /// for ever (for debuggers).
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]

@@ -51,14 +51,17 @@ const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
 /// What reached the modules of a run otherwise than in lock step.
 pub(crate) const ARRIVALS: &str = "arrivals.txt";
+/// What somebody has pressed in a run, as events of a scenario.
+pub(crate) const PRESSES: &str = "presses.toml";
 /// What a run leaves, and names under which that is written.
-const RESULTS: [&str; 10] = [
+const RESULTS: [&str; 11] = [
     "summary.json",
     "report.html",
     "trace.mcap",
     "trace.csv",
     JOURNAL,
     ARRIVALS,
+    PRESSES,
     "summary.json.new",
     "report.html.new",
     "journal.bin.new",
@@ -268,6 +271,8 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         repeated.language.block_delete.extend(kept.block_delete);
         repeated.language.strict |= kept.strict;
     }
+    // Of another scenario or another program it was not pressed.
+    repeated.presses = there(PRESSES).filter(|_| args.scenario.is_none());
     repeated.scenario = args.scenario.clone().or_else(|| there(SCENARIO));
     let named = summary.gauge.as_ref().map(|gauge| gauge.name.clone());
     repeated.gauge.gauge = args.gauge.gauge.clone().or(named);

@@ -57,6 +57,16 @@ impl Interrupts {
         Ok(Interrupts { signals, wish: Wish::None, over })
     }
 
+    /// Whether anything has been asked for.
+    pub(crate) fn is_wished(&mut self) -> bool {
+        self.wish() != Wish::None
+    }
+
+    /// Another run begins: what was asked for in the one before is over.
+    pub(crate) fn forget(&mut self) {
+        self.wish = Wish::None;
+    }
+
     /// All that has been asked for so far, in one word.
     pub(crate) fn wish(&mut self) -> Wish {
         let (mut pressed, mut told) = (false, false);

@@ -16,7 +16,7 @@ mod recorder;
 mod summed;
 mod watchdog;
 
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
 use machine::Machine;
 use process::shell::{Clock, Pace};
@@ -26,6 +26,7 @@ use rig::observe::{Outcome, Summary};
 use crate::{
     args::Shop,
     error::CliError,
+    panel::Live,
     program::Program,
     report::DRAWING,
     screen,
@@ -78,65 +79,126 @@ impl Setup {
 
 /// Runs a program. Anything wrong with the input ends this before the machine starts.
 pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let mut repeated = folder::repeated(asked)?;
-    let Shop { machine, text: machine_text, language, notes } =
-        repeated.machine.with_language(&repeated.language)?;
-    let keeps = Keeps::of(asked, &machine, &language);
-    repeated.language = language;
-    let args = &repeated;
-    let seen = Seen::of(args);
-    let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
-    if !quiet {
-        // Whoever repeats a run has been told.
-        let notes = if asked.program.is_dir() { "" } else { &notes };
-        words::say(&format!("{notes}{}", program.messages));
+    if asked.panel.is_said() && !asked.with_panel {
+        return Err(CliError::Input("--port and --listen are of the panel: add --panel".into()));
     }
-    let (scenario, scenario_text) = read_scenario(args, &machine)?;
-    let seed = args.seed.unwrap_or(1);
-    if args.in_process && args.clock == Clock::Real {
-        return Err(CliError::Input("--in-process runs in virtual time only; leave out --clock real".into()));
-    }
-    if args.clock == Clock::Real && args.pace.waits() {
-        return Err(CliError::Input(
-            "--pace is of virtual time; in real time the pace is 1: leave out --pace, or --clock real".into(),
-        ));
-    }
-    can_be_played(&scenario, args)?;
-    let mut interrupts = Interrupts::catch()?;
-    let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref(), &seen)?;
-    let progress = !quiet && !args.json;
-    let (clock, pace, watchdog_s, fell) = (args.clock, args.pace, args.watchdog_s, args.fell.clone());
-    let setup =
-        Setup { machine, program, scenario, seed, clock, pace, folder, progress, quiet, watchdog_s, fell };
+    let mut interrupts = None;
+    let prepared = Prepared::of(asked, quiet, &mut interrupts)?;
+    let mut live = asked.with_panel.then(|| Live::open(asked, quiet)).transpose()?;
+    prepared.go(quiet, &mut interrupts, live.as_mut())
+}
 
-    let run = if args.in_process { in_process::run } else { processes::run };
-    let (mut summary, unrecorded) = run(&setup, &mut interrupts)?;
-    summary.files.clone_from(&setup.folder.hashes);
-    summary.program_warnings = setup.program.warnings();
-    if !setup.folder.is_as_it_was() {
-        endings::program_changed(&mut summary);
+/// Reads all that a run is made of and runs nothing: its program.
+pub(crate) fn judged(asked: &RunArgs) -> Result<PathBuf, CliError> {
+    let mut args = folder::repeated(asked)?;
+    let Shop { machine, language, .. } = args.machine.with_language(&args.language)?;
+    args.language = language;
+    args.with_panel = true;
+    Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
+    let (scenario, _) = read_scenario(&args, &machine)?;
+    can_be_played(&scenario, &args)?;
+    Ok(args.program)
+}
+
+/// A run that can begin.
+pub(crate) struct Prepared {
+    setup: Setup,
+    keeps: Option<Keeps>,
+    in_process: bool,
+    json: bool,
+}
+
+impl Prepared {
+    /// Reads the input, judges it and makes the run folder. Signals are caught from there on.
+    pub(crate) fn of(
+        asked: &RunArgs,
+        quiet: bool,
+        interrupts: &mut Option<Interrupts>,
+    ) -> Result<Prepared, CliError> {
+        let mut repeated = folder::repeated(asked)?;
+        // Signals are caught already: this is a command that waits for somebody at its panel.
+        repeated.with_panel |= interrupts.is_some();
+        let Shop { machine, text: machine_text, language, notes } =
+            repeated.machine.with_language(&repeated.language)?;
+        let keeps = Keeps::of(asked, &machine, &language);
+        repeated.language = language;
+        let args = &repeated;
+        let seen = Seen::of(args);
+        let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
+        if !quiet {
+            // Whoever repeats a run has been told.
+            let notes = if asked.program.is_dir() { "" } else { &notes };
+            words::say(&format!("{notes}{}", program.messages));
+        }
+        let (scenario, scenario_text) = read_scenario(args, &machine)?;
+        can_be_played(&scenario, args)?;
+        if interrupts.is_none() {
+            *interrupts = Some(Interrupts::catch()?);
+        }
+        let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref(), &seen)?;
+        let setup = Setup {
+            machine,
+            program,
+            scenario,
+            seed: args.seed.unwrap_or(1),
+            clock: args.clock,
+            pace: args.pace.unwrap_or(if args.with_panel { Pace::ONE } else { Pace::MAX }),
+            folder,
+            progress: !quiet && !args.json,
+            quiet,
+            watchdog_s: args.watchdog_s,
+            fell: args.fell.clone(),
+        };
+        // The document of `panel --json` is where the panel is.
+        let json = args.json && (asked.with_panel || !args.with_panel);
+        Ok(Prepared { setup, keeps, in_process: args.in_process, json })
     }
-    // Whatever cannot be written: what became of the run is said.
-    let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
-    drop(interrupts);
-    let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
-    let drawing = Phase::begin(DRAWING);
-    let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
-    drop(drawing);
-    if quiet && let Some(fault) = summary.faults.first() {
-        words::say(&format!("error: {}\n", told(fault)));
+
+    /// Runs it, and says what came of it.
+    pub(crate) fn go(
+        self,
+        quiet: bool,
+        interrupts: &mut Option<Interrupts>,
+        mut live: Option<&mut Live>,
+    ) -> Result<ExitCode, CliError> {
+        let Prepared { setup, keeps, in_process, json } = self;
+        let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
+        live.iter_mut().for_each(|live| live.prepared(&setup));
+        let (mut summary, unrecorded) = if in_process {
+            in_process::run(&setup, caught)?
+        } else {
+            processes::run(&setup, caught, live.as_deref_mut())?
+        };
+        summary.files.clone_from(&setup.folder.hashes);
+        summary.program_warnings = setup.program.warnings();
+        if !setup.folder.is_as_it_was() {
+            endings::program_changed(&mut summary);
+        }
+        // Whatever cannot be written: what became of the run is said.
+        let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
+        let pressed = live.as_mut().map_or(Ok(()), |live| live.ends(&summary, &setup.folder.path));
+        if live.is_none_or(|live| live.ends_with_its_run) {
+            drop(interrupts.take());
+        }
+        let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
+        let drawing = Phase::begin(DRAWING);
+        let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
+        drop(drawing);
+        if quiet && let Some(fault) = summary.faults.first() {
+            words::say(&format!("error: {}\n", told(fault)));
+        }
+        if json {
+            let text = serde_json::to_string_pretty(&summary)
+                .map_err(|error| CliError::Machine(error.to_string()))?;
+            screen::print(&format!("{text}\n"));
+        } else if !quiet {
+            screen::print(&summed_up(&summary, report.as_deref().ok()));
+        }
+        if let Some(error) = unrecorded.or(report.err()).or(kept.err()).or(pressed.err()) {
+            return Err(error);
+        }
+        Ok(status(&summary))
     }
-    if args.json {
-        let text =
-            serde_json::to_string_pretty(&summary).map_err(|error| CliError::Machine(error.to_string()))?;
-        screen::print(&format!("{text}\n"));
-    } else if !quiet {
-        screen::print(&summed_up(&summary, report.as_deref().ok()));
-    }
-    if let Some(error) = unrecorded.or(report.err()).or(kept.err()) {
-        return Err(error);
-    }
-    Ok(status(&summary))
 }
 
 /// 0 done, and the part is good as far as it is judged; 1 not done; 3 done, but the part is not good, and why
@@ -153,6 +215,17 @@ fn status(summary: &Summary) -> ExitCode {
 /// Refuses what the machine cannot play in the way it is run.
 fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> Result<(), CliError> {
     let input = |text: String| Err(CliError::Input(text));
+    if args.in_process && args.clock == Clock::Real {
+        return input("--in-process runs in virtual time only; leave out --clock real".into());
+    }
+    if args.in_process && args.with_panel {
+        return input("the panel is of a machine of processes: leave out --in-process".into());
+    }
+    if args.clock == Clock::Real && args.pace.is_some_and(Pace::waits) {
+        return input(
+            "--pace is of virtual time; in real time the pace is 1: leave out --pace, or --clock real".into(),
+        );
+    }
     match (scenario.needs_one_process(), scenario.needs_time_to_go_on()) {
         (Some(event), _) if !args.in_process => input(format!(
             "event {event} of the scenario: messages between processes cannot be disturbed; add --in-process"
@@ -168,16 +241,31 @@ fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> Result<(), C
 /// What `--single-block` adds to the scenario.
 const SINGLE_BLOCK: &str = "[[event]]\nat = { cycle = 0 }\nsingle_block = true\n";
 
+/// What the scenario says of the panel, if anything.
+const AT_THE_PANEL: &str = "panel = ";
+
 pub(crate) fn read_scenario(
     args: &RunArgs,
     machine: &Machine,
 ) -> Result<(sim_plant::Scenario, Option<String>), CliError> {
     let given = args.scenario.as_ref();
-    let text =
-        given.map(|path| intake::text(path, intake::SETTINGS).map_err(|error| CliError::file(path, error)));
-    let mut text = text.transpose()?;
+    let read =
+        |path: &PathBuf| intake::text(path, intake::SETTINGS).map_err(|error| CliError::file(path, error));
+    let mut text = given.map(read).transpose()?;
     if args.single_block {
         text = Some(text.map_or_else(String::new, |text| text + "\n") + SINGLE_BLOCK);
+    }
+    let presses = args.presses.as_ref().map(read).transpose()?;
+    let at_the_panel = match (args.with_panel, &presses) {
+        (true, _) => Some("live"),
+        (false, Some(_)) => Some("recorded"),
+        (false, None) => None,
+    };
+    if let Some(who) = at_the_panel {
+        let text_before = text.unwrap_or_default();
+        let events = text_before.lines().filter(|line| !line.starts_with(AT_THE_PANEL));
+        let events = events.map(|line| format!("{line}\n")).collect::<String>();
+        text = Some(format!("{AT_THE_PANEL}\"{who}\"\n{events}{}", presses.unwrap_or_default()));
     }
     let wrong = |error: &dyn std::fmt::Display| {
         let name = given.map_or("scenario".into(), |path| path.display().to_string());

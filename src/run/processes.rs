@@ -22,7 +22,10 @@ use super::{
     recorder::{Recorded, Recorder, axes},
     watchdog::{Hunger, Watchdog},
 };
-use crate::error::CliError;
+use crate::{
+    error::CliError,
+    panel::{Live, Who},
+};
 
 /// How long the launcher sleeps when nobody wakes it.
 const NAP: Duration = Duration::from_millis(20);
@@ -32,7 +35,11 @@ const SHORT_NAP: Duration = Duration::from_millis(1);
 const LAST_CYCLES: u64 = 4096;
 
 /// Runs the machine to its end.
-pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded, CliError> {
+pub(crate) fn run(
+    setup: &Setup,
+    interrupts: &mut Interrupts,
+    live: Option<&mut Live>,
+) -> Result<Recorded, CliError> {
     let axes = axes(&setup.machine);
     let mut space = NameSpace::create(&axes)?;
     let channels = Channels::open(&mut space, &setup.machine, setup.clock)?;
@@ -59,6 +66,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         started,
         interrupts,
         recorder,
+        live,
     };
     launch.run()?;
     let counts = launch.end()?;
@@ -131,6 +139,7 @@ fn rendezvous(
 struct Launch<'a> {
     setup: &'a Setup,
     recorder: Recorder,
+    live: Option<&'a mut Live>,
     channels: Channels,
     // Behind the channels, which are ports in it.
     started: Vec<Started>,
@@ -156,6 +165,7 @@ impl Launch<'_> {
         while !self.channels.ended() {
             let news = self.take()?;
             self.look_at_the_keyboard()?;
+            self.look_at_the_panel()?;
             self.look_for_the_dead()?;
             let recorded = self.record(force)?;
             self.endings.ends(self.supervisor.end());
@@ -211,8 +221,17 @@ impl Launch<'_> {
 
     /// What modules tell of their inputs.
     fn hear_of_arrivals(&mut self) -> Result<(), CliError> {
-        let Launch { channels, recorder, .. } = self;
-        channels.arrivals(|arrival| recorder.arrivals.take(arrival))
+        let Launch { channels, recorder, live, .. } = self;
+        channels.arrivals(|arrival| {
+            recorder.arrivals.take(arrival);
+            live.iter_mut().for_each(|live| live.arrived(arrival));
+        })
+    }
+
+    /// Takes what was pressed at the panel.
+    fn look_at_the_panel(&mut self) -> Result<(), CliError> {
+        let pressed = self.live.as_mut().map(|live| live.presses()).unwrap_or_default();
+        pressed.into_iter().try_for_each(|request| self.ask(Some(request), None))
     }
 
     fn look_at_the_keyboard(&mut self) -> Result<(), CliError> {
@@ -222,11 +241,11 @@ impl Launch<'_> {
         }
         let before = std::mem::replace(&mut self.wish, wish);
         if before == Wish::None {
-            self.ask(Some(Request::Stop))?;
+            self.ask(Some(Request::Stop), Some(Who::Keyboard))?;
         }
         if before < Wish::EmergencyStop && wish >= Wish::EmergencyStop {
             let request = self.supervisor.emergency_stop();
-            self.ask(request)?;
+            self.ask(request, Some(Who::Keyboard))?;
         }
         if wish == Wish::End {
             self.endings.broken_off();
@@ -248,7 +267,7 @@ impl Launch<'_> {
                 match process.module() {
                     Some(module) => {
                         let request = self.supervisor.died(module, cycle);
-                        self.ask(request)?;
+                        self.ask(request, Some(Who::Launcher))?;
                     }
                     None => self.supervisor.plant_died(),
                 }
@@ -288,28 +307,35 @@ impl Launch<'_> {
     }
 
     fn record(&mut self, force: bool) -> Result<bool, CliError> {
-        let Launch { recorder, supervisor, standstill, endings, .. } = self;
+        let Launch { recorder, supervisor, standstill, endings, live, .. } = self;
         // In real time somebody may stand at the panel.
-        let alone = self.setup.clock == Clock::Virtual;
+        let alone = self.setup.clock == Clock::Virtual && live.is_none();
         let mut request = None;
         // Until the plant hears that it may go it makes cycles that belong to no run.
         let any = self.channels.record(force, |record| {
             if supervisor.end().is_none() {
                 recorder.cycle(record);
+                live.iter_mut().for_each(|live| live.cycle(record, recorder.observer()));
                 if let Some(waits_for) = standstill.cycle(record).filter(|_| alone) {
                     request = endings.waits(record.truth.cycle.0, waits_for, supervisor).or(request);
                 }
                 request = supervisor.cycle(record).or(request);
             }
         });
-        self.ask(request)?;
+        self.ask(request, Some(Who::Launcher))?;
         Ok(any)
     }
 
-    fn ask(&mut self, request: Option<Request>) -> Result<(), CliError> {
+    /// Asks the plant for something; `who` does, unless that is known already.
+    fn ask(&mut self, request: Option<Request>, who: Option<Who>) -> Result<(), CliError> {
         match request {
             // Without a plant there is no panel any more.
-            Some(request) if !self.endings.has_died(Process::Plant) => self.channels.operate(request),
+            Some(request) if !self.endings.has_died(Process::Plant) => {
+                if let Some((live, who)) = self.live.as_mut().zip(who) {
+                    live.sent(request, who);
+                }
+                self.channels.operate(request)
+            }
             _ => Ok(()),
         }
     }

@@ -70,6 +70,11 @@ impl Recorder {
         self.progress.cycle(record);
     }
 
+    /// What has been observed so far.
+    pub(crate) fn observer(&self) -> &Observer {
+        &self.observer
+    }
+
     /// Tells the operator something.
     pub(crate) fn say(&self, text: &str) {
         self.progress.say(text);

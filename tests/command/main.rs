@@ -24,6 +24,7 @@ mod journal;
 mod memory;
 mod offsets;
 mod pace;
+mod panel;
 mod part;
 mod pick_up;
 mod processes;

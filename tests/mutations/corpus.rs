@@ -1,4 +1,4 @@
-//! FANUC programs that use what the examples lack.
+//! FANUC programs that use what the examples lack; what else the examples have not.
 
 /// Of lathes.
 pub(crate) const FANUC: &[&str] = &[
@@ -26,4 +26,17 @@ pub(crate) const FANUC_MILL: &[&str] = &[
     "O4\n#1=10.\nG65 P5 A1. B2. I3. J4. I5. L2\nG66 P5 D3. E4.\nG00 X#1 Y[#1*2.]\nX5.\nG67\nWHILE [#1 GT 0] DO 1\n#1=#1-1.\n\
      IF [#1 EQ 5] GOTO 10\nG01 X#1 F[100.+#1]\nN10 END 1\nM98 P6 L3\nM98 P20007\nG00 X400 Y-1500 Z2\nM30\nO5\nG91 G01 X#1 Y#2 F50.\n\
      G90\nM99\nO6\nG01 Z-1. F30.\nM99\nO7\nG02 X1. Y1. Z-1. I1. J0. K1.\nG18 G03 X2. Z2. R3.\nG19 G02 Y1. Z1. R9.\nG17\nM99\n",
+];
+
+/// Arrivals of a run.
+pub(crate) const ARRIVALS: &str = "pitchlock arrivals 1\nmachine processes\nuntil 12345\n5004 drive-command/x 5003\n\
+                5005 drive-command/x due\n7000 operator 6\n7100 axis-status/interpolator/z nothing\n";
+
+/// Documents of somebody at the panel.
+pub(crate) const PRESSES: [&str; 5] = [
+    r#"{"id": 1, "do": "hold", "as": "me"}"#,
+    r#"{"id": "a", "do": "spindle-override", "value": 62.5, "as": "browser-1"}"#,
+    r#"{"id": 2, "do": "single-block", "value": true, "as": "x"}"#,
+    r#"{"id": 3, "do": "take-seat", "as": "x"}"#,
+    r#"{"id": 4, "do": "jog", "value": 1, "as": "x"}"#,
 ];

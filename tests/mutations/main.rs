@@ -14,7 +14,7 @@ mod targets;
 
 use std::{env, fs, path::Path};
 
-use corpus::{FANUC, FANUC_MILL};
+use corpus::{ARRIVALS, FANUC, FANUC_MILL, PRESSES};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
@@ -365,9 +365,12 @@ fn summary() {
 
 #[test]
 fn arrivals() {
-    let text = "pitchlock arrivals 1\nmachine processes\nuntil 12345\n5004 drive-command/x 5003\n\
-                5005 drive-command/x due\n7000 operator 6\n7100 axis-status/interpolator/z nothing\n";
-    mutate(targets::arrivals, &[text.as_bytes().to_vec()]);
+    mutate(targets::arrivals, &[ARRIVALS.as_bytes().to_vec()]);
+}
+
+#[test]
+fn press() {
+    mutate(targets::press, &PRESSES.map(|text| text.as_bytes().to_vec()));
 }
 
 /// A queue takes packets in the tick of the interpolator.

@@ -19,7 +19,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 23] = [
+const CRATES: [(&str, &[&str]); 24] = [
     ("intake", &[]),
     ("motion", &[]),
     ("adviser", &[]),
@@ -71,6 +71,7 @@ const CRATES: [(&str, &[&str]); 23] = [
             "tune",
         ],
     ),
+    ("panel", &["protocol"]),
     ("lsp", &["intake", "gcode", "interpreter", "machine"]),
     ("process", &["intake", "machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
     ("testing", &[]),

@@ -22,6 +22,8 @@ pub struct Pace(Option<f64>);
 impl Pace {
     /// As fast as the computer can.
     pub const MAX: Pace = Pace(None);
+    /// As fast as the machine would be.
+    pub const ONE: Pace = Pace(Some(1.0));
     /// The slowest. A cycle is still short beside the patience of whoever watches over the processes.
     pub const SLOWEST: f64 = 0.05;
     /// The fastest that has a number.

@@ -25,6 +25,7 @@ mod outputs;
 mod pass;
 mod pause;
 mod planned;
+mod so_far;
 mod span;
 mod summary;
 mod summary_file;
@@ -223,11 +224,6 @@ impl Observer {
     #[must_use]
     pub fn with_messages(self, messages: impl IntoIterator<Item = Message>) -> Observer {
         Observer { messages: Messages::of(messages), ..self }
-    }
-
-    /// What the program has told so far.
-    pub fn told(&self) -> &[MessageReport] {
-        &self.messages.told
     }
 
     /// Takes one control cycle.

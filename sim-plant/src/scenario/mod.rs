@@ -10,6 +10,9 @@
 //! | `{ time_s }`, `{ cycle }` | the time since the start of the machine is reached |
 //! | `{ line }` | that line of the part program is in hand |
 //!
+//! With `panel = "live"` above the events a person stands at the panel: pauses and holds wait for him. With
+//! `"recorded"` the events are what one has pressed.
+//!
 //! | action | value |
 //! |---|---|
 //! | `spindle_override_pct`, `feed_override_pct` | 0 to 200; with `ramp_s` the knob is turned evenly over that time |
@@ -68,6 +71,8 @@ pub enum ScenarioError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scenario {
     pub(crate) events: Vec<Event>,
+    /// Somebody stands at the panel: nobody else ends a pause.
+    pub(crate) attended: bool,
 }
 
 /// One `[[event]]`.
@@ -213,7 +218,8 @@ impl Scenario {
     /// The knob of the spindle override stands at `pct` per cent, 0 to 200, from the start.
     pub fn spindle_override(pct: f64) -> Scenario {
         let turn = Action::Turn { knob: Knob::Spindle, pct: pct.clamp(0.0, 200.0), ramp_s: 0.0 };
-        Scenario { events: vec![Event { trigger: Trigger::Cycle { cycle: 0 }, action: turn }] }
+        let events = vec![Event { trigger: Trigger::Cycle { cycle: 0 }, action: turn }];
+        Scenario { events, attended: false }
     }
 
     /// Whether nothing happens.
@@ -280,8 +286,10 @@ impl Scenario {
         });
         let events: Vec<Event> = events.collect::<Result<_, _>>()?;
         match standing::forever(&events) {
-            Some((index, reason)) => Err(ScenarioError::Event { number: index + 1, reason }),
-            None => Ok(Scenario { events }),
+            Some((index, reason)) if file.panel.is_none() => {
+                Err(ScenarioError::Event { number: index + 1, reason })
+            }
+            _ => Ok(Scenario { events, attended: file.panel == Some(AtThePanel::Live) }),
         }
     }
 }
@@ -290,7 +298,19 @@ impl Scenario {
 #[serde(deny_unknown_fields)]
 struct File {
     #[serde(default)]
+    panel: Option<AtThePanel>,
+    #[serde(default)]
     event: Vec<toml::Table>,
+}
+
+/// Who stands at the panel besides the events.
+#[derive(Clone, Copy, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum AtThePanel {
+    /// A person, who may leave a machine standing and comes back.
+    Live,
+    /// Nobody any more: the events hold what a person pressed.
+    Recorded,
 }
 
 fn check_duration(key: &str, for_s: Option<f64>) -> Result<(), String> {

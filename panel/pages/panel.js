@@ -1,0 +1,263 @@
+"use strict";
+// The panel of pitchlock. It shows what the server sends and asks for what somebody presses; docs/panel.md is
+// the reference of both. The secret stands behind # in the address, so that it is sent to nobody but here.
+const $ = (id) => document.getElementById(id);
+const token = location.hash.slice(1) || sessionStorage.getItem("token") || "";
+sessionStorage.setItem("token", token);
+history.replaceState(null, "", location.pathname);
+const me = sessionStorage.getItem("me") || "browser-" + Math.random().toString(36).slice(2, 6);
+sessionStorage.setItem("me", me);
+
+let state = {}, trail = [], socket = null, asked = 0, ofWork = true, drawn = false;
+const waits = new Map();
+
+function connect() {
+  socket = new WebSocket(`ws://${location.host}/api/live`, ["pitchlock.panel.1", "token." + token]);
+  socket.onopen = () => lamp("live", "on");
+  socket.onmessage = (event) => take(JSON.parse(event.data));
+  socket.onclose = () => {
+    lamp("not connected", "off");
+    for (const [, told] of waits) told({ refused: "gone", why: "the panel is not connected" });
+    waits.clear();
+    setTimeout(connect, 1000);
+  };
+}
+function lamp(text, kind) { $("link").textContent = text; $("link").className = "lamp " + kind; keys(); }
+
+function take(news) {
+  if ("id" in news) {
+    const told = waits.get(news.id);
+    waits.delete(news.id);
+    if (told) told(news);
+    return;
+  }
+  if (news.trail) {
+    trail.length = news.trail.from;
+    for (const point of news.trail.points) trail.push(point);
+    delete news.trail;
+  }
+  Object.assign(state, news);
+  show(news);
+}
+
+function ask(word, value) {
+  const request = { id: ++asked, do: word, as: me };
+  if (value !== undefined) request.value = value;
+  return new Promise((resolve) => {
+    if (!socket || socket.readyState !== 1) return resolve({ refused: "gone", why: "the panel is not connected" });
+    waits.set(request.id, resolve);
+    socket.send(JSON.stringify(request));
+  });
+}
+async function press(word, value) {
+  const answer = await ask(word, value);
+  const said = $("said");
+  said.className = answer.refused ? "no" : "";
+  said.textContent = answer.refused ? `${word}: ${answer.why}` :
+    `${word}${value === undefined ? "" : " " + value}: in cycle ${answer.cycle}`;
+}
+
+const number = (value, digits) => (value === undefined || value === null ? "–" : Number(value.toFixed(digits)).toFixed(digits));
+const hand = {};
+
+function show(news) {
+  if (news.machine || news.program) {
+    const { machine = {}, program = {} } = state;
+    $("machine").textContent = machine.name || "pitchlock";
+    $("program").textContent = [program.name, program.folder, machine.pace && "pace " + machine.pace].filter(Boolean).join(" · ");
+    document.title = (program.name || "pitchlock") + " · pitchlock";
+  }
+  if (news.program) text();
+  if ("seat" in news) keys();
+  $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
+  const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused" }[state.state];
+  document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
+  const parts = [];
+  if (state.time_s !== undefined) parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
+  if (state.pass) parts.push(`pass ${state.pass} of ${state.program?.passes ?? "?"}, depth ${number(state.depth_mm, 3)} mm`);
+  if (state.tool) parts.push("T" + state.tool);
+  if (state.coolant) parts.push(state.coolant);
+  $("where").textContent = parts.join(" · ");
+  if (state.done) $("done").style.width = (100 * state.done[0] / Math.max(1, state.done[1])) + "%";
+  if (news.axes) axes();
+  if (news.spindle) {
+    const spindle = state.spindle;
+    $("rpm").textContent = number(spindle.rpm, 0);
+    $("spindle").textContent = `commanded ${number(spindle.commanded_rpm, 0)} · ${number(spindle.angle_deg, 0)}° · ${number(spindle.torque_nm, 1)} N·m`;
+  }
+  if (news.knobs) knobs();
+  if ("single_block" in news) $("single").checked = state.single_block;
+  if ("line" in news) mark();
+  if (news.passes) passes();
+  if (news.faults || news.messages) told();
+  if (!drawn) { drawn = true; requestAnimationFrame(() => { drawn = false; draw(); }); }
+}
+
+function keys() {
+  const mine = state.seat === me, live = socket && socket.readyState === 1;
+  $("seat").textContent = mine ? "You hold the keys" : state.seat ? `${state.seat} holds the keys: you watch` : "Nobody holds the keys";
+  $("take").textContent = mine ? "Give them back" : state.seat ? "Take over" : "Take the keys";
+  $("take").disabled = !live;
+  for (const key of document.querySelectorAll(".keys button,.keys input,.knobs input")) key.disabled = !mine || !live;
+}
+
+const lathe = () => state.machine?.kinematics === "lathe";
+function axes() {
+  const origin = ofWork && state.machine?.origin_mm, across = lathe() && ofWork ? 2 : 1;
+  const rows = state.axes.map((axis) => {
+    const zero = origin ? (axis.name === "X" ? origin[0] : axis.name === "Z" ? origin[1] : 0) : 0;
+    const factor = axis.name === "X" ? across : 1;
+    const cell = (mm) => number((mm - zero) * factor, 3);
+    return [axis.name === "X" && factor === 2 ? "X ⌀" : axis.name, cell(axis.measured_mm), cell(axis.commanded_mm),
+      number(axis.error_um, 1) + " µm", number(axis.torque_nm, 2) + " N·m"];
+  });
+  fill($("axes"), rows);
+  $("frame").textContent = ofWork ? (state.machine?.origin_mm ? "Work" : "Machine, ⌀") : "Machine";
+}
+function fill(table, rows) {
+  const body = table.tBodies[0];
+  while (body.rows.length > rows.length) body.deleteRow(-1);
+  rows.forEach((cells, at) => {
+    const row = body.rows[at] || body.insertRow();
+    cells.forEach((cell, column) => {
+      const place = row.cells[column] || row.insertCell();
+      if (place.textContent !== String(cell)) place.textContent = cell;
+    });
+  });
+}
+function knobs() {
+  for (const [name, inForce] of [["spindle", true], ["feed", true], ["rapid", false]]) {
+    const at = state.knobs[name + "_pct"], force = state.knobs[name + "_in_force_pct"];
+    const slider = $(name + "-override");
+    if (!hand[name]) slider.value = at;
+    $(name + "-now").textContent = inForce && Math.abs(force - at) > 0.5 ? `${number(at, 0)} %, in force ${number(force, 0)} %` : number(at, 0) + " %";
+  }
+}
+function text() {
+  const pre = $("text");
+  pre.textContent = "";
+  const source = state.program?.text;
+  if (!source) { pre.textContent = state.program?.folder ? "The program is too long to be shown, or machine code." : ""; return; }
+  source.split("\n").forEach((line, at) => {
+    const row = document.createElement("div"), label = document.createElement("b");
+    label.textContent = at + 1;
+    row.append(label, line);
+    pre.append(row);
+  });
+  mark();
+}
+function mark() {
+  const pre = $("text"), row = pre.children[state.line - 1];
+  pre.querySelector(".now")?.classList.remove("now");
+  if (!row || !state.line) return;
+  row.classList.add("now");
+  pre.scrollTop = row.offsetTop - pre.offsetTop - pre.clientHeight / 2;
+}
+function passes() {
+  $("of").textContent = state.program?.passes ? `${state.passes.length} of ${state.program.passes}` : "";
+  fill($("passes"), [...state.passes].reverse().map((pass) => [pass.pass, pass.line,
+    `${number(pass.rpm[0], 0)}–${number(pass.rpm[1], 0)}`, pass.cut ? number(pass.helix_um, 1) : "no contact",
+    pass.cut ? number(pass.phase_um, 1) : "", pass.end]));
+}
+function told() {
+  const list = $("told");
+  list.textContent = "";
+  const say = (kind, head, more) => {
+    const item = document.createElement("li"), small = document.createElement("small");
+    item.className = kind;
+    small.textContent = more;
+    item.append(head, small);
+    list.append(item);
+  };
+  for (const fault of state.faults || []) say("fault", `${fault.source} ${fault.code}: ${fault.text}`, (fault.remedy ? "look at: " + fault.remedy : "") + ` (cycle ${fault.cycle})`);
+  for (const message of [...(state.messages || [])].reverse()) say("", message.text, `line ${message.line}`);
+  if (!list.children.length) say("", "none", "");
+}
+
+// Views: a lathe has X over Z, others X–Y, X–Z and Y–Z.
+function draw() {
+  const machine = state.machine;
+  if (!machine) return;
+  const at = (name) => machine.axes.indexOf(name);
+  const views = lathe() ? [["Z", "X"]] : [["X", "Y"], ["X", "Z"], ["Y", "Z"]].filter((pair) => pair.every((name) => at(name) >= 0));
+  $("view-name").textContent = views.map((pair) => pair[1] + " over " + pair[0]).join(", ");
+  const house = $("views");
+  while (house.children.length > views.length) house.lastChild.remove();
+  while (house.children.length < views.length) house.append(document.createElement("canvas"));
+  const here = state.axes?.map((axis) => axis.measured_mm);
+  views.forEach(([right, up], number) => view(house.children[number], at(right), at(up), here, views.length > 1 ? 150 : 260));
+}
+function view(canvas, right, up, here, height) {
+  const machine = state.machine, width = canvas.parentElement.clientWidth, scale = window.devicePixelRatio || 1;
+  if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
+    canvas.width = width * scale;
+    canvas.height = height * scale;
+    canvas.style.height = height + "px";
+  }
+  const pen = canvas.getContext("2d"), css = getComputedStyle(document.documentElement);
+  const colour = (name) => css.getPropertyValue("--" + name);
+  pen.setTransform(scale, 0, 0, scale, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  const origin = machine.origin_mm || [0, 0], stock = machine.stock, low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  const see = (h, v) => { low[0] = Math.min(low[0], h); high[0] = Math.max(high[0], h); low[1] = Math.min(low[1], v); high[1] = Math.max(high[1], v); };
+  const turned = lathe() && stock ? stock.rows_mm.map(([z, r]) => [z + origin[1], r + origin[0]]) : [];
+  turned.forEach(([z, r]) => see(z, r));
+  if (turned.length) see(turned[0][0], origin[0]);
+  for (const [place] of trail) see(place[right], place[up]);
+  if (here) see(here[right], here[up]);
+  if (!isFinite(low[0])) return;
+  const wide = Math.max(high[0] - low[0], 5), tall = Math.max(high[1] - low[1], 5);
+  const size = Math.min((width - 24) / wide, (height - 24) / tall);
+  const h = (mm) => (width - wide * size) / 2 + (mm - low[0]) * size, v = (mm) => height - (height - tall * size) / 2 - (mm - low[1]) * size;
+  if (turned.length) {
+    pen.fillStyle = colour("stock");
+    pen.beginPath();
+    pen.moveTo(h(turned[0][0]), v(stock.inner_mm + origin[0]));
+    turned.forEach(([z, r]) => pen.lineTo(h(z), v(r)));
+    pen.lineTo(h(turned[turned.length - 1][0]), v(stock.inner_mm + origin[0]));
+    pen.fill();
+    pen.strokeStyle = colour("dim");
+    pen.setLineDash([8, 4, 2, 4]);
+    pen.beginPath(); pen.moveTo(0, v(origin[0])); pen.lineTo(width, v(origin[0])); pen.stroke();
+    pen.setLineDash([]);
+  }
+  const kinds = ["rapid", "feed", "pass"];
+  for (let from = 0; from + 1 < trail.length;) {
+    const kind = trail[from + 1][1];
+    pen.strokeStyle = colour(kinds[kind]);
+    pen.lineWidth = kind ? 1.5 : 1;
+    pen.setLineDash(kind ? [] : [4, 3]);
+    pen.beginPath();
+    pen.moveTo(h(trail[from][0][right]), v(trail[from][0][up]));
+    do { from++; pen.lineTo(h(trail[from][0][right]), v(trail[from][0][up])); } while (from + 1 < trail.length && trail[from + 1][1] === kind);
+    pen.stroke();
+  }
+  pen.setLineDash([]);
+  if (here) {
+    const x = h(here[right]), y = v(here[up]);
+    pen.fillStyle = colour("mark");
+    pen.beginPath(); pen.moveTo(x, y); pen.lineTo(x - 6, y - 12); pen.lineTo(x + 6, y - 12); pen.fill();
+  }
+  pen.fillStyle = colour("dim");
+  pen.font = "11px system-ui";
+  const step = 10 ** Math.floor(Math.log10(wide / 2));
+  pen.fillRect(8, height - 7, step * size, 2);
+  pen.fillText(step + " mm", 8, height - 11);
+}
+
+for (const key of document.querySelectorAll("[data-do]")) key.onclick = () => press(key.dataset.do);
+$("single").onchange = (event) => press("single-block", event.target.checked);
+for (const name of ["spindle", "feed", "rapid"]) {
+  const slider = $(name + "-override");
+  let due = null;
+  slider.oninput = () => {
+    hand[name] = true;
+    // While it is dragged, ten times a second are enough.
+    if (!due) due = setTimeout(() => { due = null; press(name + "-override", Number(slider.value)); }, 100);
+  };
+  slider.onchange = () => setTimeout(() => { hand[name] = false; }, 400);
+}
+$("take").onclick = () => press(state.seat === me ? "leave-seat" : "take-seat");
+$("frame").onclick = () => { ofWork = !ofWork; if (state.axes) axes(); };
+window.onresize = () => draw();
+connect();

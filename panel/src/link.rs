@@ -1,0 +1,191 @@
+//! The launcher's end of the socket to the panel. In: what is seen, answers. Out: presses. Nothing here
+//! waits: while the panel does not read, there is at most one state and [`MOST_ANSWERS`] bytes of answers on
+//! the way, and what does not fit is counted.
+
+use std::{
+    io::{ErrorKind, Read as _, Write as _},
+    os::unix::net::UnixStream,
+};
+
+use crate::wire::{FromPanel, ToPanel};
+
+/// Most bytes of answers that wait for a panel that does not read.
+const MOST_ANSWERS: usize = 16 << 10;
+/// Most bytes of presses that are read at once, and that a press may have.
+const MOST_READ: usize = 4 << 10;
+
+/// A link to a panel.
+#[derive(Debug)]
+pub struct Link {
+    stream: UnixStream,
+    /// What is on the way, and how much of it the socket has taken.
+    out: Vec<u8>,
+    taken: usize,
+    read: Vec<u8>,
+    dropped: u64,
+    broken: bool,
+}
+
+impl Link {
+    /// A link by this socket.
+    ///
+    /// # Errors
+    /// The system refuses a socket that does not wait.
+    pub fn new(stream: UnixStream) -> std::io::Result<Link> {
+        stream.set_nonblocking(true)?;
+        Ok(Link { stream, out: Vec::new(), taken: 0, read: Vec::new(), dropped: 0, broken: false })
+    }
+
+    /// Whether the panel has taken all that was on the way.
+    pub fn is_free(&mut self) -> bool {
+        while self.taken < self.out.len() && !self.broken {
+            match self.stream.write(&self.out[self.taken..]) {
+                Ok(0) => self.broken = true,
+                Ok(written) => self.taken += written,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return false,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => self.broken = true,
+            }
+        }
+        self.out.clear();
+        self.taken = 0;
+        !self.broken
+    }
+
+    /// Sends this if nothing is on the way, and says whether. What is not sent is counted: a newer state
+    /// takes its place.
+    pub fn offer(&mut self, message: &ToPanel) -> bool {
+        let free = self.is_free();
+        if free {
+            self.put(message);
+            self.is_free();
+        } else {
+            self.dropped += 1;
+        }
+        free
+    }
+
+    /// Sends this behind what is on the way, as long as that is not much.
+    pub fn answer(&mut self, message: &ToPanel) {
+        if self.is_free() || self.out.len() - self.taken < MOST_ANSWERS {
+            self.put(message);
+            self.is_free();
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    fn put(&mut self, message: &ToPanel) {
+        match serde_json::to_vec(message) {
+            Ok(line) if !self.broken => {
+                self.out.extend(line);
+                self.out.push(b'\n');
+            }
+            _ => self.dropped += 1,
+        }
+    }
+
+    /// The next press, if one has come. What is none breaks the link.
+    pub fn press(&mut self) -> Option<FromPanel> {
+        if !self.read.contains(&b'\n') && !self.broken {
+            let mut block = [0; MOST_READ];
+            match self.stream.read(&mut block) {
+                Ok(0) => self.broken = true,
+                Ok(read) => self.read.extend(&block[..read]),
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+                Err(_) => self.broken = true,
+            }
+        }
+        let Some(end) = self.read.iter().position(|byte| *byte == b'\n') else {
+            self.broken |= self.read.len() > MOST_READ;
+            return None;
+        };
+        let press = serde_json::from_slice(&self.read[..end]);
+        self.read.drain(..=end);
+        self.broken |= press.is_err();
+        press.ok()
+    }
+
+    /// Whether the panel is gone, or sends what nobody understands.
+    pub fn is_broken(&self) -> bool {
+        self.broken
+    }
+
+    /// How many messages did not fit.
+    pub fn dropped(&self) -> u64 {
+        self.dropped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{BufRead as _, BufReader};
+
+    use super::*;
+
+    fn state(number: u64) -> ToPanel {
+        let padding = "x".repeat(5000);
+        let fields = serde_json::json!({ "cycle": number, "padding": padding });
+        ToPanel::Set(fields.as_object().cloned().unwrap_or_default())
+    }
+
+    /// Nobody reads for a hundred thousand states: nothing waits and nothing grows; then what comes is whole,
+    /// in order, and the newest states come.
+    #[test]
+    fn a_panel_that_does_not_read_costs_nothing() {
+        let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
+        let mut link = Link::new(ours).expect("it need not wait");
+        let mut offered = Vec::new();
+        for number in 0..100_000 {
+            if link.offer(&state(number)) {
+                offered.push(number);
+            }
+            if number % 10 == 0 {
+                link.answer(&ToPanel::Taken { ticket: number, cycle: number });
+            }
+        }
+        assert!(link.dropped() > 90_000 && !link.is_broken(), "{}", link.dropped());
+        assert!(link.out.len() < MOST_ANSWERS + 12_000, "{} bytes wait", link.out.len());
+        let mut lines = BufReader::new(theirs).lines();
+        let mut seen = Vec::new();
+        for newest in 100_000..100_200 {
+            if link.offer(&state(newest)) {
+                offered.push(newest);
+            }
+            let line = lines.next().expect("it comes").expect("it can be read");
+            match serde_json::from_str::<ToPanel>(&line).expect("a whole message") {
+                ToPanel::Set(fields) => seen.extend(fields["cycle"].as_u64()),
+                ToPanel::Taken { ticket, cycle } => assert_eq!(ticket, cycle),
+                other => panic!("{other:?}"),
+            }
+        }
+        assert!(!seen.is_empty() && seen == offered[..seen.len()], "in order, none between left out");
+        assert!(offered.last().is_some_and(|last| *last > 100_000), "it goes on where it is now");
+    }
+
+    #[test]
+    fn presses_come_as_they_were_sent_and_nonsense_breaks_the_link() {
+        let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
+        let mut link = Link::new(ours).expect("it need not wait");
+        assert_eq!(link.press(), None);
+        theirs.write_all(b"{\"ticket\":1,\"kind\":4,\"value\":0.0}\n{\"ticket\":2,\"ki").expect("room");
+        assert_eq!(link.press(), Some(FromPanel { ticket: 1, kind: 4, value: 0.0 }));
+        assert_eq!(link.press(), None);
+        theirs.write_all(b"nd\":1,\"value\":60.5}\nstop!\n").expect("room");
+        assert_eq!(link.press(), Some(FromPanel { ticket: 2, kind: 1, value: 60.5 }));
+        assert!(!link.is_broken());
+        assert_eq!((link.press(), link.is_broken()), (None, true));
+
+        let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
+        let mut link = Link::new(ours).expect("it need not wait");
+        theirs.write_all(&[b'1'; 3 * MOST_READ]).expect("room");
+        (0..4).for_each(|_| assert_eq!(link.press(), None));
+        assert!(link.is_broken(), "a line without an end");
+
+        let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
+        let mut link = Link::new(ours).expect("it need not wait");
+        drop(theirs);
+        link.offer(&state(1));
+        assert!(link.is_broken() && !link.offer(&state(2)), "nobody is there");
+    }
+}

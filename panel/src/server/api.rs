@@ -1,0 +1,80 @@
+//! What is there: three pages, the state, one place to ask for something, one WebSocket.
+
+use std::sync::Arc;
+
+use axum::{
+    Router,
+    body::Bytes,
+    extract::{DefaultBodyLimit, State, WebSocketUpgrade},
+    http::{HeaderMap, StatusCode, header},
+    middleware,
+    response::{IntoResponse as _, Response},
+    routing::{get, post},
+};
+use serde_json::{Value, json};
+
+use super::{
+    guard::{PROTOCOL, guard},
+    house::House,
+    live, state,
+};
+use crate::PAGES;
+
+/// Most bytes of a request's body, and of a message on a WebSocket.
+pub(crate) const MOST_ASKED: usize = 1024;
+
+/// The whole of it.
+pub(crate) fn router(house: Arc<House>) -> Router {
+    let mut router = Router::new()
+        .route("/api/state", get(all))
+        .route("/api/do", post(ask))
+        .route("/api/live", get(live_socket));
+    for (path, kind, content) in PAGES {
+        router = router.route(path, get(async move || ([(header::CONTENT_TYPE, kind)], content)));
+    }
+    router
+        .layer(DefaultBodyLimit::max(MOST_ASKED))
+        .layer(middleware::from_fn_with_state(Arc::clone(&house), guard))
+        .with_state(house)
+}
+
+/// All that is seen.
+async fn all(State(house): State<Arc<House>>) -> Response {
+    let now = house.watch().borrow().clone();
+    document(StatusCode::OK, &now.since(&state::State::default()).unwrap_or_else(|| json!({})))
+}
+
+fn document(status: StatusCode, document: &Value) -> Response {
+    (status, [(header::CONTENT_TYPE, "application/json")], document.to_string()).into_response()
+}
+
+/// Does something.
+async fn ask(State(house): State<Arc<House>>, headers: HeaderMap, body: Bytes) -> Response {
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    if kind.split(';').next().is_none_or(|kind| kind.trim() != "application/json") {
+        let why = "Content-Type has to be application/json\n";
+        return (StatusCode::UNSUPPORTED_MEDIA_TYPE, why).into_response();
+    }
+    let answer = house.ask(&body).await;
+    let status = match answer["refused"].as_str() {
+        None => StatusCode::OK,
+        Some("bad-request" | "bad-value" | "unknown") => StatusCode::BAD_REQUEST,
+        Some("not-there-yet") => StatusCode::NOT_IMPLEMENTED,
+        Some("no-answer") => StatusCode::GATEWAY_TIMEOUT,
+        Some("too-many") => StatusCode::TOO_MANY_REQUESTS,
+        Some(_) => StatusCode::CONFLICT,
+    };
+    document(status, &answer)
+}
+
+/// Becomes a WebSocket.
+async fn live_socket(State(house): State<Arc<House>>, upgrade: WebSocketUpgrade) -> Response {
+    let Ok(place) = Arc::clone(&house.sockets).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many watch already\n").into_response();
+    };
+    let upgrade = upgrade.protocols([PROTOCOL]).max_message_size(MOST_ASKED).max_frame_size(MOST_ASKED);
+    upgrade.on_upgrade(async move |socket| {
+        live::live(socket, &house).await;
+        drop(place);
+    })
+}

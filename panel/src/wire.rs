@@ -1,0 +1,50 @@
+//! What goes through the socket between launcher and panel: one line of JSON for each message. Both are the
+//! same program, started by the same user.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+/// A place on the way of the tool: its axes in the order of the machine, mm; and how it was moved there: 0
+/// rapid or not at all, 1 at a feed, 2 in a pass.
+pub type Point = (Vec<f32>, u8);
+
+/// Launcher → panel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToPanel {
+    /// First: the secret that whoever watches or presses has to know.
+    Token(String),
+    /// These fields of what is seen are this now; a list counts as one.
+    Set(Map<String, Value>),
+    /// The tool went on along these places.
+    Trail(Vec<Point>),
+    /// A run begins: the tool has not gone anywhere yet.
+    NoTrail,
+    /// A press has its cycle.
+    Taken {
+        /// Which press.
+        ticket: u64,
+        /// In this control cycle it reached the panel of the machine.
+        cycle: u64,
+    },
+    /// A press came to nothing.
+    Refused {
+        /// Which press.
+        ticket: u64,
+        /// A stable name of the reason.
+        code: String,
+        /// The reason, and what to do about it.
+        why: String,
+    },
+}
+
+/// Panel → launcher: a press, as [`OperatorRequest`](protocol::OperatorRequest) numbers it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FromPanel {
+    /// Running number, for the answer.
+    pub ticket: u64,
+    /// Code of the request.
+    pub kind: u32,
+    /// Per cent; 1 or 0 of a switch; else 0.
+    pub value: f64,
+}

@@ -1,0 +1,25 @@
+//! What is known of a run while it goes on.
+
+use super::{FaultReport, MessageReport, Observer, PassReport, StockReport};
+
+impl Observer {
+    /// The passes that are over.
+    pub fn passes(&self) -> &[PassReport] {
+        &self.out.passes
+    }
+
+    /// The faults that were seen.
+    pub fn faults(&self) -> &[FaultReport] {
+        &self.out.faults
+    }
+
+    /// The stock, if it is known.
+    pub fn stock(&self) -> Option<&StockReport> {
+        self.out.stock.as_ref()
+    }
+
+    /// What the program has told so far.
+    pub fn told(&self) -> &[MessageReport] {
+        &self.messages.told
+    }
+}

@@ -1,0 +1,49 @@
+//! The arguments of `pitchlock panel`, and of `run --panel`.
+
+use std::net::{IpAddr, Ipv4Addr};
+
+use clap::Args;
+
+use crate::run::RunArgs;
+
+pub(crate) const HELP: &str = "Examples:
+  pitchlock panel examples/m20x2.ngc              loads the program; start, and start again, from the page
+  pitchlock panel part.ngc --machine my-lathe.toml --pace 0.2
+  pitchlock run part.ngc --panel                  starts at once, and ends with the run
+  pitchlock run runs/part-1                       repeats a session from its folder, bit for bit
+
+The address that is printed opens in any browser. Its secret lets whoever knows it press: pass it on to nobody who may
+not. docs/panel.md is the reference of page and API.
+
+The page is software and no emergency stop. Ctrl-C ends the run in hand, then the command.";
+
+/// Where the panel is.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct PanelArgs {
+    /// Port of the panel; 0 takes a free one [default: 0].
+    #[arg(long, value_name = "PORT")]
+    pub(crate) port: Option<u16>,
+    /// Address of this computer at which the panel is; others can reach any but the loopback. HTTP is not
+    /// encrypted [default: 127.0.0.1].
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) listen: Option<IpAddr>,
+}
+
+impl PanelArgs {
+    /// Address and port.
+    pub(crate) fn place(&self) -> (IpAddr, u16) {
+        (self.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), self.port.unwrap_or(0))
+    }
+
+    /// Whether any of it was said.
+    pub(crate) fn is_said(&self) -> bool {
+        self.port.is_some() || self.listen.is_some()
+    }
+}
+
+/// Arguments of `pitchlock panel`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PanelCommandArgs {
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}

@@ -1,0 +1,197 @@
+//! What is shown of a control cycle. In: a [`Record`] and what the observer knows. Out: fields of the panel.
+
+use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Point, Seen, SpindleSeen};
+use protocol::{AxisState, MachineState, MachineStatus, Motion, Panel};
+use rig::observe::{Observer, PassEnd, PassReport, Record};
+
+/// Passes that are shown: the newest.
+const MOST_PASSES: usize = 200;
+/// Messages and faults that are shown: the newest.
+const MOST_TOLD: usize = 50;
+/// An axis that is slower than this stands, mm/s.
+const AXIS_STANDS: f64 = 0.05;
+
+/// What is seen in this cycle; lists only if there is something in them that `shown` has not.
+pub(super) fn seen(
+    record: &Record,
+    observer: &Observer,
+    shown: Option<Counts>,
+    steps: u64,
+    cycle_s: f64,
+) -> Seen {
+    let Record { truth, axes, machine } = record;
+    let panel = &truth.measurement.panel;
+    let (state, words) = words(record);
+    let counts = Counts::of(observer);
+    let lists = shown != Some(counts);
+    let axis = |(axis, status): &(protocol::Axis, protocol::AxisStatus)| AxisSeen {
+        name: axis.name().to_ascii_uppercase(),
+        commanded_mm: status.commanded_mm,
+        measured_mm: status.commanded_mm - status.servo_error_mm,
+        error_um: 1e3 * status.servo_error_mm,
+        speed_mm_s: status.velocity_mm_s,
+        torque_nm: truth.measurement.axes[axis.index()].torque_nm,
+        state: status.state().name().into(),
+    };
+    Seen {
+        cycle: truth.cycle.0,
+        time_s: truth.cycle.0 as f64 * cycle_s,
+        state: state.into(),
+        words,
+        line: machine.line,
+        pass: machine.pass,
+        depth_mm: machine.depth_mm,
+        done: [machine.taken.min(steps), steps],
+        axes: axes.iter().map(axis).collect(),
+        spindle: SpindleSeen {
+            rpm: truth.spindle_rpm,
+            commanded_rpm: machine.spindle_rpm,
+            angle_deg: truth.spindle_deg.rem_euclid(360.0),
+            torque_nm: truth.spindle_torque_nm,
+        },
+        knobs: Knobs {
+            spindle_pct: panel.spindle_override_pct,
+            spindle_in_force_pct: machine.spindle_override_pct,
+            feed_pct: panel.feed_override_pct,
+            feed_in_force_pct: machine.feed_override_pct,
+            rapid_pct: panel.rapid_override_pct,
+        },
+        held: panel.pressed(Panel::FEED_HOLD),
+        single_block: panel.pressed(Panel::SINGLE_BLOCK),
+        tool: machine.tool,
+        coolant: coolant(machine).into(),
+        passes: lists.then(|| passes(observer)),
+        messages: lists.then(|| messages(observer)),
+        faults: lists.then(|| faults(observer)),
+    }
+}
+
+/// How long the lists are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Counts([usize; 3]);
+
+impl Counts {
+    pub(super) fn of(observer: &Observer) -> Counts {
+        Counts([observer.passes().len(), observer.told().len(), observer.faults().len()])
+    }
+}
+
+fn coolant(machine: &MachineStatus) -> &'static str {
+    match (machine.coolant & MachineStatus::MIST != 0, machine.coolant & MachineStatus::FLOOD != 0) {
+        (false, false) => "",
+        (true, false) => "mist",
+        (false, true) => "flood",
+        (true, true) => "mist and flood",
+    }
+}
+
+/// The last `most` of something.
+fn newest<T>(all: &[T], most: usize) -> &[T] {
+    &all[all.len().saturating_sub(most)..]
+}
+
+fn passes(observer: &Observer) -> Vec<PassSeen> {
+    let one = |pass: &PassReport| PassSeen {
+        pass: pass.pass,
+        line: pass.line,
+        end: match pass.end {
+            PassEnd::Complete => "complete",
+            PassEnd::Left => "left",
+            PassEnd::CutOff => "cut-off",
+        }
+        .into(),
+        rpm: [pass.rpm_min, pass.rpm_max],
+        helix_um: pass.tool.helix_max_abs_um,
+        phase_um: pass.tool.phase_um,
+        cut: pass.tool.contact_deg > 0.0,
+    };
+    newest(observer.passes(), MOST_PASSES).iter().map(one).collect()
+}
+
+fn messages(observer: &Observer) -> Vec<Message> {
+    let told = newest(observer.told(), MOST_TOLD).iter();
+    told.map(|one| Message { line: one.line, cycle: one.cycle, text: one.text.clone() }).collect()
+}
+
+fn faults(observer: &Observer) -> Vec<Fault> {
+    let remedy = |code: &str| {
+        let row = protocol::fault::FAULTS.iter().find(|row| row.code == code);
+        row.map(|row| row.remedy).unwrap_or_default().to_owned()
+    };
+    let told = newest(observer.faults(), MOST_TOLD).iter();
+    told.map(|one| Fault {
+        cycle: one.cycle,
+        source: one.source.clone(),
+        code: one.code.clone(),
+        text: one.text.clone(),
+        remedy: remedy(&one.code),
+    })
+    .collect()
+}
+
+/// The state by its name and in words.
+fn words(record: &Record) -> (&'static str, String) {
+    let Record { truth, axes, machine } = record;
+    let panel = &truth.measurement.panel;
+    let moves = axes.iter().any(|(_, status)| status.velocity_mm_s.abs() > AXIS_STANDS);
+    let in_pass = axes.iter().any(|(_, status)| status.state().has_begun());
+    let (line, pass) = (machine.line, machine.pass);
+    let said = |state: &'static str, words: String| (state, words);
+    let fault = protocol::Fault::from_code(machine.fault);
+    if panel.pressed(Panel::EMERGENCY_STOP) {
+        return said("emergency-stop", "emergency stop is pressed".into());
+    }
+    if let Some(fault) = fault.filter(|_| machine.state() == MachineState::Fault) {
+        return said("fault", format!("fault: {}", fault.text()));
+    }
+    if panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT) {
+        return said("stopping", "comes to rest; the program ends".into());
+    }
+    if panel.pressed(Panel::FEED_HOLD) {
+        return match (in_pass, moves) {
+            (true, _) => {
+                said("holding", format!("hold is pressed; pass {pass} goes on as the machine file says"))
+            }
+            (_, true) => said("holding", "hold: comes to rest".into()),
+            _ => said("held", "held; start goes on".into()),
+        };
+    }
+    match machine.state() {
+        MachineState::Starting => said("starting", "waits for the drives".into()),
+        MachineState::Ready => said("ready", format!("between two blocks, line {line}")),
+        MachineState::Moving if machine.motion() == Motion::Rapid => {
+            said("rapid", format!("rapid, line {line}"))
+        }
+        MachineState::Moving => said("moving", format!("feed, line {line}")),
+        MachineState::Waiting => said("waiting", format!("waits for the spindle, or dwells, line {line}")),
+        MachineState::Threading => said("threading", format!("{}, line {line}", in_words(axes, pass))),
+        MachineState::Paused => said("paused", format!("line {line} is a pause: start goes on")),
+        MachineState::Ended => said("ended", "the program is over".into()),
+        MachineState::Fault => said("fault", "fault".into()),
+    }
+}
+
+/// Where a pass is.
+fn in_words(axes: &[(protocol::Axis, protocol::AxisStatus)], pass: u32) -> String {
+    let state = axes.iter().map(|(_, status)| status.state()).find(|state| state.is_in_pass());
+    match state {
+        Some(AxisState::Armed) => format!("pass {pass} waits for the index"),
+        Some(AxisState::WaitingForC0 | AxisState::RunIn) => format!("pass {pass} runs in"),
+        Some(AxisState::Locked) => format!("pass {pass} is on the helix"),
+        Some(AxisState::RunOut) => format!("pass {pass} runs out"),
+        Some(AxisState::Leaving) => format!("pass {pass} is left"),
+        _ => format!("pass {pass}"),
+    }
+}
+
+/// The place of the tool in this cycle.
+pub(super) fn place(record: &Record) -> Point {
+    let in_pass = record.axes.iter().any(|(_, status)| status.state().has_begun());
+    let kind = match (in_pass, record.machine.motion()) {
+        (true, _) => 2,
+        (false, Motion::Feed) => 1,
+        (false, _) => 0,
+    };
+    let at = record.axes.iter().map(|(axis, _)| record.truth.axes[axis.index()].slide_mm as f32);
+    (at.collect(), kind)
+}

@@ -1,0 +1,191 @@
+//! The page in a real browser, driven by its own protocol: loads, shows, presses. Left out by name where
+//! there is no Chromium.
+
+use std::{
+    fs,
+    net::TcpStream,
+    process::{Child, Command, Stdio},
+    time::Duration,
+};
+
+use serde_json::{Value, json};
+
+use super::client::{Panel, Socket};
+use crate::shop::{Place, example, until};
+
+/// A browser without a screen.
+struct Browser {
+    process: Child,
+    page: Socket,
+    asked: u64,
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Browser {
+    /// Opens an address, if there is a browser.
+    fn open(place: &Place, url: &str, width: u32) -> Option<Browser> {
+        let names = ["chromium", "chromium-browser", "google-chrome"];
+        let there = |name: &&str| {
+            let found =
+                Command::new(name).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+            found.is_ok_and(|status| status.success())
+        };
+        let Some(name) = names.into_iter().find(|name| there(name)) else {
+            eprintln!("left out: the page in a browser: there is no Chromium on this computer");
+            return None;
+        };
+        let profile = place.at(&format!("browser-{width}"));
+        let process = Command::new(name)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"])
+            .arg(format!("--user-data-dir={}", profile.display()))
+            .arg(format!("--window-size={width},900"))
+            .arg(url)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("it starts");
+        let mut port = String::new();
+        until("the browser listens", || {
+            let text = fs::read_to_string(profile.join("DevToolsActivePort")).unwrap_or_default();
+            port = text.lines().next().unwrap_or_default().to_owned();
+            !port.is_empty()
+        });
+        let address = format!("127.0.0.1:{port}");
+        let mut path = String::new();
+        until("the page is there", || {
+            let (_, text) = get(&address, "/json/list");
+            let pages: Value = serde_json::from_str(&text).unwrap_or_default();
+            let page = pages.as_array().and_then(|all| all.iter().find(|one| one["type"] == "page"));
+            let page = page.and_then(|page| page["webSocketDebuggerUrl"].as_str());
+            let found = page.and_then(|page| page.split_once(&port)).map(|(_, path)| path.to_owned());
+            path = found.unwrap_or_default();
+            !path.is_empty()
+        });
+        Some(Browser { process, page: Socket::open(&address, &path), asked: 0 })
+    }
+
+    /// Tells the browser to do something.
+    fn tell(&mut self, method: &str, params: &Value) -> Value {
+        self.asked += 1;
+        let id = json!(self.asked);
+        self.page.say(&json!({ "id": id, "method": method, "params": params }));
+        self.page.answer(&id).expect("the browser lives")
+    }
+
+    /// The value of an expression in the page.
+    fn value(&mut self, expression: &str) -> Value {
+        let answer =
+            self.tell("Runtime.evaluate", &json!({ "expression": expression, "returnByValue": true }));
+        assert!(answer["result"]["exceptionDetails"].is_null(), "{expression}: {answer}");
+        answer["result"]["result"]["value"].clone()
+    }
+
+    /// The text of an element.
+    fn text(&mut self, id: &str) -> String {
+        self.value(&format!("document.getElementById('{id}').textContent"))
+            .as_str()
+            .unwrap_or_default()
+            .into()
+    }
+
+    /// Presses a button.
+    fn click(&mut self, selector: &str) {
+        self.value(&format!("document.querySelector(\"{selector}\").click()"));
+    }
+
+    /// Waits until an element says something.
+    fn until_text(&mut self, id: &str, part: &str) {
+        until(&format!("{id} says {part}"), || self.text(id).contains(part));
+    }
+
+    /// Keeps a picture where `PITCHLOCK_PICTURES` names a folder.
+    fn picture(&mut self, name: &str) {
+        let Some(folder) = std::env::var_os("PITCHLOCK_PICTURES") else { return };
+        let answer = self.tell("Page.captureScreenshot", &json!({ "captureBeyondViewport": true }));
+        let text = answer["result"]["data"].as_str().expect("a picture");
+        fs::write(std::path::Path::new(&folder).join(format!("{name}.base64")), text)
+            .expect("room for a picture");
+    }
+}
+
+fn get(address: &str, path: &str) -> (u16, String) {
+    use std::io::{Read as _, Write as _};
+    let Ok(mut stream) = TcpStream::connect(address) else { return (0, String::new()) };
+    let _ = stream.set_read_timeout(Some(Duration::from_secs(2)));
+    let _ = stream
+        .write_all(format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").as_bytes());
+    let mut bytes = Vec::new();
+    let _ = stream.read_to_end(&mut bytes);
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    (200, text.split_once("\r\n\r\n").map(|(_, body)| body.to_owned()).unwrap_or_default())
+}
+
+/// Nothing is wider than the window.
+const FITS: &str = "document.documentElement.scrollWidth <= window.innerWidth";
+
+#[test]
+fn a_browser_shows_the_machine_and_presses() {
+    let place = Place::new();
+    let program = example("m20x2").display().to_string();
+    let panel = Panel::start(&place, &["panel", &program, "--trace", "none", "--pace", "8"]);
+    let url = format!("http://{}/#{}", panel.address, panel.token);
+    let Some(mut browser) = Browser::open(&place, &url, 1280) else { return };
+    browser.until_text("link", "live");
+    browser.until_text("words", "start starts it");
+    assert_eq!(
+        browser.value("location.href"),
+        format!("http://{}/", panel.address),
+        "the secret is not shown"
+    );
+    assert_eq!(browser.value("document.querySelector('[data-do=start]').disabled"), true, "without the keys");
+    browser.click("#take");
+    browser.until_text("seat", "You hold the keys");
+    browser.click("[data-do=start]");
+    browser.until_text("said", "in cycle 0");
+    browser.until_text("words", "on the helix");
+    browser.value(
+        "(s => { s.value = 70; s.oninput(); s.onchange(); })(document.getElementById('spindle-override'))",
+    );
+    browser.until_text("spindle-now", "70 %");
+    until("the spindle turns slower", || {
+        panel.state()["spindle"]["rpm"].as_f64().is_some_and(|rpm| rpm < 450.0)
+    });
+    browser.until_text("passes", "complete");
+    assert_eq!(browser.value("document.querySelector('#text .now b').textContent"), "28", "the running line");
+    browser.click("[data-do=hold]");
+    browser.until_text("words", "held");
+    browser.picture("panel-wide");
+    let drawn = "(c => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(p => p))(document.querySelector('canvas'))";
+    assert_eq!(browser.value(drawn), true, "the view is drawn");
+    assert_eq!(browser.value(FITS), true);
+    // Somebody with a small screen takes over, and the first one sees it.
+    let mut small = Browser::open(&place, &url, 500).expect("there is one");
+    small.until_text("seat", "holds the keys: you watch");
+    small.click("#take");
+    small.until_text("seat", "You hold the keys");
+    browser.until_text("seat", "you watch");
+    assert_eq!(browser.value("document.querySelector('[data-do=stop]').disabled"), true);
+    let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
+    small.tell("Emulation.setDeviceMetricsOverride", &telephone);
+    small.tell("Emulation.setTouchEmulationEnabled", &json!({ "enabled": true }));
+    assert_eq!((small.value("window.innerWidth"), small.value(FITS)), (json!(360), json!(true)));
+    let low = "[...document.querySelectorAll('.keys button')].every(key => key.offsetHeight >= 44)";
+    assert_eq!(small.value(low), true, "a finger hits every key");
+    small.picture("panel-small");
+    small.click("[data-do=start]");
+    small.until_text("said", "start: in cycle");
+    small.click("[data-do=stop]");
+    browser.until_text("words", "stopped");
+    assert!(place.at("runs/m20x2-1/presses.toml").exists());
+    // What a page of the browser may not do.
+    let refused = "fetch('/api/do?do=hold').then(r => window.seen = r.status)";
+    browser.value(refused);
+    until("it is refused", || browser.value("window.seen") == 405);
+}

@@ -1,0 +1,8 @@
+//! The panel: whom it lets in, that the machine does not notice it, that what was pressed is repeated, and
+//! what a browser makes of it.
+
+mod browser;
+mod client;
+mod hostile;
+mod watched;
+mod written_api;

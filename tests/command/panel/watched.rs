@@ -1,0 +1,250 @@
+//! A machine that is watched does the same as one that is not; and what was pressed belongs to its run.
+
+use rig::observe::{Outcome, Summary};
+use serde_json::{Value, json};
+use testing::Seed;
+
+use super::client::Panel;
+use crate::shop::{Place, example, signal, until, wait_s};
+
+/// Starts a run with a panel.
+fn watched(place: &Place, program: &str, out: &str, more: &[&str]) -> Panel {
+    let mut arguments = vec!["run", program, "--panel", "--json", "--trace", "none", "--out", out];
+    arguments.extend(more);
+    Panel::start(place, &arguments)
+}
+
+/// The summary that it ends with.
+fn ended(panel: Panel) -> (Option<i32>, Summary) {
+    let answer = panel.ends();
+    let summary = serde_json::from_str(&answer.stdout);
+    (answer.status, summary.unwrap_or_else(|error| panic!("{error}: {}", answer.stdout)))
+}
+
+/// The run folder repeated over processes and in one, without anybody at the panel: the same; and replayed.
+fn is_repeated(place: &Place, out: &str, first: &Summary) {
+    for more in [&["--trace", "none"][..], &["--trace", "none", "--in-process"]] {
+        let mut command = place.pitchlock();
+        place.clear("again");
+        command.args(["run", out, "--json", "--out", "again"]).args(more);
+        let answer = crate::shop::Answer::from(command.output().expect("it runs"));
+        let again: Summary = serde_json::from_str(&answer.stdout).unwrap_or_else(|error| {
+            let pressed = std::fs::read_to_string(place.at(out).join("presses.toml"));
+            panic!("{error}: {} {pressed:?}", answer.stderr)
+        });
+        assert_eq!((&again.trace_hash, again.cycles), (&first.trace_hash, first.cycles), "{more:?}");
+        assert_eq!(again.outcome, first.outcome);
+    }
+    let replayed = place.ask(&["replay", out]);
+    assert_eq!(replayed.status, Some(0), "{}", replayed.stderr);
+}
+
+#[test]
+fn a_run_with_three_who_watch_one_of_them_frozen_is_the_same() {
+    let place = Place::new();
+    let program = example("m20x2").display().to_string();
+    let alone = place.run_inside(&example("m20x2"), None);
+    let panel = watched(&place, &program, "watched", &["--pace", "20"]);
+    let (frozen, mut one, mut other) = (panel.socket(), panel.socket(), panel.socket());
+    let mut cycles = [-1, -1];
+    for (socket, newest) in [&mut one, &mut other].into_iter().zip(&mut cycles) {
+        for _ in 0..25 {
+            let news = socket.next().expect("it lives");
+            if let Some(cycle) = news["cycle"].as_i64() {
+                assert!(cycle > *newest, "time goes on");
+                *newest = cycle;
+            }
+        }
+    }
+    assert!(cycles.iter().all(|cycle| *cycle > 0), "{cycles:?}");
+    let (status, summary) = ended(panel);
+    assert_eq!((status, &summary.trace_hash), (Some(0), &alone.trace_hash));
+    assert!(summary.channels.iter().all(|channel| channel.lost == 0), "{:?}", summary.channels);
+    assert!(!place.at("watched/presses.toml").exists(), "nobody pressed anything");
+    is_repeated(&place, "watched", &alone);
+    drop(frozen);
+}
+
+#[test]
+fn a_panel_that_is_killed_or_stopped_costs_the_machine_nothing_and_comes_back() {
+    let place = Place::new();
+    let alone = place.run_inside(&example("m20x2"), None);
+    let mut seed = Seed::new(20);
+    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "5"]);
+    let mut before = 0;
+    for moment in 0..10 {
+        let mut server = None;
+        until("the panel is there", || {
+            server = panel.server();
+            server.is_some()
+        });
+        let server = server.expect("just seen");
+        wait_s(f64::from(seed.below(200) as u32) * 1e-3);
+        if moment % 3 == 2 {
+            signal(server, "STOP");
+            wait_s(0.3);
+            signal(server, "CONT");
+        } else {
+            signal(server, "KILL");
+            until("another one is there", || panel.server().is_some_and(|now| now != server));
+        }
+        // It shows where things are, on the same address, with the same secret.
+        until("it shows the run", || panel.state()["cycle"].as_u64().is_some_and(|cycle| cycle > before));
+        let state = panel.state();
+        before = state["cycle"].as_u64().expect("just seen");
+        assert!(state["program"]["text"].is_string() && state["trail"]["points"].is_array());
+    }
+    let (status, summary) = ended(panel);
+    assert_eq!((status, &summary.trace_hash), (Some(0), &alone.trace_hash));
+}
+
+/// Thirty things at random, then everything back to where the program comes to its end, or its end at once.
+/// A run may be over before that.
+#[test]
+fn a_session_of_random_presses_is_repeated_from_its_run_folder() {
+    for case in 0..testing::count("PITCHLOCK_SESSIONS", 2) {
+        let place = Place::new();
+        let mut seed = Seed::of_case(case);
+        let panel = watched(&place, &example("m20x2").display().to_string(), "session", &["--pace", "5"]);
+        panel.press("take-seat");
+        let mut cycles = Vec::new();
+        for _ in 0..30 {
+            wait_s(f64::from(seed.below(60) as u32) * 1e-3);
+            let (word, value) = random(&mut seed);
+            cycles.extend(panel.pressed_in_time(word, value));
+        }
+        let mut aborted = false;
+        if case % 2 == 1 {
+            let cycle = panel.pressed_in_time("abort", None);
+            aborted = cycle.is_some();
+            cycles.extend(cycle);
+        } else {
+            let back =
+                ["spindle-override", "feed-override", "rapid-override"].map(|knob| (knob, Some(json!(100))));
+            for (word, value) in
+                back.into_iter().chain([("single-block", Some(json!(false))), ("start", None)])
+            {
+                cycles.extend(panel.pressed_in_time(word, value));
+            }
+        }
+        assert!(cycles.is_sorted_by(|one, next| one < next), "one press a cycle, in their order: {cycles:?}");
+        let (_, summary) = ended(panel);
+        assert!(summary.faults.is_empty(), "{case}: {:?}", summary.faults);
+        assert!(summary.outcome == Outcome::Completed || aborted, "{case}: {:?}", summary.outcome);
+        let kept = std::fs::read_to_string(place.at("session/presses.toml")).expect("what was pressed");
+        assert!(cycles.len() > 10 && kept.matches("[[event]]").count() >= cycles.len(), "{case}: {kept}");
+        for cycle in cycles {
+            assert!(kept.contains(&format!("at = {{ cycle = {} }}", cycle + 1)), "{cycle}: {kept}");
+        }
+        is_repeated(&place, "session", &summary);
+        // A repeated session can be repeated.
+        let again = place.at("again").display().to_string();
+        let mut command = place.pitchlock();
+        command.args(["run", &again, "--json", "--out", "third", "--trace", "none", "--in-process"]);
+        let answer = crate::shop::Answer::from(command.output().expect("it runs"));
+        let third: Summary = serde_json::from_str(&answer.stdout).expect("a summary");
+        assert_eq!(third.trace_hash, summary.trace_hash);
+    }
+}
+
+/// Something to press. No knob stands at 0 for ever: what follows turns it back.
+fn random(seed: &mut Seed) -> (&'static str, Option<Value>) {
+    let pct = |seed: &mut Seed, most: f64| Some(json!((seed.between(0.0, most) * 1e3).round() / 1e3));
+    match seed.below(8) {
+        0 => ("hold", None),
+        1 | 2 => ("start", None),
+        3 => ("spindle-override", pct(seed, 120.0)),
+        4 => ("feed-override", pct(seed, 200.0)),
+        5 => ("rapid-override", pct(seed, 100.0)),
+        6 => ("single-block", Some(json!(true))),
+        _ => ("single-block", Some(json!(false))),
+    }
+}
+
+/// A pause waits for who stands at the panel, however long; alone it would end after a second.
+#[test]
+fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
+    let place = Place::new();
+    let program = place.write("pause.ngc", "G21 G90 G8\nG0 X20\n(MSG, measure the bore)\nM0\nG0 X30\nM2\n");
+    let panel = watched(&place, &program.display().to_string(), "run", &["--pace", "40"]);
+    panel.press("take-seat");
+    until("it is a pause", || panel.state()["state"] == "paused");
+    let state = panel.state();
+    assert_eq!(
+        (state["line"].as_u64(), state["messages"][0]["text"].as_str()),
+        (Some(4), Some("measure the bore"))
+    );
+    let since = state["time_s"].as_f64().expect("a time");
+    until("ten seconds are over", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 10.0));
+    panel.press("hold");
+    until("it is held", || panel.state()["state"] == "held");
+    let since = panel.state()["time_s"].as_f64().expect("a time");
+    // Where nobody stood at the panel it would be stopped after 60 s.
+    until("ninety more", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 90.0));
+    panel.press("start");
+    let (status, summary) = ended(panel);
+    assert_eq!((status, summary.outcome, summary.warnings.len()), (Some(0), Outcome::Completed, 0));
+    is_repeated(&place, "run", &summary);
+}
+
+#[test]
+fn ctrl_c_beside_a_panel_is_part_of_the_session() {
+    let place = Place::new();
+    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "10"]);
+    panel.press("take-seat");
+    panel.turn("spindle-override", 80.0);
+    until("a pass is cut", || panel.state()["state"] == "threading");
+    signal(panel.launcher.id(), "INT");
+    let (status, summary) = ended(panel);
+    assert_eq!((status, summary.outcome), (Some(1), Outcome::Stopped));
+    is_repeated(&place, "run", &summary);
+}
+
+#[test]
+fn a_program_is_started_as_often_as_somebody_presses_start() {
+    let place = Place::new();
+    let program = place.write("short.ngc", "G21 G90 G8\nG0 X20 Z10\nG0 X30\nM2\n");
+    let panel =
+        Panel::start(&place, &["panel", &program.display().to_string(), "--trace", "none", "--pace", "20"]);
+    assert_eq!(panel.state()["state"], "ready");
+    assert!(!place.at("runs").exists(), "nothing has moved");
+    panel.press("take-seat");
+    let hold = panel.ask(&json!({ "id": 1, "do": "hold", "as": "test" }));
+    assert_eq!(hold["refused"], "not-running");
+    for number in 1..3 {
+        panel.press("start");
+        let summary = place.at(&format!("runs/short-{number}/summary.json"));
+        until("the run is over", || summary.exists() && panel.state()["state"] == "ready");
+        assert_eq!(panel.state()["outcome"], "completed");
+        assert_eq!(panel.state()["seat"], "test", "who holds the keys goes on holding them");
+    }
+    let hash = |number: u32| {
+        let path = place.at(&format!("runs/short-{number}/summary.json"));
+        Summary::read(&path).expect("a summary").trace_hash
+    };
+    assert_eq!(hash(1), hash(2));
+    signal(panel.launcher.id(), "INT");
+    let answer = panel.ends();
+    assert_eq!(answer.status, Some(0), "{}", answer.stdout);
+}
+
+#[test]
+fn what_is_not_there_is_said_before_there_is_a_panel() {
+    let place = Place::new();
+    let program = example("m20x2").display().to_string();
+    for (asked, said) in [
+        (&["run", &program, "--panel", "--in-process"][..], "leave out --in-process"),
+        (&["run", &program, "--port", "80"], "add --panel"),
+        (&["panel", &program, "--panel"], "leave it out"),
+        (&["panel", "nowhere.ngc"], "nowhere.ngc"),
+        (&["panel", &program, "--listen", "192.0.2.1"], "--listen 192.0.2.1"),
+    ] {
+        let answer = place.ask(asked);
+        assert_eq!(answer.status, Some(2), "{asked:?}: {}", answer.stderr);
+        assert!(answer.stderr.contains(said), "{asked:?}: {}", answer.stderr);
+        assert!(!answer.stderr.contains("panel: http"), "{asked:?}");
+    }
+    let document = place.ask(&["panel", &program, "--json", "--listen", "192.0.2.1"]);
+    let document: Value = serde_json::from_str(&document.stdout).expect("one document");
+    assert!(document["error"].is_string(), "{document}");
+}
