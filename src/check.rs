@@ -1,6 +1,7 @@
 //! `pitchlock check`: programs are read to their end, nothing moves.
 
 use std::{
+    collections::BTreeMap,
     fmt::Write as _,
     io::Read as _,
     path::{Path, PathBuf},
@@ -9,7 +10,7 @@ use std::{
 
 use clap::Args;
 use gauge::Nominal;
-use interpreter::{Language, PassNote, Severity};
+use interpreter::{CornerNote, Language, PassNote, Severity};
 use machine::Machine;
 use process::shell::LanguageArgs;
 use protocol::Axis;
@@ -228,6 +229,26 @@ fn taps(text: &mut String, passes: &[PassNote]) {
     }
 }
 
+/// How the corners of chains are rounded: each by the pass in which that shows most.
+fn corners(passes: &[PassNote]) -> String {
+    let mut worst: BTreeMap<u32, CornerNote> = BTreeMap::new();
+    for corner in passes.iter().flat_map(|pass| &pass.corners) {
+        let known = worst.entry(corner.line).or_insert(*corner);
+        if corner.off_mm > known.off_mm {
+            *known = *corner;
+        }
+    }
+    let mut text = String::new();
+    for CornerNote { line, at_mm: [x, z], window_deg, off_mm } in worst.values() {
+        let _ = writeln!(
+            text,
+            "corner    line {line}: at X{x:.3} Z{z:.3} the lead changes over {window_deg:.1} degrees, at most \
+             {off_mm:.4} mm from the programmed corner"
+        );
+    }
+    text
+}
+
 fn findings(program: &Program) -> String {
     let mut text = String::new();
     let moves = program.moves;
@@ -263,6 +284,7 @@ fn findings(program: &Program) -> String {
         );
     }
     taps(&mut text, passes);
+    text += &corners(passes);
     if !passes.is_empty() {
         let axes = match passes.iter().any(|pass| pass.along == Axis::X) {
             true => "X (a radius) and Z are those",

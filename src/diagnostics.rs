@@ -21,7 +21,7 @@
 use std::path::Path;
 
 use gcode::{Diagnostic, Severity};
-use interpreter::PassNote;
+use interpreter::{CornerNote, PassNote};
 use serde::Serialize;
 
 use crate::{certificate::Certificate, error::CliError, program::Program, varied::SpeedVariation};
@@ -73,6 +73,11 @@ struct Pass {
     tap: Option<Tap>,
     #[serde(skip_serializing_if = "Option::is_none")]
     speed_variation: Option<SpeedVariation>,
+    /// Lead along the thread where it ends, of one that changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    end_lead_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    corners: Vec<Corner>,
 }
 
 /// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out
@@ -83,6 +88,16 @@ struct Tap {
     top_rpm: f64,
     return_ratio: f64,
     seconds: f64,
+}
+
+/// A corner of a chain, and how it is rounded.
+#[derive(Debug, Serialize)]
+struct Corner {
+    line: u32,
+    x_mm: f64,
+    z_mm: f64,
+    window_deg: f64,
+    off_mm: f64,
 }
 
 impl<'a> Document<'a> {
@@ -126,6 +141,13 @@ impl<'a> Document<'a> {
     }
 }
 
+impl From<&CornerNote> for Corner {
+    fn from(note: &CornerNote) -> Corner {
+        let CornerNote { line, at_mm: [x_mm, z_mm], window_deg, off_mm } = *note;
+        Corner { line, x_mm, z_mm, window_deg, off_mm }
+    }
+}
+
 impl From<&PassNote> for Pass {
     fn from(note: &PassNote) -> Pass {
         Pass {
@@ -144,6 +166,8 @@ impl From<&PassNote> for Pass {
                 seconds: tap.seconds,
             }),
             speed_variation: SpeedVariation::of(note),
+            end_lead_mm: note.end_lead_mm,
+            corners: note.corners.iter().map(Corner::from).collect(),
         }
     }
 }

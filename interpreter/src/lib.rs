@@ -49,6 +49,7 @@ mod pass_note;
 mod path_mode;
 mod points;
 mod reach;
+mod retract;
 mod spindle;
 mod stock;
 mod tapping;
@@ -77,6 +78,7 @@ pub use options::{
 pub use output::MessageNote;
 pub use pass_note::PassNote;
 pub use tapping::TapNote;
+pub use thread::CornerNote;
 use translate::Translator;
 
 /// Reads a part program and yields machine code, one item at a time.

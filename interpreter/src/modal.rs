@@ -17,10 +17,12 @@ pub(crate) const HIGHEST_FEED: f64 = 1e6;
 /// Slowest feed, mm/min: what a chain of moves takes for one.
 const LEAST_FEED: f64 = 60.0 * motion::chain::LEAST_FEED;
 
-/// Lead of synchronised motion, mm/rev along the path, and its start angle, degrees.
+/// Lead of synchronised motion, mm/rev along the path, by how much it grows in a turn, and its start angle,
+/// degrees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Synchronised {
     pub(crate) lead_mm: f64,
+    pub(crate) growth_mm: f64,
     pub(crate) start_deg: f64,
 }
 
@@ -75,9 +77,9 @@ impl Modal {
             Call::SetNaivecamTolerance { tolerance, programmed: true } => {
                 self.path.merge_within(tolerance * self.frame.unit(), self.frame.units)?;
             }
-            Call::StartSpeedFeedSynch { lead, velocity, start_deg } => {
-                let lead_mm = lead * self.frame.unit();
-                self.synchronised = (!velocity).then_some(Synchronised { lead_mm, start_deg });
+            Call::StartSpeedFeedSynch { lead, velocity, start_deg, growth } => {
+                let [lead_mm, growth_mm] = [lead, growth].map(|value| value * self.frame.unit());
+                self.synchronised = (!velocity).then_some(Synchronised { lead_mm, growth_mm, start_deg });
             }
             Call::StopSpeedFeedSynch => self.synchronised = None,
             _ => {}

@@ -7,6 +7,7 @@ use machine::{Machine, Varied};
 use protocol::{Axis, Code, CodePacket, Item, ThreadPass, Variation};
 
 use crate::tapping::TapNote;
+use crate::thread::CornerNote;
 
 /// So many counts of the spindle encoder at least have to lie within the servo error that Z may have on the
 /// helix. On the small lathe a lead of 5 mm faults with one of them at most speeds, with two at some.
@@ -18,7 +19,7 @@ const COUNTS_IN_PART_ERROR: f64 = 2.5;
 const ROUNDING: f64 = 1e-8;
 
 /// What a user wants to know about a pass before it is cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PassNote {
     /// Running number, from 1.
     pub pass: u32,
@@ -46,6 +47,10 @@ pub struct PassNote {
     pub tap: Option<TapNote>,
     /// How the speed of the spindle is varied in it, and what comes of that.
     pub varied: Option<(Variation, Varied)>,
+    /// How the corners of a chain are rounded.
+    pub corners: Vec<CornerNote>,
+    /// Lead along the thread where it ends, mm, of one that changes.
+    pub end_lead_mm: Option<f64>,
 }
 
 /// What a pass takes on its way to the interpolator, bytes.

@@ -101,7 +101,7 @@ impl Stock {
 
     /// Takes a pass of a thread, of which X 0 and Z 0 of the part lie at `origin` on the machine.
     pub(crate) fn pass(&mut self, pass: &ThreadPass, origin: Point, frame: &Frame) -> Option<Box<Problem>> {
-        let law = |axis: Axis| (pass.axis(axis).start.mm(), pass.axis(axis).law(pass.s_rpm));
+        let law = |axis: Axis| (pass.axis(axis).start.mm(), pass.law(axis));
         let ((x0, x), (z0, z)) = (law(Axis::X), law(Axis::Z));
         let at = |c: f64| Point { x: x0 + x.at(c).s - origin.x, z: z0 + z.at(c).s - origin.z };
         // From where the axis along the thread sets off to where it is on its lead.

@@ -17,12 +17,12 @@ use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
 use crate::tapping;
 use crate::thread::{
-    Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, plan, plans, top_share,
-    varied,
+    Along, Chain, Cut, Cycle, Leg, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, plan, plans, rounded,
+    top_share, varied,
 };
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
-const SAME: f64 = 1e-9;
+pub(crate) const SAME: f64 = 1e-9;
 /// Leads a thread may have, mm.
 const LEADS: [f64; 2] = [0.001, 1000.0];
 /// Steepest infeed, degrees.
@@ -33,7 +33,7 @@ const DEGRESSION: f64 = 100.0;
 const ROUNDING: f64 = 1e-8;
 
 /// A G33 that waits for its retract.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Held {
     place: Place,
     single: Single,
@@ -101,13 +101,30 @@ impl Threads {
 
     /// Along which axis the one that waits runs.
     pub(crate) fn waits_along(&self) -> Along {
-        self.held.map_or(Along::Z, |held| held.single.along())
+        self.held.as_ref().map_or(Along::Z, |held| held.single.along())
     }
 
     /// A G33 waits from now on.
     pub(crate) fn hold(&mut self, place: Place, single: Single, origin: Point, machine: &Machine) {
         let variation = self.said.variation(machine);
         self.held = Some(Held { place, single, policy: self.policy, variation, origin });
+    }
+
+    /// A thread goes on from the G33 that waits: one chain.
+    pub(crate) fn go_on(&mut self, next: Single, frame: Units) -> Done {
+        let Some(held) = &mut self.held else { return Ok(()) };
+        if next.start_deg != 0.0 && next.start_deg != held.single.start_deg {
+            let message = "a thread that goes on from another one has no start angle of its own";
+            let help = "leave Q out, or put a G0 between the threads";
+            return Err(Problem::error("bad-value", Blame::Word('Q'), message, help));
+        }
+        for leg in next.legs {
+            match held.single.contradicts(&leg) {
+                Some(why) => return Err(why.problem(frame)),
+                None => held.single.legs.push(leg),
+            }
+        }
+        Ok(())
     }
 
     /// Where zero of the program lies in a pass.
@@ -124,8 +141,9 @@ impl Threads {
         machine: &Machine,
     ) -> Option<Released> {
         let Held { place, single, policy, variation, origin } = self.held.take()?;
+        let units = single.units;
         let cut = Cut { top_share: top_share(variation), ..Single { next, ..single }.cut() };
-        let planned = plan(&cut, machine).map_err(|why| why.problem(&[cut], single.units, machine));
+        let planned = plan(&cut, machine).map_err(|why| why.problem(&[cut], units, machine));
         let planned = planned.and_then(|plan| Ok((plan, varied(&plan.pass, variation, machine)?)));
         let pass = match planned {
             Ok((mut planned, varied)) => {
@@ -135,8 +153,7 @@ impl Threads {
                     // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
                     planned.pass.out.leaves &= !WayOut::ON_HOLD;
                 }
-                let said = (place.line, single.units);
-                Ok(self.number(said, (planned, varied), &cut, start, rest, machine))
+                Ok(self.number((place.line, units), (planned, varied), &cut, start, rest, machine))
             }
             Err(problem) => Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem })),
         };
@@ -213,6 +230,8 @@ impl Threads {
             max_override_pct: 100.0 * varied.map_or(pass.max_ratio, |(_, varied)| varied.max_ratio),
             packet_bytes: bytes_of(line, pass),
             origin_mm: [0.0; 2],
+            corners: rounded(cut, &pass),
+            end_lead_mm: (!cut.chain.bends().is_empty()).then(|| cut.along.of(cut.at_its_end()[0])),
             tap: None,
             varied,
         });
@@ -244,6 +263,8 @@ impl Threads {
             origin_mm: [0.0; 2],
             tap: Some(planned.note),
             varied: None,
+            corners: Vec::new(),
+            end_lead_mm: None,
         });
         pass
     }
@@ -265,49 +286,16 @@ fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) 
         .then(|| *Problem::warning("mostly-shallow", Blame::Line(line), message, help))
 }
 
-/// The tool stays in the groove at the end of a G33.
-pub(crate) fn no_retract(line: u32, next: Next, along: Along) -> Option<Box<Problem>> {
-    let axis = along.axis();
-    let message = match next {
-        Next::Retract(_) => return None,
-        Next::Lift(_) => format!("the tool stays in the groove while {axis} brakes and marks it"),
-        Next::Stays => format!(
-            "the tool stays in the groove while {axis} brakes and marks it, and nothing says where it is out of it: \
-             a fault lifts it by threading.lift_mm, a hold waits for the end of the pass"
-        ),
-    };
-    let lifts = along.lifts();
-    let help = format!("let a G0 that moves only {lifts} follow: it is then made in step with the spindle");
-    Some(Problem::warning("no-retract", Blame::Line(line), message, help))
-}
-
-/// What a move to `to` does behind a G33 with the axis that lifts the tool, within its travel: a rapid of it
-/// alone is the retract.
-pub(crate) fn next(
-    from: &gcode::Pose,
-    to: &gcode::Pose,
-    rapid: bool,
-    along: Along,
-    machine: &Machine,
-) -> Next {
-    let lifts = if along == Along::Z { X } else { Z };
-    let stays = |coordinate: usize| (to[coordinate] - from[coordinate]).abs() < SAME;
-    if stays(lifts) || within_travel(machine, along.lifts(), to[lifts], Blame::Block).is_err() {
-        return Next::Stays;
-    }
-    let alone = (0..to.len()).all(|coordinate| coordinate == lifts || stays(coordinate));
-    if rapid && alone { Next::Retract(to[lifts]) } else { Next::Lift(to[lifts]) }
-}
-
-/// G33: one pass along the path to the target.
+/// G33: one pass along the path to the target, or what goes on from one. `line` of the program.
 pub(crate) fn single(
+    (line, goes_on): (u32, bool),
     target: &gcode::Pose,
     synchronised: &Synchronised,
     points: &Points,
     turning: Turning<'_>,
     machine: &Machine,
 ) -> Result<Single, Box<Problem>> {
-    let Synchronised { lead_mm, start_deg } = *synchronised;
+    let Synchronised { lead_mm, growth_mm, start_deg } = *synchronised;
     let (from, to) = (in_plane(points.programmed()), in_plane(target));
     let (s_rpm, direction) = turning.at(from.x, machine)?;
     check_lead(lead_mm, 'K', turning.frame.units)?;
@@ -318,18 +306,21 @@ pub(crate) fn single(
         let help = "give X or Z of its end";
         return Err(Problem::error("bad-value", Blame::Block, "the thread has no length", help));
     }
-    if points.after_thread() {
-        let message = "threads that follow each other without a pause are not available yet";
-        let help = "put a G0 between the G33 blocks";
+    if points.after_thread() && !goes_on {
+        let message = "this thread would begin where another one ends, and something stands between them";
+        let help = "let it follow at once, so that both are one chain, or put a G0 between them";
         return Err(Problem::error("not-available", Blame::Block, message, help));
+    }
+    let leg = Leg { line, to, k_mm: lead_mm, growth_mm };
+    if let Err(why) = Chain::of(from, &[leg]) {
+        return Err(why.problem(turning.frame.units));
     }
     Ok(Single {
         s_rpm,
         direction,
         units: turning.frame.units,
         from,
-        to,
-        k_mm: lead_mm,
+        legs: vec![leg],
         start_deg,
         next: Next::Stays,
         outwards: points.outwards(),

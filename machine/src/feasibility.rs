@@ -51,7 +51,7 @@ impl Machine {
             if pass.returns() {
                 return law.run_in_c0_deg >= free_deg;
             }
-            let moves = law.stroke_mm != 0.0 || law.lead_mm != 0.0;
+            let moves = law.stroke_mm != 0.0 || law.is_led();
             !moves || law.begins_deg() >= free_deg
         })
     }
@@ -70,7 +70,7 @@ impl Machine {
             && (taps || self.axes().any(|(axis, _)| ends_elsewhere(pass.axis(axis))))
             && self.axes().all(|(axis, config)| {
                 let law = pass.axis(axis);
-                let (start, way) = (law.start.mm(), law.law(pass.s_rpm));
+                let (start, way) = (law.start.mm(), pass.law(axis));
                 let top = config.limits().top_ratio(&way.peak());
                 let end = start + way.at(law.done_deg()).s;
                 let travel = config.travel_mm[0]..=config.travel_mm[1];

@@ -6,7 +6,8 @@
 //! |---|---|---|
 //! | stroke of the transverse axis over a spindle angle, sin² acceleration | [`Stroke`] | M1–M8a |
 //! | change of speed (run-in, run-out, feed ramp), sin² jerk | [`Ramp`] | M9–M21 |
-//! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15 |
+//! | change of lead at a corner of a thread, of its growth | [`LeadChange`] | M214–M216 |
+//! | one axis over a whole threading pass | [`PassLaw`] | M2, M13–M15, M214 |
 //! | feed of one block, ramp – cruise – ramp | [`FeedBlock`] | M22–M27 |
 //! | line, arc or piece of a curve as a function of its length, in the space of the axes | [`Path`] | M55–M58, M84, M85 |
 //! | change of speed from any acceleration | [`SpeedChange`] | M63–M64 |
@@ -30,6 +31,7 @@ pub mod chain;
 mod change;
 mod exit;
 mod feed;
+mod lead;
 mod limits;
 mod observer;
 mod pass;
@@ -46,9 +48,10 @@ pub use blend::Blend;
 pub use change::SpeedChange;
 pub use exit::Exit;
 pub use feed::{FeedBlock, Unreachable, junction_distance, reachable_feed};
+pub use lead::LeadChange;
 pub use limits::Limits;
 pub use observer::{SpindleMotion, SpindleObserver};
-pub use pass::{PassLaw, Window};
+pub use pass::{MOST_CHANGES, PassLaw, Window};
 pub use path::Path;
 pub use ramp::{Binding, Ramp};
 pub use ripple::Ripple;

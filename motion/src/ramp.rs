@@ -189,7 +189,7 @@ impl Ramp {
     #[must_use]
     #[inline]
     pub fn at(&self, p: f64) -> Sample {
-        if p <= 0.0 {
+        if p <= 0.0 || self.dv == 0.0 {
             Sample::default()
         } else if p >= self.duration {
             Sample::uniform(self.distance() + self.dv * (p - self.duration), self.dv)

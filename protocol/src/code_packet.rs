@@ -21,8 +21,8 @@ pub struct CodePacket {
 }
 
 impl CodePacket {
-    /// Most bytes of a packet: a pass that moves eight axes, each in its own way.
-    pub const LONGEST: usize = 1280;
+    /// Most bytes of a packet: a pass that moves eight axes, each in its own way, with all its corners.
+    pub const LONGEST: usize = 1984;
 
     /// Puts an item on the wire. `sequence`: its running number in the program, from 0.
     ///

@@ -7,7 +7,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
     message::Message,
-    pass::{AxisLaw, WayOut, check_speed},
+    pass::{AxisLaw, Changes, WayOut, check_speed},
     refused::{Refused, finite},
     seal::seal,
     units::{Cycle, Position},
@@ -49,6 +49,8 @@ pub enum AxisCommand {
         out: WayOut,
         /// The law of this axis.
         law: AxisLaw,
+        /// Where its lead changes.
+        changes: Changes,
     },
     /// Leave the pass in hand in the cycle `at`, the same one on every axis; repeated until they do, so that
     /// a lost frame does no harm. Without a pass it is [`AxisCommand::Hold`].
@@ -91,10 +93,12 @@ pub struct AxisFrame {
     pub out: WayOut,
     /// The law of the axis.
     pub law: AxisLaw,
+    /// Where its lead changes.
+    pub changes: Changes,
 }
 
 impl Message for AxisFrame {
-    const NAME: &str = "pitchlock/axis-frame/5";
+    const NAME: &str = "pitchlock/axis-frame/6";
 }
 
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that
@@ -124,10 +128,11 @@ impl AxisFrame {
         match *command {
             AxisCommand::Stream => frame.command = STREAM,
             AxisCommand::Hold => frame.command = HOLD,
-            AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law } => {
+            AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law, changes } => {
                 frame.command = ARM;
                 (frame.pass, frame.s_rpm, frame.direction) = (pass, s_rpm, direction);
-                (frame.not_before, frame.out, frame.law) = (not_before, out, law);
+                (frame.not_before, frame.out) = (not_before, out);
+                (frame.law, frame.changes) = (law, changes);
             }
             AxisCommand::Leave { at } => (frame.command, frame.not_before) = (LEAVE, at),
             AxisCommand::CallOff => frame.command = CALL_OFF,
@@ -170,6 +175,7 @@ impl AxisFrame {
                 }
                 self.out.check()?;
                 self.law.check()?;
+                self.changes.check(&self.law)?;
                 AxisCommand::Arm {
                     pass: self.pass,
                     s_rpm: self.s_rpm,
@@ -177,6 +183,7 @@ impl AxisFrame {
                     not_before: self.not_before,
                     out: self.out,
                     law: self.law,
+                    changes: self.changes,
                 }
             }
             LEAVE => AxisCommand::Leave { at: self.not_before },

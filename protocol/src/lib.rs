@@ -43,7 +43,7 @@ pub use measurement::{AxisMeasurement, Measurement, Panel};
 pub use message::{Message, Payload};
 pub use module::{Doom, Module};
 pub use operator::{OperatorRequest, Request};
-pub use pass::{AxisLaw, Returning, ThreadPass, WayOut};
+pub use pass::{AxisLaw, Changes, Corner, Corners, LeadChange, Returning, ThreadPass, WayOut};
 pub use refused::Refused;
 pub use status::{AxisState, AxisStatus, MachineState, MachineStatus, Motion, SpindleCommand};
 pub use truth::{AxisTruth, CutTruth, Truth};

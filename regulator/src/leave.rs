@@ -8,6 +8,7 @@
 //! | the same, so fast on its way to depth that it would go deeper than the pass | along the law, until it would not | as above |
 //! | the same, where that would, too, on the law of a spindle that jams | timed: at once by (M101) to rest, then by (M99) | there |
 //! | the same, on the way to a cone that rises | timed: first by (M100) to the speed at which it rises, then by (M99) | there |
+//! | the same, where a cone of a chain begins that rises faster than it lifts | along the law, until it would not meet it | as above |
 //! | the same, once its retract ends sooner anyway | along the law of the pass | at the end of the pass |
 //! | every other one, in the run-in, if the lift is long, or nobody lifts, and it can come to rest in front of the part | timed: by (M100) | where it stands |
 //! | every other one | along the law of the pass, on the helix, until the tool is measured free; then timed: by (M100) | where it stands |
@@ -124,6 +125,9 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
         let rising = rising(&now, pass, turning.speed / pass.programmed_deg_s, limits);
         return Way::Timed { exit: rising.unwrap_or(exit), from: reference.cycle };
     }
+    if pass.law.steepest_mm != 0.0 && meets(&exit, pass, &now, &turning) {
+        return Way::Along(stage);
+    }
     // And faster than it may.
     let fastest = now.v.abs().max((now.v + 0.5 * now.a * now.a.abs() / limits.j).abs());
     let soon = turns_in(pass.law.done_deg() - turning.angle, &turning) <= SOON * exit.duration()
@@ -133,6 +137,20 @@ fn lift(reference: &Reference, pass: &Pass, stage: Stage, limits: &Limits) -> Wa
         Stage::Locked | Stage::RunOut if soon && pass.law.retract_mm != 0.0 => Way::Along(stage),
         _ => Way::Timed { exit, from: reference.cycle },
     }
+}
+
+/// Whether a chain rises into the way of a tool that lifts, before that is out of the groove, if the spindle
+/// goes on as it does: the other axis goes on along the thread meanwhile.
+fn meets(exit: &Exit, pass: &Pass, now: &Sample, turning: &SpindleMotion) -> bool {
+    const LOOKS: u32 = 24;
+    let into = (now.s - pass.out.clear.mm()).signum();
+    let deeper = |s: f64, angle: f64| (s - pass.place(angle)) * into;
+    let begins = deeper(now.s, turning.angle);
+    let looks = (1..=LOOKS).map(|look| exit.duration() * f64::from(look) / f64::from(LOOKS));
+    let tools = looks.map(|t| (exit.at(t).s, turning.angle + turning.speed.max(0.0) * t));
+    let in_groove = tools
+        .take_while(|(s, angle)| !pass.out.is_free(Position::from_mm(*s)) && *angle < pass.law.leaves_deg());
+    in_groove.into_iter().any(|(s, angle)| deeper(s, angle) - begins > TOO_DEEP_MM)
 }
 
 /// In which time a spindle turns so far, degrees, if it goes on as it does, s: one that is being stopped may

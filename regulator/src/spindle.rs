@@ -139,7 +139,7 @@ impl Spindle {
         if missed > 0 {
             self.encoder.skip();
         }
-        let lead_mm = pass.map_or(0.0, |pass| pass.law.lead_mm);
+        let lead_mm = pass.map_or(0.0, |pass| pass.law.most_lead_mm());
         self.encoder.update(measurement, self.tolerated(lead_mm), pass.is_some());
         if self.encoder.is_blind() {
             (self.blind, self.coasts) = (self.blind + 1, true);
@@ -298,9 +298,9 @@ impl Spindle {
     /// positive in the direction of the pass.
     pub fn since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
         let lead_s = self.looked_s + self.age_s + lead_s;
-        let motion = match pass.law.lead_mm {
-            0.0 => self.stroking.at(lead_s),
-            _ => self.upon(&self.leading.at(lead_s)),
+        let motion = match pass.law.is_led() {
+            false => self.stroking.at(lead_s),
+            true => self.upon(&self.leading.at(lead_s)),
         };
         // A way out begins from this: the jerk of a ripple is not that of the axis.
         self.in_degrees(SpindleMotion { jerk: 0.0, snap: 0.0, ..motion }, pass)
@@ -308,7 +308,7 @@ impl Spindle {
 
     /// The same as an axis is fed forward: on a lead with the corrections of the estimate, too.
     pub fn followed_since(&self, pass: &Pass, lead_s: f64) -> SpindleMotion {
-        if pass.law.lead_mm == 0.0 {
+        if !pass.law.is_led() {
             return self.since(pass, lead_s);
         }
         self.in_degrees(self.upon(&self.leading.following(self.looked_s + self.age_s + lead_s)), pass)

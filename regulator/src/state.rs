@@ -333,7 +333,8 @@ impl Leaving {
 
 /// An axis that streams takes a pass in hand, if one arrives that it can cut.
 fn arm(event: &Event) -> Option<State> {
-    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law }) = event.command else {
+    let Some(AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law, changes }) = event.command
+    else {
         return None;
     };
     if event.cycle > *not_before || !event.rests_at_start {
@@ -348,7 +349,7 @@ fn arm(event: &Event) -> Option<State> {
         turned: false,
         out: *out,
         law: *law,
-        motion: law.law(*s_rpm),
+        motion: law.changing(*s_rpm, changes),
     };
     Some(State::InPass { pass, stage: Stage::Armed })
 }

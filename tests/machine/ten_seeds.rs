@@ -1,6 +1,8 @@
 //! The built-in lathe, which is as hard as one in a shop, and the plain one: the worst of ten seeds, at the
 //! tool. What docs/figures.md and the README show is what runs give.
 
+use std::path::Path;
+
 use rig::observe::{PassReport, Summary};
 
 use crate::shop::{EXAMPLES, Place, SCENARIOS, example, project, scenario};
@@ -24,14 +26,14 @@ fn worst_of(one: [f64; 5], other: [f64; 5]) -> [f64; 5] {
     std::array::from_fn(|i| one[i].max(other[i]))
 }
 
-fn worst(place: &Place, lathe: &str, program: &str, events: Option<&str>) -> [f64; 5] {
+fn worst(place: &Place, lathe: &str, program: &Path, events: Option<&str>) -> [f64; 5] {
     let lathe = project().join("examples/machines").join(lathe).display().to_string();
     let events = events.map(|name| scenario(name).display().to_string());
     (1..=SEEDS).fold([0.0; 5], |worst, seed| {
         let seed = seed.to_string();
         let mut arguments = vec!["--in-process", "--trace", "none", "--machine", &lathe, "--seed", &seed];
         arguments.extend(events.iter().flat_map(|path| ["--scenario", path.as_str()]));
-        let found = figures(&place.run(&example(program), "run", &arguments));
+        let found = figures(&place.run(program, "run", &arguments));
         std::fs::remove_dir_all(place.at("run")).expect("the run left its folder");
         worst_of(worst, found)
     })
@@ -49,8 +51,8 @@ fn the_worst_of_ten_seeds_is_what_the_pages_show_and_every_part_is_good() {
     let mut kinds = [[0.0; 5]; 3];
     for program in EXAMPLES {
         for events in [None].into_iter().chain(SCENARIOS.map(Some)) {
-            let shop = worst(&place, "small-lathe.toml", program, events);
-            let plain = worst(&place, "plain-lathe.toml", program, events);
+            let shop = worst(&place, "small-lathe.toml", &example(program), events);
+            let plain = worst(&place, "plain-lathe.toml", &example(program), events);
             let [swing, passes, depth, jerk, nut] = shop;
             let name = events.unwrap_or("–");
             says(
@@ -74,5 +76,24 @@ fn the_worst_of_ten_seeds_is_what_the_pages_show_and_every_part_is_good() {
         ["at constant speed", "override turned, while it cuts and in between", "bogged down by a fifth"];
     for (spindle, [swing, passes, depth, ..]) in spindles.into_iter().zip(kinds) {
         says("README.md", &format!("| {spindle} | {swing:.1} | {passes:.1} | {depth:.1} |"));
+    }
+}
+
+#[test]
+fn the_worst_of_ten_seeds_of_chains_is_what_the_page_shows() {
+    let place = Place::new();
+    for (name, program) in [("chain", "chain.ngc"), ("variable-lead", "fanuc/variable-lead.nc")] {
+        let path = project().join("examples").join(program);
+        for events in [None].into_iter().chain(SCENARIOS.map(Some)) {
+            let [swing, passes, depth, jerk, nut] = worst(&place, "small-lathe.toml", &path, events);
+            let scenario = events.unwrap_or("–");
+            says(
+                "docs/figures.md",
+                &format!(
+                    "| {name} | {scenario} | {swing:.2} | {passes:.2} | {depth:.2} | {jerk:.0} | {nut:.2} |"
+                ),
+            );
+            assert!(swing <= 4.0 && passes <= 1.0, "{name} {scenario}: {swing} {passes}");
+        }
     }
 }

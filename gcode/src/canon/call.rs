@@ -105,6 +105,8 @@ pub enum Call<'a> {
         velocity: bool,
         /// Angle of the spindle at which the thread starts, degrees (FANUC Q); 0 is the index.
         start_deg: f64,
+        /// By how much the lead grows in a turn, units (FANUC G34); 0 of one that is the same all along.
+        growth: f64,
     },
     /// Motion is free of the spindle again.
     StopSpeedFeedSynch,

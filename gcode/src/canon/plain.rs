@@ -277,13 +277,17 @@ impl<W: Write> PlainPrinter<W> {
                 self.numbers("SET_FEED_RATE", &[feed * mm]);
             }
             Call::Dwell(time) => self.numbers("DWELL", &[time]),
-            Call::StartSpeedFeedSynch { lead, velocity, start_deg } => {
+            Call::StartSpeedFeedSynch { lead, velocity, start_deg, growth } => {
                 self.lines.text("START_SPEED_FEED_SYNCH(0, ");
                 self.lines.four(lead * self.mm);
                 self.lines.text(if velocity { ", 1" } else { ", 0" });
-                if start_deg != 0.0 {
+                if (start_deg, growth) != (0.0, 0.0) {
                     self.lines.text(", ");
                     self.lines.four(start_deg);
+                }
+                if growth != 0.0 {
+                    self.lines.text(", ");
+                    self.lines.four(growth * self.mm);
                 }
                 self.lines.text(")");
             }

@@ -109,7 +109,7 @@ impl ThreadCycle {
         let chamfer = towards * self.chamfer;
         let chamfer_lead = self.lead * libm::hypot(self.chamfer, height) / self.chamfer;
         let start_deg = self.start_deg;
-        let synch = |lead| Call::StartSpeedFeedSynch { lead, velocity: false, start_deg };
+        let synch = |lead| Call::StartSpeedFeedSynch { lead, velocity: false, start_deg, growth: 0.0 };
 
         each(Call::StraightTraverse(self.clear(infeed, full, start)))?;
         if self.chamfer > 0.0 && self.chamfer_in {

@@ -70,7 +70,7 @@ fn positive(letter: char, what: &str, block: &Block) -> Result<f64, Box<Problem>
 /// G33: a straight move, K per revolution along it.
 fn thread(target: Pose, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let lead = positive('K', "distance per revolution", block)?;
-    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
+    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0, growth: 0.0 })?;
     out.call(Call::StraightFeed(target))?;
     out.call(Call::StopSpeedFeedSynch)?;
     state.axes.position = target;
@@ -100,7 +100,7 @@ fn tap(target: Pose, block: &Block, out: &mut Output) -> Done {
             "leave I out, or give a factor above 1",
         ));
     }
-    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
+    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0, growth: 0.0 })?;
     out.call(Call::RigidTap(target, faster.max(1.0), 0.0))?;
     out.call(Call::StopSpeedFeedSynch)
 }

@@ -67,7 +67,7 @@ fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
             once::once(code, run)?;
             run.execute()
         }
-        320 => threads::single_move(run),
+        320 | 340 => threads::single_move(code, run),
         760 => threads::cycle(run),
         900 | 920 | 940 => single::cycle(code, run),
         740 | 750 => pecks::cycle(code, run),

@@ -83,7 +83,7 @@ pub(super) fn lathe(code: G, [r, bottom, peck, dwell_s]: [f64; 4], run: &mut Exe
     for depth in depths(r, bottom, peck) {
         let mut to = run.state.axes.position;
         to[crate::canon::Z] = depth;
-        run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
+        run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0, growth: 0.0 })?;
         run.out.call(Call::RigidTap(to, 1.0, dwell_s))?;
         run.out.call(Call::StopSpeedFeedSynch)?;
     }

@@ -1,10 +1,12 @@
-//! Threads: G32 (one move), G76 in two lines or one, and the thread of G92.
+//! Threads: G32 (one move), G34 (the same with a lead that grows), G76 in two lines or one, the thread of
+//! G92.
 //!
 //! In: words of the block; F is the lead along the axis with the longer way. Out: moves that follow the
 //! spindle, or a [`ThreadCycle`].
 //!
 //! ```text
 //! G32   lead along the way = F √(ΔX² + ΔZ²) / max(|ΔX|, |ΔZ|)                                    (1)
+//! G34   the same of F, the lead where it begins, and of K, by how much it grows in a turn
 //! G76   P(m)(r)(a) Q(least cut) R(finishing allowance)
 //!       X Z R(i) P(k) Q(Δd) F         depth of pass n = Δd √n, no cut less than Q,
 //!                                     R left for m finishing passes                            (2)
@@ -50,19 +52,21 @@ struct Depths {
     springs: u32,
 }
 
-/// G32.
-pub(super) fn single_move(run: &mut Execution) -> Done {
+/// G32, G34.
+pub(super) fn single_move(code: G, run: &mut Execution) -> Done {
     let end = target(run.line, run.state.axes.position)?;
     let lead = lead(run.modal)?;
     let start_deg = start_angle(run.line)?;
-    execute::threading::ready(G(320), run.state, run.out)?;
+    let growth = if code == G(340) { growth(run)? } else { 0.0 };
+    execute::threading::ready(code, run.state, run.out)?;
     let (dx, dz) = ((end[X] - run.state.axes.position[X]).abs(), (end[Z] - run.state.axes.position[Z]).abs());
     if dx.max(dz) == 0.0 {
         let message = "the thread has no length";
-        return Err(Problem::error("bad-value", Blame::G(G(320)), message, "give X or Z of its end"));
+        return Err(Problem::error("bad-value", Blame::G(code), message, "give X or Z of its end"));
     }
-    let lead = lead * (libm::hypot(dx, dz) / dx.max(dz));
-    run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg })?;
+    let stretch = libm::hypot(dx, dz) / dx.max(dz);
+    let (lead, growth) = (lead * stretch, growth * stretch);
+    run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg, growth })?;
     run.out.call(Call::StraightFeed(end))?;
     run.out.call(Call::StopSpeedFeedSynch)?;
     run.state.axes.position = end;
@@ -300,6 +304,20 @@ fn lead(modal: &Modal) -> Result<f64, Box<Problem>> {
             Err(Problem::error("missing-word", Blame::Block, "the thread has no lead", "add F, such as F1.5"))
         }
     }
+}
+
+/// K of G34. A lead that was reached is not taken over: each block says with which one it begins.
+fn growth(run: &Execution) -> Result<f64, Box<Problem>> {
+    for (letter, what, such) in
+        [('F', "the lead where it begins", "F2."), ('K', "by how much the lead grows in a turn", "K0.1")]
+    {
+        if run.line.plain(letter).is_none() {
+            let message = format!("G34 needs {letter}, {what}");
+            let help = format!("add {letter}, such as {such}, in this block");
+            return Err(Problem::error("missing-word", Blame::G(G(340)), message, help));
+        }
+    }
+    Ok(run.line.plain('K').unwrap_or(0.0))
 }
 
 /// Q: thousandths of a degree.

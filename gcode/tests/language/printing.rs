@@ -94,7 +94,7 @@ fn every_call_has_the_arguments_of_rs274() {
         (Call::OrientSpindle(45.0, 2), "ORIENT_SPINDLE(0, 45.0000, 2)"),
         (Call::WaitSpindleOrient(5.0), "SPINDLE.0.WAIT_ORIENT_COMPLETE(5.0000)"),
         (
-            Call::StartSpeedFeedSynch { lead: 1.25, velocity: false, start_deg: 0.0 },
+            Call::StartSpeedFeedSynch { lead: 1.25, velocity: false, start_deg: 0.0, growth: 0.0 },
             "START_SPEED_FEED_SYNC(1.250000,0)",
         ),
         (
@@ -144,7 +144,7 @@ fn plain_calls_are_in_millimetres_and_say_only_what_changes() {
         Call::StraightFeed([1.0, 0.0, 0.5, 0.0, 0.0, 0.0]),
         Call::StraightFeed([1.0, 0.0, 0.5, 90.0, 0.0, 0.0]),
         Call::StraightTraverse([0.0; 6]),
-        Call::StartSpeedFeedSynch { lead: 0.1, velocity: false, start_deg: 0.0 },
+        Call::StartSpeedFeedSynch { lead: 0.1, velocity: false, start_deg: 0.0, growth: 0.0 },
     ]);
     assert_eq!(
         text,

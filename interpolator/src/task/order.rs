@@ -38,6 +38,7 @@ impl Order {
                 not_before: *not_before,
                 out: pass.out,
                 law: *pass.axis(axis),
+                changes: pass.changes(axis),
             },
         }
     }

@@ -5,6 +5,8 @@
 
 use protocol::Axis;
 
+use super::chain::Chain;
+
 /// A point of the plane of the lathe, mm, X a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
@@ -78,8 +80,10 @@ pub struct Cut {
     pub direction: f64,
     /// Along which axis it runs.
     pub along: Along,
-    /// Advance per revolution of each axis, mm, signed; not 0 along the thread.
+    /// Advance per revolution of each axis, mm, signed; not 0 along the thread. Of a chain the first.
     pub lead: Point,
+    /// Where it changes.
+    pub chain: Chain,
     /// Where the axes rest before the pass; the helix goes through it at the start angle.
     pub from: Point,
     /// Programmed end of the helix along the thread, mm.

@@ -3,6 +3,7 @@
 
 use gcode::canon::{ThreadCycle, Units};
 
+use super::chain::Chain;
 use super::cut::{Along, Cut, Point, Taper};
 
 /// A threading cycle at its place on the machine; mm, radius.
@@ -48,6 +49,7 @@ impl Cycle {
             direction: self.direction,
             along: Along::Z,
             lead: Point { x: slope * lead_z, z: lead_z },
+            chain: Chain::default(),
             from,
             to_mm: to_z,
             start_deg: words.start_deg,

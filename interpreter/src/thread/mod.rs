@@ -3,27 +3,37 @@
 //! | file | what it decides |
 //! |---|---|
 //! | `cut.rs` | what one pass shall cut, in mm: the geometry, free of speeds and limits |
+//! | `chain.rs` | threads that follow each other: where the lead changes along the path |
+//! | `corners.rs` | the windows over which it does |
 //! | `cycle.rs` | the cuts of a G76 cycle |
 //! | `chamfer.rs` | the plans of a cycle, and what becomes of a chamfer that X cannot follow |
 //! | `single.rs` | the cut of a G33 block |
 //! | `plan.rs` | the law of a cut: windows, phase, run-out, highest speed |
+//! | `limits.rs` | what the axes of a cut can do |
+//! | `way_out.rs` | how the tool leaves a pass before its end |
 //! | `flank.rs` | when Z may begin to brake behind a retracting tool |
 //! | `policy.rs` | what makes the tool leave a thread, as the program says it |
 //! | `refusal.rs` | why a cut has no law, and which speed would give it one |
 //! | `starts.rs` | which start of a multi-start thread a pass belongs to |
 //! | `varied.rs` | how the speed of the spindle is varied in a pass, as the program says it |
 
+mod chain;
 mod chamfer;
+mod corners;
 mod cut;
 mod cycle;
 mod flank;
+mod limits;
 mod plan;
 mod policy;
 mod refusal;
 mod single;
 mod starts;
 mod varied;
+mod way_out;
 
+pub use chain::{Bend, Chain, CornerNote};
+pub(crate) use chain::{Leg, rounded};
 pub(crate) use chamfer::plans;
 pub use cut::{Along, Cut, Point, Taper};
 pub(crate) use cycle::{Cycle, MOST_PASSES};

@@ -23,11 +23,14 @@
 
 use machine::{Machine, RunOut};
 use motion::{Limits, Ramp, Stroke};
-use protocol::{Axis, AxisLaw, Position, ThreadPass, WayOut};
+use protocol::{AxisLaw, Changes, Position, ThreadPass};
 
-use super::cut::Cut;
+use super::corners::{Rounds, Windows as Corners, stops_before};
+use super::cut::{Cut, Point};
 use super::flank::{largest, least_delay};
+use super::limits::{axis_limits, path_limits, travel};
 use super::refusal::Refusal;
+use super::way_out::out;
 
 /// Share of an axis' speed that a thread leaves free at 100 % override, for the ripple of the spindle (M8).
 const VELOCITY_RESERVE: f64 = 0.02;
@@ -46,10 +49,8 @@ pub struct Plan {
     pub delta_mm: [f64; 2],
 }
 
-/// What the tool keeps away from the crest before Z may brake, a share of the depth, and of the way out.
-const FREE_SHARE: f64 = 0.05;
-/// No groove is deeper than so many leads.
-const DEEPEST_LEADS: f64 = 1.3;
+/// Share of its limits that the change of a lead may use: a cone goes on meanwhile.
+const CORNER_SHARE: f64 = 0.8;
 
 /// Share of its speed that a stroke has at least, however fast its axis follows a tapered helix.
 const LEAST_STROKE: f64 = 0.05;
@@ -68,7 +69,6 @@ impl Span {
 }
 
 /// The parts of a pass, angles from the start point of the helix.
-#[derive(Clone, Copy, Debug)]
 struct Windows {
     approach: Span,
     /// What of the approach is its way back from beyond, mm and degrees.
@@ -80,6 +80,7 @@ struct Windows {
     locked: f64,
     /// Full depth ends here.
     thread_end: f64,
+    corners: Corners,
 }
 
 /// What the windows are laid out with.
@@ -96,6 +97,7 @@ struct Design {
     least_stroke_deg: f64,
     /// Share of the limits that a law may use.
     share: f64,
+    rounds: Rounds,
 }
 
 /// Lays out a cut on a machine.
@@ -109,8 +111,10 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
     assert!(cut.s_rpm > 0.0 && cut.lead_mm() != 0.0, "a cut has a speed and a lead");
     let axes = [cut.along.lifts(), cut.along.axis()];
     let [lift, along] = axes.map(|axis| axis_limits(machine, axis));
-    for (axis, lead, limit) in [(axes[0], cut.rise_mm(), lift.v), (axes[1], cut.lead_mm(), along.v)] {
-        let v = lead.abs() * cut.s_rpm / 60.0;
+    let most = cut.most_lead();
+    let leads = [cut.along.across(most), cut.along.of(most)];
+    for (axis, lead, limit) in [(axes[0], leads[0], lift.v), (axes[1], leads[1], along.v)] {
+        let v = lead * cut.s_rpm / 60.0;
         let limit = limit * (1.0 - VELOCITY_RESERVE);
         if v > limit {
             return Err(Refusal::TooFast { axis, needs_mm_s: v, limit_mm_s: limit });
@@ -130,12 +134,12 @@ pub fn plan(cut: &Cut, machine: &Machine) -> Result<Plan, Refusal> {
         }
     }
     pass.check().map_err(|refused| Refusal::Extreme { refused })?;
-    let on_helix = |c: f64| cut.starts_mm() + cut.lead_mm() * c / 360.0;
-    let half_way = |window: Span| cut.lead_mm().abs() * window.dc / 720.0;
+    let on_helix = |c: f64| cut.starts_mm() + cut.lead_mm().signum() * cut.gone_mm(c);
+    let half_way = |lead: Point, window: Span| cut.along.of(lead).abs() * window.dc / 720.0;
     Ok(Plan {
         pass,
         full_depth_mm: [on_helix(windows.locked), on_helix(windows.thread_end)],
-        delta_mm: [half_way(windows.run_in), half_way(windows.brake)],
+        delta_mm: [half_way(cut.lead, windows.run_in), half_way(cut.at_its_end()[0], windows.brake)],
     })
 }
 
@@ -145,29 +149,49 @@ impl Design {
         let (lift, along) = (lift.share(share), along.share(share));
         // On a tapered helix strokes of the axis that lifts add to its run-in and its braking: each gets its
         // part of the limits.
-        let shared = |stroke_mm: f64| cut.rise_mm() != 0.0 && stroke_mm != 0.0;
-        let of_path =
-            |stroke_mm| path_limits(cut, if shared(stroke_mm) { lift.share(0.5) } else { lift }, along);
-        let (in_limits, out_limits) = (of_path(cut.approach_mm), of_path(cut.retract_mm));
-        let v = libm::hypot(cut.rise_mm(), cut.lead_mm()) * cut.s_rpm / 60.0;
-        let top = in_limits.v.min(out_limits.v);
+        let [end, _] = cut.at_its_end();
+        let leads = [cut.lead, end].map(|lead| [cut.along.across(lead), cut.along.of(lead)]);
+        let shared = |stroke_mm: f64, rise: f64| rise != 0.0 && stroke_mm != 0.0;
+        // A lead that grows from the start does so within its run-in.
+        let grows = cut.chain.bends().first().is_some_and(|bend| bend.c_deg == 0.0);
+        let of_path = |stroke_mm, [rise, lead]: [f64; 2], part: f64| {
+            let lift = if shared(stroke_mm, rise) { lift.share(0.5) } else { lift };
+            path_limits([rise, lead], lift.share(part), along.share(part))
+        };
+        let in_limits = of_path(cut.approach_mm, leads[0], if grows { 0.5 } else { 1.0 });
+        let out_limits = of_path(cut.retract_mm, leads[1], 1.0);
+        let [v, brakes] = leads.map(|[rise, lead]| libm::hypot(rise, lead) * cut.s_rpm / 60.0);
+        let most = cut.most_lead();
+        let most_v = [cut.along.across(most), cut.along.of(most)].map(|lead| lead * cut.s_rpm / 60.0);
+        let top = match cut.chain.bends() {
+            [] => in_limits.v.min(out_limits.v) / v,
+            _ => (lift.v / most_v[0]).min(along.v / most_v[1]),
+        };
         let asked = cut.top_share * machine.threading.design_override_pct / 100.0;
-        let ratio = asked.min(top / v).max(1.0);
-        let stroke_limits = |stroke_mm| {
-            if !shared(stroke_mm) {
+        let ratio = asked.min(top).max(1.0);
+        let stroke_limits = |stroke_mm, [rise, _]: [f64; 2]| {
+            if !shared(stroke_mm, rise) {
                 return lift;
             }
-            let left = lift.v - ratio * cut.rise_mm().abs() * cut.s_rpm / 60.0;
+            let left = lift.v - ratio * rise.abs() * cut.s_rpm / 60.0;
             Limits { v: left.max(LEAST_STROKE * lift.v), ..lift.share(0.5) }
         };
+        let least_stroke_deg = 360.0 * FEWEST_COUNTS / machine.spindle_counts();
+        let turns_per_s = cut.s_rpm * ratio / 60.0;
         Design {
             q: 6.0 * cut.s_rpm * ratio,
             run_in: Ramp::fastest(ratio * v, &in_limits),
-            brake: Ramp::fastest(ratio * v, &out_limits),
-            approach_limits: stroke_limits(cut.approach_mm),
-            retract_limits: stroke_limits(cut.retract_mm),
-            least_stroke_deg: 360.0 * FEWEST_COUNTS / machine.spindle_counts(),
+            brake: Ramp::fastest(ratio * brakes, &out_limits),
+            approach_limits: stroke_limits(cut.approach_mm, leads[0]),
+            retract_limits: stroke_limits(cut.retract_mm, leads[1]),
+            least_stroke_deg,
             share,
+            rounds: Rounds {
+                q: 6.0 * cut.s_rpm * ratio,
+                turns_per_s,
+                limits: [lift, along].map(|limits| limits.share(CORNER_SHARE)),
+                least_deg: least_stroke_deg,
+            },
         }
     }
 
@@ -181,7 +205,9 @@ impl Design {
 
     /// The brake as the axis along the thread makes it, at the design speed.
     fn axial_brake(&self, cut: &Cut) -> Ramp {
-        let share = cut.lead_mm().abs() / libm::hypot(cut.rise_mm(), cut.lead_mm());
+        let [end, _] = cut.at_its_end();
+        let (rise, lead) = (cut.along.across(end), cut.along.of(end));
+        let share = lead.abs() / libm::hypot(rise, lead);
         Ramp::new(self.brake.dv() * share, self.brake.duration(), self.brake.lambda())
     }
 }
@@ -203,25 +229,40 @@ fn windows(cut: &Cut, machine: &Machine, design: &Design) -> Result<Windows, Ref
         let flank = least_delay(&design.axial_brake(cut), &retract, cut.clear_mm, tan_flank);
         exit.max(design.q * flank)
     };
-    let length = cut.to_mm - cut.starts_mm();
-    let c_end = 360.0 * length / cut.lead_mm();
+    let c_end = cut.end_deg();
     let brake_dc = design.q * design.brake.duration();
-    let brake_c = match machine.threading.run_out {
-        RunOut::Within => c_end - 0.5 * brake_dc,
-        RunOut::Beyond => c_end - exit + delay,
+    let mut corners = Corners::of(cut, &design.rounds, run_in_dc);
+    let [lead, growth] = cut.at_its_end();
+    let stop_dc = if growth == Point::default() {
+        0.0
+    } else {
+        design.rounds.window(cut.along, Point::default(), growth)
     };
+    let lag = delay.max(stop_dc);
+    let brake_c = match machine.threading.run_out {
+        RunOut::Within if stop_dc == 0.0 => c_end - 0.5 * brake_dc,
+        RunOut::Within => {
+            let [lead, growth] = [lead, growth].map(|value| cut.along.of(value) * cut.lead_mm().signum());
+            c_end - 360.0 * stops_before(lead, growth, stop_dc, brake_dc) + 0.5 * stop_dc
+        }
+        RunOut::Beyond => c_end - exit + lag,
+    };
+    if stop_dc > 0.0 {
+        corners.stop_growing(growth, brake_c, stop_dc);
+    }
     let brake = Span { c: brake_c, dc: brake_dc };
-    let thread_end = brake_c - delay;
+    let thread_end = brake_c - lag;
     let retract = if cut.retract_mm == 0.0 { brake } else { Span { c: thread_end, dc: retract_dc } };
     if thread_end <= locked {
-        let mm = |c: f64| c * cut.lead_mm().abs() / 360.0;
-        return Err(Refusal::NoThread {
-            run_in_mm: mm(locked),
-            run_out_mm: mm(c_end - thread_end),
-            length_mm: length.abs(),
-        });
+        let run_out_mm = match cut.chain.bends() {
+            [] => cut.gone_mm(c_end - thread_end),
+            _ => cut.gone_mm(c_end) - cut.gone_mm(thread_end),
+        };
+        let length_mm = (cut.to_mm - cut.starts_mm()).abs();
+        return Err(Refusal::NoThread { run_in_mm: cut.gone_mm(locked), run_out_mm, length_mm });
     }
-    Ok(Windows { approach, unload, run_in, brake, retract, locked, thread_end })
+    corners.check(cut, locked, thread_end)?;
+    Ok(Windows { approach, unload, run_in, brake, retract, locked, thread_end, corners })
 }
 
 /// How far an approach goes beyond its depth, and over which angle it comes back: in the air, so not on a
@@ -285,7 +326,8 @@ fn pass(
     turn: f64,
     limits: [Limits; 2],
 ) -> Result<ThreadPass, Refusal> {
-    let Windows { approach, unload, run_in, brake, retract, thread_end, .. } = *windows;
+    let Windows { approach, unload, run_in, brake, retract, thread_end, ref corners, .. } = *windows;
+    let corners = corners.corners(turn);
     let lead = |lead_mm: f64| AxisLaw {
         lead_mm,
         run_in_c0_deg: run_in.c + turn,
@@ -302,7 +344,7 @@ fn pass(
         retract_mm: cut.retract_mm,
         retract_c_deg: retract.c + turn,
         retract_dc_deg: retract.dc,
-        ..if cut.rise_mm() == 0.0 { AxisLaw::default() } else { lead(cut.rise_mm()) }
+        ..if cut.rises() { lead(cut.rise_mm()) } else { AxisLaw::default() }
     };
     if cut.approach_mm != 0.0 {
         x.stroke_mm = cut.approach_mm;
@@ -319,13 +361,16 @@ fn pass(
         thread_end_deg: thread_end + turn,
         depth_mm: cut.depth_mm,
         max_ratio: f64::INFINITY,
+        corners,
         ..ThreadPass::default()
     };
     let axes =
         [(cut.along.lifts(), x, cut.above_mm()), (cut.along.axis(), lead(cut.lead_mm()), cut.starts_mm())];
     for ((axis, mut law, from), limits) in axes.into_iter().zip(limits) {
+        let changes = Changes::of(&corners, axis);
+        law.steepest_mm = changes.steepest_mm(law.lead_mm, law.run_in_c0_deg + law.run_in_dc_deg);
         law.check().map_err(|refused| Refusal::Extreme { refused })?;
-        let moves = law.law(cut.s_rpm);
+        let moves = law.changing(cut.s_rpm, &changes);
         law.start = Position::from_mm(from);
         law.end = Position(law.start.0 + Position::from_mm(moves.at(law.done_deg()).s).0);
         // A law laid out for its very limits may miss ratio 1 by a rounding.
@@ -339,59 +384,4 @@ fn pass(
         pass.axes[axis.index()] = law;
     }
     Ok(pass)
-}
-
-/// The way out: to where the retract leads, else to where the approach came from, else to where the program
-/// goes next, else off by the lift of the machine file.
-fn out(cut: &Cut, machine: &Machine) -> WayOut {
-    let surface = cut.above_mm() + cut.approach_mm;
-    let slope = cut.rise_mm() / cut.lead_mm();
-    let surfaces = [surface, surface + slope * (cut.to_mm - cut.starts_mm())];
-    let lift = match (cut.retract_mm, cut.approach_mm) {
-        (0.0, 0.0) if cut.lift_mm != 0.0 => cut.lift_mm,
-        (0.0, 0.0) => machine.threading.lift_mm * cut.outwards,
-        (0.0, approach_mm) => -approach_mm,
-        (retract_mm, _) => retract_mm,
-    };
-    let outermost = |[one, other]: [f64; 2]| if lift > 0.0 { one.max(other) } else { one.min(other) };
-    let clear = match (cut.retract_mm, cut.lift_mm) {
-        (0.0, 0.0) => outermost(surfaces) + lift,
-        _ => surfaces[1] + lift,
-    };
-    let [low, high] = travel(machine, cut.along.lifts());
-    let clear = clear.clamp(low, high);
-    let groove = if cut.clear_mm > 0.0 { cut.clear_mm } else { DEEPEST_LEADS * cut.lead_mm().abs() };
-    let most = (clear - outermost(surfaces)).abs() * (1.0 - FREE_SHARE);
-    let free = outermost(surfaces) + (groove * (1.0 + FREE_SHARE)).min(most).copysign(lift);
-    WayOut {
-        axis: cut.along.lifts().index() as u32,
-        leaves: machine.threading.leaves(),
-        clear: Position::from_mm(clear),
-        free: Position::from_mm(free),
-    }
-}
-
-/// Limits of an axis as the machine file states them.
-fn axis_limits(machine: &Machine, axis: Axis) -> Limits {
-    machine.axis.get(&axis).expect("a checked machine has X and Z").limits()
-}
-
-fn travel(machine: &Machine, axis: Axis) -> [f64; 2] {
-    machine.axis.get(&axis).expect("a checked machine has X and Z").travel_mm
-}
-
-/// Limits of the path in the direction of the lead: what both axes can do together.
-fn path_limits(cut: &Cut, lift: Limits, along: Limits) -> Limits {
-    let (rise, lead) = (cut.rise_mm().abs(), cut.lead_mm().abs());
-    let path = libm::hypot(rise, lead);
-    let bound = |lift: f64, along: f64| {
-        let of_lift = if rise == 0.0 { f64::INFINITY } else { lift * path / rise };
-        of_lift.min(along * path / lead)
-    };
-    Limits {
-        v: bound(lift.v, along.v),
-        a: bound(lift.a, along.a),
-        j: bound(lift.j, along.j),
-        dj: bound(lift.dj, along.dj),
-    }
 }

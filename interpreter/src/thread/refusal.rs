@@ -7,6 +7,7 @@ use gcode::problem::{Blame, short};
 use machine::Machine;
 use protocol::{Axis, Refused};
 
+use super::chain::Broken;
 use super::cut::Cut;
 use super::plan::plan;
 
@@ -40,6 +41,17 @@ pub enum Refusal {
     ExitTaper {
         /// Length in which it could, mm.
         least_mm: f64,
+    },
+    /// The lead cannot change between two threads of a chain in the room that they leave.
+    Corner {
+        /// Line of the thread that begins there.
+        line: u32,
+        /// Angle that the change takes, degrees.
+        needs_deg: f64,
+        /// Way along the axis in it, mm, and the way that there is.
+        needs_mm: f64,
+        /// See there.
+        has_mm: f64,
     },
     /// An axis would leave its travel.
     Travel {
@@ -136,6 +148,19 @@ impl Refusal {
                     format!("make E at least {}, or lower S: {slower}", short(least_mm / units.mm() + 5e-5)),
                 )
             }
+            Refusal::Corner { line, needs_deg, needs_mm, has_mm } => (
+                "pass-not-feasible",
+                format!(
+                    "at S{s} the lead changes over {} ({} degrees of the spindle) about the corner where the thread \
+                     of line {line} begins, and there is room for {}",
+                    units.length(needs_mm),
+                    short(needs_deg),
+                    units.length(has_mm)
+                ),
+                format!(
+                    "{slower}; longer threads before and behind the corner, or leads that differ less, would help too"
+                ),
+            ),
             Refusal::Travel { axis, at_mm } => {
                 let name = axis.name();
                 let [low, high] = machine.axis.get(&axis).map_or([0.0, 0.0], |config| config.travel_mm);
@@ -155,5 +180,30 @@ impl Refusal {
             ),
         };
         Problem::error(code, Blame::Block, message, help)
+    }
+}
+
+impl Broken {
+    /// What the user is told.
+    pub(crate) fn problem(self, units: Units) -> Box<Problem> {
+        let (message, help) = match self {
+            Broken::Ends(mm) => (
+                format!("the lead falls to nothing after {} of the thread", units.length(mm)),
+                "let it fall less in a turn (K), begin with a greater lead (F), or end the thread before"
+                    .to_owned(),
+            ),
+            Broken::TooMany => (
+                format!("a chain of threads changes its lead at {} corners at most", motion::MOST_CHANGES),
+                "join threads of one direction and lead, or put a G0 between two of them".to_owned(),
+            ),
+            Broken::Turns(along) => (
+                format!(
+                    "a chain of threads goes one way along {}, and this one does not go on so",
+                    along.axis()
+                ),
+                "let the thread go on in the direction of the first one, or put a G0 between them".to_owned(),
+            ),
+        };
+        Problem::error("bad-value", Blame::Block, message, help)
     }
 }

@@ -1,11 +1,12 @@
-//! The cut of a G33 block. In: the path and K, mm; what the next block does with the axis that lifts the
-//! tool. Out: a [`Cut`].
+//! The cut of a G33 block, or of a chain of them. In: the path and K, mm; what the next block does with the
+//! axis that lifts the tool. Out: a [`Cut`].
 //!
 //! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that
 //! of X K sin φ.
 
 use gcode::canon::Units;
 
+use super::chain::{Broken, Chain, Leg};
 use super::cut::{Along, Cut, Point};
 
 /// A path that moves Z by less does not move it, mm: the quantum of the wire.
@@ -15,16 +16,16 @@ const SAME: f64 = 1e-9;
 /// one lead deep.
 const CLEAR_LEADS: f64 = 1.3;
 
-/// A G33 block: mm, radius; checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A G33 block and those that go on from it: mm, radius; checked.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Single {
     pub(crate) s_rpm: f64,
     pub(crate) direction: f64,
     /// Of the program.
     pub(crate) units: Units,
     pub(crate) from: Point,
-    pub(crate) to: Point,
-    pub(crate) k_mm: f64,
+    /// At least one.
+    pub(crate) legs: Vec<Leg>,
     /// Angle of the spindle at which the path begins, degrees from the index.
     pub(crate) start_deg: f64,
     /// Directions of X and Z out of the material, as their last infeeds tell, ±1.
@@ -47,16 +48,37 @@ pub(crate) enum Next {
 impl Single {
     /// The axis along which it runs: X where the path does not move Z.
     pub(crate) fn along(&self) -> Along {
-        if (self.to.z - self.from.z).abs() < SAME { Along::X } else { Along::Z }
+        along([self.from, self.legs.first().map_or(self.from, |leg| leg.to)])
     }
 
-    /// The cut of the block.
+    /// Where it ends.
+    pub(crate) fn to(&self) -> Point {
+        self.legs.last().map_or(self.from, |leg| leg.to)
+    }
+
+    /// Why a leg cannot go on from the last one, if it cannot.
+    pub(crate) fn contradicts(&self, leg: &Leg) -> Option<Broken> {
+        let along = self.along();
+        let first = self.legs.first().map_or(self.from, |leg| leg.to);
+        let way = |from: Point, to: Point| along.of(to) - along.of(from);
+        let (one, other) = (way(self.from, first), way(self.to(), leg.to));
+        if one * other <= 0.0 || other.abs() < SAME || along != self::along([self.to(), leg.to]) {
+            return Some(Broken::Turns(along));
+        }
+        let legs: Vec<Leg> = self.legs.iter().chain([leg]).copied().collect();
+        Chain::of(self.from, &legs).err()
+    }
+
+    /// The cut of the block, or of the chain.
     pub(crate) fn cut(&self) -> Cut {
-        let (dx, dz) = (self.to.x - self.from.x, self.to.z - self.from.z);
-        let per_mm = self.k_mm / libm::hypot(dx, dz);
+        let first = self.legs[0];
+        let (dx, dz) = (first.to.x - self.from.x, first.to.z - self.from.z);
+        let per_mm = first.k_mm / libm::hypot(dx, dz);
         let lead = Point { x: dx * per_mm, z: dz * per_mm };
         let along = self.along();
-        let end = along.across(self.to);
+        let end = along.across(self.to());
+        // What is no chain was refused when it was read.
+        let chain = Chain::of(self.from, &self.legs).unwrap_or_default();
         let [retract_mm, lift_mm] = match self.next {
             Next::Retract(mm) => [mm - end, 0.0],
             Next::Lift(mm) => [0.0, mm - end],
@@ -68,8 +90,9 @@ impl Single {
             direction: self.direction,
             along,
             lead,
+            chain,
             from: self.from,
-            to_mm: along.of(self.to),
+            to_mm: along.of(self.to()),
             start_deg: self.start_deg,
             approach_mm: 0.0,
             retract_mm,
@@ -82,4 +105,9 @@ impl Single {
             exit: None,
         }
     }
+}
+
+/// The axis along which a path runs.
+fn along([from, to]: [Point; 2]) -> Along {
+    if (to.z - from.z).abs() < SAME { Along::X } else { Along::Z }
 }

@@ -37,6 +37,8 @@ struct Kind {
     /// Unknown of a pass that moves X neither in nor out.
     side: Option<Side>,
     starts: BTreeSet<u32>,
+    /// Its lead grows from the start: there is no length of one lead.
+    changes: bool,
 }
 
 /// What is known of the thread.
@@ -103,10 +105,17 @@ impl Gauged {
         let side =
             pass.cuts_outwards(origin.x).map(|away| if away { Side::Internal } else { Side::External });
         let (lead_mm, grows) = (pass.lead_mm.abs(), pass.lead_mm * pass.direction > 0.0);
-        let same = |kind: &&mut Kind| kind.lead_mm == lead_mm && kind.grows == grows && kind.side == side;
+        let along = pass.axis(pass.along());
+        let locked_deg = along.run_in_c0_deg + along.run_in_dc_deg;
+        let changes = pass.corners().next().is_some_and(|corner| corner.c_deg < locked_deg);
+        let same = |kind: &&mut Kind| {
+            (kind.lead_mm, kind.grows, kind.side, kind.changes) == (lead_mm, grows, side, changes)
+        };
         match self.kinds.iter_mut().find(same) {
             Some(kind) => _ = kind.starts.insert(pass.start),
-            None => self.kinds.push(Kind { place, lead_mm, grows, side, starts: [pass.start].into() }),
+            None => {
+                self.kinds.push(Kind { place, lead_mm, grows, side, starts: [pass.start].into(), changes })
+            }
         }
     }
 
@@ -142,6 +151,11 @@ fn against(nominal: &Nominal, kind: &Kind) -> Vec<(Place, Box<Problem>)> {
         found.push(format!(
             "the passes lie in {} grooves, and {name} has {starts} start{s}",
             kind.starts.len()
+        ));
+    }
+    if kind.changes {
+        found.push(format!(
+            "the lead grows from the start, and {name} has one lead: no gauge judges this thread"
         ));
     }
     if kind.side.is_some_and(|side| side != nominal.side) {

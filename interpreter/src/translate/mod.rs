@@ -10,28 +10,29 @@ mod jobs;
 mod part;
 mod splines;
 mod taps;
+mod threads;
 
 use std::collections::BTreeMap;
 
-use gcode::canon::{self, ThreadCycle};
+use gcode::canon;
 use gcode::files::ToolTable;
 use gcode::problem::{Blame, short};
 use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::{Machine, Part};
-use protocol::{Axis, Code, Feed, Item, ThreadPass};
+use protocol::{Code, Feed, Item};
 
 use crate::auxiliary::{self, Auxiliary, find_tool};
 use crate::block::Block;
 use crate::job::{JobNote, Jobs};
-use crate::modal::{Modal, Synchronised};
+use crate::modal::Modal;
 use crate::output::Output;
-use crate::pass_note::{PassNote, coarse_encoder};
+use crate::pass_note::PassNote;
 use crate::points::Points;
 use crate::reach::{Done, LONGEST_DWELL, refuse_absent};
-use crate::spindle::{Spindle, Turning};
+use crate::spindle::Spindle;
 use crate::stock::Stock;
-use crate::thread::{Next, Point};
-use crate::threading::{self, Threads, in_plane_of, is_apart};
+use crate::thread::Next;
+use crate::threading::Threads;
 use crate::{MessageNote, arc};
 use doubts::Doubts;
 use gauged::Gauged;
@@ -216,7 +217,7 @@ impl Translator {
             _ => {
                 // A retract that is part of the pass still ends at its own point, should Z have run beyond
                 // it.
-                if self.threads.waits() {
+                if self.threads.waits() && !self.goes_on(&call) {
                     self.release(self.behind_thread(&call));
                 }
                 self.act(place, &call)
@@ -325,76 +326,5 @@ impl Translator {
         self.points.axes_go_to(target);
         self.push(place.line, Code::Arc { arc, feed });
         Ok(())
-    }
-
-    /// G33: it is planned when the next move is known.
-    fn thread_move(&mut self, place: Place, target: &Pose, synchronised: &Synchronised) -> Done {
-        let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
-        let single = threading::single(target, synchronised, &self.points, turning, &self.machine)?;
-        self.spindle.hold(single.s_rpm);
-        self.warn_of_encoder(place, synchronised.lead_mm);
-        self.points.thread_goes_to(*target);
-        self.threads.hold(place, single, self.origin(), &self.machine);
-        Ok(())
-    }
-
-    /// What a call does behind the G33 that waits with the axis that lifts the tool.
-    fn behind_thread(&self, call: &Call<'_>) -> Next {
-        let (Call::StraightTraverse(to) | Call::StraightFeed(to)) = call else { return Next::Stays };
-        let rapid = matches!(call, Call::StraightTraverse(_));
-        let to = self.modal.frame.machine(to);
-        threading::next(self.points.programmed(), &to, rapid, self.threads.waits_along(), &self.machine)
-    }
-
-    /// Plans the G33 that waits.
-    fn release(&mut self, next: Next) {
-        let (rest, along) = (self.points.axes_at_rest(), self.threads.waits_along());
-        let Some(released) = self.threads.release(next, &rest, &self.machine) else { return };
-        let place = released.place;
-        let planned = released.pass.map(|pass| self.pass(place, pass, released.origin));
-        self.spindle.release();
-        if let Err(problem) = planned {
-            return self.output.report(place, *problem);
-        }
-        if let Some(problem) = threading::no_retract(place.line, next, along) {
-            self.output.report(place, *problem);
-        }
-    }
-
-    /// A threading cycle: every pass of a thread, with the moves between them.
-    fn thread_cycle(&mut self, place: Place, cycle: &ThreadCycle) -> Done {
-        let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
-        let cycle = threading::cycle_on_machine(cycle, turning, &self.machine)?;
-        self.warn_of_encoder(place, cycle.lead_mm);
-        let rest = self.points.axes_at_rest();
-        let passes = self.threads.cycle(place, &cycle, &rest, &self.machine)?;
-        self.spindle.hold(cycle.s_rpm);
-        for (from, pass) in passes {
-            self.line_to(place.line, in_plane_of(self.points.rest(), from), Feed::Rapid);
-            self.pass(place, pass, self.origin());
-        }
-        self.spindle.release();
-        let end = in_plane_of(self.points.rest(), Point { x: cycle.from.x, z: cycle.to_z });
-        if is_apart(self.points.rest(), &end) {
-            self.line_to(place.line, end, Feed::Rapid);
-        }
-        self.points.program_goes_to(end);
-        Ok(())
-    }
-
-    fn pass(&mut self, place: Place, pass: ThreadPass, origin: Point) {
-        self.threads.take_doubts().into_iter().for_each(|problem| self.output.report(place, problem));
-        self.part_sees_pass(place, &pass, origin);
-        let end = Point { x: pass.axis(Axis::X).end.mm(), z: pass.axis(Axis::Z).end.mm() };
-        self.points.axes_go_to(in_plane_of(self.points.rest(), end));
-        let tells = self.threads.tells(pass.pass);
-        self.push_some(place.line, tells);
-        self.push(place.line, Code::Pass(pass));
-    }
-
-    fn warn_of_encoder(&mut self, place: Place, lead_mm: f64) {
-        if let Some(warning) = coarse_encoder(place.line, lead_mm, &self.machine) {
-            self.output.report(place, *warning);
-        }
     }
 }

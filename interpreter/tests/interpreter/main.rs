@@ -2,6 +2,7 @@
 
 mod bad_programs;
 mod blocks;
+mod chain;
 mod cycle;
 mod dialects;
 mod doubts;

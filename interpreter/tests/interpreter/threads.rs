@@ -1,6 +1,6 @@
 //! The law of a pass, for a wide random set of threads: phase, windows, limits, flank, ends.
 
-use interpreter::thread::{Along, Cut, Plan, Point, plan};
+use interpreter::thread::{Along, Chain, Cut, Plan, Point, plan};
 use machine::Machine;
 use motion::Limits;
 use proptest::prelude::*;
@@ -34,6 +34,7 @@ prop_compose! {
             direction: 1.0,
             along: Along::Z,
             lead: Point { x: 0.0, z: z * lead },
+            chain: Chain::default(),
             from: Point { x: 30.0, z: -10.0 },
             to_mm: -10.0 + z * length,
             approach_mm,
@@ -62,6 +63,7 @@ prop_compose! {
             direction: -1.0,
             along: Along::Z,
             lead: Point { x: slope * lead_z, z: -lead_z },
+            chain: Chain::default(),
             from: Point { x: 40.0, z: 5.0 },
             to_mm: 5.0 - length,
             approach_mm: 0.0,
@@ -224,6 +226,7 @@ fn the_highest_ratio_is_tight() {
             direction: 1.0,
             along: Along::Z,
             lead: Point { x: 0.0, z: -lead },
+            chain: Chain::default(),
             from: Point { x: 20.0, z: 10.0 },
             to_mm: -80.0,
             approach_mm: -2.0 - depth,
@@ -260,6 +263,7 @@ fn the_run_out_is_delayed_no_more_than_needed() {
         direction: 1.0,
         along: Along::Z,
         lead: Point { x: 0.0, z: -3.0 },
+        chain: Chain::default(),
         from: Point { x: 20.0, z: 10.0 },
         to_mm: -40.0,
         approach_mm: -3.0,

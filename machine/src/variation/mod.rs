@@ -183,7 +183,7 @@ impl Machine {
         let rounding = COUNTS / self.spindle_counts();
         let loops = config.position_gain_1_s * TAU * config.velocity_bandwidth_hz;
         let mode = config.mode_hz.map_or(0.0, |hz| 2.0 * WRONG / (TAU * hz * TAU * hz));
-        1e3 * law.lead_mm.abs() * (unknown + rounding + acceleration * (WRONG / loops + mode))
+        1e3 * law.most_lead_mm().abs() * (unknown + rounding + acceleration * (WRONG / loops + mode))
     }
 
     /// How far ahead of the counts of the spindle its angle is asked for at most, s.

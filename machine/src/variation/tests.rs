@@ -77,6 +77,17 @@ fn m232_no_search_finds_an_observer_that_errs_more_than_the_bound() {
     assert!(nearest > 0.4, "the bound is no more than it has to be: {nearest}");
 }
 
+/// What errs in degrees errs most where a lead that changes is largest.
+#[test]
+fn m232_counts_the_largest_lead_of_a_chain() {
+    let (machine, varied) = (Machine::default(), variation(VariationShape::Sine, 0.2, 4.0));
+    let mut growing = pass(1.0, 400.0, 2.0);
+    let constant_um = machine.variation_error_um(&growing, &varied, 1.0);
+    growing.axes[Axis::Z.index()].steepest_mm = 3.0;
+    let grown_um = machine.variation_error_um(&growing, &varied, 1.0);
+    assert!((grown_um - 3.0 * constant_um).abs() < 1e-9 * grown_um, "{grown_um} of {constant_um}");
+}
+
 /// The loop of M54 about a rigid mass that is believed a tenth too light, step by step, while the spindle of
 /// a variation leads it: the largest error over the one that the bound allows.
 fn loop_share(config: &AxisConfig, mut acceleration: impl FnMut(f64) -> f64, most: f64) -> f64 {

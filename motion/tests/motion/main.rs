@@ -1,5 +1,6 @@
 //! Laws, paths and the observer against their equations, random cases and reference values.
 
+mod lead;
 mod observer;
 mod pass;
 mod properties;

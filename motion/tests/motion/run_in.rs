@@ -4,7 +4,7 @@
 //! programmed start point is z = F (C − C0 − ΔC/2)/360 = V (p − T/2), p the time since C0 at programmed speed
 //! (M1, M10).
 
-use motion::{Limits, Ramp};
+use motion::{Limits, Ramp, Sample};
 
 const LIMITS: Limits = Limits { v: 100.0, a: 500.0, j: 50_000.0, dj: 1.0e7 };
 const LEAD: f64 = 2.0;
@@ -72,5 +72,13 @@ fn run_in_keeps_its_limits() {
             assert!(mean_jerk.abs() <= LIMITS.j * (1.0 + 1e-6), "jerk by difference {mean_jerk}");
             before = now;
         }
+    }
+}
+
+#[test]
+fn a_ramp_by_nothing_rests_as_long_as_it_lasts() {
+    let ramp = Ramp::new(0.0, 0.2, 0.5);
+    for p in [-0.1, 0.0, 0.05, 0.1, 0.15, 0.2, 0.3] {
+        assert_eq!((ramp.at(p), ramp.braking_at(p)), (Sample::default(), Sample::default()), "at {p}");
     }
 }

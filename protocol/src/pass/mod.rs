@@ -4,10 +4,14 @@
 //! Angles in degrees of the spindle since the index the pass starts from, growing in the direction of the
 //! spindle; lengths in mm; S in 1/min.
 
+mod changes;
 mod stored;
+mod way_out;
 
+pub use changes::{Changes, Corner, Corners, LeadChange};
 use motion::Window;
 use serde::{Deserialize, Serialize};
+pub use way_out::WayOut;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use crate::{
@@ -36,8 +40,10 @@ pub struct AxisLaw {
     pub unload_mm: f64,
     /// Angle over which it comes back, the last of the approach.
     pub unload_dc_deg: f64,
-    /// Signed advance of this axis per revolution, mm.
+    /// Signed advance of this axis per revolution, mm: where it changes, the first.
     pub lead_mm: f64,
+    /// Largest magnitude of a lead that changes, mm; 0 of one that does not.
+    pub steepest_mm: f64,
     /// C0: angle at which the run-in begins.
     pub run_in_c0_deg: f64,
     /// ΔC: angle over which the lead is reached.
@@ -59,9 +65,19 @@ pub struct AxisLaw {
 }
 
 impl AxisLaw {
+    /// Whether the axis has a lead, from the beginning or later.
+    pub fn is_led(&self) -> bool {
+        self.lead_mm != 0.0 || self.steepest_mm != 0.0
+    }
+
+    /// Largest magnitude of its lead, mm.
+    pub fn most_lead_mm(&self) -> f64 {
+        self.lead_mm.abs().max(self.steepest_mm)
+    }
+
     /// Angle at which the axis begins to move, degrees; 0 for an axis that has no approach and no lead.
     pub fn begins_deg(&self) -> f64 {
-        match (self.stroke_mm != 0.0, self.lead_mm != 0.0) {
+        match (self.stroke_mm != 0.0, self.is_led()) {
             (false, false) => 0.0,
             (true, false) => self.stroke_c0_deg,
             (false, true) => self.run_in_c0_deg,
@@ -72,19 +88,19 @@ impl AxisLaw {
     /// Angle at which the approach and the run-in are over, degrees.
     pub fn locked_deg(&self) -> f64 {
         let stroke = if self.stroke_mm != 0.0 { self.stroke_c0_deg + self.stroke_dc_deg } else { 0.0 };
-        let run_in = if self.lead_mm != 0.0 { self.run_in_c0_deg + self.run_in_dc_deg } else { 0.0 };
+        let run_in = if self.is_led() { self.run_in_c0_deg + self.run_in_dc_deg } else { 0.0 };
         stroke.max(run_in)
     }
 
     /// Angle at which the run-out of this axis begins, degrees. The retract window counts even if its stroke
     /// is 0: an axis that only holds is in the pass as long as the others.
     pub fn leaves_deg(&self) -> f64 {
-        if self.lead_mm != 0.0 { self.retract_c_deg.min(self.brake_c_deg) } else { self.retract_c_deg }
+        if self.is_led() { self.retract_c_deg.min(self.brake_c_deg) } else { self.retract_c_deg }
     }
 
     /// Angle from which the axis is at rest again, degrees.
     pub fn done_deg(&self) -> f64 {
-        let brake = if self.lead_mm != 0.0 { self.brake_c_deg + self.brake_dc_deg } else { 0.0 };
+        let brake = if self.is_led() { self.brake_c_deg + self.brake_dc_deg } else { 0.0 };
         brake.max(self.retract_c_deg + self.retract_dc_deg).max(self.locked_deg())
     }
 
@@ -104,8 +120,17 @@ impl AxisLaw {
     /// The law as a function of the spindle angle, relative to `start`. S in 1/min.
     ///
     /// # Panics
-    /// If S is not positive: check the packet first.
+    /// If S is not positive: check the packet first. If the lead changes: [`AxisLaw::changing`] knows how.
     pub fn law(&self, s_rpm: f64) -> motion::PassLaw {
+        assert!(self.steepest_mm == 0.0, "a lead that changes is known with its changes");
+        self.changing(s_rpm, &Changes::default())
+    }
+
+    /// The same with the changes of its lead.
+    ///
+    /// # Panics
+    /// If S is not positive: check the packet first.
+    pub fn changing(&self, s_rpm: f64, changes: &Changes) -> motion::PassLaw {
         let mut law = motion::PassLaw::new(s_rpm);
         if self.stroke_mm != 0.0 {
             let dc = self.stroke_dc_deg - self.unload_dc_deg;
@@ -115,10 +140,15 @@ impl AxisLaw {
             let back = self.stroke_c0_deg + self.stroke_dc_deg - self.unload_dc_deg;
             law = law.with_unloading(-self.unload_mm, back, self.unload_dc_deg);
         }
-        if self.lead_mm != 0.0 {
+        if self.is_led() {
             let run_in = Window { c: self.run_in_c0_deg, dc: self.run_in_dc_deg, lambda: self.run_in_lambda };
             let brake = Window { c: self.brake_c_deg, dc: self.brake_dc_deg, lambda: self.brake_lambda };
             law = law.with_lead(self.lead_mm, run_in, brake);
+        }
+        if self.steepest_mm != 0.0 {
+            law = changes.iter().fold(law, |law, change| {
+                law.with_change(change.lead_mm, change.growth_mm, change.c_deg, change.dc_deg)
+            });
         }
         if self.retract_mm != 0.0 {
             law = law.with_retract(self.retract_mm, self.retract_c_deg, self.retract_dc_deg);
@@ -140,10 +170,14 @@ impl AxisLaw {
                 return Err(Refused::OutOfRange(name));
             }
         }
+        let led = if self.is_led() { 1.0 } else { 0.0 };
+        if !(0.0..=MM).contains(&finite(self.steepest_mm, "steepest lead")?) {
+            return Err(Refused::OutOfRange("steepest lead"));
+        }
         let windows = [
             (self.stroke_mm, self.stroke_c0_deg, self.stroke_dc_deg, "approach angle"),
-            (self.lead_mm, self.run_in_c0_deg, self.run_in_dc_deg, "run-in angle"),
-            (self.lead_mm, self.brake_c_deg, self.brake_dc_deg, "braking angle"),
+            (led, self.run_in_c0_deg, self.run_in_dc_deg, "run-in angle"),
+            (led, self.brake_c_deg, self.brake_dc_deg, "braking angle"),
             (self.retract_mm, self.retract_c_deg, self.retract_dc_deg, "retract angle"),
         ];
         for (length, c0, dc, name) in windows {
@@ -154,7 +188,7 @@ impl AxisLaw {
             }
         }
         for (lambda, name) in [(self.run_in_lambda, "run-in lambda"), (self.brake_lambda, "braking lambda")] {
-            if self.lead_mm != 0.0 && !(1e-6..=0.5).contains(&finite(lambda, name)?) {
+            if self.is_led() && !(1e-6..=0.5).contains(&finite(lambda, name)?) {
                 return Err(Refused::OutOfRange(name));
             }
         }
@@ -166,7 +200,7 @@ impl AxisLaw {
             }
         }
         let runs = self.run_in_c0_deg + self.run_in_dc_deg;
-        if self.lead_mm != 0.0 && self.brake_c_deg < runs {
+        if self.is_led() && self.brake_c_deg < runs {
             return Err(Refused::OutOfRange("braking angle"));
         }
         Ok(())
@@ -186,68 +220,6 @@ pub enum Returning {
     Beyond,
     /// On its way from the lead to rest, with the spindle turned round.
     RunsOut,
-}
-
-/// The way out of a pass, the same for every axis: which axis lifts the tool off, and where it is out of the
-/// part. Whoever leaves a thread early needs no more than this and the law of its own axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
-#[repr(C)]
-pub struct WayOut {
-    /// Index of the axis that lifts the tool off ([`Axis::index`]); X of a thread on a cylinder. Of a pass
-    /// that returns the one along the helix: nothing else takes a tap out.
-    pub axis: u32,
-    /// Sum of [`WayOut::ON_HOLD`], [`WayOut::ON_STOP`], [`WayOut::ON_FAULT`]: what makes the axes leave at
-    /// once; for the rest the pass is finished. Emergency stop, loss of power and a drive that fails always
-    /// do. And [`WayOut::RETURNS`].
-    pub leaves: u32,
-    /// Where that axis rests when it has left.
-    pub clear: Position,
-    /// Beyond this, seen from the part, the tool is out of the groove: the other axes may brake. It lies
-    /// between the groove and `clear`, or at `clear`.
-    pub free: Position,
-}
-
-impl WayOut {
-    /// Feed hold leaves the thread; cycle start enters it again.
-    pub const ON_HOLD: u32 = 1;
-    /// Stop and abort leave the thread.
-    pub const ON_STOP: u32 = 2;
-    /// So do faults that would let the pass be finished.
-    pub const ON_FAULT: u32 = 4;
-    /// A tap: the axes follow the spindle in and, once it has turned round, out again on the same helix, to
-    /// where the pass started. Nobody lifts the tool; `axis` is the one along the helix, `clear` its start.
-    pub const RETURNS: u32 = 8;
-
-    /// Whether something that the packet may say makes the axes leave.
-    pub fn on(&self, what: u32) -> bool {
-        self.leaves & what != 0
-    }
-
-    /// Whether the axis that lifts is out of the groove at a position.
-    pub fn is_free(&self, position: Position) -> bool {
-        match self.clear >= self.free {
-            true => position >= self.free,
-            false => position <= self.free,
-        }
-    }
-
-    /// Refuses a way out that leads nowhere.
-    ///
-    /// # Errors
-    /// The axis or a bit of `leaves` is unknown, or a place lies beyond every machine.
-    pub fn check(&self) -> Result<(), Refused> {
-        let known = WayOut::ON_HOLD | WayOut::ON_STOP | WayOut::ON_FAULT | WayOut::RETURNS;
-        let near = |place: Position| place.0.unsigned_abs() <= WayOut::FARTHEST;
-        match () {
-            () if self.axis as usize >= crate::units::AXES => Err(Refused::OutOfRange("axis of the way out")),
-            () if self.leaves & !known != 0 => Err(Refused::OutOfRange("what leaves a pass")),
-            () if !(near(self.clear) && near(self.free)) => Err(Refused::OutOfRange("way out")),
-            () => Ok(()),
-        }
-    }
-
-    /// 100 m in counts of a position.
-    const FARTHEST: u64 = 100_000_000_000_000;
 }
 
 /// Refuses a programmed speed that no spindle has.
@@ -289,6 +261,8 @@ pub struct ThreadPass {
     pub dwell_s: f64,
     /// The law of each axis; axes that do not exist stay zero.
     pub axes: PerAxis<AxisLaw>,
+    /// Where leads change.
+    pub corners: Corners,
 }
 
 impl ThreadPass {
@@ -297,9 +271,27 @@ impl ThreadPass {
         &self.axes[axis.index()]
     }
 
+    /// The same as a function of the spindle angle, relative to its start.
+    ///
+    /// # Panics
+    /// If S is not positive: check the pass first.
+    pub fn law(&self, axis: Axis) -> motion::PassLaw {
+        self.axis(axis).changing(self.s_rpm, &self.changes(axis))
+    }
+
+    /// The changes of the lead of an axis.
+    pub fn changes(&self, axis: Axis) -> Changes {
+        Changes::of(&self.corners, axis)
+    }
+
+    /// The corners that there are.
+    pub fn corners(&self) -> impl Iterator<Item = &Corner> {
+        self.corners.iter().take_while(|corner| corner.dc_deg != 0.0)
+    }
+
     /// The axis along which the thread runs: Z, on a cone too; X of a thread on a face.
     pub fn along(&self) -> Axis {
-        if self.axis(Axis::Z).lead_mm != 0.0 { Axis::Z } else { Axis::X }
+        if self.axis(Axis::Z).is_led() { Axis::Z } else { Axis::X }
     }
 
     /// Whether it is a tap: in and out again on one helix, through the reversal of the spindle.
@@ -340,6 +332,7 @@ impl ThreadPass {
         }
         self.out.check()?;
         self.axes.iter().try_for_each(AxisLaw::check)?;
+        Axis::ALL.iter().try_for_each(|axis| self.changes(*axis).check(self.axis(*axis)))?;
         self.check_return()
     }
 
@@ -360,6 +353,7 @@ impl ThreadPass {
         let on_helix = lead.run_in_c0_deg + lead.run_in_dc_deg..=lead.brake_c_deg;
         match () {
             () if !(0.1..=10.0).contains(&ratio) => Err(Refused::OutOfRange("speed of the way out")),
+            () if self.corners().next().is_some() => Err(Refused::OutOfRange("corner")),
             () if !(0.0..=1000.0).contains(&dwell) => Err(Refused::OutOfRange("dwell")),
             () if !on_helix.contains(&self.thread_end_deg) => Err(Refused::OutOfRange("turn of the spindle")),
             () if !alone || self.out.axis as usize != along || lead.start != lead.end => {

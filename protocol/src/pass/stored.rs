@@ -10,7 +10,7 @@ use serde::de::{Error, SeqAccess, Visitor};
 use serde::ser::SerializeSeq;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{AxisLaw, ThreadPass, WayOut};
+use super::{AxisLaw, Changes, Corner, Corners, ThreadPass, WayOut};
 use crate::units::{AXES, Axis, PerAxis, Position};
 
 /// A pass.
@@ -34,6 +34,7 @@ pub(super) struct Stored {
     back: Option<[Short; 2]>,
     helix: Option<Helix>,
     laws: Laws,
+    turns: Turns,
 }
 
 /// Run-in and brake: angle, window, λ.
@@ -155,6 +156,54 @@ impl<'de> Deserialize<'de> for Laws {
     }
 }
 
+/// The corners that there are: angle, window, leads and growths of X and Z.
+struct Turns(Corners);
+
+impl Serialize for Turns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // What stands behind the last one that is something: nothing is lost, whatever a pass holds.
+        let is_something = |corner: &Corner| {
+            let Corner { c_deg, dc_deg, x_mm: [x, x_grows], z_mm: [z, z_grows] } = *corner;
+            [c_deg, dc_deg, x, x_grows, z, z_grows].iter().any(|value| value.to_bits() != 0)
+        };
+        let count = self.0.iter().rposition(is_something).map_or(0, |last| last + 1);
+        let mut corners = serializer.serialize_seq(Some(count))?;
+        for Corner { c_deg, dc_deg, x_mm, z_mm } in &self.0[..count] {
+            let leads = [x_mm[0], x_mm[1], z_mm[0], z_mm[1]].map(Short);
+            corners.serialize_element(&(c_deg, dc_deg, leads))?;
+        }
+        corners.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Turns {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Turns, D::Error> {
+        struct Each;
+
+        impl<'de> Visitor<'de> for Each {
+            type Value = Turns;
+
+            fn expecting(&self, text: &mut Formatter<'_>) -> Written {
+                text.write_str("the corners of a pass, not too many")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut corners: A) -> Result<Turns, A::Error> {
+                let mut all = Corners::default();
+                let mut next = all.iter_mut();
+                while let Some((c_deg, dc_deg, leads)) = corners.next_element::<(f64, f64, [Short; 4])>()? {
+                    let [x, x_grows, z, z_grows] = leads.map(|Short(lead)| lead);
+                    let corner =
+                        next.next().ok_or_else(|| A::Error::custom("a pass has too many corners"))?;
+                    *corner = Corner { c_deg, dc_deg, x_mm: [x, x_grows], z_mm: [z, z_grows] };
+                }
+                Ok(Turns(all))
+            }
+        }
+
+        deserializer.deserialize_seq(Each)
+    }
+}
+
 fn bits(values: [f64; 3]) -> [Bits; 3] {
     values.map(|value| Bits(value.to_bits()))
 }
@@ -188,7 +237,7 @@ impl Helix {
 
 /// Where the first axis leaves the thread, of those that are in it.
 fn first_leaves(laws: &PerAxis<AxisLaw>) -> f64 {
-    let in_thread = laws.iter().filter(|law| law.lead_mm != 0.0 || law.retract_dc_deg != 0.0);
+    let in_thread = laws.iter().filter(|law| law.is_led() || law.retract_dc_deg != 0.0);
     in_thread.map(AxisLaw::leaves_deg).fold(f64::INFINITY, f64::min)
 }
 
@@ -250,6 +299,7 @@ impl Law {
             unload_mm,
             unload_dc_deg,
             lead_mm,
+            steepest_mm: 0.0,
             run_in_c0_deg,
             run_in_dc_deg,
             run_in_lambda,
@@ -302,6 +352,7 @@ impl From<ThreadPass> for Stored {
                 .then_some([Short(pass.return_ratio), Short(pass.dwell_s)]),
             helix: common,
             laws: Laws(pass.axes.map(|law| Law::new(&law, common))),
+            turns: Turns(pass.corners),
         }
     }
 }
@@ -310,7 +361,12 @@ impl From<Stored> for ThreadPass {
     fn from(stored: Stored) -> ThreadPass {
         let Laws(laws) = stored.laws;
         let axis_law = |law: Law| law.axis_law(stored.helix);
-        let axes = laws.map(|law| law.map_or_else(AxisLaw::default, axis_law));
+        let mut axes = laws.map(|law| law.map_or_else(AxisLaw::default, axis_law));
+        let Turns(corners) = stored.turns;
+        for (axis, law) in Axis::ALL.into_iter().zip(&mut axes) {
+            let locked_deg = law.run_in_c0_deg + law.run_in_dc_deg;
+            law.steepest_mm = Changes::of(&corners, axis).steepest_mm(law.lead_mm, locked_deg);
+        }
         let [Short(return_ratio), Short(dwell_s)] = stored.back.unwrap_or([Short(0.0); 2]);
         ThreadPass {
             pass: stored.pass,
@@ -328,6 +384,7 @@ impl From<Stored> for ThreadPass {
             return_ratio,
             dwell_s,
             axes,
+            corners,
         }
     }
 }

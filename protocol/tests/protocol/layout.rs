@@ -21,15 +21,18 @@ macro_rules! layout {
 layout!(credit: Credit, 8, "pitchlock/credit/1", {
     taken: 0,
 });
-layout!(axis_law: AxisLaw, 136, {
+layout!(axis_law: AxisLaw, 144, {
     start: 0, end: 8, stroke_mm: 16, stroke_c0_deg: 24, stroke_dc_deg: 32, unload_mm: 40,
-    unload_dc_deg: 48, lead_mm: 56, run_in_c0_deg: 64, run_in_dc_deg: 72, run_in_lambda: 80,
-    brake_c_deg: 88, brake_dc_deg: 96, brake_lambda: 104, retract_mm: 112, retract_c_deg: 120,
-    retract_dc_deg: 128,
+    unload_dc_deg: 48, lead_mm: 56, steepest_mm: 64, run_in_c0_deg: 72, run_in_dc_deg: 80,
+    run_in_lambda: 88, brake_c_deg: 96, brake_dc_deg: 104, brake_lambda: 112, retract_mm: 120,
+    retract_c_deg: 128, retract_dc_deg: 136,
 });
-layout!(axis_frame: AxisFrame, 248, "pitchlock/axis-frame/5", {
+layout!(lead_change: LeadChange, 32, {
+    c_deg: 0, dc_deg: 8, lead_mm: 16, growth_mm: 24,
+});
+layout!(axis_frame: AxisFrame, 640, "pitchlock/axis-frame/6", {
     cycle: 0, command: 8, line: 12, setpoint: 16, stop_s: 48, pass: 56, check: 60, s_rpm: 64,
-    direction: 72, not_before: 80, out: 88, law: 112,
+    direction: 72, not_before: 80, out: 88, law: 112, changes: 256,
 });
 layout!(way_out: WayOut, 24, {
     axis: 0, leaves: 4, clear: 8, free: 16,

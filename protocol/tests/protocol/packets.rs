@@ -2,6 +2,7 @@
 //! are refused.
 #![allow(clippy::unwrap_used)]
 
+use motion::MOST_CHANGES;
 use proptest::prelude::*;
 use protocol::*;
 use shape::{
@@ -33,6 +34,7 @@ fn busy_law(number: usize) -> AxisLaw {
         unload_mm: own * 0.01,
         unload_dc_deg: own * 0.02,
         lead_mm: own * 0.7,
+        steepest_mm: own * 0.7,
         run_in_c0_deg: own * 0.4,
         run_in_dc_deg: own * 0.6,
         run_in_lambda: own * 0.11,
@@ -61,6 +63,7 @@ fn busy_pass() -> ThreadPass {
         return_ratio: LONG,
         dwell_s: LONG,
         axes: std::array::from_fn(busy_law),
+        corners: [Corner { c_deg: LONG, dc_deg: LONG, x_mm: [LONG; 2], z_mm: [LONG; 2] }; MOST_CHANGES],
     }
 }
 
@@ -116,7 +119,7 @@ fn each_kind_of_item_has_its_largest_size() {
         ("analog output", Code::Output { number: 3, set: Set::Analog(LONG), in_step: true }, 26),
         ("wait for an input", Code::Await { input: 63, until: Until::Low, within_s: LONG }, 25),
         ("pause", Code::Pause, 15),
-        ("pass", Code::Pass(busy_pass()), 1277),
+        ("pass", Code::Pass(busy_pass()), 1921),
         ("formula", Code::Formula { slot: u8::MAX, formula: long_formula() }, 370),
         ("contour", work(Shape::Contour(contour, [Axis::C, Axis::C])), 87),
         ("lines", work(surface(lines)), 124),
@@ -169,6 +172,7 @@ fn law() -> impl Strategy<Value = AxisLaw> {
                 unload_mm: unload[0],
                 unload_dc_deg: unload[1],
                 lead_mm,
+                steepest_mm: 0.0,
                 run_in_c0_deg: run_in[0],
                 run_in_dc_deg: run_in[1],
                 run_in_lambda: run_in[2],
@@ -183,17 +187,35 @@ fn law() -> impl Strategy<Value = AxisLaw> {
     )
 }
 
+/// Corners, some of them, and what no sender makes of them.
+fn corners() -> impl Strategy<Value = Corners> {
+    let corner = (prop::array::uniform2(number()), prop::array::uniform4(number()));
+    prop::collection::vec(corner, 0..=MOST_CHANGES).prop_map(|some| {
+        let mut corners = Corners::default();
+        for (corner, ([c_deg, dc_deg], [x, x_grows, z, z_grows])) in corners.iter_mut().zip(some) {
+            *corner = Corner { c_deg, dc_deg, x_mm: [x, x_grows], z_mm: [z, z_grows] };
+        }
+        corners
+    })
+}
+
 fn pass() -> impl Strategy<Value = ThreadPass> {
     let laws = prop::collection::vec(prop_oneof![Just(AxisLaw::default()), law()].boxed(), 8);
     let out = (0u32..8, 0u32..8, position(), position());
-    (any::<[u32; 2]>(), prop::array::uniform8(number()), out, laws).prop_map(
+    (any::<[u32; 2]>(), prop::array::uniform8(number()), out, laws, corners()).prop_map(
         |(
             [pass, start],
             [s_rpm, direction, start_angle_deg, lead_mm, end, max_ratio, depth_mm, dwell_s],
             out,
             laws,
+            corners,
         )| {
-            let (thread_end_deg, axes) = (end, laws.try_into().unwrap());
+            let mut axes: PerAxis<AxisLaw> = laws.try_into().unwrap();
+            for (axis, law) in Axis::ALL.into_iter().zip(&mut axes) {
+                let locked_deg = law.run_in_c0_deg + law.run_in_dc_deg;
+                law.steepest_mm = Changes::of(&corners, axis).steepest_mm(law.lead_mm, locked_deg);
+            }
+            let thread_end_deg = end;
             ThreadPass {
                 out: WayOut { axis: out.0, leaves: out.1, clear: out.2, free: out.3 },
                 pass,
@@ -208,6 +230,7 @@ fn pass() -> impl Strategy<Value = ThreadPass> {
                 return_ratio: dwell_s / 2.0,
                 dwell_s,
                 axes,
+                corners,
             }
         },
     )

@@ -47,6 +47,7 @@ fn arm(law: AxisLaw) -> AxisCommand {
         not_before: Cycle(77),
         out: WayOut::default(),
         law,
+        changes: Changes::default(),
     }
 }
 

@@ -4,7 +4,7 @@
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisState, Cycle, DriveState, Fault, Measurement, Panel, Position,
+    Axis, AxisCommand, AxisFrame, AxisState, Changes, Cycle, DriveState, Fault, Measurement, Panel, Position,
     StatusWord, WayOut,
 };
 use regulator::{In, Out, Regulator};
@@ -178,7 +178,8 @@ fn pass(s_rpm: f64) -> AxisFrame {
         clear: Position::from_mm(CLEAR_MM),
         free: Position::from_mm(HOME_MM + 11.0),
     };
-    let command = AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law: law() };
+    let command =
+        AxisCommand::Arm { pass, s_rpm, direction, not_before, out, law: law(), changes: Changes::default() };
     let frame = frame(ARMED);
     AxisFrame::pack(Cycle(ARMED - 4), 7, frame.setpoint, frame.stop_s, &command)
 }

@@ -5,8 +5,8 @@
 use machine::{AxisConfig, Machine};
 use motion::{Exit, FeedBlock, Limits, Sample};
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisLaw, Cycle, DriveState, Measurement, Position, Setpoint, StatusWord,
-    WayOut,
+    Axis, AxisCommand, AxisFrame, AxisLaw, Changes, Cycle, DriveState, Measurement, Position, Setpoint,
+    StatusWord, WayOut,
 };
 use regulator::{In, Out, Regulator};
 
@@ -58,7 +58,15 @@ pub(crate) fn law() -> AxisLaw {
 
 pub(crate) fn arm() -> AxisCommand {
     let not_before = Cycle(ARMED + 20);
-    AxisCommand::Arm { pass: 1, s_rpm: 300.0, direction: 1.0, not_before, out: WayOut::default(), law: law() }
+    AxisCommand::Arm {
+        pass: 1,
+        s_rpm: 300.0,
+        direction: 1.0,
+        not_before,
+        out: WayOut::default(),
+        law: law(),
+        changes: Changes::default(),
+    }
 }
 
 /// The frame that takes effect in a cycle.

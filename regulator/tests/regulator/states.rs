@@ -1,7 +1,7 @@
 //! Every state against every event: the transition table of `regulator::state`.
 
 use motion::{Exit, Sample};
-use protocol::{AxisCommand, AxisLaw, Cycle, Fault, Position, WayOut};
+use protocol::{AxisCommand, AxisLaw, Changes, Cycle, Fault, Position, WayOut};
 use regulator::leave::{Cause, Leaving, Way};
 use regulator::{
     spindle::Index,
@@ -22,6 +22,7 @@ fn law() -> AxisLaw {
         unload_mm: 0.0,
         unload_dc_deg: 0.0,
         lead_mm: 2.0,
+        steepest_mm: 0.0,
         run_in_c0_deg: 50.0,
         run_in_dc_deg: 150.0,
         run_in_lambda: 0.5,
@@ -77,6 +78,7 @@ fn arm(not_before: u64) -> AxisCommand {
         not_before: Cycle(not_before),
         out: WayOut::default(),
         law: law(),
+        changes: Changes::default(),
     }
 }
 

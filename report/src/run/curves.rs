@@ -158,7 +158,7 @@ impl PassCurves {
         }
         let locked = |axis: &Axis| row.axis(*axis).is_some_and(|axis| axis.state == AxisState::Locked);
         if let (true, Some(z)) = (AXES.iter().all(locked), row.axis(Axis::Z)) {
-            let error = z.true_mm - pass.helix_at_index_mm - pass.lead_mm * c / 360.0;
+            let error = z.true_mm - pass.helix_mm(c);
             self.helix.add((c - thread_deg(pass).0) / 360.0, 1e3 * error);
         }
     }

@@ -208,7 +208,7 @@ fn outwards(pass: &PassReport) -> f64 {
 /// Where a pass is in a cycle, on its helix, at its depth, and in the stock if that is known.
 fn seen(summary: &Summary, pass: &PassReport, c_deg: f64, row: &Row) -> Option<Seen> {
     let (x, z) = (row.axis(Axis::X)?, row.axis(Axis::Z)?);
-    let helix_mm = pass.helix_at_index_mm + pass.lead_mm * c_deg / 360.0;
+    let helix_mm = pass.helix_mm(c_deg);
     let is_led = [x, z].iter().all(|axis| axis.state == AxisState::Locked);
     if !is_led || (z.programmed - helix_mm).abs() > OFF_Z_MM {
         return None;

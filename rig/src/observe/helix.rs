@@ -12,12 +12,13 @@
 //! | w | rev | weight of a sample: the turn since the sample before it |
 //!
 //! ```text
-//! z_helix(C) = z_s + F (C − C_s)/360             the prolonged helix goes through the programmed start point
+//! z_helix(C) = z_s + F (C − C_s)/360       the prolonged helix goes through the programmed start point;
+//!                                          where the lead changes, plus what that adds (M214)
 //! phase = Σ w e / Σ w                      mean over the angle, so a spindle that dwells does not weigh more
 //! slope = Σ w (u − ū)(e − ē) / Σ w (u − ū)²        least squares
 //! ```
 
-use protocol::{AxisLaw, ThreadPass};
+use protocol::{Axis, AxisLaw, Changes, ThreadPass};
 
 /// The helix of one axis in one pass.
 #[derive(Clone, Copy, Debug)]
@@ -25,18 +26,21 @@ pub(super) struct Helix {
     start_mm: f64,
     start_deg: f64,
     lead_mm: f64,
+    changes: Changes,
 }
 
 impl Helix {
     /// The helix through the programmed start point at the programmed start angle. The law only says on which
     /// turn: a run-in whose middle misses the start angle (phase rule) shows as a phase error.
-    pub(super) fn of(pass: &ThreadPass, law: &AxisLaw) -> Helix {
+    pub(super) fn of(pass: &ThreadPass, axis: Axis) -> Helix {
+        let law: &AxisLaw = pass.axis(axis);
         let middle = law.run_in_c0_deg + 0.5 * law.run_in_dc_deg;
         let turns = ((middle - pass.start_angle_deg) / 360.0).round();
         Helix {
             start_mm: law.start.mm() + law.stroke_mm,
             start_deg: pass.start_angle_deg + 360.0 * turns,
             lead_mm: law.lead_mm,
+            changes: pass.changes(axis),
         }
     }
 
@@ -45,10 +49,19 @@ impl Helix {
         self.start_mm - self.lead_mm * self.start_deg / 360.0
     }
 
+    /// Where it lies at an angle, mm.
+    pub(super) fn at_mm(&self, c_deg: f64) -> f64 {
+        self.start_mm + self.lead_mm * (c_deg - self.start_deg) / 360.0 + self.changes.way_mm(c_deg)
+    }
+
+    /// The same with sharp corners, mm.
+    pub(super) fn programmed_mm(&self, c_deg: f64) -> f64 {
+        self.start_mm + self.lead_mm * (c_deg - self.start_deg) / 360.0 + self.changes.programmed_mm(c_deg)
+    }
+
     /// Error of a position at angle `c_deg`, µm.
     pub(super) fn error_um(&self, c_deg: f64, position_mm: f64) -> f64 {
-        let on_helix = self.start_mm + self.lead_mm * (c_deg - self.start_deg) / 360.0;
-        1e3 * (position_mm - on_helix)
+        1e3 * (position_mm - self.at_mm(c_deg))
     }
 }
 

@@ -13,6 +13,7 @@ mod contour;
 mod corrected;
 mod cutting;
 mod faults;
+mod full;
 mod gauged;
 mod helix;
 mod inside;

@@ -15,7 +15,7 @@ use std::mem::{offset_of, size_of};
 
 use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, ThreadPass};
+use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, Changes, LeadChange, ThreadPass};
 
 use super::Record;
 use super::cutting::CuttingReport;
@@ -28,7 +28,7 @@ use super::tool::{Finish, Tool};
 use super::used::{LimitsUsed, Used, limits_of};
 
 /// What one axis frame carries because of a pass: number, S, direction, the first cycle that counts, the law.
-const PASS_BYTES: usize = size_of::<AxisFrame>() - offset_of!(AxisFrame, pass);
+const PASS_BYTES: usize = size_of::<AxisFrame>() - offset_of!(AxisFrame, pass) - size_of::<Changes>();
 
 /// Two ways of computing one position differ by less, mm.
 const SAME_MM: f64 = 1e-6;
@@ -172,7 +172,7 @@ impl PassObserver {
         let pass = &planned.pass;
         let track = |(axis, config): (Axis, &machine::AxisConfig)| AxisTrack {
             axis,
-            law: pass.axis(axis).law(pass.s_rpm),
+            law: pass.law(axis),
             start_mm: pass.axis(axis).start.mm(),
             limits: limits_of(config),
             asked: [0.0; 3],
@@ -194,7 +194,7 @@ impl PassObserver {
             origin_mm: planned.origin_mm,
             axes: machine.axes().map(track).collect(),
             along,
-            helix: Helix::of(pass, pass.axis(along)),
+            helix: Helix::of(pass, along),
             motor: LineFit::default(),
             slide: LineFit::default(),
             tool: Tool::new(machine, planned, along),
@@ -307,7 +307,8 @@ impl PassObserver {
             delta_z_mm: run_in.lead_mm * run_in.run_in_dc_deg / 720.0,
             delta_x_mm: x.stroke_mm,
             thread_end_deg,
-            packet_bytes: (PASS_BYTES * axes) as u64,
+            packet_bytes: ((PASS_BYTES + size_of::<LeadChange>() * self.pass.corners().count()) * axes)
+                as u64,
             setpoints_saved: self.ticks * axes as u64,
             x: self.error(Axis::X, |track| &track.servo),
             z: self.error(Axis::Z, |track| &track.servo),
@@ -330,6 +331,7 @@ impl PassObserver {
             x_moments_deg: moments(x),
             z_moments_deg: moments(self.pass.axis(Axis::Z)),
             helix_at_index_mm: self.helix.at_index_mm(),
+            lead_changes: self.pass.changes(self.along).iter().map(told).collect(),
             armed_cycle: self.armed_cycle,
             begin_cycle: self.begin_cycle,
             end_cycle: self.end_cycle,
@@ -360,6 +362,11 @@ impl PassObserver {
     fn limits(&self, of: fn(&AxisTrack) -> [f64; 3]) -> LimitsUsed {
         LimitsUsed::of([Axis::X, Axis::Z].map(|axis| self.track(axis).map_or([0.0; 3], of)))
     }
+}
+
+/// A change of lead as a summary tells it.
+fn told(change: &LeadChange) -> [f64; 4] {
+    [change.c_deg, change.dc_deg, change.lead_mm, change.growth_mm]
 }
 
 /// The angles between which a law runs in, is locked, and runs out.

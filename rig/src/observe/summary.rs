@@ -191,6 +191,10 @@ pub struct PassReport {
     pub z_moments_deg: [f64; 4],
     /// Where the programmed helix, prolonged, lies at angle 0, mm: at C it lies at this plus `lead_mm` C/360.
     pub helix_at_index_mm: f64,
+    /// Where that lead changes: angle and width of each window, deg, jump of the lead, mm/rev, and of its
+    /// growth, mm/rev² (M214).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lead_changes: Vec<[f64; 4]>,
     /// Control cycle in which the pass was armed.
     pub armed_cycle: u64,
     /// Control cycle in which the index of the pass was seen.
@@ -380,4 +384,15 @@ pub struct Summary {
 #[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks
 fn is_zero(count: &u64) -> bool {
     *count == 0
+}
+
+impl PassReport {
+    /// Where the programmed helix, prolonged, lies along the thread at an angle since the index, mm.
+    pub fn helix_mm(&self, c_deg: f64) -> f64 {
+        let changed = |[begins, dc, lead, growth]: &[f64; 4]| {
+            motion::LeadChange::new(*lead, *growth, dc / 360.0).at((c_deg - begins) / 360.0).s
+        };
+        let way_mm: f64 = self.lead_changes.iter().map(changed).sum();
+        self.helix_at_index_mm + self.lead_mm * c_deg / 360.0 + way_mm
+    }
 }

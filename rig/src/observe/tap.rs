@@ -52,7 +52,7 @@ impl Tapped {
         pass.returns().then(|| Tapped {
             pass: *pass,
             along,
-            helix: Helix::of(pass, pass.axis(along)),
+            helix: Helix::of(pass, along),
             parts: [Span::default(); 3],
             sum: (0.0, 0.0),
             farthest_deg: 0.0,

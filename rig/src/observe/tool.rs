@@ -29,6 +29,7 @@ use motion::PassLaw;
 use protocol::{Axis, Groove, Position, Truth, WayOut};
 use serde::{Deserialize, Serialize};
 
+use super::full::Full;
 use super::helix::Helix;
 use super::planned::{Planned, Stock};
 use super::span::Span;
@@ -75,9 +76,8 @@ pub(super) struct Tool {
     helix: Helix,
     law: PassLaw,
     start_mm: f64,
-    /// Place along the thread and across it at which the prolonged helix is at full depth, and the slope.
-    full: [f64; 2],
-    slope: f64,
+    /// Where it is at full depth.
+    full: Full,
     groove: Groove,
     /// How a tap comes out; it is in the material until it is free.
     taps: Option<WayOut>,
@@ -136,16 +136,16 @@ impl Tool {
         let groove = if along == Axis::Z { Groove::of(pass) } else { Groove::default() };
         let lifts_up = if pass.out.clear >= pass.out.free { 1.0 } else { -1.0 };
         let outwards = if groove.into == 0.0 { lifts_up } else { -groove.into };
-        let (slope, bottom_mm) = (depth.lead_mm / lead.lead_mm, depth.start.mm() + depth.stroke_mm);
-        let grows_mm = (outwards * slope * (lead.end.mm() - lead.start.mm())).max(0.0);
+        let full = Full::of(pass, [along, across]);
+        let bottom_mm = full.bottom_mm();
+        let grows_mm = full.grows_mm(outwards, lead.end.mm());
         Tool {
             along,
             across,
-            helix: Helix::of(pass, lead),
-            law: depth.law(pass.s_rpm),
+            helix: Helix::of(pass, along),
+            law: pass.law(across),
             start_mm: depth.start.mm(),
-            full: [lead.start.mm() + lead.stroke_mm, bottom_mm],
-            slope,
+            full,
             groove,
             taps: pass.returns().then_some(pass.out),
             deepest_mm: (outwards * (pass.out.free.mm() - bottom_mm) - grows_mm) / (1.0 + WAY_OUT_MARGIN),
@@ -196,7 +196,7 @@ impl Tool {
 
     /// Where the axis across is at full depth, mm.
     fn full_mm(&self, along_mm: f64) -> f64 {
-        self.full[1] + self.slope * (along_mm - self.full[0])
+        self.full.at_mm(along_mm)
     }
 
     /// Whether the point of the tool is in the material (M120).
@@ -215,7 +215,7 @@ impl Tool {
     /// How deep the pass goes, if the tool was in the material.
     pub(super) fn finish(&self) -> Option<Finish> {
         let surface_mm = if self.groove.into == 0.0 { self.clear_mm } else { self.groove.crest_mm };
-        let reach_mm = -self.outwards * self.full_mm(0.0);
+        let reach_mm = -self.outwards * self.full.first_mm(0.0);
         (self.error.deg > 0.0).then_some(Finish { surface_mm, reach_mm })
     }
 

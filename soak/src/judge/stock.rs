@@ -73,14 +73,14 @@ pub struct Contact {
 }
 
 impl PassStock {
-    /// The stock of a pass along Z; nothing for any other.
+    /// The stock of a pass along Z with one lead; nothing for any other.
     pub fn of(pass: &ThreadPass) -> Option<PassStock> {
         let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
-        if z.lead_mm == 0.0 {
+        if z.lead_mm == 0.0 || pass.corners().next().is_some() {
             return None;
         }
         let towards = z.lead_mm.signum();
-        let (x_law, z_law) = (x.law(pass.s_rpm), z.law(pass.s_rpm));
+        let (x_law, z_law) = (pass.law(Axis::X), pass.law(Axis::Z));
         let run = z.run_in_c0_deg + z.run_in_dc_deg;
         let place = |c: f64| (towards * z_law.at(c).s, x.start.mm() + x_law.at(c).s);
         let slope = x.lead_mm / z.lead_mm;

@@ -243,7 +243,12 @@ impl Hole {
         }
         for depth in depths(self.r, self.bottom, peck) {
             let bottom = strokes.point(strokes.at, depth);
-            strokes.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0 })?;
+            strokes.out.call(Call::StartSpeedFeedSynch {
+                lead,
+                velocity: false,
+                start_deg: 0.0,
+                growth: 0.0,
+            })?;
             strokes.out.call(Call::RigidTap(bottom, 1.0, self.dwell))?;
             strokes.out.call(Call::StopSpeedFeedSynch)?;
         }

@@ -255,12 +255,14 @@ pub(super) fn add_m(value: f64, span: Span, state: &State, block: &mut Block) ->
 #[cold]
 fn unknown_g_code(value: f64, span: Span) -> Box<Problem> {
     let message = format!("there is no code G{}", short(value));
-    Problem::error(
-        "unknown-g-code",
-        Blame::Span(span),
-        message,
-        "check the number; the G codes are listed in the manual",
-    )
+    // Threads of FANUC that LinuxCNC does not have.
+    let help = match value {
+        34.0 => {
+            "LinuxCNC has none: write a lead that grows as a chain of short G33, or the program for FANUC"
+        }
+        _ => "check the number; the G codes are listed in the manual",
+    };
+    Problem::error("unknown-g-code", Blame::Span(span), message, help)
 }
 
 /// Refuses names that tell the state, or what a subroutine returned.

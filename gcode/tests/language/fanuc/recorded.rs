@@ -30,8 +30,11 @@ impl Sink for Record {
             Call::ArcFeed(Arc { end: [z, x], center: [cz, cx], turns, .. }) => {
                 format!("{} {} {} c {} {}", if turns > 0 { "G3" } else { "G2" }, n(x), n(z), n(cx), n(cz))
             }
-            Call::StartSpeedFeedSynch { lead, start_deg, .. } => {
+            Call::StartSpeedFeedSynch { lead, start_deg, growth: 0.0, .. } => {
                 format!("lead {} at {}", n(lead), n(start_deg))
+            }
+            Call::StartSpeedFeedSynch { lead, start_deg, growth, .. } => {
+                format!("lead {} at {} growing by {}", n(lead), n(start_deg), n(growth))
             }
             Call::StopSpeedFeedSynch => "free".into(),
             Call::ThreadCycle(cycle) => format!("{cycle:?}"),

@@ -28,6 +28,18 @@ fn g32_takes_the_lead_along_the_longer_way() {
     assert_eq!(here("G32 X2. F1.5"), there("G33 X2 K1.5"));
 }
 
+/// F is the lead where it begins, K by how much it grows in a turn, both along the longer way; every block
+/// says both.
+#[test]
+fn g34_is_g32_with_a_lead_that_grows() {
+    let moves = here("G34 Z-20. F2. K0.1 Q90000\nG34 Z-30. F3. K-0.1");
+    assert_eq!(moves[1..4], ["lead 2 at 90 growing by 0.1", "G1 11 -20", "free"]);
+    assert_eq!(moves[4..], ["lead 3 at 0 growing by -0.1", "G1 11 -30", "free"]);
+    let stretch = (28.0_f64 * 28.0 + 5.0 * 5.0).sqrt() / 28.0;
+    let cone = here("G34 X32. Z-20. F2. K0.1");
+    assert_eq!(cone[1], format!("lead {:.4} at 0 growing by {:.4}", 2.0 * stretch, 0.1 * stretch));
+}
+
 #[test]
 fn chained_threads_keep_the_lead_and_q_turns_the_start() {
     let moves = here("G32 Z-10. F2. Q180000\nX24. Z-12.");
@@ -143,5 +155,9 @@ fn threads_that_make_no_sense_are_refused() {
     assert_eq!(errors("G76 P011060 Q0 R0\nG76 X21. Z-20. P900 Q300 F2."), [(4, "bad-value")]);
     assert_eq!(errors("G76 X18. Z-20. K0.9 D300 A60 F2. P2"), [(3, "not-available")]);
     assert_eq!(errors("M05\nG32 Z-20. F2."), [(4, "spindle-not-turning")]);
-    assert_eq!(errors("G34 Z-20. F2. K0.1"), [(3, "not-available")]);
+    assert_eq!(errors("G34 Z-20. F2."), [(3, "missing-word")]);
+    assert_eq!(errors("G32 Z-5. F2.\nG34 Z-20. K0.1"), [(4, "missing-word")]);
+    assert_eq!(errors("G34 F2. K0.1"), [(3, "bad-value")]);
+    assert_eq!(errors("G34 Z-20. F-2. K0.1"), [(3, "bad-value")]);
+    assert_eq!(errors("M05\nG34 Z-20. F2. K0.1"), [(4, "spindle-not-turning")]);
 }

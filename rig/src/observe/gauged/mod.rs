@@ -277,14 +277,15 @@ fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
     if lengths_mm.iter().all(meets) { common } else { [0.0; 2] }
 }
 
-/// Where a pass is at full depth in the stock, along Z of the program.
+/// Where a pass is at full depth on its first lead in the stock, along Z of the program.
 fn full_mm(planned: &Planned, origin_mm: f64) -> [f64; 2] {
     let pass = &planned.pass;
-    let law = pass.axis(Axis::Z);
-    let helix = Helix::of(pass, law);
+    let helix = Helix::of(pass, Axis::Z);
     let locked_deg = pass.axes.iter().map(protocol::AxisLaw::locked_deg).fold(0.0, f64::max);
-    let at = |deg: f64| helix.at_index_mm() + law.lead_mm * deg / 360.0 - origin_mm;
-    let [a, b] = [at(locked_deg), at(pass.thread_end_deg)];
+    // Of a chain the first thread: what follows it is another one.
+    let changes = pass.corners().next().map_or(f64::INFINITY, |corner| corner.c_deg);
+    let at = |deg: f64| helix.at_mm(deg) - origin_mm;
+    let [a, b] = [at(locked_deg), at(pass.thread_end_deg.min(changes).max(locked_deg))];
     let [low, high] = match &planned.stock {
         Stock::Ends(ends) => ends.map(|end| end - origin_mm),
         Stock::Part(part, _) => part.ends_mm(),

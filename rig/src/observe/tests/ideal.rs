@@ -180,7 +180,7 @@ impl Ideal {
         let law = pass.axis(axis);
         let state = state(law, c);
         let c = c.unwrap_or(0.0);
-        let sample = law.law(pass.s_rpm).at(c).driven([self.ratio, 0.0, 0.0, 0.0]);
+        let sample = pass.law(axis).at(c).driven([self.ratio, 0.0, 0.0, 0.0]);
         let commanded_mm = law.start.mm() + sample.s;
         let servo_um = injected.servo_um.map_or(0.0, |servo| servo(axis, state, c));
         let truth = &mut self.truth.axes[axis.index()];

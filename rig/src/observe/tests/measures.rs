@@ -107,7 +107,7 @@ fn limits_used_scale_with_the_speed_of_the_spindle() {
 #[test]
 fn the_packet_is_counted_against_the_setpoints_it_saves() {
     let report = Ideal::new().run(&[(pass(1), Injected::default())], |_, _| {}).passes.remove(0);
-    assert_eq!(report.packet_bytes, 2 * 192);
+    assert_eq!(report.packet_bytes, 2 * 200);
     // From 40° to 4320° at 600 1/min: 1.189 s, one tick every 2 ms, two axes.
     close(report.setpoints_saved as f64, 2.0 * 594.5, 2.0);
     assert_eq!((report.c0_deg, report.delta_c_deg), (180.0, 360.0));

@@ -9,6 +9,7 @@
 //!   within 1.5 µm, one that was called off has not moved;
 //! * nothing is done twice, nothing is left out, after the end nothing moves, and the end has a name.
 
+mod chain;
 mod watch;
 
 use std::collections::BTreeSet;

@@ -137,7 +137,7 @@ impl<'a> Watch<'a> {
         let c = now.pass.direction * (truth.spindle_deg - now.index_deg);
         let along = now.pass.along();
         let law = now.pass.axis(along);
-        let motion = law.law(now.pass.s_rpm);
+        let motion = now.pass.law(along);
         let helix_mm = law.start.mm() + motion.at(c).s;
         let (tool, slide) = (&truth.axes[now.pass.out.axis as usize], &truth.axes[along.index()]);
         let out = &now.pass.out;
