@@ -17,8 +17,8 @@ use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
 use crate::tapping;
 use crate::thread::{
-    Along, Chain, Cut, Cycle, Leg, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, plan, plans, rounded,
-    top_share, varied,
+    Along, Chain, Cut, Cycle, Leg, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, plan, plans,
+    rounded, top_share, varied,
 };
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.

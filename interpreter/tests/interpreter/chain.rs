@@ -24,7 +24,7 @@ impl Programmed {
     fn of(from: [f64; 2], legs: &[Leg]) -> Programmed {
         let (mut at, mut turns, mut places) = (from, 0.0, vec![[0.0, from[0], from[1]]]);
         for Leg(x, z, lead, growth) in legs.iter().copied() {
-            let length = (x - at[0]).hypot(z - at[1]);
+            let length = libm::hypot(x - at[0], z - at[1]);
             // Up to where a lead that falls would turn round.
             let (mut low, mut high) = (0.0, if growth < 0.0 { -lead / growth } else { 1e4 });
             for _ in 0..200 {
@@ -73,7 +73,7 @@ fn off(pass: &ThreadPass, path: &Programmed) -> (f64, usize) {
         if !inside(c) {
             let [x, z] = path.at((c - turn) / 360.0);
             let [(x0, x_law), (z0, z_law)] = &laws;
-            most = most.max((x0 + x_law.at(c).s - x).hypot(z0 + z_law.at(c).s - z));
+            most = most.max(libm::hypot(x0 + x_law.at(c).s - x, z0 + z_law.at(c).s - z));
             looks += 1;
         }
         c += 3.7;

@@ -5,10 +5,11 @@ use machine::Machine;
 use proptest::prelude::*;
 
 /// States a block may meet. What a word changes shows in at least one of them.
-const BEFORE: [&str; 4] = [
+const BEFORE: [&str; 5] = [
     "G21 G90 G94 G8 F77 S300 M3 G0 X31 Z23",
     "G20 G91 G95 G7 F.01 S200 M4\nG1 X-.4 Z-.4",
     "G7 G0 X40 Z30 S150 M3\nG33 Z10 K2",
+    "G95 F.2 G7 G0 X40 Z30 S150 M3\nG33 Z10 K2",
     "G0 X60 Z60",
 ];
 

@@ -29,8 +29,11 @@ fn any(seed: &mut Seed, round: usize) -> (Machine, ThreadPass, Variation) {
     let shape = VariationShape::ALL[round % 3];
     let pass = pass(seed.between(0.5, 6.0), seed.between(30.0, 1500.0), 2.0);
     let asked = variation(shape, seed.between(0.05, 0.5), seed.between(0.5, 20.0));
-    let revolutions = machine.shortest_period(&pass, &asked).expect("some period can be");
-    (machine, pass, Variation { revolutions, ..asked })
+    match machine.shortest_period(&pass, &asked) {
+        Some(revolutions) => (machine, pass, Variation { revolutions, ..asked }),
+        // So large a share cannot be at this speed, however long the period is.
+        None => any(seed, round),
+    }
 }
 
 /// The largest error of the angle that the observer gives, asked ahead, over a pass, turns.

@@ -9,7 +9,7 @@ use crate::{refused::Refused, units::Position};
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
 #[repr(C)]
 pub struct WayOut {
-    /// Index of the axis that lifts the tool off ([`Axis::index`]); X of a thread on a cylinder. Of a pass
+    /// Index of the axis that lifts the tool off (`Axis::index`); X of a thread on a cylinder. Of a pass
     /// that returns the one along the helix: nothing else takes a tap out.
     pub axis: u32,
     /// Sum of [`WayOut::ON_HOLD`], [`WayOut::ON_STOP`], [`WayOut::ON_FAULT`]: what makes the axes leave at

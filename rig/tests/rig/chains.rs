@@ -121,7 +121,7 @@ fn worst_of(what: &str, machine: &Machine, program: fn(&mut Seed, f64) -> (Strin
     let (count, mut worst) = (testing::count("PITCHLOCK_CHAINS", 200), 0.0f64);
     for case in 0..count {
         let mut seed = Seed::of_case(case);
-        let s_rpm = (50.0 * 40f64.powf(seed.unit())).round();
+        let s_rpm = (50.0 * libm::pow(40.0, seed.unit())).round();
         let (program, path) = program(&mut seed, s_rpm);
         let presses = overrides(&mut seed);
         let items = compiled(machine, &program);
