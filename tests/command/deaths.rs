@@ -281,9 +281,10 @@ fn a_pass_is_cut_to_its_end_though_the_interpolator_was_killed() {
 fn a_signal_from_outside_is_told_by_its_name() {
     let place = Place::new();
     let launcher = place.start(&example("m20x2"));
-    until("the machine runs", || place.at("run/trace.mcap").exists());
-    let victim = children(&launcher).into_iter().find(|(child, _)| child == "regulator-x");
-    signal(victim.expect("it runs").1, "QUIT");
+    // The launcher makes the trace before its children have names.
+    let victim = || children(&launcher).into_iter().find(|(child, _)| child == "regulator-x");
+    until("the machine runs", || place.at("run/trace.mcap").exists() && victim().is_some());
+    signal(victim().expect("it runs").1, "QUIT");
     let answer = Answer::from(launcher.wait_with_output().expect("it was started here"));
     let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
     assert_eq!(answer.status, Some(1), "{}", answer.stderr);
