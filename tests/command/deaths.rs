@@ -280,8 +280,8 @@ fn a_pass_is_cut_to_its_end_though_the_interpolator_was_killed() {
 #[test]
 fn a_signal_from_outside_is_told_by_its_name() {
     let place = Place::new();
-    let launcher = place.start(&example("m20x2"));
-    // The launcher makes the trace before its children have names.
+    // At its pace the run takes most of a minute: on a busy computer it was over before a signal came.
+    let launcher = place.start_with(&example("m20x2"), &["--pace", "1"]);
     let victim = || children(&launcher).into_iter().find(|(child, _)| child == "regulator-x");
     until("the machine runs", || place.at("run/trace.mcap").exists() && victim().is_some());
     signal(victim().expect("it runs").1, "QUIT");
