@@ -22,6 +22,13 @@ fn chain(s_rpm: u32) -> String {
     )
 }
 
+/// A cylinder, and a cone so steep that it rises faster than the tool lifts at first.
+fn steep(s_rpm: u32) -> String {
+    format!(
+        "M3 S{s_rpm}\nG0 X34 Z20\nG0 X9.5\nG33 Z-10 K2\nG33 X25.5 Z-18 K2.4\nG33 Z-34 K2\nG0 X34\nG0 Z20\nM5\nM2\n"
+    )
+}
+
 /// A cone that falls, in a bore, and a lead that gets shorter.
 const FALLS: &str =
     "M4 S400\nG0 X7 Z8\nG0 X10.5\nG33 Z3 K1.5\nG33 X9 Z0 K1.5\nG33 Z-5 K1\nG0 X7\nG0 Z10\nM5\nM2\n";
@@ -109,6 +116,22 @@ fn digs(machine: &Machine, program: &str, at_share: f64, button: Request, seed: 
     });
     assert!(pressed, "it is in the chain at {at_deg} degrees");
     most
+}
+
+/// In front of a cone that rises faster than the tool lifts at first, it goes on along the chain until it can
+/// leave: one that lifted at once would be met by the cone 0.1 mm deep.
+#[test]
+fn a_cone_that_rises_faster_than_the_tool_lifts_does_not_meet_it() {
+    let machine = with(POLICIES[1]);
+    for s_rpm in [900, 1200] {
+        for share in 0..40 {
+            let at_share = f64::from(share) / 160.0;
+            for button in [BUTTONS[0], BUTTONS[2], BUTTONS[4]] {
+                let dug = digs(&machine, &steep(s_rpm), at_share, button, 1);
+                assert!(dug <= DIGS_MM, "S{s_rpm}: {dug} mm deeper, {button:?} at {at_share}");
+            }
+        }
+    }
 }
 
 /// Whatever makes it leave, wherever: on the way up the cone, before it, behind it.
