@@ -5,6 +5,7 @@
 //! finds one that waits for nobody. [`mod@resume`] plans how a program that was broken off is gone on with.
 
 pub mod bench;
+pub mod hash;
 pub mod journal;
 mod lives;
 mod modules;

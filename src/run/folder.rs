@@ -123,18 +123,17 @@ impl RunFolder {
         };
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
-        let deciding = deciding(&path, judged, name);
+        let (input, hashes) = hashes(deciding(&path, judged, name), scenario.clone())?;
         Ok(RunFolder {
             named,
             program,
             language,
             machine,
-            scenario: scenario.clone(),
+            scenario,
             trace,
             every_cycle,
-            input: rig::journal::fingerprint(deciding.clone())
-                .map_err(|error| CliError::file(&path, error))?,
-            hashes: hashes(deciding.into_iter().chain(scenario))?,
+            input,
+            hashes,
             path,
             stamp: seen.0[0],
             _claim: claim,
@@ -156,16 +155,26 @@ fn deciding(folder: &Path, judged: &Program, name: &OsStr) -> Vec<PathBuf> {
     names.map(|name| folder.join(name)).filter(|path| path.exists()).collect()
 }
 
-/// The hash of each file by its name.
-fn hashes(files: impl Iterator<Item = PathBuf>) -> Result<BTreeMap<String, String>, CliError> {
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    files.map(|path| Ok((name(&path), trace::hash_of(&path)?))).collect()
+/// The hash of all deciding files together, and, in hex, that of each and of the scenario by its name.
+fn hashes(
+    deciding: Vec<PathBuf>,
+    scenario: Option<PathBuf>,
+) -> Result<([u8; 16], BTreeMap<String, String>), CliError> {
+    let hashed = |path: PathBuf| match rig::hash::of_file(&path) {
+        Ok(hash) => Ok((path, hash)),
+        Err(error) => Err(CliError::file(&path, error)),
+    };
+    let deciding = deciding.into_iter().map(hashed).collect::<Result<Vec<_>, CliError>>()?;
+    let scenario = scenario.map(hashed).transpose()?;
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let each = deciding.iter().chain(&scenario).map(|(path, hash)| (name(path), hash.to_hex().to_string()));
+    Ok((rig::journal::fingerprint(&deciding), each.collect()))
 }
 
 /// The files of a run that hold something else now than they did in it, or cannot be read any more.
 pub(crate) fn changed(folder: &Path, summary: &Summary) -> Vec<String> {
     let other = |(name, was): &(&String, &String)| {
-        trace::hash_of(&folder.join(name)).map_or(true, |hash| hash != **was)
+        rig::hash::hex_of_file(&folder.join(name)).map_or(true, |hash| hash != **was)
     };
     summary.files.iter().filter(other).map(|(name, _)| name.clone()).collect()
 }

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use protocol::Axis;
 
+use crate::hash;
 use thin::Thin;
 
 pub use row::{AxisRow, CutRow, Row, columns};
@@ -134,10 +135,7 @@ impl TraceWriter {
 /// # Errors
 /// Names the file and why it cannot be read.
 pub fn hash_of(path: &Path) -> Result<String, TraceError> {
-    let mut hash = blake3::Hasher::new();
-    let read = intake::open(path).and_then(|file| hash.update_reader(file).map(drop));
-    read.map_err(|error| TraceError::new(path, error.into()))?;
-    Ok(hash.finalize().to_hex().to_string())
+    hash::hex_of_file(path).map_err(|error| TraceError::new(path, error.into()))
 }
 
 /// What a module of this folder says of a file; the path is added here.
