@@ -111,23 +111,16 @@ impl Machine {
     /// [`NotVaried`]: the first of M233 that does not hold at 100 %.
     pub fn varied(&self, pass: &ThreadPass, variation: &Variation) -> Result<Varied, NotVaried> {
         self.allows(pass, variation, 1.0)?;
-        let (mut low, mut high) = (1.0, (self.spindle.override_max_pct / 100.0).max(1.0));
-        if self.allows(pass, variation, high).is_ok() {
-            low = high;
-        }
-        for _ in 0..STEPS {
-            let middle = 0.5 * (low + high);
-            match self.allows(pass, variation, middle) {
-                Ok(()) => low = middle,
-                Err(_) => high = middle,
-            }
-        }
+        let highest = (self.spindle.override_max_pct / 100.0).max(1.0);
+        let can = |ratio: f64| self.allows(pass, variation, ratio).is_ok();
+        // It can be at 100 %.
+        let max_ratio = searched(highest, can, 1.0).unwrap_or(1.0);
         let [acceleration, _] = law::peaks(variation, pass.s_rpm / 60.0);
         Ok(Varied {
-            max_ratio: low,
+            max_ratio,
             rpm: [-1.0, 1.0].map(|sign| pass.s_rpm * (1.0 + sign * variation.share)),
             ramp_rpm_s: 60.0 * acceleration,
-            error_um: self.variation_error_um(pass, variation, low),
+            error_um: self.variation_error_um(pass, variation, max_ratio),
         })
     }
 
