@@ -14,6 +14,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use interpreter::Check;
 use machine::Machine;
 use rig::{
     Rig,
@@ -111,6 +112,24 @@ impl Stand {
     ) -> Result<TraceReport, ExperimentError> {
         let failed = |reason: String| ExperimentError::Machine(format!("{name} was not made: {reason}"));
         let check = interpreter::check_job(name, job, machine);
+        let seen =
+            Stand::observed(machine, &check, seed, &failed, |record, seen| see(record, seen.traced()))?;
+        let report = seen.traces.into_iter().next();
+        report.ok_or_else(|| failed("the program was not run to its end".into()))
+    }
+
+    /// Runs a program that was checked; `see` is shown every control cycle, with who observes it. `failed`
+    /// says of a reason what could not be done for it.
+    ///
+    /// # Errors
+    /// The program has errors, or does not come to its end.
+    pub(super) fn observed(
+        machine: &Machine,
+        check: &Check,
+        seed: u64,
+        failed: &impl Fn(String) -> ExperimentError,
+        mut see: impl FnMut(&Record, &Observer),
+    ) -> Result<Observation, ExperimentError> {
         if !check.is_good() {
             let said = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false));
             return Err(failed(said.collect::<Vec<_>>().join("\n")));
@@ -120,15 +139,13 @@ impl Stand {
         let mut observer = Observer::new(machine, &check.items);
         while rig.cycle(None, |record| {
             observer.cycle(record);
-            see(record, observer.traced());
+            see(record, &observer);
         }) {}
         let seen = observer.finish();
-        if let Some(fault) = seen.faults.first() {
-            return Err(failed(format!("{}: {}", fault.source, fault.text)));
-        }
-        match seen.traces.into_iter().next() {
-            Some(report) if seen.outcome == Outcome::Completed => Ok(report),
-            _ => Err(failed("the program was not run to its end".into())),
+        match seen.faults.first() {
+            Some(fault) => Err(failed(format!("{}: {}", fault.source, fault.text))),
+            None if seen.outcome == Outcome::Completed => Ok(seen),
+            None => Err(failed("the program was not run to its end".into())),
         }
     }
 

@@ -3,11 +3,6 @@
 
 use machine::Machine;
 use protocol::AxisState;
-use rig::{
-    Rig,
-    observe::{Observer, Outcome},
-};
-use sim_plant::Scenario;
 
 use super::{MODE, NAMED_RPM, strongest};
 use crate::{ExperimentError, stand::Stand};
@@ -64,16 +59,8 @@ pub(super) fn threads(stand: &Stand) -> Result<Vec<Thread>, ExperimentError> {
 fn thread(machine: &Machine, varied: bool, seed: u64) -> Result<Thread, ExperimentError> {
     let failed = |reason: String| ExperimentError::Machine(format!("the thread was not cut: {reason}"));
     let check = interpreter::check("chatter.ngc", &program(machine, varied), machine);
-    if !check.is_good() {
-        let said = check.diagnostics.iter().map(|diagnostic| diagnostic.render(false));
-        return Err(failed(said.collect::<Vec<_>>().join("\n")));
-    }
-    let mut rig = Rig::new(machine, check.items.iter().copied(), Scenario::none(), seed)
-        .map_err(|error| failed(error.to_string()))?;
-    let mut observer = Observer::new(machine, &check.items);
     let (mut courses, mut cutting, mut begins) = (Vec::new(), false, 0.0);
-    while rig.cycle(None, |record| {
-        observer.cycle(record);
+    let seen = Stand::observed(machine, &check, seed, &failed, |record, _| {
         let cuts = record.axes.iter().all(|(_, status)| status.state() == AxisState::Locked);
         if cuts && !cutting {
             begins = record.truth.spindle_deg;
@@ -85,12 +72,7 @@ fn thread(machine: &Machine, varied: bool, seed: u64) -> Result<Thread, Experime
             let turns = (record.truth.spindle_deg - begins).abs() / 360.0;
             course.push((turns, 1e3 * record.truth.axes[protocol::Axis::X.index()].slide_mm));
         }
-    }) {}
-    let seen = observer.finish();
-    if seen.outcome != Outcome::Completed {
-        let fault = seen.faults.first().map(|fault| format!("{}: {}", fault.source, fault.text));
-        return Err(failed(fault.unwrap_or_else(|| "the program did not come to its end".into())));
-    }
+    })?;
     let tan = libm::tan(30_f64.to_radians());
     let mut before = 0.0;
     let depths = check.passes.iter().map(|note| note.depth_mm.unwrap_or(0.0));
