@@ -26,6 +26,7 @@ use motion::Ramp;
 use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass, WayOut};
 
 use crate::reach::{missing, within_travel};
+use crate::thread::highest_of_tap;
 
 /// What a start point of an axis leaves free of its speed, for the ripple of the spindle (M8).
 const VELOCITY_RESERVE: f64 = 0.02;
@@ -222,24 +223,11 @@ fn top_rpm(tap: &Tap, law: &AxisLaw, machine: &Machine) -> f64 {
     machine.tap_top_rpm(depth_deg + 0.5 * law.run_in_dc_deg)
 }
 
-/// The highest speed up to the programmed one at which a tap has a law, 1/min, rounded down.
-fn highest_rpm(tap: &Tap, machine: &Machine) -> Option<f64> {
-    let (mut low, mut high) = (1e-3 * tap.s_rpm, tap.s_rpm);
-    let possible = |s_rpm: f64| law(&Tap { s_rpm, ..*tap }, machine).is_ok();
-    if !possible(low) {
-        return None;
-    }
-    for _ in 0..24 {
-        let middle = 0.5 * (low + high);
-        (low, high) = if possible(middle) { (middle, high) } else { (low, middle) };
-    }
-    Some(if low >= 10.0 { low.floor() } else { (100.0 * low).floor() / 100.0 })
-}
-
 impl Refusal {
     fn problem(self, tap: &Tap, machine: &Machine) -> Box<Problem> {
         let (units, s) = (tap.units, short(tap.s_rpm));
-        let slower = match highest_rpm(tap, machine) {
+        let possible = |s_rpm: f64| law(&Tap { s_rpm, ..*tap }, machine).is_ok();
+        let slower = match highest_of_tap(tap.s_rpm, possible) {
             Some(rpm) => format!("the highest spindle speed that would do is S{}", short(rpm)),
             None => "no spindle speed would do".to_owned(),
         };

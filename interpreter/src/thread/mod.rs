@@ -40,6 +40,7 @@ pub(crate) use cycle::{Cycle, MOST_PASSES};
 pub use plan::{Plan, plan};
 pub(crate) use policy::Policy;
 pub use refusal::Refusal;
+pub(crate) use refusal::highest_of_tap;
 pub(crate) use single::{Next, Single};
 pub(crate) use starts::Starts;
 pub(crate) use varied::{Said, top_share, varied};

@@ -75,8 +75,16 @@ const STEPS: u32 = 24;
 /// The highest spindle speed up to the programmed one at which all cuts can be made, 1/min, rounded down.
 pub(super) fn highest_speed(cuts: &[Cut], machine: &Machine) -> Option<f64> {
     let programmed = cuts.first()?.s_rpm;
-    let speed = cuts.iter().try_fold(programmed, |top, cut| highest_of_one(cut, top, machine))?;
+    let of_one = |cut: &Cut, top| {
+        highest_possible([cut.s_rpm, top], |s_rpm| plan(&Cut { s_rpm, ..*cut }, machine).is_ok())
+    };
+    let speed = cuts.iter().try_fold(programmed, |top, cut| of_one(cut, top))?;
     Some(shown(speed)).filter(|speed| *speed > 0.0)
+}
+
+/// The same of a tap.
+pub(crate) fn highest_of_tap(programmed: f64, possible: impl Fn(f64) -> bool) -> Option<f64> {
+    highest_possible([programmed; 2], possible).map(shown).filter(|speed| *speed > 0.0)
 }
 
 /// A speed as it is shown, rounded down.
@@ -84,10 +92,9 @@ fn shown(speed: f64) -> f64 {
     if speed >= 10.0 { speed.floor() } else { (speed * 100.0).floor() / 100.0 }
 }
 
-/// The highest speed up to `top` at which one cut can be made.
-fn highest_of_one(cut: &Cut, top: f64, machine: &Machine) -> Option<f64> {
-    let possible = |s_rpm: f64| plan(&Cut { s_rpm, ..*cut }, machine).is_ok();
-    let (mut low, mut high) = (cut.s_rpm * SLOWEST, top);
+/// The highest speed up to `top` that is possible.
+fn highest_possible([programmed, top]: [f64; 2], possible: impl Fn(f64) -> bool) -> Option<f64> {
+    let (mut low, mut high) = (programmed * SLOWEST, top);
     if possible(high) {
         return Some(high);
     }
