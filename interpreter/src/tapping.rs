@@ -21,17 +21,13 @@
 use gcode::Problem;
 use gcode::canon::Units;
 use gcode::problem::{Blame, short};
-use machine::Machine;
+use machine::{LONGEST_ON_A_LATHE_S, Machine};
 use motion::Ramp;
 use protocol::{Axis, AxisLaw, PerAxis, Position, ThreadPass, WayOut};
 
 use crate::reach::{missing, within_travel};
-use crate::thread::highest_of_tap;
+use crate::thread::{VELOCITY_RESERVE, highest_of_tap};
 
-/// What a start point of an axis leaves free of its speed, for the ripple of the spindle (M8).
-const VELOCITY_RESERVE: f64 = 0.02;
-/// Shorter ticks than this lead an axis smoothly away from the end of a pass, s.
-const LONGEST_TICK_S: f64 = 0.005;
 /// Highest and lowest factor of the way out.
 const RETURNS: [f64; 2] = [0.1, 10.0];
 
@@ -139,9 +135,9 @@ fn can_tap(machine: &Machine) -> Result<(), Box<Problem>> {
     if machine.spindle.is_none() {
         return Err(missing("rigid tapping", "a machine that taps has a [spindle] with an encoder"));
     }
-    if machine.general.interpolator_cycle_s > LONGEST_TICK_S {
+    if machine.general.interpolator_cycle_s > LONGEST_ON_A_LATHE_S {
         let help = format!(
-            "machine.interpolator_cycle_s is {}: at most {LONGEST_TICK_S} lets it tap",
+            "machine.interpolator_cycle_s is {}: at most {LONGEST_ON_A_LATHE_S} lets it tap",
             machine.general.interpolator_cycle_s
         );
         return Err(missing("rigid tapping", &help));

@@ -62,7 +62,7 @@ pub enum MachineError {
 /// Longest interpolator cycle of a machine that cuts threads, s. The first setpoint behind a pass finds none
 /// a cycle before it, so the axis sets off with what a move covers in its first cycle: within this one, less
 /// than its limits.
-const LONGEST_ON_A_LATHE_S: f64 = 0.005;
+pub const LONGEST_ON_A_LATHE_S: f64 = 0.005;
 
 /// A machine file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

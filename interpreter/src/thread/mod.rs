@@ -37,6 +37,7 @@ pub(crate) use chain::{Leg, rounded};
 pub(crate) use chamfer::plans;
 pub use cut::{Along, Cut, Point, Taper};
 pub(crate) use cycle::{Cycle, MOST_PASSES};
+pub(crate) use plan::VELOCITY_RESERVE;
 pub use plan::{Plan, plan};
 pub(crate) use policy::Policy;
 pub use refusal::Refusal;

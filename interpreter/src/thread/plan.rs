@@ -33,7 +33,7 @@ use super::refusal::Refusal;
 use super::way_out::out;
 
 /// Share of an axis' speed that a thread leaves free at 100 % override, for the ripple of the spindle (M8).
-const VELOCITY_RESERVE: f64 = 0.02;
+pub(crate) const VELOCITY_RESERVE: f64 = 0.02;
 
 /// Counts of the spindle encoder that a stroke takes at least: made within a few, it would be a jump.
 const FEWEST_COUNTS: f64 = 100.0;

@@ -9,10 +9,8 @@ use super::Translator;
 use crate::reach::Done;
 use crate::spindle::Turning;
 use crate::tapping::{self, Tap};
-use crate::threading::check_lead;
+use crate::threading::{SAME, check_lead};
 
-/// Coordinates that are one, mm or degrees: the quantum of the wire.
-const SAME: f64 = 1e-9;
 /// Longest dwell at the depth, s.
 const LONGEST_S: f64 = 1000.0;
 
