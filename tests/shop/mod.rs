@@ -157,14 +157,9 @@ impl Place {
 
     /// Starts a run over processes and leaves it alone. The run folder is called `run`.
     pub fn start(&self, program: &Path) -> Child {
-        self.start_with(program, &[])
-    }
-
-    /// The same with further arguments.
-    pub fn start_with(&self, program: &Path, arguments: &[&str]) -> Child {
         self.clear("run");
         let mut command = self.pitchlock();
-        command.arg("run").arg(program).args(["--json", "--out", "run"]).args(arguments);
+        command.arg("run").arg(program).args(["--json", "--out", "run"]);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 }
