@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use gauge::Nominal;
 use gcode::{Diagnostic, Outlasting, Program, Severity};
 use machine::{Machine, Part};
-use protocol::Item;
+use protocol::{Code, Item};
 use route::Unworkable;
 
 use crate::pass_note::PassNote;
@@ -153,6 +153,24 @@ pub fn check_while(
 pub(crate) fn diameters_mm(program: &Program) -> BTreeMap<u32, f64> {
     let tools = program.tools().iter().filter(|tool| tool.diameter > 0.0);
     tools.filter_map(|tool| Some((u32::try_from(tool.number).ok()?, tool.diameter))).collect()
+}
+
+/// Calls `each` with every item of machine code, and when it begins and ends at 100 % override, s. Moves of
+/// one chain are planned together, at the latest at its end: until then they begin and end with it.
+pub fn with_times(
+    items: impl IntoIterator<Item = Item>,
+    machine: &Machine,
+    mut each: impl FnMut(&Item, [f64; 2]),
+) {
+    let mut clock = Clock::new(machine);
+    for item in items {
+        if !item.is_move() && !matches!(item.code, Code::PathMode(_)) {
+            clock.finish();
+        }
+        let before_s = clock.seconds();
+        clock.add(item.line, &item.code);
+        each(&item, [before_s, clock.seconds()]);
+    }
 }
 
 /// How long machine code takes on a machine at 100 % override, s.

@@ -68,7 +68,7 @@ use protocol::Item;
 use route::Unworkable;
 
 use check::diameters_mm;
-pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s};
+pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s, with_times};
 pub use gcode::{Diagnostic, Dialect, Guess, Outlasting, Severity};
 pub use job::JobNote;
 pub use options::{

@@ -59,6 +59,8 @@ async function press(word, value) {
 
 const number = (value, digits) => (value === undefined || value === null ? "–" : Number(value.toFixed(digits)).toFixed(digits));
 const hand = {};
+const clock = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
+const origin = () => state.origin_mm || state.machine?.origin_mm;
 
 function show(news) {
   if (news.machine || news.program) {
@@ -75,20 +77,24 @@ function show(news) {
   const parts = [];
   if (state.time_s !== undefined) parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
   if (state.pass) parts.push(`pass ${state.pass} of ${state.program?.passes ?? "?"}, depth ${number(state.depth_mm, 3)} mm`);
-  if (state.tool) parts.push("T" + state.tool);
+  if (state.left_s !== undefined && state.left_s !== null && state.state !== "ready") parts.push(clock(state.left_s) + " to go at 100 %");
+  if (state.tool) parts.push(["T" + state.tool, state.tool_name].filter(Boolean).join(" "));
+  if (origin()) parts.push(`zero of the program at ${lathe() ? "X⌀ " + number(2 * origin()[0], 3) : "X " + number(origin()[0], 3)} Z ${number(origin()[1], 3)} of the machine`);
   if (state.coolant) parts.push(state.coolant);
   $("where").textContent = parts.join(" · ");
+  $("prompt").hidden = !state.prompt;
+  if ($("prompt").textContent !== (state.prompt || "")) $("prompt").textContent = state.prompt || "";
   if (state.done) $("done").style.width = (100 * state.done[0] / Math.max(1, state.done[1])) + "%";
   if (news.axes) axes();
   if (news.spindle) {
     const spindle = state.spindle;
     $("rpm").textContent = number(spindle.rpm, 0);
-    $("spindle").textContent = `commanded ${number(spindle.commanded_rpm, 0)} · ${number(spindle.angle_deg, 0)}° · ${number(spindle.torque_nm, 1)} N·m`;
+    $("spindle").textContent = `commanded ${number(spindle.commanded_rpm, 0)} · ${number(spindle.angle_deg, 0)}° · ${number(spindle.torque_nm, 1)} N·m, load ${number(spindle.load_pct, 0)} %`;
   }
   if (news.knobs) knobs();
   if ("single_block" in news) $("single").checked = state.single_block;
   if ("line" in news) mark();
-  if (news.passes) passes();
+  if (news.passes || "cutting" in news) passes();
   if (news.faults || news.messages) told();
   if (!drawn) { drawn = true; requestAnimationFrame(() => { drawn = false; draw(); }); }
 }
@@ -103,16 +109,16 @@ function keys() {
 
 const lathe = () => state.machine?.kinematics === "lathe";
 function axes() {
-  const origin = ofWork && state.machine?.origin_mm, across = lathe() && ofWork ? 2 : 1;
+  const work = ofWork && origin(), across = lathe() && ofWork ? 2 : 1;
   const rows = state.axes.map((axis) => {
-    const zero = origin ? (axis.name === "X" ? origin[0] : axis.name === "Z" ? origin[1] : 0) : 0;
+    const zero = work ? (axis.name === "X" ? work[0] : axis.name === "Z" ? work[1] : 0) : 0;
     const factor = axis.name === "X" ? across : 1;
     const cell = (mm) => number((mm - zero) * factor, 3);
-    return [axis.name === "X" && factor === 2 ? "X ⌀" : axis.name, cell(axis.measured_mm), cell(axis.commanded_mm),
-      number(axis.error_um, 1) + " µm", number(axis.torque_nm, 2) + " N·m"];
+    return [axis.name === "X" && factor === 2 ? "X ⌀" : axis.name, cell(axis.measured_mm), axis.to_go_mm === null || axis.to_go_mm === undefined ? "–" : number(axis.to_go_mm * factor, 3),
+      cell(axis.commanded_mm), number(axis.error_um, 1) + " µm", number(axis.load_pct, 0) + " %"];
   });
   fill($("axes"), rows);
-  $("frame").textContent = ofWork ? (state.machine?.origin_mm ? "Work" : "Machine, ⌀") : "Machine";
+  $("frame").textContent = ofWork ? (origin() ? "Work" : "Machine, ⌀") : "Machine";
 }
 function fill(table, rows) {
   const body = table.tBodies[0];
@@ -154,10 +160,13 @@ function mark() {
   pre.scrollTop = row.offsetTop - pre.offsetTop - pre.clientHeight / 2;
 }
 function passes() {
-  $("of").textContent = state.program?.passes ? `${state.passes.length} of ${state.program.passes}` : "";
-  fill($("passes"), [...state.passes].reverse().map((pass) => [pass.pass, pass.line,
+  $("of").textContent = state.program?.passes && state.passes ? `${state.passes.length} of ${state.program.passes}` : "";
+  const now = state.cutting ? [state.cutting] : [];
+  fill($("passes"), [...now, ...(state.passes || []).slice().reverse()].map((pass) => [pass.pass, number(pass.depth_mm, 3),
     `${number(pass.rpm[0], 0)}–${number(pass.rpm[1], 0)}`, pass.cut ? number(pass.helix_um, 1) : "no contact",
     pass.cut ? number(pass.phase_um, 1) : "", pass.end]));
+  const first = $("passes").tBodies[0].rows[0];
+  if (first) first.className = now.length ? "now" : "";
 }
 function told() {
   const list = $("told");
@@ -198,41 +207,66 @@ function view(canvas, right, up, here, height) {
   const colour = (name) => css.getPropertyValue("--" + name);
   pen.setTransform(scale, 0, 0, scale, 0, 0);
   pen.clearRect(0, 0, width, height);
-  const origin = machine.origin_mm || [0, 0], stock = machine.stock, low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  const zero = origin() || [0, 0], stock = machine.stock, low = [Infinity, Infinity], high = [-Infinity, -Infinity];
   const see = (h, v) => { low[0] = Math.min(low[0], h); high[0] = Math.max(high[0], h); low[1] = Math.min(low[1], v); high[1] = Math.max(high[1], v); };
-  const turned = lathe() && stock ? stock.rows_mm.map(([z, r]) => [z + origin[1], r + origin[0]]) : [];
+  const turned = lathe() && stock ? stock.rows_mm.map(([z, r]) => [z + zero[1], r + zero[0]]) : [];
   turned.forEach(([z, r]) => see(z, r));
-  if (turned.length) see(turned[0][0], origin[0]);
+  if (turned.length) see(turned[0][0], zero[0]);
+  const way = state.way || [];
+  for (const [place] of way) see(place[right], place[up]);
   for (const [place] of trail) see(place[right], place[up]);
   if (here) see(here[right], here[up]);
   if (!isFinite(low[0])) return;
   const wide = Math.max(high[0] - low[0], 5), tall = Math.max(high[1] - low[1], 5);
   const size = Math.min((width - 24) / wide, (height - 24) / tall);
   const h = (mm) => (width - wide * size) / 2 + (mm - low[0]) * size, v = (mm) => height - (height - tall * size) / 2 - (mm - low[1]) * size;
-  if (turned.length) {
-    pen.fillStyle = colour("stock");
+  const shape = (points, name) => {
+    pen.fillStyle = colour(name);
     pen.beginPath();
-    pen.moveTo(h(turned[0][0]), v(stock.inner_mm + origin[0]));
-    turned.forEach(([z, r]) => pen.lineTo(h(z), v(r)));
-    pen.lineTo(h(turned[turned.length - 1][0]), v(stock.inner_mm + origin[0]));
+    points.forEach(([a, b], at) => (at ? pen.lineTo(h(a), v(b)) : pen.moveTo(h(a), v(b))));
     pen.fill();
+  };
+  if (turned.length) {
+    const inner = stock.inner_mm + zero[0], most = Math.max(...turned.map(([, r]) => r)), ends = [turned[0][0], turned[turned.length - 1][0]];
+    shape([[ends[0], inner], ...turned, [ends[1], inner]], "stock");
+    // What feeds have turned away, and the groove where each pass went through the index.
+    const inside = (r) => stock.inner_mm > 0 && r < (inner + most) / 2, beyond = (r) => (inside(r) ? zero[0] : most + 1);
+    pen.save();
+    pen.beginPath();
+    [[ends[0], inner], ...turned, [ends[1], inner]].forEach(([a, b], at) => (at ? pen.lineTo(h(a), v(b)) : pen.moveTo(h(a), v(b))));
+    pen.clip();
+    for (let at = 1; at < trail.length; at++) {
+      const [[from], [to, kind]] = [trail[at - 1], trail[at]];
+      if (kind === 1) shape([[from[right], from[up]], [to[right], to[up]], [to[right], beyond(to[up])], [from[right], beyond(from[up])]], "bg");
+      if (kind !== 3) continue;
+      const deep = Math.abs(beyond(to[up]) - to[up]), half = deep * Math.tan((machine.flanks_deg[state.tool] || machine.flanks_deg[0]) * Math.PI / 360);
+      shape([[to[right], to[up]], [to[right] - half, beyond(to[up])], [to[right] + half, beyond(to[up])]], "bg");
+    }
+    pen.restore();
+    if (stock.chuck_mm !== undefined) {
+      const face = stock.chuck_mm + zero[1], grip = turned.find(([z]) => z >= face)?.[1] ?? most;
+      shape([[low[0] - 50, grip], [face, grip], [face, grip + 12], [low[0] - 50, grip + 12]], "jaw");
+    }
     pen.strokeStyle = colour("dim");
     pen.setLineDash([8, 4, 2, 4]);
-    pen.beginPath(); pen.moveTo(0, v(origin[0])); pen.lineTo(width, v(origin[0])); pen.stroke();
+    pen.beginPath(); pen.moveTo(0, v(zero[0])); pen.lineTo(width, v(zero[0])); pen.stroke();
     pen.setLineDash([]);
   }
-  const kinds = ["rapid", "feed", "pass"];
-  for (let from = 0; from + 1 < trail.length;) {
-    const kind = trail[from + 1][1];
-    pen.strokeStyle = colour(kinds[kind]);
-    pen.lineWidth = kind ? 1.5 : 1;
-    pen.setLineDash(kind ? [] : [4, 3]);
-    pen.beginPath();
-    pen.moveTo(h(trail[from][0][right]), v(trail[from][0][up]));
-    do { from++; pen.lineTo(h(trail[from][0][right]), v(trail[from][0][up])); } while (from + 1 < trail.length && trail[from + 1][1] === kind);
-    pen.stroke();
-  }
-  pen.setLineDash([]);
+  const path = (points, of, wide) => {
+    for (let from = 0; from + 1 < points.length;) {
+      const kind = Math.min(points[from + 1][1], 2);
+      pen.strokeStyle = colour(of(kind));
+      pen.lineWidth = kind ? wide : 1;
+      pen.setLineDash(kind ? [] : [4, 3]);
+      pen.beginPath();
+      pen.moveTo(h(points[from][0][right]), v(points[from][0][up]));
+      do { from++; pen.lineTo(h(points[from][0][right]), v(points[from][0][up])); } while (from + 1 < points.length && Math.min(points[from + 1][1], 2) === kind);
+      pen.stroke();
+    }
+    pen.setLineDash([]);
+  };
+  path(way, () => "way", 1);
+  path(trail, (kind) => ["rapid", "feed", "pass"][kind], 1.5);
   if (here) {
     const x = h(here[right]), y = v(here[up]);
     pen.fillStyle = colour("mark");

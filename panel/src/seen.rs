@@ -2,6 +2,8 @@
 //! `GET /api/state` shows them; `docs/panel.md` is their table. Positions in mm of the machine (X of a lathe
 //! as a radius), speeds in 1/min, overrides in per cent, errors in µm.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 /// What stays the same during a run.
@@ -40,6 +42,9 @@ pub struct MachineSeen {
     pub stock: Option<serde_json::Value>,
     /// X and Z of the machine at which those of the program are 0, where that is known, mm.
     pub origin_mm: Option<[f64; 2]>,
+    /// Angle between the flanks of threading tools, degrees, by number; of others the one of the machine
+    /// file, at 0.
+    pub flanks_deg: BTreeMap<u32, f64>,
 }
 
 /// One axis.
@@ -51,12 +56,16 @@ pub struct AxisSeen {
     pub commanded_mm: f64,
     /// Where its encoder sees it, mm.
     pub measured_mm: f64,
+    /// What is left to where the block in hand leads; nothing where that is not known.
+    pub to_go_mm: Option<f64>,
     /// Commanded minus measured, µm.
     pub error_um: f64,
     /// Commanded speed, mm/s.
     pub speed_mm_s: f64,
     /// Torque of its motor, N·m.
     pub torque_nm: f64,
+    /// That as a share of what its drive is limited to, per cent.
+    pub load_pct: f64,
     /// Its state, as in traces.
     pub state: String,
 }
@@ -72,6 +81,8 @@ pub struct SpindleSeen {
     pub angle_deg: f64,
     /// Torque of its motor, N·m.
     pub torque_nm: f64,
+    /// That as a share of what the motor can at this speed, per cent.
+    pub load_pct: f64,
 }
 
 /// The knobs, per cent: where they stand, and what is in force.
@@ -89,14 +100,16 @@ pub struct Knobs {
     pub rapid_pct: f64,
 }
 
-/// A pass of a thread that is over.
+/// A pass of a thread, over or in hand.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PassSeen {
     /// Number in the program, from 1.
     pub pass: u32,
     /// Line of the program.
     pub line: u32,
-    /// `complete`, `left`, `cut-off`.
+    /// Its depth below the crest, mm.
+    pub depth_mm: f64,
+    /// `complete`, `left`, `cut-off`; `now` of the one in hand.
     pub end: String,
     /// Lowest and highest speed of the spindle, 1/min.
     pub rpm: [f64; 2],
@@ -163,8 +176,19 @@ pub struct Seen {
     pub held: bool,
     /// Single block is on.
     pub single_block: bool,
-    /// Number of the tool.
+    /// How long the rest of the program takes at 100 %, s, where that is known.
+    pub left_s: Option<f64>,
+    /// Number of the tool, and its name in the machine file.
     pub tool: u32,
+    /// Its name.
+    pub tool_name: String,
+    /// X and Z of the machine at which those of the program are 0 with that tool in this pass, where that is
+    /// known, mm.
+    pub origin_mm: Option<[f64; 2]>,
+    /// What the program said before the pause that it waits at.
+    pub prompt: Option<String>,
+    /// The pass in hand, as far as it has come.
+    pub cutting: Option<PassSeen>,
     /// What cools: nothing, `mist`, `flood`, `mist and flood`.
     pub coolant: String,
     /// The passes that are over, if there are others than were sent last.

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// A place on the way of the tool: its axes in the order of the machine, mm; and how it was moved there: 0
-/// rapid or not at all, 1 at a feed, 2 in a pass.
+/// rapid or not at all, 1 at a feed, 2 in a pass, 3 in a pass when the index went by: where the groove is cut
+/// through that angle.
 pub type Point = (Vec<f32>, u8);
 
 /// Launcher → panel.

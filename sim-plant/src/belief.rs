@@ -95,6 +95,15 @@ pub fn spindle_inertia_kg_m2(machine: &Machine) -> Result<f64, PlantError> {
     Ok(PlantConfig::of(machine)?.spindle.inertia_kg_m2)
 }
 
+/// What the motor of the spindle can at most, at the spindle: torque, N·m, and power, kW.
+///
+/// # Errors
+/// [`PlantError`] if the truth cannot be.
+pub fn spindle_peak(machine: &Machine) -> Result<[f64; 2], PlantError> {
+    let train = PlantConfig::of(machine)?.spindle;
+    Ok([train.peak_torque_nm, train.peak_power_kw])
+}
+
 /// Where the stock truly ends and begins along Z of the machine, mm.
 ///
 /// # Errors

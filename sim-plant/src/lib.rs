@@ -49,7 +49,7 @@ mod seed;
 mod spindle;
 mod timeline;
 
-pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2, stock_mm};
+pub use belief::{Belief, current_lag_s, spindle_inertia_kg_m2, spindle_peak, stock_mm};
 pub use chatter::{Chatter, ChatterMode, Chip};
 pub use config::PlantError;
 pub use orders::{Channel, Packet, Tampering};

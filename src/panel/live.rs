@@ -1,16 +1,18 @@
 //! The panel of a machine, as the launcher has it. In: every control cycle, presses. Out: what is shown,
 //! requests for the machine, answers. It never waits for anybody.
 
-use std::{path::Path, time::Duration};
+use std::{collections::BTreeMap, path::Path, time::Duration};
 
 use ::panel::{MachineSeen, Point, ProgramSeen, ToPanel};
 use process::ipc::time::Moment;
 use protocol::{Arrival, Input, Taken, operator::Request};
+use machine::Machine;
 use rig::observe::{Observer, Record, Summary};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
+    known::Known,
     session::{Session, Who, request},
     view::{self, Counts},
     web::Web,
@@ -40,8 +42,9 @@ pub(crate) struct Live {
     session: Session,
     /// What stays the same during a run, to be told again to a panel that was started again.
     still: Map<String, Value>,
-    steps: u64,
-    cycle_s: f64,
+    known: Known,
+    /// Turns of the spindle, and the place of the tool, in the cycle before.
+    turned: Option<(f64, Point)>,
     trail: Vec<Point>,
     /// How many of these the panel knows.
     told: usize,
@@ -49,8 +52,11 @@ pub(crate) struct Live {
     lists: Option<Counts>,
     /// Per cent that came before its request was whole.
     value: f64,
-    /// The panel does not know what stays the same.
+    /// The panel does not know what stays the same, and what of it it has not been told.
     stale: bool,
+    untold: Map<String, Value>,
+    /// What was shown of the run last.
+    last: Map<String, Value>,
 }
 
 fn fields(of: &impl Serialize) -> Map<String, Value> {
@@ -68,27 +74,30 @@ impl Live {
             web,
             session: Session::default(),
             still: Map::new(),
-            steps: 0,
-            cycle_s: 0.0,
+            known: Known::default(),
+            turned: None,
             trail: Vec::new(),
             told: 0,
             shown: Moment::now(),
             lists: None,
             value: 0.0,
             stale: true,
+            untold: Map::new(),
+            last: Map::new(),
         }
     }
 
     /// These fields are shown until they are others.
     pub(crate) fn stands(&mut self, more: Map<String, Value>) {
+        self.untold.extend(more.clone());
         self.still.extend(more);
-        self.stale = true;
     }
 
     /// A run begins.
-    pub(crate) fn begins(&mut self, program: &ProgramSeen, machine: &MachineSeen, steps: u64) {
+    pub(crate) fn begins(&mut self, program: &ProgramSeen, machine: &MachineSeen, known: (Known, Vec<Point>)) {
         self.session = Session::default();
-        (self.steps, self.cycle_s) = (steps, machine.cycle_s);
+        let (known, way) = known;
+        (self.known, self.turned) = (known, None);
         self.trail.clear();
         self.lists = None;
         // These change from now on.
@@ -96,10 +105,11 @@ impl Live {
         let (program, machine) = (json!(program), json!(machine));
         let empty = json!([]);
         let none = json!({
-            "program": program, "machine": machine, "outcome": null,
+            "program": program, "machine": machine, "outcome": null, "way": way,
             "passes": empty, "messages": empty, "faults": empty,
         });
         self.stands(fields(&none));
+        self.stale = true;
     }
 
     /// Looks after the panel, and tells it what it has to know before what changes.
@@ -108,7 +118,12 @@ impl Live {
         if self.stale && self.web.link.offer(&ToPanel::NoTrail) {
             self.web.link.answer(&ToPanel::Set(self.still.clone()));
             (self.stale, self.told, self.lists) = (false, 0, None);
+            self.untold.clear();
         }
+        if !self.stale && !self.untold.is_empty() && self.web.link.offer(&ToPanel::Set(self.untold.clone())) {
+            self.untold.clear();
+        }
+        self.draw();
         // What is on its way goes on.
         self.web.link.is_free();
     }
@@ -116,6 +131,7 @@ impl Live {
     /// One control cycle of a run.
     pub(crate) fn cycle(&mut self, record: &Record, observer: &Observer) {
         let cycle = record.truth.cycle.0;
+        self.takes_a_turn(record);
         if !cycle.is_multiple_of(EVERY) {
             return;
         }
@@ -124,15 +140,7 @@ impl Live {
             *kind != place.1 || before.iter().zip(&place.0).any(|(one, other)| (one - other).abs() > FAR_MM)
         };
         if self.trail.last().is_none_or(far) {
-            self.trail.push(place);
-            if self.trail.len() > MOST_PLACES {
-                let mut keep = false;
-                self.trail.retain(|_| {
-                    keep = !keep;
-                    keep
-                });
-                self.told = self.told.div_ceil(2);
-            }
+            self.goes_through(place);
         }
         let last = record.truth.measurement.last != 0;
         if last || self.shown.elapsed() >= SHOWN {
@@ -140,17 +148,54 @@ impl Live {
         }
     }
 
+    /// The tool has come to a place.
+    fn goes_through(&mut self, place: Point) {
+        self.trail.push(place);
+        if self.trail.len() > MOST_PLACES {
+            let told = thinned(&mut self.trail);
+            self.told = told.iter().take(self.told).filter(|kept| **kept).count();
+        }
+    }
+
+    /// Where the tool is when the index goes by in a pass, between two cycles.
+    fn takes_a_turn(&mut self, record: &Record) {
+        let now = record.truth.spindle_deg / 360.0;
+        let Some((turns, from)) = self.turned.take() else {
+            self.turned = view::is_in_pass(record).then(|| (now, view::place(record)));
+            return;
+        };
+        if turns.floor() == now.floor() && view::is_in_pass(record) {
+            // The line from here to where the index goes by is as straight as one cycle.
+            self.turned = Some((now, view::place(record)));
+            return;
+        }
+        let place = view::place(record);
+        if place.1 == view::IN_PASS {
+            let share = ((turns.floor().max(now.floor()) - turns) / (now - turns)) as f32;
+            let at = from.0.iter().zip(&place.0).map(|(one, other)| one + share * (other - one));
+            self.goes_through((at.collect(), view::AT_THE_INDEX));
+            self.turned = Some((now, place));
+        }
+    }
+
     /// Shows this cycle, if the panel has taken the one before.
     fn show(&mut self, record: &Record, observer: &Observer) {
         self.shown = Moment::now();
-        let seen = view::seen(record, observer, self.lists, self.steps, self.cycle_s);
-        let link = &mut self.web.link;
-        if self.stale || !link.offer(&ToPanel::Set(fields(&seen))) {
+        let seen = view::seen(record, observer, self.lists, &mut self.known);
+        let shown = fields(&seen);
+        if self.stale || !self.web.link.offer(&ToPanel::Set(shown.clone())) {
             return;
         }
         self.lists = Some(Counts::of(observer));
+        self.last.extend(shown);
+        self.draw();
+    }
+
+    /// Tells where the tool has gone since it was told last.
+    fn draw(&mut self) {
+        let link = &mut self.web.link;
         let more = self.trail.get(self.told..).unwrap_or_default();
-        if !more.is_empty() && link.is_free() && link.offer(&ToPanel::Trail(more.to_vec())) {
+        if !self.stale && !more.is_empty() && link.is_free() && link.offer(&ToPanel::Trail(more.to_vec())) {
             self.told = self.trail.len();
         }
     }
@@ -224,12 +269,34 @@ impl Live {
         for ticket in self.session.lost() {
             self.refuse(ticket, "not-running", "the run was over before the machine took it");
         }
+        // A panel that is started again behind the run shows how it ended.
+        let last = std::mem::take(&mut self.last).into_iter();
+        self.still.extend(last.filter(|(name, _)| name != "state" && name != "words"));
         self.stands(fields(&json!({ "outcome": summary.outcome })));
         self.look();
         let path = folder.join(PRESSES);
         let written = self.session.events().map(|text| intake::replace(&path, text.as_bytes()));
         written.transpose().map(drop).map_err(|error| CliError::file(&path, error))
     }
+}
+
+/// Leaves out every second place; of those at which the index went by none as long as others are more. What
+/// was kept.
+fn thinned(trail: &mut Vec<Point>) -> Vec<bool> {
+    let marks = trail.iter().filter(|(_, kind)| *kind == view::AT_THE_INDEX).count();
+    let all = 2 * marks > trail.len();
+    let mut keep = false;
+    let kept: Vec<_> = trail
+        .iter()
+        .map(|(_, kind)| {
+            let mark = *kind == view::AT_THE_INDEX && !all;
+            keep ^= !mark;
+            mark || keep
+        })
+        .collect();
+    let mut which = kept.iter();
+    trail.retain(|_| which.next().is_some_and(|kept| *kept));
+    kept
 }
 
 /// What stays the same during a run.
@@ -260,6 +327,13 @@ pub(crate) fn stays(setup: &Setup, observer: &Observer, text: Option<String>) ->
             pace: setup.pace.to_string(),
             stock: observer.stock().and_then(|stock| serde_json::to_value(stock).ok()),
             origin_mm,
+            flanks_deg: flanks_deg(machine),
         },
     )
+}
+
+/// Angle between the flanks of tools, degrees, by number; at 0 that of the machine file.
+fn flanks_deg(machine: &Machine) -> BTreeMap<u32, f64> {
+    let of = machine.tools.iter().filter_map(|(number, tool)| Some((number.parse().ok()?, tool.angle_deg?)));
+    std::iter::once((0, 2.0 * machine.threading.flank_half_angle_deg)).chain(of).collect()
 }

@@ -2,7 +2,9 @@
 //! one.
 
 mod args;
+mod known;
 mod live;
+mod plan;
 mod session;
 mod view;
 mod web;
@@ -18,6 +20,7 @@ use process::ipc::time::{Moment, sleep_until};
 use serde_json::json;
 
 pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
+use known::Known;
 pub(crate) use live::{Live, stays};
 pub(crate) use session::Who;
 
@@ -51,7 +54,7 @@ impl Live {
         let observer = setup.program.observer(&setup.machine);
         let text = intake::text(&setup.folder.program, MOST_TEXT).ok();
         let (program, machine) = stays(setup, &observer, text);
-        self.begins(&program, &machine, setup.program.steps);
+        self.begins(&program, &machine, Known::of(setup));
     }
 }
 

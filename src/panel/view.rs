@@ -4,10 +4,17 @@ use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Point, Seen, SpindleSee
 use protocol::{AxisState, MachineState, MachineStatus, Motion, Panel};
 use rig::observe::{Observer, PassEnd, PassReport, Record};
 
+use super::known::Known;
+
 /// Passes that are shown: the newest.
 const MOST_PASSES: usize = 200;
 /// Messages and faults that are shown: the newest.
 const MOST_TOLD: usize = 50;
+/// Kinds of places: in a pass, and in a pass when the index went by.
+pub(super) const IN_PASS: u8 = 2;
+pub(super) const AT_THE_INDEX: u8 = 3;
+/// A message so many lines before a pause belongs to it.
+const PROMPT_LINES: u32 = 4;
 /// An axis that is slower than this stands, mm/s.
 const AXIS_STANDS: f64 = 0.05;
 
@@ -16,10 +23,11 @@ pub(super) fn seen(
     record: &Record,
     observer: &Observer,
     shown: Option<Counts>,
-    steps: u64,
-    cycle_s: f64,
+    known: &mut Known,
 ) -> Seen {
     let Record { truth, axes, machine } = record;
+    let (done, time_s) = (machine.taken.min(known.steps), truth.cycle.0 as f64 * known.cycle_s);
+    let target = known.plan.target_mm(done, machine.line).filter(|_| goes(machine));
     let panel = &truth.measurement.panel;
     let (state, words) = words(record);
     let counts = Counts::of(observer);
@@ -28,26 +36,33 @@ pub(super) fn seen(
         name: axis.name().to_ascii_uppercase(),
         commanded_mm: status.commanded_mm,
         measured_mm: status.commanded_mm - status.servo_error_mm,
+        to_go_mm: target.map(|target| target[axis.index()] - status.commanded_mm),
         error_um: 1e3 * status.servo_error_mm,
         speed_mm_s: status.velocity_mm_s,
         torque_nm: truth.measurement.axes[axis.index()].torque_nm,
+        load_pct: load_pct(
+            truth.measurement.axes[axis.index()].torque_nm,
+            known.torque_limit_nm[axis.index()],
+        ),
         state: status.state().name().into(),
     };
     Seen {
         cycle: truth.cycle.0,
-        time_s: truth.cycle.0 as f64 * cycle_s,
+        time_s,
         state: state.into(),
         words,
         line: machine.line,
         pass: machine.pass,
         depth_mm: machine.depth_mm,
-        done: [machine.taken.min(steps), steps],
+        done: [done, known.steps],
+        left_s: known.plan.left_s(done, time_s),
         axes: axes.iter().map(axis).collect(),
         spindle: SpindleSeen {
             rpm: truth.spindle_rpm,
             commanded_rpm: machine.spindle_rpm,
             angle_deg: truth.spindle_deg.rem_euclid(360.0),
             torque_nm: truth.spindle_torque_nm,
+            load_pct: load_pct(truth.spindle_torque_nm, known.spindle_limit_nm(truth.spindle_rpm)),
         },
         knobs: Knobs {
             spindle_pct: panel.spindle_override_pct,
@@ -59,11 +74,31 @@ pub(super) fn seen(
         held: panel.pressed(Panel::FEED_HOLD),
         single_block: panel.pressed(Panel::SINGLE_BLOCK),
         tool: machine.tool,
+        tool_name: known.tool_names.get(&machine.tool).cloned().unwrap_or_default(),
+        origin_mm: known.origin_mm(machine),
+        prompt: prompt(machine, observer),
+        cutting: observer.pass_so_far().map(|pass| PassSeen { end: "now".into(), ..pass_seen(&pass) }),
         coolant: coolant(machine).into(),
         passes: lists.then(|| passes(observer)),
         messages: lists.then(|| messages(observer)),
         faults: lists.then(|| faults(observer)),
     }
+}
+
+/// Torque as a share of what there is, per cent; 0 where nobody says what there is.
+fn load_pct(torque_nm: f64, limit_nm: f64) -> f64 {
+    if limit_nm > 0.0 { 100.0 * torque_nm.abs() / limit_nm } else { 0.0 }
+}
+
+/// Whether a block of motion may be in hand.
+fn goes(machine: &MachineStatus) -> bool {
+    !matches!(machine.state(), MachineState::Starting | MachineState::Ended | MachineState::Fault)
+}
+
+/// What the program said right before the pause that it waits at.
+fn prompt(machine: &MachineStatus, observer: &Observer) -> Option<String> {
+    let told = observer.told().last().filter(|_| machine.state() == MachineState::Paused)?;
+    (told.line..=told.line.saturating_add(PROMPT_LINES)).contains(&machine.line).then(|| told.text.clone())
 }
 
 /// How long the lists are.
@@ -91,9 +126,14 @@ fn newest<T>(all: &[T], most: usize) -> &[T] {
 }
 
 fn passes(observer: &Observer) -> Vec<PassSeen> {
-    let one = |pass: &PassReport| PassSeen {
+    newest(observer.passes(), MOST_PASSES).iter().map(pass_seen).collect()
+}
+
+fn pass_seen(pass: &PassReport) -> PassSeen {
+    PassSeen {
         pass: pass.pass,
         line: pass.line,
+        depth_mm: pass.depth_mm,
         end: match pass.end {
             PassEnd::Complete => "complete",
             PassEnd::Left => "left",
@@ -104,8 +144,7 @@ fn passes(observer: &Observer) -> Vec<PassSeen> {
         helix_um: pass.tool.helix_max_abs_um,
         phase_um: pass.tool.phase_um,
         cut: pass.tool.contact_deg > 0.0,
-    };
-    newest(observer.passes(), MOST_PASSES).iter().map(one).collect()
+    }
 }
 
 fn messages(observer: &Observer) -> Vec<Message> {
@@ -134,7 +173,7 @@ fn words(record: &Record) -> (&'static str, String) {
     let Record { truth, axes, machine } = record;
     let panel = &truth.measurement.panel;
     let moves = axes.iter().any(|(_, status)| status.velocity_mm_s.abs() > AXIS_STANDS);
-    let in_pass = axes.iter().any(|(_, status)| status.state().has_begun());
+    let in_pass = is_in_pass(record);
     let (line, pass) = (machine.line, machine.pass);
     let said = |state: &'static str, words: String| (state, words);
     let fault = protocol::Fault::from_code(machine.fault);
@@ -184,11 +223,16 @@ fn in_words(axes: &[(protocol::Axis, protocol::AxisStatus)], pass: u32) -> Strin
     }
 }
 
+/// Whether an axis is in a pass that has begun.
+pub(super) fn is_in_pass(record: &Record) -> bool {
+    record.axes.iter().any(|(_, status)| status.state().has_begun())
+}
+
 /// The place of the tool in this cycle.
 pub(super) fn place(record: &Record) -> Point {
-    let in_pass = record.axes.iter().any(|(_, status)| status.state().has_begun());
+    let in_pass = is_in_pass(record);
     let kind = match (in_pass, record.machine.motion()) {
-        (true, _) => 2,
+        (true, _) => IN_PASS,
         (false, Motion::Feed) => 1,
         (false, _) => 0,
     };

@@ -9,6 +9,9 @@ use crate::wire::Point;
 /// Most places of the way of the tool; then every second one is left out.
 const MOST_PLACES: usize = 16_384;
 
+/// The kind of a place at which the index went by in a pass.
+const AT_THE_INDEX: u8 = 3;
+
 /// What is seen, field by field. A field that did not change is the same one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct State {
@@ -34,10 +37,14 @@ impl Trail {
         let all = Arc::make_mut(&mut self.points);
         all.extend(points);
         if all.len() > MOST_PLACES {
+            let marks = all.iter().filter(|(_, kind)| *kind == AT_THE_INDEX).count();
             let mut keep = false;
-            all.retain(|_| {
-                keep = !keep;
-                keep
+            // Marks of a groove stay as long as others are more.
+            let few = 2 * marks <= all.len();
+            all.retain(|(_, kind)| {
+                let mark = few && *kind == AT_THE_INDEX;
+                keep ^= !mark;
+                mark || keep
             });
             self.drawn += 1;
         }

@@ -8,6 +8,11 @@ impl Observer {
         &self.out.passes
     }
 
+    /// The pass in hand, as far as it has come; nothing before its law moves an axis.
+    pub fn pass_so_far(&self) -> Option<PassReport> {
+        self.current.as_ref()?.finish()
+    }
+
     /// The faults that were seen.
     pub fn faults(&self) -> &[FaultReport] {
         &self.out.faults

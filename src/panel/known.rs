@@ -1,0 +1,66 @@
+//! What is known of a run before it begins, for whoever looks at its cycles. In: the setup of the run. Out:
+//! limits of torque, N·m, origins, mm, names of tools, the plan.
+
+use std::collections::BTreeMap;
+
+use ::panel::Point;
+use protocol::{MachineState, MachineStatus, PerAxis};
+
+use super::plan::Plan;
+use crate::run::Setup;
+
+/// What is known before.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    pub(super) plan: Plan,
+    /// All steps of the program.
+    pub(super) steps: u64,
+    pub(super) cycle_s: f64,
+    pub(super) torque_limit_nm: PerAxis<f64>,
+    /// Torque, N·m, and power, kW, of the motor of the spindle.
+    spindle_peak: [f64; 2],
+    pub(super) tool_names: BTreeMap<u32, String>,
+    /// X and Z of the machine where those of the program are 0, by tool, and by pass.
+    origins_mm: [BTreeMap<u32, [f64; 2]>; 2],
+}
+
+impl Known {
+    /// Of a run, and the way that its tool will go.
+    pub(crate) fn of(setup: &Setup) -> (Known, Vec<Point>) {
+        let Setup { machine, program, folder, .. } = setup;
+        let items = program.items(&folder.program, &folder.language, machine);
+        let items = items.into_iter().flatten().map_while(Result::ok);
+        let (plan, way) = Plan::of(items, machine, program.time_s);
+        let mut torque_limit_nm = PerAxis::default();
+        machine.axes().for_each(|(axis, config)| torque_limit_nm[axis.index()] = config.torque_limit_nm);
+        let check = program.check.as_ref();
+        let by_tool = check.map(|check| check.origins_mm.clone()).unwrap_or_default();
+        let by_pass = check.iter().flat_map(|check| &check.passes).map(|note| (note.pass, note.origin_mm));
+        let named = machine.tools.iter().map(|(number, tool)| Some((number.parse().ok()?, tool.name.clone())));
+        let known = Known {
+            plan,
+            steps: program.steps,
+            cycle_s: machine.general.cycle_s,
+            torque_limit_nm,
+            spindle_peak: sim_plant::spindle_peak(machine).unwrap_or_default(),
+            tool_names: named.flatten().collect(),
+            origins_mm: [by_tool, by_pass.collect()],
+        };
+        (known, way)
+    }
+
+    /// What the motor of the spindle can at a speed, N·m: its torque, or what its power leaves of that.
+    pub(super) fn spindle_limit_nm(&self, rpm: f64) -> f64 {
+        let [torque_nm, power_kw] = self.spindle_peak;
+        let speed = rpm.abs() * std::f64::consts::TAU / 60.0;
+        torque_nm.min(1e3 * power_kw / speed.max(1e-3))
+    }
+
+    /// X and Z of the machine at which those of the program are 0, where that is known: in a pass, else with
+    /// the tool in hand.
+    pub(super) fn origin_mm(&self, machine: &MachineStatus) -> Option<[f64; 2]> {
+        let [by_tool, by_pass] = &self.origins_mm;
+        let of_pass = by_pass.get(&machine.pass).filter(|_| machine.state() == MachineState::Threading);
+        of_pass.or_else(|| by_tool.get(&machine.tool)).copied()
+    }
+}
