@@ -213,9 +213,9 @@ function view(canvas, right, up, here, height) {
   turned.forEach(([z, r]) => see(z, r));
   if (turned.length) see(turned[0][0], zero[0]);
   const way = state.way || [];
-  for (const [place] of way) see(place[right], place[up]);
-  for (const [place] of trail) see(place[right], place[up]);
-  if (here) see(here[right], here[up]);
+  // Where a part is known, it fills the picture; rapids lead out of it, and the tool waits at its edge.
+  for (const [place, kind] of [...way, ...trail]) if (kind || !turned.length) see(place[right], place[up]);
+  if (here && !turned.length) see(here[right], here[up]);
   if (!isFinite(low[0])) return;
   const wide = Math.max(high[0] - low[0], 5), tall = Math.max(high[1] - low[1], 5);
   const size = Math.min((width - 24) / wide, (height - 24) / tall);
@@ -268,7 +268,7 @@ function view(canvas, right, up, here, height) {
   path(way, () => "way", 1);
   path(trail, (kind) => ["rapid", "feed", "pass"][kind], 1.5);
   if (here) {
-    const x = h(here[right]), y = v(here[up]);
+    const x = Math.min(Math.max(h(here[right]), 7), width - 7), y = Math.min(Math.max(v(here[up]), 14), height - 2);
     pen.fillStyle = colour("mark");
     pen.beginPath(); pen.moveTo(x, y); pen.lineTo(x - 6, y - 12); pen.lineTo(x + 6, y - 12); pen.fill();
   }

@@ -36,7 +36,8 @@ impl Known {
         let check = program.check.as_ref();
         let by_tool = check.map(|check| check.origins_mm.clone()).unwrap_or_default();
         let by_pass = check.iter().flat_map(|check| &check.passes).map(|note| (note.pass, note.origin_mm));
-        let named = machine.tools.iter().map(|(number, tool)| Some((number.parse().ok()?, tool.name.clone())));
+        let named =
+            machine.tools.iter().map(|(number, tool)| Some((number.parse().ok()?, tool.name.clone())));
         let known = Known {
             plan,
             steps: program.steps,

@@ -4,9 +4,9 @@
 use std::{collections::BTreeMap, path::Path, time::Duration};
 
 use ::panel::{MachineSeen, Point, ProgramSeen, ToPanel};
+use machine::Machine;
 use process::ipc::time::Moment;
 use protocol::{Arrival, Input, Taken, operator::Request};
-use machine::Machine;
 use rig::observe::{Observer, Record, Summary};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -94,7 +94,12 @@ impl Live {
     }
 
     /// A run begins.
-    pub(crate) fn begins(&mut self, program: &ProgramSeen, machine: &MachineSeen, known: (Known, Vec<Point>)) {
+    pub(crate) fn begins(
+        &mut self,
+        program: &ProgramSeen,
+        machine: &MachineSeen,
+        known: (Known, Vec<Point>),
+    ) {
         self.session = Session::default();
         let (known, way) = known;
         (self.known, self.turned) = (known, None);

@@ -42,7 +42,11 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// Looks at the machine code of a program that takes so long.
-    pub(crate) fn of(items: impl Iterator<Item = Item>, machine: &Machine, time_s: f64) -> (Plan, Vec<Point>) {
+    pub(crate) fn of(
+        items: impl Iterator<Item = Item>,
+        machine: &Machine,
+        time_s: f64,
+    ) -> (Plan, Vec<Point>) {
         let axes: Vec<Axis> = machine.axes().map(|(axis, _)| axis).collect();
         let (mut plan, mut at, mut steps) = (Plan { time_s, ..Plan::default() }, machine.home(), 0);
         let mut way = vec![point(&axes, &at.map(Position::mm), 0)];

@@ -19,12 +19,7 @@ const PROMPT_LINES: u32 = 4;
 const AXIS_STANDS: f64 = 0.05;
 
 /// What is seen in this cycle; lists only if there is something in them that `shown` has not.
-pub(super) fn seen(
-    record: &Record,
-    observer: &Observer,
-    shown: Option<Counts>,
-    known: &mut Known,
-) -> Seen {
+pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, known: &mut Known) -> Seen {
     let Record { truth, axes, machine } = record;
     let (done, time_s) = (machine.taken.min(known.steps), truth.cycle.0 as f64 * known.cycle_s);
     let target = known.plan.target_mm(done, machine.line).filter(|_| goes(machine));
