@@ -174,6 +174,7 @@ fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
         (state["line"].as_u64(), state["messages"][0]["text"].as_str()),
         (Some(4), Some("measure the bore"))
     );
+    assert_eq!(state["prompt"], "measure the bore", "what the pause is for is said beside it");
     let since = state["time_s"].as_f64().expect("a time");
     until("ten seconds are over", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 10.0));
     panel.press("hold");
@@ -185,6 +186,45 @@ fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
     let (status, summary) = ended(panel);
     assert_eq!((status, summary.outcome, summary.warnings.len()), (Some(0), Outcome::Completed, 0));
     is_repeated(&place, "run", &summary);
+}
+
+/// Where the index goes by in a pass the groove is seen: one lead of 2 mm from turn to turn. Where a block leads,
+/// what is left of the program, and the pass in hand are known meanwhile.
+#[test]
+fn what_is_to_come_and_the_groove_are_seen() {
+    let place = Place::new();
+    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "10"]);
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value} is no number"));
+    let (mut state, mut left) = (Value::Null, f64::INFINITY);
+    until("a pass is on the helix", || {
+        state = panel.state();
+        let now = state["left_s"].as_f64().unwrap_or(left);
+        assert!(now <= left + 1e-9, "less and less is left: {now} behind {left}");
+        left = now;
+        let z = &state["axes"][1];
+        z["state"] == "locked" && z["to_go_mm"].as_f64().is_some_and(|to_go| to_go < -5.0)
+    });
+    let z = &state["axes"][1];
+    assert!(number(&z["speed_mm_s"]) < 0.0 && number(&z["load_pct"]) < 100.0, "{z}");
+    let cutting = &state["cutting"];
+    assert_eq!((&cutting["pass"], &cutting["end"]), (&state["pass"], &json!("now")));
+    assert_eq!(cutting["depth_mm"], state["depth_mm"]);
+    assert!(left > 1.0 && left < number(&state["program"]["time_s"]), "{left} s are left");
+    until("three passes are over", || panel.state()["passes"].as_array().is_some_and(|all| all.len() >= 3));
+    let state = panel.state();
+    let points = state["trail"]["points"].as_array().expect("there is a way").clone();
+    let turns: Vec<f64> = points.iter().filter(|point| point[1] == 3).map(|point| number(&point[0][1])).collect();
+    assert!(turns.len() > 20, "{turns:?}");
+    let leads: Vec<f64> = turns.windows(2).map(|two| two[0] - two[1]).filter(|way| *way > 0.0).collect();
+    let whole = leads.iter().filter(|lead| (**lead - 2.0).abs() < 0.01).count();
+    assert!(whole > 2 * leads.len() / 3, "on the helix each turn is one lead: {leads:?}");
+    assert!(state["way"].as_array().is_some_and(|way| way.len() > 50));
+    let passes = state["passes"].as_array().expect("there are passes");
+    assert!(passes.iter().all(|pass| number(&pass["depth_mm"]) > 0.0));
+    panel.press("take-seat");
+    panel.press("abort");
+    let (status, summary) = ended(panel);
+    assert_eq!((status, summary.outcome), (Some(1), Outcome::Stopped));
 }
 
 #[test]
