@@ -13,6 +13,7 @@
 //! infeed along one of them 2 Δd sin φ on the other.
 
 mod page;
+mod taps;
 
 use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 
@@ -27,6 +28,8 @@ use rig::{
 use serde::Serialize;
 
 use crate::{error::CliError, program::Program, varied, words::Phase};
+
+use taps::Tap;
 
 pub(crate) use page::html;
 
@@ -56,6 +59,7 @@ pub(crate) struct Certificate {
     /// What somebody should know before cutting.
     notes: Vec<String>,
     passes: Vec<Row>,
+    taps: Vec<Tap>,
 }
 
 /// A pass. Lengths in mm, X a radius; `None`: nobody knows, or the tool touches nothing.
@@ -110,7 +114,11 @@ pub(crate) fn certify(
     }
     remarks.extend(varied::lines(notes));
     remarks.extend(summary.faults.iter().map(|fault| format!("fault {}: {}", fault.code, fault.text)));
-    if passes.iter().all(|row| row.force_n.is_none()) {
+    let taps = taps::rows(&summary);
+    if !taps.is_empty() {
+        remarks.push("no torque of a tap: the simulated machine has none".into());
+    }
+    if !passes.is_empty() && passes.iter().all(|row| row.force_n.is_none()) {
         let text = "no forces: the tool cuts air (plant.cutting.specific_force_n_mm2 is about 2000 for steel), or a G33 does \
                     not tell its depth";
         remarks.push(text.into());
@@ -133,6 +141,7 @@ pub(crate) fn certify(
         gauge: summary.gauge.as_ref().map(|gauge| gauge.sentence()),
         notes: remarks,
         passes,
+        taps,
     }))
 }
 
@@ -174,7 +183,7 @@ fn cut(
     Ok((observer.finish().summary(&path.display().to_string(), "virtual"), goes_on))
 }
 
-/// A row for every pass that was cut, each by its last attempt.
+/// A row for every pass that was turned, each by its last attempt.
 fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, nominal_deg: Option<[f64; 2]>) -> Vec<Row> {
     let of_pass: BTreeMap<u32, &PassNote> = notes.iter().map(|note| (note.pass, note)).collect();
     let mut before: BTreeMap<(u32, u64), Groove> = BTreeMap::new();
@@ -207,11 +216,7 @@ fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, nominal_deg: O
             depth_um: touched.then_some(report.tool.x_max_um.max(-report.tool.x_min_um)),
         }
     };
-    let mut last_of: BTreeMap<u32, &PassReport> = BTreeMap::new();
-    summary.passes.iter().for_each(|report| {
-        last_of.insert(report.pass, report);
-    });
-    last_of.into_values().map(row).collect()
+    summary.last_attempts().filter(|report| report.tap.is_none()).map(row).collect()
 }
 
 /// Where the tool goes in a pass.
@@ -283,9 +288,11 @@ impl Certificate {
         format!("cut once on the simulated machine, seed {}{how}: the part is {part}", self.seed)
     }
 
-    /// The table.
-    fn table(&self) -> Table {
-        Table::of("Passes", &COLUMNS, &self.passes)
+    /// The tables of passes and of taps, those that there are.
+    fn tables(&self) -> impl Iterator<Item = Table> {
+        let caption = page::COLUMNS;
+        let passes = || Table::of("Passes", &COLUMNS, &self.passes).with_caption(caption);
+        (!self.passes.is_empty()).then(passes).into_iter().chain(taps::table(&self.taps))
     }
 
     /// What people see.
@@ -297,7 +304,7 @@ impl Certificate {
         if let Some(gauge) = &self.gauge {
             let _ = writeln!(text, "  gauge: {gauge}");
         }
-        text += &self.table().text();
+        self.tables().for_each(|table| text += &table.text());
         self.notes.iter().for_each(|note| {
             let _ = writeln!(text, "note: {note}");
         });

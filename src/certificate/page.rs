@@ -18,10 +18,12 @@ pub(crate) fn html(certificate: &Certificate, program: &str, again: &str) -> Str
             h1 { (program) }
         }
         (verdict(certificate))
-        section {
-            h2 { "Passes" }
-            (certificate.table().markup())
-            p.caption { (COLUMNS) }
+        @for table in certificate.tables() {
+            section {
+                h2 { (table.title) }
+                (table.markup())
+                p.caption { (table.caption) }
+            }
         }
         (pictures(&figures(certificate), 1))
         section.prose {
@@ -44,7 +46,7 @@ fn verdict(certificate: &Certificate) -> Markup {
     }
 }
 
-const COLUMNS: &str = "Run-in, run-out: the way along the thread while the lead is reached and while it is left, at the highest \
+pub(super) const COLUMNS: &str = "Run-in, run-out: the way along the thread while the lead is reached and while it is left, at the highest \
      override that the pass is laid out for. Most S, override: what the axes can follow. Deeper: than the last pass of the \
      same start; X is a radius. Chip: its thickness on the flank that takes most. Force, torque, power: the largest. Helix: \
      the slide in the material off the helix, about its mean; depth: off the depth, the largest of either sign.";

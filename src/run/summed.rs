@@ -115,7 +115,7 @@ fn changed<'a>(
 
 /// Taps by their farthest error on each part of the way.
 fn taps(text: &mut String, summary: &Summary) {
-    let taps: Vec<TapReport> = summary.passes.iter().filter_map(|pass| pass.tap).collect();
+    let taps: Vec<TapReport> = summary.taps().map(|(_, tap)| *tap).collect();
     if taps.is_empty() {
         return;
     }
@@ -142,12 +142,12 @@ fn threads(text: &mut String, summary: &Summary) {
         let _ = writeln!(text, "pass      {} {words}", last.pass);
     }
     taps(text, summary);
-    if summary.passes.iter().all(|pass| pass.tap.is_some()) {
+    if summary.turned().next().is_none() {
         return;
     }
-    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    let worst = |of: fn(&PassReport) -> f64| summary.turned().map(of).fold(0.0, f64::max);
     let [helix, passes, depth, ends] = summary.at_the_tool();
-    let _ = match summary.touched().next() {
+    let _ = match summary.touched().find(|pass| pass.tap.is_none()) {
         None => writeln!(text, "thread    the tool touched no material: nothing of it is judged"),
         Some(_) => writeln!(
             text,
@@ -163,7 +163,7 @@ fn threads(text: &mut String, summary: &Summary) {
     );
     // The axis that takes the tool to depth.
     for axis in [Axis::X, Axis::Z] {
-        let errors = summary.passes.iter().filter(|pass| pass.on_face == (axis == Axis::Z));
+        let errors = summary.turned().filter(|pass| pass.on_face == (axis == Axis::Z));
         let errors = errors.map(|pass| if axis == Axis::X { pass.x } else { pass.z });
         let worst = |of: fn(ServoError) -> f64| errors.clone().map(of).reduce(f64::max);
         let Some(approach) = worst(|error| error.approach_max_um.max(-error.approach_min_um)) else {

@@ -140,3 +140,28 @@ fn the_page_of_the_documents_shows_what_is_said() {
     let said = answer.stdout.split_once("certificate:").map(|(_, rest)| format!("certificate:{rest}"));
     assert_eq!(said.as_deref(), Some(shown));
 }
+
+/// A tap goes to its depth along its axis: no figure of a turned pass is told of it.
+#[test]
+fn a_tap_is_certified_by_what_the_run_then_does() {
+    let place = Place::new();
+    let tap = std::fs::read_to_string(project().join("examples/tap-m8.ngc")).expect("a tap");
+    place.write("tap.ngc", tap);
+    let check = place.ask(&["check", "tap.ngc", "--certify", "--json", "--seed", "3"]);
+    let document: Value = serde_json::from_str(&check.stdout).expect("a document");
+    let run = place.ask(&["run", "tap.ngc", "--in-process", "--seed", "3", "--out", "out"]);
+    assert_eq!((check.status, run.status), (Some(0), Some(0)), "{}{}", check.stdout, run.stderr);
+    let text = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
+    let summary: Value = serde_json::from_str(&text).expect("a document");
+    let certificate = &document["certificate"];
+    assert_eq!(certificate["passes"].as_array().map(Vec::len), Some(0));
+    for key in ["in_um", "turn_um", "out_um", "short_um"] {
+        let (told, done) = (&certificate["taps"][0][key], &summary["passes"][0]["tap"][key]);
+        assert!(told.is_number() && told == done, "{key}: {told} {done}");
+    }
+    // Nothing of it is a depth of X, and the page says so in its own table.
+    assert_eq!(number(&summary["thread"]["tool_depth_off_um"]), 0.0);
+    let report = std::fs::read_to_string(place.at("out/report.html")).expect("a report");
+    assert!(report.contains("<h2>Taps</h2>") && report.contains("One tap was cut. It kept to the helix"));
+    assert!(!report.contains("off in depth") && !report.contains("<h2>Passes</h2>"));
+}

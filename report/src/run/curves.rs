@@ -81,10 +81,14 @@ pub(super) fn shown_index(passes: &[PassReport]) -> usize {
     complete.max_by(|(_, a), (_, b)| a.depth_mm.total_cmp(&b.depth_mm)).map_or(0, |(index, _)| index)
 }
 
-/// Angles between which any axis of a pass moves, degrees.
+/// Angles between which any axis of a pass moves, degrees; of a tap, which goes back to where it began, up to
+/// its depth.
 pub(super) fn moving_deg(pass: &PassReport) -> (f64, f64) {
     let ([x_from, .., x_to], [z_from, .., z_to]) = (pass.x_moments_deg, pass.z_moments_deg);
-    (x_from.min(z_from), x_to.max(z_to))
+    match pass.tap {
+        Some(_) => (z_from, pass.thread_end_deg),
+        None => (x_from.min(z_from), x_to.max(z_to)),
+    }
 }
 
 /// Angles between which a thread is cut, degrees.

@@ -30,6 +30,20 @@ fn mark(layout: &mut Value, moments: &[(&str, f64)]) {
     layout["annotations"] = moments.iter().map(number).collect();
 }
 
+/// What the pass is called.
+fn title(pass: &PassReport) -> String {
+    let kind = if pass.tap.is_some() { "Tap" } else { "Pass" };
+    format!("{kind} {}", pass.pass)
+}
+
+const MOMENTS: &str = "0 armed, the tool waits at its start point. 1 index: angles count from here. 2 run-in begins. 3 material \
+                       begins: X at depth, Z on the helix. 4 run-out begins. 5 at rest, free of the part. Good: the thin \
+                       line of the true position never leaves the wide line of the programmed law, and between 3 and 4 both \
+                       are straight.";
+const MOMENTS_OF_A_TAP: &str = "0 armed, the tool waits at its start point. 1 index: angles count from here. 2 run-in begins. 3 Z \
+                                is on the helix. 4 and 5 at depth, where the spindle turns round: the angle goes back from \
+                                there, and Z with it. Good: the way out lies on the way in, and from 3 to 4 both are straight.";
+
 /// X and Z over the spindle angle.
 pub(super) fn motion(pass: &PassReport, shown: &ShownCurves) -> Figure {
     let mut layout = stacked("spindle angle since the index (degrees)", "X, radius (mm)", "Z (mm)");
@@ -47,12 +61,8 @@ pub(super) fn motion(pass: &PassReport, shown: &ShownCurves) -> Figure {
     }
     let (from, to) = thread_deg(pass);
     Figure {
-        title: format!("Pass {}: X and Z over the spindle angle", pass.pass),
-        caption: "0 armed, the tool waits at its start point. 1 index: angles count from here. 2 run-in begins. \
-                  3 material begins: X at depth, Z on the helix. 4 run-out begins. 5 at rest, free of the part. \
-                  Good: the thin line of the true position never leaves the wide line of the programmed law, \
-                  and between 3 and 4 both are straight."
-            .into(),
+        title: format!("{}: X and Z over the spindle angle", title(pass)),
+        caption: if pass.tap.is_some() { MOMENTS_OF_A_TAP } else { MOMENTS }.into(),
         alt: format!(
             "Position of X and Z in pass {} over the spindle angle, with moments 0 to 5; thread from {from:.0} to \
              {to:.0} degrees.",
@@ -82,7 +92,7 @@ pub(super) fn slide(pass: &PassReport, shown: &ShownCurves) -> Figure {
     }
     let [x, z] = [&pass.x_slide, &pass.z_slide].map(|slide| slide.thread_max_abs_um);
     Figure {
-        title: format!("Pass {}: servo error, and what the slide makes of it", pass.pass),
+        title: format!("{}: servo error, and what the slide makes of it", title(pass)),
         caption: format!(
             "The servo error is what the controller sees: at the motor, or at the scale of an axis that has one. The \
              slide stands behind backlash, error of the screw, and the elasticity on which acceleration, friction and \
@@ -120,7 +130,7 @@ pub(super) fn limits(pass: &PassReport, shown: &ShownCurves) -> Figure {
     }
     let (most, used) = (pass.limits_asked_pct.most(), pass.limits_used_pct.most());
     Figure {
-        title: format!("Pass {}: speed, acceleration and jerk against the limits", pass.pass),
+        title: format!("{}: speed, acceleration and jerk against the limits", title(pass)),
         caption: format!(
             "What the pass asks of each axis, in per cent of what the machine file allows. Good: never beyond ±100 %. \
              This pass asks for at most {most:.0} %, and could be followed up to {:.0} % override; the true motion of \

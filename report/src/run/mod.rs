@@ -19,6 +19,7 @@ mod part;
 mod passes;
 mod path;
 mod signals;
+mod taps;
 #[cfg(test)]
 mod tests;
 mod tools;

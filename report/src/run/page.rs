@@ -8,6 +8,7 @@ use super::cutting;
 use super::gauge;
 use super::passes;
 use super::signals;
+use super::taps;
 use super::traces;
 use super::verdict::{self, um};
 use crate::page::{document, pictures};
@@ -24,7 +25,8 @@ pub(super) fn html(run: &Run) -> String {
         @if let Some(note) = &drawn.note { p.note { (note) } }
         @if let Some(part) = &drawn.part { (pictures(std::slice::from_ref(part), 1)) }
         @if let Some(solid) = &drawn.solid { (solid) }
-        @if !summary.passes.is_empty() { (passes::tables(summary)) }
+        @if let Some(table) = taps::table(summary) { (section(&table)) }
+        @if summary.turned().next().is_some() { (passes::tables(summary)) }
         @if let Some(gauge) = &summary.gauge { (gauge::table(gauge)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
@@ -40,7 +42,7 @@ pub(super) fn html(run: &Run) -> String {
 
 fn head(summary: &Summary) -> Markup {
     let verdict = verdict::of(summary);
-    let worst = |of: fn(&PassReport) -> f64| summary.passes.iter().map(of).fold(0.0, f64::max);
+    let worst = |of: fn(&PassReport) -> f64| summary.turned().map(of).fold(0.0, f64::max);
     html! {
         header {
             p.product { "pitchlock · report of a run" }
@@ -58,8 +60,13 @@ fn head(summary: &Summary) -> Markup {
                 @if traces::any(summary) {
                     div { dt { "True tool or beam off its trace" } dd { (um(traces::worst_um(summary))) } }
                 }
-                @if !summary.passes.is_empty() {
-                    div { dt { "Thread passes" } dd { (summary.last_attempts().count()) } }
+                @if let Some(off) = taps::worst_um(summary) {
+                    div { dt { "Taps" } dd { (summary.taps().count()) } }
+                    div { dt { "Tap, farthest from the helix" } dd { (um(off)) } }
+                }
+                @if summary.turned().next().is_some() {
+                    @let passes = summary.last_attempts().filter(|pass| pass.tap.is_none()).count();
+                    div { dt { "Thread passes" } dd { (passes) } }
                     @let [helix, passes, depth, _] = summary.at_the_tool();
                     div { dt { "Farthest from the helix, at the tool" } dd { (um(helix)) } }
                     div { dt { "Pass to pass, at the tool" } dd { (um(passes)) } }

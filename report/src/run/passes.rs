@@ -65,13 +65,14 @@ fn slide(error: &ServoError) -> String {
     format!("{}; {:.2}", approach(error), error.thread_max_abs_um)
 }
 
-/// One row a pass, in the order of cutting.
-fn table(label: &str, columns: &[Column], passes: &[PassReport]) -> Markup {
+/// One row a pass that was turned, in the order of cutting; each knows its place among all passes.
+fn table(label: &str, columns: &[Column], summary: &Summary) -> Markup {
+    let passes = summary.passes.iter().enumerate().filter(|(_, pass)| pass.tap.is_none());
     html! {
         div.scroll tabindex="0" role="region" aria-label=(label) {
             table.passes {
                 thead { tr { @for (name, unit, _) in columns { th scope="col" { (name) small { (unit) } } } } }
-                tbody { @for (index, pass) in passes.iter().enumerate() {
+                tbody { @for (index, pass) in passes {
                     tr class=[(!pass.complete).then_some("broken")] data-pass=(index) data-line=(pass.line) {
                         @for (_, _, cell) in columns { td { (cell(pass)) } }
                     }
@@ -83,15 +84,14 @@ fn table(label: &str, columns: &[Column], passes: &[PassReport]) -> Markup {
 
 /// Both tables.
 pub(super) fn tables(summary: &Summary) -> Markup {
-    let passes = &summary.passes;
     let mut part = PART.to_vec();
-    if passes.iter().any(|pass| pass.start > 0) {
+    if summary.turned().any(|pass| pass.start > 0) {
         part.insert(1, START);
     }
     html! {
         section {
             h2 { "Passes" }
-            (table("Table of passes", &part, passes))
+            (table("Table of passes", &part, summary))
             p.caption {
                 "Helix: the true slide against the programmed helix at the true spindle angle, less its mean, as long as \
                  the point is in the material; the mean is the phase: passes of one start must agree in it, or they \
@@ -101,7 +101,7 @@ pub(super) fn tables(summary: &Summary) -> Markup {
             }
             details {
                 summary { "More about the servo" }
-                (table("Table of servo errors", &SERVO, passes))
+                (table("Table of servo errors", &SERVO, summary))
                 p.caption {
                     "Slide: commanded minus true position of the slide, behind backlash, screw and elasticity. Nut: true Z \
                      of the nut against the helix over the thread. A run-in within ±8 µm that ends near 0 is good."

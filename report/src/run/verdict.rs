@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use protocol::Axis;
 use rig::observe::{Outcome, PassReport, Summary, TOOL_IN_THREAD, TraceReport, WorkKind};
 
-use super::gauge;
+use super::{gauge, taps};
 
 /// A thread that is off at the tool by more than this share of what it may be deserves a look.
-const LOOK_SHARE: f64 = 0.5;
+pub(super) const LOOK_SHARE: f64 = 0.5;
 
 /// A slide further than this from its programmed place in the thread deserves a look, µm; elasticity and
 /// friction alone make three or four.
@@ -119,7 +119,8 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
         let named = again.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
         verdict.say(Grade::Good, format!("Left, entered again and cut to the end: pass {named}."));
     }
-    let cut: Vec<_> = passes.iter().filter(|pass| pass.thread_cycles > 0).collect();
+    taps::says(summary, verdict);
+    let cut: Vec<_> = summary.turned().filter(|pass| pass.thread_cycles > 0).collect();
     if cut.is_empty() {
         return;
     }
@@ -135,7 +136,8 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
 
 /// What the tool did in the material.
 fn at_the_tool(summary: &Summary, verdict: &mut Verdict) {
-    let numbers = summary.touched().map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
+    let touched = summary.touched().filter(|pass| pass.tap.is_none());
+    let numbers = touched.map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
     let off = summary.at_the_tool();
     let [helix, passes, depth, ends] = off.map(um);
     let count = match numbers {

@@ -49,9 +49,10 @@ struct Groove {
 pub(super) struct Threads(Vec<Groove>);
 
 impl Threads {
-    /// Takes a pass, and how deep it goes if it touched the material.
+    /// Takes a pass, and how deep it goes if it touched the material. The depth of a tap is along its axis, and
+    /// is in its own report.
     pub(super) fn take(&mut self, pass: &PassReport, finish: Option<Finish>) {
-        let Some(Finish { surface_mm, reach_mm }) = finish else { return };
+        let Some(Finish { surface_mm, reach_mm }) = finish.filter(|_| pass.tap.is_none()) else { return };
         let PassReport { start, lead_mm, tool, .. } = *pass;
         let same = |groove: &Groove| {
             (groove.start, groove.lead_mm) == (start, lead_mm)
@@ -74,9 +75,9 @@ impl Threads {
     /// What the passes come to.
     pub(super) fn report(&self, passes: &[PassReport]) -> ThreadReport {
         let touched = |pass: &PassReport| (pass.tool.contact_deg > 0.0).then_some(pass.tool.phase_um);
-        let mut last: BTreeMap<u64, BTreeMap<u32, f64>> = BTreeMap::new();
+        let mut last: BTreeMap<(bool, u64), BTreeMap<u32, f64>> = BTreeMap::new();
         for (pass, phase_um) in passes.iter().filter_map(|pass| Some((pass, touched(pass)?))) {
-            last.entry(pass.lead_mm.to_bits()).or_default().insert(pass.start, phase_um);
+            last.entry(thread_of(pass)).or_default().insert(pass.start, phase_um);
         }
         let among = |starts: &BTreeMap<u32, f64>| {
             let mut span = Span::default();
@@ -98,12 +99,17 @@ impl Threads {
     }
 }
 
+/// What passes of one thread have in common: whether it is tapped, and its lead.
+fn thread_of(pass: &PassReport) -> (bool, u64) {
+    (pass.tap.is_some(), pass.lead_mm.to_bits())
+}
+
 /// Largest minus smallest phase among the passes of one start and lead, µm.
 fn spread(passes: &[PassReport], phase_um: impl Fn(&PassReport) -> Option<f64>) -> f64 {
-    let mut spans: BTreeMap<(u32, u64), Span> = BTreeMap::new();
+    let mut spans: BTreeMap<_, Span> = BTreeMap::new();
     for pass in passes {
         if let Some(phase_um) = phase_um(pass) {
-            spans.entry((pass.start, pass.lead_mm.to_bits())).or_default().add(phase_um);
+            spans.entry((pass.start, thread_of(pass))).or_default().add(phase_um);
         }
     }
     spans.values().map(|span| span.width()).fold(0.0, f64::max)

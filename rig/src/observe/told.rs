@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use protocol::Fault;
 
-use super::{FaultReport, PassReport, Summary};
+use super::{FaultReport, PassReport, Summary, TapReport};
 
 impl Summary {
     /// The last attempt at each pass, in the order of the program: one that was left may have been entered
@@ -26,10 +26,21 @@ impl Summary {
         self.passes.iter().filter(|pass| pass.tool.contact_deg > 0.0)
     }
 
-    /// How far the threads are off at the tool, µm: a pass from its helix, less its mean; passes of one
+    /// The taps, with what each did.
+    pub fn taps(&self) -> impl Iterator<Item = (&PassReport, &TapReport)> {
+        self.passes.iter().filter_map(|pass| Some((pass, pass.tap.as_ref()?)))
+    }
+
+    /// The passes of threads that were turned: all but taps.
+    pub fn turned(&self) -> impl Iterator<Item = &PassReport> + Clone {
+        self.passes.iter().filter(|pass| pass.tap.is_none())
+    }
+
+    /// How far the turned threads are off at the tool, µm: a pass from its helix, less its mean; passes of one
     /// groove and starts of one thread from each other; the depth at most, and from end to end.
     pub fn at_the_tool(&self) -> [f64; 4] {
-        let helix = self.touched().map(|pass| pass.tool.helix_max_abs_um).fold(0.0, f64::max);
+        let touched = self.turned().filter(|pass| pass.tool.contact_deg > 0.0);
+        let helix = touched.map(|pass| pass.tool.helix_max_abs_um).fold(0.0, f64::max);
         let thread = &self.thread;
         let passes = thread.tool_phase_spread_um.max(thread.tool_start_spread_um);
         [helix, passes, thread.tool_depth_off_um.abs(), thread.tool_depth_um]

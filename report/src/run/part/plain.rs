@@ -40,7 +40,8 @@ impl Plain {
 pub(super) fn threads(summary: &Summary, passes: &[Cuts], drawn: Option<[f64; 2]>) -> Vec<Plain> {
     let mut found: Vec<Plain> = Vec::new();
     for (pass, cuts) in summary.passes.iter().zip(passes) {
-        let Some([first, last]) = cuts.full else { continue };
+        // How wide a tap is, nobody says.
+        let Some([first, last]) = cuts.full.filter(|_| pass.tap.is_none()) else { continue };
         let [a, b] = if first[0] <= last[0] { [first, last] } else { [last, first] };
         let plain = Plain {
             sign: sign_of(summary, pass, first[1]),

@@ -36,7 +36,7 @@ pub(super) struct Thread {
 impl Thread {
     /// The thread that the pass with this index belongs to, at spindle angle 0 or so many half turns on.
     pub(super) fn of(summary: &Summary, part: &Part, index: usize, half: usize) -> Option<Thread> {
-        let pass = summary.passes.get(index)?;
+        let pass = summary.passes.get(index).filter(|pass| pass.tap.is_none())?;
         let sign = sign_of(summary, pass, part.passes[index].full?[0][1]);
         let passes: Vec<Vec<Tip>> = summary
             .passes
