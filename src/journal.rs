@@ -95,7 +95,8 @@ fn on(bits: u64) -> Vec<u32> {
     (0..u64::BITS).filter(|number| bits >> number & 1 == 1).collect()
 }
 
-fn told(record: u64, state: &State) -> String {
+/// What a record knows, in words.
+pub(crate) fn told(record: u64, state: &State) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "known     up to control cycle {} (record {record})", state.cycle);
     let ended = match end(state) {
@@ -151,7 +152,8 @@ fn told(record: u64, state: &State) -> String {
     text
 }
 
-fn as_json(record: u64, state: &State) -> Value {
+/// The same as a document.
+pub(crate) fn as_json(record: u64, state: &State) -> Value {
     let measured: Map<String, Value> = axes(state)
         .map(|(axis, mm, code)| (axis.name().into(), json!({ "measured": mm, "state": code.name() })))
         .collect();

@@ -64,6 +64,9 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     if asked.with_panel {
         return Err(CliError::Input("--panel is for run; leave it out".into()));
     }
+    if asked.resume {
+        return Err(CliError::Input("--resume is for run: pitchlock run RUN_DIR --resume".into()));
+    }
     // Whatever is wrong with the input is said before there is a panel.
     let program = run::judged(asked)?;
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -5,13 +5,16 @@ use std::{collections::VecDeque, path::Path};
 
 use machine::Machine;
 use process::shell::{Clock, LanguageArgs};
-use protocol::{Input, Item, Module, OperatorRequest, Taken, operator::Request};
+use protocol::{Input, Item, Module, OperatorRequest, Taken, Truth, operator::Request};
 use rig::{
     Exchange, Rig,
     observe::{Observer, Summary},
     replay::{Arrivals, Change, MOST_BYTES, Replica},
+    wires::Straight,
 };
-use sim_plant::Scenario;
+use sim_plant::{Plant, Scenario};
+
+use super::left::Left;
 
 use crate::{
     args::{MachineArgs, Shop},
@@ -21,39 +24,40 @@ use crate::{
     program::Program,
     run::{
         RunArgs, Trace,
-        folder::{ARRIVALS, changed, repeated},
+        folder::{ARRIVALS, BEFORE, changed, repeated},
         read_scenario,
     },
     words,
 };
 
 /// What a run was made of, and what is known of it.
-pub(super) struct Recorded {
+pub(crate) struct Recorded {
     /// How the user named it.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// What it came to.
-    pub(super) summary: Summary,
+    pub(crate) summary: Summary,
     /// The machine.
-    pub(super) machine: Machine,
+    pub(crate) machine: Machine,
     /// The text of its file, and that of the scenario.
-    pub(super) texts: [String; 2],
-    program: Program,
-    args: RunArgs,
+    pub(crate) texts: [String; 2],
+    pub(super) program: Program,
+    pub(super) args: RunArgs,
     scenario: Scenario,
     arrivals: Arrivals,
+    /// The run that it goes on with.
+    before: Option<Box<Left>>,
 }
 
-type Items = Box<dyn Iterator<Item = Item>>;
+pub(super) type Items = Box<dyn Iterator<Item = Item>>;
 
 impl Recorded {
     /// Reads a run folder.
     ///
     /// # Errors
     /// What it lacks, by name.
-    pub(super) fn open(dir: &Path) -> Result<Recorded, CliError> {
+    pub(crate) fn open(dir: &Path) -> Result<Recorded, CliError> {
         let asked = of_folder(dir);
-        // What was pressed is in its arrivals.
-        let mut args = RunArgs { presses: None, ..repeated(&asked)? };
+        let args = repeated(&asked)?;
         let refused =
             |text: String| CliError::Input(format!("{}: cannot be made again: {text}", dir.display()));
         let summary = Summary::read(&dir.join("summary.json")).map_err(|error| refused(error.to_string()))?;
@@ -74,39 +78,66 @@ impl Recorded {
         if summary.faults.iter().any(|fault| fault.code == "program-changed") {
             return Err(refused("its program was changed while it ran".into()));
         }
+        Recorded::of(dir, args, summary, arrivals)
+    }
+
+    /// Reads what a run was made of. What was pressed is in its arrivals.
+    pub(super) fn of(
+        dir: &Path,
+        mut args: RunArgs,
+        summary: Summary,
+        arrivals: Arrivals,
+    ) -> Result<Recorded, CliError> {
         let Shop { machine, text, language, .. } = args.machine.with_language(&args.language)?;
-        args.language = language;
+        (args.language, args.presses) = (language, None);
         let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
         let (scenario, scenario_text) = read_scenario(&args, &machine)?;
         let name = dir.display().to_string();
         let texts = [text, scenario_text.unwrap_or_default()];
-        Ok(Recorded { name, summary, machine, texts, program, args, scenario, arrivals })
+        let before = dir.join(BEFORE);
+        let before = before.is_dir().then(|| Left::open(&before).map(Box::new)).transpose()?;
+        Ok(Recorded { name, summary, machine, texts, program, args, scenario, arrivals, before })
     }
 
     /// Who observes it.
-    pub(super) fn observer(&self) -> Observer {
+    pub(crate) fn observer(&self) -> Observer {
         self.program.observer(&self.machine)
     }
 
     /// The text of the program, or its bytes as such.
-    pub(super) fn program_bytes(&self) -> Vec<u8> {
+    pub(crate) fn program_bytes(&self) -> Vec<u8> {
         intake::bytes(&self.args.program, intake::SHOWN).unwrap_or_default()
     }
 
     /// Messages that did not come when they were due.
-    pub(super) fn changes(&self) -> usize {
+    pub(crate) fn changes(&self) -> usize {
         self.arrivals.changes.len()
+    }
+
+    /// The machine code of the program; what stands behind an error is not run.
+    pub(super) fn items(&self) -> Result<Items, CliError> {
+        let language = self.args.language.language();
+        let items = self.program.items(&self.args.program, &language, &self.machine)?;
+        Ok(Box::new(items.map_while(Result::ok).fuse()))
     }
 
     /// The machine before cycle 0.
     pub(super) fn machine_again(&self) -> Result<Again, CliError> {
-        let language = self.args.language.language();
-        let items = self.program.items(&self.args.program, &language, &self.machine)?;
-        // What stands behind an error is not run.
-        let items: Items = Box::new(items.map_while(Result::ok).fuse());
+        Ok(self.begun()?.0)
+    }
+
+    /// The same, and who observes it, with what was seen of the runs that it goes on with.
+    pub(super) fn begun(&self) -> Result<(Again, Observer), CliError> {
+        let (items, mut observer) = (self.items()?, self.observer());
         let (scenario, seed) = (self.scenario.clone(), self.summary.seed);
         let wrong = |error: sim_plant::PlantError| CliError::Input(error.to_string());
-        let how = if self.arrivals.one_process {
+        let how = if let Some(before) = &self.before {
+            let (plant, seen) = before.at_rest(scenario)?;
+            let items: Items = Box::new(before.plan(&plant)?.executed(items));
+            observer = observer.going_on(seen);
+            let rig = Rig::on_plant(&self.machine, plant, items, Straight);
+            How::OneProcess(Box::new(rig), self.arrivals.changes.iter().copied().collect())
+        } else if self.arrivals.one_process {
             let rig = Rig::new(&self.machine, items, scenario, seed).map_err(wrong)?;
             How::OneProcess(Box::new(rig), self.arrivals.changes.iter().copied().collect())
         } else {
@@ -114,12 +145,12 @@ impl Recorded {
                 Replica::new(&self.machine, items, scenario, seed, &self.arrivals).map_err(wrong)?;
             How::Processes(Box::new(replica))
         };
-        Ok(Again { how, now: 0, until: self.arrivals.until, name: self.name.clone() })
+        Ok((Again { how, now: 0, until: self.arrivals.until, name: self.name.clone() }, observer))
     }
 }
 
 /// The arguments of `run` that name a folder and nothing else.
-fn of_folder(dir: &Path) -> RunArgs {
+pub(super) fn of_folder(dir: &Path) -> RunArgs {
     RunArgs {
         program: dir.into(),
         language: LanguageArgs::default(),
@@ -138,12 +169,14 @@ fn of_folder(dir: &Path) -> RunArgs {
         trace: Trace::None,
         watchdog_s: 0.0,
         fell: Vec::new(),
+        resume: false,
+        dry_run: false,
         json: false,
     }
 }
 
 /// A machine that does again what it did.
-pub(super) struct Again {
+pub(crate) struct Again {
     how: How,
     now: u64,
     until: u64,
@@ -160,7 +193,7 @@ impl Again {
     ///
     /// # Errors
     /// The arrivals are not those of this run.
-    pub(super) fn step(&mut self, see: impl FnOnce(&Exchange, bool)) -> Result<bool, CliError> {
+    pub(crate) fn step(&mut self, see: impl FnOnce(&Exchange, bool)) -> Result<bool, CliError> {
         if self.now >= self.until {
             return Ok(false);
         }
@@ -181,6 +214,14 @@ impl Again {
             self.until = self.now;
         }
         Ok(true)
+    }
+
+    /// Mains and controls fail behind the cycle that was last: the plant at rest.
+    pub(super) fn lose_power(self, mut see: impl FnMut(&Truth)) -> Plant {
+        match self.how {
+            How::OneProcess(rig, _) => rig.lose_power(see),
+            How::Processes(replica) => replica.lose_power(&mut see),
+        }
     }
 }
 

@@ -3,7 +3,9 @@
 mod again;
 mod differ;
 mod folder;
+mod left;
 mod picture;
 
 pub(crate) use again::{HELP, ReplayArgs, replay};
 pub(crate) use differ::{DiffArgs, HELP_DIFF, diff};
+pub(crate) use left::Left;

@@ -16,6 +16,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock run part.ngc --machine my-lathe.toml --scenario examples/scenarios/override-in-pass.toml
   pitchlock run part.ngc --gauge M20x2-6g
   pitchlock run runs/m20x2-1          the same run again, from its folder
+  pitchlock run runs/m20x2-1 --resume goes on with it after a loss of power, an abort or a fault
   pitchlock run part.ngc --pace 1     as fast as the machine would be, to watch it
 
 The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
@@ -86,6 +87,13 @@ pub(crate) struct RunArgs {
     /// For tests: kills or freezes a process in a control cycle, as in `sim-plant:kill@1000`.
     #[arg(long, value_name = "PROCESS:HOW@CYCLE", value_parser = fell, hide = true)]
     pub(crate) fell: Vec<Fell>,
+    /// Go on with the run of a folder that was broken off: by a loss of power, an abort, a fault. In one
+    /// process and in virtual time.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Show where it would begin and how it would get there, and move nothing.
+    #[arg(long, requires = "resume")]
+    pub(crate) dry_run: bool,
     /// Print summary.json to standard output, and nothing else.
     #[arg(long)]
     pub(crate) json: bool,

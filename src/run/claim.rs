@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use rig::trace;
 
 use super::args::RunArgs;
+use super::folder::BEFORE;
 use super::journal::JOURNAL;
 use crate::{error::CliError, written};
 
@@ -69,6 +70,7 @@ impl Drop for Claim {
             return;
         }
         // Nothing but copies is in it; what cannot be removed is left.
+        let _ = fs::remove_dir_all(self.path.join(BEFORE));
         for file in fs::read_dir(&self.path).into_iter().flatten().flatten() {
             let _ = fs::remove_file(file.path());
         }
@@ -87,6 +89,11 @@ fn private(recursive: bool) -> DirBuilder {
     let mut builder = DirBuilder::new();
     builder.recursive(recursive).mode(0o700);
     builder
+}
+
+/// Whether a run still writes into a folder.
+pub(crate) fn is_held(path: &Path) -> bool {
+    File::open(path).is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 /// Two runs do not write into one folder.

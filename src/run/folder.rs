@@ -13,6 +13,7 @@ use rig::{observe::Summary, trace};
 use super::args::{RunArgs, Trace};
 use super::claim::Claim;
 use super::journal::JOURNAL;
+use super::moment::{LIVE, MOMENT};
 use crate::{error::CliError, program::Program};
 
 /// A run folder and the copies in it.
@@ -49,12 +50,14 @@ const PARAMETERS: &str = "parameters.var";
 const INI: &str = "machine.ini";
 const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
+/// The folder in it of the run that it goes on with: all that is needed to make that one again.
+pub(crate) const BEFORE: &str = "before";
 /// What reached the modules of a run otherwise than in lock step.
 pub(crate) const ARRIVALS: &str = "arrivals.txt";
 /// What somebody has pressed in a run, as events of a scenario.
 pub(crate) const PRESSES: &str = "presses.toml";
 /// What a run leaves, and names under which that is written.
-const RESULTS: [&str; 11] = [
+const RESULTS: [&str; 14] = [
     "summary.json",
     "report.html",
     "trace.mcap",
@@ -66,6 +69,9 @@ const RESULTS: [&str; 11] = [
     "report.html.new",
     "journal.bin.new",
     "arrivals.txt.new",
+    MOMENT,
+    LIVE,
+    BEFORE,
 ];
 
 impl RunFolder {
@@ -107,7 +113,8 @@ impl RunFolder {
         let language = Language { tools, parameters, ini, subroutines: Vec::new(), ..asked };
         let write = |name: &str, text: &str| {
             let path = path.join(name);
-            std::fs::write(&path, text).map(|()| path.clone()).map_err(|error| CliError::file(&path, error))
+            let written = intake::replace(&path, text.as_bytes());
+            written.map(|()| path.clone()).map_err(|error| CliError::file(&path, error))
         };
         if language != Language::default() {
             let kept = Language { tools: None, parameters: None, ini: None, ..language.clone() };
@@ -228,9 +235,13 @@ pub(crate) fn stamp(path: &Path) -> std::io::Result<u64> {
     }
 }
 
-/// Copies a file.
+/// Copies a file, down to the disk: whoever goes on after a loss of power needs it.
 fn copy(from: &Path, to: &Path) -> Result<(), CliError> {
-    std::fs::copy(from, to).map(drop).map_err(|error| CliError::file(to, error))
+    let copied = || {
+        std::fs::copy(from, to)?;
+        std::fs::File::open(to)?.sync_all()
+    };
+    copied().map_err(|error| CliError::file(to, error))
 }
 
 impl RunFolder {
@@ -261,10 +272,40 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         return Ok(args.clone());
     }
     let folder = &args.program;
+    if folder.join(BEFORE).is_dir() {
+        let text = "goes on with another run: pitchlock replay makes it again, --resume goes on with it";
+        return Err(CliError::file(folder, text));
+    }
     let summary = Summary::read(&folder.join("summary.json")).map_err(|error| {
         CliError::Input(format!("{error}\nhelp: {} is not the folder of a finished run", folder.display()))
     })?;
     let name = Path::new(&summary.program).file_name().unwrap_or_default();
+    let mut repeated = arguments_of(args, folder, name)?;
+    let named = summary.gauge.as_ref().map(|gauge| gauge.name.clone());
+    repeated.gauge.gauge = args.gauge.gauge.clone().or(named);
+    repeated.seed = args.seed.or(Some(summary.seed));
+    Ok(repeated)
+}
+
+/// Files in a run folder that may be its program.
+pub(crate) fn may_be_programs(folder: &Path) -> Vec<OsString> {
+    let kept = [MACHINE, SCENARIO, LANGUAGE, TOOLS, PARAMETERS, INI].iter().chain(&RESULTS);
+    let kept: Vec<OsString> = kept.map(OsString::from).collect();
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<OsString> = files.map(|file| file.file_name()).collect();
+    names.retain(|name| !kept.contains(name) && folder.join(name).is_file());
+    // A job may be the part of a program beside it.
+    names.sort_by_key(|name| (Path::new(name).extension() == Some("toml".as_ref()), name.clone()));
+    names
+}
+
+/// Hash of the files in a run folder that decide what the program of this name does.
+pub(crate) fn input_of(folder: &Path, judged: &Program, name: &OsStr) -> Result<[u8; 16], CliError> {
+    hashes(deciding(folder, judged, name), None).map(|(input, _)| input)
+}
+
+/// The arguments of a run by what its folder keeps, for a program of this name.
+pub(crate) fn arguments_of(args: &RunArgs, folder: &Path, name: &OsStr) -> Result<RunArgs, CliError> {
     let mut repeated = args.clone();
     repeated.program = folder.join(name);
     let there = |name: &str| Some(folder.join(name)).filter(|path| path.exists());
@@ -283,8 +324,5 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
     // Of another scenario or another program it was not pressed.
     repeated.presses = there(PRESSES).filter(|_| args.scenario.is_none());
     repeated.scenario = args.scenario.clone().or_else(|| there(SCENARIO));
-    let named = summary.gauge.as_ref().map(|gauge| gauge.name.clone());
-    repeated.gauge.gauge = args.gauge.gauge.clone().or(named);
-    repeated.seed = args.seed.or(Some(summary.seed));
     Ok(repeated)
 }

@@ -7,7 +7,7 @@ use process::{
     shell::Beat,
 };
 use protocol::{Doom, Item, Module, operator::Request};
-use rig::{Rig, observe::Record, standstill::Standstill, supervisor::Supervisor};
+use rig::{Rig, observe::Record, standstill::Standstill, supervisor::Supervisor, wires::Straight};
 
 use super::{
     Setup,
@@ -27,8 +27,14 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let begun = Moment::now();
     let unreadable = Rc::<RefCell<Option<String>>>::default();
     let items = items(setup, Rc::clone(&unreadable))?;
-    let mut rig = Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
-        .map_err(|error| CliError::Input(error.to_string()))?;
+    let mut rig = match &setup.resumed {
+        None => Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
+            .map_err(|error| CliError::Input(error.to_string()))?,
+        Some(resumed) => {
+            let items: Items = Box::new(resumed.plan.executed(items));
+            Rig::on_plant(&setup.machine, resumed.plant.clone(), items, Straight)
+        }
+    };
     let mut recorder = Recorder::new(setup, true)?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
     let mut standstill = Standstill::new(&setup.machine, &setup.scenario);
@@ -90,16 +96,15 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     Ok((complete(summary, setup, begun), failed))
 }
 
+type Items = Box<dyn Iterator<Item = Item>>;
+
 /// The machine code of the program; what cannot be read any more is left in `unreadable`, and nothing that
 /// stands behind it is run.
-fn items(
-    setup: &Setup,
-    unreadable: Rc<RefCell<Option<String>>>,
-) -> Result<impl Iterator<Item = Item> + use<>, CliError> {
+fn items(setup: &Setup, unreadable: Rc<RefCell<Option<String>>>) -> Result<Items, CliError> {
     let items = setup.program.items(&setup.folder.program, &setup.folder.language, &setup.machine)?;
     let read =
         move |item: Result<Item, String>| item.map_err(|text| *unreadable.borrow_mut() = Some(text)).ok();
-    Ok(items.map_while(read).fuse())
+    Ok(Box::new(items.map_while(read).fuse()))
 }
 
 /// The interpreter as it ends when it meets an error in a program that was good.

@@ -3,16 +3,18 @@
 mod args;
 mod channels;
 mod children;
-mod claim;
+pub(crate) mod claim;
 mod endings;
 pub(crate) mod folder;
 mod in_process;
 pub(crate) mod interrupts;
 mod journal;
 mod keeps;
+pub(crate) mod moment;
 mod processes;
 mod progress;
 mod recorder;
+mod resumed;
 mod summed;
 mod watchdog;
 
@@ -28,6 +30,7 @@ use crate::{
     error::CliError,
     panel::Live,
     program::Program,
+    replay::Left,
     report::DRAWING,
     screen,
     words::{self, Phase},
@@ -39,6 +42,7 @@ use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
 use keeps::Keeps;
 pub(crate) use recorder::axes;
+use resumed::Resumed;
 use summed::{summed_up, told};
 
 /// Everything a run depends on.
@@ -65,12 +69,18 @@ pub(crate) struct Setup {
     pub(crate) watchdog_s: f64,
     /// Whom a test kills or freezes.
     pub(crate) fell: Vec<Fell>,
+    /// The run that it goes on with.
+    pub(crate) resumed: Option<Resumed>,
 }
 
 impl Setup {
     /// Who says what the journal has to know.
     fn keeper(&self) -> Keeper {
         let run = Origin { input: self.folder.input, seed: self.seed, ..Origin::default() };
+        let run = self.resumed.as_ref().map_or(run, |Resumed { plan, .. }| {
+            let (begun_at, before) = (plan.modal.steps, plan.steps_before());
+            Origin { begun_at, before, passes: plan.modal.passes, ..run }
+        });
         let keeper = Keeper::new(&self.machine, run, &self.program.watched);
         let passes = self.program.check.iter().flat_map(|check| &check.passes);
         keeper.lying_at(passes.map(|note| (note.pass, note.origin_mm)).collect())
@@ -81,6 +91,9 @@ impl Setup {
 pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if asked.panel.is_said() && !asked.with_panel {
         return Err(CliError::Input("--port and --listen are of the panel: add --panel".into()));
+    }
+    if asked.dry_run {
+        return Judged::read(asked, quiet, false).map(|_| ExitCode::SUCCESS);
     }
     let mut interrupts = None;
     let prepared = Prepared::of(asked, quiet, &mut interrupts)?;
@@ -100,6 +113,50 @@ pub(crate) fn judged(asked: &RunArgs) -> Result<PathBuf, CliError> {
     Ok(args.program)
 }
 
+/// All that a run is made of, read and judged. Nothing is written yet.
+struct Judged {
+    args: RunArgs,
+    machine: Machine,
+    machine_text: String,
+    program: Program,
+    scenario: sim_plant::Scenario,
+    scenario_text: Option<String>,
+    seen: Seen,
+    keeps: Option<Keeps>,
+    resumed: Option<Resumed>,
+}
+
+impl Judged {
+    /// Reads the input and judges it. If it goes on with another run, that is told.
+    fn read(asked: &RunArgs, quiet: bool, at_a_panel: bool) -> Result<Judged, CliError> {
+        let left = asked.resume.then(|| Left::open(&asked.program)).transpose()?;
+        let mut args = match &left {
+            Some(left) => left.arguments(asked)?,
+            None => folder::repeated(asked)?,
+        };
+        args.with_panel |= at_a_panel;
+        let Shop { machine, text: machine_text, language, notes } =
+            args.machine.with_language(&args.language)?;
+        let keeps = Keeps::of(asked, &machine, &language);
+        args.language = language;
+        let seen = Seen::of(&args);
+        let mut program =
+            Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
+        if !quiet {
+            // Whoever repeats a run has been told.
+            let notes = if asked.program.is_dir() { "" } else { &notes };
+            words::say(&format!("{notes}{}", program.messages));
+        }
+        let (scenario, scenario_text) = read_scenario(&args, &machine)?;
+        can_be_played(&scenario, &args)?;
+        let resumed = left.map(|left| Resumed::new(left, scenario.clone(), &mut program)).transpose()?;
+        if let Some(resumed) = &resumed {
+            resumed.tell(&args, quiet);
+        }
+        Ok(Judged { args, machine, machine_text, program, scenario, scenario_text, seen, keeps, resumed })
+    }
+}
+
 /// A run that can begin.
 pub(crate) struct Prepared {
     setup: Setup,
@@ -115,27 +172,14 @@ impl Prepared {
         quiet: bool,
         interrupts: &mut Option<Interrupts>,
     ) -> Result<Prepared, CliError> {
-        let mut repeated = folder::repeated(asked)?;
         // Signals are caught already: this is a command that waits for somebody at its panel.
-        repeated.with_panel |= interrupts.is_some();
-        let Shop { machine, text: machine_text, language, notes } =
-            repeated.machine.with_language(&repeated.language)?;
-        let keeps = Keeps::of(asked, &machine, &language);
-        repeated.language = language;
-        let args = &repeated;
-        let seen = Seen::of(args);
-        let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
-        if !quiet {
-            // Whoever repeats a run has been told.
-            let notes = if asked.program.is_dir() { "" } else { &notes };
-            words::say(&format!("{notes}{}", program.messages));
-        }
-        let (scenario, scenario_text) = read_scenario(args, &machine)?;
-        can_be_played(&scenario, args)?;
+        let Judged { args, machine, machine_text, program, scenario, scenario_text, seen, keeps, resumed } =
+            Judged::read(asked, quiet, interrupts.is_some())?;
         if interrupts.is_none() {
             *interrupts = Some(Interrupts::catch()?);
         }
-        let folder = RunFolder::create(args, &program, &machine_text, scenario_text.as_deref(), &seen)?;
+        let folder = RunFolder::create(&args, &program, &machine_text, scenario_text.as_deref(), &seen)?;
+        resumed.iter().try_for_each(|resumed| resumed.keep(&folder.path))?;
         let setup = Setup {
             machine,
             program,
@@ -147,7 +191,8 @@ impl Prepared {
             progress: !quiet && !args.json,
             quiet,
             watchdog_s: args.watchdog_s,
-            fell: args.fell.clone(),
+            fell: args.fell,
+            resumed,
         };
         // The document of `panel --json` is where the panel is.
         let json = args.json && (asked.with_panel || !args.with_panel);
@@ -169,6 +214,7 @@ impl Prepared {
         } else {
             processes::run(&setup, caught, live.as_deref_mut())?
         };
+        summary.resumed = setup.resumed.as_ref().map(|resumed| resumed.report.clone());
         summary.files.clone_from(&setup.folder.hashes);
         summary.program_warnings = setup.program.warnings();
         if !setup.folder.is_as_it_was() {

@@ -8,11 +8,11 @@ use process::shell::Clock;
 use protocol::Axis;
 use rig::{
     observe::{Observer, Record, Summary},
-    replay::Collector,
+    replay::{Arrivals, Collector},
     trace::{Row, TraceWriter},
 };
 
-use super::{Setup, folder::ARRIVALS, journal::Journal, progress::Progress};
+use super::{Setup, folder::ARRIVALS, journal::Journal, moment::Live, progress::Progress};
 use crate::error::CliError;
 
 /// What a run was; and what could not be written of it.
@@ -26,6 +26,7 @@ pub(crate) struct Recorder {
     /// What reached the modules otherwise than in lock step, and where that is kept.
     pub(crate) arrivals: Collector,
     kept: PathBuf,
+    live: Live,
     progress: Progress,
     cycle_s: f64,
     failed: Option<CliError>,
@@ -39,12 +40,18 @@ impl Recorder {
             let trace = TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)?;
             Ok::<_, CliError>(if setup.folder.every_cycle { trace } else { trace.thinned() })
         };
+        let head = Arrivals::head(one_process, setup.clock == Clock::Real, setup.seed);
+        let observer = setup.program.observer(&setup.machine);
         Ok(Recorder {
-            observer: setup.program.observer(&setup.machine),
+            observer: match setup.resumed.as_ref() {
+                Some(resumed) => observer.going_on(resumed.observer.clone()),
+                None => observer,
+            },
             trace: setup.folder.trace.map(create).transpose()?,
             journal: Journal::create(&setup.folder.path, setup.keeper())?,
             arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
             kept: setup.folder.path.join(ARRIVALS),
+            live: Live::create(&setup.folder.path, &head)?,
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,
             failed: None,
@@ -57,6 +64,7 @@ impl Recorder {
         let told = self.observer.told().len();
         self.observer.cycle(record);
         self.arrivals.cycle(record);
+        self.live.cycle(record.truth.cycle.0 + 1, &self.arrivals);
         for message in &self.observer.told()[told..] {
             self.progress.say(&format!("line {}: {}", message.line, message.text));
         }
@@ -89,6 +97,9 @@ impl Recorder {
         let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));
         let kept = intake::replace(&self.kept, self.arrivals.finish().text().as_bytes());
         let kept = kept.map_err(|error| CliError::file(&self.kept, error)).err();
+        if kept.is_none() {
+            self.live.remove();
+        }
         let failed = self.failed.or(unfinished.map(CliError::from)).or(unwritten).or(kept);
         let summary = self.observer.finish().summary(program, clock_name(clock));
         (Summary { trace_file_hash: hash, ..summary }, failed)

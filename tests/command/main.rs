@@ -30,6 +30,7 @@ mod pick_up;
 mod processes;
 mod replay;
 mod resolution;
+mod resume;
 mod signals;
 mod straight_lines;
 mod strangers;

@@ -15,6 +15,7 @@ mod cutting;
 mod faults;
 mod full;
 mod gauged;
+mod going_on;
 mod helix;
 mod inside;
 mod judged;
@@ -50,7 +51,7 @@ use zerocopy::IntoBytes;
 
 pub use summary::{
     AxisLimits, Channel, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process,
-    ServoError, Summary, VERSION,
+    ResumedReport, ServoError, Summary, VERSION,
 };
 
 pub use circle::Watch;
@@ -115,6 +116,8 @@ pub struct Observer {
     current: Option<PassObserver>,
     inside: Inside,
     threads: Threads,
+    /// Passes of the runs that this one goes on with.
+    earlier: Vec<PassReport>,
     gauged: Option<Gauged>,
     index_number: u64,
     index_deg: f64,
@@ -151,6 +154,7 @@ impl Observer {
             current: None,
             inside: Inside::new(),
             threads: Threads::default(),
+            earlier: Vec::new(),
             gauged: None,
             index_number: 0,
             index_deg: 0.0,
@@ -283,6 +287,7 @@ impl Observer {
     pub fn finish(mut self) -> Observation {
         self.close();
         self.warn();
+        self.out.thread = self.thread();
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
@@ -292,7 +297,6 @@ impl Observer {
         self.out.pauses = self.pauses.finish();
         (self.out.outputs, self.out.analog_outputs, self.out.inputs) = self.outputs.finish();
         self.out.messages = self.messages.told;
-        self.out.thread = self.threads.report(&self.out.passes);
         self.out.gauge = self.gauged.as_ref().map(Gauged::report);
         self.out
     }

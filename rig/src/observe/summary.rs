@@ -66,6 +66,21 @@ pub struct Channel {
     pub late_in_row: u64,
 }
 
+/// The run that another one goes on with, and where.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ResumedReport {
+    /// Its folder.
+    pub run: String,
+    /// The last control cycle that its journal knew.
+    pub known_cycle: u64,
+    /// The line at which the program was begun again.
+    pub line: u32,
+    /// The pass there, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pass: Option<u32>,
+}
+
 /// A fault when it was first seen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FaultReport {
@@ -299,6 +314,9 @@ pub struct Summary {
     pub version: u32,
     /// The part program, as the user named it.
     pub program: String,
+    /// The run that was broken off and that this one goes on with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resumed: Option<ResumedReport>,
     /// `virtual` or `real`.
     pub clock: String,
     /// Seed of everything random about the plant.

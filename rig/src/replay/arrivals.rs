@@ -28,6 +28,10 @@ pub struct Arrivals {
     pub one_process: bool,
     /// The first cycle that was not recorded any more.
     pub until: u64,
+    /// It ran in real time, and its seed, of a record that was not finished.
+    pub real_time: bool,
+    /// See there.
+    pub seed: Option<u64>,
     /// Why the run cannot be made again.
     pub gap: Option<String>,
     /// In the order in which they were told: those of one input are in the order of their cycles.
@@ -57,15 +61,29 @@ impl Arrivals {
             let _ = writeln!(text, "incomplete {gap}");
             return text;
         }
-        for (cycle, input, taken) in &self.changes {
-            let _ = write!(text, "{cycle} {} ", input.name());
-            let _ = match taken {
-                Taken::Due => writeln!(text, "due"),
-                Taken::Nothing => writeln!(text, "nothing"),
-                Taken::This(which) => writeln!(text, "{which}"),
-            };
-        }
+        self.changes.iter().for_each(|change| text += &line(change));
         text
+    }
+
+    /// What such a file begins with while the machine runs; the line of each change follows.
+    pub fn head(one_process: bool, real_time: bool, seed: u64) -> String {
+        let machine = if one_process { "one-process" } else { "processes" };
+        let clock = if real_time { "real" } else { "virtual" };
+        format!("{TITLE}\nmachine {machine}\nclock {clock}\nseed {seed}\n")
+    }
+
+    /// What is left of such a file: everything before the first line that is damaged.
+    pub fn left(text: &str) -> Arrivals {
+        let mut arrivals = Arrivals::default();
+        // The last line may be torn.
+        let whole = text.rfind('\n').and_then(|end| text.get(..end)).unwrap_or_default();
+        let _ = whole.lines().skip(1).try_for_each(|line| arrivals.line(line));
+        arrivals
+    }
+
+    /// The lines of the changes from one on.
+    pub fn lines_from(&self, first: usize) -> String {
+        self.changes.iter().skip(first).map(line).collect()
     }
 
     /// The arrivals of a text.
@@ -89,6 +107,8 @@ impl Arrivals {
         match (first, rest) {
             ("machine", "one-process") => self.one_process = true,
             ("machine", "processes") => self.one_process = false,
+            ("clock", clock) => self.real_time = clock == "real",
+            ("seed", seed) => self.seed = Some(seed.parse().ok()?),
             ("until", cycle) => self.until = cycle.parse().ok()?,
             ("incomplete", why) => self.miss(why.into()),
             _ => {
@@ -103,6 +123,16 @@ impl Arrivals {
         }
         Some(())
     }
+}
+
+/// A change as a line.
+fn line((cycle, input, taken): &Change) -> String {
+    let taken = match taken {
+        Taken::Due => "due".into(),
+        Taken::Nothing => "nothing".into(),
+        Taken::This(which) => which.to_string(),
+    };
+    format!("{cycle} {} {taken}\n", input.name())
 }
 
 /// Collects the arrivals of a run in the launcher: what modules tell, and what the recorder sees.
@@ -181,6 +211,11 @@ impl Collector {
         }
     }
 
+    /// What has been collected.
+    pub fn so_far(&self) -> &Arrivals {
+        &self.arrivals
+    }
+
     /// All of it.
     pub fn finish(self) -> Arrivals {
         self.arrivals
@@ -210,6 +245,11 @@ mod tests {
         arrivals.note(8, Input::Drive(Axis::Z), Taken::Due);
         arrivals.note(9, Input::TickMeasurement, Taken::Nothing);
         assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(arrivals.clone()));
+        // One that was being written, and is torn in its last line.
+        let being_written = Arrivals::head(false, false, 7) + &arrivals.lines_from(0) + "10 tick-mea";
+        let left = Arrivals::left(&being_written);
+        assert_eq!((left.seed, &left.changes), (Some(7), &arrivals.changes));
+        assert_eq!(Arrivals::left(&being_written.replace("8 drive", "8 drove")).changes.len(), 1);
         arrivals.miss("a word was lost".into());
         let read = Arrivals::from_text(&arrivals.text()).expect("it is one of ours");
         assert_eq!((read.gap, read.changes.len()), (arrivals.gap, 0));

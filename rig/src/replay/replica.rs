@@ -13,7 +13,7 @@ use interpolator::Interpolator;
 use machine::Machine;
 use protocol::{
     Axis, AxisFrame, AxisStatus, CodePacket, DriveCommand, Input, Item, MachineStatus, Measurement,
-    OperatorRequest, PerAxis, SpindleCommand, Taken, operator::Request, units::AXES,
+    OperatorRequest, PerAxis, SpindleCommand, Taken, Truth, operator::Request, units::AXES,
 };
 use regulator::Regulator;
 use sim_plant::{Plant, PlantError, Scenario};
@@ -171,9 +171,10 @@ impl<I: Iterator<Item = Item>> Replica<I> {
     }
 
     /// Mains and controls fail behind the cycle that was last: the plant at rest.
-    pub fn lose_power(self) -> Plant {
+    /// `see` is shown every cycle on its way there.
+    pub fn lose_power(self, see: impl FnMut(&Truth)) -> Plant {
         let Replica { mut plant, drives, spindle, .. } = self;
-        plant.lose_power(&drives, &spindle, |_| {});
+        plant.lose_power(&drives, &spindle, see);
         plant
     }
 

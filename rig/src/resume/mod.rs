@@ -314,6 +314,17 @@ fn elsewhere((item, from): &Step, here: &PerAxis<Position>) -> Refusal {
 }
 
 impl Plan {
+    /// The machine code that is executed: the way there, then the rest of the program.
+    pub fn executed<I: Iterator<Item = Item>>(&self, program: I) -> impl Iterator<Item = Item> + use<I> {
+        let left_out = usize::try_from(self.modal.items).unwrap_or(usize::MAX);
+        self.before.clone().into_iter().chain(program.skip(left_out))
+    }
+
+    /// What the items before the rest of the program count in its progress.
+    pub fn steps_before(&self) -> u64 {
+        self.before.iter().map(Item::steps).sum()
+    }
+
     /// A plan that begins at the first of these steps.
     fn new(modal: Modal, steps: &[Step], stands: Stands, way: Vec<Item>) -> Plan {
         let first = steps.first().map_or(Item { line: 0, code: Code::End }, |step| step.0);

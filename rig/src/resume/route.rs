@@ -45,7 +45,10 @@ pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) 
         nearest.map(|(index, _)| index)
     };
     let near = moves().take(NEXT).find(is_on).map(|(index, _)| index);
-    near.or_else(beside).or_else(|| moves().skip(NEXT).find(is_on).map(|(index, _)| index))
+    let later = || moves().skip(NEXT).find(is_on).map(|(index, _)| index);
+    // It was on its way back over a contour, and that was broken off as well.
+    let before = || (0..known).rev().find(|index| is_on(&(*index, &steps[*index])));
+    near.or_else(beside).or_else(later).or_else(before)
 }
 
 /// Whether an item moves the axes.

@@ -1,0 +1,174 @@
+//! What is left of a run that was broken off, by whatever: its journal, what it was made of, and what its
+//! machine did. In: a run folder, perhaps of processes that were all killed. Out: the machine at rest, as the
+//! run left it; how its program is gone on with.
+
+use std::path::Path;
+
+use process::shell::Clock;
+use protocol::PerAxis;
+use rig::{
+    journal::{MOST, State, latest},
+    observe::{Observer, Summary},
+    replay::Arrivals,
+    resume::{self, Plan},
+};
+use sim_plant::{Plant, Scenario};
+
+use super::folder::{Recorded, of_folder};
+use crate::{
+    error::CliError,
+    program::Program,
+    run::{
+        JOURNAL, RunArgs,
+        claim::is_held,
+        folder::{ARRIVALS, arguments_of, input_of, may_be_programs},
+        moment,
+    },
+};
+
+/// A run that was broken off.
+pub(crate) struct Left {
+    /// What it was made of.
+    pub(crate) recorded: Recorded,
+    /// The newest record of its journal, with its number; none if there is no whole one.
+    pub(crate) known: Option<(u64, State)>,
+}
+
+impl Left {
+    /// Reads a run folder.
+    ///
+    /// # Errors
+    /// What it lacks, or what cannot be gone on with, by name.
+    pub(crate) fn open(dir: &Path) -> Result<Left, CliError> {
+        if is_held(dir) {
+            return Err(CliError::file(dir, "this run still goes on: wait until it has ended"));
+        }
+        let path = dir.join(JOURNAL);
+        let bytes = intake::bytes(&path, MOST).map_err(|error| {
+            let help = "name the folder of a run, as in runs/m20x2-1: it has a journal.bin";
+            CliError::file(&path, format!("{error}\nhelp: {help}"))
+        })?;
+        let known = latest::<State>(&bytes);
+        let summary = Summary::read(&dir.join("summary.json")).ok();
+        let args = arguments(dir, summary.as_ref(), known.map(|(_, state)| state.input))?;
+        let arrivals = arrivals(dir, known.map_or(0, |(_, state)| state.cycle))?;
+        if arrivals.real_time || summary.as_ref().is_some_and(|summary| summary.clock == "real") {
+            let text =
+                "ran in real time: what its machine did cannot be made again up to where it was broken off";
+            return Err(CliError::file(dir, text));
+        }
+        let seed = summary.as_ref().map(|summary| summary.seed);
+        let seed = seed.or(known.map(|(_, state)| state.seed)).or(arrivals.seed);
+        let summary = Summary { seed: seed.unwrap_or(1), ..summary.unwrap_or_default() };
+        Ok(Left { recorded: Recorded::of(dir, args, summary, arrivals)?, known })
+    }
+
+    /// What the control knows.
+    pub(crate) fn state(&self) -> State {
+        self.known.map_or_else(State::nothing, |(_, state)| state)
+    }
+
+    /// The arguments of a run that goes on with it; of what is asked counts what says where it is written and
+    /// what happens meanwhile.
+    ///
+    /// # Errors
+    /// Something else is asked for.
+    pub(crate) fn arguments(&self, asked: &RunArgs) -> Result<RunArgs, CliError> {
+        if asked.clock == Clock::Real {
+            return Err(CliError::Input("--resume runs in virtual time only; leave out --clock real".into()));
+        }
+        if asked.with_panel {
+            let text = "--resume has no panel: the machine of a run that goes on is one process; leave out --panel";
+            return Err(CliError::Input(text.into()));
+        }
+        let language = &asked.language;
+        let tables = [&language.tools, &language.parameters, &language.ini];
+        let other = asked.machine.machine.is_some()
+            || language.dialect.is_some()
+            || !language.block_delete.is_empty()
+            || !language.subroutines.is_empty()
+            || asked.seed.is_some()
+            || tables.into_iter().any(Option::is_some);
+        if other {
+            let text = "--resume goes on with the machine, the tables and the seed of the run: leave out everything that says \
+                        others, or run the program from its beginning";
+            return Err(CliError::Input(text.into()));
+        }
+        let RunArgs { program, language, machine, gauge, .. } = self.recorded.args.clone();
+        let gauge = if asked.gauge.gauge.is_some() { asked.gauge.clone() } else { gauge };
+        let seed = Some(self.recorded.summary.seed);
+        Ok(RunArgs { program, language, machine, gauge, seed, in_process: true, ..asked.clone() })
+    }
+
+    /// Its machine when it is switched on again, playing a scenario; and who has observed it.
+    ///
+    /// # Errors
+    /// What its machine did cannot be made again; an event of the scenario is for an axis that there is not.
+    pub(crate) fn at_rest(&self, scenario: Scenario) -> Result<(Plant, Observer), CliError> {
+        let (mut machine, mut observer) = self.recorded.begun()?;
+        while machine.step(|exchange, _| observer.cycle(&exchange.record))? {}
+        let mut plant = machine.lose_power(|truth| observer.run_down(truth));
+        plant.switch_on(scenario).map_err(|error| CliError::Input(error.to_string()))?;
+        Ok((plant, observer))
+    }
+
+    /// How its program is gone on with by a control that measures what a plant shows.
+    ///
+    /// # Errors
+    /// It is not; the text says why.
+    pub(crate) fn plan(&self, plant: &Plant) -> Result<Plan, CliError> {
+        let machine = &self.recorded.machine;
+        let mut here: PerAxis<_> = machine.home();
+        for (axis, config) in machine.axes() {
+            here[axis.index()] = config.position(&plant.measurement().axes[axis.index()]);
+        }
+        let program = || self.recorded.items().into_iter().flatten();
+        resume::plan(machine, program, &self.state(), &here)
+            .map_err(|refusal| CliError::Input(format!("{}: {refusal}", self.recorded.name)))
+    }
+}
+
+/// The arguments of the run: its program is the one that its summary names, or, without one, the file by
+/// which the journal knows it.
+fn arguments(dir: &Path, summary: Option<&Summary>, input: Option<[u8; 16]>) -> Result<RunArgs, CliError> {
+    let names = match summary {
+        Some(summary) => Vec::from_iter(Path::new(&summary.program).file_name().map(Into::into)),
+        None => may_be_programs(dir),
+    };
+    for name in names {
+        let mut args = arguments_of(&of_folder(dir), dir, &name)?;
+        args.gauge.gauge = summary.and_then(|summary| summary.gauge.as_ref()).map(|gauge| gauge.name.clone());
+        let shop = args.machine.with_language(&args.language)?;
+        let judged = Program::read(&args.program, &shop.language.language(), &shop.machine, None);
+        let fits = judged.is_ok_and(|judged| {
+            input.is_none_or(|input| input_of(dir, &judged, &name).is_ok_and(|held| held == input))
+        });
+        if fits {
+            return Ok(args);
+        }
+    }
+    let text = "the program, the machine file, tools or parameters in it are not those of its journal: they were changed \
+                since, and nobody knows where it stands in them";
+    Err(CliError::file(dir, text))
+}
+
+/// What reached its modules, up to where it was broken off. Nobody knows that better than the record of its
+/// machine; without one it is taken where the journal saw it last.
+fn arrivals(dir: &Path, known_cycle: u64) -> Result<Arrivals, CliError> {
+    let path = dir.join(ARRIVALS);
+    let whole = intake::text(&path, rig::replay::MOST_BYTES).ok();
+    let arrivals = match whole {
+        Some(text) => Arrivals::from_text(&text).map_err(|error| CliError::file(&path, error))?,
+        None => {
+            let until = moment::cycles(dir).unwrap_or(0).max(known_cycle + 1);
+            Arrivals { until, ..moment::arrivals(dir) }
+        }
+    };
+    match &arrivals.gap {
+        Some(gap) => {
+            let text = format!("what its machine did cannot be made again: its record has a gap: {gap}");
+            Err(CliError::file(dir, text))
+        }
+        None => Ok(arrivals),
+    }
+}

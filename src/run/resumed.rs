@@ -1,0 +1,201 @@
+//! `pitchlock run RUN_DIR --resume`: what is known of a run that was broken off and what is not, where its
+//! program begins again, and how the tool gets there. In: what is left of the run. Out: the machine at rest
+//! and a plan; both told before anything moves.
+
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use protocol::{Axis, Code, Feed, Item, SpindleSpeed};
+use rig::{
+    observe::{Observer, ResumedReport},
+    resume::{Plan, Stands},
+};
+use serde_json::{Value, json};
+use sim_plant::{Plant, Scenario};
+
+use super::{args::RunArgs, folder::BEFORE};
+use crate::{error::CliError, journal, program::Program, replay::Left, screen, words};
+
+/// A run that goes on with another one.
+pub(crate) struct Resumed {
+    /// The machine, switched on again.
+    pub(crate) plant: Plant,
+    /// Who has seen what was cut so far.
+    pub(crate) observer: Observer,
+    /// How it is gone on with.
+    pub(crate) plan: Plan,
+    /// The same in the summary.
+    pub(crate) report: ResumedReport,
+    /// Folder of that run.
+    from: PathBuf,
+    left: Left,
+}
+
+impl Resumed {
+    /// Brings the machine of a run to rest and finds how its program is gone on with; the program then tells
+    /// its messages where they come.
+    ///
+    /// # Errors
+    /// It is not gone on with, and why.
+    pub(super) fn new(left: Left, scenario: Scenario, program: &mut Program) -> Result<Resumed, CliError> {
+        let making = words::Phase::begin("making the machine of the run again");
+        let (plant, observer) = left.at_rest(scenario)?;
+        drop(making);
+        let plan = left.plan(&plant)?;
+        let (begun_at, before) = (plan.modal.steps, plan.steps_before());
+        if let Some(check) = &mut program.check {
+            check.messages.retain(|note| note.after >= begun_at);
+            check.messages.iter_mut().for_each(|note| note.after = note.after - begun_at + before);
+        }
+        program.steps = program.steps.saturating_sub(begun_at) + before;
+        let from = PathBuf::from(&left.recorded.name);
+        let report = ResumedReport {
+            run: left.recorded.name.clone(),
+            known_cycle: left.state().cycle,
+            line: plan.line,
+            pass: plan.pass,
+        };
+        Ok(Resumed { plant, observer, plan, report, from, left })
+    }
+
+    /// Says all of it: a run on standard error, a dry run on standard output.
+    pub(super) fn tell(&self, args: &RunArgs, quiet: bool) {
+        match (args.dry_run, args.json) {
+            (true, true) => screen::print(&format!("{:#}\n", self.as_json())),
+            (true, false) => screen::print(&self.told()),
+            (false, false) if !quiet => words::say(&self.told()),
+            _ => {}
+        }
+    }
+
+    fn told(&self) -> String {
+        let mut text = match &self.left.known {
+            Some((record, state)) => journal::told(*record, state),
+            None => "known     nothing: its journal has no whole record\n".into(),
+        };
+        for unknown in self.unknown() {
+            let _ = writeln!(text, "not known {unknown}");
+        }
+        let _ = writeln!(text, "stands    {}", stands(self.plan.stands));
+        for item in &self.plan.way {
+            let _ = writeln!(text, "way       {}", moved(item));
+        }
+        let what = self.plan.pass.map_or_else(String::new, |pass| format!(", pass {pass}, whole"));
+        let _ = writeln!(text, "begins    at line {}{what}", self.plan.line);
+        let _ = writeln!(text, "in force  {}", self.in_force());
+        text
+    }
+
+    /// What nobody knows.
+    fn unknown(&self) -> Vec<String> {
+        let mut unknown = vec![match &self.left.known {
+            Some((_, state)) => format!(
+                "what was done after control cycle {}: what may not be done is done again",
+                state.cycle
+            ),
+            None => "how far it came: it begins where the tool may have been first".into(),
+        }];
+        if let Stands::InPass(pass) = self.plan.stands {
+            unknown.push(format!(
+                "what the tool did to the groove of pass {pass} while the spindle ran down, if it stood in it: look at it"
+            ));
+        }
+        unknown.push("whether the part is held as it was, and whether the edge of the tool is whole".into());
+        unknown
+    }
+
+    /// What is in force where it begins.
+    fn in_force(&self) -> String {
+        let modal = &self.plan.modal;
+        let tool = modal.tool.map_or_else(|| "no tool".into(), |tool| format!("tool {tool}"));
+        let spindle = match modal.spindle {
+            Some(Code::Spindle { mode, speed: SpindleSpeed::Rpm(rpm) }) => {
+                format!("spindle {:.1} 1/min", mode.sign() * rpm)
+            }
+            Some(Code::Spindle { mode, speed: SpindleSpeed::Surface { mm_s, .. } }) => {
+                format!("spindle at {:.1} m/min", mode.sign() * mm_s * 0.06)
+            }
+            _ => "the spindle stands".into(),
+        };
+        let coolant = match modal.coolant {
+            Some(Code::Coolant { mist, flood }) if mist || flood => "coolant on",
+            _ => "coolant off",
+        };
+        let outputs = match modal.outputs.len() {
+            0 => String::new(),
+            number => {
+                format!(", {} as the program left them", words::counted(number as u64, "output", "outputs"))
+            }
+        };
+        format!("{tool}, {spindle}, {coolant}{outputs}; offsets and feeds as the program has them there")
+    }
+
+    fn as_json(&self) -> Value {
+        let Plan { modal, line, pass, way, .. } = &self.plan;
+        json!({
+            "version": 1,
+            "known": self.left.known.as_ref().map(|(record, state)| journal::as_json(*record, state)),
+            "not_known": self.unknown(),
+            "stands": stands(self.plan.stands),
+            "way": way.iter().map(moved).collect::<Vec<String>>(),
+            "line": line,
+            "pass": pass,
+            "passes_done": modal.passes,
+            "steps_done": modal.steps,
+            "tool": modal.tool,
+        })
+    }
+
+    /// Keeps in the folder of the new run all that is needed to make the one before again.
+    pub(super) fn keep(&self, folder: &Path) -> Result<(), CliError> {
+        let to = folder.join(BEFORE);
+        copy(&self.from, &to).map_err(|error| CliError::file(&to, error))
+    }
+}
+
+/// Copies a run folder without its trace and its report.
+fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    fs::create_dir(to)?;
+    for file in fs::read_dir(from)? {
+        let file = file?;
+        let (name, place) = (file.file_name(), to.join(file.file_name()));
+        let text = name.to_string_lossy();
+        if text == BEFORE {
+            copy(&file.path(), &place)?;
+        } else if file.file_type()?.is_file()
+            && !["trace.", "report."].iter().any(|left| text.starts_with(left))
+        {
+            fs::copy(file.path(), &place)?;
+            fs::File::open(&place)?.sync_all()?;
+        }
+    }
+    Ok(())
+}
+
+fn stands(stands: Stands) -> String {
+    match stands {
+        Stands::InPass(pass) => format!("the tool, where pass {pass} leads it"),
+        Stands::OnRapid(line) => format!("the tool, on the rapid of line {line}"),
+        Stands::OnContour(line) => format!("the tool, on the contour, in line {line}"),
+        Stands::AtRest => "the tool, where the program leaves it".into(),
+    }
+}
+
+/// A move in words, in coordinates of the machine.
+fn moved(item: &Item) -> String {
+    let (target, feed, how) = match &item.code {
+        Code::Line { target, feed } => (target, *feed, "to"),
+        Code::Arc { arc, feed } => (&arc.target, *feed, "back on the arc to"),
+        _ => return String::new(),
+    };
+    let [x, z] = [Axis::X, Axis::Z].map(|axis| target[axis.index()].mm());
+    let feed = match feed {
+        Feed::Rapid => "rapid".into(),
+        Feed::PerMinute(feed) => format!("{feed} mm/min"),
+        Feed::PerRevolution(feed) => format!("{feed} mm/rev"),
+    };
+    format!("{how} X {x:.3} Z {z:.3} mm of the machine (X a radius), {feed}")
+}

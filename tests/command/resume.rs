@@ -1,0 +1,213 @@
+//! Runs whose processes are all killed in seeded cycles, and whose files are torn and damaged, gone on with
+//! by `pitchlock run RUN_DIR --resume`; the same behind an abort, in a run that went on already; and what is
+//! refused.
+
+use std::{fs, path::Path};
+
+use process::ipc::time::Moment;
+use rig::observe::{Outcome, PartVerdict, Summary};
+use serde_json::Value;
+use testing::Seed;
+
+use crate::shop::{Place, children, signal, wait_s};
+
+/// Turned, then threaded in passes that take a second each on the machine.
+const PROGRAM: &str = "(thread, M20x2-6g)\nG18 G21 G90 G8 G94 G97\nT1\nM3 S800\nG0 X9.91 Z1\nG1 Z-16 F600\nG1 X12\nG0 Z8\n\
+    T3\nM3 S900\nG0 X11 Z8\nG76 P2 Z-14 I-1.09 J0.8 K1.4845 R2 Q29.5 H1\nG0 X20\nM5\nM2\n";
+/// Cuts, unless `PITCHLOCK_CUTS` says otherwise.
+const CUTS: u64 = 16;
+/// A thread that was broken off is finished in its groove, µm.
+const SAME_GROOVE_UM: f64 = 1.5;
+
+fn cuts() -> u64 {
+    std::env::var("PITCHLOCK_CUTS").ok().and_then(|cuts| cuts.parse().ok()).unwrap_or(CUTS)
+}
+
+/// Control cycles that are recorded so far.
+fn recorded(folder: &Path) -> u64 {
+    let bytes = fs::read(folder.join("moment.bin")).unwrap_or_default();
+    bytes.get(..8).and_then(|cycles| cycles.try_into().ok()).map_or(0, u64::from_le_bytes)
+}
+
+/// Starts a run and kills everybody as soon as so many cycles are recorded; whether the run was still on.
+fn killed(place: &Place, at: u64, arguments: &[&str]) -> bool {
+    place.clear("run");
+    let mut command = place.pitchlock();
+    command.args(["run", "--out", "run", "--quiet", "--trace", "none"]).args(arguments);
+    let mut launcher = command.spawn().expect("it starts");
+    let patience = Moment::in_s(60.0);
+    while recorded(&place.at("run")) < at && launcher.try_wait().expect("a child").is_none() {
+        assert!(!patience.passed(), "cycle {at} does not come");
+        wait_s(2e-4);
+    }
+    let everybody: Vec<u32> = children(&launcher).into_iter().map(|(_, pid)| pid).collect();
+    let was_on = launcher.try_wait().expect("a child").is_none();
+    signal(launcher.id(), "KILL");
+    everybody.into_iter().for_each(|pid| signal(pid, "KILL"));
+    launcher.wait().expect("it was started here");
+    was_on
+}
+
+/// What the journal knows.
+fn known(place: &Place) -> Option<Value> {
+    let answer = place.ask(&["journal", "run", "--json"]);
+    (answer.status == Some(0)).then(|| serde_json::from_str(&answer.stdout).expect("one document"))
+}
+
+/// What a loss of power may do to the files that were being written: the end of the journal torn, a bit of it
+/// turned over, the record of the machine damaged.
+fn damage(place: &Place, random: &mut Seed) {
+    let path = place.at("run/journal.bin");
+    let mut bytes = fs::read(&path).expect("a journal");
+    if bytes.len() > 2048 {
+        bytes.truncate(bytes.len() - random.below(1500));
+        let at = random.below(bytes.len());
+        bytes[at] ^= 1 << random.below(8);
+    }
+    fs::write(&path, &bytes).expect("room");
+    for name in ["run/moment.bin", "run/arrivals.live"] {
+        let path = place.at(name);
+        let mut bytes = fs::read(&path).expect("it is written");
+        match random.below(3) {
+            0 => bytes.truncate(random.below(bytes.len() + 1)),
+            1 => {
+                let at = random.below(bytes.len());
+                bytes[at] ^= 1 << random.below(8);
+            }
+            _ => {}
+        }
+        fs::write(&path, &bytes).expect("room");
+    }
+}
+
+/// Goes on with a run; what it came to.
+fn resumed(place: &Place, what: &str) -> Summary {
+    place.clear("on");
+    let answer = place.ask(&["run", "run", "--resume", "--out", "on", "--trace", "none"]);
+    assert!(matches!(answer.status, Some(0 | 3)), "{what}: {:?} {}", answer.status, answer.stderr);
+    Summary::read(&place.at("on/summary.json")).expect("it has one")
+}
+
+/// Every kill is followed by a start that is not refused. Nothing that the journal had is lost with the files
+/// behind it, and all passes lie in the groove of those before.
+#[test]
+fn runs_that_are_killed_in_any_cycle_are_finished_in_their_groove() {
+    let place = Place::new();
+    let program = place.write("screw.ngc", PROGRAM).display().to_string();
+    let whole = place.run(Path::new(&program), "whole", &["--in-process", "--trace", "none"]);
+    assert_eq!(whole.gauge.as_ref().map(|gauge| gauge.verdict), Some(PartVerdict::Good), "{:?}", whole.gauge);
+    let (mut in_thread, mut good) = (0, 0);
+    for number in 0..cuts() {
+        let mut random = Seed::of_case(number);
+        let at = random.within(1..whole.cycles);
+        // Every fourth as processes: these take longer to start.
+        let how: &[&str] = if number % 4 == 0 { &[] } else { &["--in-process"] };
+        if !killed(&place, at, &[how, &[program.as_str()]].concat()) {
+            continue;
+        }
+        let before = known(&place);
+        let what = format!("case {number}, cycle {at}");
+        if number % 2 == 1 {
+            damage(&place, &mut random);
+        }
+        let passes = |known: &Option<Value>| {
+            known.as_ref().map_or(0, |known| known["passes"].as_u64().expect("a number"))
+        };
+        let (had, has) = (passes(&before), passes(&known(&place)));
+        assert!(has + 1 >= had, "{what}: {has} passes are left of {had}");
+        let on = resumed(&place, &what);
+        assert_eq!((on.outcome, &on.faults[..]), (Outcome::Completed, &[][..]), "{what}");
+        assert_eq!(on.passes.len() as u64 + has, whole.passes.len() as u64, "{what}: all passes are cut");
+        let apart_um = on.thread.tool_phase_spread_um;
+        assert!(apart_um <= SAME_GROOVE_UM, "{what}: {apart_um:.2} um from the groove");
+        let report = on.resumed.as_ref().expect("it says what it goes on with");
+        let gauge = on.gauge.as_ref().expect("a gauge");
+        in_thread += u32::from(report.pass.is_some());
+        good += u32::from(gauge.verdict == PartVerdict::Good);
+        println!(
+            "{what}: line {} pass {:?}, {apart_um:.3} um, {:?} {:?}",
+            report.line, report.pass, gauge.verdict, gauge.reasons
+        );
+    }
+    println!("{in_thread} in the thread, {good} good by the gauge");
+}
+
+/// The operator aborts in a pass: the machine came to rest by itself. The run that goes on is killed and gone
+/// on with as well, and made again from its folder.
+#[test]
+fn a_run_that_goes_on_is_gone_on_with_and_made_again() {
+    let place = Place::new();
+    let program = place.write("screw.ngc", PROGRAM).display().to_string();
+    let scenario = "[[event]]\nat = { pass = 2, z_mm = -5.0 }\nabort = true\n";
+    let scenario = place.write("abort.toml", scenario).display().to_string();
+    let aborted = place.ask(&[
+        "run",
+        &program,
+        "--in-process",
+        "--scenario",
+        &scenario,
+        "--trace",
+        "none",
+        "--out",
+        "first",
+    ]);
+    assert_eq!(aborted.status, Some(1), "{}", aborted.stderr);
+    let told = place.ask(&["run", "first", "--resume", "--dry-run"]);
+    assert_eq!(told.status, Some(0), "{}", told.stderr);
+    for words in ["the operator ended the program", "not known", "begins    at line 12, pass 2, whole"] {
+        assert!(told.stdout.contains(words), "{}", told.stdout);
+    }
+    let told = place.ask(&["run", "first", "--resume", "--dry-run", "--json"]);
+    let document: Value = serde_json::from_str(&told.stdout).expect("one document");
+    assert_eq!((&document["pass"], &document["passes_done"]), (&2.into(), &1.into()));
+
+    assert!(killed(&place, 6000, &["first", "--resume"]), "it is killed in the middle");
+    let on = resumed(&place, "the second time");
+    assert_eq!(on.outcome, Outcome::Completed);
+    assert_eq!(on.gauge.as_ref().map(|gauge| gauge.verdict), Some(PartVerdict::Good), "{:?}", on.gauge);
+    assert!(on.thread.tool_phase_spread_um <= SAME_GROOVE_UM);
+    let again = place.ask(&["replay", "on"]);
+    assert_eq!(again.status, Some(0), "{}{}", again.stdout, again.stderr);
+    let repeated = place.ask(&["run", "on"]);
+    assert!(
+        repeated.status == Some(2) && repeated.stderr.contains("goes on with another run"),
+        "{}",
+        repeated.stderr
+    );
+    let over = place.ask(&["run", "on", "--resume"]);
+    assert!(over.status == Some(2) && over.stderr.contains("nothing to go on with"), "{}", over.stderr);
+}
+
+#[test]
+fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
+    let place = Place::new();
+    let program = place.write("screw.ngc", PROGRAM).display().to_string();
+    assert!(killed(&place, 9000, &["--in-process", &program]), "it is killed in the middle");
+    let refused = |arguments: &[&str], words: &str| {
+        let answer = place.ask(&[&["run", "run", "--resume", "--out", "on"], arguments].concat());
+        assert!(answer.status == Some(2) && answer.stderr.contains(words), "{words}: {}", answer.stderr);
+        assert!(!place.at("on").exists());
+    };
+    refused(&["--clock", "real"], "virtual time only");
+    refused(&["--seed", "7"], "leave out everything that says others");
+    let kept = fs::read(place.at("run/screw.ngc")).expect("a copy");
+    fs::write(place.at("run/screw.ngc"), PROGRAM.replace("J0.8", "J0.7")).expect("room");
+    refused(&[], "were changed since");
+    fs::write(place.at("run/screw.ngc"), kept).expect("room");
+    let missing = place.ask(&["run", "nowhere", "--resume"]);
+    assert!(missing.status == Some(2) && missing.stderr.contains("journal.bin"), "{}", missing.stderr);
+    let alone = place.ask(&["run", &program, "--dry-run"]);
+    assert_eq!(alone.status, Some(2), "{}", alone.stderr);
+
+    // Nothing is left of its journal: it begins where the tool may have been first.
+    fs::write(place.at("run/journal.bin"), [0x55; 700]).expect("room");
+    let told = place.ask(&["run", "run", "--resume", "--dry-run"]);
+    assert!(
+        told.status == Some(0) && told.stdout.contains("no whole record"),
+        "{}{}",
+        told.stdout,
+        told.stderr
+    );
+    let on = resumed(&place, "without a journal");
+    assert_eq!((on.outcome, on.passes.len()), (Outcome::Completed, 4));
+}
