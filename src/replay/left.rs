@@ -7,7 +7,7 @@ use std::path::Path;
 use process::shell::Clock;
 use protocol::PerAxis;
 use rig::{
-    journal::{MOST, State, latest},
+    journal::{MOST, State, has_other_version, latest},
     observe::{Observer, Summary},
     replay::Arrivals,
     resume::{self, Plan},
@@ -25,6 +25,9 @@ use crate::{
         moment,
     },
 };
+
+/// What is said of a journal of another version.
+const OTHER_VERSION: &str = "was written by another version of pitchlock: go on with it by that one";
 
 /// A run that was broken off.
 pub(crate) struct Left {
@@ -49,9 +52,19 @@ impl Left {
             CliError::file(&path, format!("{error}\nhelp: {help}"))
         })?;
         let known = latest::<State>(&bytes);
+        if known.is_none() && has_other_version::<State>(&bytes) {
+            return Err(CliError::file(&path, OTHER_VERSION));
+        }
         let summary = Summary::read(&dir.join("summary.json")).ok();
         let args = arguments(dir, summary.as_ref(), known.map(|(_, state)| state.input))?;
         let arrivals = arrivals(dir, known.map_or(0, |(_, state)| state.cycle))?;
+        if let Some(by) = arrivals.by_other() {
+            let text = format!(
+                "is a run of pitchlock {by}, and this is {}: go on with it by that version",
+                env!("CARGO_PKG_VERSION")
+            );
+            return Err(CliError::file(dir, text));
+        }
         if arrivals.real_time || summary.as_ref().is_some_and(|summary| summary.clock == "real") {
             let text =
                 "ran in real time: what its machine did cannot be made again up to where it was broken off";

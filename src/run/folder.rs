@@ -272,10 +272,6 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         return Ok(args.clone());
     }
     let folder = &args.program;
-    if folder.join(BEFORE).is_dir() {
-        let text = "goes on with another run: pitchlock replay makes it again, --resume goes on with it";
-        return Err(CliError::file(folder, text));
-    }
     let summary = Summary::read(&folder.join("summary.json")).map_err(|error| {
         CliError::Input(format!("{error}\nhelp: {} is not the folder of a finished run", folder.display()))
     })?;

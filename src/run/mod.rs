@@ -101,9 +101,18 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     prepared.go(quiet, &mut interrupts, live.as_mut())
 }
 
+/// What is run: of a run folder its run again, if it can be run alone.
+fn repeatable(asked: &RunArgs) -> Result<RunArgs, CliError> {
+    if asked.program.join(folder::BEFORE).is_dir() {
+        let text = "goes on with another run: pitchlock replay makes it again, --resume goes on with it";
+        return Err(CliError::file(&asked.program, text));
+    }
+    folder::repeated(asked)
+}
+
 /// Reads all that a run is made of and runs nothing: its program.
 pub(crate) fn judged(asked: &RunArgs) -> Result<PathBuf, CliError> {
-    let mut args = folder::repeated(asked)?;
+    let mut args = repeatable(asked)?;
     let Shop { machine, language, .. } = args.machine.with_language(&args.language)?;
     args.language = language;
     args.with_panel = true;
@@ -132,7 +141,7 @@ impl Judged {
         let left = asked.resume.then(|| Left::open(&asked.program)).transpose()?;
         let mut args = match &left {
             Some(left) => left.arguments(asked)?,
-            None => folder::repeated(asked)?,
+            None => repeatable(asked)?,
         };
         args.with_panel |= at_a_panel;
         let Shop { machine, text: machine_text, language, notes } =
@@ -214,7 +223,6 @@ impl Prepared {
         } else {
             processes::run(&setup, caught, live.as_deref_mut())?
         };
-        summary.resumed = setup.resumed.as_ref().map(|resumed| resumed.report.clone());
         summary.files.clone_from(&setup.folder.hashes);
         summary.program_warnings = setup.program.warnings();
         if !setup.folder.is_as_it_was() {

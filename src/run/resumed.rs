@@ -57,6 +57,7 @@ impl Resumed {
             known_cycle: left.state().cycle,
             line: plan.line,
             pass: plan.pass,
+            ..ResumedReport::default()
         };
         Ok(Resumed { plant, observer, plan, report, from, left })
     }

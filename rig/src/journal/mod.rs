@@ -20,5 +20,5 @@ mod state;
 
 pub use book::{Book, File, MOST, Medium};
 pub use keeper::{Keeper, Origin};
-pub use sheet::{Kept, SECTOR, fingerprint, latest};
+pub use sheet::{Kept, SECTOR, fingerprint, has_other_version, latest};
 pub use state::{ACTIONS, Act, Action, State};

@@ -60,6 +60,16 @@ pub fn latest<T: Kept>(bytes: &[u8]) -> Option<(u64, T)> {
     bytes.chunks_exact(SECTOR).filter_map(read).max_by_key(|(number, _)| *number)
 }
 
+/// Whether whole records of another version of this form are among some bytes.
+pub fn has_other_version<T: Kept>(bytes: &[u8]) -> bool {
+    const NAME: usize = NUMBER - 1;
+    let is_other = |sector: &[u8]| {
+        let (magic, whole) = (sector.get(..NUMBER), sector.get(HASH..) == Some(&hash(sector)[..]));
+        whole && magic.is_some_and(|magic| magic[..NAME] == T::MAGIC[..NAME] && magic != T::MAGIC)
+    };
+    bytes.chunks_exact(SECTOR).any(is_other)
+}
+
 /// A short hash of what some files are named and hold, in their order.
 pub fn fingerprint(files: &[(PathBuf, blake3::Hash)]) -> [u8; 16] {
     let mut all = blake3::Hasher::new();

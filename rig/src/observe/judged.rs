@@ -5,12 +5,12 @@
 //! swing of each pass about its mean, passes and starts against each other, the depth, and how it differs
 //! from end to end. Where along the part the whole thread lies is not judged: nobody measures that in µm.
 //! Work from formulas is judged by what its job asks for. Where a gauge is asked for, what it refuses speaks
-//! against the part.
+//! against the part, and so does a ring that was cut in a loss of power, before a run that goes on.
 
 use machine::Threading;
 use serde::{Deserialize, Serialize};
 
-use super::{PassReport, Summary, verdict::PartVerdict};
+use super::{PassReport, RingReport, Summary, verdict::PartVerdict};
 
 /// The part, as far as it is judged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +40,8 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
     for pass in summary.passes.iter().filter(|pass| !pass.same_index) {
         reasons.push(format!("the axes of pass {} started from different indexes of the spindle", pass.pass));
     }
+    let rings = summary.resumed.iter().flat_map(|resumed| &resumed.rings);
+    reasons.extend(rings.map(RingReport::told));
     reasons.extend(threads(summary, error_um));
     let gauge = summary.gauge.iter().filter(|gauge| gauge.verdict == PartVerdict::Bad);
     reasons.extend(gauge.flat_map(|gauge| gauge.reasons.iter().map(|why| format!("{}: {why}", gauge.name))));

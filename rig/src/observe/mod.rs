@@ -51,12 +51,13 @@ use zerocopy::IntoBytes;
 
 pub use summary::{
     AxisLimits, Channel, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process,
-    ResumedReport, ServoError, Summary, VERSION,
+    ServoError, Summary, VERSION,
 };
 
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
+pub use going_on::{ResumedReport, RingReport};
 pub use gauged::{GaugeAsked, GaugeLimits, GaugeReport};
 pub use inside::TOOL_IN_THREAD;
 pub use judged::PartReport;
@@ -79,6 +80,7 @@ use circle::Circles;
 use contour::Contour;
 use corrected::Corrected;
 use gauged::Gauged;
+use going_on::Earlier;
 use inside::Inside;
 use led::Setpoints;
 use limits::Limits;
@@ -116,8 +118,8 @@ pub struct Observer {
     current: Option<PassObserver>,
     inside: Inside,
     threads: Threads,
-    /// Passes of the runs that this one goes on with.
-    earlier: Vec<PassReport>,
+    /// The runs that this one goes on with.
+    earlier: Earlier,
     gauged: Option<Gauged>,
     index_number: u64,
     index_deg: f64,
@@ -154,7 +156,7 @@ impl Observer {
             current: None,
             inside: Inside::new(),
             threads: Threads::default(),
-            earlier: Vec::new(),
+            earlier: Earlier::default(),
             gauged: None,
             index_number: 0,
             index_deg: 0.0,
@@ -254,10 +256,14 @@ impl Observer {
 
     /// What a tool turns before the thread is gauged.
     fn take_turned(&mut self, truth: &Truth) {
-        let Some(gauged) = &mut self.gauged else { return };
+        if self.gauged.is_none() {
+            return;
+        }
         let Led { tool, motion } = self.setpoints.now();
         let origin_mm = self.out.tools.get(&tool).and_then(|tool| tool.origin_mm);
-        gauged.turns(motion == Motion::Feed, origin_mm, truth);
+        for gauged in self.gauged.iter_mut().chain(self.earlier.gauges()) {
+            gauged.turns(motion == Motion::Feed, origin_mm, truth);
+        }
     }
 
     /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle
@@ -287,7 +293,7 @@ impl Observer {
     pub fn finish(mut self) -> Observation {
         self.close();
         self.warn();
-        self.out.thread = self.thread();
+        (self.out.thread, self.out.resumed) = (self.thread(), self.report_of_resumed());
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
@@ -335,8 +341,9 @@ impl Observer {
             self.current = Some(PassObserver::new(&self.machine, planned, record.truth.cycle.0));
         }
         let index_deg = self.index_deg;
-        if let Some((gauged, pass)) = self.gauged.as_mut().zip(self.current.as_ref()) {
-            gauged.cycle(pass.pass(), record.truth);
+        if let Some(pass) = &self.current {
+            let gauges = self.gauged.iter_mut().chain(self.earlier.gauges());
+            gauges.for_each(|gauged| gauged.cycle(pass.pass(), record.truth));
         }
         if self.current.as_mut().is_some_and(|pass| !pass.cycle(record, index_deg, is_tick)) {
             self.close();
@@ -345,7 +352,7 @@ impl Observer {
 
     fn close(&mut self) {
         let Some(pass) = self.current.take() else { return };
-        self.gauged.iter_mut().for_each(Gauged::pass_ends);
+        self.gauged.iter_mut().chain(self.earlier.gauges()).for_each(Gauged::pass_ends);
         let report = pass.finish();
         report.iter().for_each(|report| self.inside.ends(*pass.pass(), report.complete));
         report.iter().for_each(|report| self.threads.take(report, pass.depth()));

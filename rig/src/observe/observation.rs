@@ -7,7 +7,7 @@ use protocol::Axis;
 
 use super::{
     AnalogReport, AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, PassReport,
-    PauseReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION,
+    PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION,
     judged::judged,
 };
 
@@ -27,6 +27,8 @@ pub struct Observation {
     pub passes: Vec<PassReport>,
     /// The threads.
     pub thread: ThreadReport,
+    /// The run that this one goes on with.
+    pub resumed: Option<ResumedReport>,
     /// What the gauge says, if one was asked for.
     pub gauge: Option<GaugeReport>,
     /// Timed motion.
@@ -78,6 +80,7 @@ impl Observation {
             warnings: self.warnings,
             overrides_clamped: self.overrides_clamped,
             passes: self.passes,
+            resumed: self.resumed,
             thread: self.thread,
             gauge: self.gauge,
             moves: self.moves,

@@ -15,7 +15,7 @@ use std::mem::{offset_of, size_of};
 
 use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, Changes, LeadChange, ThreadPass};
+use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, Changes, LeadChange, ThreadPass, Truth};
 
 use super::Record;
 use super::cutting::CuttingReport;
@@ -255,6 +255,18 @@ impl PassObserver {
             self.tap.iter_mut().for_each(|tap| tap.cycle(c_deg, truth));
         }
         waiting
+    }
+
+    /// Where zero of the program lies on the machine, if it is known: X, Z, mm.
+    pub(super) fn origin_mm(&self) -> Option<[f64; 2]> {
+        self.origin_mm
+    }
+
+    /// How deep the tool is below the crest, mm, and how far off the helix of the pass, µm; `None` if it cuts
+    /// nothing, or the pass has no index yet.
+    pub(super) fn off_helix(&self, truth: &Truth) -> Option<[f64; 2]> {
+        self.index_deg()?;
+        self.tool.off_helix(self.angle_deg(self.along, truth.spindle_deg), truth)
     }
 
     /// How deep the pass goes, if its tool was in the material.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     AnalogReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning,
-    SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport, TraceReport,
+    ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport, TraceReport,
     cutting::CuttingReport,
 };
 
@@ -64,21 +64,6 @@ pub struct Channel {
     /// The most of those in a row.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub late_in_row: u64,
-}
-
-/// The run that another one goes on with, and where.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct ResumedReport {
-    /// Its folder.
-    pub run: String,
-    /// The last control cycle that its journal knew.
-    pub known_cycle: u64,
-    /// The line at which the program was begun again.
-    pub line: u32,
-    /// The pass there, if it is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pass: Option<u32>,
 }
 
 /// A fault when it was first seen.

@@ -189,6 +189,24 @@ impl Tool {
         }
     }
 
+    /// How deep the tool is below the crest of stock that its flanks reach, mm, and how far off the helix at an
+    /// angle, µm (M122). Of a tap nothing: it turns with its hole.
+    pub(super) fn off_helix(&self, c_deg: f64, truth: &Truth) -> Option<[f64; 2]> {
+        let [a, b] = [self.along, self.across].map(|axis| truth.axes[axis.index()].slide_mm);
+        let depth_mm = match self.groove.into {
+            0.0 => self.deepest_mm - self.way_out_mm(a, b),
+            _ => self.groove.depth_mm(b, a),
+        };
+        let room_mm = self.way_out_mm(a, b).max(0.0) * self.tan_flank;
+        let mean = if self.error.deg > 0.0 { self.error.mean() } else { 0.0 };
+        let off_um = (self.helix.error_um(c_deg, a) - mean).abs() - 1e3 * room_mm;
+        // Its flanks reach as far as they are deep.
+        let reach_mm = self.edge_mm + depth_mm.max(0.0) * self.tan_flank;
+        let (x, z) = if self.along == Axis::Z { (b, a) } else { (a, b) };
+        let cuts = self.taps.is_none() && depth_mm > 0.0 && self.stock.holds(x, z, reach_mm);
+        cuts.then_some([depth_mm, off_um])
+    }
+
     /// How far the tool is out of the groove, mm.
     fn way_out_mm(&self, a: f64, b: f64) -> f64 {
         self.outwards * (b - self.full_mm(a))

@@ -13,6 +13,8 @@ use crate::observe::Record;
 
 /// First line, with the version.
 const TITLE: &str = "pitchlock arrivals 1";
+/// The version of all crates.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Most changes that are kept: one in every cycle of a quarter of an hour.
 pub const MOST: usize = 1 << 20;
 /// Most bytes of the text of so many.
@@ -32,6 +34,8 @@ pub struct Arrivals {
     pub real_time: bool,
     /// See there.
     pub seed: Option<u64>,
+    /// The version of pitchlock that made it, if it says so.
+    pub by: Option<String>,
     /// Why the run cannot be made again.
     pub gap: Option<String>,
     /// In the order in which they were told: those of one input are in the order of their cycles.
@@ -56,7 +60,7 @@ impl Arrivals {
     /// The text of a file.
     pub fn text(&self) -> String {
         let machine = if self.one_process { "one-process" } else { "processes" };
-        let mut text = format!("{TITLE}\nmachine {machine}\nuntil {}\n", self.until);
+        let mut text = format!("{TITLE}\nby {VERSION}\nmachine {machine}\nuntil {}\n", self.until);
         if let Some(gap) = &self.gap {
             let _ = writeln!(text, "incomplete {gap}");
             return text;
@@ -69,7 +73,12 @@ impl Arrivals {
     pub fn head(one_process: bool, real_time: bool, seed: u64) -> String {
         let machine = if one_process { "one-process" } else { "processes" };
         let clock = if real_time { "real" } else { "virtual" };
-        format!("{TITLE}\nmachine {machine}\nclock {clock}\nseed {seed}\n")
+        format!("{TITLE}\nby {VERSION}\nmachine {machine}\nclock {clock}\nseed {seed}\n")
+    }
+
+    /// The other version of pitchlock that made it: the machine that it simulates may move otherwise.
+    pub fn by_other(&self) -> Option<&str> {
+        self.by.as_deref().filter(|by| *by != VERSION)
     }
 
     /// What is left of such a file: everything before the first line that is damaged.
@@ -107,6 +116,7 @@ impl Arrivals {
         match (first, rest) {
             ("machine", "one-process") => self.one_process = true,
             ("machine", "processes") => self.one_process = false,
+            ("by", version) => self.by = Some(version.into()),
             ("clock", clock) => self.real_time = clock == "real",
             ("seed", seed) => self.seed = Some(seed.parse().ok()?),
             ("until", cycle) => self.until = cycle.parse().ok()?,
@@ -244,7 +254,8 @@ mod tests {
         arrivals.note(7, Input::Drive(Axis::Z), Taken::This(6));
         arrivals.note(8, Input::Drive(Axis::Z), Taken::Due);
         arrivals.note(9, Input::TickMeasurement, Taken::Nothing);
-        assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(arrivals.clone()));
+        let by = Some(VERSION.into());
+        assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(Arrivals { by, ..arrivals.clone() }));
         // One that was being written, and is torn in its last line.
         let being_written = Arrivals::head(false, false, 7) + &arrivals.lines_from(0) + "10 tick-mea";
         let left = Arrivals::left(&being_written);
