@@ -91,7 +91,8 @@ impl Left {
             return Err(CliError::Input("--resume runs in virtual time only; leave out --clock real".into()));
         }
         if asked.with_panel {
-            let text = "--resume has no panel: the machine of a run that goes on is one process; leave out --panel";
+            let text =
+                "--resume has no panel: the machine of a run that goes on is one process; leave out --panel";
             return Err(CliError::Input(text.into()));
         }
         let language = &asked.language;

@@ -26,15 +26,7 @@ const LOOK_EVERY: u64 = 256;
 pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded, CliError> {
     let begun = Moment::now();
     let unreadable = Rc::<RefCell<Option<String>>>::default();
-    let items = items(setup, Rc::clone(&unreadable))?;
-    let mut rig = match &setup.resumed {
-        None => Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
-            .map_err(|error| CliError::Input(error.to_string()))?,
-        Some(resumed) => {
-            let items: Items = Box::new(resumed.plan.executed(items));
-            Rig::on_plant(&setup.machine, resumed.plant.clone(), items, Straight)
-        }
-    };
+    let mut rig = machine(setup, Rc::clone(&unreadable))?;
     let mut recorder = Recorder::new(setup, true)?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
     let mut standstill = Standstill::new(&setup.machine, &setup.scenario);
@@ -97,6 +89,17 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
 }
 
 type Items = Box<dyn Iterator<Item = Item>>;
+
+/// The machine before its first cycle; if the run goes on with another one, the machine of that, switched on.
+fn machine(setup: &Setup, unreadable: Rc<RefCell<Option<String>>>) -> Result<Rig<Items>, CliError> {
+    let items = items(setup, unreadable)?;
+    if let Some(resumed) = &setup.resumed {
+        let items: Items = Box::new(resumed.plan.executed(items));
+        return Ok(Rig::on_plant(&setup.machine, resumed.plant.clone(), items, Straight));
+    }
+    Rig::new(&setup.machine, items, setup.scenario.clone(), setup.seed)
+        .map_err(|error| CliError::Input(error.to_string()))
+}
 
 /// The machine code of the program; what cannot be read any more is left in `unreadable`, and nothing that
 /// stands behind it is run.

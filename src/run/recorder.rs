@@ -44,9 +44,7 @@ impl Recorder {
         let observer = setup.program.observer(&setup.machine);
         Ok(Recorder {
             observer: match setup.resumed.as_ref() {
-                Some(resumed) => {
-                    observer.going_on(resumed.observer.clone()).resumed(resumed.report.clone())
-                }
+                Some(resumed) => observer.going_on(resumed.observer.clone()).resumed(resumed.report.clone()),
                 None => observer,
             },
             trace: setup.folder.trace.map(create).transpose()?,

@@ -48,6 +48,9 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
         summary.simulated_s,
         summary.wall_s
     );
+    if let Some(resumed) = &summary.resumed {
+        let _ = writeln!(text, "resumed   {}", resumed.told());
+    }
     threads(&mut text, summary);
     gauged(&mut text, summary);
     traces(&mut text, summary);

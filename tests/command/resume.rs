@@ -1,6 +1,6 @@
 //! Runs whose processes are all killed in seeded cycles, and whose files are torn and damaged, gone on with
-//! by `pitchlock run RUN_DIR --resume`; the same behind faults, behind an abort, in a run that went on already;
-//! and what is refused.
+//! by `pitchlock run RUN_DIR --resume`; the same behind faults, behind an abort, in a run that went on
+//! already; and what is refused.
 
 use std::{fs, path::Path};
 
@@ -15,7 +15,7 @@ use crate::shop::{Place, children, signal, until, wait_s};
 const PROGRAM: &str = "(thread, M20x2-6g)\nG18 G21 G90 G8 G94 G97\nT1\nM3 S800\nG0 X9.91 Z1\nG1 Z-16 F600\nG1 X12\nG0 Z8\n\
     T3\nM3 S900\nG0 X11 Z8\nG76 P2 Z-14 I-1.09 J0.8 K1.4845 R2 Q29.5 H1\nG0 X20\nM5\nM2\n";
 /// Cuts, unless `PITCHLOCK_CUTS` says otherwise.
-const CUTS: u64 = 16;
+const CUTS: u64 = 40;
 /// A thread that was broken off is finished in its groove, µm.
 const SAME_GROOVE_UM: f64 = 1.5;
 
@@ -191,7 +191,18 @@ fn after(place: &Place, event: &str, words: &str) -> Summary {
     let program = place.at("screw.ngc").display().to_string();
     let scenario = place.write("scenario.toml", &format!("[[event]]\n{event}\n")).display().to_string();
     place.clear("run");
-    let asked = ["run", &program, "--in-process", "--quiet", "--trace", "none", "--out", "run", "--scenario", &scenario];
+    let asked = [
+        "run",
+        &program,
+        "--in-process",
+        "--quiet",
+        "--trace",
+        "none",
+        "--out",
+        "run",
+        "--scenario",
+        &scenario,
+    ];
     let broken = place.ask(&asked);
     assert!(broken.status == Some(1) && broken.stderr.contains(words), "{event}: {}", broken.stderr);
     let on = resumed(place, event);
@@ -272,7 +283,7 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     in_place_of("machine.toml", format!("{machine}\n# mended\n").as_bytes(), "were changed since");
     let journal = fs::read(place.at("run/journal.bin")).expect("a journal");
     in_place_of("journal.bin", &of_other_version(&place, &journal), "another version of pitchlock");
-    let live = "pitchlock arrivals 1\nby 0.0.1\nmachine one-process\nclock virtual\nseed 1\n";
+    let live = "pitchlock arrivals 1\nby 0.0.1 0.0.1\nmachine one-process\nclock virtual\nseed 1\n";
     in_place_of("arrivals.live", live.as_bytes(), "a run of pitchlock 0.0.1");
     let real = live.replace("0.0.1", env!("CARGO_PKG_VERSION")).replace("virtual", "real");
     in_place_of("arrivals.live", real.as_bytes(), "ran in real time");

@@ -71,6 +71,9 @@ pub(super) fn of(summary: &Summary) -> Verdict {
             verdict.say(Grade::Bad, format!("The run ended in a fault.{why}"));
         }
     }
+    if let Some(resumed) = &summary.resumed {
+        verdict.say(Grade::Good, format!("It {}.", resumed.told()));
+    }
     for warning in summary.warnings.iter().filter(|warning| warning.code == TOOL_IN_THREAD) {
         verdict.say(Grade::Bad, format!("Careful: {}.", warning.text));
     }

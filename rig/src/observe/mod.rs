@@ -27,6 +27,7 @@ mod outputs;
 mod pass;
 mod pause;
 mod planned;
+mod rings;
 mod so_far;
 mod span;
 mod summary;
@@ -57,7 +58,6 @@ pub use summary::{
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
-pub use going_on::{ResumedReport, RingReport};
 pub use gauged::{GaugeAsked, GaugeLimits, GaugeReport};
 pub use inside::TOOL_IN_THREAD;
 pub use judged::PartReport;
@@ -66,6 +66,7 @@ pub use messages::{Message, MessageReport};
 pub use observation::Observation;
 pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
+pub use rings::{ResumedReport, RingReport};
 pub use summary_file::{ProgramWarning, SummaryError};
 pub use tap::TapReport;
 pub use threads::ThreadReport;
@@ -80,7 +81,6 @@ use circle::Circles;
 use contour::Contour;
 use corrected::Corrected;
 use gauged::Gauged;
-use going_on::Earlier;
 use inside::Inside;
 use led::Setpoints;
 use limits::Limits;
@@ -89,6 +89,7 @@ use outputs::Outputs;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
 use planned::Planned;
+use rings::Rings;
 use swing::Swing;
 use threads::Threads;
 use work::Works;
@@ -118,8 +119,9 @@ pub struct Observer {
     current: Option<PassObserver>,
     inside: Inside,
     threads: Threads,
-    /// The runs that this one goes on with.
-    earlier: Earlier,
+    /// Passes of the runs that this one goes on with, and what else is known of those.
+    earlier: Vec<PassReport>,
+    rings: Rings,
     gauged: Option<Gauged>,
     index_number: u64,
     index_deg: f64,
@@ -156,7 +158,8 @@ impl Observer {
             current: None,
             inside: Inside::new(),
             threads: Threads::default(),
-            earlier: Earlier::default(),
+            earlier: Vec::new(),
+            rings: Rings::default(),
             gauged: None,
             index_number: 0,
             index_deg: 0.0,
@@ -256,12 +259,10 @@ impl Observer {
 
     /// What a tool turns before the thread is gauged.
     fn take_turned(&mut self, truth: &Truth) {
-        if self.gauged.is_none() {
-            return;
-        }
+        let Some(_) = &self.gauged else { return };
         let Led { tool, motion } = self.setpoints.now();
         let origin_mm = self.out.tools.get(&tool).and_then(|tool| tool.origin_mm);
-        for gauged in self.gauged.iter_mut().chain(self.earlier.gauges()) {
+        for gauged in self.gauged.iter_mut().chain(self.rings.gauges()) {
             gauged.turns(motion == Motion::Feed, origin_mm, truth);
         }
     }
@@ -293,7 +294,7 @@ impl Observer {
     pub fn finish(mut self) -> Observation {
         self.close();
         self.warn();
-        (self.out.thread, self.out.resumed) = (self.thread(), self.report_of_resumed());
+        (self.out.thread, self.out.resumed) = (self.thread(), self.rings.reported());
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
@@ -342,7 +343,7 @@ impl Observer {
         }
         let index_deg = self.index_deg;
         if let Some(pass) = &self.current {
-            let gauges = self.gauged.iter_mut().chain(self.earlier.gauges());
+            let gauges = self.gauged.iter_mut().chain(self.rings.gauges());
             gauges.for_each(|gauged| gauged.cycle(pass.pass(), record.truth));
         }
         if self.current.as_mut().is_some_and(|pass| !pass.cycle(record, index_deg, is_tick)) {
@@ -352,7 +353,7 @@ impl Observer {
 
     fn close(&mut self) {
         let Some(pass) = self.current.take() else { return };
-        self.gauged.iter_mut().chain(self.earlier.gauges()).for_each(Gauged::pass_ends);
+        self.gauged.iter_mut().chain(self.rings.gauges()).for_each(Gauged::pass_ends);
         let report = pass.finish();
         report.iter().for_each(|report| self.inside.ends(*pass.pass(), report.complete));
         report.iter().for_each(|report| self.threads.take(report, pass.depth()));

@@ -7,8 +7,8 @@ use protocol::Axis;
 
 use super::{
     AnalogReport, AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, PassReport,
-    PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport, VERSION,
-    judged::judged,
+    PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport,
+    VERSION, judged::judged,
 };
 
 /// What was observed of a run.

@@ -15,7 +15,9 @@ use std::mem::{offset_of, size_of};
 
 use machine::Machine;
 use motion::PassLaw;
-use protocol::{Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, Changes, LeadChange, ThreadPass, Truth};
+use protocol::{
+    Axis, AxisFrame, AxisLaw, AxisState, AxisStatus, AxisTruth, Changes, LeadChange, ThreadPass, Truth,
+};
 
 use super::Record;
 use super::cutting::CuttingReport;

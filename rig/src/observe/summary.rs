@@ -1,8 +1,7 @@
 //! `summary.json`, version 1: what a run was, what it did, and how good its threads are.
 //!
-//! The observer fills what it can see ([`crate::observe::Observation::summary`]); processes, channels and
-//! wall time are the launcher's. Lengths in mm, errors in µm, angles in degrees, speeds in 1/min. Every
-//! number is finite.
+//! The observer fills what it can see ([`super::Observation::summary`]); the rest is the launcher's. Lengths
+//! in mm, errors in µm, angles in degrees, speeds in 1/min. Every number is finite.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +9,9 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AnalogReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport, ProgramWarning,
-    ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport, TraceReport,
-    cutting::CuttingReport,
+    AnalogReport, CuttingReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport,
+    ProgramWarning, ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport,
+    TraceReport,
 };
 
 /// Version of the layout; fields may be added without a new one.

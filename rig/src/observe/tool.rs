@@ -189,8 +189,8 @@ impl Tool {
         }
     }
 
-    /// How deep the tool is below the crest of stock that its flanks reach, mm, and how far off the helix at an
-    /// angle, µm (M122). Of a tap nothing: it turns with its hole.
+    /// How deep the tool is below the crest of stock that its flanks reach, mm, and how far off the helix at
+    /// an angle, µm (M122). Of a tap nothing: it turns with its hole.
     pub(super) fn off_helix(&self, c_deg: f64, truth: &Truth) -> Option<[f64; 2]> {
         let [a, b] = [self.along, self.across].map(|axis| truth.axes[axis.index()].slide_mm);
         let depth_mm = match self.groove.into {

@@ -60,7 +60,7 @@ impl Arrivals {
     /// The text of a file.
     pub fn text(&self) -> String {
         let machine = if self.one_process { "one-process" } else { "processes" };
-        let mut text = format!("{TITLE}\nby {VERSION}\nmachine {machine}\nuntil {}\n", self.until);
+        let mut text = format!("{TITLE}\nby {VERSION} {VERSION}\nmachine {machine}\nuntil {}\n", self.until);
         if let Some(gap) = &self.gap {
             let _ = writeln!(text, "incomplete {gap}");
             return text;
@@ -73,7 +73,7 @@ impl Arrivals {
     pub fn head(one_process: bool, real_time: bool, seed: u64) -> String {
         let machine = if one_process { "one-process" } else { "processes" };
         let clock = if real_time { "real" } else { "virtual" };
-        format!("{TITLE}\nby {VERSION}\nmachine {machine}\nclock {clock}\nseed {seed}\n")
+        format!("{TITLE}\nby {VERSION} {VERSION}\nmachine {machine}\nclock {clock}\nseed {seed}\n")
     }
 
     /// The other version of pitchlock that made it: the machine that it simulates may move otherwise.
@@ -116,7 +116,11 @@ impl Arrivals {
         match (first, rest) {
             ("machine", "one-process") => self.one_process = true,
             ("machine", "processes") => self.one_process = false,
-            ("by", version) => self.by = Some(version.into()),
+            // Twice: a bit that turns over makes no other version of it.
+            ("by", versions) => {
+                let twice = versions.split_once(' ').filter(|(one, other)| one == other);
+                self.by = twice.map(|(version, _)| version.into());
+            }
             ("clock", clock) => self.real_time = clock == "real",
             ("seed", seed) => self.seed = Some(seed.parse().ok()?),
             ("until", cycle) => self.until = cycle.parse().ok()?,

@@ -160,7 +160,7 @@ fn a_run_that_is_cut_in_any_cycle_is_finished_in_its_groove() {
     let machine = Machine::default();
     let items = compiled(&machine, PROGRAM);
     let seeds: Vec<_> = (1..=3).map(|seed| borders(&machine, &items, seed)).collect();
-    let cuts = std::env::var("PITCHLOCK_CUTS").ok().and_then(|cuts| cuts.parse().ok()).unwrap_or(30);
+    let cuts = std::env::var("PITCHLOCK_CUTS").ok().and_then(|cuts| cuts.parse().ok()).unwrap_or(60);
     let (mut random, mut most_um, mut stood) = (Seed::new(190), 0.0_f64, [0; 4]);
     for number in 0..cuts {
         let seed = random.below(seeds.len());
