@@ -52,7 +52,7 @@ impl Live {
             let _ = self.arrivals.write_all(so_far.lines_from(self.written).as_bytes());
             self.written = so_far.changes.len();
         }
-        if cycles % EVERY != 0 {
+        if !cycles.is_multiple_of(EVERY) {
             return;
         }
         let mut bytes = [0; BYTES];

@@ -67,7 +67,7 @@ fn damage(place: &Place, random: &mut Seed) {
     fs::write(&path, &bytes).expect("room");
     for name in ["run/moment.bin", "run/arrivals.live"] {
         let path = place.at(name);
-        let mut bytes = fs::read(&path).expect("it is written");
+        let Ok(mut bytes) = fs::read(&path) else { continue };
         match random.below(3) {
             0 => bytes.truncate(random.below(bytes.len() + 1)),
             1 => {
@@ -106,6 +106,10 @@ fn runs_that_are_killed_in_any_cycle_are_finished_in_their_groove() {
             continue;
         }
         let before = known(&place);
+        // It may have come to its end before everybody was dead.
+        if before.as_ref().is_some_and(|known| known["end"] == "completed") {
+            continue;
+        }
         let what = format!("case {number}, cycle {at}");
         if number % 2 == 1 {
             damage(&place, &mut random);
@@ -189,7 +193,7 @@ fn a_run_that_goes_on_is_gone_on_with_and_made_again() {
 /// Runs the program in a scenario to its fault, and goes on with it.
 fn after(place: &Place, event: &str, words: &str) -> Summary {
     let program = place.at("screw.ngc").display().to_string();
-    let scenario = place.write("scenario.toml", &format!("[[event]]\n{event}\n")).display().to_string();
+    let scenario = place.write("scenario.toml", format!("[[event]]\n{event}\n")).display().to_string();
     place.clear("run");
     let asked = [
         "run",
