@@ -224,7 +224,7 @@ fn behind_every_fault_the_thread_is_finished() {
     let in_pass = "at = { pass = 3, z_mm = -5.0 }\n";
     for (action, words) in [
         ("power_lost = true", "power-lost"),
-        ("drive_fault = \"z\"", "drive-fault"),
+        ("drive_fault = \"x\"", "drive-fault"),
         ("encoder_stands = true", "encoder-stands"),
         ("emergency_stop = true", "emergency-stop"),
         ("kill = \"interpolator\"", "process-died"),

@@ -38,6 +38,9 @@ use super::span::Span;
 /// depth.
 const WAY_OUT_MARGIN: f64 = 0.05;
 
+/// Half angle of a tool that nobody described, degrees.
+const METRIC_DEG: f64 = 30.0;
+
 /// What the tool did in one pass, over all contact with the material: tapers and run-out included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -90,6 +93,8 @@ pub(super) struct Tool {
     /// How far the edge reaches to either side of the point along Z, mm.
     edge_mm: f64,
     tan_flank: f64,
+    /// Of the flanks of the tool itself.
+    tan_tool: f64,
     /// Angles between which the law along the thread asks for the helix, and the one across is at full depth.
     helix_deg: [f64; 2],
     full_deg: [f64; 2],
@@ -129,8 +134,8 @@ impl Tool {
     pub(super) fn new(machine: &Machine, planned: &Planned, along: Axis) -> Tool {
         let pass = &planned.pass;
         let tool = machine.tool(planned.tool);
-        let half_angle_deg = tool.and_then(|tool| Some(0.5 * tool.angle_deg?));
-        let half_angle_deg = half_angle_deg.unwrap_or(machine.threading.flank_half_angle_deg);
+        let own_deg = tool.and_then(|tool| Some(0.5 * tool.angle_deg?));
+        let half_angle_deg = own_deg.unwrap_or(machine.threading.flank_half_angle_deg);
         let across = if along == Axis::Z { Axis::X } else { Axis::Z };
         let (lead, depth) = (pass.axis(along), pass.axis(across));
         let groove = if along == Axis::Z { Groove::of(pass) } else { Groove::default() };
@@ -154,6 +159,7 @@ impl Tool {
             stock: planned.stock.clone(),
             edge_mm: tool.map_or(0.0, machine::Tool::edge_mm),
             tan_flank: libm::tan(half_angle_deg.to_radians()),
+            tan_tool: libm::tan(own_deg.unwrap_or(METRIC_DEG).to_radians()),
             helix_deg: [lead.run_in_c0_deg + lead.run_in_dc_deg, lead.brake_c_deg],
             full_deg: [depth.locked_deg(), depth.leaves_deg()],
             lifts: depth.retract_mm != 0.0,
@@ -201,7 +207,7 @@ impl Tool {
         let mean = if self.error.deg > 0.0 { self.error.mean() } else { 0.0 };
         let off_um = (self.helix.error_um(c_deg, a) - mean).abs() - 1e3 * room_mm;
         // Its flanks reach as far as they are deep.
-        let reach_mm = self.edge_mm + depth_mm.max(0.0) * self.tan_flank;
+        let reach_mm = self.edge_mm + depth_mm.max(0.0) * self.tan_tool;
         let (x, z) = if self.along == Axis::Z { (b, a) } else { (a, b) };
         let cuts = self.taps.is_none() && depth_mm > 0.0 && self.stock.holds(x, z, reach_mm);
         cuts.then_some([depth_mm, off_um])
