@@ -16,6 +16,9 @@
 //! ∫ w_e − 10 |ΔC_counted| ≤ 15°, never below 0         else it is stopped                        (M213)
 //!     w_e = |w|, but no more than what it was counted to be last, and b from there
 //! ```
+//! A spindle that is told to turn outwards and gets faster inwards, by more than 180 deg/s, or that turns
+//! outwards as fast before it is told to, does the opposite of what it is told.
+//!
 //! So the spindle is braked by where it *is*: one that is braked late or lags is braked harder, as long as
 //! its ramp has more to give, and comes to rest in front of the depth, not behind it. While it turns round it
 //! is not overridden. A tool that leaves is braked at once and taken out likewise, from wherever it is.
@@ -32,6 +35,8 @@ const BEHIND_TICKS: f64 = 4.0;
 const FASTER: f64 = 1.2;
 /// A spindle that is slower than this does not turn outwards yet, deg/s.
 const STANDS_DEG_S: f64 = 6.0;
+/// It does the opposite of what it is told if it is that much faster than it could be, deg/s.
+const WRONG_DEG_S: f64 = 180.0;
 /// A spindle that was told to turn so far, degrees, and whose count says less than a tenth of it, does not
 /// turn, or its encoder is dead: at the turn nobody else can tell (M213).
 const STUCK_DEG: f64 = 15.0;
@@ -81,6 +86,8 @@ pub(crate) struct Tap {
     missing_deg: f64,
     /// How fast it should be by now, deg/s.
     expected: f64,
+    /// Its lowest speed inwards since it was told to turn outwards, deg/s.
+    slowest: f64,
     count: Option<i64>,
     count_deg: f64,
     brake: f64,
@@ -95,6 +102,7 @@ impl Tap {
             command: 0.0,
             missing_deg: 0.0,
             expected: 0.0,
+            slowest: f64::INFINITY,
             count: None,
             count_deg: 360.0 / machine.spindle_counts(),
             brake: 6.0 * machine.tap_ramp_rpm_s(),
@@ -106,7 +114,7 @@ impl Tap {
     /// A pass that returns was armed, or none is in hand.
     pub(crate) fn reset(&mut self) {
         (self.phase, self.command, self.count) = (Phase::In, 0.0, None);
-        (self.missing_deg, self.expected) = (0.0, 0.0);
+        (self.missing_deg, self.expected, self.slowest) = (0.0, 0.0, f64::INFINITY);
     }
 
     /// Whether the tool was at the programmed depth and is on its way out, or out.
@@ -129,7 +137,8 @@ impl Tap {
     pub(crate) fn direction(&self, speed: f64) -> Option<f64> {
         match self.phase {
             Phase::In => Some(1.0),
-            Phase::Out { .. } if speed < -STANDS_DEG_S => Some(-1.0),
+            Phase::Brakes { .. } | Phase::Rests { .. } if speed < -WRONG_DEG_S => Some(1.0),
+            Phase::Out { .. } if speed < -STANDS_DEG_S || speed > self.slowest + WRONG_DEG_S => Some(-1.0),
             _ => None,
         }
     }
@@ -153,6 +162,9 @@ impl Tap {
             _ => {}
         }
         self.turn(pass, turning);
+        if matches!(self.phase, Phase::Out { .. }) {
+            self.slowest = self.slowest.min(turning.speed.max(0.0));
+        }
         self.compare(turning.count);
         (self.phase != Phase::In).then_some(self.command / 6.0)
     }

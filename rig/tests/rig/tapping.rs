@@ -268,7 +268,7 @@ enum Ends {
 /// What is done or fails: its name, the action, how it ends, how far the tool may be off, µm. Where the
 /// encoder fails nobody knows the angle: the bound is what the ramp of the drive is believed to a hundredth
 /// of a lead or so.
-const ACTIONS: [(&str, &str, Ends, f64); 11] = [
+const ACTIONS: [(&str, &str, Ends, f64); 12] = [
     ("hold", "feed_hold = true", Ends::Out, 5.0),
     ("stop", "stop = true", Ends::Out, 5.0),
     ("abort", "abort = true", Ends::Out, 5.0),
@@ -280,6 +280,7 @@ const ACTIONS: [(&str, &str, Ends, f64); 11] = [
     ("encoder dead", "encoder_stands = true", Ends::Anywhere, 200.0),
     ("spindle without torque", "spindle_fault = \"stall\"", Ends::Anywhere, 5.0),
     ("spindle jams", "spindle_fault = \"jam\"", Ends::Anywhere, 200.0),
+    ("spindle does the opposite", "spindle_fault = \"reversal\"", Ends::Anywhere, 200.0),
 ];
 
 fn borders(machine: &Machine, tap: Tap, items: &[Item], seed: u64) -> [u64; 5] {
