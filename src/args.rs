@@ -11,6 +11,11 @@ use process::shell::LanguageArgs;
 
 use crate::{error::CliError, ini};
 
+/// A seed.
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
+}
+
 /// What is said on standard error.
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {

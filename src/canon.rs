@@ -192,6 +192,7 @@ fn options(args: &CanonArgs, quiet: bool) -> Result<Options, CliError> {
         *clearance = given.unwrap_or(*clearance);
     }
     options.forgets_g92 = machine.forgets_g92;
+    options.no_fanuc_subs = machine.no_fanuc_subs;
     if let Some(path) = args.tools.as_ref().or(machine.tool_table.as_ref()) {
         options.tools = ToolTable::read(path).map_err(wrong)?;
     }

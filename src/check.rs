@@ -16,7 +16,7 @@ use process::shell::LanguageArgs;
 use protocol::Axis;
 
 use crate::{
-    args::MachineArgs,
+    args::{MachineArgs, seed},
     certificate::{self, Certificate},
     diagnostics::Document,
     error::CliError,
@@ -58,7 +58,7 @@ pub(crate) struct CertifyArgs {
     #[arg(long, value_name = "FILE", requires = "certify")]
     page: Option<PathBuf>,
     /// Of everything random about the simulated machine.
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "certify")]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed, requires = "certify")]
     seed: u64,
 }
 

@@ -2,7 +2,7 @@
 
 use std::{ffi::OsString, path::Path};
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use machine::Kinematics;
 use process::shell::{Named, one_of};
 
@@ -110,6 +110,20 @@ pub(crate) enum Command {
     SimPlant(process::shell::plant::PlantArgs),
 }
 
+/// Reads the arguments. A number below 0 is the value of its option, so that its range is told and not another
+/// option.
+pub(crate) fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
+    let command = Cli::command().mut_subcommands(takes_negatives);
+    Cli::from_arg_matches(&command.try_get_matches_from(arguments)?)
+}
+
+fn takes_negatives(command: clap::Command) -> clap::Command {
+    command.mut_subcommands(takes_negatives).mut_args(|arg| {
+        let value = arg.get_long().is_some() && arg.get_action().takes_values();
+        if value { arg.allow_negative_numbers(true) } else { arg }
+    })
+}
+
 /// The arguments, with the one switch of LinuxCNC's `rs274` spelled as ours that means something else here:
 /// `canon -v lathe.var` is `canon -p lathe.var`.
 pub(crate) fn arguments(given: impl Iterator<Item = OsString>) -> Vec<OsString> {
@@ -139,6 +153,8 @@ impl Command {
             Command::Soak(args) => args.json,
             Command::Thread(args) => args.json,
             Command::PickUp(args) => args.json,
+            Command::Replay(args) => args.json,
+            Command::Diff(args) => args.json,
             _ => false,
         }
     }

@@ -34,13 +34,12 @@ mod written;
 
 use std::process::ExitCode;
 
-use clap::Parser;
 use cli::{Cli, Command};
 use error::CliError;
 
 fn main() -> ExitCode {
     let arguments = cli::arguments(std::env::args_os());
-    let cli = Cli::try_parse_from(&arguments).unwrap_or_else(|error| {
+    let cli = cli::parse(&arguments).unwrap_or_else(|error| {
         // What reads JSON gets JSON; --help is an answer and no error.
         if error.use_stderr() && arguments.iter().any(|argument| argument == "--json") {
             screen::print_error(&error.to_string());

@@ -6,10 +6,26 @@ use interpreter::Diagnostic;
 /// They come again in every block until the spindle, or how feeds count, is told something else.
 const UNTIL_TOLD: [&str; 3] = ["spindle-not-turning", "constant-surface-thread", "unlikely-feed"];
 
+/// Words and codes that a program writes again and again, and what it asks for that is not there.
+const BY_MESSAGE: [&str; 9] = [
+    "bad-contour",
+    "modal-group",
+    "no-subroutine",
+    "not-available",
+    "unknown-g-code",
+    "unknown-label",
+    "unknown-m-code",
+    "unknown-tool",
+    "unused-word",
+];
+
 /// Whether the second says the same as the first.
 fn is_same(first: &Diagnostic, second: &Diagnostic) -> bool {
+    let of_axis = |message: &str| message.split(" (").next().map(str::to_owned);
     let alike = UNTIL_TOLD.contains(&first.code) && first.help == second.help
-        || first.code == "modal-group" && first.message == second.message;
+        || BY_MESSAGE.contains(&first.code) && first.message == second.message
+        || first.code == "no-such-axis" && of_axis(&first.message) == of_axis(&second.message)
+        || first.code == "arc-radius" && first.help == second.help && first.help.contains("the arc fits");
     alike
         && (&first.file, first.code, first.severity) == (&second.file, second.code, second.severity)
         && first.line < second.line

@@ -190,6 +190,11 @@ impl Block {
         Ok(())
     }
 
+    /// Takes the word of a letter out.
+    pub(crate) fn remove(&mut self, letter: char) {
+        self.present &= !letter_bit(letter);
+    }
+
     /// Whether the block has the word of a letter.
     pub(crate) fn has(&self, letter: char) -> bool {
         self.present >> slot(letter) & 1 == 1

@@ -125,7 +125,12 @@ pub(crate) fn without_comments(line: &[u8], bare: &mut Vec<u8>) {
         from += 1;
         from += bare[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     }
-    from += usize::from(bare.starts_with(b"%o"));
+    if bare.starts_with(b"%o") {
+        // `%O1200 SHAFT`: what follows the number is a name.
+        from += 1;
+        let digits = bare[2..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        bare.truncate(2 + digits);
+    }
     bare.drain(..from);
 }
 
@@ -198,6 +203,7 @@ mod tests {
             "G00 X32. Z5.\nG90 X28. Z-20. F0.2",
             "G76 P021060 Q50 R0.03",
             "%O1200 (A PART)\nG90 G95",
+            "%O1200 SHAFT 5\nG90 G95",
         ];
         let linuxcnc = [
             "o100 sub\n",

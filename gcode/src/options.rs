@@ -157,6 +157,8 @@ pub struct Options {
     pub peck_clearances: [f64; 2],
     /// The shift of G52 and G92 does not outlive the end of the program.
     pub forgets_g92: bool,
+    /// LinuxCNC: M98 and M99 are refused, as DISABLE_FANUC_STYLE_SUB of its machine description says.
+    pub no_fanuc_subs: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
     /// A block that is executed before the first one: what is in force then. RS274/NGC only.
@@ -190,6 +192,7 @@ impl Default for Options {
             named: Vec::new(),
             peck_clearances: [0.254; 2],
             forgets_g92: false,
+            no_fanuc_subs: false,
             orient_offset: 0.0,
             startup: None,
             stand_alone: false,

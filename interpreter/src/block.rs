@@ -8,6 +8,7 @@
 //! tool leaves whose radius nobody said is not known: nothing is warned of any more.
 
 use gcode::Problem;
+use gcode::canon::Units;
 use gcode::problem::{Blame, short};
 use machine::Corners;
 
@@ -56,6 +57,7 @@ impl Block {
         [from, to]: [[f64; 3]; 2],
         how: Goes,
         radius_mm: Option<f64>,
+        units: Units,
     ) -> Option<Box<Problem>> {
         if from[2].min(to[2]) >= self.corners.high_mm[2] {
             return None;
@@ -66,14 +68,14 @@ impl Block {
             Goes::Rapid => self.first_inside([from, to], reach_mm).map(|at| {
                 warning(
                     "rapid-in-stock",
-                    format!("the rapid goes through the stock at {}", place(at)),
+                    format!("the rapid goes through the stock at {}", place(at, units)),
                     "go over it, or cut it off first; is the part as it is said to be, and the offset?",
                 )
             }),
             Goes::CutsAtRest => self.first_inside([from, to], reach_mm).map(|at| {
                 warning(
                     "cut-at-rest",
-                    format!("the tool cuts into the stock at {}, and the spindle stands", place(at)),
+                    format!("the tool cuts into the stock at {}, and the spindle stands", place(at, units)),
                     "start the spindle before, as in S3000 M3",
                 )
             }),
@@ -168,8 +170,9 @@ impl Block {
     }
 }
 
-fn place([x, y, z]: [f64; 3]) -> String {
-    format!("X{} Y{} Z{} of the part (mm)", short(x), short(y), short(z))
+fn place(at: [f64; 3], units: Units) -> String {
+    let [x, y, z] = at.map(|mm| short(mm / units.mm()));
+    format!("X{x} Y{y} Z{z} of the part ({})", units.name())
 }
 
 fn warning(code: &'static str, message: String, help: &str) -> Box<Problem> {
@@ -189,7 +192,7 @@ mod tests {
     }
 
     fn rapid(block: &mut Block, from: [f64; 3], to: [f64; 3]) -> &'static str {
-        code(block.goes([from, to], Goes::Rapid, Some(5.0)))
+        code(block.goes([from, to], Goes::Rapid, Some(5.0), Units::Millimetre))
     }
 
     #[test]
@@ -199,7 +202,15 @@ mod tests {
         assert_eq!(rapid(&mut part, [-10.0, 30.0, -5.0], [-10.0, 90.0, -5.0]), "", "beside it");
         assert_eq!(rapid(&mut part, [50.0, 30.0, 5.0], [50.0, 30.0, -1.0]), "rapid-in-stock");
         assert_eq!(rapid(&mut part, [-10.0, 30.0, -5.0], [110.0, 30.0, -5.0]), "rapid-in-stock");
-        assert_eq!(code(part.goes([[-10.0, 30.0, -5.0], [110.0, 30.0, -5.0]], Goes::Cuts, Some(5.0))), "");
+        assert_eq!(
+            code(part.goes(
+                [[-10.0, 30.0, -5.0], [110.0, 30.0, -5.0]],
+                Goes::Cuts,
+                Some(5.0),
+                Units::Millimetre
+            )),
+            ""
+        );
         assert_eq!(rapid(&mut part, [110.0, 30.0, -5.0], [-10.0, 30.0, -5.0]), "", "it has been cut off");
         assert_eq!(rapid(&mut part, [-10.0, 34.9, -5.0], [110.0, 34.9, -5.0]), "", "and beside its axis");
         assert_eq!(rapid(&mut part, [50.0, 30.0, -5.0], [50.0, 40.0, -5.0]), "rapid-in-stock");
@@ -211,7 +222,10 @@ mod tests {
         let mut part = block();
         for depth in [-3.0, -6.0, -30.0] {
             let bottom = [20.0, 20.0, depth];
-            assert_eq!(code(part.goes([[20.0, 20.0, 2.0], bottom], Goes::Cuts, Some(2.5))), "");
+            assert_eq!(
+                code(part.goes([[20.0, 20.0, 2.0], bottom], Goes::Cuts, Some(2.5), Units::Millimetre)),
+                ""
+            );
             assert_eq!(rapid(&mut part, bottom, [20.0, 20.0, 2.0]), "");
             assert_eq!(rapid(&mut part, [20.0, 20.0, 2.0], bottom), "");
         }
@@ -221,16 +235,33 @@ mod tests {
     fn nothing_is_cut_while_the_spindle_stands() {
         let mut part = block();
         let beside = [[-3.0, -20.0, -5.0], [-3.0, 80.0, -5.0]];
-        assert_eq!(code(part.goes(beside, Goes::CutsAtRest, Some(2.9))), "", "it passes by");
-        assert_eq!(code(part.goes(beside, Goes::CutsAtRest, Some(5.0))), "cut-at-rest", "with its flank");
-        assert_eq!(code(part.goes(beside, Goes::CutsAtRest, Some(5.0))), "", "nothing is left there");
+        assert_eq!(
+            code(part.goes(beside, Goes::CutsAtRest, Some(2.9), Units::Millimetre)),
+            "",
+            "it passes by"
+        );
+        assert_eq!(
+            code(part.goes(beside, Goes::CutsAtRest, Some(5.0), Units::Millimetre)),
+            "cut-at-rest",
+            "with its flank"
+        );
+        assert_eq!(
+            code(part.goes(beside, Goes::CutsAtRest, Some(5.0), Units::Millimetre)),
+            "",
+            "nothing is left there"
+        );
     }
 
     #[test]
     fn of_a_tool_that_nobody_describes_nobody_knows_what_it_leaves() {
         let mut part = block();
         assert_eq!(
-            code(part.goes([[50.0, 30.0, 5.0], [50.0, 30.0, -1.0]], Goes::CutsAtRest, None)),
+            code(part.goes(
+                [[50.0, 30.0, 5.0], [50.0, 30.0, -1.0]],
+                Goes::CutsAtRest,
+                None,
+                Units::Millimetre
+            )),
             "cut-at-rest"
         );
         assert_eq!(rapid(&mut part, [10.0, 10.0, 5.0], [10.0, 10.0, -1.0]), "");

@@ -6,8 +6,10 @@
 //! ```
 //! R turns X and Y by the angle of the coordinate system.
 
-use gcode::canon::{Pose, Units, X, Y};
+use gcode::canon::{A, B, C, Pose, Units, X, Y, Z};
 use gcode::problem::short;
+use machine::{Kinematics, Machine};
+use protocol::Axis;
 
 use crate::thread::Point;
 
@@ -50,6 +52,31 @@ impl Frame {
         let (twice, what) = if self.x_is_diameter { (2.0, "diameter") } else { (1.0, "radius") };
         let [x, z] = [twice * at.x, at.z].map(|mm| short(mm / self.unit()));
         format!("X{x} Z{z} of the part (X as a {what}, {})", self.units.name())
+    }
+
+    /// What a program may write for the axis that a message about travel begins with, where that is not what the
+    /// machine file has.
+    pub(crate) fn travel(&self, message: &str, machine: &Machine) -> Option<String> {
+        let (axis, config) = machine.axes().find(|(axis, _)| message.starts_with(&axis.to_string()))?;
+        let at = [X, Y, Z, A, B, C].get(Axis::ALL.iter().position(|other| *other == axis)?).copied()?;
+        let turned = self.rotation_deg != 0.0 && at < Z;
+        let kinematics = machine.general.kinematics;
+        if turned || kinematics == Kinematics::Positioner {
+            return None;
+        }
+        let twice = if at == X && self.x_is_diameter { 2.0 } else { 1.0 };
+        let ends = config.travel_mm.map(|mm| {
+            let mut point = [0.0; 6];
+            point[at] = mm;
+            twice * self.programmed(&point)[at]
+        });
+        if ends == config.travel_mm {
+            return None;
+        }
+        let unit = if Axis::METRIC[axis.index()] { self.units.name() } else { "degrees" };
+        let how = if twice == 2.0 { ", as a diameter" } else { "" };
+        let [low, high] = ends.map(short);
+        Some(format!("here the program may write {axis} from {low} to {high} ({unit}{how})"))
     }
 
     /// A vector of the program in mm and degrees.

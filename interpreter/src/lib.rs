@@ -94,6 +94,8 @@ pub struct Interpreter {
     warnings: Vec<Diagnostic>,
     /// What the translator has found, and where.
     reported: BTreeSet<(u16, u32, &'static str)>,
+    /// The translator has found an error.
+    failed: bool,
     ended: bool,
 }
 
@@ -106,6 +108,7 @@ impl Interpreter {
             errors: VecDeque::new(),
             warnings: Vec::new(),
             reported: BTreeSet::new(),
+            failed: false,
             ended: false,
         }
     }
@@ -194,6 +197,8 @@ impl Interpreter {
     /// One block of the program.
     fn step(&mut self) {
         self.translator.writes_x(self.program.x_is_diameter());
+        // What begins where a refused move did not end has no error of its own.
+        let astray = self.failed && self.translator.is_astray();
         let result = self.program.step(&mut self.translator);
         if matches!(result, Ok(Step::Ended)) {
             self.translator.finish();
@@ -202,9 +207,12 @@ impl Interpreter {
         self.translator.end_of_block();
         for (place, problem) in self.translator.take_problems() {
             // A line that is run again and again is blamed once.
-            if !self.reported.insert((place.file, place.line, problem.code)) {
+            let new = self.reported.insert((place.file, place.line, problem.code));
+            let follows = astray && problem.code == "travel-limit" && problem.blame == Blame::Block;
+            if !new || follows {
                 continue;
             }
+            self.failed |= problem.severity == Severity::Error;
             let diagnostic = self.program.diagnose(place, problem);
             match diagnostic.severity {
                 Severity::Warning => self.warnings.push(diagnostic),
@@ -213,7 +221,15 @@ impl Interpreter {
         }
         self.warnings.extend(self.program.take_warnings());
         if let Err(error) = result {
-            self.errors.push_back(*error);
+            // A line has one error: what the machine lacks goes before what may stand there for want of it.
+            let of_line = |other: &Diagnostic| (&other.file, other.line) == (&error.file, error.line);
+            let lacks = matches!(error.code, "unused-word" | "no-spindle-speed");
+            if !lacks {
+                self.errors.retain(|other| !of_line(other));
+            }
+            if !(astray && error.code == "arc-radius" || self.errors.iter().any(of_line)) {
+                self.errors.push_back(*error);
+            }
         }
     }
 }

@@ -1,8 +1,8 @@
 //! What stays in force from block to block: units, offsets, plane, feed, path mode, the lead of synchronised
 //! motion. In: calls. Out: what they make of a move; what this machine cannot do, by name.
 
-use gcode::canon::{FeedMode, Plane};
-use gcode::problem::{Blame, short};
+use gcode::canon::{FeedMode, Plane, Units};
+use gcode::problem::Blame;
 use gcode::{Call, Problem};
 use machine::Machine;
 use protocol::{Axis, Feed, PerAxis, Position};
@@ -144,12 +144,22 @@ impl Modal {
                 Err(Problem::error("spindle-not-turning", Blame::Block, message, help))
             }
             _ if feed * spindle.turns_in_feed(self.feed_mode) < LEAST_FEED => {
-                let message = format!("a feed of {} is too slow to be one", short(feed));
-                let help = format!("give at least {LEAST_FEED} mm/min");
+                let units = self.frame.units;
+                let turn = if self.feed_mode == FeedMode::PerRevolution { "in a turn" } else { "a minute" };
+                let message = format!("a feed of {} {turn} is too slow to be one", fine(feed, units));
+                // Rounded up.
+                let least = (1e4 * LEAST_FEED / units.mm() - 1e-6).ceil() * 1e-4 * units.mm();
+                let help = format!("give at least {}/min", units.length(least));
                 Err(Problem::error("no-feed", Blame::Block, message, help))
             }
             FeedMode::PerRevolution => Ok(Feed::PerRevolution(feed)),
             FeedMode::PerMinute | FeedMode::InverseTime => Ok(Feed::PerMinute(feed)),
         }
     }
+}
+
+/// A small length with its unit, in as many decimals as show it.
+fn fine(mm: f64, units: Units) -> String {
+    let text = format!("{:.8}", mm / units.mm());
+    format!("{} {}", text.trim_end_matches('0').trim_end_matches('.'), units.name())
 }

@@ -155,6 +155,7 @@ fn described(ini: MachineFile, options: &mut Options) {
     }
     (options.startup, options.named, options.orient_offset) = (ini.startup, ini.named, ini.orient_offset);
     options.forgets_g92 = ini.forgets_g92;
+    options.no_fanuc_subs = ini.no_fanuc_subs;
 }
 
 /// The dialect that a program is read in, and what it looks like by itself ([`gcode::guess`]).

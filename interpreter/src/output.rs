@@ -113,6 +113,16 @@ impl Output {
         self.problems.push((place, problem));
     }
 
+    /// How much was reported since [`Output::take_problems`].
+    pub(crate) fn told(&self) -> usize {
+        self.problems.len()
+    }
+
+    /// Forgets what was reported beyond so much.
+    pub(crate) fn tell_no_more_than(&mut self, told: usize) {
+        self.problems.truncate(told);
+    }
+
     /// What was reported since it was asked last.
     pub(crate) fn take_problems(&mut self) -> Vec<(Place, Problem)> {
         std::mem::take(&mut self.problems)

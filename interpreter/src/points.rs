@@ -82,7 +82,16 @@ impl Points {
         let exists = |axis: &Axis| machine.axis.contains_key(axis);
         let [missing, present] =
             [false, true].map(|there| Axis::ALL.into_iter().filter(move |axis| exists(axis) == there));
-        for axis in missing.chain(present).filter(|axis| axes[axis.index()] != before[axis.index()]) {
+        // What goes on beyond the same end of the travel has the same cause.
+        let beyond = |axis: Axis, at: f64| {
+            let [low, high] = machine.axis.get(&axis)?.travel_mm;
+            (!(low..=high).contains(&at)).then_some(at > high)
+        };
+        let told = |axis: &Axis| {
+            let [at, was] = [axes, before].map(|of| of[axis.index()]);
+            at == was || beyond(*axis, was).is_some_and(|side| beyond(*axis, at) == Some(side))
+        };
+        for axis in missing.chain(present).filter(|axis| !told(axis)) {
             within_travel(machine, axis, axes[axis.index()], Blame::Word(letter(axis)))?;
         }
         Ok(())
@@ -128,6 +137,11 @@ impl Points {
     /// The axes rest here now, as the wire carries it.
     pub(crate) fn axes_rest_at(&mut self, axes: &PerAxis<Position>) {
         self.rest = self.kinematics.point(&axes.map(Position::mm));
+    }
+
+    /// The program goes on from a point that no move leads to.
+    pub(crate) fn skip_to(&mut self, point: gcode::Pose) {
+        (self.asked, self.programmed, self.rest, self.after_thread) = (point, point, point, false);
     }
 
     /// The program goes on from where the axes rest.

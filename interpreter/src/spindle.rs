@@ -128,7 +128,10 @@ impl Spindle {
             }
             self.surface_mm_s = mm_s;
         } else {
-            rpm_in_range(s, Blame::Word('S'), machine)?;
+            let in_range = rpm_in_range(s, Blame::Word('S'), machine);
+            // What follows is not to blame: it has the nearest speed that there is.
+            self.s = if in_range.is_ok() { s } else { s.max(SLOWEST_RPM).min(machine.spindle.max_rpm) };
+            return in_range;
         }
         self.s = s;
         Ok(())

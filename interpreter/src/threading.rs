@@ -276,7 +276,7 @@ fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) 
     let taper_mm = cut.exit.map_or(0.0, |taper| taper.length_mm);
     let [full, whole] = [to, cut.to_mm].map(|end| (end - from).abs());
     let message = format!(
-        "the thread is at full depth over {} of {}: then {} has to leave, as fast as it is",
+        "the thread is at full depth over {} of its {}: then {} has to leave, as fast as it is",
         units.length(full),
         units.length(whole),
         cut.along.lifts()

@@ -370,7 +370,8 @@ fn nominal(thread: &Thread, order: &Order) -> Result<Nominal, Refused> {
         if profile.taper == 0.0 { String::new() } else { format!(" taper 1:{}", 1.0 / profile.taper) },
     ];
     let angle: f64 = profile.flank_deg.iter().sum();
-    let text = format!("P{} D2 {least:.4}..{most:.4} A{angle} {side}{hand}{starts}{taper}", profile.pitch_mm);
+    let pitch = (profile.pitch_mm * 1e6).round() / 1e6;
+    let text = format!("P{pitch} D2 {least:.4}..{most:.4} A{angle} {side}{hand}{starts}{taper}");
     text.parse()
         .map_err(|misread: metrology::Misread| Refused::Wish { what: "limits", text: misread.message })
 }

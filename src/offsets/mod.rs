@@ -80,11 +80,11 @@ enum What {
         #[command(flatten)]
         files: Files,
     },
-    /// Set what the lines of a file say, all of it or nothing.
+    /// Set what the lines of files say, all of it or nothing.
     Load {
-        /// The file; what stands behind a semicolon is passed over.
-        #[arg(value_name = "FILE")]
-        from: PathBuf,
+        /// The files; what stands behind a semicolon is passed over. A word may stand in one of them.
+        #[arg(value_name = "FILE", required = true)]
+        from: Vec<PathBuf>,
         #[command(flatten)]
         files: Files,
     },
@@ -127,7 +127,11 @@ pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliEr
             let sets = said::line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
             change(files, quiet, sets, *add)?;
         }
-        What::Load { from, files } => change(files, quiet, said::loaded(from)?, false)?,
+        What::Load { from, files } => {
+            let loaded: Vec<Vec<Set>> =
+                from.iter().map(|path| said::loaded(path)).collect::<Result<_, _>>()?;
+            change(files, quiet, loaded.into_iter().flatten().collect(), false)?;
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -5,6 +5,7 @@ use std::{path::PathBuf, process::ExitCode};
 use clap::Args;
 use protocol::Axis;
 use rig::trace::{self, Row};
+use serde_json::json;
 
 use super::folder::Recorded;
 use crate::{error::CliError, screen, words::Phase};
@@ -23,6 +24,9 @@ differ from the trace are named; 2 the run cannot be made again.";
 pub(crate) struct ReplayArgs {
     /// A run folder.
     pub(crate) run_dir: PathBuf,
+    /// Print one JSON document, and nothing else.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Makes a run again.
@@ -37,8 +41,23 @@ pub(crate) fn replay(args: &ReplayArgs, quiet: bool) -> Result<ExitCode, CliErro
         }
     })? {}
     drop(made);
-    let again = observer.finish().trace_hash;
-    if again == recorded.summary.trace_hash && cycles == recorded.summary.cycles {
+    let observed = observer.finish();
+    let again = observed.trace_hash.clone();
+    let equal = again == recorded.summary.trace_hash && cycles == recorded.summary.cycles;
+    if args.json {
+        let first = if equal { None } else { find_first(&recorded, &args.run_dir)? };
+        let document = json!({
+            "version": 1,
+            "equal": equal,
+            "first": first.map(|First { cycle, module, text }| json!({ "cycle": cycle, "module": module, "field": text })),
+            "recorded": { "cycles": recorded.summary.cycles, "trace_hash": recorded.summary.trace_hash },
+            "again": { "cycles": cycles, "trace_hash": again, "changes": recorded.changes(), "outputs": observed.outputs,
+                       "analog_outputs": observed.analog_outputs, "inputs": observed.inputs },
+        });
+        screen::print(&format!("{document:#}\n"));
+        return Ok(if equal { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+    }
+    if equal {
         if !quiet {
             let late = recorded.changes();
             screen::print(&format!(
@@ -55,11 +74,32 @@ pub(crate) fn replay(args: &ReplayArgs, quiet: bool) -> Result<ExitCode, CliErro
     Ok(ExitCode::FAILURE)
 }
 
-/// Where the trace of the folder, as far as it goes, and the run that is made again differ first.
+/// Where the trace of a folder and the run that is made again differ first.
+struct First {
+    cycle: u64,
+    /// The module, where it is known.
+    module: Option<String>,
+    /// The column, and what stands in it.
+    text: String,
+}
+
+/// The same as a line.
 fn first_place(recorded: &Recorded, dir: &std::path::Path) -> Result<String, CliError> {
-    let Some(path) = trace::find(dir) else {
+    if trace::find(dir).is_none() {
         return Ok("there is no trace: where they differ is not known\n".into());
-    };
+    }
+    Ok(match find_first(recorded, dir)? {
+        Some(First { cycle, module: Some(module), text }) => {
+            format!("first in cycle {cycle}, {module}, {text}\n")
+        }
+        Some(First { cycle, module: None, text }) => format!("first in cycle {cycle}, {text}\n"),
+        None => "what the trace has of it is the same\n".into(),
+    })
+}
+
+/// Looks for it, as far as the trace goes; none where there is no trace.
+fn find_first(recorded: &Recorded, dir: &std::path::Path) -> Result<Option<First>, CliError> {
+    let Some(path) = trace::find(dir) else { return Ok(None) };
     let (mut machine, mut observer) = (recorded.machine_again()?, recorded.observer());
     let (mut found, mut broken) = (None, None);
     trace::read(&path, |row| {
@@ -76,19 +116,21 @@ fn first_place(recorded: &Recorded, dir: &std::path::Path) -> Result<String, Cli
             });
             match step {
                 Ok(true) => {}
-                Ok(false) => found = Some((row.cycle, "is not there any more".into())),
+                Ok(false) => {
+                    let text = "is not there any more".into();
+                    found = Some(First { cycle: row.cycle, module: None, text });
+                }
                 Err(error) => broken = Some(error),
             }
         }
         if let Some((column, [one, other])) = again.and_then(|again| row.first_difference(&again)) {
-            let text = format!("{}, {column}: recorded {one:?}, again {other:?}", module_of(&column));
-            found = found.take().or(Some((row.cycle, text)));
+            let (module, text) = (module_of(&column), format!("{column}: recorded {one:?}, again {other:?}"));
+            found = found.take().or(Some(First { cycle: row.cycle, module: Some(module), text }));
         }
     })?;
-    match (broken, found) {
-        (Some(error), _) => Err(error),
-        (None, Some((cycle, text))) => Ok(format!("first in cycle {cycle}, {text}\n")),
-        (None, None) => Ok("what the trace has of it is the same\n".into()),
+    match broken {
+        Some(error) => Err(error),
+        None => Ok(found),
     }
 }
 

@@ -9,6 +9,7 @@ use rig::{
     Exchange,
     replay::{fields, first_difference},
 };
+use serde_json::json;
 use zerocopy::IntoBytes;
 
 use super::{
@@ -41,6 +42,9 @@ pub(crate) struct DiffArgs {
     /// The page that shows the place.
     #[arg(short, long, value_name = "FILE", default_value = "diff.html")]
     pub(crate) output: PathBuf,
+    /// Print one JSON document, and nothing else; no page is written then.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Where two runs differ.
@@ -55,8 +59,11 @@ pub(super) struct Place {
 impl Place {
     /// The field with its module.
     pub(super) fn field(&self) -> String {
-        let module = self.module.map_or_else(|| "sim-plant".into(), Module::name);
-        format!("{module}, {}: {}", self.message, named(&self.path))
+        format!("{}, {}: {}", self.module_name(), self.message, named(&self.path))
+    }
+
+    fn module_name(&self) -> String {
+        self.module.map_or_else(|| "sim-plant".into(), Module::name)
     }
 
     /// What stands in this field, if it is a number.
@@ -159,7 +166,9 @@ fn compare(mut one: Again, mut other: Again) -> Result<Found, CliError> {
 
 /// Compares two runs.
 pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    written::free(&args.output, Made::Page)?;
+    if !args.json {
+        written::free(&args.output, Made::Page)?;
+    }
     let runs = [Recorded::open(&args.one)?, Recorded::open(&args.other)?];
     let axes = runs.each_ref().map(|run| run.machine.axes().map(|(axis, _)| axis).collect::<Vec<_>>());
     if axes[0] != axes[1] {
@@ -171,6 +180,14 @@ pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let [one, other] = [runs[0].machine_again()?, runs[1].machine_again()?];
     let found = compare(one, other)?;
     drop(compared);
+    if args.json {
+        screen::print(&format!("{:#}\n", document(&runs, &found)));
+        return Ok(if matches!(found, Found::Nothing { .. }) {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        });
+    }
     let place = match found {
         Found::Nothing { cycles } => {
             if !quiet {
@@ -203,8 +220,39 @@ pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
     Ok(ExitCode::FAILURE)
 }
 
-/// What the runs were made of, where that differs.
-fn inputs(runs: &[Recorded; 2]) -> String {
+/// What a comparison came to, for programs. `first` is null where nothing differs; where one run ends before the
+/// other, its `module` and `field` are.
+fn document(runs: &[Recorded; 2], found: &Found) -> serde_json::Value {
+    let first = match found {
+        Found::Nothing { .. } => serde_json::Value::Null,
+        Found::Ends { cycle, first } => {
+            json!({ "cycle": cycle, "module": null, "field": null, "ends": runs[*first].name })
+        }
+        Found::Differs(place) => json!({
+            "cycle": place.cycle,
+            "module": place.module_name(),
+            "field": format!("{}: {}", place.message, named(&place.path)),
+            "values": place.values,
+        }),
+    };
+    json!({
+        "version": 1,
+        "equal": matches!(found, Found::Nothing { .. }),
+        "first": first,
+        "inputs_that_differ": changed_inputs(runs),
+        "runs": runs.each_ref().map(|run| json!({
+            "name": run.name,
+            "cycles": run.summary.cycles,
+            "trace_hash": run.summary.trace_hash,
+            "outputs": run.summary.outputs,
+            "analog_outputs": run.summary.analog_outputs,
+            "inputs": run.summary.inputs,
+        })),
+    })
+}
+
+/// Names of what the runs were made of, where that differs.
+fn changed_inputs(runs: &[Recorded; 2]) -> Vec<&'static str> {
     let [one, other] = runs;
     let differ = [
         ("program", one.program_bytes() != other.program_bytes()),
@@ -212,8 +260,12 @@ fn inputs(runs: &[Recorded; 2]) -> String {
         ("scenario", one.texts[1] != other.texts[1]),
         ("seed", one.summary.seed != other.summary.seed),
     ];
-    let names: Vec<&str> = differ.iter().filter(|(_, differs)| *differs).map(|(name, _)| *name).collect();
-    match names.as_slice() {
+    differ.iter().filter(|(_, differs)| *differs).map(|(name, _)| *name).collect()
+}
+
+/// What the runs were made of, where that differs.
+fn inputs(runs: &[Recorded; 2]) -> String {
+    match changed_inputs(runs).as_slice() {
         [] => "inputs    the same\n".into(),
         names => format!("inputs    that differ: {}\n", names.join(", ")),
     }

@@ -9,7 +9,11 @@ use process::{
 };
 use protocol::Doom;
 
-use crate::{args::MachineArgs, gauged::GaugeArgs, panel::PanelArgs};
+use crate::{
+    args::{MachineArgs, seed},
+    gauged::GaugeArgs,
+    panel::PanelArgs,
+};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock run examples/m20x2.ngc
@@ -63,7 +67,7 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     pub(crate) single_block: bool,
     /// Seed of everything random about the plant [default: 1].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub(crate) seed: Option<u64>,
     /// Run folder [default: `runs/PROGRAM-N`].
     #[arg(long, value_name = "DIR")]

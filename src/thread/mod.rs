@@ -103,7 +103,7 @@ pub(crate) struct WriteArgs {
     #[arg(long, value_name = "TOOL")]
     tool: Option<String>,
     /// Number of the tool.
-    #[arg(long, value_name = "T", default_value_t = 3)]
+    #[arg(long, value_name = "T", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=99))]
     tool_number: u32,
     /// Radius of its nose, mm, where that of the insert is known.
     #[arg(long, value_name = "MM")]
@@ -124,7 +124,7 @@ pub(crate) struct WriteArgs {
     #[arg(long, value_name = "RPM")]
     speed: Option<f64>,
     /// Number of passes, springs not counted; without it by pitch and depth.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=200))]
     passes: Option<u32>,
     /// As many passes as keep the cutting force below this, N.
     #[arg(long, value_name = "N", conflicts_with = "passes")]
@@ -133,7 +133,7 @@ pub(crate) struct WriteArgs {
     #[arg(long, value_name = "KW", conflicts_with = "passes")]
     most_power: Option<f64>,
     /// How often the full depth is cut again.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=20))]
     springs: u32,
     /// No cut is shallower than this, mm of radius.
     #[arg(long, value_name = "MM", default_value_t = 0.02)]

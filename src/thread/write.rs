@@ -262,6 +262,13 @@ fn told(fitted: &Fitted, asked: &WriteArgs, machine: &Machine) -> String {
         recipe.s_rpm,
         recipe.speed_m_min()
     );
+    let most = machine.spindle.max_rpm;
+    if asked.speed.is_none() && meant_rpm.is_none() && recipe.s_rpm >= most {
+        let _ = writeln!(
+            text,
+            "          the spindle of this machine does no more ({most} 1/min, spindle.max_rpm)"
+        );
+    }
     if let Some(meant) = meant_rpm {
         let _ = writeln!(
             text,

@@ -60,7 +60,7 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "RPM", default_value_t = 300.0)]
     rpm: f64,
     /// Seed of everything random about the plant.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = crate::args::seed)]
     seed: u64,
     /// Print one JSON document, and nothing else.
     #[arg(long)]

@@ -133,6 +133,16 @@ fn what_follows_from_one_cause_is_told_once_with_its_count() {
         answer.stderr
     );
     assert!(answer.stderr.contains("in one block (and again in line 7)"), "{}", answer.stderr);
+    // A program of a mill on a lathe: one axis is not there, and arcs that count otherwise than the post thinks.
+    place.write("mill.ngc", "F100 S500 M3\nG0 X10 Y1\nY2\nX12 Y3\nG18 G0 X18 Z1\nG1 Z0\nG3 X19.2 Z-0.6 K-0.6\nG3 X20.4 Z-1.2 K-0.6\nM2\n");
+    let answer = place.ask(&["check", "mill.ngc"]);
+    assert!(answer.stdout.starts_with("2 errors, "), "{}", answer.stdout);
+    assert!(
+        answer.stderr.contains("Y (it would be at 1 mm) (and 2 times more, up to line 4)"),
+        "{}",
+        answer.stderr
+    );
+    assert!(answer.stderr.contains("off the circle (and again in line 8)"), "{}", answer.stderr);
     let thread = "G76 P010060 Q20 R0.02\nG76 X20. Z-20. P900 Q200 F2.\nG92 X21. Z-20. F2.\nX20.8\nX20.6\n";
     place.write("b.nc", format!("%\nO1\nG50 S2000\nG96 S60 M03\nG00 X24. Z8.\n{thread}M30\n"));
     let answer = place.ask(&["check", "b.nc"]);

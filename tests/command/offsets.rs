@@ -237,3 +237,23 @@ fn changes_at_the_same_time_are_all_kept() {
     let text = std::fs::read_to_string(place.at("tool.tbl")).expect("it is there");
     assert_eq!(text.lines().collect::<Vec<_>>(), expected);
 }
+
+/// The setup of a part and the wear of its tools may be files of their own; a word stands in one of them.
+#[test]
+fn several_files_are_loaded_at_once_or_not_at_all() {
+    let place = shop();
+    let files = ["--parameters", "shop/lathe.var", "--tools", "shop/tool.tbl"];
+    place.write("setup.txt", "G54 X0 Z-112.4\n");
+    place.write("wear.txt", "T1 Z24.98\n");
+    place.write("twice.txt", "G54 Z-100\n");
+    let load = |names: &[&str]| place.ask(&[&["offsets", "load"], names, &files].concat());
+    let before = fs::read_to_string(place.at("shop/lathe.var")).expect("it is there");
+    let refused = load(&["setup.txt", "twice.txt"]);
+    assert_eq!(refused.status, Some(2));
+    assert!(refused.stderr.contains("Z of G54 stands twice"), "{}", refused.stderr);
+    assert_eq!(fs::read_to_string(place.at("shop/lathe.var")).expect("it is there"), before);
+    let loaded = load(&["setup.txt", "wear.txt"]);
+    assert_eq!(loaded.status, Some(0), "{}", loaded.stderr);
+    let listed = place.ask(&[&["offsets", "list"][..], &files].concat()).stdout;
+    assert!(listed.contains("Z-112.4") && listed.contains("Z24.98"), "{listed}");
+}

@@ -218,6 +218,30 @@ fn a_run_that_is_another_one_is_told_where_and_one_without_its_record_is_refused
     refused(None, "what reached its modules and when");
 }
 
+/// What a program switches is in the documents of `replay` and `diff`.
+#[test]
+fn outputs_are_in_the_documents() {
+    let place = Place::new();
+    let machine = format!("{}\n[outputs.3]\nname = \"chip conveyor\"\n", machine::SMALL_LATHE);
+    place.write("lathe.toml", &machine);
+    let program = place.write("program.ngc", "G21 G90 G94\nM64 P3\nG0 X50 Z90\nM65 P3\nM2\n");
+    run(&place, &program, "one", &["--in-process", "--machine", "lathe.toml"]);
+    let switched = |outputs: &serde_json::Value| -> Vec<(u64, bool)> {
+        let all = outputs.as_array().expect("a list");
+        let one = |output: &serde_json::Value| Some((output["number"].as_u64()?, output["on"].as_bool()?));
+        all.iter().map(|output| one(output).expect("a change")).collect()
+    };
+    for (arguments, path) in
+        [(&["replay", "one", "--json"][..], "/again"), (&["diff", "one", "one", "--json"], "/runs/1")]
+    {
+        let answer = place.ask(arguments);
+        assert_eq!(answer.status, Some(0), "{arguments:?}: {}", answer.stderr);
+        let document: serde_json::Value = serde_json::from_str(&answer.stdout).expect("a document");
+        let outputs = document.pointer(path).map(|made| &made["outputs"]).expect("a run");
+        assert_eq!(switched(outputs), [(3, true), (3, false)], "{document}");
+    }
+}
+
 #[test]
 fn two_runs_are_compared_message_by_message() {
     let place = Place::new();
@@ -235,6 +259,21 @@ fn two_runs_are_compared_message_by_message() {
     let words = "first in cycle 3000 (1.5000 s), sim-plant, truth: measurement.panel.spindle_override_pct\n  one: 100.0\n  slower: 90.0";
     assert!(other.stdout.contains(words), "{}", other.stdout);
     assert!(other.stdout.contains("that differ: scenario"), "{}", other.stdout);
+    let document = |arguments: &[&str], status| -> serde_json::Value {
+        let answer = place.ask(arguments);
+        assert_eq!(answer.status, Some(status), "{arguments:?}: {}", answer.stderr);
+        serde_json::from_str(&answer.stdout).expect("one document and nothing else")
+    };
+    let differ = document(&["diff", "one", "slower", "--json"], 1);
+    assert_eq!((&differ["equal"], &differ["first"]["cycle"]), (&false.into(), &3000.into()));
+    assert_eq!(differ["first"]["module"], "sim-plant");
+    assert_eq!(differ["inputs_that_differ"], serde_json::json!(["scenario"]));
+    assert!(!place.at("diff.html").exists(), "JSON draws nothing");
+    let equal = document(&["diff", "one", "two", "--json"], 0);
+    assert_eq!((&equal["equal"], &equal["first"]), (&true.into(), &serde_json::Value::Null));
+    let again = document(&["replay", "slower", "--json"], 0);
+    assert_eq!((&again["equal"], &again["first"]), (&true.into(), &serde_json::Value::Null));
+    assert_eq!(again["recorded"]["trace_hash"], again["again"]["trace_hash"]);
     let page: PathBuf = place.at("other.html");
     let page = std::fs::read_to_string(page).expect("it is drawn");
     assert!(

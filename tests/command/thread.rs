@@ -216,7 +216,7 @@ fn wishes_out_of_range_are_refused() {
         (&["M20x2-6g", "--length", "0"], "length: 0 is not within"),
         (&["M20x2-6g", "--length", "900"], "this machine cannot cut it"),
         (&["M20x2-6g", "--start", "0.1"], "start farther off"),
-        (&["M20x2-6g", "--passes", "0"], "passes: 0 is not within"),
+        (&["M20x2-6g", "--passes", "0"], "0 is not in 1..=200"),
         (&["M20x2-6g", "--most-force", "0"], "force: 0 is not within"),
         (&["M20x2-6g", "--most-power", "1e9"], "power: 1000000000 is not within"),
         (&["M20x2-6g", "--most-force", "20"], "lower the least cut"),
@@ -288,4 +288,53 @@ fn a_program_that_is_there_is_not_overwritten() {
     assert_eq!(second.status, Some(2));
     assert_eq!(std::fs::read_to_string(place.at("bolt.ngc")).expect("the same"), text);
     assert!(first.stderr.contains("outside   19.822 mm"), "{}", first.stderr);
+}
+
+/// A number that cannot be is refused with what can, below 0 as well.
+#[test]
+fn numbers_out_of_range_are_refused_with_their_range() {
+    let place = Place::new();
+    place.write("part.ngc", "G0 X50\nM2\n");
+    for (arguments, told) in [
+        (&["thread", "M6x1-6g", "--springs", "-1"][..], "-1 is not in 0..=20"),
+        (&["thread", "M6x1-6g", "--passes", "0"], "0 is not in 1..=200"),
+        (&["thread", "M6x1-6g", "--passes", "-3"], "-3 is not in 1..=200"),
+        (&["thread", "M6x1-6g", "--tool-number", "100"], "100 is not in 1..=99"),
+        (&["thread", "M6x1-6g", "--speed", "-5"], "speed: -5 is not within 1 to 3000"),
+        (&["thread", "M6x1-6g", "--length", "-4"], "length: -4 is not within 0.1 to 2000"),
+        (&["thread", "M6x1-6g", "--start", "-2"], "start: -2 is not within 0.1 to 500"),
+        (&["thread", "M6x1-6g", "--nose", "-1"], "a nose has 0 to 10 mm"),
+        (&["thread", "M6x1-6g", "--least-cut", "-1"], "least cut: -1 is not within 0.001 to 0.5"),
+        (&["thread", "M6x1-6g", "--most-force", "-1"], "force: -1 is not within 1 to"),
+        (&["thread", "M6x1-6g", "--most-power", "-1"], "power: -1 is not within 0.001 to 1000"),
+        (&["thread", "M6x1-6g", "--infeed", "modified", "--off-flank", "-3"], "-3 is not within 0 to 30"),
+        (&["run", "part.ngc", "--seed", "-1"], "a seed is a whole number from 0 to"),
+        (&["run", "part.ngc", "--seed", "1.5"], "a seed is a whole number from 0 to"),
+        (&["run", "part.ngc", "--pace", "-1"], "0.05 to 1000, or max"),
+        (&["run", "part.ngc", "--watchdog-s", "-1"], "seconds, 0 to 1000000"),
+        (&["check", "part.ngc", "--certify", "--seed", "-1"], "a seed is a whole number from 0 to"),
+        (&["check", "part.ngc", "--block-delete=-1"], "-1 is not in 1..=9"),
+    ] {
+        let answer = place.ask(arguments);
+        assert_eq!(answer.status, Some(2), "{arguments:?}: {}", answer.stderr);
+        assert!(answer.stderr.contains(told), "{arguments:?}: {}", answer.stderr);
+    }
+    assert!(!place.at("runs").exists(), "nothing ran");
+}
+
+/// What makes a speed lower than usual is said; a pitch that has no end is written in six decimals.
+#[test]
+fn the_reason_of_a_speed_is_told_and_names_are_short() {
+    let place = Place::new();
+    let slow = place.ask(&["thread", "M6x1-6g", "--material", "aluminium", "-o", "bolt.ngc"]);
+    assert_eq!(slow.status, Some(0), "{}", slow.stderr);
+    assert!(
+        slow.stderr.contains("does no more (3000 1/min, spindle.max_rpm)")
+            || slow.stdout.contains("spindle.max_rpm")
+    );
+    let own = ["thread", "1/4-12 UNS-2A", "--pitch-diameter", "4.9..5", "-o", "own.ngc"];
+    let answer = place.ask(&own);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let program = std::fs::read_to_string(place.at("own.ngc")).expect("it is written");
+    assert!(program.contains("(thread, P2.116667 D2 4.9000..5.0000 A60"), "{program}");
 }

@@ -161,7 +161,8 @@ fn check_radii(
             "the centre {center} is {r1} from the start {start} and {r2} from the end {end}: {miss} off the circle"
         )
     };
-    let help = "give end and centre with more digits, or correct the one that is wrong";
+    let help = read_otherwise(&Points { start, center, end }, block, state, tolerance)
+        .unwrap_or("give end and centre with more digits, or correct the one that is wrong");
     if miss > 100.0 * tolerance || (miss > tolerance && miss / r1.max(r2) > SPIRAL) {
         return Err(Problem::error("arc-radius", blame, message(), help));
     }
@@ -169,6 +170,40 @@ fn check_radii(
         out.warn(Problem::warning("arc-radius", blame, message(), help));
     }
     Ok(())
+}
+
+/// An arc in the plane.
+struct Points {
+    start: [f64; 2],
+    center: [f64; 2],
+    end: [f64; 2],
+}
+
+/// What to write where an arc that misses its end fits in another reading of its words: posts differ in both.
+fn read_otherwise(arc: &Points, block: &Block, state: &State, tolerance: f64) -> Option<&'static str> {
+    let Points { start, center, end } = *arc;
+    let fits = |start: [f64; 2], center: [f64; 2], end: [f64; 2]| {
+        let [r1, r2] = [distance(center, start), distance(center, end)];
+        r1.min(r2) > tolerance && (r1 - r2).abs() <= tolerance
+    };
+    let (first, second, _) = state.modes.plane.axes();
+    let words = [first, second].map(|axis| block.get(CENTERS[axis]).unwrap_or(0.0));
+    let relative = !state.modes.absolute_centers;
+    if state.modes.plane == Plane::Xz && !state.modes.diameter && relative {
+        let radii = |[z, x]: [f64; 2]| [z, x / 2.0];
+        let [z, x] = radii(start);
+        if fits(radii(start), [z + words[0], x + words[1]], radii(end)) {
+            return Some(
+                "with X as a diameter the arc fits: write G7 before it, or read the program with --dialect fanuc",
+            );
+        }
+    }
+    let [of_start, of_program] = [[start[0] + words[0], start[1] + words[1]], words];
+    let other = if relative { of_program } else { of_start };
+    (other != center && fits(start, other, end)).then_some(match relative {
+        true => "with the centre as a point of the program (G90.1) the arc fits: here it counts from the start of the arc",
+        false => "with the centre counted from the start of the arc (G91.1) the arc fits: here it is a point",
+    })
 }
 
 /// Equation 3.

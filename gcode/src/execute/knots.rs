@@ -15,6 +15,7 @@
 //! Source: LinuxCNC's interpreter, `convert_nurbs`. Q chooses there between ways of making lines and arcs;
 //! here all three are arcs that keep within a distance of the curve.
 
+use super::refused::goes_to;
 use super::{Done, Output, straight};
 use crate::block::Block;
 use crate::canon::{Call, Nurbs, Units};
@@ -36,17 +37,25 @@ pub(super) fn block(block: &Block, state: &mut State, out: &mut Output) -> Done 
     let before = state.spline.knotted.take().filter(|curve| !curve.broken || !block.has('P'));
     let first = before.is_none();
     let mut curve = before.unwrap_or_default();
-    let done = take(first, block, state, &mut curve);
+    // Of a curve without an order nothing else can be judged.
+    let lost = !first && curve.order == 0;
+    let done = if lost { Ok(()) } else { take(first, block, state, &mut curve) };
     curve.broken |= done.is_err();
+    // What follows a curve that is not made begins where its points end.
+    if curve.broken
+        && block.has_axes()
+        && let Ok(target) = straight::target(block, state)
+    {
+        goes_to(target, state, out);
+    }
     let ended = curve.order > 0 && curve.knots.len() == curve.points.len() + curve.order;
     if !ended {
-        state.spline.knotted = (curve.order > 0).then_some(curve);
+        state.spline.knotted = Some(curve);
         return done;
     }
     state.modes.motion = None;
-    done?;
     if curve.broken {
-        return Ok(());
+        return done;
     }
     make(*curve, state, out)
 }
@@ -79,14 +88,15 @@ fn take(first: bool, block: &Block, state: &State, curve: &mut KnottedCurve) -> 
         let message = "a point stands behind a knot without one";
         return Err(Problem::error("bad-value", Blame::Block, message, help));
     }
-    if point {
-        let Some(weight) = block.get('R').filter(|weight| *weight > 0.0) else {
-            return Err(missing("R, the weight of the point", "give a weight greater than 0, such as R1"));
-        };
-        let target = straight::target(block, state)?;
-        curve.points.push([target[one], target[other], weight]);
-    }
     curve.knots.push(knot);
+    if point {
+        let target = straight::target(block, state)?;
+        let weight = block.get('R').filter(|weight| *weight > 0.0);
+        curve.points.push([target[one], target[other], weight.unwrap_or(1.0)]);
+        if weight.is_none() {
+            return Err(missing("R, the weight of the point", "give a weight greater than 0, such as R1"));
+        }
+    }
     Ok(())
 }
 
@@ -108,6 +118,11 @@ fn missing(what: &str, help: &str) -> Box<Problem> {
 
 /// The curve, with its last block.
 fn make(curve: KnottedCurve, state: &mut State, out: &mut Output) -> Done {
+    let at = state.axes.position;
+    let (one, other, _) = state.modes.plane.axes();
+    if let Some(end) = curve.points.last() {
+        [state.axes.position[one], state.axes.position[other]] = [end[0], end[1]];
+    }
     let KnottedCurve { order, points, knots, .. } = curve;
     let bad = |message: String, help: &str| {
         Err(Problem::error("bad-value", Blame::Block, message, help.to_owned()))
@@ -131,17 +146,12 @@ fn make(curve: KnottedCurve, state: &mut State, out: &mut Output) -> Done {
         let message = format!("a knot within the curve is there {order} times: the curve is torn");
         return bad(message, "end the curve there, and begin another");
     }
-    let (one, other, _) = state.modes.plane.axes();
-    let at = [state.axes.position[one], state.axes.position[other]];
-    let off = libm::hypot(points[0][0] - at[0], points[0][1] - at[1]);
+    let off = libm::hypot(points[0][0] - at[one], points[0][1] - at[other]);
     if off > NEAR[usize::from(state.units.program() == Units::Inch)] {
         let message = format!("the first point of the curve is {} from where the tool stands", short(off));
         return bad(message, "move there first, in a block before the curve");
     }
-    let end = points[points.len() - 1];
-    out.call(Call::NurbsFeed(&Nurbs { order, points, knots, named: true }))?;
-    [state.axes.position[one], state.axes.position[other]] = [end[0], end[1]];
-    Ok(())
+    out.call(Call::NurbsFeed(&Nurbs { order, points, knots, named: true }))
 }
 
 /// Within a curve stand its blocks and nothing else.

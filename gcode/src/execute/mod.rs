@@ -22,6 +22,7 @@
 //! | `cycles/` | G73 G74 G80 to G89 |
 //! | `roughing/` | G70 G71 G72 |
 //! | `compensation/` | G40 to G42.1: contour offset by the radius of the tool |
+//! | `refused.rs` | what a block that was refused leaves behind |
 //! | `thin.rs` | depths of cut that are hardly meant |
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
@@ -39,6 +40,7 @@ mod modes;
 pub(crate) mod output;
 mod outputs;
 mod probe;
+pub(crate) mod refused;
 pub(crate) mod roughing;
 mod spindle;
 mod spline;

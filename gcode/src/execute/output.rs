@@ -18,7 +18,32 @@ pub(crate) struct Output<'a> {
     pub(super) waiting: &'a mut Waiting,
 }
 
+/// A receiver that is told what a refused block would have done.
+struct Assuming<'a>(&'a mut dyn Sink);
+
+impl Sink for Assuming<'_> {
+    fn call(&mut self, place: Place, call: Call<'_>) -> Done {
+        self.0.assumes(place, call);
+        Ok(())
+    }
+
+    fn skips_to(&mut self, place: Place, to: &Pose) {
+        self.0.skips_to(place, to);
+    }
+}
+
 impl<'a> Output<'a> {
+    /// Does something whose calls are only assumed, see [`Sink::assumes`], and whose warnings nobody hears.
+    pub(crate) fn assume(&mut self, what: impl FnOnce(&mut Output<'_>)) {
+        let (mut sink, mut warnings) = (Assuming(&mut *self.sink), Vec::new());
+        what(&mut Output {
+            sink: &mut sink,
+            place: self.place,
+            warnings: &mut warnings,
+            waiting: &mut *self.waiting,
+        });
+    }
+
     pub(crate) fn new(
         sink: &'a mut dyn Sink,
         place: Place,
@@ -35,6 +60,11 @@ impl<'a> Output<'a> {
             return Ok(());
         }
         self.sink.call(self.place, call)
+    }
+
+    /// See [`Sink::skips_to`].
+    pub(super) fn skips_to(&mut self, to: &Pose) {
+        self.sink.skips_to(self.place, to);
     }
 
     /// Hands a job to the receiver; the answer is where the tool is after it, see [`Sink::job`].

@@ -172,6 +172,11 @@ fn close(state: &mut State, out: &mut Output) -> Done {
         return Err(Problem::error("no-motion-mode", Blame::G(code), message, "begin it by G5.2"));
     };
     state.modes.motion = None;
+    // Also of a curve that is not made: what follows begins where it ends.
+    let (first, second, _) = state.modes.plane.axes();
+    if let Some(end) = curve.points.last() {
+        [state.axes.position[first], state.axes.position[second]] = [end[0], end[1]];
+    }
     if curve.broken {
         return Ok(());
     }
@@ -180,11 +185,7 @@ fn close(state: &mut State, out: &mut Output) -> Done {
         let message = format!("a curve of order L{needs} needs {needs} points, and this one has {has}");
         return Err(Problem::error("missing-word", Blame::G(code), message, "add points, or take a lower L"));
     }
-    let (first, second, _) = state.modes.plane.axes();
-    let end = curve.points.last().copied().unwrap_or_default();
-    out.call(Call::NurbsFeed(&Nurbs::uniform(curve.order, curve.points)))?;
-    [state.axes.position[first], state.axes.position[second]] = [end[0], end[1]];
-    Ok(())
+    out.call(Call::NurbsFeed(&Nurbs::uniform(curve.order, curve.points)))
 }
 
 /// Between G5.2 and G5.3 stand points and nothing else.

@@ -49,6 +49,8 @@ const REFUSED: &[(&[u16], (&str, &str))] = &[
 
 /// Codes that switch look-ahead and smoothing.
 const SMOOTHING: [u16; 6] = [50, 51, 61, 80, 81, 1870];
+/// P beside S: the main spindle, where a machine has several.
+const MAIN_SPINDLE: f64 = 11.0;
 /// M codes that choose a gear of the spindle.
 pub(super) const GEARS: std::ops::RangeInclusive<u16> = 40..=44;
 
@@ -204,7 +206,14 @@ pub(super) fn deed(line: &Line, motion: G) -> Result<Deed, Box<Problem>> {
     };
     let idle = line.idle.as_ref().map_or(0, |idle| idle.words);
     match letters_of(block.present() & !(ALWAYS | used | idle)).next() {
-        Some('P') if line.has('S') => Err(of_another_spindle()),
+        Some('P') if line.has('S') || matches!(block.m(groups::SPINDLE), Some(M(3..=5))) => {
+            match line.plain('P') == Some(MAIN_SPINDLE)
+                && block.present() & !(ALWAYS | used | idle | bits("P")) == 0
+            {
+                true => Ok(deed),
+                false => Err(of_another_spindle()),
+            }
+        }
         Some(letter) => Err(unused(letter, deed)),
         None => Ok(deed),
     }
@@ -220,10 +229,10 @@ fn both(code: G, call: M) -> Box<Problem> {
     Problem::error("modal-group", Blame::M(call), message, "put them in different blocks")
 }
 
-/// `S1200 M03 P11`.
+/// `S1200 M03 P12`.
 fn of_another_spindle() -> Box<Problem> {
-    let message = "P beside S chooses one of several spindles, and this machine has one";
-    let help = "leave P out where the block means the main spindle; what the others do cannot be done here";
+    let message = "P beside S chooses one of several spindles, and this machine has the main one (P11)";
+    let help = "write P11, or leave P out, where the block means the main spindle; what the others do cannot be done here";
     Problem::error("not-available", Blame::Word('P'), message, help)
 }
 

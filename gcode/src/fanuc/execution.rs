@@ -133,7 +133,7 @@ pub(super) fn target(line: &Line, from: Pose) -> Result<Pose, Box<Problem>> {
 }
 
 /// The end point of the words X Y Z of a mill.
-fn on_mill(line: &Line, from: Pose, incremental: bool) -> Pose {
+pub(super) fn on_mill(line: &Line, from: Pose, incremental: bool) -> Pose {
     let mut end = from;
     for (axis, letter) in [(X, 'X'), (Y, 'Y'), (Z, 'Z')] {
         let Some(value) = line.length(letter) else { continue };

@@ -57,6 +57,8 @@ pub(super) struct Flow {
     /// Nothing was wrong so far. From the first error on nothing is repeated: the rest is looked through
     /// once.
     pub(super) repeats: bool,
+    /// The beginning of a loop may have been refused.
+    lost: bool,
 }
 
 /// What M99 came back from.
@@ -85,6 +87,7 @@ impl Flow {
             looked: BTreeSet::new(),
             deepest,
             repeats: true,
+            lost: false,
         }
     }
 
@@ -195,6 +198,11 @@ impl Flow {
         self.files.take().map(|_| ())
     }
 
+    /// A line without words was refused: it may have been the beginning of a loop.
+    pub(super) fn lost_a_loop(&mut self) {
+        self.lost = true;
+    }
+
     /// END: back to the beginning of the loop.
     ///
     /// # Errors
@@ -203,6 +211,9 @@ impl Flow {
         let base = self.levels.last().map_or(0, |level| level.loops);
         let open = self.loops.iter().skip(base).position(|open| open.number == number);
         let Some(open) = open.and_then(|open| self.loops.get(base + open).copied()) else {
+            if self.lost {
+                return Ok(());
+            }
             let message = format!("END {number} without DO {number} before it");
             return Err(Problem::error(
                 "bad-loop",

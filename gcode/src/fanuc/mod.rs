@@ -51,8 +51,8 @@ mod variables;
 
 use crate::block::{Block, letter_bit, letter_bits};
 use crate::canon::{Call, FeedMode, Plane};
-use crate::codes::{G, M, group};
-use crate::execute::{Done, Output};
+use crate::codes::{G, M, group, m_group};
+use crate::execute::{Done, Output, refused};
 use crate::options::{DecimalPoint, Dialect, Options, Skips};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
@@ -170,11 +170,7 @@ impl Control {
     /// # Errors
     /// What is wrong with the line, or what the sink refuses.
     pub(crate) fn next(&mut self, state: &mut State, out: &mut Output) -> Done {
-        let done = self.statement(state, out);
-        if done.is_err() {
-            self.failed(state, out);
-        }
-        done
+        self.statement(state, out).inspect_err(|problem| out.assume(|out| self.failed(problem, state, out)))
     }
 
     fn statement(&mut self, state: &mut State, out: &mut Output) -> Done {
@@ -204,7 +200,7 @@ impl Control {
             Statement::Goto(label) => self.flow.goto(label),
             Statement::While(number, holds) => self.flow.begin(number, at, holds),
             Statement::End(number) => self.flow.end(number),
-            Statement::Alarm(number) => Err(self.alarm(number, state)),
+            Statement::Alarm(number) => self.alarm(number, state),
             Statement::Message => {
                 if let Some(pending) = self.modal.pending.take() {
                     return Err(corner::alone(&pending, "#3006"));
@@ -218,13 +214,20 @@ impl Control {
 
     /// A block failed. What it would have left in force counts, and a contour that it would have roughed is
     /// not cut by itself: the blocks behind it are not to blame.
-    fn failed(&mut self, state: &mut State, out: &mut Output) {
+    fn failed(&mut self, problem: &Problem, state: &mut State, out: &mut Output) {
+        if self.line.block.is_empty() {
+            self.flow.lost_a_loop();
+            return;
+        }
+        refused::may_turn(problem, &self.line.block, state, out);
+        if self.without_word(problem, state, out) {
+            return;
+        }
         let line = &self.line;
+        let speed = line.plain('S').filter(|_| line.block.g(group::ONCE) != Some(G(500)));
+        refused::turns(line.plain('F'), speed, line.block.m(m_group::SPINDLE), state, out);
         if let Some(feed) = line.plain('F').filter(|feed| *feed > 0.0) {
-            state.modes.feed = feed;
             self.modal.lead = Some(feed);
-            // A receiver that refuses it has said so.
-            let _ = out.call(Call::SetFeedRate(feed));
         }
         if let Some(code) = line.block.g(group::MOTION).filter(|code| !codes::is_idle(*code, line)) {
             self.modal.motion = code;
@@ -236,6 +239,39 @@ impl Control {
                 self.pass_contour(first, last);
             }
         }
+        self.skip_to_end(state, out);
+    }
+
+    /// Executes the block without the word that is too much in it, if that is what is wrong. What else is found is
+    /// not told: the line has its error.
+    fn without_word(&mut self, problem: &Problem, state: &mut State, out: &mut Output) -> bool {
+        let whole = self.line.block.clone();
+        match refused::too_much(problem) {
+            Some(Some(letter)) if whole.has(letter) => self.line.block.remove(letter),
+            Some(None) => {}
+            _ => return false,
+        }
+        let done = self.execute(state, out);
+        self.line.block = whole;
+        done.is_ok()
+    }
+
+    /// The program is taken to be where the move of a refused block was to go.
+    fn skip_to_end(&mut self, state: &mut State, out: &mut Output) {
+        let line = &self.line;
+        let moves = matches!(self.modal.motion, G(0 | 10 | 20 | 30 | 320 | 340)) && line.has_any("XYZUW");
+        if !moves || line.block.g(group::ONCE).is_some() || self.modal.pending.is_some() {
+            return;
+        }
+        let from = state.axes.position;
+        let end = match line.mill {
+            true => execution::on_mill(line, from, state.modes.incremental),
+            false => match execution::target(line, from) {
+                Ok(end) => end,
+                Err(_) => return,
+            },
+        };
+        refused::goes_to(end, state, out);
     }
 
     /// G18, X as a diameter, G99: what a lathe with G-code system A begins with. G98: what a mill does.
@@ -331,11 +367,15 @@ impl Control {
     }
 
     /// #3000: the program ends with an error of its own.
-    fn alarm(&mut self, number: f64, state: &mut State) -> Box<Problem> {
+    fn alarm(&mut self, number: f64, state: &mut State) -> Done {
         state.progress.ended = true;
         let text = self.line.block.comment.take().map(|comment| comment.text).unwrap_or_default();
+        if !self.flow.repeats {
+            // A jump around it may have been refused.
+            return Ok(());
+        }
         let message = format!("the program gives alarm {}: {text}", short(3000.0 + number));
-        Problem::error("alarm", Blame::Block, message, "see what the program says before #3000")
+        Err(Problem::error("alarm", Blame::Block, message, "see what the program says before #3000"))
     }
 
     /// The text ends, or another program begins.

@@ -63,7 +63,14 @@ impl Reading<'_> {
     ) -> Result<Statement, Box<Problem>> {
         line.clear(file, number, self.state.units.program());
         let mut cursor = Cursor::new(self.text);
-        labels::leader(number, &mut cursor);
+        if labels::leader(number, &mut cursor) {
+            let program = program_number(&mut cursor)?;
+            if cursor.peek() != Some(b'(') {
+                cursor.take_rest();
+            }
+            self.end(&mut cursor, line)?;
+            return Ok(Statement::Program(program));
+        }
         let mut optional = skip::is_left_out(self.skips, &mut cursor)?;
         if cursor.peek() == Some(b'n') {
             let (number, digits) = sequence_number(&mut cursor)?;
@@ -194,7 +201,15 @@ impl Reading<'_> {
                         refused.get_or_insert(problem);
                     }
                 }
-                b'a'..=b'z' | b',' => self.word(first, cursor, line)?,
+                b'a'..=b'z' | b',' => {
+                    let at = cursor.mark();
+                    match self.word(first, cursor, line) {
+                        Err(problem) if problem.code == "repeated-word" && cursor.mark() > at => {
+                            refused.get_or_insert(problem);
+                        }
+                        done => done?,
+                    }
+                }
                 b'(' => comment(cursor, line)?,
                 b';' => return self.end(cursor, line),
                 _ => return Err(bad_character(cursor)),

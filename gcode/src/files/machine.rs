@@ -21,13 +21,12 @@ use crate::problem::{Blame, Diagnostic, Problem, Severity, Span};
 
 /// Entries that change what programs mean and that nothing here takes into account, with the value that is
 /// the same as no entry.
-const UNSUPPORTED: [(&str, &str, &str); 12] = [
+const UNSUPPORTED: [(&str, &str, &str); 11] = [
     ("RS274NGC", "REMAP", ""),
     ("RS274NGC", "USER_M_PATH", ""),
     ("RS274NGC", "RETAIN_G43", "0"),
     ("RS274NGC", "NO_DOWNCASE_OWORD", "0"),
     ("RS274NGC", "OWORD_WARNONLY", "0"),
-    ("RS274NGC", "DISABLE_FANUC_STYLE_SUB", "0"),
     ("RS274NGC", "G64_DEFAULT_TOLERANCE", "0"),
     ("RS274NGC", "FEATURES", "0"),
     ("EMCIO", "TOOL_CHANGE_AT_G30", "0"),
@@ -53,6 +52,8 @@ pub struct MachineFile {
     pub subroutine_folders: Vec<PathBuf>,
     /// G92 does not outlive a run: its parameters (#5210 to #5219) in the parameter file do not count.
     pub forgets_g92: bool,
+    /// M98 and M99 are refused.
+    pub no_fanuc_subs: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub orient_offset: f64,
     /// All entries that are numbers, as the parameters that programs can read: `_ini[section]entry`, lower
@@ -159,6 +160,10 @@ impl MachineFile {
             ("RS274NGC", "INI_VARS") => self.hides_entries = entry.value == "0",
             ("RS274NGC", "PARAMETER_FILE") => self.parameter_file = Some(folder.join(entry.value)),
             ("RS274NGC", "DISABLE_G92_PERSISTENCE") => self.forgets_g92 = entry.value != "0",
+            ("RS274NGC", "DISABLE_FANUC_STYLE_SUB") => {
+                let value = entry.value.to_ascii_lowercase();
+                self.no_fanuc_subs = matches!(value.as_str(), "1" | "true" | "yes" | "on");
+            }
             ("RS274NGC", "RS274NGC_STARTUP_CODE") => self.startup = Some(entry.value.to_owned()),
             ("EMCIO", "TOOL_TABLE") => self.tool_table = Some(folder.join(entry.value)),
             ("RS274NGC", "SUBROUTINE_PATH") => {

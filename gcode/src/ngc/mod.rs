@@ -14,9 +14,9 @@ mod words;
 use crate::block::Block;
 use crate::canon::{Job, Place};
 use crate::codes::{M, m_group};
-use crate::execute::{self, Done, Output, roughing};
+use crate::execute::{self, Done, Output, refused::refused, roughing};
 use crate::options::Options;
-use crate::problem::Problem;
+use crate::problem::{Blame, Problem};
 use crate::state::State;
 use crate::text::{Cursor, Files, job};
 use flow::{Flow, Order, Run};
@@ -110,16 +110,18 @@ impl Control {
         let content = self.read(state);
         out.place = self.block.place();
         out.warn_all(&mut self.words.warnings);
-        match content? {
-            Content::Words => self.execute(state, out),
-            Content::Control(order) => self.control(order, state, out),
-            Content::Job(job) => {
+        let done = match content {
+            Ok(Content::Words) => self.execute(state, out),
+            Ok(Content::Control(order)) => self.control(order, state, out),
+            Ok(Content::Job(job)) => {
                 out.place = Place { line: job.line, ..out.place };
                 execute::job(&job, state, out)
             }
-            Content::Nothing => Ok(()),
-            Content::End => self.end_of_file(state, out),
-        }
+            Ok(Content::Nothing) => Ok(()),
+            Ok(Content::End) => self.end_of_file(state, out),
+            Err(problem) => Err(problem),
+        };
+        done.inspect_err(|problem| refused(problem, &self.block, state, out))
     }
 
     /// Reads the next line.
@@ -169,6 +171,12 @@ impl Control {
 
     /// Executes the block.
     fn execute(&mut self, state: &mut State, out: &mut Output) -> Done {
+        if let Some(code) = self.block.m(m_group::CALL).filter(|_| state.settings.no_fanuc_subs) {
+            let message =
+                format!("{code} is switched off: DISABLE_FANUC_STYLE_SUB of the machine description");
+            let help = "write the subroutine as o100 sub … o100 endsub, and call it by o100 call";
+            return Err(Problem::error("not-available", Blame::M(code), message, help));
+        }
         execute::execute(&self.block, state, out)?;
         let mut run = Run { words: &mut self.words, state, out };
         if run.state.progress.ended {

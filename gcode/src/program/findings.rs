@@ -1,11 +1,13 @@
 //! What was found wrong. In: problems, which name a word. Out: diagnostics, which name file, line and column;
-//! each line is reported once.
+//! each line is reported once, and so is a word that stays in force over the lines behind it.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::reader::Reader;
+use crate::block::Block;
 use crate::canon::Place;
+use crate::codes::group;
 use crate::problem::{Blame, Diagnostic, Problem, Span};
 
 /// What was reported so far.
@@ -16,6 +18,21 @@ pub(super) struct Findings {
     reported: BTreeSet<(u16, u32)>,
     /// The same of warnings, each code by itself.
     warned: BTreeSet<(u16, u32, &'static str)>,
+    /// What the first errors said, no more than [`REMEMBERED`].
+    told: Vec<String>,
+}
+
+/// Errors that are looked through for one that comes again.
+const REMEMBERED: usize = 100;
+
+/// Whether a block blames what another one left in force: a word or a code that it does not have itself.
+fn is_held(blame: Blame, block: &Block) -> bool {
+    let elsewhere = match blame {
+        Blame::Word(letter) => !block.has(letter),
+        Blame::G(code) => block.g_codes().all(|own| own != code),
+        _ => false,
+    };
+    elsewhere && block.g(group::MOTION).is_none()
 }
 
 impl Findings {
@@ -26,6 +43,13 @@ impl Findings {
         refused: Option<Place>,
         reader: &mut Reader,
     ) -> Option<Diagnostic> {
+        let again = refused.is_none() && is_held(problem.blame, reader.block());
+        if again && self.told.contains(&problem.message) {
+            return None;
+        }
+        if self.told.len() < REMEMBERED {
+            self.told.push(problem.message.clone());
+        }
         let (file, diagnostic) = diagnostic(problem, refused, reader);
         // What it was warned of before, and is refused now, is said once.
         let same = |warned: &Diagnostic| {

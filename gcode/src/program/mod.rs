@@ -17,7 +17,7 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::canon::{Call, Place, Sink};
+use crate::canon::{Place, Sink};
 use crate::execute::compensation::Waiting;
 use crate::execute::{self, Done, Output};
 use crate::files::ToolTable;
@@ -139,8 +139,8 @@ impl Program {
         }
         if let Err(problem) = done {
             self.reader.only_look(&mut self.state);
-            if self.state.assume(problem.code) {
-                let _ = sink.call(self.reader.block().place(), Call::SetFeedRate(self.state.modes.feed));
+            for call in self.state.assume(problem.code) {
+                sink.assumes(self.reader.block().place(), call);
             }
             if let Some(diagnostic) = self.findings.error(*problem, refused, &mut self.reader) {
                 return Err(Box::new(diagnostic));

@@ -79,6 +79,15 @@ impl Sink for Watch<'_> {
         done
     }
 
+    fn assumes(&mut self, place: Place, call: Call<'_>) {
+        self.sink.assumes(place, call);
+    }
+
+    fn skips_to(&mut self, place: Place, to: &Pose) {
+        self.stay.go(to);
+        self.sink.skips_to(place, to);
+    }
+
     fn job(&mut self, place: Place, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
         self.stay.leave();
         self.sink.job(place, job, tools).inspect_err(|_| self.refused = Some(place))

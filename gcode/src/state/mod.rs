@@ -40,10 +40,13 @@ pub(crate) use tap::{Rigid, depths};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::canon::{FeedMode, Pose};
+use crate::canon::{Call, FeedMode, Pose, Turn};
 use crate::files::ToolTable;
 use crate::options::{MachineCode, Options};
 use crate::problem::{Problem, Span};
+
+/// See [`State::assume`].
+pub(crate) const SPINDLE_MAY_TURN: &str = "spindle-may-turn";
 
 /// #5161 to #5166: home of G28, machine units; #5181: home of G30.
 pub(crate) const HOME: [u32; 2] = [5161, 5181];
@@ -86,6 +89,8 @@ pub(crate) struct Settings {
     pub(crate) peck_clearances: [f64; 2],
     /// [`Options::forgets_g92`].
     pub(crate) forgets_g92: bool,
+    /// [`Options::no_fanuc_subs`].
+    pub(crate) no_fanuc_subs: bool,
     /// M19 turns to this angle if R is 0, degrees.
     pub(crate) orient_offset: f64,
     /// Moves that a block may make, see [`crate::Limits::moves_of_block`].
@@ -156,6 +161,7 @@ impl State {
                 stand_alone: options.stand_alone,
                 peck_clearances: options.peck_clearances,
                 forgets_g92: options.forgets_g92,
+                no_fanuc_subs: options.no_fanuc_subs,
                 orient_offset: options.orient_offset,
                 moves_of_block: options.limits.moves_of_block,
             },
@@ -182,18 +188,30 @@ impl State {
         state
     }
 
-    /// A feed or a speed was missed, which is said once: from here on there is one. Whether it is a feed.
-    pub(crate) fn assume(&mut self, problem: &str) -> bool {
+    /// A feed or a speed was missed, which is said once, or a refused word may have started the spindle: from here on
+    /// there is one. What the receiver of the calls is to know of it.
+    pub(crate) fn assume(&mut self, problem: &str) -> Vec<Call<'static>> {
         match problem {
             "no-feed" if self.modes.feed == 0.0 => {
                 // One that nobody is warned of.
                 let turning = self.modes.feed_mode == FeedMode::PerRevolution;
                 self.modes.feed = if turning { 0.1 } else { 100.0 };
+                vec![Call::SetFeedRate(self.modes.feed)]
             }
-            "no-spindle-speed" if self.spindle.speed == 0.0 => self.spindle.speed = 1.0,
-            _ => return false,
+            "no-spindle-speed" | SPINDLE_MAY_TURN => {
+                let (spindle, mut calls) = (&mut self.spindle, Vec::new());
+                if spindle.speed == 0.0 {
+                    spindle.speed = 100.0;
+                    calls.push(Call::SetSpindleSpeed(spindle.speed));
+                }
+                if spindle.turning.is_none() {
+                    spindle.turning = Some(Turn::Clockwise);
+                    calls.push(Call::StartSpindle(Turn::Clockwise));
+                }
+                calls
+            }
+            _ => Vec::new(),
         }
-        problem == "no-feed"
     }
 
     /// The value of `#index` as it is stored.

@@ -20,12 +20,14 @@ pub(crate) struct Sticky {
     pub(crate) peck: f64,
     /// I, J, K of G87.
     pub(crate) offset: [f64; 3],
+    /// The block that began the cycle was refused: nothing is asked of those that repeat it.
+    pub(crate) refused: bool,
 }
 
 impl Sticky {
     /// Another motion code is executed.
     pub(crate) fn end(&mut self) {
-        if self.code.is_some() {
+        if self.code.is_some() || self.refused {
             *self = Sticky::default();
         }
     }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use gcode::Severity;
 use gcode::canon::Units;
 use gcode::files::{Changes, FileError, MachineFile, ParameterFile, Tool, ToolTable};
+use gcode::{Options, Program, Severity};
 
 /// One file changed alone.
 fn change_parameters(path: &Path, values: &[(u32, f64)], fresh: &ParameterFile) -> Result<(), FileError> {
@@ -128,7 +128,7 @@ fn a_machine_description_gives_what_programs_depend_on() {
     let machine = MachineFile::parse("lathe.ini", text, Path::new("/etc/lathe")).unwrap();
     assert_eq!(machine.units, Some(Units::Inch));
     assert_eq!((machine.g73_clearance, machine.g83_clearance), (Some(0.01), Some(0.02)));
-    assert!(machine.forgets_g92);
+    assert!(machine.forgets_g92 && !machine.no_fanuc_subs);
     assert_eq!(machine.parameter_file, Some(PathBuf::from("/etc/lathe/lathe.var")));
     assert_eq!(machine.tool_table, Some(PathBuf::from("/etc/lathe/tool.tbl")));
     let folders = ["/etc/lathe/programs", "/etc/lathe/subs", "/opt/library"].map(PathBuf::from);
@@ -281,4 +281,27 @@ fn a_changed_word_of_a_tool_changes_nothing_else() {
     assert_eq!(changes, expected);
     change_tools(&path, &[(1, 'Q', 12.0)]).unwrap_err();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "a word that no table has changes nothing");
+}
+
+/// DISABLE_FANUC_STYLE_SUB: M98 and M99 are refused, o100 call is not.
+#[test]
+fn subroutines_of_fanuc_can_be_switched_off() {
+    let text = "[RS274NGC]\nDISABLE_FANUC_STYLE_SUB = 1\n";
+    let machine = MachineFile::parse("lathe.ini", text, Path::new("/etc/lathe")).unwrap();
+    assert!(machine.no_fanuc_subs && machine.warnings.is_empty());
+    let errors = |text: &str| {
+        let options = Options { no_fanuc_subs: machine.no_fanuc_subs, ..Options::default() };
+        let outcome = crate::driven::driven(Program::from_text("part.ngc", text, &options), Nothing);
+        outcome.errors.iter().map(|error| (error.line, error.code)).collect::<Vec<_>>()
+    };
+    assert_eq!(errors("M98 P100\nM2\no100\nG0 X5\nM99\n"), [(1, "not-available")]);
+    assert_eq!(errors("o100 sub\nG0 X5\no100 endsub\no100 call\nM2\n"), []);
+}
+
+struct Nothing;
+
+impl gcode::Sink for Nothing {
+    fn call(&mut self, _: gcode::Place, _: gcode::Call<'_>) -> Result<(), Box<gcode::Problem>> {
+        Ok(())
+    }
 }

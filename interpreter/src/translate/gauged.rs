@@ -11,7 +11,8 @@
 use std::collections::BTreeSet;
 
 use gauge::{Nominal, Side};
-use gcode::problem::{Blame, short};
+use gcode::canon::Units;
+use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use machine::Kinematics;
 use protocol::ThreadPass;
@@ -129,21 +130,24 @@ impl Gauged {
     }
 
     /// What the passes have that the thread does not have.
-    fn contradictions(&self) -> Vec<(Place, Box<Problem>)> {
+    fn contradictions(&self, units: Units) -> Vec<(Place, Box<Problem>)> {
         let Some(nominal) = self.nominal() else { return Vec::new() };
-        self.kinds.iter().flat_map(|kind| against(nominal, kind)).collect()
+        self.kinds.iter().flat_map(|kind| against(nominal, kind, units)).collect()
     }
 }
 
 /// What passes of a kind have that the thread does not have.
-fn against(nominal: &Nominal, kind: &Kind) -> Vec<(Place, Box<Problem>)> {
+fn against(nominal: &Nominal, kind: &Kind, units: Units) -> Vec<(Place, Box<Problem>)> {
     let Nominal { name, pitch_mm, starts, .. } = nominal;
     let (lead_mm, mut found) = (pitch_mm * f64::from(*starts), Vec::new());
     if (kind.lead_mm - lead_mm).abs() > SAME_MM {
-        let of =
-            if *starts == 1 { String::new() } else { format!(": {starts} starts of {}", short(*pitch_mm)) };
-        let (cut, asked) = (short(kind.lead_mm), short(lead_mm));
-        found.push(format!("the thread advances by {cut} mm in a turn, and {name} by {asked} mm{of}"));
+        let of = if *starts == 1 {
+            String::new()
+        } else {
+            format!(": {starts} starts of {}", units.length(*pitch_mm))
+        };
+        let (cut, asked) = (units.length(kind.lead_mm), units.length(lead_mm));
+        found.push(format!("the thread advances by {cut} in a turn, and {name} by {asked}{of}"));
     } else if kind.starts.len() < *starts as usize {
         found.push(format!("{} of the {starts} starts of {name} are cut", kind.starts.len()));
     } else if kind.starts.len() > *starts as usize {
@@ -202,7 +206,7 @@ impl Translator {
 
     /// The program is over.
     pub(super) fn gauge_tells(&mut self) {
-        for (place, problem) in self.gauged.contradictions() {
+        for (place, problem) in self.gauged.contradictions(self.modal.frame.units) {
             self.output.report(place, *problem);
         }
         for (place, problem) in self.threads.starts.beside(self.modal.frame.units) {

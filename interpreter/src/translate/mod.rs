@@ -66,9 +66,22 @@ impl Sink for Translator {
     fn call(&mut self, place: Place, call: Call<'_>) -> Done {
         self.output.comes_from(place);
         if let Err(problem) = self.take(place, call) {
-            self.output.report(place, *problem);
+            self.refuse(place, *problem);
         }
         Ok(())
+    }
+
+    fn assumes(&mut self, place: Place, call: Call<'_>) {
+        let told = self.output.told();
+        // What it refuses is not told.
+        let _ = self.call(place, call);
+        self.output.tell_no_more_than(told);
+    }
+
+    fn skips_to(&mut self, place: Place, to: &Pose) {
+        self.output.comes_from(place);
+        self.release(Next::Stays);
+        self.points.skip_to(self.modal.frame.machine(to));
     }
 
     fn job(&mut self, place: Place, job: &Job, tools: &ToolTable) -> Result<Option<Pose>, Box<Problem>> {
@@ -111,6 +124,11 @@ impl Translator {
     /// What was found wrong later than at its call, since it was asked last.
     pub(crate) fn take_problems(&mut self) -> Vec<(Place, Problem)> {
         self.output.take_problems()
+    }
+
+    /// Whether a move before could not be made.
+    pub(crate) fn is_astray(&self) -> bool {
+        self.points.is_astray()
     }
 
     /// Where the last call came from.
@@ -162,6 +180,16 @@ impl Translator {
         if let Some(code) = code {
             self.send(place.line, code);
         }
+    }
+
+    /// Reports what cannot be done. Of the travel, which the machine file has, it is told what the program may write.
+    pub(super) fn refuse(&mut self, place: Place, mut problem: Problem) {
+        if problem.code == "travel-limit"
+            && let Some(may) = self.modal.frame.travel(&problem.message, &self.machine)
+        {
+            problem.help = format!("{may}; check units (G20, G21), G7, G91 and offsets");
+        }
+        self.output.report(place, problem);
     }
 
     /// An item, behind what has to be said before it.

@@ -147,7 +147,7 @@ impl Translator {
         };
         for ends in way.windows(2) {
             let line = [tip(&ends[0]), tip(&ends[1])];
-            if let Some(problem) = block.goes(line, goes, diameter.map(|mm| 0.5 * mm)) {
+            if let Some(problem) = block.goes(line, goes, diameter.map(|mm| 0.5 * mm), frame.units) {
                 self.output.report(place, Problem { blame: Blame::Line(place.line), ..*problem });
             }
         }

@@ -53,7 +53,7 @@ impl Translator {
         let planned = released.pass.map(|pass| self.pass(place, pass, released.origin));
         self.spindle.release();
         if let Err(problem) = planned {
-            return self.output.report(place, *problem);
+            return self.refuse(place, *problem);
         }
         if let Some(problem) = retract::no_retract(place.line, next, along) {
             self.output.report(place, *problem);

@@ -3,6 +3,8 @@
 use interpreter::{Severity, check};
 use machine::Machine;
 
+use crate::jobs::mill;
+
 /// `(program, line, column, code)` of the first diagnostic.
 const SPELLING: [(&str, u32, u32, &str); 24] = [
     ("G0 X1\n?\nM2", 2, 1, "bad-character"),
@@ -231,9 +233,110 @@ fn a_mistake_gives_one_message() {
         check("part.ngc", text, &Machine::plain()).diagnostics.iter().map(|one| one.code).collect()
     };
     assert_eq!(codes("S500 M3\nG1 X10 Z0 F1000000000000\nX20\nZ-5\nM2\n"), ["bad-value"]);
-    // The second arc would begin where the line beyond the travel did not end.
+    // The arc would begin where the line beyond the travel did not end, and what stays there has the same cause.
     assert_eq!(
         codes("F100 S500 M3\nG1 X10 Z0\nX500\nG2 X490 Z-10 I-10\nG1 X20 Z-20\nM2\n"),
-        ["travel-limit", "travel-limit"]
+        ["travel-limit"]
     );
+    assert_eq!(codes("S500 M3\nG0 X500\nX510\nX10\nZ900\nX500\nM2\n"), ["travel-limit"; 3]);
+}
+
+const CURVE: &str = "X9 Z-5 R1 K0\nX9 Z-9 R1 K0\nG6.2 K1\nG6.2 K1\nG6.2 K1\nG3 X5 Z-13 R4\nG1 X20\nM2\n";
+
+/// A refused block leaves behind what it says, but for the word that is wrong: those after it are not blamed.
+#[test]
+fn blocks_behind_a_refused_one_are_not_blamed() {
+    let arcs = "G3 X20 Z-3 K-3\nG1 Z-18\nG2 X28 Z-22 I4\nG1 X30\nM2\n";
+    let threads = "G0 X12 Z5\nG33 Z-10 K1\nG0 X20\nZ5\nX11\nG33 Z-10 K1\nG0 X20\nM2\n";
+    for (text, line, code) in [
+        // A word too much: modes, feed, speed and the end of the block count.
+        (format!("G18 G90 G7 A5\nS500 M3 F100\nG0 X14 Z2\nG1 Z0\n{arcs}"), 1, "no-motion-mode"),
+        (format!("G18 G90 G7 J5\nS500 M3 F100\nG0 X14 Z2\nG1 Z0\n{arcs}"), 1, "unused-word"),
+        (format!("G18 G90 G7\nS500 M3 F100 Q1\nG0 X14 Z2\nG1 Z0\n{arcs}"), 2, "unused-word"),
+        (format!("G18 G90 G7\nS500 M3 F100\nG0 X14 Z2\nG1 Z0 V1\n{arcs}"), 4, "not-available"),
+        (format!("G18 G90 G7\nS500 M3 F100\nG0 X14 Z2 X14\nG1 Z0\n{arcs}"), 3, "repeated-word"),
+        (format!("G18 G90 G7 G360\nS500 M3 F100\nG0 X14 Z2\nG1 Z0\n{arcs}"), 1, "unknown-g-code"),
+        // An arc that cannot be, and a line beyond the travel.
+        (format!("G18 G90 G7\nS500 M3 F100\nG0 X10 Z2\nG1 Z0\nG2 X14 Z0 R0.5\n{arcs}"), 5, "arc-radius"),
+        (format!("G18 G90 G7\nS500 M3 F100\nG0 X14 Z2\nG1 Z0 X900\n{arcs}"), 4, "travel-limit"),
+        // A spindle that was not started, one that is too fast, one that turns back.
+        (format!("G18 M-3 S500\n{threads}"), 1, "unknown-m-code"),
+        (format!("G18 M3 R500\n{threads}"), 1, "unused-word"),
+        (format!("G18 M3 S-500\n{threads}"), 1, "bad-value"),
+        (format!("G18 M3 S3500\n{threads}"), 1, "speed-limit"),
+        // The curve of G6.2 without its order, and with a weight that is missing: it ends where it would have ended.
+        (format!("G18 G90 G8 F100 S500 M3\nG0 X0 Z0\nG6.2 Q1 X0 Z0 R1 K0\n{CURVE}"), 3, "missing-word"),
+        (format!("G18 G90 G8 F100 S500 M3\nG0 X0 Z0\nG6.2 P3 Q1 X0 Z0 K0\n{CURVE}"), 3, "missing-word"),
+        (format!("G18 G90 G8 F100 S500 M3\nG0 X0 Z0\nG6.2 P3 X0 Z0 R1 K0\n{CURVE}"), 3, "missing-word"),
+        // Words of a cycle that stay in force are blamed once.
+        ("G17 F100 S500 M3\nG0 X0 Z5\nG83 X0 Z-5 R2 Q0\nX0\nX0 Z-6\nG80\nM2\n".into(), 3, "bad-value"),
+    ] {
+        let found = check("part.ngc", &text, &Machine::plain()).diagnostics;
+        let found: Vec<_> = found.iter().filter(|one| one.severity == Severity::Error).collect();
+        let places: Vec<_> = found.iter().map(|one| (one.line, one.code)).collect();
+        assert_eq!(places, [(line, code)], "{text}");
+    }
+}
+
+/// The same of FANUC programs, on a lathe and on a mill.
+#[test]
+fn blocks_behind_a_refused_one_are_not_blamed_in_fanuc() {
+    let head = "O1\nG97 S500 M03\nT0101\nG00 X50. Z2.\n";
+    let contour = "N10 G00 X20.\nG01 Z-5. F0.1\nN20 X50.\nG70 P10 Q20\nM30\n";
+    let lathe = [
+        (format!("{head}G71 U2. R0.5 L1\nG71 P10 Q20 U0.2 W0.1 F0.2\n{contour}"), 5, "unused-word"),
+        (format!("{head}G92 X48. Z-10. F0\nX47.\nX46.\nG00 X60.\nM30\n"), 5, "bad-value"),
+        (format!("{head}G01 X40. ,R1. F0.1\nZ-10. E5\nX50.\nM30\n"), 6, "unused-word"),
+        (format!("{head}G01 X40. ,C1. F0.1\nZ-10. Z-10.\nX50.\nM30\n"), 6, "repeated-word"),
+        (format!("{head}#1=0\nWHILE [#1 LL 3] DO 1\n#1=#1+1\nEND 1\nM30\n"), 6, "unknown-operator"),
+        (
+            format!("{head}#1=5\nIF [#1 NE #0] GOTO 10 P5\n#3000=1 (NO NUMBER)\nN10 G00 X60.\nM30\n"),
+            6,
+            "unused-word",
+        ),
+    ];
+    let milled = [
+        (
+            "O1\nG90 G21\nS1000 M03\nG00 X0 Y0 Z10.\nG83 X10. Y10. Z-10. R2. Q0 F100.\nX20.\nX30.\nG80\nM30\n",
+            5,
+            "bad-value",
+        ),
+        (
+            "O1\nG90 G21\nS1000 M03\nG00 X0. Y0. Z10.\nG01 X20. F100. B1.\nG02 X30. Y0. R5.\nM30\n",
+            5,
+            "no-such-axis",
+        ),
+    ];
+    let milled = milled.map(|(text, line, code)| (text.to_owned(), line, code));
+    for (machine, programs) in [(Machine::plain(), &lathe[..]), (mill(), &milled)] {
+        for (text, line, code) in programs {
+            let language = interpreter::Language::default();
+            let program = interpreter::open_text("part.nc", text.clone().into_bytes(), &language, &machine)
+                .expect("a program");
+            let check = interpreter::check_program(program, &machine, |_| {});
+            let found: Vec<_> =
+                check.diagnostics.iter().filter(|one| one.severity == Severity::Error).collect();
+            let places: Vec<_> = found.iter().map(|one| (one.line, one.code)).collect();
+            assert_eq!(places, [(*line, *code)], "{text}{found:#?}");
+        }
+    }
+}
+
+/// Posts differ in what X and the centre of an arc are: where another reading fits, the help says which.
+#[test]
+fn an_arc_that_fits_in_another_reading_says_so() {
+    let help = |text: &str| {
+        let found = check("part.ngc", text, &Machine::plain()).diagnostics;
+        found.iter().find(|one| one.code == "arc-radius").map(|one| one.help.clone()).unwrap_or_default()
+    };
+    let head = "G18 G90 F100 S500 M3\n";
+    // A quarter of 0.6 mm, X as a diameter.
+    let diameters = help(&format!("{head}G0 X18 Z1\nG1 Z0\nG3 X19.2 Z-0.6 I0 K-0.6\nM2\n"));
+    assert!(diameters.contains("with X as a diameter the arc fits: write G7"), "{diameters}");
+    let points = help(&format!("{head}G0 X20 Z0\nG2 X25 Z-5 I25 K0\nM2\n"));
+    assert!(points.contains("as a point of the program (G90.1)"), "{points}");
+    let relative = help(&format!("{head}G90.1\nG0 X20 Z0\nG2 X25 Z-5 I5 K0\nM2\n"));
+    assert!(relative.contains("from the start of the arc (G91.1)"), "{relative}");
+    let neither = help(&format!("{head}G0 X20 Z0\nG2 X25 Z-5 I7 K1\nM2\n"));
+    assert!(neither.contains("more digits"), "{neither}");
 }

@@ -228,12 +228,28 @@ fn what_is_told_is_in_the_units_of_the_program() {
             "to Z-2.5, and the chuck begins at Z-2 (inch)",
         ),
         ("G20 G0 X1 Z0\nG1 Z-1 F5000\nM2\n", "feed-clipped", "5000 inch/min is more than Z can do"),
+        (
+            "G20 G7\nG0 X12\nM2\n",
+            "travel-limit",
+            "here the program may write X from -0.3937 to 9.4488 (inch, as a diameter)",
+        ),
+        ("G20 G10 L2 P1 Z-2\nG0 Z-20\nM2\n", "travel-limit", "may write Z from"),
+        (
+            "G20 G0 X1 Z0\nG1 Z-1 F0.0001\nM2\n",
+            "no-feed",
+            "0.0001 inch a minute is too slow to be one; give at least 0.0024 inch/min",
+        ),
+        (
+            "G20 (thread, 1/4-20 UNC-2A external)\nG0 X0.2 Z0.3\nG33 Z-1 K0.08\nG0 X1\nM2\n",
+            "gauge-differs",
+            "advances by 0.08 inch in a turn, and 1/4-20 UNC-2A external by 0.05 inch",
+        ),
         ("G20 G0 X1 Z0\nG33 Z-1 K50\nM2\n", "bad-value", "50 inch is not a lead"),
         ("G20 G64 P1000\nM2\n", "bad-value", "1000 inch is not a tolerance"),
         (
             "G20 S2500 M3\nG0 X0.9 Z0.2\nG76 P0.118 Z-0.8 I-0.04 J0.012 K0.07\nM2\n",
             "mostly-shallow",
-            "0.2006 inch of 0.6678 inch",
+            "0.2006 inch of its 0.6678 inch",
         ),
     ] {
         let told = message_of(&format!("{head}{program}"), code);

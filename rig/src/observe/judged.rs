@@ -77,6 +77,9 @@ fn threads(summary: &Summary, error_um: f64) -> Vec<String> {
     if let Some(PassReport { pass, tool, .. }) = summary.passes.iter().max_by(farthest) {
         judge(tool.helix_max_abs_um, &|um| match tool.flank_um < tool.helix_max_abs_um {
             true => format!("pass {pass} strays by {um} from its own groove at the tool"),
+            false if tool.flank_in_um >= tool.flank_um => format!(
+                "pass {pass} takes {um} from the flank in its run-in: the tool is in the stock before it is on the helix"
+            ),
             false => format!("pass {pass} takes {um} from the flank while the tool leaves the thread"),
         });
     }

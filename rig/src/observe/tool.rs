@@ -56,8 +56,10 @@ pub struct ToolReport {
     pub x_max_um: f64,
     /// Largest error of depth on the way in and out, in either direction.
     pub stroke_max_abs_um: f64,
-    /// What was taken from the flank while the tool left.
+    /// What was taken from the flank while the tool left, or before it was on the helix.
     pub flank_um: f64,
+    /// What of it was taken before it was on the helix.
+    pub flank_in_um: f64,
     /// Angle over which the tool was in the material and had to be on the helix; 0 if it touched nothing.
     pub contact_deg: f64,
 }
@@ -105,6 +107,7 @@ pub(super) struct Tool {
     depth: Span,
     stroke_max_um: f64,
     flank_um: f64,
+    flank_in_um: f64,
 }
 
 /// Mean of an error over the angle, and its span.
@@ -168,6 +171,7 @@ impl Tool {
             depth: Span::default(),
             stroke_max_um: 0.0,
             flank_um: 0.0,
+            flank_in_um: 0.0,
         }
     }
 
@@ -185,7 +189,11 @@ impl Tool {
             self.error.add(turned_deg, e);
         } else if self.lifts || runs_in || !led {
             let room_mm = self.way_out_mm(a, b).max(0.0) * self.tan_flank;
-            self.flank_um = self.flank_um.max((e - self.error.mean()).abs() - 1e3 * room_mm);
+            let taken_um = (e - self.error.mean()).abs() - 1e3 * room_mm;
+            self.flank_um = self.flank_um.max(taken_um);
+            if runs_in {
+                self.flank_in_um = self.flank_in_um.max(taken_um);
+            }
         }
         let shallow_um = 1e3 * self.outwards * (b - self.start_mm - self.law.at(c_deg).s);
         match (self.full_deg[0]..self.full_deg[1]).contains(&c_deg) {
@@ -255,6 +263,7 @@ impl Tool {
             x_max_um,
             stroke_max_abs_um: self.stroke_max_um,
             flank_um: self.flank_um,
+            flank_in_um: self.flank_in_um,
             contact_deg: self.error.deg,
         }
     }

@@ -213,7 +213,8 @@ fn what_is_to_come_and_the_groove_are_seen() {
     until("three passes are over", || panel.state()["passes"].as_array().is_some_and(|all| all.len() >= 3));
     let state = panel.state();
     let points = state["trail"]["points"].as_array().expect("there is a way").clone();
-    let turns: Vec<f64> = points.iter().filter(|point| point[1] == 3).map(|point| number(&point[0][1])).collect();
+    let turns: Vec<f64> =
+        points.iter().filter(|point| point[1] == 3).map(|point| number(&point[0][1])).collect();
     assert!(turns.len() > 20, "{turns:?}");
     let leads: Vec<f64> = turns.windows(2).map(|two| two[0] - two[1]).filter(|way| *way > 0.0).collect();
     let whole = leads.iter().filter(|lead| (**lead - 2.0).abs() < 0.01).count();

@@ -17,7 +17,7 @@ mod hole;
 use super::{Done, Output, feed, modes, straight, thin};
 use crate::block::{AXES, Block};
 use crate::canon::{Call, FeedMode, PathMode, Plane};
-use crate::codes::G;
+use crate::codes::{G, group};
 use crate::problem::{Blame, Problem, short};
 use crate::state::{State, Sticky};
 use hole::{Bar, Hole, Strokes};
@@ -29,6 +29,10 @@ pub(super) fn is_cycle(code: G) -> bool {
 
 /// Executes a cycle.
 pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
+    if state.cycle.refused && block.g(group::MOTION).is_none() {
+        return Ok(());
+    }
+    state.cycle.refused = false;
     straight::some_axis(code, block)?;
     if state.modes.feed_mode == FeedMode::InverseTime {
         let message = format!("{code} makes several moves, and under G93 every move needs an F of its own");

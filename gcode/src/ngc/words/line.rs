@@ -67,23 +67,25 @@ impl LineReader {
     pub(crate) fn words(&mut self, cursor: &mut Cursor, state: &mut State, block: &mut Block) -> Done {
         self.assignments.clear();
         let mut last = None;
+        // The first word that is refused does not keep the others from being read.
+        let mut refused = None;
         while let Some(first) = cursor.peek() {
             match first {
                 b'g' => {
                     let (value, span) = self.word(cursor, state)?;
-                    add_g(value, span, block)?;
+                    keep_first(add_g(value, span, block), &mut refused);
                     self.notes.note(Operation::G(span));
                 }
                 b'm' => {
                     let (value, span) = self.word(cursor, state)?;
-                    add_m(value, span, state, block)?;
+                    keep_first(add_m(value, span, state, block), &mut refused);
                     self.notes.note(Operation::M(span));
                 }
                 b'n' | b'o' => return Err(misplaced(first, cursor)),
                 b'a'..=b'z' | b'@' | b'^' | b'$' => {
                     let (value, span) = self.word(cursor, state)?;
                     let letter = first.to_ascii_uppercase();
-                    block.add(char::from(letter), value, span)?;
+                    keep_first(block.add(char::from(letter), value, span), &mut refused);
                     self.notes.note(Operation::Word(letter, span));
                 }
                 b'(' => {
@@ -100,7 +102,7 @@ impl LineReader {
         if let Some((text, span)) = last {
             block.comment = comment(text, span, state)?;
         }
-        Ok(())
+        refused.map_or(Ok(()), Err)
     }
 
     /// Takes a letter and the value after it.
@@ -225,6 +227,14 @@ fn line_number(cursor: &mut Cursor) -> Result<(u32, u8), Box<Problem>> {
     }
     let help = format!("a line number is a number from 0 to {LAST_NUMBER}, or left out");
     Err(cursor.error_from(start, "bad-line-number", "N without a usable number", help))
+}
+
+/// Notes the first of several problems.
+#[inline]
+fn keep_first(done: Done, first: &mut Option<Box<Problem>>) {
+    if let Err(problem) = done {
+        first.get_or_insert(problem);
+    }
 }
 
 pub(super) fn add_g(value: f64, span: Span, block: &mut Block) -> Done {

@@ -105,7 +105,9 @@ fn an_offset_may_have_three_digits() {
     assert_eq!(long, short);
     assert_eq!(long.1, []);
     assert_eq!(at("T130020\nM30\n").1, [(1, "bad-value")]);
-    assert_eq!(at("G97 S500 M03 P11\nM30\n").1, [(1, "not-available")], "another spindle");
+    assert_eq!(at("G97 S500 M03 P12\nM30\n").1, [(1, "not-available")], "another spindle");
+    assert_eq!(at("G97 S500 M03 P11\nG00 X50.\nM05 P11\nM30\n").1, [], "the main spindle");
+    assert_eq!(at("G97 S500 M03 P11\nG00 X50.\nM05 P12\nM30\n").1, [(3, "not-available")], "another spindle");
 }
 
 #[test]
